@@ -55,7 +55,7 @@ pub mod shipped;
 #[doc = include_str!("../docs/EXTENDING.md")]
 mod extending {}
 
-// The front door, and what a program of one's own needs of it.
+// The front door, and what its users need.
 #[doc(inline)]
 pub use judge::{
     fit::{Claim, Decision, Posterior},

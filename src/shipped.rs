@@ -1,23 +1,20 @@
-//! The scenes that the program comes with and their baseline, inside it: it needs no folder beside it.
+//! The scenes inside the program and their baseline.
 
 use judge::verdict::{Baseline, BaselineError};
 use scene::{Inside, Registry};
 
-/// Scenes and meshes by file name, as they stood in `manufactured/` when the program was built.
+/// Scenes and meshes by file name, from `manufactured/` at build time.
 const TEXTS: Inside = include!(concat!(env!("OUT_DIR"), "/shipped.rs"));
 
-/// Their recorded errors and work.
 const RECORDED: &str = include_str!("../reports/baseline.json");
 
-/// The scenes.
 pub fn scenes() -> Registry {
     Registry::inside(TEXTS)
 }
 
-/// What `sweep baseline` recorded of them.
+/// The recorded baseline of these scenes.
 ///
-/// # Errors
-/// The text is no baseline: a build from a damaged package.
+/// # Errors An invalid baseline: a build from a damaged package.
 pub fn baseline() -> Result<Baseline, BaselineError> {
     Baseline::parse("<sweep>/baseline.json".as_ref(), RECORDED.as_bytes())
 }

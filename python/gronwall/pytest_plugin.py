@@ -1,4 +1,4 @@
-"""pytest: orders of convergence with an outcome of their own where a table does not tell.
+"""pytest: orders of convergence, with a separate outcome where a table does not decide.
 
 ``order_study`` judges and keeps for the summary; ``--gronwall-report DIR`` writes what was kept.
 """

@@ -6,7 +6,7 @@ use gronwall::setup::MeshData;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-/// Doubles in the byte order of this machine.
+/// Doubles in native byte order.
 pub fn numbers(bytes: &Bound<'_, PyBytes>) -> Vec<f64> {
     pod_collect_to_vec(bytes.as_bytes())
 }
@@ -42,8 +42,8 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     let normals: Vec<f64> =
         contact.iter().flat_map(|row| row.normal[..d].iter().copied()).collect();
     doubles("contact_normals", &[rows, d], &normals)?;
-    let own: Vec<f64> = contact.iter().flat_map(|row| row.numbers).collect();
-    doubles("contact_numbers", &[rows, 4], &own)?;
+    let numbers: Vec<f64> = contact.iter().flat_map(|row| row.numbers).collect();
+    doubles("contact_numbers", &[rows, 4], &numbers)?;
     indices("contact_clamped", &[rows], &mut contact.iter().map(|row| u32::from(row.clamped)))?;
     doubles("times", &[given.times.len()], &given.times)?;
     let array = |name: &str, array: &Array| doubles(name, &array.shape, &array.numbers);

@@ -7,8 +7,8 @@ use pyo3::types::PyDict;
 
 use super::refused;
 
-/// What the judge says of a table: order, interval, slopes, coarse levels left out, where a floor begins; with an order
-/// also decision, reason and, where a further level would help, its step.
+/// The judgement of a table: order, interval, slopes, coarse levels left out, where a floor begins; for a claimed order
+/// also decision, reason and, if a further level would help, its step.
 #[pyfunction]
 #[pyo3(signature = (sizes, errors, floors, sigmas, order, at_least, exact, tolerance, log))]
 #[allow(clippy::too_many_arguments)]
@@ -35,7 +35,7 @@ pub fn fit<'py>(
     let found = PyDict::new(py);
     let posterior = match infer(&levels, None, log) {
         Ok(posterior) => posterior,
-        // Too few levels are an answer of the table, and what is wrong with a number is one of its author.
+        // Too few levels are a property of the table; other errors are the author's.
         Err(error @ FitError::TooFew { .. }) => {
             found.set_item("reason", error.to_string())?;
             found.set_item("decision", claim.map(|_| "unresolved"))?;
@@ -45,7 +45,7 @@ pub fn fit<'py>(
     };
     found.set_item("order", posterior.order)?;
     found.set_item("interval", (posterior.interval.lo, posterior.interval.hi))?;
-    // A slope between neighbours of the levels that served: those near their floor do not.
+    // A slope between neighbours of the levels used; levels near their floor are not.
     found.set_item("levels", posterior.slopes.len() + 1)?;
     found.set_item("slopes", posterior.slopes.clone())?;
     found.set_item("left_out", posterior.coarse_left_out)?;
@@ -59,7 +59,7 @@ pub fn fit<'py>(
     Ok(found)
 }
 
-/// Whether a table that grows level by level may end with this decision, after that of a level before.
+/// Whether a table that grows level by level may end with this decision, after that of the level before.
 #[pyfunction]
 pub fn settles(
     levels: usize,
@@ -67,11 +67,11 @@ pub fn settles(
     probability: Option<f64>,
     before: Option<&str>,
 ) -> PyResult<bool> {
-    let own = |name: &str| {
+    let decision_named = |name: &str| {
         let all = [Decision::Pass, Decision::Fail, Decision::Unresolved];
-        let found = all.into_iter().find(|own| own.name() == name);
+        let found = all.into_iter().find(|known| known.name() == name);
         found.ok_or_else(|| refused(format!("`{name}` is no decision")))
     };
-    let before = before.map(own).transpose()?;
-    Ok(gronwall::fit::settles(levels, own(decision)?, probability, before))
+    let before = before.map(decision_named).transpose()?;
+    Ok(gronwall::fit::settles(levels, decision_named(decision)?, probability, before))
 }

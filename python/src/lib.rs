@@ -1,5 +1,5 @@
-//! The judge, the scenes and the sweep as a Python module: arguments in, dictionaries and text out. What a user sees is in
-//! `gronwall/*.py`.
+//! The judge, the scenes and the sweep as a Python module: arguments in, dictionaries and text out. The user interface
+//! is in `gronwall/*.py`.
 
 mod case;
 mod fit;
@@ -8,13 +8,12 @@ mod verify;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Runs a command line of `sweep`, the name of the program first; its exit code.
+/// Runs a command line of `sweep` (program name first); returns its exit code.
 #[pyfunction]
 fn sweep(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
     py.detach(|| gronwall::cli::run_with(words))
 }
 
-/// Name and question of the scenes inside the program.
 #[pyfunction]
 fn scenes() -> PyResult<Vec<(String, String)>> {
     let registry = gronwall::shipped::scenes();

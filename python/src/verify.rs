@@ -1,7 +1,7 @@
 //! A Python function under the sweep of a scene.
 //!
-//! The sweep runs on a thread of its own. The function is called on that of `verify`, as any other call: it may rely on
-//! what belongs to its thread, and Ctrl-C ends it where it stands.
+//! The sweep runs on a separate thread. The function is called on the thread of `verify`, so that it may use
+//! thread-bound objects, and Ctrl-C ends it at once.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,15 +21,14 @@ use pyo3::types::{PyBytes, PyDict};
 use super::case::{case, numbers};
 use super::refused;
 
-/// How often Ctrl-C is looked for while no Python runs.
+/// Interval of checks for Ctrl-C while no Python runs.
 const LOOK: Duration = Duration::from_millis(20);
-/// How long the sweep may take to end once it is stopped. It ends with the case that it is at, which may be longer.
+/// Time for a stopped sweep to end; it finishes its current case, which may take longer.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Runs the cases of a scene through `solve(case)`; records and verdicts as JSON. `solve` gets a dictionary of bytes and
-/// numbers and gives bytes back: displacements of all levels and, with `pressure`, ξ + λ.
-///
-/// What it raises ends the sweep and is raised here, and so does Ctrl-C.
+/// Runs the cases of a scene through `solve(case)`; returns records and verdicts as JSON. `solve` takes a dictionary of
+/// bytes and numbers and returns bytes: displacements of all levels and, with `pressure`, ξ + λ. An exception from it,
+/// or Ctrl-C, ends the sweep and is raised here.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn verify(
@@ -69,15 +68,14 @@ pub fn verify(
     serde_json::to_string(&document).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 
-/// What the thread of the sweep says to that of `verify`.
+/// Messages of the sweep's thread.
 enum Said {
-    /// Here is a case; where its answer is to go.
+    /// A case, and where to send its answer.
     Case(Py<PyDict>, Sender<Answer>),
-    /// That was all.
     Ended(Result<Swept, String>),
 }
 
-/// The sweep, with answers of this thread to its cases.
+/// Runs the sweep, answering its cases on this thread.
 fn answered(
     py: Python<'_>,
     sweep: Sweep,
@@ -96,7 +94,7 @@ fn answered(
     };
     loop {
         match py.detach(|| next(&said, LOOK)) {
-            // Nobody listens any more only where the sweep is stopped.
+            // The receiver is gone only if the sweep is stopped.
             Ok(Said::Case(case, reply)) => drop(reply.send(answer(case).map_err(stopped)?)),
             Ok(Said::Ended(swept)) => return swept.map_err(refused),
             Err(RecvTimeoutError::Timeout) => py.check_signals().map_err(stopped)?,
@@ -111,7 +109,7 @@ fn next(said: &Mutex<Receiver<Said>>, limit: Duration) -> Result<Said, RecvTimeo
     said.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(limit)
 }
 
-/// Waits for the end of a sweep that is stopped; cases that it still has get no answer.
+/// Waits for the end of a stopped sweep; its remaining cases get no answer.
 fn wait(said: &Mutex<Receiver<Said>>) {
     let until = Instant::now() + PATIENCE;
     while let Ok(Said::Case(..)) = next(said, until.saturating_duration_since(Instant::now())) {}
@@ -129,7 +127,7 @@ impl Progress for Stop {
     }
 }
 
-/// Has every case answered by the thread that `verify` was called on.
+/// Sends every case to the thread that called `verify`.
 struct Caller(Sender<Said>);
 
 impl Solve for Caller {

@@ -1,4 +1,4 @@
-"""The plugin in runs of its own: three outcomes, summary, exit status, report."""
+"""The plugin in separate runs: three outcomes, summary, exit status, report."""
 
 import json
 

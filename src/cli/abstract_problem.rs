@@ -11,7 +11,7 @@ use scene::Scene;
 use scene::setup::{AbstractSetup, abstract_regularity};
 use vhi::StepSolver;
 
-/// The hypotheses of the abstract theory with their constants.
+/// Hypotheses of the abstract theory with their constants.
 pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let c = &setup.constants;
     let fact = |subject: &str, value: f64, how: &str| {
@@ -49,7 +49,6 @@ pub(crate) fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
     Err(scene.error("scene.kind", message, "leave --n away").into())
 }
 
-/// One case: u and its history at t = T, the largest error over the steps.
 pub(crate) fn solve(
     setup: &AbstractSetup,
     steps: u32,

@@ -13,8 +13,7 @@ use scene::setup::Setup;
 use studies::theory::audit::{SceneAudit, audit_runs};
 use studies::theory::ledger::{LedgerError, document, ledger};
 
-/// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
-/// 60 evaluations of the exact solution per cell.
+/// Largest n taken from a scene's list: a level costs some 60 evaluations of the exact solution per cell.
 const FINEST: u32 = 64;
 
 /// `sweep audit`.
@@ -30,7 +29,7 @@ pub(crate) struct Audit {
     #[arg(required_unless_present = "ledger")]
     scene: Option<String>,
     /// What runs say of the paper's claims: sharp or slack, each with the command that shows it
-    // Its runs are listed in the program, and none has more than a few thousand unknowns.
+    // Its runs are fixed in the program, with at most a few thousand unknowns.
     #[arg(long, conflicts_with_all = ["scene", "n", "steps", "rule", "memory_limit"])]
     ledger: bool,
     /// Cells per unit length, h = 1/n, in place of the scene's list up to 64
@@ -58,7 +57,6 @@ impl From<LedgerError> for CliError {
     }
 }
 
-/// A boundary rule by its word.
 #[derive(Clone, Copy, ValueEnum)]
 enum Rule {
     Vertex,
@@ -89,7 +87,6 @@ impl Audit {
         Ok(u8::from(!audit.holds()))
     }
 
-    /// What runs say of the claims of the paper.
     fn ledger(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let found =
             ledger(|name| -> Result<Setup, CliError> { Ok(Setup::new(scenes.scene(name)?)?) })?;
@@ -101,13 +98,13 @@ impl Audit {
         let scene = &setup.scene;
         let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
         scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
-        let own = |list: fn(&scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
+        let listed_in_scene = |list: fn(&scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
             scene.sweep.as_ref().map_or(Vec::new(), |s| list(s).iter().map(|&v| v as u32).collect())
         };
         let ns = self.n.clone().unwrap_or_else(|| {
-            own(|sweep| &sweep.n).into_iter().filter(|n| *n <= FINEST).collect()
+            listed_in_scene(|sweep| &sweep.n).into_iter().filter(|n| *n <= FINEST).collect()
         });
-        let steps = self.steps.clone().unwrap_or_else(|| own(|sweep| &sweep.steps));
+        let steps = self.steps.clone().unwrap_or_else(|| listed_in_scene(|sweep| &sweep.steps));
         if ns.is_empty() || steps.is_empty() {
             return Err(no_case(scene, "audit"));
         }

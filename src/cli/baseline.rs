@@ -1,4 +1,4 @@
-//! `sweep baseline`: records errors and work of the scenes, for later runs to be compared with.
+//! `sweep baseline`: records errors and work of the scenes for later comparison.
 
 use std::path::PathBuf;
 
@@ -40,8 +40,8 @@ pub(crate) struct BaselineCommand {
 impl BaselineCommand {
     pub(super) fn execute(self, scenes: &Scenes) -> Result<u8, CliError> {
         let old = Baseline::read(&self.file).map_err(CliError::other)?;
-        let (own, out) = (self.scenes.clone(), self.out.clone());
-        let what = What::on_own_grids(own, out, self.jobs, self.all, self.allowance);
+        let (names, out) = (self.scenes.clone(), self.out.clone());
+        let what = What::on_own_grids(names, out, self.jobs, self.all, self.allowance);
         let swept = what.sweep(scenes, what.plans(scenes)?, false, false)?;
         let code = exit_code(&swept.records, &swept.verdicts);
         if code > 0 {

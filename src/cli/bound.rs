@@ -1,4 +1,4 @@
-//! `sweep bound`: the step-size bound (3.4) in four numbers, with every constant behind it.
+//! `sweep bound`: the step-size bound (3.4) in four numbers, with its constants.
 
 use std::path::PathBuf;
 
@@ -34,7 +34,7 @@ pub(crate) struct BoundCommand {
     out: Option<PathBuf>,
 }
 
-/// The mesh of the factors, where none is named.
+/// Default mesh of the measured factors.
 const MESH: u32 = 16;
 
 impl BoundCommand {
@@ -44,8 +44,8 @@ impl BoundCommand {
         let why = "it measures norms of constant strains on cells, and puts sup |q| beside k, not k^(1-a)";
         subject.scene().without(&extensions, "sweep bound", why)?;
         let scene = subject.scene();
-        let own = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
-        let steps = self.steps.unwrap_or(own.unwrap_or(8) as u32);
+        let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
+        let steps = self.steps.unwrap_or(fewest.unwrap_or(8) as u32);
         let bound = match &subject {
             Subject::Contact(setup) => {
                 let n = self.n.unwrap_or(MESH);

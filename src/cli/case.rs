@@ -54,7 +54,7 @@ impl CaseCommand {
         Ok(0)
     }
 
-    /// For the provenance: jobs by number, cases by their number alone.
+    /// Options for the provenance: jobs by number, of cases only their count.
     fn options(&self, rows: &[CaseRow]) -> String {
         let jobs: Vec<String> = self.job.iter().map(usize::to_string).collect();
         match jobs.is_empty() {

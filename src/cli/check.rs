@@ -1,4 +1,4 @@
-//! `sweep check`: the manufactured data and the hypotheses, without a solve.
+//! `sweep check`: verifies the manufactured data and the hypotheses, without a solve.
 
 use clap::Args;
 
@@ -70,7 +70,7 @@ fn row(finding: &Finding) -> serde_json::Value {
     })
 }
 
-/// The order in h that a corner leaves where the loads are given.
+/// The order in h at a corner, for given loads.
 fn at_corner(corner: &Corner) -> Finding {
     let order = corner.order();
     let text = format!("{}; order in h {order:.4}", corner.in_words());
@@ -78,8 +78,8 @@ fn at_corner(corner: &Corner) -> Finding {
     Finding::new("corner", status, order, text)
 }
 
-/// Where (5.25) is violated f0 may be infinite at a point, and quadrature of the strong form tells
-/// nothing of the weak one that the solver is given.
+/// If (5.25) is violated f0 may be infinite at a point, and quadrature of the strong form does not judge the weak one
+/// that the solver is given.
 fn strong_form_is_no_measure(finding: &mut Finding) {
     if finding.subject == "loads" && finding.status == Status::Failed {
         finding.status = Status::Weak;
@@ -87,7 +87,6 @@ fn strong_form_is_no_measure(finding: &mut Finding) {
     }
 }
 
-/// How α_ν is known.
 fn alpha_nu_from(setup: &Setup) -> &'static str {
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     match law.and_then(|law| law.scale) {
@@ -96,7 +95,7 @@ fn alpha_nu_from(setup: &Setup) -> &'static str {
     }
 }
 
-/// The shape of the cells on the coarsest mesh of the sweep.
+/// Shape of the cells on the coarsest mesh of the sweep.
 fn mesh_quality(setup: &Setup) -> Finding {
     let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(4);
     let q = setup.body.domain.mesh(n as u32).quality();
@@ -133,12 +132,11 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
     })
 }
 
-/// A number, and how it was obtained.
 fn fact(subject: &str, value: f64, how: &str) -> Finding {
     Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
 }
 
-/// That of all of φ: friction that follows the normal law is a part of it.
+/// α_φ of all of φ, including friction that follows the normal law.
 fn alpha_phi(c: &Constants) -> Finding {
     let value = c.alpha_phi_as_printed();
     let how = match c.coulomb {
@@ -148,7 +146,7 @@ fn alpha_phi(c: &Constants) -> Finding {
     fact("alpha_phi", value, how)
 }
 
-/// The constants of the trace, and what friction makes of them.
+/// Constants of the trace, and how friction changes them.
 fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let mut findings = Vec::new();
     if c.c_j_squared > 0.0 {
@@ -170,8 +168,8 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
         let how = "proved: steepest descent of the friction bound";
         findings.push(fact("alpha_tau", c.alpha_tau, how));
         findings.push(fact("c_tau^2", c.c_tau_squared, "extrapolated as c_j^2 is; no bound"));
-        if let Some(own) = &c.coulomb {
-            let [a, b] = own.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);
+        if let Some(coulomb) = &c.coulomb {
+            let [a, b] = coulomb.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);
             findings.push(fact("A", a, "of |v_nu|^2 in (2.9): friction follows the normal law"));
             findings.push(fact("B", b, "of |v_tau|^2 in (2.9)"));
             let printed = c.m_elastic - c.concave_as_printed();
@@ -182,7 +180,7 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// The constants of the paper, with how each was obtained.
+/// Constants of the paper, with their origin.
 fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let mut findings = vec![mesh_quality(setup)];
     if !setup.body.element.is_conforming() {

@@ -1,4 +1,4 @@
-//! Which scenes a command takes, and on which grids: arguments that several commands share.
+//! Arguments that select scenes and grids, shared by several commands.
 
 use clap::Args;
 
@@ -6,7 +6,7 @@ use super::{CliError, Scenes, no_case, subject};
 use run::sweep::{MemoryLimit, Overrides, ScenePlan};
 use scene::{Scene, SceneError};
 
-/// Meshes and numbers of steps in place of a scene's own; no more steps than `STEPS`.
+/// Meshes and numbers of steps (at most `STEPS`) in place of the scene's.
 #[derive(Args)]
 pub(super) struct Grid<const STEPS: i64 = 10_000_000> {
     /// Cells per unit length, h = 1/n, in place of the scene's list
@@ -18,12 +18,11 @@ pub(super) struct Grid<const STEPS: i64 = 10_000_000> {
 }
 
 impl<const STEPS: i64> Grid<STEPS> {
-    /// The grids of the scenes' files.
-    pub(super) fn own() -> Self {
+    pub(super) fn from_scene() -> Self {
         Self { n: None, steps: None }
     }
 
-    /// Whether the command line leaves the grids to the scenes.
+    /// Whether the grids are those of the scenes.
     pub(super) fn is_own(&self) -> bool {
         self.n.is_none() && self.steps.is_none()
     }
@@ -34,7 +33,6 @@ impl<const STEPS: i64> Grid<STEPS> {
         scene.check_grid(&listed(&self.n), &listed(&self.steps))
     }
 
-    /// The grid as overrides of a plan.
     pub(super) fn overrides(&self) -> Overrides {
         Overrides { n: self.n.clone(), steps: self.steps.clone() }
     }
@@ -54,13 +52,12 @@ pub(super) struct Chosen {
 }
 
 impl Chosen {
-    /// Whether the command line names scenes.
     pub(super) fn named(&self) -> bool {
         !self.scenes.is_empty()
     }
 
-    /// The plan of a scene on the grids of `overrides`, those of the command line; none if it is left to those who
-    /// name it: a long one, or one without a grid.
+    /// The plan of a scene; `overrides` are the grids of the command line. None for scenes that have to be named: long
+    /// ones, and those without a grid.
     pub(super) fn plan_of(
         &self,
         scene: Scene,
@@ -73,7 +70,7 @@ impl Chosen {
         self.grid.check(&scene)?;
         let plan = ScenePlan::new(subject(scene, limit)?, overrides);
         if plan.cases.is_empty() && !self.named() {
-            // A scene without a grid is there for `sweep solve`.
+            // A scene without a grid is meant for `sweep solve`.
             return Ok(None);
         }
         if plan.cases.is_empty() {
@@ -85,7 +82,7 @@ impl Chosen {
         Ok(Some(plan))
     }
 
-    /// Why there is no plan at all.
+    /// The error if there is no plan at all.
     pub(super) fn none(scenes: &Scenes, purpose: &str) -> CliError {
         let place = scenes.place();
         CliError::Other(format!("no scene to {purpose} {place}: name one, or add --all"))

@@ -1,16 +1,16 @@
-//! Colour on the words of verdicts: on a terminal alone, and never in place of the words.
+//! Colours the words of verdicts on a terminal.
 
 use std::io::IsTerminal;
 
-/// The words of verdicts, each with its colour: blue and orange are told apart by colour-blind readers.
+/// The words and their colours; blue and orange differ for colour-blind readers.
 const WORDS: [(&str, &str); 3] =
     [("pass", "\u{1b}[34m"), ("fail", "\u{1b}[1;33m"), ("unresolved", "\u{1b}[33m")];
 const PLAIN: &str = "\u{1b}[0m";
 
-/// The head of the column that is coloured.
+/// Head of the coloured column.
 const HEAD: &str = "verdict";
 
-/// A table of verdicts as stdout can show it. NO_COLOR with any value, and a dumb terminal, mean none.
+/// A table of verdicts, coloured if stdout allows it: not with NO_COLOR (any value) or a dumb terminal.
 pub(super) fn shown(table: &str) -> String {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let wanted = set("NO_COLOR").is_none() && set("TERM").is_none_or(|term| term != "dumb");
@@ -20,7 +20,7 @@ pub(super) fn shown(table: &str) -> String {
     }
 }
 
-/// The words in the column of verdicts coloured; widths stay as they are.
+/// Colours the words in the column of verdicts; widths are unchanged.
 fn coloured(table: &str) -> String {
     let column = |line: &str| line.find(HEAD).map(|at| line[..at].chars().count());
     let Some(start) = table.lines().find_map(column) else { return table.to_owned() };

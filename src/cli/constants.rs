@@ -1,4 +1,4 @@
-//! The predicted constants of a plan, as `sweep explain` shows them.
+//! The predicted constants of a plan, for `sweep explain`.
 
 use files::counted;
 use judge::verdict::{Foreseen, ForeseenConstant, Variable};

@@ -1,4 +1,4 @@
-//! `sweep diagnose`: the term whose removal restores what a scene should show.
+//! `sweep diagnose`: finds the term whose removal restores the expected behaviour.
 
 use clap::Args;
 
@@ -9,7 +9,6 @@ use studies::diagnose::{
     Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, admit_diagnosis, diagnose,
 };
 
-/// Width of the table in characters.
 const WIDTH: u16 = 100;
 
 /// `sweep diagnose`.
@@ -57,7 +56,6 @@ impl DiagnoseCommand {
     }
 }
 
-/// The table of trials.
 fn trials(outcomes: &[Outcome]) -> String {
     let row = |outcome: &Outcome| {
         let [name, terms] = [outcome.name.clone(), outcome.terms.clone()];

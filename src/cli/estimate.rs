@@ -15,7 +15,7 @@ use studies::trade::estimate::{
     Companions, Estimate, Part, QuantityEstimate, companions_and_bound, norm_estimate, quantity,
 };
 
-/// Runs a case with its companions and prints what they say of its error, and of the error that is wanted.
+/// Runs a case with its companions; prints its estimated error, and the recommendation for a wanted error.
 pub(super) fn execute(
     setup: &Setup,
     [n, steps]: [u32; 2],
@@ -26,12 +26,15 @@ pub(super) fn execute(
     let why = "its extrapolation takes the orders 1 in h and 2 in k for granted";
     setup.scene.without(&extensions, "sweep solve --estimate", why)?;
     let (found, bound) = companions_and_bound(setup, n, steps).map_err(CliError::other)?;
-    let estimates: Vec<(Norm, Estimate)> =
-        found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();
+    let estimates: Vec<(Norm, Estimate)> = found
+        .norms
+        .iter()
+        .map(|measured| (measured.norm, norm_estimate(setup, &found, measured)))
+        .collect();
     let quantities: Vec<QuantityEstimate> = found
         .quantities
         .iter()
-        .map(|own| quantity(&own.name, own.space, own.time, own.value))
+        .map(|result| quantity(&result.name, result.space, result.time, result.value))
         .collect();
     let advice = wanted.map(|wanted| (wanted.norm(), wanted.advise(setup, [n, steps], &found)));
     if as_json {
@@ -39,7 +42,7 @@ pub(super) fn execute(
             "scene": setup.scene.name,
             "n": n,
             "steps": steps,
-            "norms": estimates.iter().map(|(norm, own)| norm_json(&found, *norm, own)).collect::<Vec<_>>(),
+            "norms": estimates.iter().map(|(norm, estimate)| norm_json(&found, *norm, estimate)).collect::<Vec<_>>(),
             "quantities": quantities.iter().map(quantity_json).collect::<Vec<_>>(),
             "state": found.state,
             "bound": bound_json(&bound),
@@ -54,25 +57,25 @@ pub(super) fn execute(
         print(&found, &estimates, &quantities);
         print_text(&format!("\n{}", bound_words(&bound)));
     }
-    // What is known of the run is printed before a target is refused.
+    // The estimate is printed before a target is refused.
     let Some((norm, advice)) = advice else { return Ok(0) };
     let advice = advice.map_err(CliError::other)?;
-    let own = estimates.iter().find(|(own, _)| *own == norm);
-    if let Some((norm, estimate)) = own.filter(|_| !as_json) {
+    let wanted_estimate = estimates.iter().find(|(of, _)| *of == norm);
+    if let Some((norm, estimate)) = wanted_estimate.filter(|_| !as_json) {
         advice::print(&advice, &found, *norm, estimate);
     }
     Ok(0)
 }
 
 fn print(found: &Companions, estimates: &[(Norm, Estimate)], quantities: &[QuantityEstimate]) {
-    for (norm, own) in estimates {
-        print_text(&norm_words(found, *norm, own));
+    for (norm, estimate) in estimates {
+        print_text(&norm_words(found, *norm, estimate));
     }
     print_text(
         "\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k",
     );
-    for own in quantities {
-        print_text(&quantity_words(own));
+    for quantity in quantities {
+        print_text(&quantity_words(quantity));
     }
 }
 
@@ -91,41 +94,45 @@ fn part_words(part: &Part) -> String {
     }
 }
 
-/// Of the V norm the error is given as a part of ‖ε(u(T))‖ as well.
+/// The V error relative to ‖ε(u(T))‖.
 fn relative(found: &Companions, norm: Norm, value: f64) -> Option<f64> {
     let size = found.state.strain_norm;
     (norm == Norm::VMax && size > 0.0).then(|| value / size)
 }
 
-fn norm_words(found: &Companions, norm: Norm, own: &Estimate) -> String {
-    let parts = format!("h: {}; k: {}", part_words(&own.space), part_words(&own.time));
-    match own.total() {
+fn norm_words(found: &Companions, norm: Norm, estimate: &Estimate) -> String {
+    let parts = format!("h: {}; k: {}", part_words(&estimate.space), part_words(&estimate.time));
+    match estimate.total() {
         Some((value, interval)) => {
             let part = relative(found, norm, value)
                 .map_or(String::new(), |part| format!(", {:.2} % of |eps(u(T))|", 100.0 * part));
             format!("{:<17} {value:.3e} in {}{part}  ({parts})", norm.name(), bracketed(interval))
         }
-        None => format!("{:<17} unknown: {}", norm.name(), own.reasons().join("; ")),
+        None => format!("{:<17} unknown: {}", norm.name(), estimate.reasons().join("; ")),
     }
 }
 
-fn quantity_words(own: &QuantityEstimate) -> String {
+fn quantity_words(estimate: &QuantityEstimate) -> String {
     let order = |order: Option<f64>| order.map_or("-".into(), |order| format!("{order:.2}"));
-    let [h, k] = own.orders.map(order);
-    match (own.uncertainty, own.extrapolated) {
+    let [h, k] = estimate.orders.map(order);
+    match (estimate.uncertainty, estimate.extrapolated) {
         (Some(bound), Some(limit)) => {
-            format!("{:<24} {:.8}  ± {bound:.1e}  {limit:.8}  {h} {k}", own.name, own.value)
+            format!(
+                "{:<24} {:.8}  ± {bound:.1e}  {limit:.8}  {h} {k}",
+                estimate.name, estimate.value
+            )
         }
         _ => {
-            let reason = own.reason.as_deref().unwrap_or("no companions");
-            format!("{:<24} {:.8}  unknown: {reason}", own.name, own.value)
+            let reason = estimate.reason.as_deref().unwrap_or("no companions");
+            format!("{:<24} {:.8}  unknown: {reason}", estimate.name, estimate.value)
         }
     }
 }
 
 /// The guaranteed bound where it is largest, or why there is none.
 fn bound_words(bound: &Result<Guarantee, String>) -> String {
-    let Some((found, level)) = bound.as_ref().ok().and_then(|own| Some((own, own.largest()?)))
+    let Some((found, level)) =
+        bound.as_ref().ok().and_then(|found| Some((found, found.largest()?)))
     else {
         let reason = bound.as_ref().err().map_or("no level was solved", String::as_str);
         return format!("no guaranteed bound: {reason}");
@@ -162,7 +169,7 @@ fn bound_json(bound: &Result<Guarantee, String>) -> Value {
     }
 }
 
-fn norm_json(found: &Companions, norm: Norm, own: &Estimate) -> Value {
+fn norm_json(found: &Companions, norm: Norm, estimate: &Estimate) -> Value {
     let part = |part: &Part| match (part, part.order().zip(part.at(1.0))) {
         (Part::Below(bound), _) => json!({ "value": 0.0, "interval": [0.0, bound] }),
         (Part::Unknown(reason), _) => json!({ "reason": reason }),
@@ -171,25 +178,25 @@ fn norm_json(found: &Companions, norm: Norm, own: &Estimate) -> Value {
         }
         _ => json!({ "reason": "no admissible order" }),
     };
-    let total = own.total();
+    let total = estimate.total();
     json!({
         "norm": norm.name(),
         "value": total.map(|(value, _)| value),
         "interval": total.map(|(_, interval)| [interval.lo, interval.hi]),
         "relative": total.and_then(|(value, _)| relative(found, norm, value)),
-        "space": part(&own.space),
-        "time": part(&own.time),
-        "unknown": own.reasons(),
+        "space": part(&estimate.space),
+        "time": part(&estimate.time),
+        "unknown": estimate.reasons(),
     })
 }
 
-fn quantity_json(own: &QuantityEstimate) -> Value {
+fn quantity_json(estimate: &QuantityEstimate) -> Value {
     json!({
-        "name": own.name,
-        "value": own.value,
-        "extrapolated": own.extrapolated,
-        "uncertainty": own.uncertainty,
-        "orders": own.orders,
-        "reason": own.reason,
+        "name": estimate.name,
+        "value": estimate.value,
+        "extrapolated": estimate.extrapolated,
+        "uncertainty": estimate.uncertainty,
+        "orders": estimate.orders,
+        "reason": estimate.reason,
     })
 }

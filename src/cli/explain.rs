@@ -1,4 +1,4 @@
-//! `sweep explain`: what a scene requires, and which algorithm and storage that selects.
+//! `sweep explain`: what a scene requires, and the algorithm and storage that follow.
 
 use std::collections::BTreeSet;
 
@@ -97,7 +97,7 @@ fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> serde_json::Valu
     })
 }
 
-/// What `sweep explain` prints: what the scene costs in all first, its cases last.
+/// Prints the scene's totals first, its cases last.
 fn print_in_words(
     plan: &ScenePlan,
     costs: &PlanCost,
@@ -135,7 +135,6 @@ fn print_in_words(
     print_text(&case_table(plan, costs));
 }
 
-/// What a scene asks for beside its cases.
 struct Asked {
     regions: Vec<(serde_json::Value, String)>,
     corners: Vec<Corner>,
@@ -144,7 +143,7 @@ struct Asked {
 
 impl Asked {
     fn of_body(setup: &Setup) -> Self {
-        // What the formulas of an exact solution do at the corners is their own matter.
+        // Corners do not matter for an exact solution.
         let corners = match &setup.body.data {
             Data::Loads { .. } => corners(&setup.body),
             Data::Exact { .. } => Vec::new(),
@@ -167,20 +166,18 @@ fn row(corner: &Corner) -> serde_json::Value {
     })
 }
 
-/// The least order in h that a corner of a scene with given loads leaves.
+/// The least order in h at the corners of a scene with given loads.
 fn least_order(corners: &[Corner]) -> Option<f64> {
     corners.iter().map(Corner::order).reduce(f64::min)
 }
 
-/// CPU time and memory.
 fn predicted(cost: &Cost) -> [String; 2] {
     [duration(cost.seconds), format!("{:.0} MB", cost.memory_bytes / 1e6)]
 }
 
-/// Columns of a label.
 const LABEL: usize = 11;
 
-/// The cases, with what each is predicted to take.
+/// The cases with their predicted costs.
 fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
     let row = |(case, cost): (&CasePlan, &Cost)| {
         let history = history_bytes(&plan.subject, case.steps, cost.dofs);
@@ -194,10 +191,10 @@ fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
     report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }
 
-/// What all runs have, or the meshes with each of it.
+/// A property common to all runs, or the meshes with each value of it.
 fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'static str) -> String {
-    let own = plan.cases.iter().map(|case| case.n.unwrap_or_default());
-    let ns = own.chain(plan.reference.map(|reference| reference.n as u32));
+    let mesh_sizes = plan.cases.iter().map(|case| case.n.unwrap_or_default());
+    let ns = mesh_sizes.chain(plan.reference.map(|reference| reference.n as u32));
     let mut found: Vec<(&'static str, BTreeSet<u32>)> = Vec::new();
     for (n, cost) in ns.zip(costs.cases.iter().chain(&costs.reference)) {
         let name = words(cost);
@@ -223,7 +220,7 @@ fn linear(subject: &Subject, solver: LinearSolver) -> &'static str {
     }
 }
 
-/// Bytes of the vectors of unknowns that a history keeps.
+/// Bytes of the vectors of unknowns in a history.
 fn history_bytes(subject: &Subject, steps: u32, dofs: usize) -> usize {
     let vectors = match subject {
         Subject::Contact(setup) => setup.history_vectors(steps),
@@ -266,7 +263,7 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
     }
 }
 
-/// The named regions with the extreme eigenvalues of 𝒜 there, and what lies outside all of them.
+/// The named regions with the extreme eigenvalues of 𝒜, and the rest of the body.
 fn regions(setup: &Setup) -> Vec<(serde_json::Value, String)> {
     let material = &setup.body.material;
     if material.regions.is_empty() {

@@ -1,4 +1,4 @@
-//! `--extend`: what is added to a sweep, said on stderr, and found again by `--resume`.
+//! `--extend`: adds cases to a sweep, and finds them again for `--resume`.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::CliError;
 use judge::verdict::Verdict;
 use run::sweep::{Provenance, ScenePlan, Step, extend, words};
 
-/// Adds the cases that open verdicts ask for, and says so; true if there are any to run.
+/// Adds the cases that open verdicts ask for, with a message; true if there are any.
 pub(crate) fn extended(
     plans: &mut [ScenePlan],
     verdicts: &[Verdict],
@@ -28,7 +28,7 @@ pub(crate) fn extended(
     Ok(added)
 }
 
-/// Gives plans the cases that were added to the records in `out`.
+/// Adds the earlier extensions of the records in `out` to the plans.
 pub(crate) fn restore_added(plans: &mut [ScenePlan], out: &Path) -> Result<(), CliError> {
     let known =
         Provenance::read(out).map_err(|(path, reason)| CliError::about(path.display(), reason))?;

@@ -1,4 +1,4 @@
-//! `sweep extremes`: every ladder from the ordinary to the extreme, each rung against its expectation.
+//! `sweep extremes`: ladders from ordinary to extreme parameters, each rung against its expectation.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,6 @@ use super::{CliError, create_dir, print_text, width};
 use files::counted;
 use studies::extremes::{COLUMNS, Climbed, Ladder, UnderTest, admit, catalogue, judge};
 
-/// Width of the table in characters.
 const WIDTH: u16 = 132;
 
 /// `sweep extremes`.
@@ -70,7 +69,6 @@ impl Extremes {
         Ok(u8::from(!climbed.holds()))
     }
 
-    /// The ladders named, or all.
     fn chosen(&self) -> Result<Vec<Ladder>, CliError> {
         let all = catalogue(self.long);
         let names: Vec<&str> = all.iter().map(|ladder| ladder.name).collect();

@@ -1,4 +1,4 @@
-//! `sweep fit`: orders and verdict for anybody's table.
+//! `sweep fit`: orders and verdicts for any table.
 
 mod asked;
 mod claims;
@@ -95,17 +95,17 @@ pub(crate) struct Fit {
     svg: Option<PathBuf>,
 }
 
-/// What is said of one table in one direction.
+/// The result for one table in one direction.
 struct Part {
     text: String,
     json: serde_json::Map<String, serde_json::Value>,
-    /// The verdict, where an order is predicted.
+    /// Set if an order is predicted.
     decision: Option<Decision>,
 }
 
-/// The norms that a table has, for a message about one that it has not.
+/// The norms of a table, for error messages.
 fn norms_there(groups: &[Group]) -> String {
-    let mut names: Vec<&str> = groups.iter().filter_map(|own| own.norm.as_deref()).collect();
+    let mut names: Vec<&str> = groups.iter().filter_map(|group| group.norm.as_deref()).collect();
     names.sort_unstable();
     names.dedup();
     let list = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
@@ -122,7 +122,7 @@ impl Fit {
         let mut tables = self.tables()?;
         for claims in [&self.p, &self.q].into_iter().flatten() {
             let known =
-                |norm: &str| tables.groups.iter().any(|own| own.norm.as_deref() == Some(norm));
+                |norm: &str| tables.groups.iter().any(|group| group.norm.as_deref() == Some(norm));
             if let Some(norm) = claims.norms().find(|norm| !known(norm)) {
                 let words = format!("no norm `{norm}` to judge{}", norms_there(&tables.groups));
                 return Err(CliError::about(self.name(), words));
@@ -136,7 +136,7 @@ impl Fit {
         if !self.log.is_finite() {
             return Err(CliError::other("--log is a finite power of |log h|: 1 for h |log h|"));
         }
-        // Of any order: what is wrong with the options is wrong with all claims.
+        // Checks the options that all claims share.
         let any = Claim { tolerance: self.tolerance, ..Claim::new(1.0).map_err(CliError::other)? };
         any.checked().map_err(CliError::other)?;
         let left_out = self.window.map(|window| window.narrow(&mut tables)).unwrap_or_default();
@@ -189,7 +189,7 @@ impl Fit {
     }
 }
 
-/// The longest table that is read, in bytes (256 MiB): a million rows of a sweep.
+/// Largest table, 256 MiB: a million rows of a sweep.
 const LARGEST: u64 = 256 << 20;
 
 fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
@@ -198,21 +198,19 @@ fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
     read(&bytes, reading).map_err(|error| CliError::other(format!("{}:{error}", file.display())))
 }
 
-/// What `sweep fit` says of a file.
+/// The result of `sweep fit` for a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
-    /// The tables with their local orders, then a text a table and direction.
+    /// The tables with their local orders, then a text per table and direction.
     pub texts: Vec<String>,
-    /// The parts as JSON, without headings.
     pub objects: Vec<serde_json::Value>,
-    /// No order that is predicted fails or is unresolved.
+    /// No predicted order fails or is unresolved.
     pub all_pass: bool,
 }
 
-/// Reads and fits the tables of a file, against predicted orders in h and k where there are any.
+/// Reads and fits the tables of a file, against predicted orders in h and k if given.
 ///
-/// # Errors
-/// A file that is no table, or has nothing to fit.
+/// # Errors A file that is not a table, or has nothing to fit.
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
     let tables = tables(file, &Reading::default())?;
     let name = file.display().to_string();
@@ -251,7 +249,7 @@ fn judged(
     Ok(found)
 }
 
-/// All that one table says.
+/// All results for one table.
 fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'static str> {
     let points = group.points();
     let directions = [Direction::Space, Direction::Time];
@@ -275,12 +273,12 @@ fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'
     Ok(lines.into_iter().chain(grid).collect())
 }
 
-/// The verdict of a table with gaps: as in a sweep, a case that is missing is a failure.
+/// The verdict for gaps: as in a sweep, a missing case is a failure.
 fn gap_verdict(group: &Group) -> Option<(Decision, String)> {
     group.gaps_in_words().map(|gaps| (Decision::Fail, gaps))
 }
 
-/// `; predicted 1: pass, 1 lies in …` for the end of a line of text.
+/// `; predicted 1: pass, 1 lies in …`, to end a line.
 fn verdict_text(predicted: Option<String>, verdict: Option<&(Decision, String)>) -> String {
     match (predicted, verdict) {
         (Some(order), Some((decision, reason))) => {
@@ -291,7 +289,7 @@ fn verdict_text(predicted: Option<String>, verdict: Option<&(Decision, String)>)
     }
 }
 
-/// The steps of the levels that are missing: one more in the ratio of the last two, or two where there is one alone.
+/// The steps of the missing levels: one more in the ratio of the last two, or two after a single one.
 fn next_steps(steps: &[f64]) -> Vec<f64> {
     match steps {
         [.., previous, last] => vec![last * last / previous],
@@ -300,7 +298,6 @@ fn next_steps(steps: &[f64]) -> Vec<f64> {
     }
 }
 
-/// `run h = 0.01` in words.
 fn run(name: &str, steps: &[f64]) -> String {
     let each: Vec<String> = steps.iter().map(|step| format!("{name} = {}", plain(*step))).collect();
     match each.is_empty() {
@@ -309,7 +306,6 @@ fn run(name: &str, steps: &[f64]) -> String {
     }
 }
 
-/// Name of the step in tables.
 fn step_name(direction: Direction) -> &'static str {
     match direction {
         Direction::Space => "h",
@@ -317,7 +313,6 @@ fn step_name(direction: Direction) -> &'static str {
     }
 }
 
-/// The entries of a JSON object.
 fn map(object: serde_json::Value) -> serde_json::Map<String, serde_json::Value> {
     match object {
         serde_json::Value::Object(map) => map,

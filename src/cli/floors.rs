@@ -1,4 +1,4 @@
-//! `sweep floors`: what the errors of a scene hold that is not the discretisation, measured.
+//! `sweep floors`: measures the part of a scene's errors that is not the discretisation.
 
 use std::cmp::Reverse;
 use std::path::PathBuf;
@@ -33,7 +33,6 @@ pub(crate) struct FloorsCommand {
     out: Option<PathBuf>,
 }
 
-/// The rows of one case.
 struct Measured {
     n: Option<u32>,
     steps: u32,
@@ -66,7 +65,7 @@ impl FloorsCommand {
         Ok(0)
     }
 
-    /// Of a scene's own cases two are measured.
+    /// By default two of the scene's cases are measured.
     fn choose(&self, cases: &mut Vec<CasePlan>) {
         let largest = cases.iter().max_by_key(|case| (case.n, Reverse(case.steps)));
         let longest = cases.iter().max_by_key(|case| (case.steps, Reverse(case.n)));

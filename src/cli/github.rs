@@ -1,4 +1,4 @@
-//! Verdicts of `sweep gate` and `sweep verify` where GitHub Actions shows them: beside the scene file, and in the summary.
+//! Verdicts of `sweep gate` and `sweep verify` on GitHub Actions: beside the scene file, and in the summary.
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -11,13 +11,13 @@ use report::{Place, annotations, step_summary};
 use run::sweep::ScenePlan;
 use scene::Direction;
 
-/// Whether annotations are asked for, by the option or by GitHub Actions itself.
+/// Whether annotations are wanted, by the option or because GitHub Actions runs.
 pub(super) fn on_github(option: bool) -> bool {
     option || std::env::var_os("GITHUB_ACTIONS").is_some_and(|set| set == "true")
 }
 
-/// Prints one annotation a verdict that is no plain pass, one a failed case, and the count; appends
-/// the table to the summary of the step, if there is one.
+/// Prints an annotation per verdict that is not a plain pass and per failed case, and the count; appends the table to
+/// the summary of the step, if there is one.
 pub(crate) fn annotate(
     plans: &[ScenePlan],
     records: &[CaseRecord],
@@ -34,25 +34,24 @@ pub(crate) fn annotate(
         .map_err(|error| CliError::about(path.display(), error))
 }
 
-/// The file of a scene as seen from here, and the line of the prediction that a verdict is on; of the
-/// scene's name, without.
+/// The file of a scene relative to here, and the line of a verdict's prediction, or of the scene's name.
 fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<Place> {
     let scene = plans.iter().map(ScenePlan::scene).find(|scene| scene.name == name)?;
-    let predicts = scene.predicts.iter().position(|own| {
-        let variable = match own.variable {
+    let predicts = scene.predicts.iter().position(|prediction| {
+        let variable = match prediction.variable {
             Direction::H => Variable::H,
             Direction::K => Variable::K,
             Direction::Joint => Variable::Joint,
             Direction::Path => Variable::Path,
         };
-        verdict.is_some_and(|v| v.norm == own.norm.name() && v.variable == variable)
+        verdict.is_some_and(|v| v.norm == prediction.norm.name() && v.variable == variable)
     });
     let key = match predicts {
         Some(index) => format!("predicts.{index}.order"),
         None => "scene.name".to_owned(),
     };
     let before = &scene.source.text[..scene.spans.value(&key).start];
-    // One inside the program can be shown nowhere.
+    // A scene inside the program has no file to annotate.
     let path = Some(&scene.source.path).filter(|path| path.exists())?;
     let here = std::env::current_dir().ok();
     let path = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);

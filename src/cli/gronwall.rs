@@ -39,7 +39,7 @@ pub(crate) struct Gronwall {
     out: Option<PathBuf>,
 }
 
-/// Of the scene's own list, no more steps than this: the weighted envelope takes O(N²).
+/// Most steps taken from the scene's list: the weighted envelope takes O(N²).
 const MOST_STEPS: u32 = 1024;
 
 impl Gronwall {
@@ -67,10 +67,10 @@ impl Gronwall {
 
     fn plan(&self, scene: &Scene) -> Result<StudyRuns, CliError> {
         let sweep = scene.sweep.as_ref();
-        let own = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<u32>>();
-        let n = self.n.or_else(|| sweep.and_then(|sweep| own(&sweep.n).first().copied()));
+        let converted = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<u32>>();
+        let n = self.n.or_else(|| sweep.and_then(|sweep| converted(&sweep.n).first().copied()));
         let listed = |list: &[usize]| {
-            let mut list = own(list);
+            let mut list = converted(list);
             list.retain(|&steps| steps <= MOST_STEPS);
             list
         };

@@ -1,4 +1,4 @@
-//! Help by what commands are for, and a hint where a word is none of them.
+//! Grouped help, and hints for unknown commands.
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches};
@@ -7,7 +7,6 @@ use std::ffi::OsString;
 use super::{Arguments, Scenes};
 use scene::nearest;
 
-/// The commands by what they are for.
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Judge", &["run", "gate", "baseline", "fit", "verify", "report"]),
     ("Understand", &["list", "check", "explain", "solve", "diagnose", "floors"]),
@@ -17,10 +16,9 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Shell", &["completions", "man", "help"]),
 ];
 
-/// The arguments of a command line.
 pub(super) fn parsed(words: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
     let mut command = Arguments::command();
-    // The command `help` is there once the command is built.
+    // The command `help` exists only once the command is built.
     command.build();
     let template = template(&command);
     let mut command = Arguments::command().help_template(template);
@@ -30,8 +28,8 @@ pub(super) fn parsed(words: impl IntoIterator<Item = OsString>) -> Result<Argume
 
 fn template(command: &clap::Command) -> String {
     let about = |name: &str| {
-        let own = command.find_subcommand(name).and_then(clap::Command::get_about);
-        format!("  {name:<12} {}\n", own.map(ToString::to_string).unwrap_or_default())
+        let about_command = command.find_subcommand(name).and_then(clap::Command::get_about);
+        format!("  {name:<12} {}\n", about_command.map(ToString::to_string).unwrap_or_default())
     };
     let group = |(title, names): &(&str, &[&str])| {
         let lines: String = names.iter().map(|name| about(name)).collect();
@@ -43,7 +41,7 @@ fn template(command: &clap::Command) -> String {
     )
 }
 
-/// What may have been meant by a word that is no command.
+/// A suggestion for an unknown command.
 pub(super) fn hint(said: &clap::Error) -> Option<String> {
     let Some(ContextValue::String(word)) = said.get(ContextKind::InvalidSubcommand) else {
         return None;

@@ -1,4 +1,4 @@
-//! Ctrl-C, SIGTERM or a terminal that is closed during a sweep: the records stay, and a message says how to go on.
+//! Ctrl-C, SIGTERM or a closed terminal during a sweep: records are kept, and a message says how to go on.
 
 use std::io::IsTerminal;
 use std::path::Path;
@@ -6,11 +6,11 @@ use std::path::Path;
 use super::CliError;
 use super::output::print_error;
 
-/// What shells report for a process that a signal ended is its number and this.
+/// Shells report a process ended by signal s as 128 + s.
 const BY_SIGNAL: i32 = 128;
 
-/// From now on these signals end the program with a message, and code 130 (Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP). No case
-/// is waited for: a table cut off at any byte can be resumed, as after a crash.
+/// From now on these signals end the program with a message, and code 130 (Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP). No
+/// case is waited for: a table cut off at any byte can be resumed.
 pub(crate) fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
     let message = format!(
         "interrupted; finished cases are kept in {}\ngo on with: {resuming}",
@@ -18,7 +18,7 @@ pub(crate) fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
     );
     on_signal(move |signal| {
         run::external::end_solvers();
-        // A bar stands in the last line of a terminal.
+        // A progress bar occupies the last line of a terminal.
         let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
         print_error(&format!("{line}{message}"));
         std::process::exit(BY_SIGNAL + signal);
@@ -37,8 +37,7 @@ fn on_signal(then: impl Fn(i32) + Send + 'static) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Whether the program was started by `nohup`, which is to outlive its terminal. Where nobody says, what the system does
-/// at a hangup is left alone.
+/// Whether the program was started by `nohup`. If unknown, the system's reaction to a hangup is left alone.
 #[cfg(unix)]
 fn hangup_is_ignored() -> bool {
     let ignored = || {

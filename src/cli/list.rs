@@ -31,7 +31,6 @@ pub(crate) struct List {
     pictures: Option<PathBuf>,
 }
 
-/// What stands above the table of the page.
 const PAGE: &str = "# All scenes\n\nFor readers who look for a scene. Printed by `sweep list --markdown` (`make scenes`) from the files under [manufactured](../manufactured); a test compares.\n[manufactured/REFERENCES.md](../manufactured/REFERENCES.md) says where the formulas come from. *long*: runs with `--all` or by name.\n\nThe pictures show the body with its boundary parts and, for an exact solution, the body moved by u(T) times the factor named; of an\nabstract scene the components of u over t.\n\n| | scene | question | terms | truth | predicted |\n|---|---|---|---|---|---|";
 
 impl List {
@@ -68,7 +67,7 @@ impl List {
 }
 
 impl List {
-    /// The text of a scene as it stands in its file.
+    /// The text of a scene's file.
     fn text_of(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let [name] = &self.scene[..] else {
             let message = "--text prints one scene, so that what it prints is a scene file";
@@ -80,7 +79,7 @@ impl List {
     }
 }
 
-/// A picture of each scene; those that another program put into the folder stay.
+/// A picture of each scene; foreign files in the folder stay.
 fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> {
     create_dir(folder)?;
     for scene in scenes {
@@ -90,7 +89,6 @@ fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> 
     Ok(0)
 }
 
-/// A row of the page.
 fn line_of_page(scene: &Scene) -> String {
     let Scene { name, question, .. } = scene;
     let mark = if scene.long { " *long*" } else { "" };
@@ -119,7 +117,7 @@ fn row(scene: &Scene) -> serde_json::Value {
     })
 }
 
-/// The terms of (5.1)-(5.5) that a scene has.
+/// The terms of (5.1)-(5.5) in a scene.
 pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
     let Some(body) = scene.as_contact() else { return abstract_terms(scene) };
     let contact = body.contact.as_ref();
@@ -138,7 +136,7 @@ pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
     present.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect()
 }
 
-/// The terms of Problem 1 that an abstract scene has.
+/// The terms of Problem 1 in an abstract scene.
 fn abstract_terms(scene: &Scene) -> Vec<&'static str> {
     let Body::Abstract(problem) = &scene.body else { return Vec::new() };
     let traces = &problem.traces;

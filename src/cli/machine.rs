@@ -1,4 +1,4 @@
-//! What a command may take of the machine: memory, processors and seconds.
+//! Limits of memory, processors and seconds.
 
 use clap::Args;
 
@@ -14,28 +14,24 @@ pub(super) struct Allowance {
 }
 
 impl Allowance {
-    /// What the machine has available.
     pub(super) fn of_machine() -> Self {
         Self { memory_limit: None }
     }
 
-    /// The limit.
     pub(super) fn limit(&self) -> MemoryLimit {
         self.memory_limit.unwrap_or_else(MemoryLimit::of_machine)
     }
 
-    /// The limit, if the command line has one.
+    /// The limit of the command line, if given.
     pub(super) fn given(&self) -> Option<MemoryLimit> {
         self.memory_limit
     }
 }
 
-/// Processors of this machine.
 pub(super) fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// A number of seconds that is given as an argument.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),

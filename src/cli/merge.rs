@@ -1,4 +1,4 @@
-//! `sweep merge`: the records of many processes, judged as those of one.
+//! `sweep merge`: merges the records of many processes and judges them like those of one.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use report::remove_earlier;
 use run::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
 use run::sweep::{Circumstances, OutputDirectory};
 
-/// Below the output directory: sorted pieces of the table, while it is made.
+/// Temporary sorted tables, below the output directory.
 const PIECES: &str = ".pieces";
 
 /// `sweep merge`.
@@ -48,7 +48,7 @@ impl MergeCommand {
         let out = OutputDirectory::take(&self.out)?;
         self.apart(&parts)?;
         let pieces = self.out.join(PIECES);
-        // Pieces of a merge that was killed.
+        // Left by a killed merge.
         remove(&pieces)?;
         super::create_dir(&pieces)?;
         let [table, verdict] = ["cases.csv", "verdict.json"].map(|name| self.out.join(name));
@@ -63,7 +63,7 @@ impl MergeCommand {
         remove(&pieces)?;
         let (mut merged, written) = merged.map_err(CliError::other)?;
         merged.provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
-        // As in a sweep: no table without its provenance, and nothing of other records beside a new one.
+        // As in a sweep: no table without its provenance, and no mixture with other records.
         remove_earlier(&self.out)?;
         remove(&verdict)?;
         remove(&table)?;
@@ -79,11 +79,11 @@ impl MergeCommand {
         Ok(if merged.missing.number > 0 { super::COULD_NOT_JUDGE } else { code })
     }
 
-    /// Refuses to write over what is read.
+    /// Refuses to overwrite its input.
     fn apart(&self, parts: &Parts) -> Result<(), CliError> {
         let place = |path: &Path| path.canonicalize().ok();
-        let own = place(&self.out);
-        match parts.dirs.iter().find(|dir| place(dir) == own) {
+        let target = place(&self.out);
+        match parts.dirs.iter().find(|dir| place(dir) == target) {
             None => Ok(()),
             Some(dir) => {
                 let what = "the merged records would replace those that are merged";
@@ -133,13 +133,11 @@ impl MergeCommand {
     }
 }
 
-/// A baseline that has to be there.
 fn recorded(path: &Path) -> Result<Baseline, CliError> {
     let read = Baseline::read(path).map_err(CliError::other)?;
     read.ok_or_else(|| CliError::about(path.display(), "no such file"))
 }
 
-/// Removes a file or directory, if it is there.
 fn remove(path: &Path) -> Result<(), CliError> {
     let removed = match path.is_dir() {
         true => std::fs::remove_dir_all(path),

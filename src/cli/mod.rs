@@ -1,4 +1,4 @@
-//! The command line: one file a command, results on stdout, progress and errors on stderr.
+//! The command line: one file per command; results on stdout, progress and errors on stderr.
 
 mod abstract_problem;
 mod audit;
@@ -56,8 +56,7 @@ use ::run::sweep::{MemoryLimit, admit_constants, admit_run};
 use scene::setup::{Setup, SetupError, Subject};
 use scene::{Registry, Scene, SceneError};
 
-/// Exit code of a command that could not judge.
-/// What build.rs found.
+/// Set by build.rs.
 const BUILD: Build = Build {
     commit: env!("GRONWALL_COMMIT"),
     compiler: env!("GRONWALL_COMPILER"),
@@ -137,50 +136,41 @@ enum Command {
     Man(shell::Man),
 }
 
-/// What ends a command early, as one message on stderr and exit code 2.
+/// An error that ends a command, as one message on stderr and exit code 2.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// A scene is at fault.
     #[error("{0}")]
     Scene(#[from] SceneError),
-    /// A scene could not be set up.
     #[error("{0}")]
     Setup(#[from] SetupError),
-    /// A sweep could not be run.
     #[error("error: {0}")]
     Sweep(#[from] ::run::sweep::SweepError),
-    /// The directory of a sweep cannot be had.
     #[error("error: {0}")]
     Output(#[from] ::run::sweep::OutputError),
-    /// More memory would be taken than there may be.
     #[error("error: {0}")]
     Memory(#[from] ::run::sweep::Refused),
-    /// A report could not be written.
     #[error("error: {0}")]
     Report(#[from] ::report::ReportError),
-    /// Anything else, said in full.
     #[error("error: {0}")]
     Other(String),
 }
 
 impl CliError {
-    /// An error that says all in its text.
     fn other(error: impl Display) -> Self {
         Self::Other(error.to_string())
     }
 
-    /// An error about a file, a scene or a case, which its own text does not name.
+    /// An error that does not name its file, scene or case.
     fn about(what: impl Display, error: impl Display) -> Self {
         Self::Other(format!("{what}: {error}"))
     }
 }
 
-/// Parses the arguments of the process and runs the command.
 pub fn main() -> ExitCode {
     ExitCode::from(run_with(std::env::args_os()))
 }
 
-/// Runs a command line, the name of the program first; its exit code.
+/// Runs a command line (program name first); returns its exit code.
 pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match help::parsed(words) {
         Ok(arguments) => arguments,
@@ -220,7 +210,7 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
     finished(outcome)
 }
 
-/// The end of the program: no code says of results that they are there which are not.
+/// Flushes stdout: no exit code may claim results that were not written.
 fn finished(outcome: Result<u8, CliError>) -> u8 {
     match outcome.and_then(delivered) {
         Ok(code) => code,
@@ -231,7 +221,6 @@ fn finished(outcome: Result<u8, CliError>) -> u8 {
     }
 }
 
-/// Help, the version, or what is wrong with the arguments.
 fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
     let printed = said.print().and_then(|()| std::io::stdout().flush());
     if let Err(error) = printed
@@ -245,15 +234,14 @@ fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
     Ok(u8::try_from(said.exit_code()).unwrap_or(COULD_NOT_JUDGE))
 }
 
-/// Where scenes come from.
+/// Source of the scenes.
 struct Scenes {
-    /// The folder; without one, the scenes inside the program.
+    /// None: the scenes inside the program.
     folder: Option<PathBuf>,
     /// The command line names the folder.
     named: bool,
 }
 
-/// The folder of scenes that is taken where it is: developers edit it.
 const FOLDER: &str = "manufactured";
 
 impl Scenes {
@@ -263,7 +251,7 @@ impl Scenes {
         Self { folder: folder.or_else(here), named }
     }
 
-    /// Where they are, as a user reads it.
+    /// Its description for users.
     fn place(&self) -> String {
         match &self.folder {
             Some(folder) => format!("in {}", folder.display()),
@@ -271,7 +259,7 @@ impl Scenes {
         }
     }
 
-    /// A scene by name or path, ready to compute.
+    /// A scene by name or path, made computable.
     fn subject(&self, name: &str, limit: &MemoryLimit) -> Result<Subject, CliError> {
         subject(self.scene(name)?, limit)
     }
@@ -291,7 +279,7 @@ impl Scenes {
         }
     }
 
-    /// The named scenes, or all of the folder.
+    /// The named scenes, or all.
     fn select(&self, names: &[String]) -> Result<Vec<Scene>, CliError> {
         if !names.is_empty() {
             return names.iter().map(|name| self.scene(name)).collect();
@@ -302,13 +290,13 @@ impl Scenes {
     }
 }
 
-/// A scene made computable, if what decides on it fits into memory.
+/// Makes a scene computable, if its constants fit into memory.
 fn subject(scene: Scene, limit: &MemoryLimit) -> Result<Subject, CliError> {
     admit_constants(&scene, false, limit)?;
     Ok(Subject::new(scene)?)
 }
 
-/// Refuses a scene with a mesh that does not fit into memory, before any of its meshes is made.
+/// Refuses a scene whose meshes do not fit into memory, before any is made.
 fn meshes_fit(setup: &Setup, limit: &MemoryLimit) -> Result<(), CliError> {
     let sweep = setup.scene.sweep.iter();
     let ns = sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
@@ -318,7 +306,7 @@ fn meshes_fit(setup: &Setup, limit: &MemoryLimit) -> Result<(), CliError> {
     })
 }
 
-/// A scene without cases, where a command needs some to `run` or to `audit`.
+/// The error for a scene without cases; `purpose` is e.g. `run` or `audit`.
 fn no_case(scene: &Scene, purpose: &str) -> CliError {
     let hint = "add [sweep] with n and steps, or give --n and --steps";
     scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()

@@ -1,4 +1,4 @@
-//! What a command leaves: text on stdout and stderr, files in the directory that it was given.
+//! Output of commands: text on stdout and stderr, files in a given directory.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -8,28 +8,27 @@ use super::CliError;
 use files::{harmless, harmless_json, make_directory, read_file, replace_file, write_named};
 use judge::verdict::{TABLE_WIDTH, Verdict, render_table};
 
-/// The first write to stdout that failed; nothing is written after it.
+/// The first failed write to stdout; nothing is written after it.
 static STOPPED: OnceLock<io::Error> = OnceLock::new();
 
-/// Prints a JSON value.
 pub(crate) fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
     let text = serde_json::to_string_pretty(value).map_err(CliError::other)?;
     print_as_it_is(&harmless_json(&text));
     Ok(())
 }
 
-/// Prints to stdout; what others have written in the text does nothing there.
+/// Prints to stdout; control characters of foreign text are disarmed.
 pub(crate) fn print_text(text: &str) {
     print_as_it_is(&harmless(text));
 }
 
-/// Prints a table of verdicts, in colour where stdout shows it.
+/// Prints a table of verdicts, coloured if stdout allows it.
 pub(crate) fn print_verdicts(table: &str) {
     print_as_it_is(&super::colour::shown(&harmless(table)));
 }
 
-/// Prints colours and commands to stdout, which this program means. Where it takes no more the command goes on, as the
-/// files that it writes and its verdict are wanted all the same; [`delivered`] says what that means for its exit code.
+/// Prints text with this program's control sequences. If stdout fails the command goes on, since its files and verdict
+/// are still wanted; [`delivered`] sets the exit code.
 pub(crate) fn print_as_it_is(text: &str) {
     if STOPPED.get().is_some() {
         return;
@@ -45,8 +44,8 @@ pub(crate) fn stopped(error: io::Error) {
     STOPPED.get_or_init(|| error);
 }
 
-/// The exit code of a command that has printed all it had to. A reader that closed the pipe has what it wanted; what a
-/// full disk lost was asked for.
+/// The exit code of a command after printing. A closed pipe is no failure (the reader has what it wanted), a full disk
+/// is.
 pub(crate) fn delivered(code: u8) -> Result<u8, CliError> {
     match STOPPED.get() {
         Some(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -56,59 +55,56 @@ pub(crate) fn delivered(code: u8) -> Result<u8, CliError> {
     }
 }
 
-/// Says a line on stderr. Where that takes nothing there is nobody to tell, and the exit code remains.
+/// Prints a line on stderr, ignoring failures.
 pub(crate) fn print_error(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", harmless(line));
 }
 
-/// Prints words beside their label, broken where a terminal ends; a file and a pipe get whole lines.
+/// Prints words beside their label, wrapped on a terminal only.
 pub(crate) fn print_beside(label: &str, room: usize, words: &str) {
     print_text(&report::beside(label, room, words, width(u16::MAX)));
 }
 
-/// Columns for a table: those of the terminal, else those of COLUMNS, else as many as usual.
+/// Columns for a table: of the terminal, else COLUMNS, else `usual`.
 pub fn width(usual: u16) -> u16 {
     let terminal = || comfy_table::Table::new().width();
     let given = || std::env::var("COLUMNS").ok()?.parse().ok();
     terminal().or_else(given).map_or(usual, |columns: u16| columns.clamp(NARROWEST, WIDEST))
 }
 
-/// Verdicts as a table.
 pub(crate) fn verdict_table(verdicts: &[Verdict]) -> String {
     render_table(verdicts, width(TABLE_WIDTH))
 }
 
-/// Narrower a table is no table, wider it is not read.
+/// Narrowest table.
 const NARROWEST: u16 = 60;
 const WIDEST: u16 = 180;
 
-/// Bytes in MiB.
 pub(crate) fn megabytes(bytes: f64) -> String {
     format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
 }
 
-/// Creates a directory and what is above it; what a killed process left unfinished in it goes.
+/// Creates a directory and its parents; removes unfinished files of a killed process.
 pub(crate) fn create_dir(dir: &Path) -> Result<(), CliError> {
     make_directory(dir).map_err(|error| CliError::about(dir.display(), error))
 }
 
-/// Writes a file of a directory in one piece.
+/// Writes a file of a directory atomically.
 pub(crate) fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     replace_file(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
 }
 
-/// Writes where the user says, through links and into pipes.
+/// Writes to a path of the user, through links and into pipes.
 pub(crate) fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     write_named(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
 }
 
-/// Copies a file that was written to where the user says, through links and into pipes.
+/// Copies a written file to a path of the user, through links and into pipes.
 pub(crate) fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
     let bytes = read_file(from).map_err(|error| CliError::about(from.display(), error))?;
     write_named(to, &bytes).map_err(|error| CliError::about(to.display(), error))
 }
 
-/// Writes a JSON value in one piece.
 pub(crate) fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), CliError> {
     let text = serde_json::to_string_pretty(value).map_err(CliError::other)?;
     write_file(path, format!("{text}\n"))

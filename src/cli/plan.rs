@@ -54,7 +54,7 @@ impl PlanCommand {
         let limit = MemoryLimit::of_machine();
         let selected = scenes.select(&self.chosen.scenes)?;
         different_names(&selected)?;
-        // One scene at a time a thread: of each its predictions are kept, and neither formulas nor meshes.
+        // One scene at a time per thread; only its predictions are kept.
         let one = |scene: Scene| -> Result<Option<PlannedCases>, CliError> {
             let plan = self.chosen.plan_of(scene, &overrides, &limit)?;
             plan.map(|plan| Ok(PlannedCases::new(&plan)?)).transpose()
@@ -99,7 +99,7 @@ impl PlanCommand {
         Ok(())
     }
 
-    /// How to go on.
+    /// The next steps for the user.
     fn next(&self, out: &Path) -> String {
         let dir = quoted(&out.display().to_string());
         let run = match self.format {
@@ -113,13 +113,13 @@ impl PlanCommand {
     }
 }
 
-/// A list without repetitions, in its order.
+/// Removes repetitions, keeping the order.
 fn once(list: &Option<Vec<u32>>) -> Option<Vec<u32>> {
     let mut seen = std::collections::BTreeSet::new();
     list.as_ref().map(|list| list.iter().copied().filter(|&value| seen.insert(value)).collect())
 }
 
-/// Records know a scene by its name.
+/// Refuses scenes of equal names, since records identify scenes by name.
 fn different_names(scenes: &[Scene]) -> Result<(), CliError> {
     let mut seen = std::collections::BTreeSet::new();
     match scenes.iter().find(|scene| !seen.insert(&scene.name)) {

@@ -12,10 +12,9 @@ use judge::record::{CaseRecord, Status};
 use run::sweep::Progress;
 use scene::setup::StepRemark;
 
-/// How much is said on stderr beside errors.
+/// Amount of output on stderr beside errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Loudness {
-    /// Nothing.
     Quiet,
     /// A bar on a terminal, a line per case elsewhere; notes and warnings.
     Usual,
@@ -25,7 +24,7 @@ pub(crate) enum Loudness {
 
 static LOUDNESS: OnceLock<Loudness> = OnceLock::new();
 
-/// Decides once, at the start of the program.
+/// Set once, at the start of the program.
 pub(crate) fn say(loudness: Loudness) {
     LOUDNESS.get_or_init(|| loudness);
 }
@@ -34,14 +33,13 @@ fn loudness() -> Loudness {
     LOUDNESS.get().copied().unwrap_or(Loudness::Usual)
 }
 
-/// Says a line on stderr unless --quiet.
 pub(crate) fn note(line: &str) {
     if loudness() != Loudness::Quiet {
         print_error(line);
     }
 }
 
-/// Says on stderr what (3.4) means for the step sizes of a scene.
+/// Prints the remark of (3.4) on the step sizes of a scene.
 pub(crate) fn remark(scene: &str, remark: &StepRemark) {
     let kind = if remark.warning { "warning" } else { "note" };
     note(&format!("{kind}: {scene}: {}", remark.text));
@@ -59,24 +57,24 @@ struct State {
     done: usize,
     running: Vec<String>,
     begun: Option<Instant>,
-    /// The part of the predicted seconds that is done.
+    /// The done share of the predicted seconds.
     share: f64,
-    /// Why the last case that failed did.
+    /// Reason of the last failed case.
     reason: Option<String>,
 }
 
-/// Parts of the bar: shares of the predicted work, as a case may take a thousand times as long as another.
+/// Resolution of the bar, in shares of the predicted work: a case may take a thousand times as long as another.
 const PARTS: u64 = 1000;
 
 impl State {
-    /// How many cases are done and, once something is known of the pace, how long the rest takes at it.
+    /// Number of done cases and, once known, the estimated remaining time.
     fn in_words(&self) -> String {
         let cases = format!("{}/{} cases", self.done, self.total);
         let left = self.begun.and_then(|begun| left(begun.elapsed().as_secs_f64(), self.share));
         left.map_or(cases.clone(), |left| format!("{cases}, about {} s left", left.ceil()))
     }
 
-    /// A failure in words; a reason that was just given is not given again.
+    /// A failure in words; a repeated reason is omitted.
     fn failed(&mut self, reason: &str) -> String {
         if self.reason.as_deref() == Some(reason) {
             return "failed for the same reason".into();
@@ -86,7 +84,7 @@ impl State {
     }
 }
 
-/// Seconds left where `share` of the predicted work took so many; unknown before any of it is done.
+/// Seconds left if `share` of the predicted work took `seconds`; unknown at first.
 fn left(seconds: f64, share: f64) -> Option<f64> {
     (share > 0.0).then(|| seconds * (1.0 - share.min(1.0)) / share)
 }

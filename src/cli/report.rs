@@ -1,4 +1,4 @@
-//! `sweep report DIR`: every output again, from the records alone.
+//! `sweep report DIR`: rebuilds every output from the records.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -44,7 +44,7 @@ impl Report {
         }
         let _held = self.hold()?;
         let Found { mut records, torn } = self.records()?;
-        // The order in which cases ended is chance.
+        // The order in which cases ended is arbitrary.
         records.sort_by_key(CaseRecord::key);
         let document = self.dir.join("verdict.json");
         let mut foreseen = Vec::new();
@@ -63,11 +63,11 @@ impl Report {
         let (mut verdicts, mut summaries, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for scene in &of_records {
             let owed = owed(scene, &records, known.as_ref());
-            // Verdicts of an interrupted run were never written, nor what was known of constants.
+            // An interrupted run wrote neither verdicts nor predicted constants.
             let unknown = scene.judge && !foreseen.iter().any(|known| known.scene == scene.name);
             let subject = match Subject::new(scene.clone()) {
                 Err(error) if unknown => return Err(error.into()),
-                // The verdicts are known; the report goes without bounds on the step size.
+                // The report can omit the bounds on the step size.
                 subject => subject.ok(),
             };
             if let Some(subject) = subject.as_ref().filter(|_| unknown) {
@@ -95,8 +95,8 @@ impl Report {
         }
     }
 
-    /// Takes the directory: what a sweep has written by now is no result of it. A directory without a table, which a
-    /// mistyped name has, is not made.
+    /// Locks the directory, since a running sweep has no final results. A directory without a table, e.g. a mistyped
+    /// name, is not created.
     fn hold(&self) -> Result<OutputDirectory, CliError> {
         let table = self.dir.join("cases.csv");
         std::fs::metadata(&table).map_err(|error| CliError::about(table.display(), error))?;
@@ -118,7 +118,7 @@ impl Report {
         }
     }
 
-    /// The scenes of the records, and those that were to be recorded.
+    /// The scenes of the records, and those planned.
     fn names(
         &self,
         records: &[CaseRecord],
@@ -134,7 +134,7 @@ impl Report {
         Ok(names)
     }
 
-    /// What the records owe: the report shows what is there, and claims no more.
+    /// An error about cases still owed; the report shows the rest.
     fn unfinished(&self, torn: bool, missing: &[Key]) -> Option<CliError> {
         let cut =
             torn.then(|| "the last line of cases.csv was cut off, and is left out".to_owned());
@@ -144,7 +144,7 @@ impl Report {
         (!all.is_empty()).then(|| CliError::about(self.dir.display(), unfinished))
     }
 
-    /// Writes the PDF, if it is asked for.
+    /// Writes the PDF, if requested.
     #[cfg(feature = "pdf")]
     fn typeset(&self, document: &Document) -> Result<(), CliError> {
         match &self.pdf {
@@ -155,14 +155,13 @@ impl Report {
         }
     }
 
-    /// Refused before anything was done, if a PDF is asked for.
+    /// Refused in advance.
     #[cfg(not(feature = "pdf"))]
     fn typeset(&self, _: &Document) -> Result<(), CliError> {
         Ok(())
     }
 
-    /// The scene by the text that is kept with the records; by the folder of scenes if that is
-    /// named, or if no text is kept.
+    /// The scene by the text kept with the records; from the folder of scenes if that is named, or no text is kept.
     fn scene(
         &self,
         name: &str,
@@ -193,24 +192,22 @@ impl Report {
     }
 }
 
-/// The table of the directory.
 struct Found {
     records: Vec<CaseRecord>,
     torn: bool,
 }
 
-/// What a scene is judged on.
 struct Owed {
-    /// Cases that are there or have to be.
+    /// Cases that exist or are owed.
     keys: Vec<Key>,
-    /// Those that are not, or have lost rows.
+    /// Missing or incomplete cases.
     missing: Vec<Key>,
 }
 
-/// Planned by the provenance; without one the cases that are there are all that is known of.
+/// Planned by the provenance; without one only existing cases are known.
 fn owed(scene: &Scene, records: &[CaseRecord], known: Option<&Provenance>) -> Owed {
-    let own = records.iter().filter(|record| record.scene == scene.name);
-    let mut keys: Vec<Key> = own.map(CaseRecord::key).collect();
+    let of_scene = records.iter().filter(|record| record.scene == scene.name);
+    let mut keys: Vec<Key> = of_scene.map(CaseRecord::key).collect();
     let known = known.filter(|known| known.scenes.contains_key(&scene.name));
     let planned = known.map_or_else(Vec::new, |known| planned(scene, known));
     let missing = missing_cases(&scene.name, &planned, records);

@@ -21,9 +21,8 @@ use run::sweep::{
     judge_scene, reference_error, run_more, run_sweep,
 };
 
-/// The default directory of reports.
 pub(super) const LATEST: &str = "reports/latest";
-/// The recorded baseline of the scenes of the default folder.
+/// The recorded baseline of the default folder.
 pub(super) const BASELINE: &str = "reports/baseline.json";
 
 /// `sweep run`.
@@ -59,7 +58,6 @@ pub(crate) struct Gate {
     github: bool,
 }
 
-/// Scenes, grids and threads.
 #[derive(Args)]
 pub(super) struct What {
     #[command(flatten)]
@@ -70,7 +68,7 @@ pub(super) struct What {
     /// Cases at a time [default: number of processors]
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    // A case above the limit is recorded as failed, and others wait until they fit.
+    // A case above the limit is recorded as failed; others wait until they fit.
     #[command(flatten)]
     allowance: Allowance,
     /// Begin with the three cheapest cases of every claim, and run a further one only where a claim is not settled: a
@@ -90,13 +88,12 @@ pub(super) struct What {
     baseline: Option<PathBuf>,
 }
 
-/// The verdicts of a scene on its records.
 fn judged(plan: &ScenePlan, records: &[CaseRecord]) -> Vec<Verdict> {
     let foreseen = foresee(&plan.subject, records);
     judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
 }
 
-/// What added cases may take unless --budget says more: as much as the main job.
+/// Default of --budget: as much as the main job.
 const BUDGET: f64 = 60.0;
 
 impl Run {
@@ -113,7 +110,7 @@ impl Run {
     }
 
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        // A few scenes named by hand are looked at; the main job is judged.
+        // Named scenes are explored; only the main job is compared.
         let compared = !self.what.chosen.named();
         let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume, compared)?;
         swept.write(&self.what.out)?;
@@ -157,7 +154,7 @@ impl Gate {
 }
 
 impl What {
-    /// Scenes on the grids of their files, without a baseline of their own.
+    /// Scenes on their default grids, not compared with a baseline.
     pub(super) fn on_own_grids(
         scenes: Vec<String>,
         out: PathBuf,
@@ -166,7 +163,7 @@ impl What {
         allowance: Allowance,
     ) -> Self {
         Self {
-            chosen: Chosen { scenes, grid: Grid::own(), all },
+            chosen: Chosen { scenes, grid: Grid::from_scene(), all },
             out,
             jobs,
             allowance,
@@ -177,7 +174,7 @@ impl What {
         }
     }
 
-    /// Runs and judges the plans; with `compared`, against the baseline as well.
+    /// Runs and judges the plans, against the baseline if `compared`.
     pub(super) fn sweep(
         &self,
         scenes: &Scenes,
@@ -185,7 +182,7 @@ impl What {
         resume: bool,
         compared: bool,
     ) -> Result<Swept, CliError> {
-        // A baseline that cannot be read is said before the sweep, not after it.
+        // An unreadable baseline is reported before the sweep.
         let baseline = if compared { self.read_baseline(scenes)? } else { None };
         let jobs = self.jobs.map_or_else(processors, usize::from);
         let options = self.options(resume).join(" ");
@@ -194,7 +191,7 @@ impl What {
         let resuming = self.resuming(scenes);
         let out = OutputDirectory::take(&self.out)?;
         on_interrupt(&self.out, &resuming)?;
-        // Nothing computed is lost: what is recorded is there, whatever stopped the writing.
+        // Records are kept whatever stopped the writing.
         let stopped = |error: SweepError| match error {
             SweepError::Record(error @ RecordError::Io { .. }) => CliError::Other(format!(
                 "{error}\nfinished cases are kept in {}\ngo on with: {resuming}",
@@ -220,8 +217,8 @@ impl What {
             let progress = super::progress::Display::new();
             records = run_more(&plans, records, &out, &machine, &progress).map_err(stopped)?;
             let judging = plans.iter().zip(&mut verdicts).zip(changed);
-            for ((plan, own), _) in judging.filter(|(_, changed)| *changed) {
-                *own = judged(plan, &records);
+            for ((plan, of_plan), _) in judging.filter(|(_, changed)| *changed) {
+                *of_plan = judged(plan, &records);
             }
         }
         let verdicts = verdicts.concat();
@@ -249,14 +246,14 @@ impl What {
         })
     }
 
-    /// Adds the cases that open claims need; of which plans, or none if there is nothing to add.
+    /// Adds the cases that open claims need; returns which plans changed, or None.
     fn more(
         &self,
         plans: &mut [ScenePlan],
         verdicts: &[Verdict],
         stepwise: Option<&mut Stepwise>,
     ) -> Result<Option<Vec<bool>>, CliError> {
-        let asked = stepwise.map(|own| own.go_on(plans, verdicts));
+        let asked = stepwise.map(|stepwise| stepwise.go_on(plans, verdicts));
         if let Some(changed) = asked.filter(|changed| changed.contains(&true)) {
             return Ok(Some(changed));
         }
@@ -264,8 +261,8 @@ impl What {
         Ok(extended.then(|| vec![true; plans.len()]))
     }
 
-    /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere; scenes inside the program
-    /// have theirs there, unless one has been recorded here.
+    /// The baseline of this run. That of the default folder applies to its scenes only; scenes inside the program use
+    /// theirs, unless one was recorded here.
     fn read_baseline(&self, scenes: &Scenes) -> Result<Option<Baseline>, CliError> {
         let elsewhere =
             scenes.named || self.chosen.scenes.iter().any(|name| name.ends_with(".toml"));
@@ -295,7 +292,7 @@ impl What {
         plans.iter().map(run).collect()
     }
 
-    /// The command that goes on with this sweep.
+    /// The command that resumes this sweep.
     fn resuming(&self, scenes: &Scenes) -> String {
         let paths = [
             ("--scenes", scenes.folder.as_ref().map(|folder| folder.display().to_string())),
@@ -310,7 +307,7 @@ impl What {
         words.join(" ")
     }
 
-    /// The options that are no paths.
+    /// The options without paths.
     fn options(&self, resume: bool) -> Vec<String> {
         let list = |list: &[u32]| list.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
         let grid = &self.chosen.grid;

@@ -1,4 +1,4 @@
-//! What is generated from the definition of the command line: completions and man pages.
+//! Completions and man pages, generated from the definition of the command line.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,6 @@ use clap_complete::Shell;
 use super::{Arguments, CliError, create_dir, print_text};
 use files::counted;
 
-/// Name of the program.
 const PROGRAM: &str = "sweep";
 
 /// `sweep completions`.

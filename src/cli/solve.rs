@@ -165,7 +165,7 @@ impl Solve {
         }
     }
 
-    /// The error of the run, and what another error asks for: nonsense is refused before anything is run.
+    /// Estimates the error and recommends n and N; invalid arguments are refused before any run.
     fn estimated(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
         let limit = self.allowance.limit();
         let read = |target: &String| Wanted::read(setup, target, &self.norm, limit);
@@ -178,7 +178,7 @@ impl Solve {
         matches!(self.solver, Solver::Decomposition)
     }
 
-    /// Says on stderr that the decomposition need not converge.
+    /// Warns that the decomposition may not converge.
     fn remark_on(&self, name: &str, bound: Option<f64>) {
         let Some(bound) = bound.filter(|bound| bound.is_nan() || *bound >= 1.0) else { return };
         let text = format!(
@@ -212,7 +212,7 @@ impl Solve {
         Ok(0)
     }
 
-    /// Marches, writes what is asked for of each level, and returns the last one with the seconds since `start`.
+    /// Marches, writes the requested files of each level, and returns the last level with the seconds since `start`.
     fn march(
         &self,
         setup: &Setup,
@@ -269,7 +269,7 @@ impl Solve {
         Ok((info, state, seconds))
     }
 
-    /// Refuses a run that does not fit into memory, before the mesh is made if that is clear by then.
+    /// Refuses a run that does not fit into memory, if possible before the mesh is made.
     fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
         admit_run(setup, space, (n, self.steps), &self.allowance.limit())
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
@@ -328,7 +328,7 @@ impl Solve {
     }
 }
 
-/// The most memory that this process held, where the system keeps it (Linux).
+/// Peak resident memory of this process (Linux only).
 fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! What a study leaves: its numbers as JSON, its document on the terminal and, with --out, in files.
+//! Output of a study: JSON, its document on the terminal and, with --out, files.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::{CliError, create_dir, print_json, print_text, width, write_json};
 use report::StudyDocument;
 use serde::Serialize;
 
-/// Prints a study, and writes SCENE-STUDY.json, its document and its pictures if there is a directory for them.
+/// Prints a study, and writes SCENE-STUDY.json, its document and its pictures if a directory is given.
 pub(super) fn deliver(
     study: &impl Serialize,
     document: &StudyDocument,
@@ -22,7 +22,6 @@ pub(super) fn deliver(
     }
 }
 
-/// Writes a study into a directory.
 pub(super) fn write(
     study: &impl Serialize,
     document: &StudyDocument,

@@ -1,4 +1,4 @@
-//! A finished sweep, as the commands that run one show it.
+//! A finished sweep, as its commands show it.
 
 use std::path::Path;
 
@@ -12,29 +12,29 @@ use judge::verdict::{Comparison, Verdict, document, exit_code, failures};
 use report::{SceneSummary, write_all};
 use run::sweep::{NotRun, OutputDirectory, ScenePlan, reference_in_words, scene_summary};
 
-/// Records of all cases of the plans, and what was judged from them.
+/// Records of all cases of the plans, and their verdicts.
 pub(super) struct Swept {
     pub(super) records: Vec<CaseRecord>,
     pub(super) verdicts: Vec<Verdict>,
     pub(super) plans: Vec<ScenePlan>,
     pub(super) provenance: Value,
     pub(super) comparison: Option<Comparison>,
-    /// Scenes with given loads, and what their reference runs hide.
+    /// Scenes with given loads, and the errors of their reference runs.
     pub(super) references: Vec<(String, AgainstReference)>,
-    /// What --until-resolved left.
+    /// Cases skipped by --until-resolved.
     pub(super) not_run: Vec<NotRun>,
-    /// The report is written to it as well.
+    /// Kept locked until the report is written.
     pub(super) _out: OutputDirectory,
 }
 
 impl Swept {
-    /// The exit code of the verdicts; a deviation from the baseline is 1 at least.
+    /// The exit code of the verdicts; a deviation from the baseline gives at least 1.
     pub(super) fn exit_code(&self) -> u8 {
         let compared = self.comparison.as_ref().map_or(0, Comparison::exit_code);
         exit_code(&self.records, &self.verdicts).max(compared)
     }
 
-    /// The report and everything it links to.
+    /// Writes the report and everything it links to.
     pub(super) fn write(&self, out: &Path) -> Result<(), CliError> {
         let Self { records, verdicts, provenance, comparison, .. } = self;
         let summary = |plan: &ScenePlan| scene_summary(plan.scene(), Some(&plan.subject));
@@ -43,7 +43,7 @@ impl Swept {
         Ok(())
     }
 
-    /// What --json prints.
+    /// The output of --json.
     pub(super) fn document(&self) -> Value {
         let Self { records, verdicts, provenance, comparison, .. } = self;
         let mut document = document(provenance, verdicts, records, comparison.as_ref());

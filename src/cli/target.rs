@@ -1,10 +1,10 @@
-//! `--target E` and `--norm`: an error that is wanted, and in which norm.
+//! `--target E` and `--norm`: a wanted error and its norm.
 
 use super::CliError;
 use scene::Norm;
 use studies::trade::{NORMS, NoAnswer};
 
-/// The norm of a name, one of those that have a value at every time level.
+/// The norm of a name; only norms with a value at every time level.
 pub(super) fn norm(name: &str) -> Result<Norm, CliError> {
     NORMS.into_iter().find(|norm| norm.name() == name).ok_or_else(|| {
         let known: Vec<&str> = NORMS.iter().map(|norm| norm.name()).collect();
@@ -12,11 +12,10 @@ pub(super) fn norm(name: &str) -> Result<Norm, CliError> {
     })
 }
 
-/// An error that is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Target {
     Absolute(f64),
-    /// A part of the largest ‖ε(u)‖.
+    /// Relative to the largest ‖ε(u)‖.
     Relative(f64),
 }
 
@@ -42,7 +41,7 @@ impl Target {
         }
     }
 
-    /// The error itself, where the solution has this size.
+    /// The absolute error, for a solution of this size.
     pub(super) fn of(self, size: f64) -> f64 {
         match self {
             Self::Absolute(value) => value,

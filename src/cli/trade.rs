@@ -60,7 +60,6 @@ pub(crate) struct TradeCommand {
     out: PathBuf,
 }
 
-/// A trade with what was asked of it.
 #[derive(Serialize)]
 struct Found<'a> {
     #[serde(flatten)]
@@ -83,9 +82,9 @@ impl TradeCommand {
             self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;
         let plain = self.as_written(&scene, norm)?;
         let mut plan = self.plan(&plain)?;
-        let own = self.cases(&scene, [&plan.n, &plan.steps])?;
-        admit_trade(&own, 0.0, &self.allowance.limit())?;
-        self.elements(&mut plan, &plain, &own)?;
+        let scene_plan = self.cases(&scene, [&plan.n, &plan.steps])?;
+        admit_trade(&scene_plan, 0.0, &self.allowance.limit())?;
+        self.elements(&mut plan, &plain, &scene_plan)?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
         create_dir(&self.out)?;
         let mut table =
@@ -95,7 +94,7 @@ impl TradeCommand {
             Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(CliError::other)?;
         let mut document = study.document(None)?;
         let mut found = Found { study: &study, answer: None, confirmed: None };
-        // What was measured is on disk before a target can be refused.
+        // Measurements are on disk before a target can be refused.
         write(&found, &document, Some(&self.out))?;
         let say = |text: &str| {
             if !self.json {
@@ -133,13 +132,13 @@ impl TradeCommand {
         if !self.confirm {
             return Ok((answer, None));
         }
-        // The words stand on their own if the run is refused.
+        // The words are complete even if the run is refused.
         let scene = match answer.knob {
             Knob::Element(element) => scenes.scene(&self.scene)?.with_element(element)?,
             _ => scenes.scene(&self.scene)?,
         };
-        let own = self.cases(&scene, [&[answer.choice.n], &[answer.choice.steps]])?;
-        admit_trade(&own, 0.0, &self.allowance.limit())?;
+        let scene_plan = self.cases(&scene, [&[answer.choice.n], &[answer.choice.steps]])?;
+        admit_trade(&scene_plan, 0.0, &self.allowance.limit())?;
         let real = Confirmed::run(&answer, bench, scenes, &self.scene)?;
         document.below_answer(real.words());
         Ok((answer, Some(real)))
@@ -150,22 +149,22 @@ impl TradeCommand {
         Ok(ScenePlan::new(subject(scene.clone(), &self.allowance.limit())?, &overrides))
     }
 
-    /// Takes the other elements that the scene offers into the plan, with meshes of their own; one that does not fit into
-    /// memory beside the runs as written is left out, which is said.
+    /// Adds the other elements of the scene to the plan, with separate meshes; one that does not fit into memory beside
+    /// the other runs is left out with a message.
     fn elements(
         &self,
         plan: &mut TradeRuns,
         plain: &Variant,
-        own: &ScenePlan,
+        written: &ScenePlan,
     ) -> Result<(), CliError> {
         for knob in knobs(&plain.setup) {
             let Knob::Element(element) = knob else { continue };
             let n = element_meshes(&plain.setup.scene, &plan.n, element);
-            // Compared on the meshes of the runs as written, too.
+            // Also compared on the meshes of the runs as written.
             let both = [&n[..], &plan.n[..]].concat();
             let scene = plain.setup.scene.with_element(element)?;
             let cases = self.cases(&scene, [&both, &plan.steps])?;
-            match admit_trade(&cases, held(own), &self.allowance.limit()) {
+            match admit_trade(&cases, held(written), &self.allowance.limit()) {
                 Ok(()) => plan.elements.push((element, n)),
                 Err(refused) => {
                     super::progress::note(&format!("{} left out: {refused}", knob.name()))
@@ -205,19 +204,19 @@ impl TradeCommand {
         if self.budget.is_nan() || self.budget <= 0.0 {
             return Err(CliError::other(format!("`{}` is no number of seconds", self.budget)));
         }
-        let own = match (&self.n, &self.steps) {
+        let default_grid = match (&self.n, &self.steps) {
             (Some(_), Some(_)) => [Vec::new(), Vec::new()],
             _ => own_grid(plain, self.repeats + 1, self.budget)?,
         };
-        let listed = |given: &Option<Vec<u32>>, own: &Vec<u32>| {
-            let mut list = given.clone().unwrap_or_else(|| own.clone());
+        let listed = |given: &Option<Vec<u32>>, defaults: &Vec<u32>| {
+            let mut list = given.clone().unwrap_or_else(|| defaults.clone());
             list.sort_unstable();
             list.dedup();
             list
         };
         let plan = TradeRuns {
-            n: listed(&self.n, &own[0]),
-            steps: listed(&self.steps, &own[1]),
+            n: listed(&self.n, &default_grid[0]),
+            steps: listed(&self.steps, &default_grid[1]),
             budget: self.budget,
             elements: Vec::new(),
         };
@@ -238,7 +237,7 @@ fn check_truth(setup: &Setup) -> Result<(), CliError> {
     Err(setup.scene.error("scene.name", message, hint).into())
 }
 
-/// A finished run on stderr.
+/// Prints a finished run on stderr.
 fn row(trial: &Trial) -> String {
     let place = format!("{} n={} N={}", trial.knob, trial.n, trial.steps);
     match &trial.outcome {

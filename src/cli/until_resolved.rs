@@ -1,4 +1,4 @@
-//! `--until-resolved`: which cases a sweep may leave, said when it has.
+//! `--until-resolved`: skips cases that no claim needs, and reports them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,7 +12,7 @@ use files::counted;
 use judge::verdict::NextCase;
 use run::sweep::{CasePlan, NotRun, Provenance, ScenePlan, Stepwise, planned};
 
-/// Holds back what may not be needed; with `resumed`, not what the records there were asked for.
+/// Holds back cases that may not be needed, except those requested earlier by `resumed` records.
 pub(super) fn hold(plans: &mut [ScenePlan], resumed: Option<&Path>) -> Result<Stepwise, CliError> {
     let known = match resumed {
         None => None,
@@ -27,8 +27,8 @@ pub(super) fn hold(plans: &mut [ScenePlan], resumed: Option<&Path>) -> Result<St
         .map(|(scene, known)| (scene.name.clone(), planned(scene, known)))
         .collect();
     let recorded = |scene: &str, case: &NextCase| {
-        let own = |other: &CasePlan| (other.n, other.steps) == (case.n, case.steps);
-        asked.get(scene).is_some_and(|cases| cases.iter().any(own))
+        let same_case = |other: &CasePlan| (other.n, other.steps) == (case.n, case.steps);
+        asked.get(scene).is_some_and(|cases| cases.iter().any(same_case))
     };
     let stepwise = Stepwise::hold(plans, recorded);
     let mut whole: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
@@ -39,10 +39,10 @@ pub(super) fn hold(plans: &mut [ScenePlan], resumed: Option<&Path>) -> Result<St
     Ok(stepwise)
 }
 
-/// What was left, in a line.
+/// The skipped cases in a line.
 pub(super) fn in_words(left: &[NotRun], run: usize) -> String {
-    let cases: usize = left.iter().map(|own| own.cases.len()).sum();
-    let seconds: f64 = left.iter().map(|own| own.seconds).sum();
+    let cases: usize = left.iter().map(|skipped| skipped.cases.len()).sum();
+    let seconds: f64 = left.iter().map(|skipped| skipped.seconds).sum();
     format!(
         "until resolved: {cases} of {} not run, about {} of CPU time: no claim of {} asks for them",
         counted(cases + run, "case"),
@@ -51,9 +51,8 @@ pub(super) fn in_words(left: &[NotRun], run: usize) -> String {
     )
 }
 
-/// What was not run, for programs.
+/// The skipped cases for programs.
 pub(super) fn as_json(left: &[NotRun]) -> Value {
-    let one =
-        |own: &NotRun| json!({"scene": own.scene, "cases": own.cases, "seconds": own.seconds});
+    let one = |skipped: &NotRun| json!({"scene": skipped.scene, "cases": skipped.cases, "seconds": skipped.seconds});
     left.iter().map(one).collect()
 }

@@ -1,4 +1,4 @@
-//! `sweep verify`: another program's solver under the same sweep, measured and judged as the built-in one is.
+//! `sweep verify`: runs another program's solver under the same sweep, measured and judged like the built-in one.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use run::sweep::{
 use scene::setup::{MeshData, Setup, Subject};
 use scene::{Extension, Norm};
 
-/// Last lines of the log of a failed case that are shown, a long traceback, and bytes of each.
+/// Limits of the log shown for a failed case: lines (a long traceback), and bytes per line.
 const LINES_SHOWN: usize = 60;
 const WIDTH: usize = 400;
 
@@ -45,7 +45,7 @@ pub(crate) struct Verify {
     /// Write the cases into this directory and stop
     #[arg(long, value_name = "DIR")]
     export: Option<PathBuf>,
-    // The files of a case hold every level: it has fewer steps than one that is only solved.
+    // The files of a case hold every level, which limits the steps.
     #[command(flatten)]
     grid: Grid<100_000>,
     /// Time limit per case, in seconds; it covers the solver, all processes that it starts, and the reading of its answer
@@ -54,7 +54,7 @@ pub(crate) struct Verify {
     /// Cases at a time
     #[arg(long, value_name = "J", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: u16,
-    // As for this program's solver: what another takes is not known here.
+    // As for the built-in solver; the needs of another one are unknown.
     #[command(flatten)]
     allowance: Allowance,
     /// The solver writes pressure.npy as well: measure pressures
@@ -103,10 +103,10 @@ impl Verify {
             write_junit(path, &judged.verdicts, &judged.provenance, None)?;
         }
         let beside = match self.beside {
-            true => Some(self.own(scenes)?),
+            true => Some(self.run_built_in(scenes)?),
             false => None,
         };
-        let compared = beside.as_ref().map(|own| compare(&judged.records, &own.records));
+        let compared = beside.as_ref().map(|built_in| compare(&judged.records, &built_in.records));
         if self.json {
             let mut document = judged.document();
             if let Some(rows) = &compared {
@@ -117,8 +117,8 @@ impl Verify {
             judged.print();
             self.print_failures(&judged);
             print_text(&format!("report: {}", self.out.join("index.html").display()));
-            if let (Some(own), Some(rows)) = (&beside, &compared) {
-                print_text(&format!("built-in solver:\n{}", verdict_table(&own.verdicts)));
+            if let (Some(built_in), Some(rows)) = (&beside, &compared) {
+                print_text(&format!("built-in solver:\n{}", verdict_table(&built_in.verdicts)));
                 print_text(&table(rows));
             }
         }
@@ -128,7 +128,7 @@ impl Verify {
         Ok(judged.exit_code())
     }
 
-    /// Failed cases that no verdict names, and what the solver printed in the first one, as it was written.
+    /// Prints failed cases that no verdict names, and the solver's output for the first one.
     fn print_failures(&self, judged: &Swept) {
         let failed = failures(&judged.records);
         let named = |reason: &str| judged.verdicts.iter().any(|v| v.reason.contains(reason));
@@ -139,7 +139,7 @@ impl Verify {
         let log = |Failure { scene, n, steps, .. }: &Failure| {
             let log = case_dir(&self.out.join("cases"), scene, (*n)?, *steps).join(LOG);
             let lines = last_lines(&log);
-            // What a reason has said already is not said again.
+            // Output already quoted in a reason is omitted.
             (!lines.iter().all(|line| named(line))).then_some((log, lines))
         };
         if let Some((path, lines)) = failed.iter().find_map(log) {
@@ -150,7 +150,7 @@ impl Verify {
         }
     }
 
-    /// The cases, with the norms that displacements (and pressures, where they come) tell.
+    /// The cases, with the norms that displacements (and pressures, if given) determine.
     fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
         let mut scene = scenes.scene(&self.scene)?;
         self.grid.check(&scene)?;
@@ -223,7 +223,7 @@ impl Verify {
         })
     }
 
-    /// What a solver takes outside this program is no part of the limit.
+    /// The memory of an external solver does not count.
     fn machine(&self) -> Machine {
         let flags = [(self.pressure, "--pressure"), (self.orders_only, "--orders-only")];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
@@ -236,14 +236,14 @@ impl Verify {
         }
     }
 
-    /// The cases, solved by this program.
-    fn own(&self, scenes: &Scenes) -> Result<Swept, CliError> {
+    /// Runs the cases with the built-in solver.
+    fn run_built_in(&self, scenes: &Scenes) -> Result<Swept, CliError> {
         let out = OutputDirectory::take(&self.out.join("own"))?;
         self.judged(self.plan(scenes)?, out)
     }
 }
 
-/// The plan with another solver in place of this program's.
+/// The plan with another solver.
 fn with_solver(mut plan: ScenePlan, solver: ExternalSolver) -> ScenePlan {
     if let Subject::Contact(setup) = &mut plan.subject {
         setup.scheme = Arc::new(solver);
@@ -251,7 +251,7 @@ fn with_solver(mut plan: ScenePlan, solver: ExternalSolver) -> ScenePlan {
     plan
 }
 
-/// Writes the files of all runs that the plan needs, those behind its time errors among them.
+/// Writes the files of all runs of the plan, including those for time errors.
 fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
     let Subject::Contact(setup) = &plan.subject else { return Ok(0) };
     let mut runs = plan.runs();
@@ -281,30 +281,34 @@ struct Beside {
     steps: u32,
     norm: String,
     solver: f64,
-    own: f64,
+    built_in: f64,
 }
 
 impl Beside {
     fn difference(&self) -> f64 {
-        (self.solver - self.own).abs() / self.own
+        (self.solver - self.built_in).abs() / self.built_in
     }
 
     fn json(&self) -> Value {
-        let Self { n, steps, norm, solver, own } = self;
-        json!({ "n": n, "steps": steps, "norm": norm, "solver": solver, "own": own, "difference": self.difference() })
+        let Self { n, steps, norm, solver, built_in } = self;
+        json!({ "n": n, "steps": steps, "norm": norm, "solver": solver, "own": built_in, "difference": self.difference() })
     }
 }
 
 /// The errors that both have.
-fn compare(solver: &[CaseRecord], own: &[CaseRecord]) -> Vec<Beside> {
+fn compare(solver: &[CaseRecord], built_in: &[CaseRecord]) -> Vec<Beside> {
     let mut rows = Vec::new();
     for record in solver {
-        let Some(same) = own.iter().find(|own| own.key() == record.key()) else { continue };
+        let Some(same) = built_in.iter().find(|other| other.key() == record.key()) else {
+            continue;
+        };
         for entry in &record.errors {
             let other = same.errors.iter().find(|other| other.norm == entry.norm);
-            if let (Some(solver), Some(own)) = (entry.error, other.and_then(|other| other.error)) {
+            if let (Some(solver), Some(built_in)) =
+                (entry.error, other.and_then(|other| other.error))
+            {
                 let norm = entry.norm.clone();
-                rows.push(Beside { n: record.n, steps: record.steps, norm, solver, own });
+                rows.push(Beside { n: record.n, steps: record.steps, norm, solver, built_in });
             }
         }
     }
@@ -318,7 +322,7 @@ fn table(rows: &[Beside]) -> String {
             row.steps.to_string(),
             row.norm.clone(),
             format!("{:.6e}", row.solver),
-            format!("{:.6e}", row.own),
+            format!("{:.6e}", row.built_in),
             format!("{:.1e}", row.difference()),
         ]
     };

@@ -1,4 +1,4 @@
-//! Symmetric tensors and sparse linear algebra: knows nothing of the problem.
+//! Symmetric tensors and sparse linear algebra, independent of the problem.
 
 pub mod linalg;
 pub mod tensor;

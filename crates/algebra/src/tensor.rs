@@ -1,9 +1,8 @@
-//! Symmetric tensors in Mandel notation: `S` numbers, of which the off-diagonal ones carry √2,
-//! so that the Frobenius product is the Euclidean dot product.
+//! Symmetric tensors in Mandel notation: `S` numbers, off-diagonal ones times √2, so that the Frobenius product is the
+//! dot product.
 //!
 //! S = 3 (plane): (xx, yy, √2 xy). S = 6 (space): (xx, yy, zz, √2 yz, √2 xz, √2 xy).
 
-/// A symmetric tensor of S^d in Mandel notation.
 pub type Symmetric<const S: usize> = [f64; S];
 
 /// Space dimension d of tensors with `S` = d(d+1)/2 numbers.
@@ -11,7 +10,6 @@ pub const fn dimension<const S: usize>() -> usize {
     if S == 3 { 2 } else { 3 }
 }
 
-/// tr τ.
 #[inline]
 pub fn trace<const S: usize>(tau: &Symmetric<S>) -> f64 {
     tau[..dimension::<S>()].iter().sum()
@@ -39,11 +37,11 @@ pub fn deviator<const S: usize>(tau: &Symmetric<S>) -> Symmetric<S> {
     out
 }
 
-/// ‖τ‖ (Frobenius), of any tensor whose norm is a double.
+/// ‖τ‖ (Frobenius), for any tensor whose norm is a double.
 #[inline]
 pub fn norm<const S: usize>(tau: &Symmetric<S>) -> f64 {
     let square = contract(tau, tau);
-    // Squares below or above lose digits, or all of them.
+    // Squares out of this range lose digits.
     if (1e-270..=1e300).contains(&square) { square.sqrt() } else { scaled_norm(tau) }
 }
 
@@ -51,7 +49,7 @@ pub fn norm<const S: usize>(tau: &Symmetric<S>) -> f64 {
 fn scaled_norm<const S: usize>(tau: &Symmetric<S>) -> f64 {
     let size = tau.iter().fold(0.0f64, |size, value| size.max(value.abs()));
     if size == 0.0 || !size.is_finite() {
-        // Zero, infinite, or NaN, which the maximum forgets.
+        // Zero, infinite, or NaN, which the maximum ignores.
         return contract(tau, tau).sqrt();
     }
     let scaled = tau.map(|value| value / size);

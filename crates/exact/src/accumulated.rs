@@ -1,12 +1,11 @@
 //! ζ(t) = ∫_0^t ‖ε(u(s))‖_ℋ ds of an exact solution, to about 1e-12.
 //!
-//! ε is piecewise smooth: its guards (expressions whose sign decides a branch) vanish on moving
-//! lines. The integral over Ω is cut where a guard changes sign along x, the integral over time
-//! where a guard changes sign at an end of Ω. Pieces take Gauss-Legendre rules.
+//! ε is piecewise smooth: its guards (expressions whose sign decides a branch) vanish on moving lines. The integral
+//! over Ω is cut where a guard changes sign along x, the integral over time where a guard changes sign at an end of Ω.
+//! Pieces take Gauss-Legendre rules. A polygon is cut likewise, its chords at their ends; on a polyhedron no cell
+//! follows a guard.
 //!
-//! A polygon is cut in the same way, its chords at their ends; on a polyhedron no cell follows a guard.
-//!
-//! Where ε = Σ_m a_m(t) S_m(x) no guard moves, and ‖ε‖² = Σ a_m a_l ∫ S_m:S_l. No guard names a time at which ε vanishes
+//! If ε = Σ_m a_m(t) S_m(x), no guard moves, and ‖ε‖² = Σ a_m a_l ∫ S_m:S_l. No guard names a time at which ε vanishes
 //! everywhere: the kink of ‖ε‖ there costs about 1e-9 of its slope.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -18,52 +17,50 @@ use super::zeta_domain::{Domain, Region, Shape};
 use fem::space::quadrature::gauss_legendre;
 use formula::{Bound, Graph, Node, Program, Variable};
 
-/// Gauss points a piece and direction, and pieces before cuts at guards, in the plane and in space. A quarter
-/// of the domain with 14 points resolves sin(4πx) squared to rounding, half of it with 8 sin(πx) squared.
+/// Gauss points per piece and direction, and pieces before cuts at guards, in the plane and in space. A quarter of the
+/// domain with 14 points resolves sin(4πx) squared to rounding, half of it with 8 points sin(πx) squared.
 const PLANE: [usize; 2] = [14, 3];
 const SPACE: [usize; 2] = [8, 2];
 /// Intervals of the domain, and of a panel in time, in which guards are watched.
 const WATCHES: usize = 48;
 const TIME_WATCHES: usize = 8;
 
-/// ζ(t) by quadrature.
 pub struct AccumulatedStrain {
-    /// [ε], upper components; `None` where nothing depends on ζ.
+    /// [ε], upper components; None if nothing depends on ζ.
     integrand: Option<Integrand>,
     integral: OnceLock<RunningIntegral>,
     horizon: f64,
 }
 
-/// Where products of parts leave no more than this share of their size, the strain is taken at points. What is lost above
-/// are two digits of sums that are right to some 1e-15.
+/// If products of parts cancel below this share of their size, the strain is evaluated at points. Above, at most two
+/// digits are lost of sums that are right to some 1e-15.
 const CANCELLED: f64 = 1e-2;
 
 struct Integrand {
     strain: Program,
-    /// ε as Σ_m a_m(t) S_m(x) where the formulas show one, and then ∫ S_m:S_l, row by row.
+    /// If ε separates as Σ_m a_m(t) S_m(x): the factors, and ∫ S_m:S_l row by row.
     parts: Option<(TimeFactors, Program)>,
     gram: OnceLock<Vec<f64>>,
-    /// The strain at the points last asked for: where no guard moves they are the same at all times.
+    /// The strain at the points last used: without moving guards they are always the same.
     bound: Mutex<Option<(Vec<[f64; 3]>, Bound)>>,
     guards: Program,
     guard_count: usize,
-    /// Cuts of the height: uniform ones of a rectangle or box, and where a guard that depends on y alone changes sign.
+    /// Cuts of the height: uniform ones of a rectangle or box, and sign changes of guards that depend on y only.
     cuts_in_y: Vec<f64>,
-    /// Ends of the width, and in how many pieces it is cut wherever guards are.
+    /// Ends of the width, and number of its uniform pieces.
     along_x: ([f64; 2], usize),
     /// Cuts of the width where a guard changes sign at time 0.
     cuts_at_start: OnceLock<Vec<f64>>,
-    /// Weight of each strain component in ‖ε‖².
     weights: Vec<f64>,
     size: Vec<f64>,
-    /// Whether ε varies along z; a strain that does not is looked at in one plane.
+    /// Whether ε varies along z; otherwise one plane suffices.
     along_z: bool,
-    /// A domain that is no rectangle or box.
+    /// A domain that is not a rectangle or box.
     polytope: Option<Region>,
 }
 
 impl AccumulatedStrain {
-    /// ζ of the strain formulas; `needed` is false where no term uses it (then ζ reads NaN).
+    /// ζ of the strain formulas; NaN if not `needed`.
     pub(super) fn new(
         graph: &mut Graph,
         strain: &[Node],
@@ -75,7 +72,7 @@ impl AccumulatedStrain {
         Self { integrand, integral: OnceLock::new(), horizon }
     }
 
-    /// ζ(t); NaN if it was declared as not needed.
+    /// ζ(t); NaN if declared as not needed.
     pub fn at(&self, t: f64) -> f64 {
         let Some(integrand) = &self.integrand else { return f64::NAN };
         let integral = self.integral.get_or_init(|| {
@@ -89,7 +86,7 @@ impl AccumulatedStrain {
         }
     }
 
-    /// ‖ε(u(t))‖; NaN if it was declared as not needed.
+    /// ‖ε(u(t))‖; NaN if declared as not needed.
     pub fn strain_norm(&self, t: f64) -> f64 {
         self.integrand.as_ref().map_or(f64::NAN, |integrand| integrand.norm(t))
     }
@@ -100,7 +97,7 @@ impl Integrand {
         let [along_x, along_y] = domain.ends();
         let (parts, size) = match domain {
             Domain::Box(size) => (rule(size.len())[1], size.to_vec()),
-            // Strips have pieces of their own.
+            // Strips are cut separately.
             Domain::Coarse(_) | Domain::Finer(_) => (1, Vec::new()),
         };
         let all = graph.guards(strain);
@@ -132,13 +129,13 @@ impl Integrand {
         }
     }
 
-    /// The share of ‖ε‖ that the rule leaves out where a guard is not cut: at three times, by a finer rule. What is below
-    /// it is not looked for in time.
+    /// Relative quadrature error of ‖ε‖ where a guard is not cut: at three times, by a finer rule. The integral in time
+    /// need not be more accurate.
     fn left_out(&self, horizon: f64) -> f64 {
         let finer = self.polytope.as_ref().and_then(|polytope| polytope.finer.as_ref());
         let share = |finer: &Shape, t: f64| {
-            let own = self.norm(t);
-            (self.norm_over(Some(finer), t) - own).abs() / own.max(f64::MIN_POSITIVE)
+            let norm = self.norm(t);
+            (self.norm_over(Some(finer), t) - norm).abs() / norm.max(f64::MIN_POSITIVE)
         };
         let at = |finer| [1.0, 2.0, 3.0].map(|third| share(finer, horizon * third / 3.0));
         finer.map_or([0.0; 3], at).into_iter().fold(0.0, f64::max)
@@ -168,7 +165,6 @@ impl Integrand {
         events
     }
 
-    /// ‖ε(u(t))‖_ℋ.
     fn norm(&self, t: f64) -> f64 {
         let shape = self.polytope.as_ref().map(|polytope| &polytope.shape);
         self.square_of_parts(t).map_or_else(|| self.norm_over(shape, t), f64::sqrt)
@@ -182,8 +178,8 @@ impl Integrand {
         square.sqrt()
     }
 
-    /// ‖ε(u(t))‖² of a strain that separates, whose parts are integrated once: guards that decide their branches do not
-    /// move. None where the parts cancel, or one is not finite.
+    /// ‖ε(u(t))‖² of a separable strain, whose parts are integrated once, since their guards do not move. None if the
+    /// parts cancel, or one is not finite.
     fn square_of_parts(&self, t: f64) -> Option<f64> {
         let (factors, shapes) = self.parts.as_ref()?;
         let gram = self.gram.get_or_init(|| self.gram(factors.parts, shapes));
@@ -196,7 +192,7 @@ impl Integrand {
                 size += term.abs();
             }
         }
-        // A strain whose factors all vanish does so itself.
+        // If all factors vanish, so does the strain.
         (square > CANCELLED * size || size == 0.0).then_some(square)
     }
 
@@ -212,7 +208,7 @@ impl Integrand {
         })
     }
 
-    /// ∫ e:f of tensors given by their components at points with weights.
+    /// ∫ e:f of tensors given by components at points with weights.
     fn product(&self, e: &[Vec<f64>], f: &[Vec<f64>], weights: &[f64]) -> f64 {
         let component = |((e, f), often): ((&Vec<f64>, &Vec<f64>), &f64)| {
             let products = e.iter().zip(f).zip(weights).map(|((e, f), w)| w * e * f);
@@ -221,7 +217,7 @@ impl Integrand {
         e.iter().zip(f).zip(&self.weights).map(component).sum()
     }
 
-    /// What `visit` makes of points with weights of a shape, or of the rectangle or box, for fields at time t.
+    /// Applies `visit` to the points and weights of a shape, or of the rectangle or box, for fields at time t.
     fn at_points<R>(
         &self,
         shape: Option<&Shape>,
@@ -229,7 +225,9 @@ impl Integrand {
         visit: impl FnOnce(&[[f64; 3]], &[f64]) -> R,
     ) -> R {
         match shape {
-            Some(Shape::Points(own)) => return visit(&own.points, &own.weights),
+            Some(Shape::Points(shape_points)) => {
+                return visit(&shape_points.points, &shape_points.weights);
+            }
             Some(Shape::Strips(strips)) => {
                 let (points, weights) = strips.points(&self.cuts_in_x(t), &self.cuts_in_y);
                 return visit(&points, &weights);
@@ -257,11 +255,10 @@ impl Integrand {
         visit(&points, &weights)
     }
 
-    /// The components of ε(t) at the points.
     fn strain_at(&self, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
         let mut known = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
         let bound = match known.take() {
-            Some((own, bound)) if own == points => (own, bound),
+            Some((bound_points, bound)) if bound_points == points => (bound_points, bound),
             _ => (points.to_vec(), self.strain.bind(points)),
         };
         let mut out = vec![Vec::new(); self.weights.len()];
@@ -269,8 +266,8 @@ impl Integrand {
         out
     }
 
-    /// Cuts of the width where a guard changes sign at time t, or did at time 0: the relaxation
-    /// integrals keep a kink where a zone began.
+    /// Cuts of the width where a guard changes sign at time t, or did at time 0: relaxation integrals keep a kink where
+    /// a zone began.
     fn cuts_in_x(&self, t: f64) -> Vec<f64> {
         let ([from, to], parts) = self.along_x;
         let at = |time: f64| {
@@ -288,8 +285,7 @@ impl Integrand {
     }
 }
 
-/// Cuts of the height, uniform ones and where a guard that depends on y alone changes sign; `parts` is the number of
-/// uniform pieces.
+/// Cuts of the height: `parts` uniform pieces, and sign changes of guards that depend on y only.
 fn cuts_in_y(
     graph: &mut Graph,
     guards: &[Node],
@@ -313,7 +309,7 @@ fn cuts_in_y(
     sorted(cuts, to - from)
 }
 
-/// Cuts in order, those that differ by rounding once.
+/// Sorts cuts and merges those that differ by rounding.
 fn sorted(mut cuts: Vec<f64>, length: f64) -> Vec<f64> {
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * length);
@@ -324,7 +320,6 @@ fn uniform_cuts([from, to]: [f64; 2], parts: usize) -> Vec<f64> {
     (0..=parts).map(|i| from + (to - from) * i as f64 / parts as f64).collect()
 }
 
-/// [`PLANE`] or [`SPACE`].
 fn rule(dimension: usize) -> [usize; 2] {
     if dimension == 2 { PLANE } else { SPACE }
 }
@@ -354,7 +349,7 @@ mod tests {
         zeta.integrand.expect("an integrand")
     }
 
-    /// Parts against points, and both against closed forms: kinks in x, y and time, memory, fronts that move.
+    /// Parts against points, and both against closed forms: kinks in x, y and time, memory, moving fronts.
     #[test]
     fn a_strain_that_separates_is_integrated_once() {
         let still = ["t*x + relax(0.5, t)*max(x - 0.3, 0)", "y*max(t - 0.4, 0)", "exp(-t)*x*y"];
@@ -373,13 +368,13 @@ mod tests {
         let exact = (0.0625 * cube(0.3) + 0.5625 * cube(0.6) + mixed).sqrt();
         assert!(kinks.square_of_parts(0.25).is_some());
         assert!((kinks.norm(0.25) - exact).abs() <= 1e-14, "{} {exact}", kinks.norm(0.25));
-        // A front that moves has points of its own at each time.
+        // A moving front has separate points at each time.
         let moving = integrand(&["max(x - t, 0)", "0", "0"]);
         assert!(moving.parts.is_none());
         for t in [0.25, 0.5, 0.25] {
             assert!((moving.norm(t) - cube(t).sqrt()).abs() <= 1e-14, "t = {t}");
         }
-        // Parts that cancel but for 1e-12 of their squares: by points rounding is 1e-10 of what is left.
+        // Parts cancel but for 1e-12 of their squares: by points rounding is 1e-10 of the rest.
         let near = integrand(&["cos(t)*x - x*(1 + 1e-6*y)", "0", "0"]);
         assert!(near.square_of_parts(0.0).is_none() && near.square_of_parts(1.0).is_some());
         assert!((near.norm(0.0) - 1e-6 / 3.0).abs() <= 1e-15, "{}", near.norm(0.0));

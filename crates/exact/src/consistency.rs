@@ -1,9 +1,9 @@
-//! Loads in the weak form where functions of V^h jump.
+//! Weak-form loads for functions of V^h that jump.
 //!
-//! By parts on each cell, f0·v + ∫_{Γ2} f2·v is ∫ σ:ε(v) less ∫ σν·v over the boundaries of all cells: of continuous
-//! functions these cancel, and of those that jump they are the consistency error, which belongs to the load. Across an edge
-//! v has a mean, its value at the midpoint, that both cells share; on the boundary of the body the load acts on that mean
-//! alone, and on Γ1 it is zero. So what is left everywhere is what v has beyond it.
+//! By parts on each cell, f0·v + ∫_{Γ2} f2·v is ∫ σ:ε(v) less ∫ σν·v over the boundaries of all cells: these cancel for
+//! continuous functions, and otherwise are the consistency error, which belongs to the load. Across an edge both cells
+//! share the mean of v, its value at the midpoint; on the boundary of the body the load acts on that mean only, and on
+//! Γ1 it is zero. So v minus its mean remains on every edge.
 
 use super::constitutive::{Tensor, stress};
 use super::nodal_force::inward;
@@ -13,7 +13,7 @@ use super::shapes::shapes;
 use fem::contact::LoadError;
 use fem::space::quadrature::Rule;
 
-/// The points of a rule for edges on the three edges of a triangle, the one opposite to each corner after the other.
+/// The points of a rule for edges on the three edges of a triangle, in the order of the opposite corners.
 pub(super) fn around(edge: &Rule) -> Rule {
     let mut around = Rule { points: Vec::new(), weights: Vec::new() };
     for opposite in 0..3 {
@@ -29,8 +29,8 @@ pub(super) fn around(edge: &Rule) -> Rule {
 }
 
 impl Parts<'_> {
-    /// Subtracts ∫ σν·(v - v̄) over the boundaries of all cells, of each part, v̄ the value of v at the midpoint of an edge;
-    /// `points` are those of a rule [`around`] triangles.
+    /// Subtracts ∫ σν·(v - v̄) over the boundaries of all cells, for each part; v̄ is the value of v at the midpoint of
+    /// an edge, and `points` are those of a rule [`around`] triangles.
     pub(super) fn subtract_consistency<const D: usize>(
         &self,
         points: &Sampled,
@@ -53,7 +53,7 @@ impl Parts<'_> {
                 let corners = space.mesh.cell(c);
                 for (q, (beyond, weight)) in beyond.iter().zip(&rule.weights).enumerate() {
                     let p = cells.len() * q + local;
-                    // ν times the length of the edge, inwards, is twice that.
+                    // The length of the edge times the inward normal is twice that.
                     let normal: [f64; D] = inward(&space.mesh, corners, q / on_edge);
                     for (force, part) in forces.iter_mut().zip(values.chunks(self.fields())) {
                         let strain = self.exact.tensors(|k| part[k][p], &mut memory);
@@ -63,8 +63,8 @@ impl Parts<'_> {
                         };
                         let traction = sigma.map(along);
                         for (&node, beyond) in space.cell_nodes(c).iter().zip(beyond) {
-                            let own = force[D * node as usize..][..D].iter_mut();
-                            own.zip(traction).for_each(|(own, t)| *own += beyond * t);
+                            let at_node = force[D * node as usize..][..D].iter_mut();
+                            at_node.zip(traction).for_each(|(at_node, t)| *at_node += beyond * t);
                         }
                     }
                 }

@@ -1,14 +1,14 @@
-//! σ of (5.1) from ε, the memory integrals H_i = ∫ b_i(t-s) ε ds and κ, on full D×D tensors. Loops by index: what they
-//! call is inlined, and runs on vectors.
+//! σ of (5.1) from ε, the memory integrals H_i = ∫ b_i(t-s) ε ds and κ, on full D×D tensors. Index loops, since the
+//! inlined calls then vectorise.
 
 use super::exact::MaterialNumbers;
 use super::lanes::Number;
 
-/// A full second-order tensor, of one point or of several side by side.
+/// A full second-order tensor, at one point or at several in parallel.
 pub type Tensor<const D: usize, T = f64> = [[T; D]; D];
 
-/// σ = 𝒜ε + μ(ε - P_κ ε) + Σ_i (2 μ_i H_i + λ_i tr H_i I) (a stress); 𝒜ε = 2μ_L ε + λ tr ε I unless 𝒜 is
-/// given in full. `memory` holds one H_i a term.
+/// σ = 𝒜ε + μ(ε - P_κ ε) + Σ_i (2 μ_i H_i + λ_i tr H_i I) (a stress); 𝒜ε = 2μ_L ε + λ tr ε I unless 𝒜 is given in full.
+/// `memory` holds one H_i per term.
 #[inline(always)]
 pub fn stress<const D: usize, T: Number>(
     material: &MaterialNumbers,
@@ -49,7 +49,6 @@ fn trace<const D: usize, T: Number>(tensor: &Tensor<D, T>) -> T {
     sum
 }
 
-/// 2 μ τ + λ tr τ I.
 #[inline(always)]
 fn isotropic<const D: usize, T: Number>(
     lambda: f64,
@@ -72,7 +71,7 @@ pub(crate) fn component(mandel: &[[f64; 6]; 6], d: usize, [i, j, k, l]: [usize; 
     let place = |i: usize, j: usize| match (i == j, d) {
         (true, _) => (i, 1.0),
         (false, 2) => (2, std::f64::consts::FRAC_1_SQRT_2),
-        // yz, xz, xy: the pair without axis m stands at 3 + m.
+        // yz, xz, xy: the pair without axis m is at 3 + m.
         (false, _) => (6 - i - j, std::f64::consts::FRAC_1_SQRT_2),
     };
     let ((row, first), (column, second)) = (place(i, j), place(k, l));
@@ -193,8 +192,8 @@ mod tests {
         pairs.for_each(|(a, b)| assert!((a / b - 1.0).abs() < 4e-16, "{back:?}"));
     }
 
-    /// diag(1, 2, 6) in ℝ³: tr/3 = 3, so the deviator is diag(-2, -1, 3), of length √14. Its plane part alone,
-    /// diag(1, 2) in ℝ², has the deviator diag(-½, ½).
+    /// diag(1, 2, 6) in ℝ³: tr/3 = 3, so the deviator is diag(-2, -1, 3), of length √14. Its plane part, diag(1, 2) in
+    /// ℝ², has the deviator diag(-½, ½).
     #[test]
     fn the_projection_takes_the_trace_of_its_dimension() {
         let material = MaterialNumbers {

@@ -8,16 +8,16 @@ use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
 use formula::{Bound, Point};
 
-/// r counts as the place of a jump within this distance of it, relative to it: formulas round.
+/// Relative distance within which r counts as the place of a jump: formulas round.
 const AT_JUMP_WITHIN: f64 = 1e-9;
 
 /// The formulas of Γ3 bound to the nodes, corners first, and the points of the state rule of each facet.
 pub(super) struct StatePoints {
     sides: Vec<PartOfTrace>,
     law: Option<LawNumbers>,
-    /// Shape functions at the points, where the truth is an interpolant: u_ν and the pressure are those of the nodes.
+    /// Shape functions at the points, if the exact solution is an interpolant: u_ν and the pressure then come from the
+    /// nodes.
     shapes: Option<Vec<Vec<f64>>>,
-    /// Nodes a facet.
     nodes: usize,
     facets: usize,
 }
@@ -61,7 +61,7 @@ impl StatePoints {
         Self { sides, law, shapes, nodes: nodes.len(), facets: trace.measure.len() }
     }
 
-    /// The truth and its states at time t.
+    /// The exact solution and its states at time t.
     pub(super) fn at(&self, t: f64) -> ContactSamples {
         let rule = state_rule();
         let count = rule.weights.len();

@@ -14,14 +14,13 @@ pub enum CurveNumbers {
 }
 
 impl CurveNumbers {
-    /// p(r) as a formula in r.
     pub(super) fn formula(&self, graph: &mut Graph, r: Node) -> Node {
         let zero = graph.constant(0.0);
         let positive = match *self {
             Self::Rational { c, r0 } => {
                 let (top, square) = (graph.constant(c * r0 * r0), graph.constant(r0 * r0));
-                let (own, above) = (graph.powi(r, 2), graph.mul(top, r));
-                let below = graph.add(square, own);
+                let (r_squared, above) = (graph.powi(r, 2), graph.mul(top, r));
+                let below = graph.add(square, r_squared);
                 graph.div(above, below)
             }
             Self::Exponential { c, r0 } => {
@@ -33,7 +32,7 @@ impl CurveNumbers {
             Self::Power { c, m, r1 } => {
                 let (end, exponent) = (graph.constant(r1), graph.constant(m));
                 let (top, factor) = (graph.constant(c * r1.powf(m)), graph.constant(c));
-                // A power of a negative number is none: the branch r < 0 is chosen below.
+                // Powers of negative numbers are undefined: the branch r < 0 is chosen below.
                 let base = graph.max(r, zero);
                 let power = graph.pow(base, exponent);
                 let inner = graph.mul(factor, power);
@@ -86,7 +85,7 @@ mod tests {
     use super::*;
     use formula::{Point, Variable};
 
-    /// Values worked out by hand: 1/(1 + ¼) · 3 · 0.1, 3 · 0.1/√e, 2 · 0.1², and 2 · 0.2² + 0.8 · 0.1.
+    /// By hand: 1/(1 + ¼) · 3 · 0.1, 3 · 0.1/√e, 2 · 0.1², and 2 · 0.2² + 0.8 · 0.1.
     #[test]
     fn values_are_those_of_the_definitions() {
         let (c, r0) = (3.0, 0.2);
@@ -98,7 +97,6 @@ mod tests {
         assert!((power.value(0.1) - 0.02).abs() < 1e-15 && (power.value(0.3) - 0.16).abs() < 1e-15);
     }
 
-    /// The formula, its exact derivative, value and slope are one law.
     #[test]
     fn formula_and_numbers_agree() {
         for curve in [

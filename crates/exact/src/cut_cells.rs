@@ -1,7 +1,7 @@
-//! Moments of cells that a kink cuts, by a rule on each side of it in place of the one across.
+//! Moments of cells cut by a kink, with a rule on each side of it.
 //!
-//! Means and remainders are those of the errors alone. Loads keep the rule that the scheme is said to have: what it
-//! leaves out is measured beside them.
+//! Only means and remainders for errors are corrected. Loads keep the rule attributed to the scheme, whose error is
+//! measured separately.
 
 use super::constitutive::{Tensor, mandel, stress};
 use super::cuts::{Cut, Cuts};
@@ -17,7 +17,7 @@ struct Fields<const D: usize, const N: usize> {
     displacement: Vec<[f64; D]>,
 }
 
-/// What the element has of the fields on one cell, and the mean square of what it has not, of ε, σ and u.
+/// Projections of the fields on one cell onto the element, and the mean squares of the remainders of ε, σ and u.
 #[derive(Default)]
 struct CellMoments<const D: usize, const N: usize> {
     strain: Vec<[f64; N]>,
@@ -26,9 +26,8 @@ struct CellMoments<const D: usize, const N: usize> {
     rest: [f64; 3],
 }
 
-/// Takes the moments of cells that are cut from `rule` on their pieces; returns the means of σ that were there.
-///
-/// Values that are not finite, which the rule of the whole cell did not meet, leave the cell as it is.
+/// Recomputes the moments of cut cells by `rule` on their pieces; returns the previous means of σ. A cell with new
+/// non-finite values is left as it is.
 pub(super) fn correct<const D: usize>(
     cuts: &Cuts,
     parts: &Parts<'_>,
@@ -60,9 +59,9 @@ impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
         let (mut first, mut before) = (0, Vec::new());
         for Cut { simplex, rule } in &cut {
             let [whole, pieces] = [whole, rule].map(|rule| {
-                let own = self.of_cell(*simplex, rule, &values, first);
+                let moments = self.of_cell(*simplex, rule, &values, first);
                 first += rule.weights.len();
-                own
+                moments
             });
             if whole.rest.iter().chain(&pieces.rest).all(|rest| rest.is_finite()) {
                 before.push(self.replace(*simplex, &whole, &pieces));
@@ -91,19 +90,20 @@ impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
             fields.stress.push(mandel(&sigma));
             fields.displacement.push(std::array::from_fn(|i| values[i][p]));
         }
-        let (onto, mut own) = (Onto::new(self.parts.space.element, rule), CellMoments::default());
-        onto.strains(&mut fields.strain, &mut own.strain);
-        onto.strains(&mut fields.stress, &mut own.stress);
-        onto.functions::<f64, D, C>(&mut fields.displacement, &mut own.displacement);
-        own.rest = [
+        let (onto, mut moments) =
+            (Onto::new(self.parts.space.element, rule), CellMoments::default());
+        onto.strains(&mut fields.strain, &mut moments.strain);
+        onto.strains(&mut fields.stress, &mut moments.stress);
+        onto.functions::<f64, D, C>(&mut fields.displacement, &mut moments.displacement);
+        moments.rest = [
             mean_square(&fields.strain, &rule.weights),
             mean_square(&fields.stress, &rule.weights),
             mean_square(&fields.displacement, &rule.weights),
         ];
-        own
+        moments
     }
 
-    /// Puts the moments of the pieces of cell c where those of the whole were; what it had of σ before.
+    /// Replaces the moments of the whole cell c by those of its pieces; returns the previous σ.
     fn replace(
         &mut self,
         c: usize,
@@ -114,17 +114,17 @@ impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
         let Moments { strain, stress, displacement, .. } = &mut *self.moments;
         let rests = [&mut strain.rest, &mut stress.rest, &mut displacement.rest];
         for (rest, (pieces, whole)) in rests.into_iter().zip(pieces.rest.iter().zip(&whole.rest)) {
-            // What is left of one whose cells are all cut may be rounding, of either sign.
+            // If all cells are cut, the rest may be rounding of either sign.
             *rest = (*rest + measure * (pieces - whole)).max(0.0);
         }
         let numbers = N * pieces.strain.len();
-        let own = numbers * c..numbers * (c + 1);
-        let before = stress.at[own.clone()].to_vec();
-        strain.at[own.clone()].copy_from_slice(pieces.strain.as_flattened());
-        stress.at[own].copy_from_slice(pieces.stress.as_flattened());
+        let range = numbers * c..numbers * (c + 1);
+        let before = stress.at[range.clone()].to_vec();
+        strain.at[range.clone()].copy_from_slice(pieces.strain.as_flattened());
+        stress.at[range].copy_from_slice(pieces.stress.as_flattened());
         let numbers = D * pieces.displacement.len();
-        let own = &mut displacement.node[numbers * c..numbers * (c + 1)];
-        own.copy_from_slice(pieces.displacement.as_flattened());
+        let target = &mut displacement.node[numbers * c..numbers * (c + 1)];
+        target.copy_from_slice(pieces.displacement.as_flattened());
         (c, before)
     }
 }

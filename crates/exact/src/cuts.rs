@@ -1,8 +1,8 @@
-//! Simplices cut by the lines on which fields have kinks or jumps: a rule on each side in place of one across.
+//! Simplices cut by the lines on which fields have kinks or jumps, with a rule on each side.
 //!
-//! A Gauss rule on a cell that a kink cuts misses a share of the error there that does not fall with h. Guards, whose sign
-//! decides a branch of a formula, change sign along such lines. The simplices are cut where they do, in straight pieces;
-//! what a curved line leaves is of the order of its bend, h² of the cell.
+//! A Gauss rule across a kink misses a share of the error that does not fall with h. Guards, whose sign decides a
+//! branch of a formula, change sign along such lines. The simplices are cut there into straight pieces; the remaining
+//! error for a curved line is of the order of its deviation, h² of the cell.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -10,19 +10,18 @@ use fem::mesh::Mesh;
 use fem::space::quadrature::Rule;
 use formula::{Bound, Graph, Node, Program, Variable};
 
-/// Corners of a tetrahedron.
 const MOST_CORNERS: usize = 4;
-/// A guard is zero where it is below this share of its largest value at a vertex: rounding of formulas.
+/// Guards below this share of their largest value at a vertex are zero: rounding of formulas.
 const ZERO: f64 = 1e-11;
-/// Pieces of a smaller share of their simplex hold less than rounding of a sum over the mesh.
+/// Pieces of a smaller share of their simplex are negligible.
 const SMALLEST: f64 = 1e-14;
 /// Halvings of an edge: places to 1e-12 of it.
 const HALVINGS: usize = 40;
-/// Coordinates are rounded to this share of the largest, so that points of one abscissa stay so: what depends on x alone
-/// is evaluated once for all of them.
+/// Coordinates are rounded to this share of the largest, so that points with one abscissa keep it: what depends on x
+/// alone is then evaluated once.
 const GRAIN: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// A piece of a simplex: barycentric coordinates of its corners in it.
+/// A piece of a simplex: barycentric coordinates of its corners.
 #[derive(Clone, Copy)]
 struct Piece {
     simplex: usize,
@@ -34,20 +33,20 @@ pub(super) struct Cuts {
     guards: Vec<Program>,
     /// All guards at the vertices.
     at_vertices: Mutex<Bound>,
-    /// Vertices of the simplices, how many each has, and the place of each among the vertices that are evaluated.
+    /// Vertices of the simplices, number of vertices per simplex, and the index of each among the evaluated vertices.
     vertices: Vec<u32>,
     corners: usize,
     place: Vec<u32>,
 }
 
-/// A simplex that is cut: its number in the list, and the rule on its pieces.
+/// A cut simplex: its number in the list, and the rule on its pieces.
 pub(super) struct Cut {
     pub simplex: usize,
     pub rule: Rule,
 }
 
 impl Cuts {
-    /// The guards of `fields` on some simplices of a mesh; none where no guard varies in space.
+    /// The guards of `fields` on some simplices of a mesh; None if no guard varies in space.
     pub(crate) fn new<'a>(
         graph: &Graph,
         fields: &[Node],
@@ -68,12 +67,12 @@ impl Cuts {
         if guards.is_empty() {
             return None;
         }
-        let mut own = vertices.clone();
-        own.sort_unstable();
-        own.dedup();
-        let points: Vec<[f64; 3]> = own.iter().map(|&v| mesh.point(&[v], &[1.0])).collect();
+        let mut distinct = vertices.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let points: Vec<[f64; 3]> = distinct.iter().map(|&v| mesh.point(&[v], &[1.0])).collect();
         let all = Program::compile(&mut graph, &guards, horizon);
-        let place = |v: &u32| own.partition_point(|own| own < v) as u32;
+        let place = |v: &u32| distinct.partition_point(|distinct| distinct < v) as u32;
         Some(Self {
             at_vertices: Mutex::new(all.bind(&points)),
             place: vertices.iter().map(place).collect(),
@@ -118,11 +117,18 @@ impl Cuts {
         for (guard, zero) in active {
             pieces = self.divided(mesh, (guard, zero), t, &pieces);
         }
-        let of_one = pieces.chunk_by(|a, b| a.simplex == b.simplex).filter(|own| own.len() > 1);
-        of_one.map(|own| Cut { simplex: own[0].simplex, rule: self.on_pieces(own, rule) }).collect()
+        let of_one = pieces
+            .chunk_by(|a, b| a.simplex == b.simplex)
+            .filter(|pieces_of_simplex| pieces_of_simplex.len() > 1);
+        of_one
+            .map(|pieces_of_simplex| Cut {
+                simplex: pieces_of_simplex[0].simplex,
+                rule: self.on_pieces(pieces_of_simplex, rule),
+            })
+            .collect()
     }
 
-    /// The pieces, those that a guard changes sign in divided.
+    /// Divides the pieces in which a guard changes sign.
     fn divided(
         &self,
         mesh: &Mesh,
@@ -141,15 +147,15 @@ impl Cuts {
         };
         let points: Vec<[f64; 3]> =
             pieces.iter().flat_map(|p| p.corner[..corners].iter().map(|b| place(p, b))).collect();
-        let mut own = values(&points);
-        own.iter_mut().filter(|value| value.abs() <= zero).for_each(|value| *value = 0.0);
-        // Edges across which the sign changes: piece, its corners, the ends as they come nearer.
+        let mut guard_values = values(&points);
+        guard_values.iter_mut().filter(|value| value.abs() <= zero).for_each(|value| *value = 0.0);
+        // Edges across which the sign changes: piece, its corners, the converging ends.
         let mut edges = Vec::new();
-        for (i, values) in own.chunks(corners).enumerate() {
+        for (i, values) in guard_values.chunks(corners).enumerate() {
             for a in 0..corners {
                 for b in a + 1..corners {
                     if values[a] * values[b] < 0.0 {
-                        // From the lower end: what depends on x alone is halved at the same places in all rows.
+                        // From the lower end: what depends on x alone is then halved at equal places in all rows.
                         let at = |a: usize| points[corners * i + a];
                         let [a, b] = if at(a) < at(b) { [a, b] } else { [b, a] };
                         edges.push((i, [a, b], [0.0, 1.0]));
@@ -168,7 +174,7 @@ impl Cuts {
                 .map(|edge| place(&pieces[edge.0], &along(edge, middle(edge.2))))
                 .collect();
             for (edge, value) in edges.iter_mut().zip(values(&points)) {
-                let from = own[corners * edge.0 + edge.1[0]];
+                let from = guard_values[corners * edge.0 + edge.1[0]];
                 let end = usize::from((value < 0.0) != (from < 0.0));
                 edge.2[end] = middle(edge.2);
             }
@@ -185,7 +191,7 @@ impl Cuts {
         divided
     }
 
-    /// A rule on each of the pieces of one simplex, in its barycentric coordinates.
+    /// A rule on the pieces of one simplex, in its barycentric coordinates.
     fn on_pieces(&self, pieces: &[Piece], rule: &Rule) -> Rule {
         let corners = self.corners;
         let mut whole = Rule { points: Vec::new(), weights: Vec::new() };
@@ -203,7 +209,7 @@ impl Cuts {
         whole
     }
 
-    /// The points of rules on simplices, their coordinates rounded so that those of one abscissa stay so.
+    /// The points of rules on simplices, rounded so that equal abscissae stay equal.
     pub(crate) fn points<'a>(
         &self,
         mesh: &Mesh,
@@ -220,8 +226,8 @@ impl Cuts {
     }
 }
 
-/// Divides a piece at crossings of its edges, one edge after the other: a new corner has the sign of neither side, so
-/// that what is left of the other edges is crossed where it was.
+/// Divides a piece at crossings of its edges, edge by edge: a new corner has neither sign, so the remaining crossings
+/// stay valid.
 fn divide(piece: Piece, crossings: &[([usize; 2], [f64; MOST_CORNERS])], out: &mut Vec<Piece>) {
     let Some((&([a, b], at), rest)) = crossings.split_first() else {
         out.push(piece);
@@ -235,7 +241,7 @@ fn divide(piece: Piece, crossings: &[([usize; 2], [f64; MOST_CORNERS])], out: &m
     }
 }
 
-/// The share of a simplex that a piece of it has: the determinant of its barycentric coordinates.
+/// The share of a simplex that a piece has: the determinant of its barycentric coordinates.
 fn share(corner: &[[f64; MOST_CORNERS]; MOST_CORNERS], corners: usize) -> f64 {
     let matrix = nalgebra::DMatrix::from_fn(corners, corners, |a, c| corner[a][c]);
     matrix.determinant().abs()
@@ -260,12 +266,13 @@ mod tests {
         let cuts = cuts.filter(|_| with_cuts);
         let cut = cuts.as_ref().map_or(Vec::new(), |cuts| cuts.rules(mesh, &rule, 0.5));
         let of_cell = |c: usize| {
-            let own = cut.iter().find(|cut| cut.simplex == c).map_or(&rule, |cut| &cut.rule);
+            let rule_of_cell =
+                cut.iter().find(|cut| cut.simplex == c).map_or(&rule, |cut| &cut.rule);
             let points: Vec<[f64; 3]> =
-                own.points.iter().map(|b| mesh.point(mesh.cell(c), b)).collect();
+                rule_of_cell.points.iter().map(|b| mesh.point(mesh.cell(c), b)).collect();
             let mut values = vec![Vec::new()];
             program.bind(&points).evaluate(0.5, 0.0, &mut values);
-            let sum: f64 = values[0].iter().zip(&own.weights).map(|(v, w)| v * w).sum();
+            let sum: f64 = values[0].iter().zip(&rule_of_cell.weights).map(|(v, w)| v * w).sum();
             // Cells of one size.
             sum / cells as f64
         };
@@ -276,8 +283,8 @@ mod tests {
     fn jumps_across_lines_and_planes_are_integrated_exactly() {
         let square = rectangle([1.0, 1.0], 5, Family::Structured);
         let cube = cuboid([1.0, 1.0, 1.0], 2, Family::Structured);
-        // The corner below x + y/2 = t is a triangle t by 2t; below x + y + z = t a sixth of t³. Two lines that cross have a
-        // piece of a cell in common; 3 (x - t) has the line of x - t.
+        // The corner below x + y/2 = t is a triangle t by 2t; below x + y + z = t a sixth of t³. Two crossing lines
+        // share a piece of a cell; 3 (x - t) has the line of x - t.
         let cases = [
             (&square, "if(x + y/2 < t - 0.13, 3*x, 0)", 0.37f64.powi(3)),
             (&square, "if(x < t - 0.13, 1, 2) * if(y < 0.71, 1, 3)", 1.63 * 1.58),

@@ -1,8 +1,8 @@
-//! Double exponential quadrature: ∫_a^b f by the trapezoidal rule after s = ½(a+b) + ½(b-a) tanh(π/2 sinh x).
-//! Source: H. Takahasi, M. Mori, Publ. RIMS 9 (1974) 721-741.
+//! Double exponential quadrature: ∫_a^b f by the trapezoidal rule after s = ½(a+b) + ½(b-a) tanh(π/2 sinh x). H.
+//! Takahasi, M. Mori, Publ. RIMS 9 (1974) 721-741.
 //!
-//! Powers (s-a)^p, (b-s)^p with p > -1 at the ends cost no accuracy, so that weakly singular kernels
-//! and displacements t^a are integrated to rounding.
+//! Powers (s-a)^p, (b-s)^p with p > -1 at the ends cost no accuracy, so that weakly singular kernels and displacements
+//! t^a are integrated to rounding.
 
 /// Nodes x = ±i·STEP.
 const STEP: f64 = 1.0 / 16.0;
@@ -15,7 +15,7 @@ pub(crate) fn double_exponential(a: f64, b: f64) -> Vec<(f64, f64)> {
         .map(|i| {
             let x = f64::from(i) * STEP;
             let stretched = std::f64::consts::PI * x.sinh();
-            // The share of b-a between the place and the nearer end, without cancellation.
+            // Distance to the nearer end as a share of b-a, without cancellation.
             let share = 1.0 / (1.0 + stretched.abs().exp());
             let place = if i <= 0 { a + (b - a) * share } else { b - (b - a) * share };
             let density = std::f64::consts::PI * x.cosh() * share * (1.0 - share);
@@ -26,8 +26,8 @@ pub(crate) fn double_exponential(a: f64, b: f64) -> Vec<(f64, f64)> {
 
 /// Places and weights of ∫_a^b (t-s)^{-p} f(s) ds, 0 ≤ p < 1, b ≤ t.
 ///
-/// Up to b = t the lag is taken to the power 1-p, s = t - r^{1/(1-p)}: beside s = t, where t - s is rounding, it is that
-/// power which the rule spaces, and what is left to integrate is f.
+/// For b = t the substitution s = t - r^{1/(1-p)} is used: near s = t, where t - s is rounding, the rule is then spaced
+/// in that power, and only f remains to be integrated.
 pub(crate) fn against_power(p: f64, t: f64, a: f64, b: f64) -> Vec<(f64, f64)> {
     if p == 0.0 {
         return double_exponential(a, b);

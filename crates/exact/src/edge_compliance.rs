@@ -1,23 +1,23 @@
-//! ∫_{Γ3} ∂j_ν(u_ν - s) v_ν for a piecewise linear u_ν, by the rule of the scheme: needed where the
-//! exact solution lies in V^h, so that the scheme's integral, not a better one, balances it.
+//! ∫_{Γ3} ∂j_ν(u_ν - s) v_ν for a piecewise linear u_ν, by the rule of the scheme: an exact solution in V^h is balanced
+//! by the scheme's integral, not by a better one.
 
 use super::curve::CurveNumbers;
 use super::exact::LawNumbers;
 use super::sign_changes::sign_changes;
 use fem::space::quadrature::{gauss_legendre, triangle_degree_4};
 
-/// Where the scheme integrates ∂j_ν(u_ν - s) v_ν on Γ3.
+/// The scheme's quadrature of ∂j_ν(u_ν - s) v_ν on Γ3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ComplianceRule {
     /// At the vertices, with lumped weights.
     Vertex,
     /// At three Gauss points per edge, six per triangle.
     Gauss,
-    /// On the pieces between kinks: the integral itself, in the plane.
+    /// On the pieces between kinks: exact, in the plane.
     Exact,
 }
 
-/// Intervals of an edge in which crossings of kinks are looked for.
+/// Intervals of an edge in which crossings of kinks are sought.
 const WATCHES: usize = 64;
 
 impl LawNumbers {
@@ -51,8 +51,8 @@ impl LawNumbers {
     }
 }
 
-/// Means over one edge of c p(u_ν - s) times the two hat functions; `normal` are the end values of
-/// u_ν, `shift` is s and `scale` is c by the place in [0, 1]. The vertex rule has none: it is no facet integral.
+/// Means over one edge of c p(u_ν - s) times the two hat functions; `normal` are the end values of u_ν, `shift` is s
+/// and `scale` is c by the place in [0, 1]. None for the vertex rule, which is not a facet integral.
 pub(crate) fn edge_moments(
     law: &LawNumbers,
     rule: ComplianceRule,
@@ -70,8 +70,8 @@ pub(crate) fn edge_moments(
         }));
         cuts.sort_by(f64::total_cmp);
     }
-    // The scheme's Gauss rule has 3 points; the exact one takes 8 a piece, as s may be curved, and 32 if p
-    // is: for p rational they leave 1e-14 while u_ν - s ranges over 4 r0 on a piece.
+    // The scheme's Gauss rule has 3 points; the exact one takes 8 per piece, as s may be curved, and 32 if p is: for
+    // rational p they leave 1e-14 while u_ν - s ranges over 4 r0 on a piece.
     let count = match (rule, law.curve) {
         (ComplianceRule::Exact, None) => 8,
         (ComplianceRule::Exact, Some(_)) => 32,
@@ -90,8 +90,8 @@ pub(crate) fn edge_moments(
     moments
 }
 
-/// Moments of the compliance on a triangle by the Gauss rule of the scheme, of degree 4; `shift` and `scale` take barycentric coordinates.
-/// The exact rule is one for edges, and scenes in space that ask for it are refused.
+/// Moments of the compliance on a triangle by the Gauss rule of the scheme, of degree 4; `shift` and `scale` take
+/// barycentric coordinates. The exact rule is for edges only; scenes in space that ask for it are refused.
 pub(crate) fn triangle_moments(
     law: &LawNumbers,
     normal: &[f64],

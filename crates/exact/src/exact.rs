@@ -10,7 +10,6 @@ use super::{Separation, symbolic};
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{Graph, Node, Program, Variable};
 
-/// Numbers of the material, as the scene states them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialNumbers {
     /// λ.
@@ -25,12 +24,11 @@ pub struct MaterialNumbers {
     pub projection: Option<f64>,
 }
 
-/// A part of the body with a material of its own; parts do not overlap.
+/// A part of the body with a different material; parts do not overlap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionNumbers {
-    /// A formula in the place, positive inside.
+    /// A formula in the coordinates, positive inside.
     pub condition: Node,
-    /// Its material.
     pub material: MaterialNumbers,
 }
 
@@ -39,24 +37,21 @@ pub struct RegionNumbers {
 pub struct LawNumbers {
     /// (r, p(r)); a repeated abscissa is a jump.
     pub points: Vec<[f64; 2]>,
-    /// Slope before the first point.
     pub slope_before: f64,
-    /// Slope after the last point.
     pub slope_after: f64,
-    /// The curved part.
     pub curve: Option<CurveNumbers>,
 }
 
 /// Contact data as formulas.
 #[derive(Debug, Clone, Default)]
 pub struct ContactFormulas {
-    /// g(x), none without constraint.
+    /// g(x), if there is a constraint.
     pub gap: Option<Node>,
     /// s(x): the law is evaluated at u_ν - s.
     pub shift: Option<Node>,
-    /// ∂j_ν, but for the factor.
+    /// ∂j_ν, without the factor.
     pub law: Option<LawNumbers>,
-    /// c(x): the law is c ∂j_ν; none is 1.
+    /// c(x): the law is c ∂j_ν; None is 1.
     pub scale: Option<Node>,
     /// λ(x, t).
     pub multiplier: Option<Node>,
@@ -67,7 +62,7 @@ pub struct ContactFormulas {
 }
 
 impl ContactFormulas {
-    /// c p(u_ν - s); none without a law.
+    /// c p(u_ν - s); None without a law.
     pub(super) fn compliance(&self, graph: &mut Graph, u_nu: Node) -> Option<Node> {
         let law = self.law.as_ref()?;
         let shift = self.shift.unwrap_or_else(|| graph.constant(0.0));
@@ -77,7 +72,7 @@ impl ContactFormulas {
     }
 }
 
-/// Which form the loads take.
+/// The form of the loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadForm {
     /// F(v) = ∫ σ:ε(v) + ∫_{Γ3} c v_ν.
@@ -86,14 +81,12 @@ pub enum LoadForm {
     Strong,
 }
 
-/// What defines an exact solution.
+/// Defining data of an exact solution.
 #[derive(Clone)]
 pub struct ExactData {
-    /// Owner of all formulas.
     pub graph: Graph,
     /// u.
     pub u: Vec<Node>,
-    /// Material numbers outside all regions.
     pub material: MaterialNumbers,
     /// Regions with other numbers.
     pub regions: Vec<RegionNumbers>,
@@ -101,14 +94,13 @@ pub struct ExactData {
     pub kernels: Vec<Node>,
     /// κ(ζ).
     pub kappa: Option<Node>,
-    /// Contact, if there is a Γ3 with law or gap.
+    /// Set if there is a Γ3 with law or gap.
     pub contact: Option<ContactFormulas>,
     /// T.
     pub horizon: f64,
-    /// Box that contains the domain, one length a dimension: the domain itself, from the origin, if it is no
-    /// `polytope`.
+    /// Lengths of the box from the origin that is, or (with `polytope`) contains, the domain.
     pub size: Vec<f64>,
-    /// The domain, where it is no rectangle or box.
+    /// The domain, if not a rectangle or box.
     pub polytope: Option<Polytope>,
 }
 
@@ -125,7 +117,6 @@ impl ExactData {
 /// A polygon or polyhedron of coarse simplices, with the roles of its sides.
 #[derive(Debug, Clone)]
 pub struct Polytope {
-    /// Simplices and sides.
     pub coarse: CoarseMesh,
     /// The sides of Γ1.
     pub clamped: Vec<u32>,
@@ -135,11 +126,11 @@ pub struct Polytope {
 
 /// An exact solution with its compiled formulas.
 pub struct Exact {
-    /// The defining data; the graph has grown by the derived formulas.
+    /// The graph also contains the derived formulas.
     pub data: ExactData,
     /// ε, upper components.
     pub strain: Vec<Node>,
-    /// H_i = ∫ b_i(t-s) ε ds, one term of the memory after another; empty without memory.
+    /// H_i = ∫ b_i(t-s) ε ds, term by term; empty without memory.
     pub memory: Vec<Node>,
     /// σ as formulas.
     pub stress: Vec<Node>,
@@ -151,7 +142,7 @@ pub struct Exact {
     pub forces: Program,
     /// ζ(t).
     pub zeta: AccumulatedStrain,
-    /// The fields as sums of few products of time and space, where σ is linear in ε and the formulas show one.
+    /// The fields as short sums of products of time and space, if σ is linear in ε and the formulas separate.
     pub separation: Option<Separation>,
 }
 
@@ -180,12 +171,11 @@ impl Exact {
         Self { strain, memory, stress, body_force, interior, forces, zeta, separation, data }
     }
 
-    /// Space dimension.
     pub(crate) fn dimension(&self) -> usize {
         self.data.u.len()
     }
 
-    /// The region of each point, 0 for what lies in none of [`ExactData::regions`].
+    /// The region of each point, 0 outside all [`ExactData::regions`].
     pub(crate) fn regions_at(&self, points: &[[f64; 3]]) -> Vec<usize> {
         let mut found = vec![0; points.len()];
         if self.data.regions.is_empty() {
@@ -197,16 +187,16 @@ impl Exact {
         let mut values = vec![Vec::new(); conditions.len()];
         program.bind(points).evaluate(0.0, 0.0, &mut values);
         for (index, values) in values.iter().enumerate() {
-            for (own, value) in found.iter_mut().zip(values) {
+            for (region, value) in found.iter_mut().zip(values) {
                 if *value > 0.0 {
-                    *own = index + 1;
+                    *region = index + 1;
                 }
             }
         }
         found
     }
 
-    /// The region of each cell of a mesh, that of its centroid.
+    /// The region of each cell of a mesh, by its centroid.
     pub fn cell_regions(&self, mesh: &Mesh) -> Vec<usize> {
         if self.data.regions.is_empty() {
             return vec![0; mesh.cell_count()];
@@ -217,7 +207,7 @@ impl Exact {
         self.regions_at(&points)
     }
 
-    /// Whether ε, all memories and the law are the same everywhere, in cells of the given regions.
+    /// Whether ε, all memories and the law are constant in cells of the given regions.
     pub fn is_uniform(&self, regions: &[usize]) -> bool {
         let varies = |node| {
             let space = [Variable::X, Variable::Y, Variable::Z];
@@ -230,14 +220,14 @@ impl Exact {
             && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
     }
 
-    /// The region of each of some facets of a mesh, that of its centroid.
+    /// The region of each of some facets of a mesh, by its centroid.
     pub fn facet_regions(&self, mesh: &Mesh, facets: &[usize]) -> Vec<usize> {
         let centroid = vec![1.0 / mesh.dimension as f64; mesh.dimension];
         let middle = |&f: &usize| mesh.point(mesh.facet(f), &centroid);
         self.regions_at(&facets.iter().map(middle).collect::<Vec<_>>())
     }
 
-    /// ε and, into `memory`, the histories H_i, where `field` gives the outputs of [`Self::interior`] by number.
+    /// ε and, into `memory`, the histories H_i; `field` gives the outputs of [`Self::interior`] by number.
     #[inline(always)]
     pub fn tensors<const D: usize, T: Number>(
         &self,
@@ -253,7 +243,6 @@ impl Exact {
         from(D)
     }
 
-    /// The numbers of a region.
     pub fn material_in(&self, region: usize) -> &MaterialNumbers {
         match region {
             0 => &self.data.material,
@@ -268,14 +257,13 @@ impl Exact {
         self.data.graph.evaluate(kappa, &at)
     }
 
-    /// Programs on a boundary part with outward normal ν: [u_ν, c = ξ + λ, g].
-    ///
-    /// ξ is the selection where the scene gives one, else the law at u_ν - s.
+    /// Programs on a boundary part with outward normal ν: [u_ν, c = ξ + λ, g]. ξ is the scene's selection, or else the
+    /// law at u_ν - s.
     pub fn boundary(&self, normal: &[f64]) -> BoundaryFormulas {
         self.boundary_at(normal, None)
     }
 
-    /// The fields of a side on a plane where a coordinate has one value: terms that vanish there are left out.
+    /// The fields of a side on a coordinate plane: terms that vanish there are left out.
     pub(super) fn boundary_at(
         &self,
         normal: &[f64],
@@ -307,7 +295,6 @@ impl Exact {
 
 /// Formulas on a part of Γ3.
 pub struct BoundaryFormulas {
-    /// Owner of the nodes below.
     pub graph: Graph,
     /// [u_ν, ξ + λ, g, ξ, λ].
     pub program: Program,

@@ -9,13 +9,12 @@ use fem::norms::facet_samples;
 use fem::space::quadrature::Rule;
 use formula::Variable;
 
-/// Facets with one normal.
 pub(super) struct FacetGroup {
     /// ν, padded with zeros.
     pub(super) normal: [f64; 3],
-    /// Positions in the list that was grouped: for Γ3 those of the trace.
+    /// Positions in the grouped list: for Γ3 those of the trace.
     pub(super) facets: Vec<usize>,
-    /// The same facets by their numbers in the mesh.
+    /// The facets by their numbers in the mesh.
     pub(super) mesh_facets: Vec<usize>,
     /// The regions of their centroids.
     pub(super) regions: Vec<usize>,
@@ -24,7 +23,7 @@ pub(super) struct FacetGroup {
     pub(super) points: Sampled,
     pub(super) samples: Sampled,
     pub(super) strains: Sampled,
-    /// Friction, with its own points.
+    /// Friction, with separate points.
     friction: Option<(FrictionOnSide, Sampled)>,
 }
 
@@ -54,7 +53,7 @@ impl FacetGroup {
     }
 }
 
-/// The coordinate that all vertices of some facets share, where their normal is that of an axis.
+/// The coordinate that all vertices of some facets share, if their normal is along an axis.
 fn plane(mesh: &Mesh, members: &[(usize, usize)], normal: &[f64; 3]) -> Option<(Variable, f64)> {
     let axis = normal.iter().position(|component| component.abs() == 1.0)?;
     let mut places = members
@@ -67,7 +66,6 @@ fn plane(mesh: &Mesh, members: &[(usize, usize)], normal: &[f64; 3]) -> Option<(
         .then_some(([Variable::X, Variable::Y, Variable::Z][axis], first))
 }
 
-/// Groups mesh facets by side and normal.
 pub(super) fn facet_groups(
     exact: &Exact,
     space: &Discretization,

@@ -1,7 +1,6 @@
 //! The exact solution of Problem 1 in ℝ^m and its load
 //!
-//! ```text
-//! f(t) = M u + g(u) + N(S u, u) + Σ_i w_i (ξ_i + λ_i) a_i,   S u = R(Σ_l Q_l ∫_0^t q_l(t,s) u(s) ds + a_S)
+//! ```text f(t) = M u + g(u) + N(S u, u) + Σ_i w_i (ξ_i + λ_i) a_i, S u = R(Σ_l Q_l ∫_0^t q_l(t,s) u(s) ds + a_S)
 //! ```
 //!
 //! with histories by double exponential quadrature between the kinks of the integrands.
@@ -11,25 +10,21 @@ use super::exact::{LawNumbers, law_formula, normal_component};
 use super::sign_changes::sign_changes;
 use formula::{Graph, Node, Point, Program, Variable};
 
-/// What defines the solution; matrices by rows.
+/// Defining data; matrices by rows.
 pub struct FiniteData {
-    /// Owner of all formulas.
     pub graph: Graph,
     /// M.
     pub matrix: Vec<Vec<f64>>,
-    /// g_i in r, the first space coordinate; empty if A is linear.
+    /// g_i in r, the first space coordinate; empty for linear A.
     pub nonlinear: Vec<Node>,
-    /// The kernels with their matrices.
     pub kernels: Vec<KernelFormulas>,
     /// R.
     pub r: Vec<Vec<f64>>,
     /// a_S.
     pub a_s: Vec<f64>,
-    /// N_i in y (second space coordinate) and r (first); empty if N(y, u) = y.
+    /// N_i in y (second space coordinate) and r (first); empty for N(y, u) = y.
     pub force: Vec<Node>,
-    /// The functionals.
     pub traces: Vec<FiniteTrace>,
-    /// u(t).
     pub u: Vec<Node>,
     /// T.
     pub horizon: f64,
@@ -62,11 +57,10 @@ pub struct FiniteTrace {
 /// The solution at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FiniteState {
-    /// u(t).
     pub u: Vec<f64>,
     /// (S u)(t).
     pub history: Vec<f64>,
-    /// a_i·u, one a functional.
+    /// a_i·u per functional.
     pub traces: Vec<f64>,
     /// ξ_i.
     pub selection: Vec<f64>,
@@ -82,7 +76,6 @@ pub struct FiniteState {
     "the history at t = {t} changes by {change:.1e} when its panels are halved, {panels} of them: the kernel or u varies too fast, or is not finite on [0, t]"
 )]
 pub struct Unresolved {
-    /// t.
     pub t: f64,
     /// Change of the integrals.
     pub change: f64,
@@ -97,25 +90,21 @@ pub struct FiniteExact {
     present: Program,
     /// q_l(t, s) u_j(s), by l, then j, without the power.
     integrands: Program,
-    /// Signs of these decide the branches of the integrands.
+    /// Their signs decide the branches of the integrands.
     guards: Program,
     guard_count: usize,
     panels: usize,
 }
 
-/// Halving all panels may change a history by no more than this, relatively; the rule itself is exact
-/// to 1e-14 on panels that it resolves.
+/// Allowed relative change of a history by halving all panels; the rule itself is exact to 1e-14 on resolved panels.
 const RESOLVED: f64 = 1e-12;
-/// Panels are halved at most this often.
+/// Limit of halvings.
 const HALVINGS: u32 = 9;
-/// Intervals of [0, t] in which kinks are looked for.
+/// Intervals of [0, t] in which kinks are sought.
 const WATCHES: usize = 64;
 
 impl FiniteExact {
     /// Compiles the formulas and finds how many panels resolve the histories on [0, T].
-    ///
-    /// # Errors
-    /// [`Unresolved`].
     pub fn new(mut data: FiniteData) -> Result<Self, Unresolved> {
         let graph = &mut data.graph;
         let s = graph.variable(Variable::X);
@@ -154,7 +143,6 @@ impl FiniteExact {
         Ok(exact)
     }
 
-    /// ∂j_i of every functional.
     pub fn laws(&self) -> Vec<Option<LawNumbers>> {
         self.data.traces.iter().map(|trace| trace.law.clone()).collect()
     }
@@ -166,7 +154,7 @@ impl FiniteExact {
             let coarse = self.integrals(t, self.panels, 1);
             let fine = self.integrals(t, self.panels, 2);
             let differences: Vec<f64> = coarse.iter().zip(&fine).map(|(a, b)| a - b).collect();
-            // NaN is no small change, and max() would hide it.
+            // NaN is not a small change, and max() would hide it.
             let finite = fine.iter().all(|value| value.is_finite());
             change = if finite { size(&differences) } else { f64::NAN };
             if change <= RESOLVED * size(&fine) {
@@ -177,8 +165,8 @@ impl FiniteExact {
         Err(Unresolved { t, change, panels: self.panels })
     }
 
-    /// ∫_0^t (t-s)^{-a_l} q_l(t, s) u_j(s) ds, by l, then j, each panel between kinks in so many `parts`: twice the panels
-    /// would be the same ones where a kink is halfway.
+    /// ∫_0^t (t-s)^{-a_l} q_l(t, s) u_j(s) ds, by l, then j, with each panel between kinks divided into `parts`;
+    /// doubling the number of panels instead would repeat them if a kink is halfway.
     fn integrals(&self, t: f64, panels: usize, parts: usize) -> Vec<f64> {
         let (kernels, m) = (&self.data.kernels, self.data.u.len());
         let mut sums = vec![0.0; kernels.len() * m];
@@ -209,7 +197,7 @@ impl FiniteExact {
             let points: Vec<[f64; 3]> = rule.iter().map(|&(s, _)| [s, 0.0, 0.0]).collect();
             let mut values = vec![Vec::new(); sums.len()];
             self.integrands.bind(&points).evaluate(t, 0.0, &mut values);
-            for (l, _) in kernels.iter().enumerate().filter(|(_, own)| own.power == power) {
+            for (l, _) in kernels.iter().enumerate().filter(|(_, kernel)| kernel.power == power) {
                 for (sum, list) in sums[m * l..m * (l + 1)].iter_mut().zip(&values[m * l..]) {
                     *sum = list.iter().zip(&rule).map(|(value, (_, weight))| weight * value).sum();
                 }
@@ -244,7 +232,6 @@ impl FiniteExact {
         data.r.iter().map(|row| dot(row, &sum)).collect()
     }
 
-    /// The solution at time t.
     pub fn at(&self, t: f64) -> FiniteState {
         let (data, m, p) = (&self.data, self.data.u.len(), self.data.traces.len());
         let mut values = vec![Vec::new(); m + 3 * p];
@@ -308,8 +295,8 @@ mod tests {
         })
     }
 
-    /// A kernel that has no integral is not taken for resolved because its kink lies where panels are halved, or cut in
-    /// three; kinks there alone do no harm.
+    /// A kernel without an integral is unresolved even if its kink lies where panels are cut; kinks there alone do no
+    /// harm.
     #[test]
     fn a_kink_between_panels_hides_no_divergence() {
         for place in ["t/2", "t/3", "t/4"] {
@@ -319,7 +306,11 @@ mod tests {
             assert!((fine.history(1.0)[0] - 0.5 * share * share).abs() < 1e-14, "{place}");
             // At s = 0, where all places of the rule are finite.
             let divergent = with(&format!("max({place} - x, 0)/x^1.2"));
-            assert!(divergent.is_err(), "{place}: {:?}", divergent.map(|own| own.history(1.0)));
+            assert!(
+                divergent.is_err(),
+                "{place}: {:?}",
+                divergent.map(|solution| solution.history(1.0))
+            );
         }
     }
 }

@@ -3,43 +3,39 @@
 use super::exact::{Exact, LawNumbers, law_formula, normal_component};
 use formula::{Graph, Node, Program, Variable};
 
-/// The bound S.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionBound {
     /// S(x, t) by a formula.
     Given(Node),
-    /// (r, S(r)) over the slip r = |u_τ|, joined by lines and constant beyond the last.
+    /// (r, S(r)) over the slip r = |u_τ|, piecewise linear and constant beyond the last.
     Slip(Vec<[f64; 2]>),
     /// S = μ_f p(u_ν), p the normal law, by its coefficient μ_f.
     Coulomb(f64),
 }
 
-/// Friction as formulas.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionFormulas {
     /// S.
     pub bound: FrictionBound,
-    /// s(x, t): in the plane one formula, along the tangent; in space three, of which the part across ν counts. None where
-    /// it is S u_τ/|u_τ|, and 0 where nothing slips.
+    /// s(x, t): in the plane one formula, along the tangent; in space three, of which the part orthogonal to ν counts.
+    /// None for S u_τ/|u_τ|, and 0 where nothing slips.
     pub multiplier: Option<Vec<Node>>,
 }
 
 /// Friction on a part of Γ3 with one normal.
 pub struct FrictionOnSide {
-    /// The unit tangents.
     pub tangents: Tangents,
     /// [s, u_τ, S], s and u_τ along the tangents.
     pub program: Program,
 }
 
-/// Unit tangents, orthogonal to each other. In the plane the first alone, the second being zero: towards growing x, on a
-/// side along y towards growing y.
+/// Orthogonal unit tangents. In the plane only the first, the second being zero: towards growing x, on a side along y
+/// towards growing y.
 pub type Tangents = [[f64; 3]; 2];
 
 /// The state at one point; second numbers are 0 in the plane.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sliding {
-    /// The tangents.
     pub tangents: Tangents,
     /// s along them.
     pub s: [f64; 2],
@@ -55,14 +51,13 @@ impl Sliding {
         2 * (d - 1) + 1
     }
 
-    /// The state that the numbers of a program in dimension d say.
+    /// The state from the numbers of a program in dimension d.
     pub fn new(tangents: Tangents, d: usize, number: impl Fn(usize) -> f64) -> Self {
         let m = d - 1;
         let pair = |first: usize| [number(first), if m > 1 { number(first + 1) } else { 0.0 }];
         Self { tangents, s: pair(0), slip: pair(m), bound: number(2 * m) }
     }
 
-    /// s as a vector.
     pub fn stress(&self) -> [f64; 3] {
         let [[a, b, c], [d, e, f]] = self.tangents;
         let [s, q] = self.s;
@@ -84,31 +79,32 @@ impl Sliding {
         length(self.slip)
     }
 
-    /// S |u_τ| - s·u_τ, not negative where |s| ≤ S.
+    /// S |u_τ| - s·u_τ, nonnegative for |s| ≤ S.
     pub fn unaligned(&self) -> f64 {
         let [s, u] = [self.s, self.slip];
         self.bound * self.slipped() - (s[0] * u[0] + s[1] * u[1])
     }
 }
 
-/// The length of a vector, and in the plane the number without its sign.
+/// The length of a vector, and in the plane the modulus.
 fn length([a, b]: [f64; 2]) -> f64 {
     if b == 0.0 { a.abs() } else { a.hypot(b) }
 }
 
-/// Rounding of a formula that is to stay at the bound.
+/// Rounding of a formula that is meant to stay at the bound.
 const ROUNDING: f64 = 1e-12;
 
-/// A component of a unit vector that is zero but for rounding.
+/// A smaller component of a unit vector is rounding.
 const ALONG_AXIS: f64 = 1e-12;
 
-/// The tangents of a side with the normal ν. In space the first lies along the axis that is furthest from ν.
+/// The tangents of a side with normal ν. In space the first lies along the axis furthest from ν.
 fn tangents(normal: &[f64]) -> Tangents {
     if let &[a, b, c] = normal {
         let axis = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).unwrap_or(0);
-        let mut first = normal.iter().map(|own| -normal[axis] * own).collect::<Vec<f64>>();
+        let mut first =
+            normal.iter().map(|component| -normal[axis] * component).collect::<Vec<f64>>();
         first[axis] += 1.0;
-        let size = first.iter().map(|own| own * own).sum::<f64>().sqrt();
+        let size = first.iter().map(|component| component * component).sum::<f64>().sqrt();
         let [p, q, r] = [0, 1, 2].map(|i| first[i] / size);
         return [[p, q, r], [b * r - c * q, c * p - a * r, a * q - b * p]];
     }
@@ -118,12 +114,12 @@ fn tangents(normal: &[f64]) -> Tangents {
 }
 
 impl Exact {
-    /// s, u_τ and S where the outward normal is ν; `None` without friction.
+    /// s, u_τ and S for the outward normal ν; None without friction.
     pub fn friction(&self, normal: &[f64]) -> Option<FrictionOnSide> {
         self.friction_at(normal, None)
     }
 
-    /// The friction on a plane where a coordinate has one value.
+    /// The friction on a coordinate plane.
     pub(super) fn friction_at(
         &self,
         normal: &[f64],
@@ -133,18 +129,18 @@ impl Exact {
         let (mut graph, tangents) = (self.data.graph.clone(), tangents(normal));
         let d = normal.len();
         let along = |graph: &mut Graph, vector: &[Node]| -> Vec<Node> {
-            let own = tangents[..d - 1].iter();
-            own.map(|tangent| normal_component(graph, vector, &tangent[..d])).collect()
+            let nonzero = tangents[..d - 1].iter();
+            nonzero.map(|tangent| normal_component(graph, vector, &tangent[..d])).collect()
         };
         let u_tau = along(&mut graph, &self.data.u);
         let slip = length_formula(&mut graph, &u_tau);
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
-        let p = self.data.contact.as_ref().and_then(|own| own.compliance(&mut graph, u_nu));
+        let p = self.data.contact.as_ref().and_then(|contact| contact.compliance(&mut graph, u_nu));
         let bound = friction.bound.formula(&mut graph, slip, p);
         let s = match &friction.multiplier {
             None => slipping(&mut graph, (&u_tau, slip), bound),
-            Some(own) if d == 2 => own.clone(),
-            Some(own) => along(&mut graph, own),
+            Some(stress) if d == 2 => stress.clone(),
+            Some(stress) => along(&mut graph, stress),
         };
         let mut outputs = [&s[..], &u_tau, &[bound]].concat();
         if let Some((axis, value)) = plane {
@@ -159,7 +155,7 @@ impl Exact {
 }
 
 impl FrictionBound {
-    /// S, where the normal law has the value p: 0 without one.
+    /// S for the value p of the normal law; 0 without one.
     fn formula(&self, graph: &mut Graph, slip: Node, p: Option<Node>) -> Node {
         match self {
             Self::Given(bound) => *bound,
@@ -220,8 +216,8 @@ mod tests {
             ([0.6, 0.8], [0.8, -0.6]),
             ([-0.6, -0.8], [0.8, -0.6]),
         ] {
-            let own = tangents(&normal)[0];
-            assert!((0..2).all(|i| (own[i] - along[i]).abs() < 1e-15), "{normal:?}: {own:?}");
+            let first = tangents(&normal)[0];
+            assert!((0..2).all(|i| (first[i] - along[i]).abs() < 1e-15), "{normal:?}: {first:?}");
         }
     }
 

@@ -1,6 +1,6 @@
-//! Scenes whose exact u(t) is, on each mesh, the nodal interpolant of given formulas (u(t) ∈ V^h): strain, memory, ζ and
-//! stress are those of the interpolant at the points of the element where strains live, one a cell for P1, and
-//! ∫_{Γ3} c v_ν takes the boundary rule of the scheme. The error is the time error alone.
+//! Scenes whose exact u(t) is, on each mesh, the nodal interpolant of given formulas (u(t) ∈ V^h): strain, memory, ζ
+//! and stress are those of the interpolant at the strain points of the element (one per cell for P1), and ∫_{Γ3} c v_ν
+//! uses the boundary rule of the scheme. Only the time error remains.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -24,11 +24,10 @@ use formula::{Bound, Node, Point, Program};
 /// Intervals of the horizon in which guards are watched.
 const WATCHES: usize = 64;
 
-/// The nodal interpolant of an exact solution on one mesh.
 pub struct InterpolatedOnMesh {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
-    /// Where the scheme integrates ∂j_ν.
+    /// The scheme's quadrature of ∂j_ν.
     rule: ComplianceRule,
     /// The components of u, then those of each H_i u, at the nodes.
     bound: Mutex<Bound>,
@@ -39,7 +38,6 @@ pub struct InterpolatedOnMesh {
     boundary: Vec<SidePoints>,
     /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
     events: OnceLock<Vec<f64>>,
-    /// ζ.
     accumulated: RunningIntegral,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<Moments>,
@@ -47,7 +45,6 @@ pub struct InterpolatedOnMesh {
 }
 
 impl InterpolatedOnMesh {
-    /// Binds the nodal values of `exact` to the vertices of `space`.
     pub fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: ComplianceRule) -> Self {
         let mut graph = exact.data.graph.clone();
         let mut outputs: Vec<Node> = exact.data.u.clone();
@@ -76,8 +73,7 @@ impl InterpolatedOnMesh {
 
     /// u and the ∫ b_i(t-s) u(s) ds, one per term of the memory, as nodal vectors at time t.
     ///
-    /// # Errors
-    /// A formula that is not finite at a vertex.
+    /// # Errors A formula that is not finite at a vertex.
     pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<Vec<f64>>), LoadError> {
         let d = self.space.mesh.dimension;
         let mut out = vec![Vec::new(); d * (1 + self.exact.data.kernels.len())];
@@ -94,8 +90,8 @@ impl InterpolatedOnMesh {
         let interleave = |fields: &[Vec<f64>]| -> Vec<f64> {
             let mut all = vec![0.0; nodes * fields.len()];
             for (i, field) in fields.iter().enumerate() {
-                let own = all[i..].iter_mut().step_by(fields.len());
-                own.zip(field).for_each(|(own, value)| *own = *value);
+                let component = all[i..].iter_mut().step_by(fields.len());
+                component.zip(field).for_each(|(component, value)| *component = *value);
             }
             all
         };
@@ -110,8 +106,7 @@ impl InterpolatedOnMesh {
 
     /// ζ(t) = ∫ ‖ε(I_h u(s))‖ ds of the interpolant, cut at the events.
     ///
-    /// # Errors
-    /// A formula that is not finite at a vertex.
+    /// # Errors A formula that is not finite at a vertex.
     pub fn zeta(&self, t: f64) -> Result<f64, LoadError> {
         let all = self.events.get_or_init(|| events(&self.exact, &self.space));
         let events =
@@ -141,22 +136,22 @@ impl InterpolatedOnMesh {
         state
     }
 
-    /// The friction at the points of the trace; `None` without.
+    /// The friction at the points of the trace; None without friction.
     pub fn friction_state(&self, t: f64) -> Option<Vec<Sliding>> {
         let mut state = vec![Sliding::default(); self.space.trace.points.len()];
         for side in &self.boundary {
-            let own = side.friction(t, self.space.mesh.dimension)?;
-            side.members.iter().zip(own).for_each(|(&i, own)| state[i] = own);
+            let side_state = side.friction(t, self.space.mesh.dimension)?;
+            side.members.iter().zip(side_state).for_each(|(&i, side_state)| state[i] = side_state);
         }
         (!self.boundary.is_empty()).then_some(state)
     }
 
-    /// Adds ∫_{Γ3} c v_ν + s v_τ: λ and s at the vertices, where the conditions are, ξ by the rule.
+    /// Adds ∫_{Γ3} c v_ν + s v_τ: λ and s at the vertices, where their conditions are, ξ by the rule.
     fn add_contact_pressure(&self, t: f64, force: &mut [f64]) {
         let contact = self.exact.data.contact.as_ref();
         let law = contact.and_then(|contact| contact.law.as_ref());
         let on_facets = law.filter(|_| self.rule != ComplianceRule::Vertex);
-        // Of [u_ν, ξ + λ, g, ξ, λ]: all of the pressure, or λ alone.
+        // Of [u_ν, ξ + λ, g, ξ, λ]: all of the pressure, or only λ.
         let field = if on_facets.is_some() { 4 } else { 1 };
         for side in &self.boundary {
             let values = side.evaluate(t);
@@ -167,8 +162,8 @@ impl InterpolatedOnMesh {
             }
             let sliding = side.friction(t, self.space.mesh.dimension).unwrap_or_default();
             let members = side.members.iter().zip(&side.weights);
-            for ((&i, weight), own) in members.zip(sliding) {
-                for (tangent, s) in own.tangents.into_iter().zip(own.s) {
+            for ((&i, weight), point_sliding) in members.zip(sliding) {
+                for (tangent, s) in point_sliding.tangents.into_iter().zip(point_sliding.s) {
                     add_force_along(&self.space, i, tangent, weight * s, force);
                 }
             }
@@ -203,14 +198,14 @@ impl InterpolatedOnMesh {
         }
     }
 
-    /// s at a place of a facet.
+    /// s at a point of a facet.
     fn shift(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
         let contact = self.exact.data.contact.as_ref();
         let shift = contact.and_then(|contact| contact.shift);
         shift.map_or(0.0, |shift| self.on_facet(shift, vertices, barycentric))
     }
 
-    /// c at a place of a facet.
+    /// c at a point of a facet.
     fn scale(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
         let contact = self.exact.data.contact.as_ref();
         let scale = contact.and_then(|contact| contact.scale);
@@ -259,7 +254,7 @@ impl InterpolatedOnMesh {
         Ok(CellFields { u, strain: strains, stress: stresses })
     }
 
-    /// Where a point has no law the pressure is what the discrete one is shown as there, a mean of those around it.
+    /// Between laws the pressure is the mean of the surrounding points, as the discrete one is displayed.
     fn pressures_between_laws(&self, state: &mut [[f64; 5]]) {
         let mut pressure: Vec<f64> = state.iter().map(|at| at[1]).collect();
         self.space.trace.extend(&mut pressure);
@@ -288,7 +283,7 @@ impl InterpolatedOnMesh {
             moments.pressure.node.extend(at.clone().map(|at| at[1]));
             for b in &samples {
                 let value = |field: usize| -> f64 {
-                    // A gap of ∞ has no part in a node that does not count.
+                    // An infinite gap must not affect a node of weight zero.
                     let parts = b.iter().zip(at.clone()).filter(|(b, _)| **b != 0.0);
                     parts.map(|(b, at)| b * at[field]).sum()
                 };
@@ -345,7 +340,7 @@ fn events(exact: &Exact, space: &Discretization) -> Vec<f64> {
     let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
     let guards = graph.guards(&exact.data.u);
     let (count, program) = (guards.len(), Program::compile(&mut graph, &guards, horizon));
-    // Guards of contact scenes depend on x and t: one vertex a distinct x will do.
+    // Guards of contact scenes depend on x and t: one vertex per distinct x suffices.
     let mut distinct = points_of_nodes(space);
     distinct.sort_by(|a, b| a[0].total_cmp(&b[0]));
     distinct.dedup_by(|a, b| a[0] == b[0]);

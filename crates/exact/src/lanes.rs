@@ -1,11 +1,11 @@
-//! Cells side by side: what is written for one number runs on the vectors of the processor.
+//! Several cells in parallel, on vector registers.
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub, SubAssign};
 
-/// Cells side by side: a register of most processors.
+/// Cells in parallel: a register of most processors.
 pub const WIDTH: usize = 4;
 
-/// A real number, or several on which each operation acts one by one and rounds as on a single one.
+/// A real number, or several on which each operation acts and rounds separately.
 pub trait Number:
     Copy
     + Add<Output = Self>
@@ -16,10 +16,9 @@ pub trait Number:
     + SubAssign
     + From<f64>
 {
-    /// The square root.
     fn sqrt(self) -> Self;
 
-    /// `then` where this is at most `limit`, else `otherwise`.
+    /// `then` if at most `limit`, else `otherwise`.
     fn at_most(self, limit: f64, then: Self, otherwise: Self) -> Self;
 }
 
@@ -40,7 +39,7 @@ impl Number for f64 {
 pub(crate) struct Lanes(pub [f64; WIDTH]);
 
 impl Lanes {
-    /// The first numbers of a slice that is not empty; where it has fewer, its first one stands for them.
+    /// The first numbers of a nonempty slice, padded with its first one.
     #[inline(always)]
     pub(crate) fn load(values: &[f64]) -> Self {
         match values.first_chunk() {
@@ -67,7 +66,6 @@ impl Number for Lanes {
     }
 }
 
-/// The number, for all.
 impl From<f64> for Lanes {
     #[inline(always)]
     fn from(value: f64) -> Self {

@@ -1,16 +1,13 @@
 //! Exact solutions from formulas: fields, loads, contact state, and their verification.
 //!
-//! Independence: the stress here is computed from full tensors by [`constitutive`], at the accuracy
-//! of formulas and adaptive quadrature, and turned into nodal forces by [`nodal_force`]. Nothing is
-//! taken from `law`, `history` or `vhi`. What both sides share carries no law and no integral of the
-//! problem, and `tests/commands/house.rs` holds the list:
-//! - of `contact`: `Discretization`, for the mesh, the node numbers of a load vector, cell areas and the
-//!   order of the facets of Γ3 (a wrong one moves forces to wrong nodes, which no formula repeats);
-//!   `LoadError`, a message;
-//! - of `norms`: what errors are measured against, [`fem::norms::Moments`] and how it is filled. Both
-//!   sides of an error must mean the same quantity there, by definition;
-//! - `formula`, `mesh`, and the points and weights of `space::quadrature`, which have tests of their own
-//!   against values from outside.
+//! Independence: the stress is computed from full tensors by [`constitutive`], at the accuracy of formulas and adaptive
+//! quadrature, and turned into nodal forces by [`nodal_force`], without `law`, `history` or `vhi`. What both sides
+//! share contains no law and no integral of the problem; `tests/commands/house.rs` lists it:
+//! - of `contact`: `Discretization`, for the mesh, the node numbers of a load vector, cell areas and the order of the
+//!   facets of Γ3 (a wrong one moves forces to wrong nodes, which no formula repeats); `LoadError`, a message;
+//! - of `norms`: what errors are measured against, [`fem::norms::Moments`] and how it is filled. Both sides of an error
+//!   must mean the same quantity there, by definition;
+//! - `formula`, `mesh`, and the points and weights of `space::quadrature`, which are tested against external values.
 
 mod accumulated;
 mod check;

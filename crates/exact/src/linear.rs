@@ -1,8 +1,8 @@
-//! Gradients of linear functions on a simplex from edges alone, apart from the solver's shape gradients.
+//! Gradients of linear functions on a simplex from edges, independent of the solver's shape gradients.
 
 use fem::mesh::Mesh;
 
-/// ∇f of a linear function from its rises along the edges that leave one corner of a simplex.
+/// ∇f of a linear function from its increments along the edges that leave one corner of a simplex.
 pub fn gradient_of<const D: usize>(edges: &[[f64; D]; D], rise: &[f64; D]) -> [f64; D] {
     if D == 2 {
         let (p, q) = (edges[0], edges[1]);
@@ -20,7 +20,7 @@ pub fn gradient_of<const D: usize>(edges: &[[f64; D]; D], rise: &[f64; D]) -> [f
     std::array::from_fn(|i| (0..D).map(|a| rise[a] * cross(a, i)).sum::<f64>() / determinant)
 }
 
-/// Of each cell the gradients of linear functions that rise by one along one of the edges from its first corner.
+/// For each cell the gradients of linear functions that rise by one along one of the edges from its first corner.
 pub(crate) fn edge_slopes<const D: usize>(mesh: &Mesh) -> Vec<f64> {
     let mut all = Vec::with_capacity(D * D * mesh.cell_count());
     for c in 0..mesh.cell_count() {

@@ -1,7 +1,7 @@
-//! Nodal forces of the exact stress and pressure, from vertex positions and outward normals alone.
+//! Nodal forces of the exact stress and pressure, from vertex positions and outward normals only.
 //!
-//! The solver multiplies σ by shape gradients in Mandel notation. Here the gradient is integrated over the
-//! boundary of the cell: an error in the solver's assembly stays visible as a wrong solution.
+//! The solver multiplies σ by shape gradients in Mandel notation. Here the gradient is integrated over the boundary of
+//! the cell, so that an error in the solver's assembly shows.
 
 use std::ops::Range;
 
@@ -12,10 +12,10 @@ use fem::mesh::Mesh;
 use fem::space::Element;
 
 /// Adds ∫_K σ:ε(φ_a e_i) for the shape functions of cell c to the nodal vector `force`; `stress` is the projection of σ
-/// at its strain points, the mean over K for linear elements, and `nodes` are its nodes.
+/// at its strain points (the mean over K for linear elements), and `nodes` are its nodes.
 ///
-/// σ is symmetric, so the integrand is Σ_j σ_ij ∂_jφ_a, and by the divergence theorem
-/// ∫_K ∇λ_a = ∫_∂K λ_a n = -|F_a| n_a/D with F_a the facet opposite vertex a: cells are positively oriented.
+/// σ is symmetric, so the integrand is Σ_j σ_ij ∂_jφ_a, and by the divergence theorem ∫_K ∇λ_a = ∫_∂K λ_a n = -|F_a|
+/// n_a/D with F_a the facet opposite vertex a: cells are positively oriented.
 #[inline]
 pub(crate) fn add_stress<const D: usize>(
     (mesh, element): (&Mesh, Element),
@@ -26,8 +26,8 @@ pub(crate) fn add_stress<const D: usize>(
 ) {
     let corner = mesh.cell(c);
     let mut inwards = [[0.0; D]; 4];
-    for (a, own) in inwards.iter_mut().enumerate().take(D + 1) {
-        *own = inward(mesh, corner, a);
+    for (a, opposite_corner) in inwards.iter_mut().enumerate().take(D + 1) {
+        *opposite_corner = inward(mesh, corner, a);
     }
     work(element, stress, &inwards[..=D], |a, work: [f64; D]| {
         let target = &mut force[D * nodes[a] as usize..][..D];
@@ -35,10 +35,9 @@ pub(crate) fn add_stress<const D: usize>(
     });
 }
 
-/// Strain points of a cell, at most.
 const MOST_STRAINS: usize = 4;
 
-/// Adds a force of some size along a unit vector at a point of the trace.
+/// Adds a force of given size along a unit vector at a point of the trace.
 pub(super) fn add_force_along(
     space: &Discretization,
     point: usize,
@@ -54,8 +53,8 @@ pub(super) fn add_force_along(
     }
 }
 
-/// Adds ∫ σ:ε(v) over some cells from the projection of σ at their strain points, in the notation of moments; there are
-/// no numbers where σ vanishes.
+/// Adds ∫ σ:ε(v) over some cells from the projection of σ at their strain points, in the notation of moments; empty
+/// where σ vanishes.
 pub(super) fn add_means<const D: usize>(
     space: &Discretization,
     cells: Range<usize>,
@@ -64,21 +63,20 @@ pub(super) fn add_means<const D: usize>(
 ) {
     let (numbers, points) = (D * (D + 1) / 2, space.geometry.shares.len());
     let (at, mut stress) = ((&space.mesh, space.element), [[[0.0; D]; D]; MOST_STRAINS]);
-    for (c, own) in cells.zip(means.chunks_exact(numbers * points)) {
-        let tensors = own.chunks_exact(numbers).map(from_mandel::<D>);
-        stress.iter_mut().zip(tensors).for_each(|(stress, own)| *stress = own);
+    for (c, cell_means) in cells.zip(means.chunks_exact(numbers * points)) {
+        let tensors = cell_means.chunks_exact(numbers).map(from_mandel::<D>);
+        stress.iter_mut().zip(tensors).for_each(|(stress, tensor)| *stress = tensor);
         add_stress(at, c, space.cell_nodes(c), &stress[..points], force);
     }
 }
 
-/// That over all cells and nodes.
 pub(super) fn force_of_means<const D: usize>(space: &Discretization, means: &[f64]) -> Vec<f64> {
     let mut force = vec![0.0; space.nodes.len()];
     add_means::<D>(space, 0..space.mesh.cell_count(), means, &mut force);
     force
 }
 
-/// The other corners of a positively oriented tetrahedron, counter-clockwise as seen from outside.
+/// The other corners of a positively oriented tetrahedron, counter-clockwise from outside.
 const OPPOSITE: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// -|F_a| n_a/D.
@@ -101,7 +99,6 @@ fn doubled_area(mesh: &Mesh, corner: &[u32]) -> [f64; 3] {
     [0, 1, 2].map(|i| e[(i + 1) % 3] * f[(i + 2) % 3] - e[(i + 2) % 3] * f[(i + 1) % 3])
 }
 
-/// Length or area of a facet.
 pub(crate) fn facet_measure(mesh: &Mesh, facet: usize) -> f64 {
     let corner = mesh.facet(facet);
     if corner.len() == 2 {

@@ -1,4 +1,4 @@
-//! Strains of a function of the element from its values at the nodes, by slopes along edges: apart from the solver's shape
+//! Strains of a function of the element from its nodal values, by slopes along edges: independent of the solver's shape
 //! gradients.
 
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use super::linear::edge_slopes;
 use super::shapes::{between, strain_places};
 use fem::contact::Discretization;
 
-/// What does not depend on the function.
+/// Data independent of the function.
 pub(super) struct NodalStrain {
     space: Arc<Discretization>,
     /// ∇λ of all corners of a cell but its first, cell by cell.
@@ -27,7 +27,6 @@ impl NodalStrain {
         Self { slopes, places: strain_places(space.element, d), space }
     }
 
-    /// Strain points of a cell.
     pub(super) fn points(&self) -> usize {
         self.places.len()
     }
@@ -47,7 +46,7 @@ impl NodalStrain {
                 }
             }
         }
-        // What lifts the midpoints off the lines between their corners: 4 λ_a λ_b of each edge.
+        // The deviation of midpoints from linear: 4 λ_a λ_b of each edge.
         let slope = |corner: usize| -> [f64; D] {
             match corner {
                 0 => std::array::from_fn(|j| -slopes.iter().map(|slope| slope[j]).sum::<f64>()),

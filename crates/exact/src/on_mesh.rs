@@ -1,6 +1,5 @@
-//! An exact solution on a mesh: load vectors and moments, shared by all cases on the mesh.
-//!
-//! Fields that separate in time are integrated once, in parts; others once a time.
+//! An exact solution on a mesh: load vectors and moments, shared by all cases on the mesh. Fields that separate in time
+//! are integrated once, in parts; others at each time.
 
 mod contact;
 
@@ -26,67 +25,62 @@ use fem::norms::{ContactSamples, Moments};
 use fem::space::Element;
 use fem::space::quadrature::{Rule, TruthRules};
 
-/// An exact solution on one mesh of its dimension.
 pub struct ExactOnMesh {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
     form: LoadForm,
-    /// Points of the error rule in the cells; those of σ in the weak form where they are others.
+    /// Points of the error rule in the cells; points of σ in the weak form if different.
     error_points: Sampled,
     stress_points: Option<Sampled>,
-    /// Points on the edges of cells, in the weak form where functions jump.
+    /// Points on the edges of cells, in the weak form for discontinuous elements.
     edge_points: Option<Sampled>,
     /// Points of the strong form in the cells.
     force_points: Sampled,
     /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
     contact: Vec<FacetGroup>,
-    /// Facets of Γ2.
     traction: Vec<FacetGroup>,
     /// Of each cell.
     regions: Vec<usize>,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<KnownMoments>,
-    /// Kinks of the fields in the cells.
     cuts: Option<Cuts>,
-    /// What goes beside the parts, of loads and moments.
+    /// The parts of loads and moments that do not separate.
     contact_forces: ByTime<Vec<f64>>,
     contact_moments: ByTime<ContactMoments>,
-    /// Nodal vectors and moments of the parts; none where one is not finite.
+    /// Nodal vectors and moments of the parts; None if one is not finite.
     load_parts: OnceLock<Option<Vec<Vec<f64>>>>,
     moment_parts: OnceLock<Option<PartMoments>>,
-    /// Whether fields that separate are taken in parts.
+    /// Whether separable fields are taken in parts.
     in_parts: bool,
-    /// Whether strain and law are the same everywhere; the fields then.
+    /// The fields, if strain and law are constant in space.
     is_uniform: bool,
     uniform: OnceLock<Uniform>,
     state_points: OnceLock<StatePoints>,
 }
 
-/// The moments at one time.
 struct KnownMoments {
     moments: Arc<Moments>,
-    /// The means of σ by the rule of loads, of cells where a kink takes others.
+    /// The means of σ by the rule of loads, for cells where a kink changes them.
     of_loads: Vec<(usize, Vec<f64>)>,
 }
 
 impl KnownMoments {
-    /// The means of σ as the rule of loads has them.
     fn means_of_loads(&self) -> Cow<'_, [f64]> {
         let means = &self.moments.stress.at;
         if self.of_loads.is_empty() {
             return Cow::Borrowed(means);
         }
         let mut means = means.clone();
-        for (c, own) in &self.of_loads {
-            means[own.len() * c..own.len() * (c + 1)].copy_from_slice(own);
+        for (c, means_of_cell) in &self.of_loads {
+            means[means_of_cell.len() * c..means_of_cell.len() * (c + 1)]
+                .copy_from_slice(means_of_cell);
         }
         Cow::Owned(means)
     }
 }
 
 impl ExactOnMesh {
-    /// Binds the formulas of `exact` to the points of `rules` on `space`; `traction` are the sides
-    /// of Γ2.
+    /// Binds the formulas of `exact` to the points of `rules` on `space`; `traction` are the sides of Γ2.
     pub fn new(
         exact: Arc<Exact>,
         space: Arc<Discretization>,
@@ -100,7 +94,7 @@ impl ExactOnMesh {
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let regions = exact.cell_regions(&space.mesh);
-        // The shortcuts give what linear elements have of the fields.
+        // The shortcuts apply to linear elements.
         let is_linear = space.element == Element::P1;
         let is_uniform = is_linear && exact.is_uniform(&regions);
         let fields = [&exact.data.u[..], &exact.strain].concat();
@@ -134,19 +128,18 @@ impl ExactOnMesh {
         }
     }
 
-    /// Evaluates all fields at each time: for few times, and as a check on the parts.
+    /// Evaluates all fields at each time: for few times, and to check the parts.
     pub fn time_by_time(mut self) -> Self {
         self.in_parts = false;
         self
     }
 
-    /// Evaluates all fields at all points, where they are the same everywhere too: a check on that shortcut.
+    /// Evaluates all fields at all points, even if constant: to check that shortcut.
     pub fn point_by_point(mut self) -> Self {
         self.is_uniform = false;
         self
     }
 
-    /// The fields at one time.
     fn at(&self, t: f64) -> Parts<'_> {
         Parts {
             exact: &self.exact,
@@ -163,7 +156,7 @@ impl ExactOnMesh {
         }
     }
 
-    /// The parts of fields that separate.
+    /// The parts of separable fields.
     fn parts<'a>(&'a self, separation: &'a Separation) -> Parts<'a> {
         Parts {
             interior: &separation.interior,
@@ -173,7 +166,7 @@ impl ExactOnMesh {
             again: false,
             t: 0.0,
             zeta: f64::NAN,
-            // Nothing that separates is projected.
+            // Separable fields have no projection.
             kappa: f64::INFINITY,
             ..self.at(0.0)
         }
@@ -183,8 +176,7 @@ impl ExactOnMesh {
         self.exact.separation.as_ref().filter(|_| self.in_parts)
     }
 
-    /// Whether the moments of σ are all that the loads need of it: both are then the same to the last bit, whichever
-    /// comes first.
+    /// Whether loads use the moments of σ: both are then bit-identical, whichever comes first.
     fn is_shared(&self) -> bool {
         self.form == LoadForm::Weak && self.stress_points.is_none() && self.edge_points.is_none()
     }
@@ -211,7 +203,7 @@ impl ExactOnMesh {
         Ok(forces)
     }
 
-    /// That from the parts; none where there are none, or a number is not finite.
+    /// As above from the parts; None if there are none, or a number is not finite.
     fn volume_from_parts<const D: usize>(&self, t: f64) -> Option<Vec<f64>> {
         let separation = self.separation()?;
         let parts = self.load_parts.get_or_init(|| {
@@ -251,19 +243,18 @@ impl ExactOnMesh {
         })
     }
 
-    /// The fields, where their strain is the same everywhere and they are no parts.
+    /// The fields, if their strain is constant and they are not parts.
     fn uniform(&self, parts: &Parts<'_>) -> Option<&Uniform> {
         let new = || Uniform::new(&self.exact, &self.space.mesh);
         (self.is_uniform && parts.again).then(|| self.uniform.get_or_init(new))
     }
 
-    /// Moments in the cells of all parts.
     fn part_moments<const D: usize>(&self, parts: &Parts<'_>) -> Result<PartMoments, LoadError> {
         let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
         uniform.map_or_else(|| parts.moments::<D>(&self.error_points), Ok)
     }
 
-    /// Moments in the cells from the parts; none where there are none, or a number is not finite.
+    /// Moments in the cells from the parts; None if there are none, or a number is not finite.
     fn moments_from_parts<const D: usize>(&self, t: f64) -> Option<Moments> {
         let separation = self.separation()?;
         let parts = self.moment_parts.get_or_init(|| {

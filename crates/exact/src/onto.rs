@@ -1,5 +1,4 @@
-//! Projections of sampled fields onto what an element can have of them. Loops by index: what they call is inlined, and
-//! runs on vectors.
+//! Projections of sampled fields onto the element. Index loops, since the inlined calls then vectorise.
 
 use nalgebra::DMatrix;
 
@@ -12,12 +11,11 @@ use fem::space::quadrature::Rule;
 /// L² projections by a rule, onto the strains and onto the functions of an element.
 pub(super) struct Onto<'a> {
     rule: &'a Rule,
-    /// None for linear elements, which have shorter ways.
+    /// None for linear elements, which have shortcuts.
     others: Option<[Projector; 2]>,
 }
 
 impl<'a> Onto<'a> {
-    /// On simplices of the rule's dimension.
     pub(super) fn new(element: Element, rule: &'a Rule) -> Self {
         let others = (element != Element::P1).then(|| {
             let dimension = rule.points[0].len() - 1;
@@ -27,7 +25,7 @@ impl<'a> Onto<'a> {
         Self { rule, others }
     }
 
-    /// Replaces tensors point by point by what is left of them; `out` is what strains have, at the strain points.
+    /// Replaces tensors point by point by their remainders; `out` are the projections, at the strain points.
     #[inline(always)]
     pub(super) fn strains<T: Number, const N: usize>(
         &self,
@@ -44,7 +42,7 @@ impl<'a> Onto<'a> {
         }
     }
 
-    /// What strains have of them alone.
+    /// The projections onto strains only.
     #[inline(always)]
     pub(super) fn of_strains<T: Number, const N: usize>(
         &self,
@@ -58,7 +56,7 @@ impl<'a> Onto<'a> {
         }
     }
 
-    /// Replaces vectors point by point by what is left of them; `out` is what functions have, at the nodes.
+    /// Replaces vectors point by point by their remainders; `out` are the projections, at the nodes.
     #[inline(always)]
     pub(super) fn functions<T: Number, const N: usize, const C: usize>(
         &self,
@@ -69,11 +67,11 @@ impl<'a> Onto<'a> {
         let Some([_, functions]) = &self.others else {
             let corners: [[T; C]; N] = remainders(values, self.rule);
             for a in 0..C {
-                let mut own = [T::from(0.0); N];
+                let mut corner_value = [T::from(0.0); N];
                 for i in 0..N {
-                    own[i] = corners[i][a];
+                    corner_value[i] = corners[i][a];
                 }
-                out.push(own);
+                out.push(corner_value);
             }
             return;
         };
@@ -96,9 +94,9 @@ fn strain_shapes(element: Element, dimension: usize, b: &[f64]) -> Vec<f64> {
 
 /// A projection onto the span of some functions.
 struct Projector {
-    /// Of each point the values of all functions.
+    /// For each point the values of all functions.
     shape: Vec<Vec<f64>>,
-    /// Of each function what the values at the points count in its coefficient.
+    /// For each function the weights of the points in its coefficient.
     dual: Vec<Vec<f64>>,
 }
 
@@ -128,26 +126,26 @@ impl Projector {
     #[inline(always)]
     fn subtract<T: Number, const N: usize>(&self, coefficients: &[[T; N]], values: &mut [[T; N]]) {
         for (value, shape) in values.iter_mut().zip(&self.shape) {
-            for (own, s) in coefficients.iter().zip(shape) {
+            for (coefficient, s) in coefficients.iter().zip(shape) {
                 let s = T::from(*s);
                 for i in 0..N {
-                    value[i] -= own[i] * s;
+                    value[i] -= coefficient[i] * s;
                 }
             }
         }
     }
 }
 
-/// Appends the numbers of the first cells, cell by cell, and in a cell those of one place after the other.
+/// Appends the numbers of the first cells, cell by cell, and within a cell place by place.
 #[inline(always)]
 pub(super) fn append<const N: usize>(all: &mut Vec<f64>, cells: usize, places: &[[Lanes; N]]) {
     for l in 0..cells {
         for numbers in places {
-            let mut own = [0.0; N];
+            let mut of_cell = [0.0; N];
             for i in 0..N {
-                own[i] = numbers[i].0[l];
+                of_cell[i] = numbers[i].0[l];
             }
-            all.extend_from_slice(&own);
+            all.extend_from_slice(&of_cell);
         }
     }
 }
@@ -157,7 +155,7 @@ mod tests {
     use super::*;
     use fem::space::quadrature::{edge, triangle_degree_6};
 
-    /// Linear tensors and quadratic vectors are given back, and nothing is left; of a cubic something is.
+    /// Linear tensors and quadratic vectors have no remainder; a cubic has one.
     #[test]
     fn what_the_element_has_is_given_back() {
         let rule = triangle_degree_6();

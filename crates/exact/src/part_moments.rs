@@ -1,4 +1,4 @@
-//! Moments of exact fields, part by part: what the element can have of them, and the products of what it cannot.
+//! Moments of exact fields, part by part: projections onto the element, and products of the remainders.
 
 use std::ops::Range;
 
@@ -14,7 +14,6 @@ use fem::norms::{AtPoints, Moments, Piecewise};
 use fem::space::quadrature::Rule;
 
 impl Parts<'_> {
-    /// Moments of u, ε and σ of all parts.
     pub(crate) fn moments<const D: usize>(
         &self,
         points: &Sampled,
@@ -31,7 +30,6 @@ impl Parts<'_> {
         Ok(sums)
     }
 
-    /// Adds them for tensors of N numbers.
     fn add_moments<const D: usize, const N: usize>(
         &self,
         points: &Sampled,
@@ -54,7 +52,7 @@ impl Parts<'_> {
     }
 }
 
-/// What the element cannot have of ε, σ and u in a few cells, of each part: numbers point by point.
+/// Remainders of ε, σ and u in a few cells, for each part: numbers point by point.
 struct Remainders<const D: usize, const N: usize> {
     strain: Vec<Vec<[Lanes; N]>>,
     stress: Vec<Vec<[Lanes; N]>>,
@@ -88,10 +86,10 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
         let (mut at_points, mut at_nodes) = (Vec::new(), Vec::new());
         let (count, points, mut memory) = (cells.len(), rule.weights.len(), Vec::new());
         for first in (0..count).step_by(WIDTH) {
-            let own = first..count.min(first + WIDTH);
-            let global = cells.start + own.start..cells.start + own.end;
+            let chunk = first..count.min(first + WIDTH);
+            let global = cells.start + chunk.start..cells.start + chunk.end;
             let at = |field: &[f64], q: usize| {
-                Lanes::load(&field[count * q + own.start..count * q + own.end])
+                Lanes::load(&field[count * q + chunk.start..count * q + chunk.end])
             };
             for (m, part) in values.chunks(parts.fields()).enumerate() {
                 let (strains, stresses) = (&mut room.strain[m], &mut room.stress[m]);
@@ -105,14 +103,14 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
                     stresses.push(mandel(&sigma));
                 }
                 onto.strains(stresses, &mut at_points);
-                append(&mut sums.stress.vectors[m], own.len(), &at_points);
+                append(&mut sums.stress.vectors[m], chunk.len(), &at_points);
                 if !parts.is_present(m) {
-                    // Empty, as what vanishes is.
+                    // Empty, like any vector that vanishes.
                     strains.clear();
                     continue;
                 }
                 onto.strains(strains, &mut at_points);
-                append(&mut sums.strain.vectors[m], own.len(), &at_points);
+                append(&mut sums.strain.vectors[m], chunk.len(), &at_points);
                 let displacements = &mut room.displacement[m];
                 displacements.clear();
                 for q in 0..points {
@@ -126,7 +124,7 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
                     2 => onto.functions::<_, D, 3>(displacements, &mut at_nodes),
                     _ => onto.functions::<_, D, 4>(displacements, &mut at_nodes),
                 }
-                append(&mut sums.displacement.vectors[m], own.len(), &at_nodes);
+                append(&mut sums.displacement.vectors[m], chunk.len(), &at_nodes);
             }
             let measures = &parts.space.geometry.measure[global];
             sums.strain.add_products(&room.strain, &rule.weights, measures);
@@ -136,7 +134,7 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
     }
 }
 
-/// A field of several parts: what the element can have of each, and the products of what it cannot.
+/// A field of several parts: the projection of each, and the products of the remainders.
 #[derive(Debug, Default)]
 pub(super) struct PartFamily {
     /// Projections by their values at strain points, or at nodes; empty where they vanish.
@@ -176,7 +174,7 @@ impl PartFamily {
         }
     }
 
-    /// The field Σ_m a_m S_m; none if it is not finite.
+    /// The field Σ_m a_m S_m; None if it is not finite.
     fn combined(&self, factors: &[f64], length: usize) -> Option<(Vec<f64>, f64)> {
         let parts = factors.len();
         let mut rest = 0.0;
@@ -186,7 +184,7 @@ impl PartFamily {
                 rest += twice * factors[m] * factors[l] * self.products[parts * m + l];
             }
         }
-        // Parts that cancel leave rounding, of either sign.
+        // Parts that cancel leave rounding of either sign.
         let rest = if rest < 0.0 { 0.0 } else { rest };
         let vector = combined(&self.vectors, factors, length);
         (rest.is_finite() && vector.iter().all(|value| value.is_finite())).then_some((vector, rest))
@@ -202,7 +200,6 @@ pub(super) fn combined(vectors: &[Vec<f64>], factors: &[f64], length: usize) -> 
     sum
 }
 
-/// Moments of u, ε and σ in the cells, part by part.
 #[derive(Debug, Default)]
 pub(super) struct PartMoments {
     pub(super) strain: PartFamily,
@@ -213,7 +210,7 @@ pub(super) struct PartMoments {
 }
 
 impl PartMoments {
-    /// The moments of Σ_m a_m S_m in the cells, σ with factors `of_stress`; none if a number is not finite.
+    /// The moments of Σ_m a_m S_m in the cells, σ with factors `of_stress`; None if a number is not finite.
     pub(crate) fn at(&self, factors: &[f64], of_stress: &[f64]) -> Option<Moments> {
         let [tensors, nodes] = self.lengths;
         let constants = |family: &PartFamily, factors: &[f64]| {
@@ -232,7 +229,6 @@ impl PartMoments {
         &self.stress.vectors
     }
 
-    /// The moments of a single part.
     pub(crate) fn single(self) -> Moments {
         let [strain, stress, displacement] = [self.strain, self.stress, self.displacement]
             .map(|mut family| (family.vectors.swap_remove(0), family.products[0]));
@@ -242,7 +238,7 @@ impl PartMoments {
         Moments { strain, stress, displacement, ..Moments::default() }
     }
 
-    /// Forgets vectors of nothing but zeros: the strain of a part that occurs in the memory alone.
+    /// Drops zero vectors: the strain of a part that occurs only in the memory.
     pub(crate) fn without_zeros(mut self) -> Self {
         let families = [&mut self.strain, &mut self.stress, &mut self.displacement];
         families.into_iter().for_each(|family| forget_zeros(&mut family.vectors));
@@ -250,7 +246,6 @@ impl PartMoments {
     }
 }
 
-/// Empties the vectors of zeros.
 pub(super) fn forget_zeros(vectors: &mut [Vec<f64>]) {
     for vector in vectors.iter_mut().filter(|vector| vector.iter().all(|value| *value == 0.0)) {
         *vector = Vec::new();

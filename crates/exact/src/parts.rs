@@ -1,7 +1,7 @@
 //! Exact fields on a mesh, given as one or several parts: the nodal forces of each.
 //!
-//! The fields at one time are a single part. Fields that separate, Σ_m a_m(t) S_m(x), have as many as they have
-//! factors; where σ is linear in them, loads and moments at all times follow from those of the parts.
+//! The fields at one time are a single part. Separable fields, Σ_m a_m(t) S_m(x), have as many parts as factors; if σ
+//! is linear in them, loads and moments at all times follow from those of the parts.
 
 use std::ops::Range;
 
@@ -19,19 +19,19 @@ use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::Rule;
 use formula::Program;
 
-/// Where the fields come from.
+/// Source of the fields.
 pub(super) struct Parts<'a> {
     pub exact: &'a Exact,
     pub space: &'a Discretization,
     /// Of each cell.
     pub regions: &'a [usize],
-    /// [u, ε, H_1, …] and f0 of one part after another.
+    /// [u, ε, H_1, …] and f0, part by part.
     pub interior: &'a Program,
     pub forces: &'a Program,
     pub count: usize,
-    /// Which of them have neither u nor ε; others where the list ends.
+    /// Which of them have neither u nor ε; false beyond the end of the list.
     pub remembered_alone: &'a [bool],
-    /// Whether the same formulas are evaluated at other times: they then stay bound to the points.
+    /// Whether the formulas are evaluated again at other times: they then stay bound to the points.
     pub again: bool,
     pub t: f64,
     pub zeta: f64,
@@ -55,7 +55,7 @@ impl Parts<'_> {
         (self.interior, self.of_all(names, self.fields()))
     }
 
-    /// The names of one part, or one for each of the fields of several: no number of theirs may be anything else.
+    /// The names of one part, or one per field of several, where every number must be finite.
     fn of_all(&self, names: Vec<String>, fields: usize) -> Vec<String> {
         if self.again { names } else { vec![String::from("a part"); self.count * fields] }
     }
@@ -91,12 +91,12 @@ impl Parts<'_> {
             let (parts, cells, means) = (self, &cells, &mut means[..]);
             match D {
                 2 => {
-                    let own = Means::<D, 3> { parts, rule, onto, cells, values, means };
-                    pulp::Arch::new().dispatch(own)
+                    let means_in_plane = Means::<D, 3> { parts, rule, onto, cells, values, means };
+                    pulp::Arch::new().dispatch(means_in_plane)
                 }
                 _ => {
-                    let own = Means::<D, 6> { parts, rule, onto, cells, values, means };
-                    pulp::Arch::new().dispatch(own)
+                    let means_in_space = Means::<D, 6> { parts, rule, onto, cells, values, means };
+                    pulp::Arch::new().dispatch(means_in_space)
                 }
             }
             for (mean, force) in means.iter().zip(&mut forces) {
@@ -119,20 +119,24 @@ impl Parts<'_> {
         points.each_block(&space.mesh, self.forces, at, self.again, &names, |cells, values| {
             for (force, part) in forces.iter_mut().zip(values.chunks_exact(D)) {
                 for (index, c) in cells.clone().enumerate() {
-                    let mut own = [[0.0; D]; MOST_NODES];
+                    let mut at_nodes = [[0.0; D]; MOST_NODES];
                     for (q, weight) in rule.weights.iter().enumerate() {
                         let value: [f64; D] =
                             std::array::from_fn(|i| weight * part[i][cells.len() * q + index]);
-                        for (own, shape) in own.iter_mut().zip(&shape[q]) {
-                            own.iter_mut()
+                        for (at_node, shape) in at_nodes.iter_mut().zip(&shape[q]) {
+                            at_node
+                                .iter_mut()
                                 .zip(&value)
-                                .for_each(|(own, value)| *own += shape * value);
+                                .for_each(|(sum, value)| *sum += shape * value);
                         }
                     }
                     let measure = space.geometry.measure[c];
-                    for (&node, own) in space.cell_nodes(c).iter().zip(&own) {
+                    for (&node, at_node) in space.cell_nodes(c).iter().zip(&at_nodes) {
                         let force = &mut force[D * node as usize..][..D];
-                        force.iter_mut().zip(own).for_each(|(force, own)| *force += measure * own);
+                        force
+                            .iter_mut()
+                            .zip(at_node)
+                            .for_each(|(force, sum)| *force += measure * sum);
                     }
                 }
             }
@@ -167,8 +171,8 @@ impl Parts<'_> {
                         let nodes = space.nodes.on_facet(facet).iter().zip(&shape[q]);
                         for (&vertex, shape) in nodes {
                             let node = space.nodes.of_vertex[vertex as usize] as usize;
-                            let own = force[D * node..][..D].iter_mut();
-                            own.zip(traction).for_each(|(own, t)| *own += shape * t);
+                            let at_node = force[D * node..][..D].iter_mut();
+                            at_node.zip(traction).for_each(|(at_node, t)| *at_node += shape * t);
                         }
                     }
                 }
@@ -178,37 +182,37 @@ impl Parts<'_> {
     }
 }
 
-/// The tensor that `law` gives of a region, for each cell that of its own.
+/// The tensor of `law` for each cell by its region.
 #[inline(always)]
 fn by_region<const D: usize>(
     regions: &[usize],
     law: impl Fn(usize) -> Tensor<D, Lanes>,
 ) -> Tensor<D, Lanes> {
     let mut all = [[Lanes::from(0.0); D]; D];
-    // Called at one place, that it is inlined there.
+    // Called from one place only, so that it is inlined.
     for (l, &region) in regions.iter().enumerate() {
         if l > 0 && region == regions[0] {
             continue;
         }
-        let own = law(region);
+        let tensor = law(region);
         if l == 0 {
-            all = own;
+            all = tensor;
             continue;
         }
-        let pairs = all.as_flattened_mut().iter_mut().zip(own.as_flattened());
-        pairs.for_each(|(all, own)| all.0[l] = own.0[l]);
+        let pairs = all.as_flattened_mut().iter_mut().zip(tensor.as_flattened());
+        pairs.for_each(|(all, tensor)| all.0[l] = tensor.0[l]);
     }
     all
 }
 
-/// What strains have of σ on some cells, its means for linear elements, on the widest vectors of the processor.
+/// Projections of σ onto the strains of some cells (means for linear elements), on the widest vectors of the processor.
 struct Means<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
     rule: &'a Rule,
     onto: &'a Onto<'a>,
     cells: &'a Range<usize>,
     values: &'a [&'a [f64]],
-    /// Of each part, cell by cell, in the notation of moments.
+    /// For each part, cell by cell, in the notation of moments.
     means: &'a mut [Vec<f64>],
 }
 
@@ -219,7 +223,7 @@ impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { parts, rule, onto, cells, values, means } = self;
         let (count, mut memory, mut sigmas) = (cells.len(), Vec::new(), Vec::new());
-        let mut own: Vec<[Lanes; N]> = Vec::new();
+        let mut projected: Vec<[Lanes; N]> = Vec::new();
         for (part, means) in values.chunks(parts.fields()).zip(means) {
             means.clear();
             for first in (0..count).step_by(WIDTH) {
@@ -232,8 +236,8 @@ impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
                     let (_, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
                     sigmas.push(mandel(&sigma));
                 }
-                onto.of_strains(&sigmas, &mut own);
-                append(means, end - first, &own);
+                onto.of_strains(&sigmas, &mut projected);
+                append(means, end - first, &projected);
             }
         }
     }

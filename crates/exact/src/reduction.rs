@@ -1,12 +1,11 @@
-//! Sampled fields reduced to what the distance to P1 functions needs. Loops by index: what they call is inlined, and runs
-//! on vectors.
+//! Reduction of sampled fields to their distance to P1 functions. Index loops, since the inlined calls then vectorise.
 
 use super::lanes::Number;
 use fem::norms::linear_projection;
 use fem::space::quadrature::Rule;
 
 /// The mean of a tensor field on one cell; `values` holds the tensors point by point, one for each of `weights`, and
-/// becomes what they differ from it.
+/// becomes the deviations.
 #[inline(always)]
 pub(crate) fn deviations<T: Number, const N: usize>(
     values: &mut [[T; N]],
@@ -21,7 +20,7 @@ pub(crate) fn deviations<T: Number, const N: usize>(
     mean
 }
 
-/// The same, and the values left as they are.
+/// As [`deviations`], leaving the values unchanged.
 #[inline(always)]
 pub(crate) fn mean<T: Number, const N: usize>(values: &[[T; N]], weights: &[f64]) -> [T; N] {
     let mut mean = [T::from(0.0); N];
@@ -34,7 +33,8 @@ pub(crate) fn mean<T: Number, const N: usize>(values: &[[T; N]], weights: &[f64]
     mean
 }
 
-/// Linear projections of N sampled fields on one simplex of C corners, by their values there; `at` becomes what is left.
+/// Linear projections of N sampled fields on one simplex of C corners, by their values there; `at` becomes the
+/// remainder.
 #[inline(always)]
 pub(crate) fn remainders<T: Number, const N: usize, const C: usize>(
     at: &mut [[T; N]],

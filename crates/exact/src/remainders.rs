@@ -1,16 +1,19 @@
-//! The exact solution with what the quadrature of its hereditary integrals leaves unresolved: what that moves is part of
-//! the floor.
+//! The exact solution with the estimated quadrature error of its hereditary integrals; the effect is part of the floor.
 
 use super::exact::{ContactFormulas, Exact};
 use formula::{Node, Program};
 
 impl Exact {
-    /// The solution with what the quadrature of its hereditary integrals may lack added; none where that moves no field at these
-    /// points and times.
+    /// Adds the estimates to the solution; None if that changes no field at these points and times.
     pub fn with_remainders(&self, points: &[[f64; 3]], times: &[f64]) -> Option<Self> {
         let mut data = self.data.clone();
         let friction = |c: &ContactFormulas| -> Vec<Node> {
-            c.friction.iter().flat_map(|own| own.multiplier.clone().unwrap_or_default()).collect()
+            c.friction
+                .iter()
+                .flat_map(|friction_formulas| {
+                    friction_formulas.multiplier.clone().unwrap_or_default()
+                })
+                .collect()
         };
         let contact = data.contact.iter();
         let contact = contact
@@ -30,7 +33,7 @@ impl Exact {
         let moved = times.iter().any(|&t| {
             values.iter_mut().for_each(|(bound, out)| bound.evaluate(t, 0.0, out));
             let [(_, plain), (_, with)] = &values;
-            // Numbers that are not finite are the same, too.
+            // Equal non-finite numbers count as equal, too.
             let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
             !plain.iter().flatten().zip(with.iter().flatten()).all(same)
         });

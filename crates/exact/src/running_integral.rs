@@ -1,9 +1,8 @@
 //! ∫_0^t f(s) ds for any t from few values of an expensive, piecewise smooth f.
 //!
-//! The horizon is cut into panels and these at the events of f; a piece that does not resolve f (on a
-//! long horizon, with many oscillations a panel) is halved. On each piece f is interpolated at Gauss
-//! points by a Legendre series, which is integrated in closed form. The value at t depends on neither
-//! the order nor the choice of the times asked for.
+//! The horizon is cut into panels and these at the events of f; a piece that does not resolve f (on a long horizon,
+//! with many oscillations per panel) is halved. On each piece f is interpolated at Gauss points by a Legendre series,
+//! which is integrated in closed form. Values are independent of the times requested and their order.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -11,15 +10,15 @@ use fem::space::quadrature::gauss_legendre;
 
 /// Panels of the horizon.
 const PANELS: usize = 16;
-/// Gauss points a piece: on T/16 a function analytic in a disc of radius T is resolved to rounding.
+/// Gauss points per piece: on T/16 a function analytic in a disc of radius T is resolved to rounding.
 const POINTS: usize = 10;
-/// A piece is halved while its last two Legendre coefficients exceed this share of the largest: the
-/// series then leaves out about as much again.
+/// A piece is halved while its last two Legendre coefficients exceed this share of the largest: the series then misses
+/// about as much again.
 const RESOLVED: f64 = 1e-12;
-/// What a piece leaves out at most, as a share of the size of f on its panel times the panel: half a unit in the last
-/// place. Towards powers (s - a)^p, p > 0, and kinks that no event names pieces are halved until it is reached.
+/// Largest error of a piece, as a share of the size of f on its panel times the panel: half a unit in the last place.
+/// Towards powers (s - a)^p, p > 0, and kinks without events, pieces are halved until it is reached.
 const NEGLIGIBLE: f64 = 1e-16;
-/// Halvings of all pieces, of those towards few places, and pieces of a panel that are halved beyond the former.
+/// Halvings of all pieces, of those towards few places, and number of the latter per panel.
 const HALVINGS: u32 = 6;
 const DEEPEST: u32 = 60;
 const MOST: usize = 256;
@@ -27,7 +26,7 @@ const MOST: usize = 256;
 /// A running integral, grown panel by panel.
 pub(crate) struct RunningIntegral {
     horizon: f64,
-    /// What a piece may leave unresolved, as a share.
+    /// Allowed unresolved share of a piece.
     share: f64,
     panels: Mutex<Vec<Vec<Piece>>>,
 }
@@ -41,21 +40,20 @@ struct Piece {
 }
 
 impl RunningIntegral {
-    /// An integral over [0, horizon], nothing computed yet.
+    /// An integral over [0, horizon], not yet computed.
     pub(crate) fn new(horizon: f64) -> Self {
         Self { horizon, share: RESOLVED, panels: Mutex::new(Vec::new()) }
     }
 
-    /// The integral of a function whose values are right only to this share of it, if that is larger than what is asked.
+    /// For a function whose values are accurate only to this share, if that is larger than the default.
     pub(crate) fn scaled_to(self, share: f64) -> Self {
         Self { share: share.max(RESOLVED), ..self }
     }
 
-    /// ∫_0^t f; `events` lists the cuts inside an interval, sorted. Times beyond the horizon are
-    /// extrapolated from its last piece.
+    /// ∫_0^t f; `events` lists the cuts inside an interval, sorted. Times beyond the horizon are extrapolated from its
+    /// last piece.
     ///
-    /// # Errors
-    /// What f returns.
+    /// # Errors Those of f.
     pub(crate) fn at<E>(
         &self,
         t: f64,
@@ -83,27 +81,25 @@ impl RunningIntegral {
             panels.push(panel.pieces);
         }
         let pieces = &panels[panel];
-        let own = pieces.iter().find(|piece| t <= piece.to).or(pieces.last());
-        Ok(own.map_or(0.0, |piece| piece.at(t)))
+        let containing = pieces.iter().find(|piece| t <= piece.to).or(pieces.last());
+        Ok(containing.map_or(0.0, |piece| piece.at(t)))
     }
 }
 
-/// A panel that is being integrated.
 #[derive(Default)]
 struct Panel {
     /// The integral up to the next piece.
     before: f64,
     width: f64,
-    /// [`RunningIntegral::share`].
     share: f64,
-    /// The largest coefficient met.
+    /// The largest coefficient so far.
     size: f64,
     /// Pieces halved beyond [`HALVINGS`].
     halved: usize,
     pieces: Vec<Piece>,
 }
 
-/// Appends the piece between two times, or its halves where it does not resolve f.
+/// Appends the piece between two times, or its halves if it does not resolve f.
 fn resolve<E>(
     [from, to]: [f64; 2],
     halvings: u32,
@@ -127,17 +123,16 @@ fn resolve<E>(
 }
 
 impl Piece {
-    /// NaN counts as resolved: no halving would help it.
+    /// NaN counts as resolved, since halving does not help.
     fn is_resolved(&self, share: f64) -> bool {
         self.tail() <= share * self.size()
     }
 
-    /// The largest coefficient; a NaN is none.
+    /// The largest coefficient, ignoring NaN.
     fn size(&self) -> f64 {
         self.coefficients.iter().fold(0.0, |size: f64, c| size.max(c.abs()))
     }
 
-    /// The larger of the last two.
     fn tail(&self) -> f64 {
         self.coefficients[POINTS - 2..].iter().fold(0.0, |tail: f64, c| tail.max(c.abs()))
     }
@@ -173,7 +168,6 @@ impl Piece {
     }
 }
 
-/// P_0(x), …, P_POINTS(x).
 fn legendre(x: f64) -> [f64; POINTS + 1] {
     let mut p = [1.0; POINTS + 1];
     p[1] = x;
@@ -202,7 +196,7 @@ mod tests {
         }
     }
 
-    /// Powers at the start, and roots at a place that no event names: all to rounding.
+    /// Powers at the start, and roots at a place without an event: all to rounding.
     #[test]
     fn powers_are_halved_until_nothing_is_left() {
         for power in [0.1, 0.3, 0.6, 0.9] {
@@ -216,15 +210,14 @@ mod tests {
                 let p = 1.0 + power;
                 let value: Result<f64, ()> = root.at(t, none, |s| Ok((s - 0.3).abs().powf(power)));
                 let exact = (0.3_f64.powf(p) + (t - 0.3).signum() * (t - 0.3).abs().powf(p)) / p;
-                // 0.3 is no edge of a panel: pieces end at neighbouring numbers.
+                // 0.3 is not an edge of a panel: pieces end at neighbouring numbers.
                 assert!((value.unwrap() - exact).abs() < 1e-13, "{power} {t} root");
             }
         }
     }
 
-    /// On T = 64 a panel of width 4 holds several oscillations and nearly a kink (complex roots of
-    /// 0.02 + sin² 2t at distance 0.07 of the axis): halved panels resolve it, the panels alone do
-    /// not. The integral from 0 to π/2 repeats.
+    /// On T = 64 a panel of width 4 has several oscillations and nearly a kink (complex roots of 0.02 + sin² 2t at
+    /// distance 0.07 of the axis), resolved only by halving. The integral from 0 to π/2 repeats.
     #[test]
     fn a_long_horizon_is_resolved_by_halving() {
         let f = |s: f64| -> Result<f64, ()> { Ok((0.02 + (2.0 * s).sin().powi(2)).sqrt()) };

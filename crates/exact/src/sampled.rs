@@ -11,21 +11,20 @@ use fem::space::quadrature::Rule;
 use formula::{Bound, Program};
 use rustc_hash::FxHashMap;
 
-/// Up to so many points keep what formulas have stored for them from one time to the next, some 100 bytes a
-/// point. Beyond, which is 24 cells per unit length in space and 250 in the plane, they are bound anew at each time, block
-/// by block.
+/// Limit of points whose formulas stay bound between times, some 100 bytes per point. Beyond (24 cells per unit length
+/// in space, 250 in the plane) they are bound anew at each time, block by block.
 const KEPT: usize = 1 << 21;
-/// Points that are bound together then.
+/// Points per block.
 const BLOCK: usize = 1 << 14;
-/// Coordinates that differ by so many units in the last place of the largest are one.
+/// Coordinates that differ by so many units in the last place of the largest are equal.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Points that are evaluated together, at most: fields and registers of so many stay in cache.
+/// Limit of points evaluated together, so that fields and registers stay in cache.
 const LANES: usize = 128;
 
 /// The points of a rule on a list of simplices, with formulas bound to them.
 pub(super) struct Sampled {
     pub(super) rule: Rule,
-    /// Vertices of the simplices, and how many each has.
+    /// Vertices of the simplices, and number of vertices per simplex.
     vertices: Vec<u32>,
     corners: usize,
     bound: Mutex<Option<Bound>>,
@@ -34,7 +33,6 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// The points of `rule` on each of the simplices.
     pub(super) fn new<'a>(simplices: impl Iterator<Item = &'a [u32]>, rule: &Rule) -> Self {
         let corners = rule.points[0].len();
         let vertices = simplices.flatten().copied().collect();
@@ -46,18 +44,18 @@ impl Sampled {
         self.vertices.len() / self.corners
     }
 
-    /// Simplices that are evaluated together: few enough for cache, and as many as fill vectors.
+    /// Simplices evaluated together: few enough for cache, and enough to fill vectors.
     fn together(&self) -> usize {
         let most = (LANES / self.rule.points.len()).max(1);
         most - if most > WIDTH { most % WIDTH } else { 0 }
     }
 
-    /// The points of some simplices. The first [`Self::together`] come first, one point of the rule after the other,
-    /// each on all of them.
+    /// The points of some simplices, in groups of [`Self::together`]: within a group, one point of the rule after the
+    /// other, each on all its simplices.
     fn points(&self, mesh: &Mesh, simplices: Range<usize>, again: bool) -> Vec<[f64; 3]> {
-        let own = &self.vertices[self.corners * simplices.start..self.corners * simplices.end];
+        let vertices = &self.vertices[self.corners * simplices.start..self.corners * simplices.end];
         let mut points = Vec::with_capacity(simplices.len() * self.rule.points.len());
-        for group in own.chunks(self.corners * self.together()) {
+        for group in vertices.chunks(self.corners * self.together()) {
             for b in &self.rule.points {
                 points.extend(group.chunks(self.corners).map(|simplex| mesh.point(simplex, b)));
             }
@@ -68,9 +66,9 @@ impl Sampled {
         points
     }
 
-    /// Shows the values of all outputs at time t, for one run of simplices after the other: their numbers, and the
-    /// values at their points, that of point q on simplex i of a run of m at q m + i. The values of the first fields must be
-    /// finite; `names` are theirs. What is to be evaluated `again` is one program, always the same.
+    /// Passes the values of all outputs at time t to `visit`, one run of simplices after the other: their numbers, and
+    /// the values at their points, with point q on simplex i of a run of m at q m + i. The values of the first fields,
+    /// with these `names`, must be finite. A program evaluated `again` must always be the same one.
     pub(super) fn each_block(
         &self,
         mesh: &Mesh,
@@ -108,8 +106,7 @@ impl Sampled {
         Ok(())
     }
 
-    /// The values of so many outputs in one piece, for few simplices: that of point q on simplex i at m i + q if the
-    /// rule has m points.
+    /// The values of `outputs` outputs for few simplices: point q on simplex i is at m i + q if the rule has m points.
     pub(super) fn evaluate(
         &self,
         mesh: &Mesh,
@@ -120,8 +117,8 @@ impl Sampled {
         let count = self.rule.points.len();
         let mut all = vec![Vec::with_capacity(count * self.simplices()); outputs];
         self.each_block(mesh, program, (t, 0.0), true, names, |run, values| {
-            for (all, own) in all.iter_mut().zip(values) {
-                let of = |i: usize| own[i..].iter().step_by(run.len());
+            for (all, run_values) in all.iter_mut().zip(values) {
+                let of = |i: usize| run_values[i..].iter().step_by(run.len());
                 (0..run.len()).for_each(|i| all.extend(of(i)));
             }
         })?;
@@ -129,19 +126,19 @@ impl Sampled {
     }
 }
 
-/// Gives coordinates that differ by rounding one value, as those in the columns of a mesh: what depends on them alone is
+/// Makes coordinates equal that differ by rounding, as in the columns of a mesh: what depends on them alone is then
 /// evaluated once.
 fn put_together(points: &mut [[f64; 3]], axis: usize) {
-    // Few of the coordinates are distinct by their bits, and those alone are sorted.
+    // Only the few bitwise distinct coordinates are sorted.
     let mut shared: FxHashMap<u64, f64> = FxHashMap::default();
     shared.extend(points.iter().map(|point| (point[axis].to_bits(), point[axis])));
     let mut known: Vec<f64> = shared.values().copied().collect();
     known.sort_unstable_by(f64::total_cmp);
     let largest = known.first().zip(known.last()).map_or(0.0, |(a, b)| a.abs().max(b.abs()));
     let apart = ROUNDING * largest;
-    known.dedup_by(|next, own| *next - *own <= apart);
+    known.dedup_by(|next, kept| *next - *kept <= apart);
     for value in shared.values_mut() {
-        *value = known[known.partition_point(|own| own <= value).saturating_sub(1)];
+        *value = known[known.partition_point(|coordinate| coordinate <= value).saturating_sub(1)];
     }
     for point in points {
         point[axis] = shared[&point[axis].to_bits()];
@@ -156,7 +153,7 @@ fn finite(
     place: impl Fn(usize) -> Vec<f64>,
 ) -> Result<(), LoadError> {
     for (field, name) in values.iter().zip(names) {
-        // Without a jump for each of them.
+        // Branch-free.
         if field.iter().fold(true, |all, value| all & value.is_finite()) {
             continue;
         }
@@ -204,10 +201,10 @@ mod tests {
         let whole = sampled(KEPT, 1).evaluate(&mesh, (&program, 2), 0.7, &names[..1]);
         let whole = whole.expect("a finite first field");
         let rule = triangle_degree_4();
-        for (c, own) in whole[0].chunks_exact(rule.points.len()).enumerate() {
-            for (b, value) in rule.points.iter().zip(own) {
+        for (c, values) in whole[0].chunks_exact(rule.points.len()).enumerate() {
+            for (b, value) in rule.points.iter().zip(values) {
                 let [x, y, _] = mesh.point(mesh.cell(c), b);
-                // Coordinates up to one are put together within four units in the last place.
+                // Coordinates up to one are merged within four units in the last place.
                 assert!((value - x * (0.7 * y).exp()).abs() < 3e-15, "cell {c}");
             }
         }

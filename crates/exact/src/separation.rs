@@ -7,20 +7,19 @@ use super::symbolic;
 use super::truth::ByTime;
 use formula::{Bound, Graph, Node, Program};
 
-/// Longer sums are evaluated time by time: a part costs as much as a time.
+/// Longer sums are evaluated at each time: a part costs as much as a time.
 const MOST_PARTS: usize = 8;
 
-/// Formulas as Σ_m a_m(t) S_m(x): the a_m.
+/// The a_m of formulas Σ_m a_m(t) S_m(x).
 pub struct TimeFactors {
-    /// The number of parts.
     pub parts: usize,
     bound: Mutex<Bound>,
     known: ByTime<Vec<f64>>,
 }
 
 impl TimeFactors {
-    /// Separates the formulas; with the a_m the S_m of all formulas, of one part after another. None if a formula does not
-    /// show a short sum.
+    /// Separates the formulas; also returns the S_m of all formulas, part by part. None if a formula does not show a
+    /// short sum.
     pub(crate) fn of(
         graph: &mut Graph,
         formulas: &[Node],
@@ -30,13 +29,12 @@ impl TimeFactors {
         Some((Self::new(graph, &factors, horizon), shapes))
     }
 
-    /// Given formulas of time.
+    /// From given formulas of time.
     fn new(graph: &mut Graph, factors: &[Node], horizon: f64) -> Self {
         let bound = Program::compile(graph, factors, horizon).bind(&[[0.0; 3]]);
         Self { parts: factors.len(), bound: Mutex::new(bound), known: ByTime::default() }
     }
 
-    /// The a_m(t).
     pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
         self.known.always(t, || {
             let mut out = vec![Vec::new(); self.parts];
@@ -46,8 +44,7 @@ impl TimeFactors {
     }
 }
 
-/// The a_m of formulas, and the S_m of all of them, of one part after another; none if one of them does not show a short
-/// sum.
+/// The a_m of formulas, and the S_m of all of them, part by part; None if a formula does not show a short sum.
 fn short_sum(graph: &mut Graph, formulas: &[Node]) -> Option<(Vec<Node>, Vec<Vec<Node>>)> {
     let together = graph.separate_together(formulas)?;
     if together.factors.len() > MOST_PARTS {
@@ -55,7 +52,7 @@ fn short_sum(graph: &mut Graph, formulas: &[Node]) -> Option<(Vec<Node>, Vec<Vec
     }
     let zero = graph.constant(0.0);
     let shape = |m: usize, terms: &[(usize, Node)]| {
-        terms.iter().find(|(own, _)| *own == m).map_or(zero, |(_, shape)| *shape)
+        terms.iter().find(|(index, _)| *index == m).map_or(zero, |(_, shape)| *shape)
     };
     let of_part = |m: usize| together.shapes.iter().map(|terms| shape(m, terms)).collect();
     let shapes = (0..together.factors.len()).map(of_part).collect();
@@ -64,24 +61,24 @@ fn short_sum(graph: &mut Graph, formulas: &[Node]) -> Option<(Vec<Node>, Vec<Vec
 
 /// u and ε as Σ_m a_m(t) S_m(x), and what follows from them.
 ///
-/// The memory acts in time alone: H_i = Σ_m (b_i * a_m)(t) ε_m(x) has the shapes of ε. Where ℬ_i = β_i 𝒜 in the whole body,
-/// σ = Σ_m s_m(t) 𝒜ε_m with s_m = a_m + Σ_i β_i b_i * a_m, and σ and f0 have factors of their own. Elsewhere there are parts
-/// of the memory alone beside those of u and ε.
+/// The memory acts in time only: H_i = Σ_m (b_i * a_m)(t) ε_m(x) has the shapes of ε. If ℬ_i = β_i 𝒜 in the whole body,
+/// then σ = Σ_m s_m(t) 𝒜ε_m with s_m = a_m + Σ_i β_i b_i * a_m, and σ and f0 have separate factors. Otherwise there are
+/// parts of the memory alone beside those of u and ε.
 pub struct Separation {
     /// The a_m, and b_i * a_m of parts of the memory alone.
     pub factors: TimeFactors,
-    /// The s_m where they differ from these.
+    /// The s_m, if different.
     of_stress: Option<TimeFactors>,
-    /// The S_m of [u, ε, H_1, …], one part after another.
+    /// The S_m of [u, ε, H_1, …], part by part.
     pub interior: Program,
     /// The S_m of f0.
     pub forces: Program,
-    /// Which parts have neither u nor ε: they occur in the memory alone.
+    /// Parts without u and ε, which occur in the memory alone.
     pub remembered_alone: Vec<bool>,
 }
 
 impl Separation {
-    /// Separates [u, ε] of data without projection; none if one of them does not show a short sum.
+    /// Separates [u, ε] of data without projection; None if one of them does not show a short sum.
     pub(crate) fn of(data: &ExactData, strain: &[Node]) -> Option<Self> {
         let mut graph = data.graph.clone();
         let d = data.u.len();
@@ -114,8 +111,8 @@ impl Separation {
     }
 }
 
-/// Gives parts of [u, ε] room for [H_1, …]. With multiples of 𝒜 the factors of their σ; else parts of the memory alone
-/// are added to them, and b_i * a_m to the factors.
+/// Extends parts of [u, ε] by [H_1, …]. With multiples of 𝒜 the factors of σ are returned; otherwise parts of the
+/// memory alone are added, and b_i * a_m to the factors.
 fn remember(
     graph: &mut Graph,
     data: &ExactData,
@@ -145,7 +142,7 @@ fn remember(
     multiples.filter(|multiples| !multiples.is_empty()).map(|_| of_stress)
 }
 
-/// β_i with ℬ_i = β_i 𝒜 in all regions (to rounding), if there are such.
+/// β_i with ℬ_i = β_i 𝒜 in all regions up to rounding, if they exist.
 fn multiples(data: &ExactData) -> Option<Vec<f64>> {
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
     let of = |material: &MaterialNumbers| -> Option<Vec<f64>> {
@@ -156,10 +153,10 @@ fn multiples(data: &ExactData) -> Option<Vec<f64>> {
         };
         material.memory.iter().map(beta).collect()
     };
-    let own = of(&data.material)?;
+    let of_body = of(&data.material)?;
     let same = |region: &RegionNumbers| {
         let close = |(a, b): (&f64, &f64)| (a - b).abs() <= ROUNDING * b.abs();
-        of(&region.material).is_some_and(|other| other.iter().zip(&own).all(close))
+        of(&region.material).is_some_and(|other| other.iter().zip(&of_body).all(close))
     };
-    data.regions.iter().all(same).then_some(own)
+    data.regions.iter().all(same).then_some(of_body)
 }

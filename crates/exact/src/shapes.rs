@@ -1,16 +1,15 @@
-//! Shape functions of the elements on a simplex and what σ does on them, written apart from the solver's.
+//! Shape functions of the elements on a simplex and the work of σ on them, independent of the solver's.
 
 use super::constitutive::Tensor;
 use fem::space::Element;
 
-/// Nodes of a cell, at most.
 pub(super) const MOST_NODES: usize = 10;
 
-/// Corners between which the midpoints of a tetrahedron lie, in the order of its nodes; those of its first edge and facet
-/// come first.
+/// End points of the midpoint nodes of a tetrahedron, in the order of its nodes; those of its first edge and facet come
+/// first.
 const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
-/// Ends of the edges at whose midpoints a simplex with so many corners has nodes.
+/// Ends of the edges with midpoint nodes of a simplex with so many corners.
 pub(super) fn between(corners: usize) -> &'static [[usize; 2]] {
     &BETWEEN[..corners * (corners - 1) / 2]
 }
@@ -20,8 +19,8 @@ pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
     match element {
         Element::P1 => b.to_vec(),
         Element::P2 => {
-            // A quadratic is what is linear through the corners and a bubble 4 b_i b_j of each edge, which lifts the
-            // midpoint; half of a bubble is taken from each of its ends.
+            // A quadratic is linear through the corners plus a bubble 4 b_i b_j per edge, which lifts the midpoint;
+            // half of each bubble is subtracted at both ends.
             let mut all = b.to_vec();
             for &[i, j] in between(b.len()) {
                 let bubble = 4.0 * b[i] * b[j];
@@ -31,17 +30,17 @@ pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
             }
             all
         }
-        // On an edge that of its midpoint stands for all; on a triangle one is linear and zero where the other edges have
-        // their midpoints, so -1 at the corner opposite to its own edge.
+        // On an edge its midpoint function is one; on a triangle each is linear and zero at the midpoints of the other
+        // edges, so -1 at the corner opposite to its edge.
         Element::CR if b.len() == 2 => vec![1.0],
         Element::CR => OPPOSITE.iter().map(|&corner| 1.0 - 2.0 * b[corner]).collect(),
     }
 }
 
-/// The corners of a triangle that are no ends of its edges 01, 12, 20.
+/// The corners opposite to the edges 01, 12, 20 of a triangle.
 const OPPOSITE: [usize; 3] = [2, 0, 1];
 
-/// Means of the shape functions over a facet in dimension d, as a numerator for each node and what they are divided by.
+/// Means of the shape functions over a facet in dimension d, as numerators per node and a common denominator.
 pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
     match element {
         Element::P1 => (vec![1.0; d], d as f64),
@@ -52,23 +51,24 @@ pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
     }
 }
 
-/// Barycentric coordinates of the points of a cell where strains live: its centre for linear elements; for quadratic ones
-/// a point near each corner, where all coordinates but that corner's own are equal.
+/// Barycentric coordinates of the strain points of a cell: its centre for linear elements; for quadratic ones a point
+/// near each corner, with all other coordinates equal.
 pub(super) fn strain_places(element: Element, d: usize) -> Vec<Vec<f64>> {
     match element {
         Element::P1 | Element::CR => vec![vec![1.0 / (d + 1) as f64; d + 1]],
         Element::P2 => {
             let root = ((d + 2) as f64).sqrt();
             let (far, near) = (1.0 / ((d + 2) as f64 + root), 1.0 / root);
-            let place =
-                |own: usize| (0..=d).map(|b| if b == own { far + near } else { far }).collect();
+            let place = |corner: usize| {
+                (0..=d).map(|b| if b == corner { far + near } else { far }).collect()
+            };
             (0..=d).map(place).collect()
         }
     }
 }
 
-/// ∫ σ·∇φ_a of all nodes of a cell: `stress` is σ at its strain points, or rather its projection there, and `inward` is
-/// ∫ ∇λ_b of its corners.
+/// ∫ σ·∇φ_a of all nodes of a cell: `stress` is the projection of σ at its strain points, and `inward` is ∫ ∇λ_b of its
+/// corners.
 pub(super) fn work<const D: usize>(
     element: Element,
     stress: &[Tensor<D>],
@@ -85,25 +85,28 @@ pub(super) fn work<const D: usize>(
             .enumerate()
             .for_each(|(a, &corner)| visit(a, times(&stress[0], corner).map(|w| -2.0 * w))),
         Element::P2 => {
-            // Means of σ λ_b, from values at D + 1 points of one weight: λ_b is 1/(D + 2 + √(D + 2)) at all but its own,
-            // and 1/√(D + 2) more there. On triangles that is 1/6 and 2/3.
-            let own = ((D + 2) as f64).sqrt();
+            // Means of σ λ_b, from values at D + 1 points of equal weight: λ_b is 1/(D + 2 + √(D + 2)), plus 1/√(D + 2)
+            // at the point of corner b. On triangles that is 1/6 and 2/3.
+            let root = ((D + 2) as f64).sqrt();
             let moment = |b: usize| -> Tensor<D> {
                 let of = |i: usize, j: usize| {
                     let all: f64 = stress.iter().map(|s| s[i][j]).sum();
-                    (all / ((D + 2) as f64 + own) + stress[b][i][j] / own) / (D + 1) as f64
+                    (all / ((D + 2) as f64 + root) + stress[b][i][j] / root) / (D + 1) as f64
                 };
                 std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)))
             };
             let moments: Vec<Tensor<D>> = (0..inward.len()).map(moment).collect();
             // ∇φ_a = ∇λ_a - 2 Σ_b ∇(λ_a λ_b), ∇φ_ab = 4 ∇(λ_a λ_b), and Σ λ_b is one.
             for a in 0..inward.len() {
-                let mut own = [0.0; D];
+                let mut at_corner = [0.0; D];
                 for (b, moment) in moments.iter().enumerate() {
                     let factor = if b == a { 3.0 } else { -1.0 };
-                    own.iter_mut().zip(times(moment, a)).for_each(|(own, w)| *own += factor * w);
+                    at_corner
+                        .iter_mut()
+                        .zip(times(moment, a))
+                        .for_each(|(at_corner, w)| *at_corner += factor * w);
                 }
-                visit(a, own);
+                visit(a, at_corner);
             }
             for (edge, &[a, b]) in between(inward.len()).iter().enumerate() {
                 let (p, q) = (times(&moments[a], b), times(&moments[b], a));
@@ -121,7 +124,7 @@ mod tests {
     #[test]
     fn means_and_places_are_those_of_a_rule() {
         for element in Element::ALL {
-            // Elements of the plane alone have no triangles for facets.
+            // Plane elements have no triangles as facets.
             let facets = [(2, edge(4)), (3, triangle_degree_4())];
             let known = |&(d, _): &(usize, Rule)| d == 2 || element.is_conforming();
             for (d, rule) in facets.into_iter().filter(known) {

@@ -16,7 +16,6 @@ pub(super) struct SidePoints {
     /// ν, padded with zeros.
     pub(super) normal: [f64; 3],
     pub(super) members: Vec<usize>,
-    /// Facets of the trace.
     pub(super) facets: Vec<usize>,
     /// ∫ φ over the side, of each member.
     pub(super) weights: Vec<f64>,
@@ -32,7 +31,7 @@ impl SidePoints {
         out
     }
 
-    /// The friction at t in dimension d; `None` without.
+    /// The friction at t in dimension d; None without friction.
     pub(super) fn friction(&self, t: f64, d: usize) -> Option<Vec<Sliding>> {
         let (tangents, bound) = self.friction.as_ref()?;
         let mut out = vec![Vec::new(); Sliding::numbers(d)];
@@ -42,7 +41,6 @@ impl SidePoints {
     }
 }
 
-/// The points of the trace, by side and normal.
 pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
     let (mesh, trace, d) = (&space.mesh, &space.trace, space.mesh.dimension);
     let of_part = |part: PlanePart| {
@@ -68,7 +66,8 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
         let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
         let bound = Mutex::new(formulas.program.bind(&points));
         let friction = exact.friction(&normal[..d]);
-        let friction = friction.map(|own| (own.tangents, Mutex::new(own.program.bind(&points))));
+        let friction =
+            friction.map(|on_side| (on_side.tangents, Mutex::new(on_side.program.bind(&points))));
         SidePoints { normal, facets, weights, bound, members, friction }
     };
     mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()

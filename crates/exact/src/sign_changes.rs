@@ -1,7 +1,7 @@
 //! Places where guards change sign: the cuts of quadrature on piecewise smooth fields.
 
-/// Places in (from, to) where one of several functions changes sign, sorted, by simultaneous
-/// bisection to rounding. `values` gives, for a list of places, one list a function.
+/// Places in (from, to) where one of several functions changes sign, sorted, by simultaneous bisection to rounding.
+/// `values` returns one list per function for a list of places.
 pub fn sign_changes(
     from: f64,
     to: f64,
@@ -10,7 +10,7 @@ pub fn sign_changes(
 ) -> Vec<f64> {
     let places: Vec<f64> =
         (0..=watches).map(|i| from + (to - from) * i as f64 / watches as f64).collect();
-    // (function, low, high, negative at low) of every bracket.
+    // Brackets as (function, low, high, negative at low).
     let mut brackets = Vec::new();
     for (g, list) in values(&places).iter().enumerate() {
         for i in 0..watches {

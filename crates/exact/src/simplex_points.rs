@@ -3,23 +3,22 @@
 use fem::mesh::{CoarseMesh, Family, Mesh};
 use fem::space::quadrature::{Rule, tetrahedron_product};
 
-/// The points per direction at most and least, the tetrahedra at least, and the points in all that are aimed at: 8 points
-/// along half of the domain as in a box, fewer in each of many tetrahedra.
+/// Least and most points per direction, least number of tetrahedra, and approximate total of points: 8 points along
+/// half of the domain as in a box, fewer in each of many tetrahedra.
 const IN_SPACE: [usize; 2] = [3, 8];
 const TETRAHEDRA: usize = 48;
 const WORK: f64 = 3e4;
 
-/// Points of the simplices of a refined domain, with weights that sum to its measure.
-///
-/// Rules in barycentric coordinates: a turned domain has the turned points.
+/// Points of the simplices of a refined domain, with weights that sum to its measure. Rules are in barycentric
+/// coordinates, so that they follow rotations of the domain.
 pub(super) struct SimplexPoints {
     pub points: Vec<[f64; 3]>,
     pub weights: Vec<f64>,
 }
 
 impl SimplexPoints {
-    /// Points in a polyhedron that resolve smooth fields to rounding. A field with kinks is integrated to the square
-    /// of the size of these simplices only; `check` says so.
+    /// Points in a polyhedron that resolve smooth fields to rounding. A field with kinks is integrated only to the
+    /// square of the size of these simplices; `check` reports it.
     pub(crate) fn fine(coarse: &CoarseMesh) -> Self {
         Self::in_space(coarse, 0)
     }
@@ -35,16 +34,15 @@ impl SimplexPoints {
         Self::of(&mesh, &tetrahedron_product(count))
     }
 
-    /// The points of a rule on the cells of a mesh.
     pub(crate) fn of(mesh: &Mesh, rule: &Rule) -> Self {
-        let mut own = Self { points: Vec::new(), weights: Vec::new() };
+        let mut all = Self { points: Vec::new(), weights: Vec::new() };
         for c in 0..mesh.cell_count() {
             let cell = mesh.cell(c);
             let measure = measure(mesh, c);
-            own.points.extend(rule.points.iter().map(|b| mesh.point(cell, b)));
-            own.weights.extend(rule.weights.iter().map(|weight| weight * measure));
+            all.points.extend(rule.points.iter().map(|b| mesh.point(cell, b)));
+            all.weights.extend(rule.weights.iter().map(|weight| weight * measure));
         }
-        own
+        all
     }
 }
 
@@ -57,11 +55,10 @@ pub(super) fn points_a_direction(cells: usize, work: f64) -> usize {
 pub(super) fn parts(coarse: &CoarseMesh, simplices: usize) -> Mesh {
     let share = simplices as f64 / coarse.count() as f64;
     let root = if coarse.dimension() == 2 { share.sqrt() } else { share.cbrt() };
-    // The root of a cube may come out above it.
+    // The cube root of a cube may round up.
     coarse.refined((root - 1e-9).ceil().max(1.0) as u32, Family::Structured)
 }
 
-/// |K| of a simplex.
 pub(super) fn measure(mesh: &Mesh, c: usize) -> f64 {
     let corners = mesh.cell(c);
     let edge = |a: usize| {

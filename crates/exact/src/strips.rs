@@ -1,24 +1,23 @@
 //! Quadrature over a polygon in strips: Gauss points along x between its corners and cuts, and on the chords along y.
 //!
 //! All chords of a strip have their points at few abscissae, as on a rectangle: what depends on x alone, as memories of
-//! contact scenes do, is evaluated at these. Fields that are smooth between the cuts are integrated to rounding.
+//! contact scenes do, is evaluated there. Fields that are smooth between the cuts are integrated to rounding.
 
 use fem::mesh::Coarse;
 use fem::space::quadrature::gauss_legendre;
 
-/// Gauss points a piece; those of a piece narrower than this share of the polygon.
+/// Gauss points per piece, and per piece narrower than this share of the polygon.
 const POINTS: usize = 14;
 const FEWER: usize = 7;
 const NARROW: f64 = 1.0 / 12.0;
-/// Pieces of the width and of the height of the polygon, at least.
+/// Minimum of pieces of the width and of the height of the polygon.
 const PARTS: f64 = 3.0;
-/// Places closer than this share of the width are one.
+/// Places closer than this share of the width are equal.
 const APART: f64 = 1e-13;
 
-/// The sides of a polygon.
 pub(super) struct Strips {
     sides: Vec<[[f64; 2]; 2]>,
-    /// Least and largest coordinates.
+    /// Smallest and largest coordinates.
     bounds: [[f64; 2]; 2],
     parts: f64,
 }
@@ -35,7 +34,7 @@ impl Strips {
     pub(crate) fn points(&self, xs: &[f64], ys: &[f64]) -> (Vec<[f64; 3]>, Vec<f64>) {
         let [low, high] = self.bounds;
         let corners = self.sides.iter().flatten().map(|corner| corner[0]);
-        // A chord gets or loses a piece where a side crosses a cut.
+        // A chord gains or loses a piece where a side crosses a cut.
         let crossings = self
             .sides
             .iter()
@@ -58,7 +57,7 @@ impl Strips {
         (points, weights)
     }
 
-    /// Gauss points and weights between edges, in as many pieces as their share of the whole asks for.
+    /// Gauss points and weights between edges, with pieces in proportion to their share of the whole.
     fn pieces(&self, mut edges: Vec<f64>, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
         let whole = high - low;
         edges.retain(|&edge| (low..=high).contains(&edge));
@@ -67,7 +66,7 @@ impl Strips {
         let mut out = Vec::new();
         for pair in edges.windows(2) {
             let length = pair[1] - pair[0];
-            // Rounding makes no piece of its own.
+            // Rounding must not add a piece.
             let count = (self.parts * length / whole - 1e-9).ceil().max(1.0) as usize;
             let rule = gauss_legendre(if length < NARROW * whole { FEWER } else { POINTS });
             let half = 0.5 * length / count as f64;
@@ -80,7 +79,7 @@ impl Strips {
     }
 }
 
-/// y where a side is at x, inside of it.
+/// y where a side is at x, strictly inside.
 fn crossing([p, q]: [[f64; 2]; 2], x: f64) -> Option<f64> {
     let inside = p[0].min(q[0]) < x && x < p[0].max(q[0]);
     inside.then(|| p[1] + (q[1] - p[1]) * ((x - p[0]) / (q[0] - p[0])))
@@ -91,7 +90,7 @@ mod tests {
     use super::*;
     use fem::mesh::{BoundaryEdge, triangulate};
 
-    /// An arrow that points down, whose chords come in pairs, against closed forms.
+    /// A downward arrow, whose chords come in pairs, against closed forms.
     #[test]
     fn chords_fill_a_polygon_that_is_not_convex() {
         let arrow = [[0.0, 0.0], [2.0, 3.0], [0.0, 1.0], [-2.0, 3.0]];

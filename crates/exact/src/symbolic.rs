@@ -3,7 +3,6 @@
 use super::exact::{MaterialNumbers, RegionNumbers};
 use formula::{Graph, Node, Variable};
 
-/// The space variables in order.
 pub const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
 /// Components (i, j), i ≤ j, of a symmetric tensor in the order of all lists here.
@@ -30,7 +29,6 @@ pub(crate) fn memory(graph: &mut Graph, kernel: Node, strain: &[Node]) -> Vec<No
     strain.iter().map(|&e| graph.convolve(kernel, e)).collect()
 }
 
-/// The stress where regions have different materials.
 pub(crate) fn stress_in_regions(
     graph: &mut Graph,
     (material, regions): (&MaterialNumbers, &[RegionNumbers]),
@@ -49,8 +47,8 @@ pub(crate) fn stress_in_regions(
     all
 }
 
-/// σ of (5.1) as formulas in x, t and ζ: the symbolic twin of [`super::constitutive::stress`], needed
-/// where σ is differentiated.
+/// σ of (5.1) as formulas in x, t and ζ: the symbolic counterpart of [`super::constitutive::stress`], needed for
+/// derivatives of σ.
 fn stress(
     graph: &mut Graph,
     material: &MaterialNumbers,
@@ -65,7 +63,7 @@ fn stress(
         None => isotropic(graph, d, material.lambda, material.mu_l, strain),
     };
     for (&(lambda, mu), history) in material.memory.iter().zip(memory.chunks(strain.len())) {
-        // A term that another region has alone.
+        // A term that only another region has.
         if (lambda, mu) == (0.0, 0.0) {
             continue;
         }
@@ -120,8 +118,8 @@ fn isotropic(graph: &mut Graph, d: usize, lambda: f64, mu: f64, tensor: &[Node])
         .iter()
         .zip(tensor)
         .map(|(&(i, j), &e)| {
-            let own = graph.mul(twice, e);
-            if i == j { graph.add(own, volumetric) } else { own }
+            let sheared = graph.mul(twice, e);
+            if i == j { graph.add(sheared, volumetric) } else { sheared }
         })
         .collect()
 }

@@ -1,4 +1,4 @@
-//! What a case is measured against, and its values kept by time.
+//! The reference solution of a case, with its values cached by time.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -6,43 +6,39 @@ use std::sync::{Arc, Mutex, PoisonError};
 use fem::contact::LoadError;
 use fem::norms::{ContactSamples, Moments};
 
-/// What a case is measured against, and driven by.
+/// What a case is measured against and driven by.
 pub trait Truth: Send + Sync {
     /// The load vector F(t), over the unknowns.
     ///
-    /// # Errors
-    /// A formula that is not finite somewhere.
+    /// # Errors A formula that is not finite somewhere.
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError>;
 
-    /// The moments of the truth at t.
+    /// The moments of the solution at t.
     ///
-    /// # Errors
-    /// A formula that is not finite somewhere, a time that a reference run does not have.
+    /// # Errors A formula that is not finite somewhere, a time that a reference run lacks.
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
 
-    /// Told that the moments at these times will be asked for: what they share with the loads is done once.
+    /// Announces that the moments at these times will be requested, so that work shared with the loads is done once.
     ///
-    /// # Errors
-    /// As [`Self::moments`].
+    /// # Errors As [`Self::moments`].
     fn expect(&self, _times: &[f64]) -> Result<(), LoadError> {
         Ok(())
     }
 
-    /// The truth on Γ3 with the contact state of each point, where formulas tell it; computed anew at
-    /// each call, since few scenes ask.
+    /// The solution on Γ3 with the contact state of each point, if given by formulas; not cached, since few scenes need
+    /// it.
     ///
-    /// # Errors
-    /// A formula that is not finite somewhere.
+    /// # Errors A formula that is not finite somewhere.
     fn contact_samples(&self, _t: f64) -> Result<Option<ContactSamples>, LoadError> {
         Ok(None)
     }
 
-    /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i.
+    /// The F_i of a load F(t) = Σ_i a_i(t) F_i, if it separates.
     fn load_basis(&self) -> Option<&[Vec<f64>]> {
         None
     }
 
-    /// `out` ← a_i(t), where the load separates.
+    /// `out` ← a_i(t), if the load separates.
     fn load_factors(&self, _t: f64, out: &mut [f64]) {
         out.fill(0.0);
     }
@@ -60,7 +56,6 @@ impl<T> Default for ByTime<T> {
 }
 
 impl<T> ByTime<T> {
-    /// The value at t, if it is known.
     pub(super) fn known(&self, t: f64) -> Option<Arc<T>> {
         let values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         values.get(&t.to_bits()).cloned()
@@ -78,7 +73,7 @@ impl<T> ByTime<T> {
         Ok(self.always(t, || value))
     }
 
-    /// The value at t, computed if it is not known yet; for what cannot fail.
+    /// The value at t, computed if necessary; for infallible computations.
     pub(super) fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
         if let Some(value) = self.known(t) {
             return value;

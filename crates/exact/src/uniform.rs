@@ -1,4 +1,4 @@
-//! Moments of fields whose strain and memory are the same everywhere: σ is so too, and u is linear in space.
+//! Moments of fields with constant strain and memory: σ is constant too, and u is linear in space.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -15,14 +15,13 @@ pub(super) struct Uniform {
 }
 
 impl Uniform {
-    /// Binds the fields of `exact` to the vertices of a mesh.
     pub(crate) fn new(exact: &Exact, mesh: &Mesh) -> Self {
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices()).map(|v| mesh.point(&[v as u32], &[1.0])).collect();
         Self { vertices: Mutex::new(exact.interior.bind(&points)) }
     }
 
-    /// Moments of u, ε and σ; none if a number is not finite.
+    /// Moments of u, ε and σ; None if a number is not finite.
     pub(crate) fn moments<const D: usize>(&self, parts: &Parts<'_>) -> Option<PartMoments> {
         match D {
             2 => self.of_numbers::<D, 3>(parts),

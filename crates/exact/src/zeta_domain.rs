@@ -1,4 +1,4 @@
-//! Where ζ is integrated: a rectangle or box, strips of a polygon, points in a polyhedron.
+//! Domains for integrating ζ: a rectangle or box, strips of a polygon, points in a polyhedron.
 
 use super::simplex_points::SimplexPoints;
 use super::strips::Strips;
@@ -10,14 +10,13 @@ use formula::{Graph, Node, Variable};
 pub(super) enum Domain<'a> {
     /// A rectangle or box from the origin, by its lengths.
     Box(&'a [f64]),
-    /// A polygon or polyhedron.
     Coarse(&'a CoarseMesh),
-    /// A polygon or polyhedron by a finer rule: what the rule leaves out shows in the difference.
+    /// A polygon or polyhedron by a finer rule: the difference shows the quadrature error.
     Finer(&'a CoarseMesh),
 }
 
 impl Domain<'_> {
-    /// Ends along x and y; of a polyhedron they are not used.
+    /// Ends along x and y; unused for a polyhedron.
     pub(crate) fn ends(self) -> [[f64; 2]; 2] {
         match self {
             Self::Box(size) => [[0.0, size[0]], [0.0, size[1]]],
@@ -37,17 +36,16 @@ impl Domain<'_> {
     }
 }
 
-/// A polygon or polyhedron.
 pub(super) struct Region {
     pub shape: Shape,
-    /// Those by a finer rule; none where every guard is cut.
+    /// A finer rule; None if every guard is cut.
     pub finer: Option<Shape>,
     /// The corners where guards are watched.
     pub corners: Vec<[f64; 3]>,
 }
 
 impl Region {
-    /// That of a domain; none of a rectangle or box. `guards` are those of ε.
+    /// The region of a domain; None for a rectangle or box. `guards` are those of ε.
     pub(crate) fn of(graph: &Graph, guards: &[Node], domain: Domain<'_>) -> Option<Self> {
         let (coarse, finer) = match domain {
             Domain::Box(_) => return None,
@@ -64,7 +62,6 @@ impl Region {
     }
 }
 
-/// How it is integrated.
 pub(super) enum Shape {
     Strips(Strips),
     Points(SimplexPoints),
@@ -80,8 +77,8 @@ impl Shape {
     }
 }
 
-/// Whether a guard changes sign along lines that the cuts do not follow: those along y at each time, or at all times
-/// those along x; on a polyhedron no others either.
+/// Whether a guard changes sign along lines that the cuts do not follow, which are parallel to y at each time, or fixed
+/// and parallel to x; on a polyhedron there are none.
 fn is_uncut(graph: &Graph, guard: Node, dimension: usize) -> bool {
     let [x, y, t] = [Variable::X, Variable::Y, Variable::T].map(|v| graph.depends_on(guard, v));
     if dimension == 2 { y && (x || t) } else { x || y || graph.depends_on(guard, Variable::Z) }

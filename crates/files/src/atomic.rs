@@ -1,4 +1,4 @@
-//! Files that are either the old one or the new one, never half of it.
+//! Atomic replacement of files.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -8,32 +8,26 @@ use std::time::Duration;
 
 use super::fnv_1a;
 
-/// A file that is written beside its place, and stands there when it is finished. Given up, it leaves nothing.
+/// A file written beside its target and renamed over it when finished; dropped unfinished, it is removed.
 #[derive(Debug)]
 pub struct Replacement {
     path: PathBuf,
-    /// None where there is no file to replace.
+    /// None if the target is not a regular file.
     partial: Option<PathBuf>,
     file: BufWriter<File>,
 }
 
 impl Replacement {
-    /// Begins a file of a directory of records. A link in its place is replaced, and what it names is left alone.
-    ///
-    /// # Errors
-    /// What the file system reports.
+    /// Begins a file of a directory of records. A link at its place is replaced, and its target left alone.
     pub fn create(path: &Path) -> io::Result<Self> {
         let partial = path.with_file_name(partial_name(path.file_name().unwrap_or_default()));
-        // Neither an older one of this number nor what a link in its place names is written to.
+        // Removes an older file of this number, or a link, without writing to its target.
         let _ = fs::remove_file(&partial);
         let file = BufWriter::new(File::create_new(&partial)?);
         Ok(Self { path: path.to_owned(), partial: Some(partial), file })
     }
 
-    /// Begins a file that a user names. A link stays, and what it names is replaced; what is no file, a device or a
-    /// pipe, stays what it is and is written as it comes.
-    ///
-    /// # Errors
+    /// Begins a file named by a user. A link is followed and its target replaced; a device or pipe is written directly.
     /// What the file system reports.
     pub(crate) fn named(path: &Path) -> io::Result<Self> {
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -46,8 +40,7 @@ impl Replacement {
 
     /// Renames the file over an older one.
     ///
-    /// # Errors
-    /// What the file system reports; the old file is then still there.
+    /// # Errors Those of the file system; the old file is then still there.
     pub fn finish(mut self) -> io::Result<()> {
         self.file.flush()?;
         match &self.partial {
@@ -71,7 +64,7 @@ impl Write for Replacement {
 }
 
 impl Drop for Replacement {
-    /// After the rename there is nothing to remove; the error to report was the first one.
+    /// After the rename there is nothing to remove; the first error was reported.
     fn drop(&mut self) {
         if let Some(partial) = &self.partial {
             let _ = fs::remove_file(partial);
@@ -79,18 +72,16 @@ impl Drop for Replacement {
     }
 }
 
-/// Puts `bytes` at `path` in one step, as [`Replacement::create`] does.
+/// Replaces `path` by `bytes` atomically, as [`Replacement::create`].
 ///
-/// # Errors
-/// What the file system reports; the old file is then still there.
+/// # Errors Those of the file system; the old file is then still there.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     finished(Replacement::create(path)?, bytes)
 }
 
-/// Puts `bytes` where a user names, as `Replacement::named` does.
+/// Writes `bytes` to a path named by a user, as `Replacement::named`.
 ///
-/// # Errors
-/// What the file system reports; an old file is then still there.
+/// # Errors Those of the file system; an old file is then still there.
 pub fn write_named(path: &Path, bytes: &[u8]) -> io::Result<()> {
     finished(Replacement::named(path)?, bytes)
 }
@@ -100,10 +91,7 @@ fn finished(mut file: Replacement, bytes: &[u8]) -> io::Result<()> {
     file.finish()
 }
 
-/// Removes a file, or a link and not what it names, if there is one.
-///
-/// # Errors
-/// What the file system reports but that there is none.
+/// Removes a file, or a link but not its target, if it exists.
 pub fn remove_if_there(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -111,43 +99,42 @@ pub fn remove_if_there(path: &Path) -> io::Result<()> {
     }
 }
 
-/// The end of the names of unfinished files, after the number of the process that writes them.
+/// Ending of unfinished files, after the number of the writing process.
 const PARTIAL: &str = ".partial";
-/// What file systems take for a name, in bytes.
+/// Limit of file names, in bytes.
 const LONGEST_NAME: usize = 255;
-/// A file is written in seconds: one that is older was given up.
+/// Files are written in seconds; an older unfinished one was abandoned.
 const GIVEN_UP: Duration = Duration::from_secs(3600);
 
 fn partial_name(name: &OsStr) -> OsString {
     let end = format!(".{}{PARTIAL}", std::process::id());
-    let mut own = match name.len() + end.len() > LONGEST_NAME {
+    let mut partial = match name.len() + end.len() > LONGEST_NAME {
         true => {
             let bytes = name.as_encoded_bytes().iter().copied();
             OsString::from(format!("{:016x}", fnv_1a(bytes)))
         }
         false => name.to_owned(),
     };
-    own.push(end);
-    own
+    partial.push(end);
+    partial
 }
 
-/// Makes a directory and what is above it, and removes the unfinished files in it that killed processes left.
+/// Creates a directory and its parents, and removes unfinished files of killed processes.
 ///
-/// # Errors
-/// What the file system reports of the directory. An unfinished file that cannot be removed stays.
+/// # Errors Those of the file system for the directory. An unfinished file that cannot be removed stays.
 pub fn make_directory(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path)?;
     for entry in fs::read_dir(path)? {
         let entry = entry?;
         if is_left_over(&entry) {
-            // Another process may have been faster.
+            // Another process may have removed it.
             let _ = fs::remove_file(entry.path());
         }
     }
     Ok(())
 }
 
-/// Whether a file is one that a killed process left unfinished.
+/// Whether a file was left unfinished by a killed process.
 fn is_left_over(entry: &fs::DirEntry) -> bool {
     let name = entry.file_name();
     let written_by = || name.to_str()?.strip_suffix(PARTIAL)?.rsplit_once('.')?.1.parse().ok();
@@ -156,7 +143,7 @@ fn is_left_over(entry: &fs::DirEntry) -> bool {
     let processes = Path::new("/proc");
     match processes.join("self").exists() {
         true => known.is_file() && !processes.join(process.to_string()).exists(),
-        // Nobody says which processes there are.
+        // The list of processes is unknown on this system.
         false => {
             let age = known.modified().ok().and_then(|written| written.elapsed().ok());
             known.is_file() && age.is_some_and(|age| age > GIVEN_UP)
@@ -179,7 +166,6 @@ mod tests {
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         assert!(replace_file(&folder.join("no/such/folder.txt"), b"").is_err());
         assert!(replace_file(&folder, b"").is_err() && folder.is_dir());
-        // The longest name that there can be.
         let long = folder.join("x".repeat(LONGEST_NAME));
         replace_file(&long, b"long").unwrap();
         assert_eq!(fs::read(&long).unwrap(), b"long");

@@ -1,18 +1,17 @@
-//! Reading that comes to an end: a device or a pipe in the place of a file is refused, or read up to a bound.
+//! Bounded reading: devices and pipes in place of files are refused, or read up to a limit.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The most bytes that are read of a file of a directory of records (4 GiB: a table of ten million rows).
+/// Size limit of files in a directory of records: 4 GiB, a table of ten million rows.
 const MOST: u64 = 1 << 32;
 
-/// Opens a regular file to read it; what is none is refused at once.
+/// Opens a regular file for reading; anything else is refused at once.
 ///
-/// # Errors
-/// What the file system says, or what stands there in place of a file.
+/// # Errors Those of the file system, or what is there in place of a file.
 pub fn open_file(path: &Path) -> io::Result<File> {
-    // Asked first, as opening alone does things to some devices; and asked again, as another program may be at work.
+    // Checked before opening, since that alone has effects on some devices, and again after, against races.
     refuse_others(&std::fs::metadata(path)?)?;
     let mut options = File::options();
     options.read(true);
@@ -27,34 +26,28 @@ pub fn open_file(path: &Path) -> io::Result<File> {
 }
 
 /// The bytes of a file of at most 4 GiB.
-///
-/// # Errors
-/// As [`read_file_up_to`].
 pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     read_file_up_to(path, MOST)
 }
 
-/// The bytes of a file, if they are no more than `most`.
+/// The bytes of a file of at most `most`.
 ///
-/// # Errors
-/// As [`open_file`], and [`io::ErrorKind::FileTooLarge`].
+/// # Errors As [`open_file`], and [`io::ErrorKind::FileTooLarge`].
 pub fn read_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     up_to(open_file(path)?, most)
 }
 
 /// The text of a file of at most 4 GiB.
 ///
-/// # Errors
-/// As [`read_file`], and [`io::ErrorKind::InvalidData`] where the text is not UTF-8.
+/// # Errors As [`read_file`], and [`io::ErrorKind::InvalidData`] if it is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     let not_text = |error| io::Error::new(io::ErrorKind::InvalidData, error);
     String::from_utf8(read_file(path)?).map_err(not_text)
 }
 
-/// The bytes of what a user names, which may be a pipe, if they are no more than `most`.
+/// At most `most` bytes of a file or pipe named by a user.
 ///
-/// # Errors
-/// What the file system reports; [`io::ErrorKind::FileTooLarge`].
+/// # Errors Those of the file system; [`io::ErrorKind::FileTooLarge`].
 pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     up_to(File::open(path)?, most)
 }

@@ -1,6 +1,6 @@
-//! Numbers of things in messages.
+//! Counts in messages.
 
-/// A number with its noun, which takes an s unless the number is 1: `1 case`, `2 cases`.
+/// A number with its noun, in the plural unless the number is 1: `1 case`, `2 cases`.
 pub fn counted(number: usize, noun: &str) -> String {
     format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }

@@ -1,10 +1,9 @@
-//! Text of others, a solver's, a scene's or a table's, in messages of this program.
+//! Foreign text (of a solver, scene or table) in messages of this program.
 
 use std::borrow::Cow;
 
-/// A text that says what it says and does nothing: characters that steer a terminal or turn the direction of writing
-/// stand as their codes, and no line of it is a command to GitHub Actions, which takes them from any log. Ends of lines
-/// and tabs stay.
+/// Disarms a text: characters that control a terminal or the writing direction become their codes, and no line is a
+/// command to GitHub Actions, which takes them from any log. Line ends and tabs stay.
 pub fn harmless(text: &str) -> Cow<'_, str> {
     let steers = text.chars().any(is_steering);
     let commands = text.contains("::") || text.contains(LEGACY);
@@ -25,12 +24,13 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
     Cow::Owned(lines.join("\n"))
 }
 
-/// [`harmless`] for JSON, whose meaning stays: such characters stand within strings alone, where JSON has codes for them.
+/// [`harmless`] for JSON, without changing its meaning: such characters occur only in strings, where JSON has codes for
+/// them.
 pub fn harmless_json(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for character in text.chars() {
         match is_steering(character) {
-            // All of them have four digits at most.
+            // All of them have at most four digits.
             true => result += &format!("\\u{:04x}", u32::from(character)),
             false => result.push(character),
         }
@@ -38,7 +38,7 @@ pub fn harmless_json(text: &str) -> String {
     result.replace(LEGACY, "#\\u0023[")
 }
 
-/// The beginning of a text that is too long to be shown, and how much more there is.
+/// The beginning of a long text, and how much is omitted.
 pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),
@@ -48,10 +48,10 @@ pub fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     }
 }
 
-/// An older form of a command, which is one anywhere in a line.
+/// An older form of a command, recognised anywhere in a line.
 const LEGACY: &str = "##[";
 
-/// Controls of terminals, and marks that turn or hide what stands behind them.
+/// Terminal controls, and marks that change direction or hide text.
 fn is_steering(character: char) -> bool {
     match character {
         '\n' | '\t' => false,
@@ -61,7 +61,7 @@ fn is_steering(character: char) -> bool {
     }
 }
 
-/// A line that begins with two colons, blanks before them or not, is a command.
+/// Disarms a line that begins with two colons, possibly after blanks.
 fn no_command(line: &str) -> String {
     let words = line.trim_start();
     let blanks = &line[..line.len() - words.len()];

@@ -1,6 +1,6 @@
-//! The hash of texts and rows; no defence against who means harm.
+//! The hash of texts and rows, not cryptographic.
 
-/// The 64-bit FNV-1a hash; the same on every machine.
+/// The 64-bit FNV-1a hash, identical on every machine.
 pub fn fnv_1a(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)

@@ -1,4 +1,4 @@
-//! Files and words: bounded reading, replacement that is whole or not at all, text of others made harmless.
+//! Bounded reading, atomic replacement, and disarmed foreign text.
 
 mod atomic;
 mod bounded;

@@ -1,6 +1,6 @@
-//! Words of commands that a reader is to type.
+//! Words of commands for a reader to type.
 
-/// A word as a shell wants it.
+/// A word quoted for a shell.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {

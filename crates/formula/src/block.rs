@@ -1,25 +1,23 @@
-//! Execution of tapes, a block of lanes at a time.
+//! Execution of tapes in blocks of lanes.
 
 use super::scalar::power;
 use super::tape::{Register, Source, Step, Tape};
 use super::vocabulary::{Function, sign};
 
-/// Lanes of a block: a few dozen registers of this length stay in cache.
+/// Lanes of a block: a few dozen registers of this length fit in cache.
 pub(super) const BLOCK: usize = 128;
 
-/// Registers of [`BLOCK`] lanes each, or of as many as a run had.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Registers {
     blocks: Vec<Vec<f64>>,
 }
 
 impl Registers {
-    /// The lanes of a register.
     pub(super) fn lanes(&self, register: Register, count: usize) -> &[f64] {
         &self.blocks[register][..count]
     }
 
-    /// Runs `tape` on `count` lanes; `fetch` fills in what comes from outside.
+    /// Runs `tape` on `count` lanes; `fetch` supplies external values.
     pub(super) fn run(&mut self, tape: &Tape, count: usize, fetch: impl FnMut(Source, &mut [f64])) {
         self.make_room(tape.registers, count);
         pulp::Arch::new().dispatch(Run { registers: self, tape, count, fetch });
@@ -36,7 +34,7 @@ impl Registers {
     #[inline(always)]
     fn run_steps(&mut self, tape: &Tape, count: usize, mut fetch: impl FnMut(Source, &mut [f64])) {
         for (out, step) in &tape.steps {
-            // Taken out of the file so that operands can be read meanwhile.
+            // Taken out, so that operands can be read meanwhile.
             let mut target = std::mem::take(&mut self.blocks[*out]);
             match step {
                 Step::Fetch(source) => fetch(*source, &mut target[..count]),
@@ -84,7 +82,7 @@ impl Registers {
         }
     }
 
-    /// Small powers have loops of their own, which become plain products.
+    /// Small powers have loops that compile to plain products.
     #[inline(always)]
     fn power(&self, a: Register, n: i32, out: &mut [f64]) {
         match n {
@@ -122,7 +120,6 @@ impl Registers {
     }
 }
 
-/// All steps on the widest vectors of the processor. Rounding is that of single operations on any of them.
 struct Run<'a, F> {
     registers: &'a mut Registers,
     tape: &'a Tape,
@@ -147,8 +144,7 @@ mod tests {
 
     const COUNT: usize = 101;
 
-    /// Steps compiled for the widest vectors give the bits of those compiled for any processor. What would differ there
-    /// is a product and a sum rounded once: on these lanes that gives other bits.
+    /// The result is bit-identical to scalar code; a fused multiply-add would give other bits on these lanes.
     #[test]
     fn wide_vectors_give_the_bits_of_single_operations() {
         let mut graph = Graph::new();

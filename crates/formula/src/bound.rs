@@ -1,4 +1,4 @@
-//! Programs at points.
+//! Programs bound to points.
 
 use std::convert::Infallible;
 use std::ops::Range;
@@ -12,45 +12,38 @@ use super::sampler::Surroundings;
 use super::stage::Stages;
 use super::tape::{Register, Source};
 
-/// A program bound to points: holds fixed values, the past of hereditary
-/// integrals, and scratch memory.
+/// A program bound to points, with its fixed values, the past of hereditary integrals and scratch memory.
 ///
-/// Values at (t, zeta) do not depend on what was evaluated before, to the last
-/// bit, nor on the other points; but that integrals at thousands of values of
-/// a coordinate are interpolated between some of them, to 1e-13.
+/// Values at (t, zeta) are independent of earlier evaluations and of the other points, to the last bit; except that
+/// integrals at thousands of values of a coordinate are interpolated, to 1e-13.
 #[derive(Clone, Debug)]
 pub struct Bound {
     plan: Arc<EvaluationPlan>,
     points: usize,
     stages: Stages,
     slots: Vec<Vec<f64>>,
-    /// How many of the moving stages write slots: all, or all but the last
-    /// where that has a lane for each point.
+    /// Number of moving stages that write slots: all, or all but the last if that has a lane per point.
     stored: usize,
     outputs: Vec<Output>,
     pasts: Vec<Past>,
     registers: Registers,
-    /// Slots taken out while a stage writes them.
     taken: Vec<Vec<f64>>,
-    /// Time and zeta of the hereditary integrals now in slots.
+    /// Time and zeta of the integrals in slots.
     recalled_at: Option<[u64; 2]>,
-    /// The zeta of tables that depend on it.
+    /// The zeta for which tables are valid.
     zeta: u64,
     tuples: Vec<u32>,
     times: Vec<f64>,
     values: Vec<f64>,
 }
 
-/// Where the values of an output are.
 #[derive(Clone, Debug)]
 enum Output {
-    /// A register of the last stage.
     Computed(Register),
-    /// A slot with a value for each point.
     Stored(usize),
-    /// A slot with one value for all points, and room for a block of it.
+    /// A slot with one value, and room to repeat it over a block.
     Same(usize, Vec<f64>),
-    /// A slot with a value for each tuple, and room for those of a block.
+    /// A slot with a value per tuple, and room to expand it over a block.
     Spread(usize, Vec<f64>),
 }
 
@@ -59,7 +52,7 @@ impl Bound {
         Self::of(plan, points, true)
     }
 
-    /// Binds as [`Self::new`] does, with the integrals of all points taken one by one.
+    /// As [`Self::new`], but without interpolation of integrals.
     pub(super) fn one_by_one(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
         Self::of(plan, points, false)
     }
@@ -74,10 +67,10 @@ impl Bound {
     fn of(plan: Arc<EvaluationPlan>, points: &[[f64; 3]], interpolates: bool) -> Self {
         let (masks, pairs) = plan.stages();
         let stages = Stages::new(points, &masks, &pairs);
-        // Nothing reads slots of the last stage but outputs.
+        // Only outputs read slots of the last stage.
         let last = plan.moving.last().filter(|last| stages.count(last.mask) == points.len());
         let computed = |slot: usize| {
-            let place = last?.slots.iter().position(|&own| own == slot)?;
+            let place = last?.slots.iter().position(|&result| result == slot)?;
             Some(last?.tape.results[place])
         };
         let outputs = plan.outputs.iter().map(|&slot| match computed(slot) {
@@ -128,14 +121,12 @@ impl Bound {
         bound
     }
 
-    /// The number of points.
     pub fn points(&self) -> usize {
         self.points
     }
 
-    /// Evaluates all outputs: `out[i][p]` becomes output i at point p.  Each
-    /// vector is given the length of the points; `out` beyond the number of
-    /// outputs is left alone.
+    /// Evaluates all outputs: `out[i][p]` becomes output i at point p. Vectors are resized to the number of points;
+    /// entries of `out` beyond the outputs are left alone.
     pub fn evaluate(&mut self, t: f64, zeta: f64, out: &mut [Vec<f64>]) {
         out.iter_mut().take(self.outputs.len()).for_each(Vec::clear);
         let Ok(()) = self.evaluate_in_blocks(t, zeta, BLOCK, |_, values| {
@@ -144,12 +135,10 @@ impl Bound {
         });
     }
 
-    /// Evaluates all outputs and shows them for so many points at a time: a
-    /// few hundred stay in cache.  `visit` is given the numbers of the points,
-    /// and for each output its values there.
+    /// Evaluates all outputs block by block, a few hundred points that stay in cache. `visit` gets the range of points
+    /// and the values of each output there.
     ///
-    /// # Errors
-    /// The error of `visit`, which is not called again.
+    /// # Errors The error of `visit`, which is not called again.
     pub fn evaluate_in_blocks<E>(
         &mut self,
         t: f64,
@@ -196,7 +185,6 @@ impl Bound {
         Ok(())
     }
 
-    /// Puts the hereditary integrals at time t into their slots.
     fn recall(&mut self, plan: &Arc<EvaluationPlan>, t: f64, zeta: f64) {
         let now = [t.to_bits(), zeta.to_bits()];
         if self.recalled_at == Some(now) || plan.recalled.is_empty() || self.points == 0 {
@@ -218,7 +206,6 @@ impl Bound {
         }
     }
 
-    /// Forgets what belongs to another zeta.
     fn take_zeta(&mut self, zeta: f64) {
         if self.zeta == zeta.to_bits() {
             return;
@@ -231,7 +218,6 @@ impl Bound {
         }
     }
 
-    /// Puts the integrals of a group at all its tuples into `values`.
     fn values_of(&mut self, group: usize, t: f64, zeta: f64) {
         let Self { plan, stages, slots, pasts, tuples, times, values, .. } = self;
         let count = stages.count(plan.histories[group].mask);
@@ -243,7 +229,6 @@ impl Bound {
         rest[0].values(below, Surroundings { plan, stages, slots, zeta }, tuples, times, values);
     }
 
-    /// Runs the tape of one stage over all its tuples.
     fn run(&mut self, stage: &StageTape, t: f64, zeta: f64) {
         let slots = &mut self.slots;
         self.taken.clear();
@@ -265,11 +250,9 @@ impl Bound {
     }
 }
 
-/// What a stage reads.
 struct Inputs<'a> {
     stages: &'a Stages,
     slots: &'a [Vec<f64>],
-    /// The space variables of the slots, and of the stage.
     masks: &'a [u8],
     stage: u8,
     t: f64,
@@ -277,7 +260,6 @@ struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    /// The values of a source at some tuples of the stage.
     #[inline(always)]
     fn fetch(&self, source: Source, lanes: &Range<usize>, out: &mut [f64]) {
         let Self { stages, slots, masks, stage, t, zeta } = *self;

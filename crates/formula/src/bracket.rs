@@ -1,56 +1,52 @@
-//! The search for the place between two times where a guard changes its sign.
+//! Search for the time at which a guard changes sign.
 //!
-//! One round of equal parts, then regula falsi with halvings among the guesses:
-//! smooth guards take some 20 values, any other a bounded number.
+//! One round of equal sections, then regula falsi safeguarded by bisection: about 20 values for smooth guards, a
+//! bounded number for any other.
 
 use super::scalar::class;
 
-/// Parts a bracket is cut into at first, to find the first of several changes.
+/// Sections of the first round, to find the first of several changes.
 const SECTIONS: usize = 16;
-/// Of so many rounds after the first one halves the bracket, whatever the guard looks like.
+/// One in so many rounds bisects, whatever the guard looks like.
 const HALVED: usize = 4;
-/// Rounds of halving and guessing after which a bracket has closed.
+/// Rounds after which any bracket has closed.
 const ROUNDS: usize = 60 * HALVED;
-/// Changes of sign of one guard between two watches that are told apart.
+/// Sign changes of one guard that are resolved between two watches.
 const CHANGES: usize = 6;
-/// A bracket no wider than this share of that is closed: near t = 0 neighbours are closer than anything sees.
+/// A bracket is closed at this share of `apart`: near t = 0 floating-point neighbours are closer than matters.
 const CLOSED: f64 = 1e-4;
 
-/// An interval at whose ends a guard has different signs.
+/// An interval whose ends have guards of different sign.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bracket {
     pub(super) lane: usize,
     pub(super) guard: usize,
     low: End,
     high: End,
-    /// The watch at which the search ends.
     watch: End,
-    /// Breaks closer than this are one.
+    /// Breaks closer than this are merged.
     apart: f64,
     stage: Stage,
-    /// Which end the last guess moved.
     moved: Option<Side>,
     rounds: usize,
     changes: usize,
 }
 
-/// What the next round of a bracket looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// Whether anything is left to be found just beyond a break: a guard may be zero at one number alone.
+    /// Just beyond a break: a guard may be zero at a single number.
     Beyond,
-    /// The ends of equal parts, to find the first of several changes; inside one part any may be found.
+    /// The ends of equal sections, to find the first of several changes.
     Sections,
-    /// Where the zero may be.
+    /// A guess of the zero.
     Zero,
 }
 
-/// A guard at a time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     time: f64,
     pub(super) sign: i8,
-    /// By which the place of the zero is guessed: the guard's own value, or less.
+    /// Value used to guess the zero: that of the guard, or a reduced one.
     value: f64,
 }
 
@@ -60,21 +56,17 @@ impl End {
     }
 }
 
-/// The end of a bracket.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Side {
     Low,
     High,
 }
 
-/// What a round has found.
 #[derive(Debug, PartialEq)]
 pub(super) enum Found {
-    /// Nothing yet.
     Nothing,
-    /// A break.
     Break(f64),
-    /// That there is no other break before the watch.
+    /// There is no other break before the watch.
     End,
 }
 
@@ -84,7 +76,6 @@ impl Bracket {
         Self { lane, guard, low, high, watch: high, apart, stage, moved, rounds, changes }
     }
 
-    /// The time at a share of the bracket.
     fn at(&self, share: f64) -> f64 {
         self.low.time + (self.high.time - self.low.time) * share
     }
@@ -93,7 +84,6 @@ impl Bracket {
         (self.high.time - self.low.time).abs()
     }
 
-    /// At how many times the next round looks.
     pub(super) fn count(&self) -> usize {
         match self.stage {
             Stage::Sections => SECTIONS - 1,
@@ -101,7 +91,6 @@ impl Bracket {
         }
     }
 
-    /// The k-th of them.
     pub(super) fn time(&self, k: usize) -> f64 {
         match self.stage {
             Stage::Beyond => self.at((self.apart / self.width()).min(1.0)),
@@ -110,8 +99,8 @@ impl Bracket {
         }
     }
 
-    /// Where the guard has its zero if it is a line (regula falsi, a lagging end at half its value), but inside; the
-    /// middle in some rounds, and wherever an end has no such value.
+    /// Guess by regula falsi (with the value of a lagging end halved), kept inside; the midpoint in some rounds, and if
+    /// an end has no usable value.
     fn guess(&self) -> f64 {
         let (low, high) = (&self.low, &self.high);
         let rise = high.value - low.value;
@@ -120,7 +109,6 @@ impl Bracket {
         if self.rounds.is_multiple_of(HALVED) || !apart || !rise.is_finite() {
             return self.at(0.5);
         }
-        // From the end that is closer.
         let zero = if low.value.abs() < high.value.abs() {
             low.time + (high.time - low.time) * (-low.value / rise)
         } else {
@@ -133,24 +121,23 @@ impl Bracket {
         }
     }
 
-    /// Takes what a round has seen; moves to the first of the parts at whose end the sign is another.
     pub(super) fn narrow(&mut self, inside: impl Iterator<Item = End>) -> Found {
         for end in inside {
             if self.stage == Stage::Beyond {
                 self.stage = Stage::Sections;
-                // A change closer to the last break is that one.
+                // A change this close to the last break is the same one.
                 let over = end.sign == self.watch.sign;
                 return if over { Found::End } else { Found::Nothing };
             }
             let side = if end.sign == self.low.sign { Side::Low } else { Side::High };
-            let (own, other) = match side {
+            let (same_side, other) = match side {
                 Side::Low => (&mut self.low, &mut self.high),
                 Side::High => (&mut self.high, &mut self.low),
             };
-            // The guess was met: its neighbours are tried next.
-            let met = end.value == 0.0 && own.sign != 0;
-            let value = if met { f64::MIN_POSITIVE.copysign(own.value) } else { end.value };
-            *own = End { value, ..end };
+            // The guess was met: try its neighbours next.
+            let met = end.value == 0.0 && same_side.sign != 0;
+            let value = if met { f64::MIN_POSITIVE.copysign(same_side.value) } else { end.value };
+            *same_side = End { value, ..end };
             if self.moved == Some(side) {
                 other.value *= 0.5;
             }
@@ -170,8 +157,7 @@ impl Bracket {
         neighbours || self.width() <= CLOSED * self.apart || self.rounds >= ROUNDS
     }
 
-    /// Whether the sign changes again before the watch; the bracket then
-    /// covers the rest.
+    /// Whether the sign changes again before the watch; the bracket then covers the rest.
     pub(super) fn reopen(&mut self) -> bool {
         self.changes += 1;
         (self.stage, self.moved, self.rounds) = (Stage::Beyond, None, 0);
@@ -184,7 +170,7 @@ impl Bracket {
 mod tests {
     use super::*;
 
-    /// The breaks of a guard between two watches, and how many values they took.
+    /// The breaks of a guard between two watches, and the number of evaluations.
     fn breaks(guard: impl Fn(f64) -> f64, [low, high]: [f64; 2]) -> (Vec<f64>, usize) {
         let end = |time: f64| End::new(time, guard(time));
         let mut bracket =
@@ -207,7 +193,7 @@ mod tests {
         }
     }
 
-    /// A break and no other, to rounding of numbers of order one.
+    /// Expects one break, to rounding of numbers of order one.
     fn one_at(root: f64, found: &[f64], what: usize) {
         assert!(found.len() == 1 && (found[0] - root).abs() < 1e-15, "{what}: {found:?}");
     }
@@ -231,7 +217,7 @@ mod tests {
         }
     }
 
-    /// A line is zero at a number, so that its sign changes twice.
+    /// A line is zero at a number, so its sign changes twice.
     #[test]
     fn a_zero_at_one_number_is_one_break() {
         for k in 0..200 {
@@ -260,13 +246,13 @@ mod tests {
             for ends in [[0.5, 0.6], [0.6, 0.5]] {
                 let (found, values) = breaks(guard, ends);
                 assert!((found[0] - root).abs() < 1e-15, "{k}: {found:?}");
-                // Half of the bracket in each fourth round, at the least.
+                // At least every fourth round halves the bracket.
                 assert!(values < HALVED * 50, "{k}: {values}");
             }
         }
     }
 
-    /// Numbers near zero are closer to each other than any time of the panel is good for.
+    /// Floating-point neighbours near zero are closer than any time in the panel needs.
     #[test]
     fn a_zero_at_the_start_is_closed_in_on_no_further_than_rounding() {
         let (found, values) = breaks(|t| t, [0.0, 0.1]);
@@ -274,7 +260,6 @@ mod tests {
         assert!(values < 100, "{values}");
     }
 
-    /// Minus, nothing, plus: two breaks.
     #[test]
     fn a_stretch_of_zeros_has_two_ends() {
         let guard = |t: f64| (t - 0.6).max(0.0) + (t - 0.4).min(0.0);
@@ -284,7 +269,7 @@ mod tests {
         assert!(values < 150, "{values}");
     }
 
-    /// Of three changes the first, where the sections tell them apart.
+    /// Of three changes the first is found, if the sections tell them apart.
     #[test]
     fn the_first_of_several_changes_is_found() {
         let (found, _) = breaks(|t| (t - 0.21) * (t - 0.42) * (t - 0.9), [0.0, 1.0]);

@@ -1,21 +1,19 @@
-//! Where the panels of hereditary integrals are broken.
+//! Breaks of the panels of hereditary integrals.
 //!
-//! An integrand has a kink or a jump where a guard changes sign.  Guards are
-//! watched at a few times of every panel; a change of sign is closed in on
-//! until the two sides are neighbouring numbers, or closer than the panel's
-//! times are rounded, and the panel is broken there.
+//! An integrand has a kink or a jump where a guard changes sign. Guards are evaluated at a few times of each panel; a
+//! sign change is enclosed down to neighbouring numbers, or the rounding of the panel's times, and the panel is broken
+//! there.
 
 use super::bracket::{Bracket, End, Found};
 use super::history::HistoryPlan;
 use super::past::Past;
 use super::sampler::{Sampler, Surroundings};
 
-/// Lanes that are watched at once: their guards stay in cache.
+/// Lanes whose guards are watched at once and stay in cache.
 const WATCHED: usize = 128;
-/// Breaks closer than this, relative to the times, are one.
+/// Breaks closer than this, relative to the times, are merged.
 const APART: f64 = 1e-14;
 
-/// The interval of one lane's integral: a panel or the first part of one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lane {
     pub(super) tuple: u32,
@@ -23,7 +21,6 @@ pub(super) struct Lane {
     pub(super) to: f64,
 }
 
-/// A part of a lane's interval on which the integrand is smooth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub(super) lane: u32,
@@ -32,36 +29,31 @@ pub(super) struct Piece {
 }
 
 impl Lane {
-    /// The distance within which breaks are one.
+    /// Distance within which breaks are merged.
     fn apart(&self) -> f64 {
         APART * self.from.abs().max(self.to.abs())
     }
 }
 
 impl Piece {
-    /// Its length.
     pub(super) fn width(&self) -> f64 {
         (self.to - self.from).abs()
     }
 
-    /// Whether there is a number between its ends.
     pub(super) fn can_be_halved(&self) -> bool {
         let middle = 0.5 * (self.from + self.to);
         middle != self.from && middle != self.to
     }
 
-    /// Its two halves, in order of integration.
     pub(super) fn halves(&self) -> [Self; 2] {
         let middle = 0.5 * (self.from + self.to);
         [Self { to: middle, ..*self }, Self { from: middle, ..*self }]
     }
 }
 
-/// The search for breaks, with its scratch memory.
 #[derive(Clone, Debug)]
 pub(super) struct Breaks {
     sampler: Sampler,
-    /// Over how many intervals the guards of each lane are watched.
     watches: Vec<usize>,
     brackets: Vec<Bracket>,
     cuts: Vec<(usize, f64)>,
@@ -115,7 +107,7 @@ impl Breaks {
         }
     }
 
-    /// Opens a bracket wherever a guard changes sign between watches, in lanes of which `before` others are the first.
+    /// Opens a bracket at each sign change of a guard between watches; lane numbers start after `before` others.
     fn watch(
         &mut self,
         plan: &HistoryPlan,
@@ -155,7 +147,6 @@ impl Breaks {
         }
     }
 
-    /// One round of all brackets; closed ones become breaks.
     fn narrow(
         &mut self,
         plan: &HistoryPlan,
@@ -188,9 +179,8 @@ impl Breaks {
     }
 }
 
-/// Whether all values are above zero, or all below.
 fn is_of_one_sign(values: &[f64]) -> bool {
-    // Without a jump for each of them.
+    // Branch-free.
     values.iter().fold(true, |all, value| all & (*value > 0.0))
         || values.iter().fold(true, |all, value| all & (*value < 0.0))
 }

@@ -1,27 +1,24 @@
 //! Construction of expressions, with local simplification.
 //!
-//! Constants are folded and x+0, 1*x, 0*x, x-x, x/x and nested powers are
-//! simplified.  Constants of a product are merged unless the result leaves the
-//! range of doubles: 1e-300*(x/1e150) is not 0.  0*x = 0 drops the NaN of a singular x, and x/x = 1 the one at
-//! x = 0: both are accepted, an exact solution has neither.
+//! Constants are folded, and x+0, 1*x, 0*x, x-x, x/x and nested powers simplified. Constants of a product are merged
+//! unless the result leaves the range of doubles: 1e-300*(x/1e150) is not 0. 0*x = 0 drops the NaN of a singular x, and
+//! x/x = 1 the one at x = 0: accepted, since exact solutions have neither.
 
 use super::graph::{Graph, Node, Op, Variable};
 use super::scalar::power;
 use super::vocabulary::Function;
 
 impl Graph {
-    /// The number `v`; the two zeros are one.
+    /// Both zeros are one node.
     pub fn constant(&mut self, v: f64) -> Node {
         let v = if v.is_nan() { f64::NAN } else { v + 0.0 };
         self.intern(Op::Constant(v.to_bits()))
     }
 
-    /// The variable `v`.
     pub fn variable(&mut self, v: Variable) -> Node {
         self.intern(Op::Variable(v))
     }
 
-    /// -a.
     pub fn neg(&mut self, a: Node) -> Node {
         match self.op(a) {
             Op::Constant(bits) => self.constant(-f64::from_bits(bits)),
@@ -35,7 +32,6 @@ impl Graph {
         }
     }
 
-    /// a + b.
     pub fn add(&mut self, a: Node, b: Node) -> Node {
         match (self.value_of_constant(a), self.value_of_constant(b)) {
             (Some(u), Some(v)) => return self.constant(u + v),
@@ -57,7 +53,6 @@ impl Graph {
         }
     }
 
-    /// a - b.
     pub fn sub(&mut self, a: Node, b: Node) -> Node {
         if a == b {
             return self.constant(0.0);
@@ -75,7 +70,6 @@ impl Graph {
         self.intern(Op::Sub(a, b))
     }
 
-    /// a * b.
     pub fn mul(&mut self, a: Node, b: Node) -> Node {
         let (a, b) = self.ordered(a, b);
         match (self.value_of_constant(a), self.value_of_constant(b)) {
@@ -114,7 +108,6 @@ impl Graph {
         }
     }
 
-    /// a / b.
     pub fn div(&mut self, a: Node, b: Node) -> Node {
         match (self.value_of_constant(a), self.value_of_constant(b)) {
             (Some(u), Some(v)) => return self.constant(u / v),
@@ -147,8 +140,7 @@ impl Graph {
         }
     }
 
-    /// The integer power a^n, by repeated multiplication, so that negative
-    /// bases have powers.
+    /// a^n by repeated multiplication, also for negative a.
     pub fn powi(&mut self, a: Node, n: i32) -> Node {
         match (n, self.op(a)) {
             (0, _) => self.constant(1.0),
@@ -163,7 +155,7 @@ impl Graph {
         }
     }
 
-    /// The real power a^b; an integer power where b is a whole number.
+    /// a^b; an integer power if b is a whole number.
     pub fn pow(&mut self, a: Node, b: Node) -> Node {
         match (self.value_of_constant(a), self.value_of_constant(b)) {
             (_, Some(n)) if n.fract() == 0.0 && n.abs() <= f64::from(i32::MAX) => {
@@ -176,12 +168,10 @@ impl Graph {
         }
     }
 
-    /// The larger of a and b.
     pub fn max(&mut self, a: Node, b: Node) -> Node {
         self.extremum(a, b, f64::max, Op::Max)
     }
 
-    /// The smaller of a and b.
     pub fn min(&mut self, a: Node, b: Node) -> Node {
         self.extremum(a, b, f64::min, Op::Min)
     }
@@ -206,7 +196,7 @@ impl Graph {
         node
     }
 
-    /// `then` where a < b, `otherwise` elsewhere.
+    /// `then` where a < b, else `otherwise`.
     pub fn select_less(&mut self, a: Node, b: Node, then: Node, otherwise: Node) -> Node {
         if then == otherwise {
             return then;
@@ -237,7 +227,7 @@ impl Graph {
         }
     }
 
-    /// The order in which commutative operands are stored: numbers first.
+    /// Canonical order of commutative operands: numbers first.
     fn ordered(&self, a: Node, b: Node) -> (Node, Node) {
         let key = |n: Node| (self.value_of_constant(n).is_none(), n.0);
         if key(b) < key(a) { (b, a) } else { (a, b) }

@@ -1,16 +1,14 @@
-//! What expressions cost.
+//! Costs of expressions, in sums or products.
 
 use super::graph::{Graph, Node, Op};
 use super::vocabulary::Function;
 
-/// A division or a square root, in sums or products.
 const DIVISION: u32 = 4;
-/// Any other function.
 const FUNCTION: u32 = 50;
 
 impl Graph {
-    /// About how many sums or products the value of each node below `roots` costs at a point, by number of the node; what
-    /// occurs twice counts twice, and what is the same at all points nothing.
+    /// Approximate cost per point of each node below `roots`, by node number. What occurs twice counts twice; what is
+    /// equal at all points costs nothing.
     pub(super) fn costs(&self, roots: &[Node]) -> Vec<u32> {
         let below = self.reachable(roots, |_| true);
         let mut costs = vec![0; below.last().map_or(0, |last| last.index() + 1)];
@@ -26,14 +24,13 @@ impl Graph {
     }
 }
 
-/// The cost of one operation, without its operands.
 fn own_cost(op: Op) -> u32 {
     match op {
         Op::Constant(_) | Op::Variable(_) => 0,
         Op::Neg(_) | Op::Add(..) | Op::Sub(..) | Op::Mul(..) => 1,
         Op::Max(..) | Op::Min(..) | Op::Less(_) => 1,
         Op::Apply(Function::Abs | Function::Sign, _) => 1,
-        // By squares; negative ones are divided by.
+        // By squaring; a negative power adds a division.
         Op::Power(_, n) => 2 * n.unsigned_abs().max(1).ilog2() + if n < 0 { DIVISION } else { 0 },
         Op::Div(..) | Op::Apply(Function::Sqrt, _) => DIVISION,
         Op::Pow(..) | Op::Apply(..) | Op::Relax(..) | Op::Convolve(..) => FUNCTION,

@@ -1,12 +1,11 @@
-//! Expressions as sums of products of what moves in time and what does not.
+//! Decomposition into sums of products of time-dependent and constant factors.
 
 use super::graph::{Graph, Node, Op};
 
-/// Products of sums are multiplied out up to this many terms.
+/// Limit of terms when products of sums are expanded.
 const MOST_TERMS: usize = 256;
 
-/// number * still * moving, where `still` does not depend on t and `moving` is
-/// a product of factors that do, or 1.
+/// number * still * moving: `still` does not depend on t, `moving` is a product of factors that do, or 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Term {
     pub(super) number: f64,
@@ -14,7 +13,6 @@ pub(super) struct Term {
     pub(super) moving: Node,
 }
 
-/// A product taken apart.
 struct Product {
     number: f64,
     still: Node,
@@ -22,9 +20,8 @@ struct Product {
 }
 
 impl Graph {
-    /// `f` as a sum of terms.  Sums are multiplied out where that separates
-    /// space from time, or frees a hereditary integral; a sum whose parts move
-    /// together stays one factor.
+    /// `f` as a sum of terms. Sums are expanded where that separates space from time or frees a hereditary integral; a
+    /// sum whose parts all move stays one factor.
     pub(super) fn terms_in_time(&mut self, f: Node) -> Vec<Term> {
         let one = self.constant(1.0);
         let mut terms = Vec::new();
@@ -76,7 +73,7 @@ impl Graph {
         found
     }
 
-    /// The factors of `f`, quotients and powers of products included.
+    /// The factors of `f`, including those in quotients and powers.
     fn factors(&mut self, f: Node) -> Product {
         let one = self.constant(1.0);
         let mut product = Product { number: 1.0, still: one, moving: Vec::new() };
@@ -125,8 +122,7 @@ impl Graph {
         matches!(self.op(f), Op::Add(..) | Op::Sub(..))
     }
 
-    /// The factor that is a sum to be multiplied out, if there is one.  A sum
-    /// on its own always is: integration is linear.
+    /// The factor that is a sum to be expanded, if any. A lone sum always is, since integration is linear.
     fn factor_to_expand(&mut self, factors: &[Node]) -> Option<usize> {
         match factors {
             [] => None,
@@ -135,8 +131,7 @@ impl Graph {
         }
     }
 
-    /// Whether parts of a sum differ in space dependence, have factors that do
-    /// not move, or are hereditary.
+    /// Whether parts of a sum differ in space dependence, have constant factors, or are hereditary.
     fn is_mixed(&mut self, sum: Node) -> bool {
         let addends = self.addends(sum);
         let space = self.dependence(addends[0].1).space();

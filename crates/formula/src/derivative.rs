@@ -6,13 +6,10 @@ use super::vocabulary::Function;
 impl Graph {
     /// The derivative of `f` with respect to `v`.
     ///
-    /// max, min and `if` differentiate the branch taken, |a|' = sign(a) a' and
-    /// sign' = 0: the derivative holds off the kinks.  Under a hereditary
-    /// integral, d/dx goes inside and
-    /// d/dt relax(c,f) = f - c relax(c,f), d/dt (b * f) = b(0) f + b' * f.
+    /// max, min and `if` differentiate the branch taken, |a|' = sign(a) a' and sign' = 0: valid off the kinks. For
+    /// hereditary integrals d/dx goes inside, and d/dt relax(c,f) = f - c relax(c,f), d/dt (b * f) = b(0) f + b' * f.
     pub fn derivative(&mut self, f: Node, v: Variable) -> Node {
-        // Nodes without v have derivative zero and those below a finished
-        // node are not needed.
+        // Nodes without v have derivative zero; those below a finished node are not needed.
         let order = self
             .reachable(&[f], |n| self.depends_on(n, v) && !self.derivatives.contains_key(&(n, v)));
         for node in order {
@@ -24,7 +21,6 @@ impl Graph {
         self.slope(f, v)
     }
 
-    /// A derivative already in the table.
     fn slope(&mut self, f: Node, v: Variable) -> Node {
         match self.derivatives.get(&(f, v)) {
             Some(&slope) => slope,
@@ -32,7 +28,6 @@ impl Graph {
         }
     }
 
-    /// The derivative of a node whose operands have theirs in the table.
     fn one_derivative(&mut self, f: Node, v: Variable) -> Node {
         if !self.depends_on(f, v) {
             return self.constant(0.0);
@@ -90,7 +85,7 @@ impl Graph {
         }
     }
 
-    /// (∫₀ᵗ b(t − s) a(s) ds)' = b(0) a + ∫₀ᵗ b'(t − s) a(s) ds in time; b keeps out of derivatives in space.
+    /// (∫₀ᵗ b(t − s) a(s) ds)' = b(0) a + ∫₀ᵗ b'(t − s) a(s) ds in time; b is independent of space.
     fn convolution_derivative(&mut self, kernel: Node, a: Node, v: Variable) -> Node {
         if v != Variable::T {
             let da = self.slope(a, v);
@@ -104,7 +99,6 @@ impl Graph {
         self.add(now, past)
     }
 
-    /// (a/b)' = (a' - (a/b) b') / b.
     fn quotient_derivative(&mut self, f: Node, a: Node, b: Node, v: Variable) -> Node {
         let (da, db) = (self.slope(a, v), self.slope(b, v));
         let carried = self.mul(f, db);
@@ -112,7 +106,6 @@ impl Graph {
         self.div(numerator, b)
     }
 
-    /// (a^n)' = n a^(n-1) a'.
     fn power_derivative(&mut self, f: Node, a: Node, n: i32, v: Variable) -> Node {
         let da = self.slope(a, v);
         let factor = self.constant(f64::from(n));
@@ -124,7 +117,7 @@ impl Graph {
         self.mul(outer, da)
     }
 
-    /// (a^b)' = b a^(b-1) a' + a^b log(a) b', either part only where needed.
+    /// (a^b)' = b a^(b-1) a' + a^b log(a) b', each part only if needed.
     fn pow_derivative(&mut self, f: Node, a: Node, b: Node, v: Variable) -> Node {
         let (da, db) = (self.slope(a, v), self.slope(b, v));
         let minus_one = self.constant(-1.0);
@@ -141,7 +134,6 @@ impl Graph {
         self.add(base, growth)
     }
 
-    /// The derivative of a function at `a`, where its value is `f`.
     fn outer_derivative(&mut self, function: Function, a: Node, f: Node) -> Node {
         let one = self.constant(1.0);
         match function {

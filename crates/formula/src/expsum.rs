@@ -6,17 +6,16 @@ use super::graph::{Graph, Node, Op, Variable};
 use super::scalar::power;
 use super::vocabulary::Function;
 
-/// More terms than this are not worth treating one by one.
+/// Longer sums are not treated term by term.
 const MOST_TERMS: usize = 64;
 
-/// The list (a, c) of f(t) = sum a exp(-c t).
+/// Pairs (a, c) of f(t) = sum a exp(-c t).
 type Exponentials = Vec<(f64, f64)>;
 
 impl Graph {
-    /// The list of (a, c) with f(t) = sum a exp(-c t), where `f` is one by its
-    /// form: constants, exponentials of linear expressions in t, and sums,
-    /// products and powers of those.  Equal rates are merged, rates ascend,
-    /// and zero is the empty sum.
+    /// The pairs (a, c) with f(t) = sum a exp(-c t), if `f` has that form: constants, exponentials of linear
+    /// expressions in t, and sums, products and powers of those. Equal rates are merged, rates ascend; zero is the
+    /// empty sum.
     pub fn exponential_sum(&self, f: Node) -> Option<Vec<(f64, f64)>> {
         if !self.dependence(f).at_most_time() || self.dependence(f).on_history() {
             return None;
@@ -44,7 +43,7 @@ impl Graph {
             Op::Sub(a, b) => Some([of(a)?.as_slice(), &negated(of(b)?)].concat()),
             Op::Mul(a, b) => Some(product(of(a)?, of(b)?)),
             Op::Div(a, b) => {
-                // A single exponential divides like a number.
+                // A single exponential can be divided by.
                 let [(d, c)] = of(b)?.as_slice() else {
                     return None;
                 };
@@ -77,7 +76,7 @@ impl Graph {
         }
     }
 
-    /// (p, q) with f = p + q t, where `f` is that by its form.
+    /// (p, q) with f = p + q t, if `f` has that form.
     fn linear_in_time(&self, f: Node) -> Option<(f64, f64)> {
         let mut known: HashMap<Node, Option<(f64, f64)>> = HashMap::new();
         for node in self.reachable(&[f], |_| true) {
@@ -115,7 +114,7 @@ fn merged(mut sum: Exponentials) -> Option<Exponentials> {
         return None;
     }
     for (_, c) in &mut sum {
-        // One zero, whatever its sign.
+        // Turns -0 into +0.
         *c += 0.0;
     }
     sum.sort_by(|(_, c), (_, d)| c.total_cmp(d));

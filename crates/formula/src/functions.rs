@@ -34,7 +34,6 @@ unary! {
 }
 
 impl Graph {
-    /// exp(a) - 1.
     pub(super) fn exp_minus_one(&mut self, a: Node) -> Node {
         self.apply(Function::ExpMinusOne, a)
     }

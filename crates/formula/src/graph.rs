@@ -1,26 +1,20 @@
-//! The expression graph: every expression is stored once.
+//! The expression graph; equal expressions are stored once.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::vocabulary::Function;
 
-/// An independent variable.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub enum Variable {
-    /// First space coordinate.
     X,
-    /// Second space coordinate.
     Y,
-    /// Third space coordinate.
     Z,
-    /// Time.
     T,
     /// A second scalar argument, constant over the points of one evaluation.
     Zeta,
 }
 
 impl Variable {
-    /// The name in formulas.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -31,13 +25,12 @@ impl Variable {
         }
     }
 
-    /// The variable with this name.
     pub(crate) fn named(name: &str) -> Option<Self> {
         [Self::X, Self::Y, Self::Z, Self::T, Self::Zeta].into_iter().find(|v| v.name() == name)
     }
 }
 
-/// The set of variables an expression depends on, one bit each.
+/// The set of variables an expression depends on, as bits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default, PartialOrd, Ord)]
 pub(super) struct Dependence(u8);
 
@@ -56,7 +49,7 @@ impl Dependence {
         self.0 & Self::of(variable).0 != 0
     }
 
-    /// The space variables alone: bit 0 for x, 1 for y, 2 for z.
+    /// The space variables: bit 0 for x, 1 for y, 2 for z.
     pub(super) fn space(self) -> u8 {
         self.0 & 7
     }
@@ -65,17 +58,14 @@ impl Dependence {
         self.contains(Variable::T)
     }
 
-    /// Whether a hereditary integral occurs in the expression.
     pub(super) fn on_history(self) -> bool {
         self.0 & Self::HISTORY != 0
     }
 
-    /// Neither t nor zeta: the value at a point never changes.
     pub(super) fn is_static(self) -> bool {
         !self.on_time() && !self.contains(Variable::Zeta)
     }
 
-    /// Nothing but t, if that.
     pub(super) fn at_most_time(self) -> bool {
         self.0 & !Self::HISTORY & !Self::of(Variable::T).0 == 0
     }
@@ -91,11 +81,9 @@ impl Node {
     }
 }
 
-/// What a node is; operands always have smaller numbers than the node itself,
-/// so that ascending numbers are an order of evaluation.
+/// Operands always have smaller numbers than the node, so ascending numbers are an order of evaluation.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Op {
-    /// The bits of a number.
     Constant(u64),
     Variable(Variable),
     Neg(Node),
@@ -103,23 +91,20 @@ pub(super) enum Op {
     Sub(Node, Node),
     Mul(Node, Node),
     Div(Node, Node),
-    /// An integer power.
     Power(Node, i32),
-    /// A real power.
     Pow(Node, Node),
     Apply(Function, Node),
     Max(Node, Node),
     Min(Node, Node),
     /// `[a, b, then, otherwise]`: `then` where a < b.
     Less([Node; 4]),
-    /// Integral over 0 < s < t of exp(-c (t-s)) f(s), the bits of c first.
+    /// Integral over 0 < s < t of exp(-c (t-s)) f(s); bits of c, then f.
     Relax(u64, Node),
-    /// Integral over 0 < s < t of b(t-s) f(s), the kernel b first.
+    /// Integral over 0 < s < t of b(t-s) f(s); b, then f.
     Convolve(Node, Node),
 }
 
 impl Op {
-    /// The operands, in order.
     pub(super) fn operands(&self) -> impl Iterator<Item = Node> + use<> {
         let list = match *self {
             Self::Constant(_) | Self::Variable(_) => [None; 4],
@@ -140,7 +125,7 @@ impl Op {
     }
 }
 
-/// A directed acyclic graph of expressions with equal ones shared.
+/// A directed acyclic graph of expressions, equal ones shared.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     ops: Vec<Op>,
@@ -149,19 +134,18 @@ pub struct Graph {
     pub(super) derivatives: FxHashMap<(Node, Variable), Node>,
     /// For each branching node the expression whose sign decides.
     pub(super) deciders: FxHashMap<Node, Node>,
-    /// Whether programs add to hereditary integrals what these may lack.
+    /// Whether programs add estimated quadrature errors to hereditary integrals.
     pub(super) adds_remainders: bool,
 }
 
 impl Graph {
-    /// An empty graph.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Programs compiled from now on give hereditary integrals plus an estimate of what their quadrature leaves unresolved:
-    /// what that moves shows in the difference. It is nothing but for integrands that are hardly integrable, or that no
-    /// halving resolves.
+    /// Programs compiled from now on add to each hereditary integral an estimate of its quadrature error, so that its
+    /// effect shows in the difference. The estimate is zero unless the integrand is hardly integrable or resolved by no
+    /// halving.
     pub fn add_remainders(&mut self) {
         self.adds_remainders = true;
     }
@@ -174,7 +158,7 @@ impl Graph {
         self.dependence[node.index()]
     }
 
-    /// The node of an operation, new or known; no simplification.
+    /// The node of an operation, without simplification.
     pub(super) fn intern(&mut self, op: Op) -> Node {
         if let Some(&node) = self.known.get(&op) {
             return node;
@@ -197,18 +181,15 @@ impl Graph {
         node
     }
 
-    /// Whether the value of `f` varies with `v`; hereditary integrals vary
-    /// with t.
+    /// Whether `f` depends on `v`; hereditary integrals depend on t.
     pub fn depends_on(&self, f: Node, v: Variable) -> bool {
         self.dependence(f).contains(v)
     }
 
-    /// Whether a hereditary integral occurs in `f`.
     pub fn remembers(&self, f: Node) -> bool {
         self.dependence(f).on_history()
     }
 
-    /// The number `f` is, if it is one.
     pub fn value_of_constant(&self, f: Node) -> Option<f64> {
         match self.op(f) {
             Op::Constant(bits) => Some(f64::from_bits(bits)),
@@ -216,10 +197,10 @@ impl Graph {
         }
     }
 
-    /// All nodes below and including `roots` in order of evaluation.  Where
-    /// `enter` refuses a node the node is listed and its operands are not.
+    /// All nodes below and including `roots`, in order of evaluation. A node that `enter` refuses is listed without its
+    /// operands.
     ///
-    /// A stack of its own, because a sum of many terms is a deep graph.
+    /// Not recursive, because a long sum is a deep graph.
     pub(super) fn reachable(&self, roots: &[Node], enter: impl Fn(Node) -> bool) -> Vec<Node> {
         let mut seen = FxHashSet::default();
         let mut stack = roots.to_vec();

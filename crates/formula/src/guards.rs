@@ -1,13 +1,12 @@
-//! Where an expression may have kinks or jumps.
+//! Guards: where an expression may have kinks or jumps.
 
 use std::collections::HashSet;
 
 use super::graph::{Graph, Node};
 
 impl Graph {
-    /// The expressions whose sign decides a branch in `f`: a-b for `if a < b`,
-    /// max and min; a for |a| and sign(a).  Those inside hereditary integrals
-    /// are included, constants are not.  In order of first evaluation.
+    /// The expressions whose sign decides a branch in `f`: a-b for `if a < b`, max and min; a for |a| and sign(a).
+    /// Includes those inside hereditary integrals, excludes constants; in order of first evaluation.
     pub fn guards(&self, f: &[Node]) -> Vec<Node> {
         let mut seen = HashSet::new();
         self.reachable(f, |_| true)

@@ -1,20 +1,17 @@
-//! Integrals over the past: relaxation and convolution in time.
+//! Relaxation and convolution in time.
 //!
-//! Both are linear, so the integrand is taken apart: factors that do not
-//! depend on t come out, sums are integrated term by term, and
+//! Both are linear: factors independent of t come out, sums are integrated term by term, and
 //!
 //!   relax(a, relax(b, f)) = (relax(b, f) - relax(a, f)) / (a - b).
 //!
-//! What then remains under an integral depends on as few space variables as
-//! can be, and its values are shared by all points with the same abscissae.
+//! The remaining integrands depend on as few space variables as possible, and points with equal abscissae share their
+//! values.
 
 use super::graph::{Graph, Node, Op, Variable};
 
-/// Rates closer than this, relative to the larger, are not split: the
-/// difference quotient would lose as many digits.
+/// Rates closer than this (relative) are not split: the difference quotient would lose as many digits.
 const DISTINCT_RATES: f64 = 1e-4;
 
-/// The kernel of an integral over the past.
 #[derive(Clone, Copy)]
 enum PastKernel {
     /// exp(-c (t-s))
@@ -29,9 +26,8 @@ impl Graph {
         self.integrate(PastKernel::Exponential(c + 0.0), f)
     }
 
-    /// Integral over 0 < s < t of b(t-s) f(x,y,z,s) ds for a smooth kernel b
-    /// that depends on t only.  A sum of exponentials becomes relaxations; a
-    /// kernel that depends on anything else gives NaN.
+    /// Integral over 0 < s < t of b(t-s) f(x,y,z,s) ds for a smooth kernel b of t alone; NaN for other kernels. A sum
+    /// of exponentials becomes relaxations.
     pub fn convolve(&mut self, kernel: Node, f: Node) -> Node {
         if !self.dependence(kernel).at_most_time() || self.dependence(kernel).on_history() {
             return self.constant(f64::NAN);
@@ -50,7 +46,7 @@ impl Graph {
     }
 
     fn integrate(&mut self, memory: PastKernel, f: Node) -> Node {
-        // Terms with the same factor in space are summed before it multiplies.
+        // Terms with the same factor in space are summed first.
         let mut groups: Vec<(Node, Node)> = Vec::new();
         for term in self.terms_in_time(f) {
             let number = self.constant(term.number);
@@ -69,7 +65,6 @@ impl Graph {
         total
     }
 
-    /// The integral of a product of factors that all depend on t, or of 1.
     fn integrate_moving(&mut self, memory: PastKernel, f: Node) -> Node {
         match (memory, self.op(f)) {
             (PastKernel::Exponential(c), Op::Constant(_)) => {

@@ -1,41 +1,36 @@
-//! Hereditary integrals in groups.
+//! Groups of hereditary integrals.
 //!
-//! Integrals at the same stage and the same depth of nesting are one group:
-//! their integrands are one tape, sampled at the same times, and panels are
-//! broken where any of their guards changes sign.
+//! Integrals at one stage and depth of nesting form a group: one tape computes their integrands at common times, and
+//! panels are broken where any of their guards changes sign.
 
 use super::graph::{Graph, Node, Op, Variable};
 use super::program::is_hereditary;
 use super::tape::{Source, Tape};
 
-/// Panels of the horizon, unless fast relaxation asks for more.  Where an
-/// integrand is not resolved its part of a panel is halved.
+/// Panels per horizon, unless fast relaxation needs more; unresolved parts are halved.
 const PANELS: f64 = 16.0;
-/// Panels where a kernel is no exponential: it is not asked whether that
-/// is resolved.
+/// Panels per horizon for non-exponential kernels, whose resolution is not checked.
 const PANELS_OF_GENERAL: f64 = 64.0;
-/// Intervals of the horizon over which guards are watched, at least.
+/// Minimum of watch intervals per horizon.
 const WATCHES: f64 = 320.0;
-/// The largest rate times panel width that the quadrature resolves fully.
+/// Largest rate times panel width that the quadrature resolves fully.
 const STIFFEST: f64 = 4.0;
-/// Intervals of a panel over which guards are watched, at least.
+/// Minimum of watch intervals per panel.
 const LEAST_WATCHES: f64 = 5.0;
-/// Panels are not refined beyond this factor.
+/// Limit of the refinement of panels.
 const FINEST: f64 = 256.0;
-/// Panels of equal width; so many at twice the width follow, and so on, so
-/// that times far beyond the horizon are reached.
+/// Number of panels of equal width; as many of twice the width follow, and so on, to reach times far beyond the
+/// horizon.
 const UNIFORM: u64 = 4096;
 
-/// What the integrand is weighted by.
 #[derive(Clone, Debug)]
 pub(super) enum Kernel {
     /// exp(-c (t-s))
     Exponential(f64),
-    /// b(t-s): its node and its tape.
+    /// b(t-s): node and tape.
     General(Node, Tape),
 }
 
-/// One integral of a group.
 #[derive(Clone, Debug)]
 pub(super) struct Member {
     pub(super) node: Node,
@@ -43,22 +38,17 @@ pub(super) struct Member {
     pub(super) integrand: usize,
 }
 
-/// A group of integrals.
 #[derive(Clone, Debug)]
 pub(super) struct HistoryPlan {
     pub(super) mask: u8,
     pub(super) on_zeta: bool,
-    /// Width of the first panels.
     width: f64,
-    /// Largest distance of two watches.
     watch_width: f64,
     pub(super) members: Vec<Member>,
     pub(super) kernels: Vec<Kernel>,
     integrands: Vec<Node>,
     guards: Vec<Node>,
-    /// Computes the integrands.
     pub(super) tape: Tape,
-    /// Computes the guards.
     pub(super) watch: Tape,
 }
 
@@ -140,7 +130,6 @@ impl HistoryPlan {
         width / (stiffness / STIFFEST).ceil().clamp(1.0, FINEST)
     }
 
-    /// The expressions the tapes compute.
     pub(super) fn roots(&self) -> Vec<Node> {
         [self.integrands.as_slice(), &self.guards].concat()
     }
@@ -150,7 +139,6 @@ impl HistoryPlan {
         self.watch = Tape::compile(graph, &self.guards, &source);
     }
 
-    /// The groups nested in this one.
     pub(super) fn nested(&self) -> Vec<usize> {
         let sources = self.tape.sources().chain(self.watch.sources());
         let mut groups: Vec<usize> = sources
@@ -164,15 +152,12 @@ impl HistoryPlan {
         groups
     }
 
-    /// Over how many intervals the guards of an interval of this length are
-    /// watched: wider panels, far beyond the horizon, have no more than the
-    /// first.
+    /// Number of watch intervals for a length; the wide panels far beyond the horizon have no more than the first.
     pub(super) fn watches(&self, length: f64) -> usize {
         let most = (self.width / self.watch_width).ceil();
         (length.abs() / self.watch_width).ceil().min(most) as usize
     }
 
-    /// The time at which panel `p` begins; the same whatever is evaluated.
     pub(super) fn edge(&self, p: usize) -> f64 {
         let (doublings, rest) = (p as u64 / UNIFORM, p as u64 % UNIFORM);
         let scale = (doublings as f64).exp2();
@@ -186,7 +171,6 @@ impl HistoryPlan {
         let scale = doublings.exp2();
         let rest = (units - UNIFORM as f64 * (scale - 1.0)) / scale;
         let mut p = (doublings * UNIFORM as f64 + rest.max(0.0)) as usize;
-        // Rounding in the guess must not matter.
         while p > 0 && self.edge(p) > t {
             p -= 1;
         }

@@ -4,24 +4,19 @@ use std::ops::Range;
 
 use super::error::ParseError;
 
-/// A token of the language.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Token<'a> {
     Number(f64),
     Name(&'a str),
-    /// An operator, parenthesis or comma.
     Symbol(&'static str),
-    /// The end of the text.
     End,
 }
 
-/// A token and its bytes.
 pub(super) type Spanned<'a> = (Token<'a>, Range<usize>);
 
 /// Longest first, so that `<=` is not read as `<`.
 const SYMBOLS: [&str; 13] = ["<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ",", "="];
 
-/// The tokens of `text`, [`Token::End`] last.
 pub(super) fn tokens(text: &str) -> Result<Vec<Spanned<'_>>, ParseError> {
     let mut found = Vec::new();
     let mut at = 0;
@@ -58,7 +53,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Spanned<'_>>, ParseError> {
     Ok(found)
 }
 
-/// Bytes of the number at the start: digits, a point, an exponent.
+/// Length of the number at the start: digits, a point, an exponent.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {

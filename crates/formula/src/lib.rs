@@ -1,9 +1,8 @@
-//! Formulas: parsed into a graph, differentiated exactly, compiled to blocked
-//! tapes and evaluated at many points for a sequence of times.
+//! Formulas: parsed into a graph, differentiated exactly, compiled to tapes and evaluated at many points for a sequence
+//! of times.
 //!
-//! A [`Graph`] holds expressions in x, y, z, t and zeta as a directed acyclic
-//! graph in which equal subexpressions are one node.  A [`Program`] is a set of
-//! nodes prepared for evaluation; a [`Bound`] is a program with its points.
+//! A [`Graph`] holds expressions in x, y, z, t and zeta; equal subexpressions are one node. A [`Program`] is a set of
+//! nodes prepared for evaluation, a [`Bound`] a program with its points.
 
 mod abscissae;
 mod block;

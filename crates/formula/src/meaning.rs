@@ -1,33 +1,28 @@
-//! What a part of a formula means: a number, or a condition of `if`.
+//! The meaning of a part of a formula: a number, or a condition of `if`.
 
 use std::ops::Range;
 
 use super::error::ParseError;
 use super::graph::{Graph, Node};
 
-/// A condition of `if`.
 #[derive(Clone, Debug)]
 pub(super) enum Condition {
-    /// a < b.
     Less(Node, Node),
     Not(Box<Condition>),
-    /// A chain of one connective, so that long chains are not deep.
+    /// Flat, so that long chains are not deep.
     All(Vec<Condition>),
     Any(Vec<Condition>),
 }
 
-/// What an expression means.
 #[derive(Clone, Debug)]
 pub(super) enum Meaning {
     Number(Node),
     Condition(Condition),
 }
 
-/// A meaning and its bytes.
 pub(super) type Parsed = (Meaning, Range<usize>);
 
 impl Graph {
-    /// `then` where the condition holds, `otherwise` elsewhere.
     pub(super) fn select(&mut self, c: &Condition, then: Node, otherwise: Node) -> Node {
         match c {
             Condition::Less(a, b) => self.select_less(*a, *b, then, otherwise),
@@ -42,7 +37,6 @@ impl Graph {
     }
 }
 
-/// The node of a number.
 pub(super) fn number((meaning, span): Parsed) -> Result<Node, ParseError> {
     match meaning {
         Meaning::Number(node) => Ok(node),
@@ -51,7 +45,7 @@ pub(super) fn number((meaning, span): Parsed) -> Result<Node, ParseError> {
     }
 }
 
-/// The condition that is not a number.
+/// The condition; an error for a number.
 pub(super) fn condition((meaning, span): Parsed) -> Result<Condition, ParseError> {
     match meaning {
         Meaning::Condition(condition) => Ok(condition),

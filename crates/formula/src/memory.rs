@@ -1,4 +1,4 @@
-//! Integrands over all past panels, for kernels without a recursion.
+//! Stored integrands over all past panels, for kernels without a recursion.
 
 use super::breaks::{Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
@@ -6,15 +6,13 @@ use super::past::{dot, lacking};
 use super::quadrature::ORDER;
 use super::weights::{STRIDE, Weights};
 
-/// One panel: its pieces by tuples, and the integrands at their points.
+/// One panel: pieces sorted by tuple, and the integrands at their points.
 #[derive(Clone, Debug, Default)]
 struct Panel {
-    /// The first piece of each tuple.
     starts: Vec<usize>,
     pieces: Vec<(f64, f64)>,
     /// [`ORDER`] values for each integrand of each piece.
     values: Vec<f64>,
-    /// Whether a piece was left unresolved.
     left: Vec<bool>,
 }
 
@@ -24,19 +22,17 @@ pub(super) struct PastPanels {
     panels: Vec<Panel>,
     time: Option<u64>,
     whole: Vec<Vec<f64>>,
-    /// Pieces of the panel that is being integrated, whether they are left unresolved, and their values.
+    /// Pieces of the current panel, whether they are unresolved, and their values.
     kept: Vec<(Piece, bool)>,
     kept_values: Vec<f64>,
 }
 
 impl HistoryPlan {
-    /// Whether some kernel needs the whole past.
     pub(super) fn is_general(&self) -> bool {
         let general = |k: &Kernel| matches!(k, Kernel::General(..));
         self.kernels.iter().any(general)
     }
 
-    /// The integrands under general kernels.
     fn remembered(&self) -> impl Iterator<Item = (usize, usize, usize)> {
         let general = |(_, m): &(usize, &super::history::Member)| {
             matches!(self.kernels[m.kernel], Kernel::General(..))
@@ -47,7 +43,7 @@ impl HistoryPlan {
 }
 
 impl PastPanels {
-    /// Keeps the integrands on piece k of those sampled, in any order, until [`Self::put_away`].
+    /// Keeps the integrands on piece k of those sampled until [`Self::put_away`].
     pub(super) fn keep(
         &mut self,
         plan: &HistoryPlan,
@@ -61,7 +57,7 @@ impl PastPanels {
         }
     }
 
-    /// Puts what was kept into panels: the pieces of so many lanes, each of the next tuple of the panel of its lane.
+    /// Moves kept pieces into panels; each lane is the next tuple of its panel.
     pub(super) fn put_away(
         &mut self,
         plan: &HistoryPlan,
@@ -88,7 +84,7 @@ impl PastPanels {
         self.kept_values.clear();
     }
 
-    /// Adds the sums over all panels before `panel` to the values of a lane, and to what they may lack.
+    /// Adds the integrals over all panels before `panel`, and their error estimates.
     pub(super) fn add(
         &mut self,
         plan: &HistoryPlan,
@@ -126,7 +122,6 @@ impl PastPanels {
         }
     }
 
-    /// The weights of unbroken panels for the time `t`.
     fn prepare(&mut self, plan: &HistoryPlan, weights: &mut Weights, panels: usize, t: f64) {
         if self.time != Some(t.to_bits()) {
             self.time = Some(t.to_bits());

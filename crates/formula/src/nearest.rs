@@ -1,6 +1,5 @@
-//! Which name was meant.
+//! Suggestions for misspelt names.
 
-/// The nearest of the allowed names, and the list.
 pub(super) fn suggestion(name: &str, allowed: &[&str]) -> String {
     let list = format!("allowed: {}", allowed.join(", "));
     let near = allowed.iter().map(|other| (distance(name, other), other)).min_by_key(|(d, _)| *d);
@@ -12,7 +11,7 @@ pub(super) fn suggestion(name: &str, allowed: &[&str]) -> String {
     }
 }
 
-/// Fewest insertions, deletions and replacements from one word to the other.
+/// Levenshtein distance.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

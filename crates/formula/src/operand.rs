@@ -40,7 +40,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The parenthesis that ends what `open` began; its last byte.
+    /// Closes the parenthesis `open`; returns its last byte.
     fn close(&mut self, open: &Range<usize>) -> Result<usize, ParseError> {
         if let Some(span) = self.take(")") {
             return Ok(span.end);

@@ -1,4 +1,4 @@
-//! Formulas by precedence climbing.
+//! Precedence climbing.
 
 use std::ops::Range;
 
@@ -8,12 +8,12 @@ use super::lexer::{Spanned, Token, tokens};
 use super::meaning::{Condition, Meaning, Parsed, condition, number};
 use super::scope::Scope;
 
-/// The longest text that is read.
+/// Longest accepted text, in bytes.
 const LONGEST: usize = 64 * 1024;
-/// The deepest nesting of parentheses, arguments and prefix operators.
+/// Deepest nesting of parentheses, arguments and prefix operators.
 const DEEPEST: usize = 200;
 
-/// How tightly operators bind, loosest first.
+/// Binding strengths of operators, loosest first.
 mod binding {
     pub(super) const OR: u8 = 1;
     pub(super) const AND: u8 = 2;
@@ -35,9 +35,7 @@ pub(super) struct Parser<'a> {
 impl Graph {
     /// Reads a formula.
     ///
-    /// # Errors
-    ///
-    /// [`ParseError`] with the bytes at fault.
+    /// # Errors [`ParseError`] with the bytes at fault.
     pub fn parse(&mut self, text: &str, scope: &Scope) -> Result<Node, ParseError> {
         if text.len() > LONGEST {
             let span = LONGEST..text.len();
@@ -67,7 +65,6 @@ impl<'a> Parser<'a> {
         token
     }
 
-    /// Takes the symbol if it is next.
     pub(super) fn take(&mut self, symbol: &str) -> Option<Range<usize>> {
         match self.peek() {
             (Token::Symbol(s), span) if s == symbol => {
@@ -91,7 +88,6 @@ impl<'a> Parser<'a> {
         Err(error)
     }
 
-    /// Counts one level of nesting while `inside` runs.
     pub(super) fn nested<T>(
         &mut self,
         span: &Range<usize>,
@@ -136,7 +132,6 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A sign, `not`, or an operand.
     fn prefix(&mut self) -> Result<Parsed, ParseError> {
         let (token, span) = self.peek();
         match token {
@@ -198,7 +193,6 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// An infix operator and how tightly it binds.
 fn infix(token: Token<'_>) -> Option<(&str, u8)> {
     let (Token::Symbol(word) | Token::Name(word)) = token else {
         return None;
@@ -215,7 +209,7 @@ fn infix(token: Token<'_>) -> Option<(&str, u8)> {
     Some((word, strength))
 }
 
-/// `=` is in no formula.
+/// `=` occurs in no formula.
 pub(super) fn equals(span: Range<usize>) -> ParseError {
     ParseError::new(span, "`=` has no meaning in a formula")
         .hinted("comparisons are `<`, `<=`, `>` and `>=`")

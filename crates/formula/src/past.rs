@@ -4,12 +4,8 @@
 //!
 //!   I(T_{p+1}) = exp(-c (T_{p+1} - T_p)) I(T_p) + J_p,
 //!
-//! and the value at t is the same with t in place of T_{p+1}.  The values at
-//! edges are kept.  They depend on the panels alone, so that a value is the
-//! same whichever times were evaluated before.
-//!
-//! What the quadrature leaves unresolved is estimated, and carried along with
-//! the values.
+//! and likewise at t in place of T_{p+1}. The values at edges are kept; they depend on the panels alone, so that a
+//! value is independent of earlier evaluations. Estimates of the quadrature error are carried along.
 
 use std::sync::Arc;
 
@@ -23,21 +19,20 @@ use super::resolution::{Mark, Resolution, last};
 use super::sampler::{Sampler, Surroundings};
 use super::weights::{STRIDE, Weights};
 
-/// Lanes integrated at once, whose integrands stay in cache, and lanes whose breaks are sought together.
+/// Lanes integrated at once, so that integrands stay in cache and breaks are sought together.
 const CHUNK: usize = 128;
 const BATCH: usize = 4096;
 
-/// Integrals up to every panel edge reached so far, and scratch memory.
 #[derive(Clone, Debug)]
 pub(super) struct Past {
     group: usize,
     tuples: usize,
-    /// Of very many tuples, where integrals are interpolated between those at nodes.
+    /// Set if there are so many tuples that integrals are interpolated.
     abscissae: Option<Abscissae>,
     nodes: Nodes<Bound>,
     /// For each edge the values of all members at all tuples.
     edges: Vec<Vec<f64>>,
-    /// What these may lack; empty where it is nothing.
+    /// Error estimates of the edges; empty if zero.
     remainders: Vec<Vec<f64>>,
     memory: PastPanels,
     breaks: Breaks,
@@ -45,13 +40,12 @@ pub(super) struct Past {
     weights: Weights,
     resolution: Resolution,
     lanes: Vec<Lane>,
-    /// Of pieces that are not resolved.
     halves: Vec<Piece>,
-    /// What the values last asked for may lack.
+    /// Error estimates of the values last returned.
     lacking: Vec<f64>,
 }
 
-/// Integrals of lanes, `members` each, and estimates of what they may lack.
+/// Integrals of lanes, `members` each, with error estimates.
 struct Sums<'a> {
     values: &'a mut [f64],
     lacking: &'a mut [f64],
@@ -83,15 +77,13 @@ impl Past {
         }
     }
 
-    /// Forgets everything, for another zeta.
     pub(super) fn reset(&mut self) {
         self.edges.truncate(1);
         self.remainders.truncate(1);
         self.memory = PastPanels::default();
     }
 
-    /// The members' values at lanes of tuple and time: `out[lane * members +
-    /// member]`.  At times that are not finite the values are NaN.
+    /// Values at lanes of tuple and time: `out[lane * members + member]`; NaN at non-finite times.
     pub(super) fn values(
         &mut self,
         below: &mut [Past],
@@ -101,7 +93,7 @@ impl Past {
         out: &mut Vec<f64>,
     ) {
         let plan = &all.plan.histories[self.group];
-        // Tuples are asked for in order, so that as many as there are are all.
+        // Tuples come in order, so equal counts mean all of them.
         let same = tuples.len() == self.tuples && times.windows(2).all(|pair| pair[0] == pair[1]);
         if let Some(&t) = times.first().filter(|_| same)
             && self.interpolate(plan, all, t, out)
@@ -140,7 +132,6 @@ impl Past {
         (self.lanes, self.lacking) = (lanes, lacking);
     }
 
-    /// Adds what went before the beginning of the lane's panel.
     fn add_past(&mut self, plan: &HistoryPlan, lane: &Lane, sums: &mut Sums<'_>) {
         let panel = plan.panel(lane.to);
         let decay = self.weights.decay(plan, lane.to - lane.from);
@@ -157,11 +148,10 @@ impl Past {
         self.memory.add(plan, &mut self.weights, panel, lane, [sums.values, sums.lacking]);
     }
 
-    /// Fills in the values at edges up to that of panel `last`.
     fn extend(&mut self, plan: &HistoryPlan, below: &mut [Past], all: Surroundings, last: usize) {
         let members = plan.members.len();
         while self.edges.len() <= last {
-            // Panels side by side: the search for breaks takes its rounds for all of them at once.
+            // Panels side by side share the rounds of the search for breaks.
             let first = self.edges.len() - 1;
             let count = (BATCH / self.tuples.max(1)).clamp(1, last - first);
             let of_panel = |panel: usize| {
@@ -169,7 +159,7 @@ impl Past {
                 (0..self.tuples as u32).map(move |tuple| Lane { tuple, from, to })
             };
             let lanes: Vec<Lane> = (first..first + count).flat_map(of_panel).collect();
-            // Pages of zeros that nothing is added to are none.
+            // Untouched zero pages take no memory.
             let [mut values, mut lacking] = [(); 2].map(|()| vec![0.0; lanes.len() * members]);
             let mut sums = Sums { values: &mut values, lacking: &mut lacking };
             self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
@@ -178,14 +168,14 @@ impl Past {
                 continue;
             }
             for index in 0..count {
-                let own = members * self.tuples * index..members * self.tuples * (index + 1);
-                self.add_edge(plan, values[own.clone()].to_vec(), lacking[own].to_vec());
+                let range = members * self.tuples * index..members * self.tuples * (index + 1);
+                self.add_edge(plan, values[range.clone()].to_vec(), lacking[range].to_vec());
             }
         }
     }
 
-    /// The values of all tuples at one time by those at nodes; false where they are no smooth functions of few enough
-    /// pieces, or not many.
+    /// Interpolates the values of all tuples at one time; false if the integrals are not smooth on few enough pieces,
+    /// or the tuples too few.
     fn interpolate(
         &mut self,
         plan: &HistoryPlan,
@@ -207,7 +197,7 @@ impl Past {
         abscissae.interpolate(members, &mut self.nodes, bind, sample, out)
     }
 
-    /// Adds an edge by the integrals over the panel before it, and what these may lack.
+    /// Adds an edge from the integrals over the panel before it, with error estimates.
     fn add_edge(&mut self, plan: &HistoryPlan, mut next: Vec<f64>, mut lacking: Vec<f64>) {
         let panel = self.edges.len() - 1;
         let decay = self.weights.decay(plan, plan.edge(panel + 1) - plan.edge(panel));
@@ -224,8 +214,7 @@ impl Past {
         self.remainders.push(lacking);
     }
 
-    /// Adds to `sums` the integrals of all members over the lanes. Integrals over whole panels, from panel `whole` on, are
-    /// remembered for general kernels.
+    /// Adds the integrals of all members over the lanes. Whole panels, from `whole` on, are stored for general kernels.
     fn integrate(
         &mut self,
         plan: &HistoryPlan,
@@ -245,14 +234,22 @@ impl Past {
             for (index, lanes) in lanes.chunks(CHUNK).enumerate() {
                 let (before, first) = (CHUNK * index, first + CHUNK * index);
                 let end = (before + lanes.len()) as u32;
-                let (own, others) = rest.split_at(rest.partition_point(|piece| piece.lane < end));
+                let (of_chunk, others) =
+                    rest.split_at(rest.partition_point(|piece| piece.lane < end));
                 rest = others;
                 let lane = |piece: &Piece| Piece { lane: piece.lane - before as u32, ..*piece };
-                let own: Vec<Piece> = own.iter().map(lane).collect();
+                let of_chunk: Vec<Piece> = of_chunk.iter().map(lane).collect();
                 let range = members * first..members * (first + lanes.len());
                 let values = &mut sums.values[range.clone()];
                 let mut sums = Sums { values, lacking: &mut sums.lacking[range] };
-                self.integrate_pieces(plan, below, all, (lanes, own), &mut sums, whole.is_some());
+                self.integrate_pieces(
+                    plan,
+                    below,
+                    all,
+                    (lanes, of_chunk),
+                    &mut sums,
+                    whole.is_some(),
+                );
                 if let Some(panel) = whole {
                     let panel = |lane: usize| panel + (first + lane) / self.tuples;
                     self.memory.put_away(plan, panel, lanes.len());
@@ -262,7 +259,7 @@ impl Past {
         }
     }
 
-    /// Adds the integrals over the pieces of some lanes, halved where they are not resolved; `keeps` them in memory.
+    /// Adds the integrals over pieces of some lanes, halved where unresolved; `keeps` stores them.
     fn integrate_pieces(
         &mut self,
         plan: &HistoryPlan,
@@ -296,7 +293,7 @@ impl Past {
         }
     }
 
-    /// Adds the integrals of all members over piece k of those sampled; what they may lack if it is `left` unresolved.
+    /// Adds the integrals over piece k of those sampled, with an error estimate if it is `left` unresolved.
     fn add_piece(
         &mut self,
         plan: &HistoryPlan,
@@ -318,7 +315,6 @@ impl Past {
         }
     }
 
-    /// Samples the integrands at the quadrature points of all pieces.
     fn sample(
         &mut self,
         plan: &HistoryPlan,
@@ -337,8 +333,7 @@ impl Past {
     }
 }
 
-/// What Σ w_i f_i lacks of an integral, from [`STRIDE`] weights: of the kernel, and of the integrand if it is `left`
-/// unresolved.
+/// Error estimate of Σ w_i f_i from [`STRIDE`] weights: of the kernel, and of the integrand if `left` unresolved.
 pub(super) fn lacking(weights: &[f64], values: &[f64], left: bool) -> f64 {
     let (weights, of_kernel) = (&weights[..ORDER], weights[ORDER]);
     let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -346,9 +341,8 @@ pub(super) fn lacking(weights: &[f64], values: &[f64], left: bool) -> f64 {
     of_kernel * largest + if left { of_integrand } else { 0.0 }
 }
 
-/// The sum over one set of quadrature points.
 pub(super) fn dot(weights: &[f64], values: &[f64]) -> f64 {
-    // Sums that do not wait for each other.
+    // Independent partial sums.
     let mut sums = [0.0; WIDTH];
     let (weights, values) = (&weights[..ORDER], &values[..ORDER]);
     for (w, v) in weights.as_chunks::<WIDTH>().0.iter().zip(values.as_chunks::<WIDTH>().0) {
@@ -359,6 +353,6 @@ pub(super) fn dot(weights: &[f64], values: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
-/// Points that are summed side by side; a part of [`ORDER`].
+/// Number of partial sums; divides [`ORDER`].
 const WIDTH: usize = 4;
 const _: () = assert!(ORDER.is_multiple_of(WIDTH));

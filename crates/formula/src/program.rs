@@ -1,13 +1,9 @@
-//! Compilation: which values are stored, at which stage, and how they are
-//! computed.
+//! Compilation: which values are stored, and where they are computed.
 //!
-//! An expression is computed at the stage of the space variables it depends
-//! on, once per distinct tuple of their values.  What depends on neither t nor
-//! zeta is fixed: computed when points are bound, and kept.  A value is stored
-//! in a slot where an expression of another stage needs it; all others live in
-//! registers.  What takes a few sums and products of coordinates is computed
-//! again wherever it is needed: sooner than its tuples are numbered and its
-//! value is found.
+//! An expression is computed at the stage of its space variables, once per distinct tuple of their values. What depends
+//! on neither t nor zeta is computed when points are bound, and kept. A value needed at another stage is stored in a
+//! slot; all others live in registers. Cheap expressions of coordinates are recomputed where needed, which is faster
+//! than a lookup.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -20,16 +16,14 @@ use super::history::HistoryPlan;
 use super::stage::MASKS;
 use super::tape::{Source, Tape};
 
-/// The largest cost, in sums or products, of what is computed again.
+/// Largest cost, in sums or products, of what is recomputed.
 const CHEAP: u32 = 16;
 
-/// Expressions prepared for evaluation; bind to points to evaluate.
 #[derive(Clone, Debug)]
 pub struct Program {
     plan: Arc<EvaluationPlan>,
 }
 
-/// The tape of one stage and the slots its results go to.
 #[derive(Clone, Debug)]
 pub(super) struct StageTape {
     pub(super) mask: u8,
@@ -37,43 +31,38 @@ pub(super) struct StageTape {
     pub(super) slots: Vec<usize>,
 }
 
-/// All that does not depend on the points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EvaluationPlan {
     /// The space variables of each slot.
     pub(super) masks: Vec<u8>,
     /// Slots of coordinates, with their axis.
     pub(super) coordinates: Vec<(usize, usize)>,
-    /// Stages computed at binding, in order.
     pub(super) fixed: Vec<StageTape>,
     /// Stages computed at each evaluation, in order.
     pub(super) moving: Vec<StageTape>,
-    /// Hereditary integrals in groups, those inside others first.
+    /// Groups of hereditary integrals, nested ones first.
     pub(super) histories: Vec<HistoryPlan>,
     /// Slots of hereditary integrals: group, member, slot.
     pub(super) recalled: Vec<(usize, usize, usize)>,
-    /// The slot of each output.
     pub(super) outputs: Vec<usize>,
-    /// Whether integrals come with what they may lack.
     pub(super) adds_remainders: bool,
 }
 
 impl Program {
-    /// Prepares the outputs for evaluation over times from 0 to about
-    /// `horizon`.  Later times are allowed; the horizon sets the panels of
-    /// hereditary integrals, horizon/16 wide and narrower for fast relaxation.
+    /// Prepares the outputs for times from 0 to about `horizon`. Later times are allowed; the panels of hereditary
+    /// integrals are horizon/16 wide, narrower for fast relaxation.
     pub fn compile(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
         Self::of(graph, outputs, horizon, false)
     }
 
-    /// Compiles for one time at any points: what does not depend on time is computed with the rest, and not kept.
+    /// Compiles for one time at any points: nothing is precomputed at binding.
     pub fn compile_once(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
         Self::of(graph, outputs, horizon, true)
     }
 
     fn of(graph: &mut Graph, outputs: &[Node], horizon: f64, once: bool) -> Self {
         let histories = HistoryPlan::groups(graph, outputs, horizon);
-        // Integrals read what is kept.
+        // Integrals read precomputed values.
         let mut compiler = Compiler::new(graph, &histories, outputs, once && histories.is_empty());
         let outputs = compiler.places_of_outputs(outputs);
         compiler.choose_slots(&outputs);
@@ -83,11 +72,11 @@ impl Program {
         Self { plan: Arc::new(plan) }
     }
 
-    /// Bytes that the program takes for so many points of a structured set, in a space of dimension `d`, once it has been
-    /// evaluated up to time `t`: about, for the distinct tuples of some variables alone are a power of the points.
+    /// Approximate bytes for `points` of a structured set in dimension `d`, evaluated up to time `t`; the number of
+    /// distinct tuples is taken as a power of that of the points.
     pub fn bytes(&self, points: f64, d: usize, t: f64) -> f64 {
         let count = |mask: u8| points.powf((f64::from(mask.count_ones()) / d as f64).min(1.0));
-        // What is computed last is shown block by block.
+        // The last stage is evaluated block by block.
         let shown = self.plan.moving.last().filter(|last| last.mask.count_ones() as usize == d);
         let kept = |(slot, mask): (usize, &u8)| {
             shown.is_none_or(|last| !last.slots.contains(&slot)).then_some(*mask)
@@ -106,21 +95,20 @@ impl Program {
         slots + numbering + pasts + coordinates
     }
 
-    /// How many integrals over the past it takes at one time at so many points as of [`Self::bytes`] whose kernels are no
-    /// exponentials: those begin at 0 anew at every time.
+    /// Number of integrals evaluated at one time, at points as in [`Self::bytes`], whose kernels are not exponentials
+    /// and restart from 0 each time.
     pub fn integrals_from_zero(&self, points: f64, d: usize) -> f64 {
         let lanes = |mask: u8| points.powf((f64::from(mask.count_ones()) / d as f64).min(1.0));
         let general = self.plan.histories.iter().filter(|history| history.is_general());
         general.map(|history| history.members.len() as f64 * lanes(history.mask)).sum()
     }
 
-    /// Binds the program to points; fixed values are computed here.
     pub fn bind(&self, points: &[[f64; 3]]) -> Bound {
         Bound::new(Arc::clone(&self.plan), points)
     }
 }
 
-/// An expression, and the space variables of the stage at which it is stored.
+/// An expression, and the space variables of the stage that stores it.
 type Place = (Node, u8);
 type Slots = HashMap<Place, usize>;
 
@@ -130,18 +118,15 @@ type Stage = (u8, bool);
 struct Compiler<'a> {
     graph: &'a Graph,
     histories: &'a [HistoryPlan],
-    /// Whether nothing is kept for other times.
     once: bool,
-    /// The cost of every node.
     costs: Vec<u32>,
     slots: Slots,
-    /// What is in the slots, in order.
     stored: Vec<Place>,
 }
 
 impl<'a> Compiler<'a> {
     fn new(graph: &'a Graph, histories: &'a [HistoryPlan], outputs: &[Node], once: bool) -> Self {
-        // Guards are no part of what they guard.
+        // Guards are separate from what they guard.
         let inner = histories.iter().flat_map(HistoryPlan::roots);
         let costs = graph.costs(&outputs.iter().copied().chain(inner).collect::<Vec<Node>>());
         Self { graph, histories, once, costs, slots: Slots::new(), stored: Vec::new() }
@@ -155,23 +140,20 @@ impl<'a> Compiler<'a> {
         !self.once && self.graph.dependence(n).is_static()
     }
 
-    /// Whether a node is computed wherever it is needed.
+    /// Whether a node is recomputed wherever it is needed.
     fn is_cheap(&self, n: Node) -> bool {
         self.space(n) != 0 && self.costs[n.index()] <= CHEAP
     }
 
-    /// Whether a node is no expression of others: a coordinate, or a hereditary integral.
     fn is_given(&self, n: Node) -> bool {
         is_hereditary(self.graph, n) || axis(self.graph, n).is_some()
     }
 
-    /// Whether a stage computes a node that it needs.
     fn is_local(&self, n: Node, stage: Stage) -> bool {
-        let own = || (self.space(n), self.is_fixed(n)) == stage;
-        !self.is_given(n) && (self.is_cheap(n) || own())
+        let of_this_stage = || (self.space(n), self.is_fixed(n)) == stage;
+        !self.is_given(n) && (self.is_cheap(n) || of_this_stage())
     }
 
-    /// Where a stage finds what it does not compute. Coordinates are at hand at every stage.
     fn place(&self, n: Node, (mask, _): Stage) -> Place {
         (n, if axis(self.graph, n).is_some() { mask } else { self.space(n) })
     }
@@ -184,7 +166,7 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    /// Where outputs are stored: at the stage of all of them what is cheap, else at its own.
+    /// Where outputs are stored: cheap ones at the common stage, others at theirs.
     fn places_of_outputs(&self, outputs: &[Node]) -> Vec<Place> {
         let all = outputs.iter().fold(0, |all, &n| all | self.space(n));
         let everywhere = |n: Node| self.is_cheap(n) || axis(self.graph, n).is_some();
@@ -192,7 +174,6 @@ impl<'a> Compiler<'a> {
         outputs.iter().map(|&n| (n, mask(n))).collect()
     }
 
-    /// Stores the outputs, and what crosses from one stage to another.
     fn choose_slots(&mut self, outputs: &[Place]) {
         let graph = self.graph;
         outputs.iter().for_each(|&place| self.store(place));
@@ -248,7 +229,6 @@ impl<'a> Compiler<'a> {
         (plan, self.slots)
     }
 
-    /// The tape of the slots of one stage that are computed.
     fn stage(&self, stage: Stage) -> Option<StageTape> {
         let here = |(n, mask): Place| (mask, self.is_fixed(n)) == stage && !self.is_given(n);
         let (slots, roots): (Vec<usize>, Vec<Node>) = (self.stored.iter().enumerate())
@@ -291,7 +271,6 @@ pub(super) fn is_hereditary(graph: &Graph, n: Node) -> bool {
     matches!(graph.op(n), Op::Relax(..) | Op::Convolve(..))
 }
 
-/// The axis of a coordinate.
 fn axis(graph: &Graph, n: Node) -> Option<usize> {
     match graph.op(n) {
         Op::Variable(v @ (Variable::X | Variable::Y | Variable::Z)) => Some(v as usize),
@@ -299,7 +278,7 @@ fn axis(graph: &Graph, n: Node) -> Option<usize> {
     }
 }
 
-/// Values every tape has at hand: numbers, t and zeta.
+/// Values available to every tape: numbers, t and zeta.
 fn is_immediate(graph: &Graph, n: Node) -> bool {
     matches!(graph.op(n), Op::Constant(_) | Op::Variable(Variable::T | Variable::Zeta))
 }
@@ -309,7 +288,7 @@ mod tests {
     use super::super::scope::Scope;
     use super::*;
 
-    /// Space variables of the slots that are computed, at binding and at each evaluation.
+    /// Space variables of the computed slots, at binding and at each evaluation.
     fn computed(plan: &EvaluationPlan) -> [Vec<u8>; 2] {
         [&plan.fixed, &plan.moving].map(|stages| {
             let slots = stages.iter().flat_map(|stage| &stage.slots);
@@ -326,7 +305,7 @@ mod tests {
         let outputs = texts.map(|text| graph.parse(text, &scope).expect("a formula"));
         let both = 0b11;
         let plan = Program::compile(&mut graph, &outputs, 1.0).plan;
-        // (1 - y²) sin(x) does not change, nor does y + 1.
+        // (1 - y²) sin(x) and y + 1 are fixed.
         assert_eq!(computed(&plan), [vec![0b01, both, both], vec![0, both]]);
         assert_eq!(plan.coordinates.len(), 3);
         let plan = Program::compile_once(&mut graph, &outputs, 1.0).plan;

@@ -5,23 +5,20 @@ use std::sync::LazyLock;
 /// Points of the rule; exact for polynomials of degree 23.
 pub(super) const ORDER: usize = 12;
 
-/// Abscissae in (0, 1), ascending, and weights that sum to one.
+/// Abscissae in (0, 1), ascending; weights sum to one.
 pub(super) struct Rule {
     pub(super) abscissae: [f64; ORDER],
     pub(super) weights: [f64; ORDER],
-    /// By what sums over values at the points give the last two coefficients
-    /// of their Legendre series.
+    /// Weights of the last two Legendre coefficients.
     pub(super) last: [[f64; ORDER]; 2],
-    /// 1 / prod (u_i - u_j) over all other abscissae, of each.
+    /// 1 / prod (u_i - u_j) over all other abscissae.
     apart: [f64; ORDER],
 }
 
-/// The rule, computed once.
 pub(super) static GAUSS: LazyLock<Rule> = LazyLock::new(Rule::legendre);
 
 impl Rule {
-    /// The roots of the Legendre polynomial P_n by Newton's method, with the
-    /// weights 2 / ((1 - r^2) P_n'(r)^2), moved from (-1, 1) to (0, 1).
+    /// Roots of P_n by Newton's method, weights 2 / ((1 - r^2) P_n'(r)^2), mapped from (-1, 1) to (0, 1).
     fn legendre() -> Self {
         let n = ORDER as f64;
         let none = [0.0; ORDER];
@@ -47,9 +44,8 @@ impl Rule {
         rule
     }
 
-    /// The Lagrange polynomials of the abscissae at x.
     pub(super) fn lagrange(&self, x: f64) -> [f64; ORDER] {
-        // Products over the nodes before and behind each, as a quotient by x - u_i would lose what is near it.
+        // Products over the other nodes: a quotient by x - u_i would lose digits near it.
         let mut values = self.apart;
         let (mut before, mut behind) = (1.0, 1.0);
         for i in 0..ORDER {
@@ -73,7 +69,6 @@ fn legendre(degree: usize, r: f64) -> f64 {
     value
 }
 
-/// The derivative of P_n, n the order of the rule.
 fn slope(r: f64) -> f64 {
     ORDER as f64 * (r * legendre(ORDER, r) - legendre(ORDER - 1, r)) / (r * r - 1.0)
 }
@@ -82,7 +77,7 @@ fn slope(r: f64) -> f64 {
 mod tests {
     use super::{GAUSS, ORDER, legendre};
 
-    /// P_10 has the coefficients (1, 0), P_11 (0, 1), and all of lower degree have none.
+    /// P_10 has coefficients (1, 0), P_11 (0, 1), lower degrees (0, 0).
     #[test]
     fn last_coefficients_are_those_of_the_series() {
         for degree in 1..ORDER {
@@ -96,7 +91,6 @@ mod tests {
         }
     }
 
-    /// They are 1 and 0 at the abscissae, and interpolate what has their degree; a node itself takes no quotient.
     #[test]
     fn lagrange_polynomials_interpolate() {
         for (i, u) in GAUSS.abscissae.iter().enumerate() {

@@ -1,52 +1,47 @@
-//! How well the quadrature resolves integrands on the pieces of a panel, and which pieces are halved.
+//! Resolution of integrands by the quadrature, and the choice of pieces to be halved.
 //!
-//! Halving towards a power (s - a)^p, p > -1, gains 1 + p bits a level: it goes on until what is not resolved is below
-//! the rounding of the integral. Integrands that are unresolved everywhere, as rounding itself is, are halved a few
-//! times alone. What then remains is estimated.
+//! Halving towards a power (s - a)^p, p > -1, gains 1 + p bits a level: it goes on until the unresolved part is below
+//! the rounding of the integral. Integrands that are unresolved everywhere, as rounding noise is, are halved a few
+//! times only. The remaining error is estimated.
 
 use super::breaks::Piece;
 use super::history::HistoryPlan;
 use super::quadrature::{GAUSS, ORDER};
 
-/// The last two coefficients of a resolved integrand over its largest value. They then fall by the tenth root of this
-/// or faster, and what the rule, exact to degree 23, leaves out is below the rounding.
+/// Last two coefficients of a resolved integrand over its largest value. Coefficients then fall by the tenth root of
+/// this or faster, and the error of the rule, exact to degree 23, is below rounding.
 pub(super) const RESOLVED: f64 = 1e-8;
-/// The accuracy where the polynomial through the values is integrated against a kernel: what it leaves out is as large as
-/// the next coefficient, not its square.
+/// Accuracy when the interpolating polynomial is integrated against a kernel: the error is as large as the next
+/// coefficient, not its square.
 const INTERPOLATED: f64 = 1e-12;
-/// A share of an integral that is lost in its rounding, whose unit is 1.1e-16: the estimates below are upper ones.
+/// Negligible share of an integral; the unit of rounding is 1.1e-16 and the estimates are upper bounds.
 pub(super) const NEGLIGIBLE: f64 = 5e-17;
-/// How often all parts of a panel are halved.
+/// Levels to which all parts of a panel are halved.
 const HALVINGS: usize = 4;
-/// How many parts of a panel are halved beyond that: two sides of a few powers, with a neighbour each.
+/// Parts halved beyond that: both sides of a few powers, with a neighbour each.
 const MOST: usize = 8;
-/// How often these are halved: s^-0.9, of which a halving leaves 93 %, takes 500.
+/// Deepest level: s^-0.9, of which a halving leaves 93 %, takes 500.
 const DEEPEST: usize = 600;
 
-/// What becomes of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {
-    /// Its integral is right to rounding.
+    /// The integral is accurate to rounding.
     Resolved,
-    /// The panel is not resolved: its halves come next.
     Halved,
-    /// It is taken as it is, and what it may lack is estimated.
+    /// Accepted with an error estimate.
     Left,
 }
 
-/// The marks of the pieces of some lanes, with scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Resolution {
     pub(super) marks: Vec<Mark>,
     /// ∫ |f| over each lane, of each integrand.
     sizes: Vec<f64>,
-    /// Unresolved pieces of each lane.
     unresolved: Vec<usize>,
 }
 
 impl Resolution {
-    /// Marks `pieces` of so many lanes from the values of the integrands at their points. To be called for depth 0, then
-    /// for the halves of what it marks.
+    /// Marks `pieces` from the integrands at their points. Call for depth 0, then for the halves of what it marks.
     pub(super) fn mark(
         &mut self,
         plan: &HistoryPlan,
@@ -105,20 +100,19 @@ impl Resolution {
     }
 }
 
-/// Whether the last coefficients exceed a share of the largest value. Numbers that are not finite stay so on any part:
-/// they do not.
+/// Whether the last coefficients exceed a share of the largest value. False for non-finite values, which no halving
+/// removes.
 pub(super) fn is_unresolved(values: &[f64], share: f64) -> bool {
     let larger = |most: f64, value: &f64| if value.abs() > most { value.abs() } else { most };
     let last = last(values);
-    // Most are resolved by far: any value is large enough.
     if last <= share * values[0].abs() {
         return false;
     }
     last > share * values.iter().fold(0.0, larger)
 }
 
-/// The sum of the sizes of the last two coefficients: about what the polynomial through the values lacks of a power with
-/// its root at an end, and more than the rule does.
+/// Sum of the last two coefficients in magnitude: about the error of the interpolating polynomial for a power with its
+/// root at an end, and above that of the rule.
 pub(super) fn last(values: &[f64]) -> f64 {
     GAUSS.last.iter().map(|weights| super::past::dot(weights, values).abs()).sum()
 }

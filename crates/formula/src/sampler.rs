@@ -1,4 +1,4 @@
-//! Tapes of integrands, run at lanes that each have a tuple and a time.
+//! Runs tapes of integrands at lanes that each have a tuple and a time.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::program::EvaluationPlan;
 use super::stage::Stages;
 use super::tape::{Source, Tape};
 
-/// What integrals may read: all of it fixed while they run.
+/// What integrals may read; fixed while they run.
 #[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     pub(super) plan: &'a Arc<EvaluationPlan>,
@@ -18,7 +18,7 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// A slot at tuples of the stage `mask`.
+    /// Reads a slot at tuples of the stage `mask`.
     fn gather(&self, mask: u8, slot: usize, tuples: &[u32], out: &mut [f64]) {
         let values = &self.slots[slot];
         let part = self.plan.masks[slot];
@@ -37,16 +37,13 @@ impl Surroundings<'_> {
     }
 }
 
-/// Lanes and the values of a tape at them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sampler {
     pub(super) tuples: Vec<u32>,
     pub(super) times: Vec<f64>,
-    /// The values of each result of the tape at all lanes.
     pub(super) values: Vec<Vec<f64>>,
     registers: Registers,
     inner_tuples: Vec<u32>,
-    /// Values of nested groups at a block of lanes.
     recalled: Vec<(usize, Vec<f64>)>,
 }
 
@@ -63,14 +60,13 @@ impl Sampler {
         self.times.clear();
     }
 
-    /// Adds lanes of one tuple.
     pub(super) fn extend(&mut self, tuple: u32, times: impl ExactSizeIterator<Item = f64>) {
         self.tuples.extend(std::iter::repeat_n(tuple, times.len()));
         self.times.extend(times);
     }
 
-    /// Runs `tape` at all lanes, tuples being of the stage `mask`; `below` are
-    /// the groups that may be nested in this one.
+    /// Runs `tape` at all lanes; tuples belong to the stage `mask`, and `below` are the groups that may be nested in
+    /// this one.
     pub(super) fn run(&mut self, tape: &Tape, mask: u8, below: &mut [Past], all: Surroundings) {
         let count = self.tuples.len();
         self.values.resize_with(tape.results.len(), Vec::new);
@@ -98,7 +94,6 @@ impl Sampler {
         }
     }
 
-    /// The values of nested groups at a block of lanes.
     fn recall(
         &mut self,
         lanes: std::ops::Range<usize>,

@@ -1,31 +1,21 @@
-//! Evaluation of one expression at one point.
-//!
-//! This is the plain definition, kept apart from the blocked tapes so that the
-//! two check each other.
+//! Evaluation of one expression at one point: the plain definition, independent of the tapes so that the two check each
+//! other.
 
 use super::graph::{Graph, Node, Op, Variable};
 use super::quadrature::GAUSS;
 
-/// Panels of (0, t) in a hereditary integral.
 const PANELS: usize = 32;
-/// Intervals of a panel over which guards are watched.
 const WATCHES: usize = 6;
 
-/// Breaks closer than this, relative to t, are one.
+/// Breaks closer than this, relative to t, are merged.
 const APART: f64 = 1e-14;
 
-/// Values of the variables.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
-    /// First space coordinate.
     pub x: f64,
-    /// Second space coordinate.
     pub y: f64,
-    /// Third space coordinate.
     pub z: f64,
-    /// Time.
     pub t: f64,
-    /// The second scalar argument.
     pub zeta: f64,
 }
 
@@ -41,7 +31,6 @@ impl Point {
     }
 }
 
-/// x^n by binary powers.
 #[inline]
 pub(super) fn power(x: f64, n: i32) -> f64 {
     let (mut base, mut rest, mut product) = (x, n.unsigned_abs(), 1.0);
@@ -57,7 +46,6 @@ pub(super) fn power(x: f64, n: i32) -> f64 {
     if n < 0 { 1.0 / product } else { product }
 }
 
-/// Expressions in order of evaluation, with room for their values.
 struct Scratch<'a> {
     graph: &'a Graph,
     order: Vec<Node>,
@@ -65,8 +53,8 @@ struct Scratch<'a> {
 }
 
 impl Graph {
-    /// The value of `f` at a point, to about 1e-13 of the size of the terms
-    /// where hereditary integrals occur.  Slow: for single values and checks.
+    /// The value of `f` at a point; with hereditary integrals accurate to about 1e-13 of the terms. Slow: for single
+    /// values and checks.
     pub fn evaluate(&self, f: Node, at: &Point) -> f64 {
         Scratch::new(self, &[f]).value(f, at)
     }
@@ -126,8 +114,8 @@ impl<'a> Scratch<'a> {
     }
 }
 
-/// Integral over 0 < s < t of kernel(t-s) f(s): composite Gauss quadrature with
-/// panels broken where a guard of f changes sign.
+/// Integral over 0 < s < t of kernel(t-s) f(s): composite Gauss quadrature, panels broken where a guard of f changes
+/// sign.
 fn integral(graph: &Graph, f: Node, at: &Point, mut kernel: impl FnMut(f64) -> f64) -> f64 {
     let guards: Vec<Node> = graph.guards(&[f]);
     let mut integrand = Scratch::new(graph, &[f]);
@@ -150,8 +138,7 @@ fn integral(graph: &Graph, f: Node, at: &Point, mut kernel: impl FnMut(f64) -> f
         if at.t < 0.0 {
             cuts.reverse();
         }
-        // A break next to an edge or another break would leave a piece with no
-        // room for quadrature points.
+        // A break next to an edge or another break would leave no room for quadrature points.
         cuts.dedup_by(|next, kept| (*next - *kept).abs() <= APART * at.t.abs());
         if let Some(last) = cuts.last_mut() {
             *last = edge((panel + 1) * WATCHES);
@@ -168,7 +155,7 @@ fn integral(graph: &Graph, f: Node, at: &Point, mut kernel: impl FnMut(f64) -> f
     total
 }
 
-/// The sign as a number: two values are on the same branch if these agree.
+/// The sign as a number: equal classes mean the same branch.
 pub(super) fn class(guard: f64) -> i8 {
     i8::from(guard > 0.0) - i8::from(guard < 0.0)
 }

@@ -1,11 +1,8 @@
-//! The names a formula may use.
-
 use std::collections::BTreeMap;
 
 use super::graph::{Node, Variable};
 
-/// The variables a formula may use, and the parameters and named quantities
-/// defined before it.
+/// The variables a formula may use, and the parameters and quantities defined before it.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
     variables: Vec<Variable>,
@@ -13,7 +10,6 @@ pub struct Scope {
 }
 
 impl Scope {
-    /// A scope with these variables and no names.
     pub fn new(variables: &[Variable]) -> Self {
         let mut variables = variables.to_vec();
         variables.sort_unstable();
@@ -21,20 +17,16 @@ impl Scope {
         Self { variables, names: BTreeMap::new() }
     }
 
-    /// Gives `name` the value `node`; a later definition replaces an earlier.
-    ///
-    /// Reserved names (see [`Graph::is_reserved`](super::Graph::is_reserved))
-    /// keep their meaning in formulas whatever is defined here.
+    /// Gives `name` the value `node`; a later definition replaces an earlier. Reserved names (see
+    /// [`Graph::is_reserved`](super::Graph::is_reserved)) keep their meaning whatever is defined here.
     pub fn define(&mut self, name: &str, node: Node) {
         self.names.insert(name.to_owned(), node);
     }
 
-    /// The node of a defined name.
     pub fn get(&self, name: &str) -> Option<Node> {
         self.names.get(name).copied()
     }
 
-    /// Whether a formula in this scope may use the variable.
     pub(crate) fn allows(&self, variable: Variable) -> bool {
         self.variables.contains(&variable)
     }

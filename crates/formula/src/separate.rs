@@ -8,14 +8,13 @@ use super::vocabulary::Function;
 /// Longer sums count as not separable.
 const MOST_TERMS: usize = 128;
 
-/// Numbers that are moved between factors: beyond, one factor might overflow and the other vanish, as
-/// in 1e-300 t (x/1e150).
+/// Range of numbers moved between factors: beyond, one factor might overflow and the other vanish, as in 1e-300 t
+/// (x/1e150).
 const MOVED: std::ops::RangeInclusive<f64> = 1e-80..=1e80;
 
-/// The list (a, f) of sum a(t) f, f of the other variables.
+/// The pairs (a, f) of sum a(t) f, f of the other variables.
 type Separated = Vec<(Node, Node)>;
 
-/// Several formulas separated with common factors in time.
 #[derive(Clone, Debug, Default)]
 pub struct Together {
     /// The a_m(t).
@@ -25,10 +24,9 @@ pub struct Together {
 }
 
 impl Graph {
-    /// The list of (a, g) with f = sum a(t) g(x,y,z,zeta), found by multiplying
-    /// out sums and small powers, and splitting products, exponentials of sums
-    /// and branches decided by space or by time alone.  `None` where the form
-    /// of `f` does not show one; zero is the empty sum.
+    /// The pairs (a, g) with f = sum a(t) g(x,y,z,zeta), found by expanding sums and small powers, and splitting
+    /// products, exponentials of sums and branches decided by space or time alone. None if the form of `f` does not
+    /// show one; zero is the empty sum.
     pub fn separate(&mut self, f: Node) -> Option<Vec<(Node, Node)>> {
         let mut known: HashMap<Node, Option<Separated>> = HashMap::new();
         for node in self.reachable(&[f], |n| !self.is_pure(n)) {
@@ -43,8 +41,9 @@ impl Graph {
         known.remove(&f).flatten()
     }
 
-    /// The factors a_m(t) and, for each of several formulas, its list of (m, g) with f = sum a_m(t) g(x,y,z,zeta): factors that differ by a number are one, and a sum is none where its
-    /// addends are fewer in all.  `None` if a formula does not separate.
+    /// Factors a_m(t) and, for each formula, the pairs (m, g) with f = sum a_m(t) g(x,y,z,zeta). Proportional factors
+    /// are merged, and a sum is replaced by its addends if that takes fewer factors in all. None if a formula does not
+    /// separate.
     pub fn separate_together(&mut self, formulas: &[Node]) -> Option<Together> {
         let sums: Option<Vec<Separated>> = formulas.iter().map(|&f| self.separate(f)).collect();
         let sums = sums?;
@@ -53,7 +52,7 @@ impl Graph {
         Some(if split.factors.len() < whole.factors.len() { split } else { whole })
     }
 
-    /// Sums with each factor in its addends.
+    /// Splits each factor into its addends.
     fn in_addends(&mut self, sum: &Separated) -> Separated {
         let one = self.constant(1.0);
         let mut all = Vec::with_capacity(sum.len());
@@ -83,7 +82,7 @@ impl Graph {
                 if known.is_none() {
                     together.factors.push(a);
                 }
-                match shapes.iter_mut().find(|(own, _)| *own == m) {
+                match shapes.iter_mut().find(|(factor, _)| *factor == m) {
                     Some((_, shape)) => *shape = self.add(*shape, g),
                     None => shapes.push((m, g)),
                 }
@@ -101,7 +100,6 @@ impl Graph {
         }
     }
 
-    /// Time alone or the others alone.
     fn is_pure(&self, f: Node) -> bool {
         self.dependence(f).at_most_time() || !self.depends_on(f, Variable::T)
     }
@@ -178,7 +176,7 @@ impl Graph {
         }
     }
 
-    /// A branch decided in one of the two factors is taken there.
+    /// Moves a branch into the factor that decides it.
     fn separate_branches(
         &mut self,
         [a, b]: [Node; 2],
@@ -219,7 +217,7 @@ impl Graph {
         Some(sum)
     }
 
-    /// Numbers go to the first factor if that varies, else to the second.
+    /// Moves numbers to the first factor if that varies, else to the second.
     fn normalised(&mut self, a: Node, g: Node) -> (Node, Node) {
         let one = self.constant(1.0);
         if self.value_of_constant(a).is_some() {
@@ -238,7 +236,6 @@ impl Graph {
         }
     }
 
-    /// Terms with a common factor put together.
     fn collected(&mut self, sum: Separated) -> Option<Separated> {
         let mut kept: Separated = Vec::new();
         for (a, g) in sum {

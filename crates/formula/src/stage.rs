@@ -1,27 +1,22 @@
 //! Distinct abscissae of a set of points.
 //!
-//! A structured set of n^2 points has n distinct x.  For every set of space
-//! variables an expression may depend on, the distinct tuples of those
-//! coordinates are numbered, by bit pattern and in order of appearance.
+//! A structured set of n^2 points has n distinct x. For every set of space variables in use, the distinct tuples of
+//! those coordinates are numbered, by bit pattern, in order of appearance.
 
 use rustc_hash::FxHashMap;
 
 /// Sets of space variables: bit 0 for x, 1 for y, 2 for z.
 pub(super) const MASKS: usize = 8;
 
-/// A table of all combinations may be so many times as long as the list of points.
+/// Limit of a table of all combinations, in lengths of the list of points.
 const WIDEST: usize = 4;
 
-/// The tuples of one set of variables.
 #[derive(Clone, Debug, Default)]
 struct Tuples {
-    /// The tuple each point belongs to.
     of_point: Vec<u32>,
-    /// The first point of each tuple.
     first: Vec<u32>,
 }
 
-/// The numbered tuples of all sets of variables in use.
 #[derive(Clone, Debug)]
 pub(super) struct Stages {
     tuples: [Option<Tuples>; MASKS],
@@ -30,8 +25,7 @@ pub(super) struct Stages {
 }
 
 impl Stages {
-    /// Numbers the tuples of the sets in `masks`, and maps those in `pairs`
-    /// from the first set to its subset, the second.
+    /// Numbers the tuples of the sets in `masks`, and maps each pair of a set and its subset.
     pub(super) fn new(points: &[[f64; 3]], masks: &[u8], pairs: &[(u8, u8)]) -> Self {
         let mut stages = Self { tuples: Default::default(), maps: Default::default() };
         let varying = varying(points);
@@ -58,22 +52,18 @@ impl Stages {
         stages
     }
 
-    /// How many tuples the set has.
     pub(super) fn count(&self, mask: u8) -> usize {
         self.tuples[mask as usize].as_ref().map_or(0, |t| t.first.len())
     }
 
-    /// The first point of each tuple.
     pub(super) fn first_points(&self, mask: u8) -> &[u32] {
         self.tuples[mask as usize].as_ref().map_or(&[], |t| &t.first)
     }
 
-    /// The tuple of each point.
     pub(super) fn of_points(&self, mask: u8) -> &[u32] {
         self.tuples[mask as usize].as_ref().map_or(&[], |t| &t.of_point)
     }
 
-    /// For each tuple of `mask` the tuple of its part `part`.
     pub(super) fn map(&self, mask: u8, part: u8) -> &[u32] {
         self.maps[mask as usize][part as usize].as_deref().unwrap_or(&[])
     }
@@ -87,7 +77,7 @@ fn varying(points: &[[f64; 3]]) -> u8 {
 }
 
 impl Tuples {
-    /// All axes: points of quadrature are distinct, and one that occurs twice is computed twice.
+    /// All axes: quadrature points are distinct, and a repeated one may be computed twice.
     fn one_a_point(points: usize) -> Self {
         let all: Vec<u32> = (0..points as u32).collect();
         Self { of_point: all.clone(), first: all }
@@ -98,8 +88,8 @@ impl Tuples {
         Self { of_point: vec![0; points], first: vec![0; points.min(1)] }
     }
 
-    /// Numbers what is distinct in the axes of `mask`; `places` has for each axis the number of a point's coordinate
-    /// and how many there are.
+    /// Numbers the tuples over the axes of `mask`; `places` has for each axis the numbered coordinate of each point and
+    /// their count.
     fn new(points: usize, mask: u8, places: &[Option<(Vec<u32>, usize)>; 3]) -> Self {
         let axes: Vec<&(Vec<u32>, usize)> = (0..3)
             .filter(|axis| mask >> axis & 1 == 1)
@@ -121,7 +111,7 @@ impl Tuples {
         Self::in_order(points, |p, next| *known.entry(numbers(p)).or_insert(next))
     }
 
-    /// Numbers the tuples as they appear; `known` gives that of a point's tuple, or the next one to a new tuple.
+    /// Numbers the tuples as they appear; `known` returns the number of a point's tuple, given that of a new one.
     fn in_order(points: usize, mut known: impl FnMut(usize, u32) -> u32) -> Self {
         let mut tuples = Self { of_point: Vec::with_capacity(points), first: Vec::new() };
         for p in 0..points {
@@ -144,7 +134,7 @@ fn numbered(points: &[[f64; 3]], axis: usize) -> (Vec<u32>, usize) {
         let bits = point[axis].to_bits();
         let number = match last {
             // Points come in rows.
-            Some((own, number)) if own == bits => number,
+            Some((previous, number)) if previous == bits => number,
             _ => {
                 let next = known.len() as u32;
                 *known.entry(bits).or_insert(next)
@@ -165,7 +155,7 @@ mod tests {
 
     type Place = fn(usize) -> [usize; 3];
 
-    /// Tuples against a search of all points, numbered by a table and by hashes: 12 of 12 combinations occur, or 50 of 31 · 29.
+    /// Against a search of all points; numbering by table and by hash: 12 of 12 combinations occur, or 50 of 31 · 29.
     #[test]
     fn tuples_are_numbered_in_order_of_appearance() {
         let on_a_grid: Place = |k| [k % 4, k / 4 % 3, k];
@@ -185,8 +175,8 @@ mod tests {
                 });
                 assert_eq!(stages.of_points(X | Y)[p] as usize, tuple, "{point:?}");
                 for part in [X, Y] {
-                    let own = stages.map(X | Y, part)[tuple];
-                    assert_eq!(own, stages.of_points(part)[p], "{point:?}");
+                    let tuple_of_part = stages.map(X | Y, part)[tuple];
+                    assert_eq!(tuple_of_part, stages.of_points(part)[p], "{point:?}");
                 }
             }
             assert_eq!(stages.first_points(X | Y), first);

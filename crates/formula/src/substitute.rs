@@ -7,16 +7,14 @@ use super::graph::{Graph, Node, Op, Variable};
 impl Graph {
     /// `f` with `v` replaced by `by`.
     ///
-    /// A hereditary integral keeps its own time of integration, so in one that
-    /// depends on t not everything can be written: t = 0 gives zero, and a
-    /// replacement of another variable must not itself depend on t.  What
-    /// cannot be written becomes NaN.
+    /// A hereditary integral keeps its time of integration, so not everything that depends on t can be expressed: t = 0
+    /// gives zero, and a replacement of another variable must not depend on t. The rest becomes NaN.
     pub fn substitute(&mut self, f: Node, v: Variable, by: Node) -> Node {
         if self.op(by) == Op::Variable(v) {
             return f;
         }
         let order = self.reachable(&[f], |n| {
-            // The past of an integral is not touched by a new present.
+            // A new present leaves the past of an integral unchanged.
             self.depends_on(n, v)
                 && !(v == Variable::T && matches!(self.op(n), Op::Relax(..) | Op::Convolve(..)))
         });
@@ -29,8 +27,7 @@ impl Graph {
         new.get(&f).copied().unwrap_or(f)
     }
 
-    /// `f` at the time t without its past, a formula in space alone: hereditary integrals in it are
-    /// replaced by zero.
+    /// `f` at the time t without its past: hereditary integrals in it become zero.
     pub fn instant(&mut self, f: Node, t: f64) -> Node {
         let is_past = |op: Op| matches!(op, Op::Relax(..) | Op::Convolve(..));
         let order = self.reachable(&[f], |n| !is_past(self.op(n)));
@@ -61,7 +58,7 @@ impl Graph {
         }
     }
 
-    /// The operation of `op` on other operands, simplified again.
+    /// `op` on other operands, simplified again.
     pub(super) fn with_operands(&mut self, op: Op, to: impl Fn(Node) -> Node) -> Node {
         match op {
             Op::Constant(_) | Op::Variable(_) => self.intern(op),

@@ -5,12 +5,10 @@ use std::collections::{HashMap, HashSet};
 use super::graph::{Graph, Node, Op, Variable};
 use super::vocabulary::Function;
 
-/// Where a value comes from that the tape does not compute.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Source {
     Time,
     Zeta,
-    /// A stored array.
     Slot(usize),
     /// A hereditary integral at the time of the lane: group and member.
     Recall(usize, usize),
@@ -18,7 +16,7 @@ pub(super) enum Source {
 
 pub(super) type Register = usize;
 
-/// One operation on registers; numbers are folded into the operation.
+/// One operation on registers; numbers are folded in.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
     Constant(f64),
@@ -42,17 +40,15 @@ pub(super) enum Step {
     Less([Register; 4]),
 }
 
-/// A straight-line program.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
     pub(super) steps: Vec<(Register, Step)>,
     pub(super) registers: usize,
-    /// The registers that hold the roots at the end.
     pub(super) results: Vec<Register>,
 }
 
 impl Tape {
-    /// The program that computes `roots` from what `source` gives.
+    /// Compiles `roots`; `source` names what comes from outside.
     pub(super) fn compile(
         graph: &Graph,
         roots: &[Node],
@@ -107,7 +103,6 @@ impl Tape {
         tape
     }
 
-    /// The sources of the tape, each once.
     pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
         self.steps.iter().filter_map(|(_, step)| match step {
             Step::Fetch(source) => Some(*source),
@@ -116,7 +111,6 @@ impl Tape {
     }
 }
 
-/// The operands a step needs in registers.
 fn operands(graph: &Graph, node: Node) -> impl Iterator<Item = Node> + use<> {
     let number = |n: Node| graph.value_of_constant(n).is_some();
     let (first, second) = match graph.op(node) {
@@ -128,7 +122,6 @@ fn operands(graph: &Graph, node: Node) -> impl Iterator<Item = Node> + use<> {
     graph.op(node).operands().zip(keep).filter_map(|(operand, keep)| keep.then_some(operand))
 }
 
-/// The step of a node with operands in registers.
 fn step(graph: &Graph, node: Node, register: impl Fn(Node) -> Register) -> Step {
     let number = |n: Node| graph.value_of_constant(n);
     let r = register;
@@ -157,7 +150,7 @@ fn step(graph: &Graph, node: Node, register: impl Fn(Node) -> Register) -> Step 
         Op::Max(a, b) => Step::Max(r(a), r(b)),
         Op::Min(a, b) => Step::Min(r(a), r(b)),
         Op::Less(four) => Step::Less(four.map(r)),
-        // Variables of space and hereditary integrals always have a source.
+        // Space variables and hereditary integrals always have a source.
         Op::Variable(_) | Op::Relax(..) | Op::Convolve(..) => Step::Constant(f64::NAN),
     }
 }

@@ -1,8 +1,7 @@
-//! The functions of one argument, and the words of the language.
+//! Functions of one argument, and the words of the language.
 
 use super::graph::{Graph, Variable};
 
-/// A function of one argument.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Function {
     Sin,
@@ -41,7 +40,6 @@ const UNARY: [(&str, Function); 15] = [
     ("sign", Function::Sign),
 ];
 
-/// Words with a grammar of their own.
 const SPECIAL: [&str; 5] = ["min", "max", "if", "d", "relax"];
 const CONNECTIVES: [&str; 3] = ["and", "or", "not"];
 
@@ -86,19 +84,17 @@ pub(super) fn sign(a: f64) -> f64 {
     }
 }
 
-/// Whether the word may be followed by an argument list.
 pub(super) fn is_function(name: &str) -> bool {
     SPECIAL.contains(&name) || Function::named(name).is_some()
 }
 
-/// The names of all functions.
 pub(super) fn function_names() -> Vec<&'static str> {
     UNARY.iter().map(|(n, _)| *n).chain(SPECIAL).collect()
 }
 
 impl Graph {
-    /// Whether the name belongs to the language (function, constant, variable
-    /// or connective) and so may not be defined by the user.
+    /// Whether the name belongs to the language (function, constant, variable or connective) and cannot be defined by
+    /// the user.
     pub fn is_reserved(name: &str) -> bool {
         name == "pi"
             || is_function(name)

@@ -6,12 +6,11 @@ use super::quadrature::{GAUSS, ORDER};
 use super::resolution::{NEGLIGIBLE, RESOLVED, is_unresolved, last};
 use super::tape::Source;
 
-/// Numbers a kernel: its weights, and what its integral may lack.
+/// Numbers per kernel: its weights, and an error estimate.
 pub(super) const STRIDE: usize = ORDER + 1;
-/// Parts of a piece on which a kernel is taken at most: 600 halvings towards a power, as of an integrand.
+/// Limit of parts of a piece for one kernel: 600 halvings towards a power, as for an integrand.
 const MOST_PARTS: usize = 1200;
 
-/// The weights last asked for: most lanes ask for the same.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Weights {
     of: Option<[u64; 3]>,
@@ -22,9 +21,8 @@ pub(super) struct Weights {
 }
 
 impl Weights {
-    /// For each kernel k in turn the weights (b-a) w_i k(end - s_i) of a piece
-    /// (a, b), and 0; those of [`Self::graded`] of a general kernel that is
-    /// not resolved there, as near a root at a lag of zero.
+    /// For each kernel k the weights (b-a) w_i k(end - s_i) of a piece (a, b), and 0; those of [`Self::graded`] for a
+    /// general kernel not resolved there, as near a root at lag zero.
     pub(super) fn of(&mut self, plan: &HistoryPlan, from: f64, to: f64, end: f64) -> &[f64] {
         let key = [from, to, end].map(f64::to_bits);
         if self.of != Some(key) {
@@ -49,10 +47,9 @@ impl Weights {
         &self.weights
     }
 
-    /// Weights that integrate the polynomial through the values at the Gauss
-    /// points against the kernel, whose lags are halved where it is not
-    /// resolved: only the function has to be smooth. The last number is what
-    /// the integral of |k| may lack.
+    /// Weights that integrate the interpolating polynomial at the Gauss points against the kernel, whose lags are
+    /// halved where unresolved: only the function has to be smooth. The last number is the error estimate of the
+    /// integral of |k|.
     fn graded(&mut self, kernel: &Kernel, from: f64, to: f64, end: f64) -> [f64; STRIDE] {
         let mut weights = [0.0; STRIDE];
         let mut parts = vec![[end - to, end - from]];
@@ -64,9 +61,9 @@ impl Weights {
             let mut kernels = lags;
             self.apply(kernel, &mut kernels);
             let pairs = kernels.iter().zip(&GAUSS.weights);
-            let own = width.abs() * pairs.map(|(k, w)| w * k.abs()).sum::<f64>();
+            let integral_of_part = width.abs() * pairs.map(|(k, w)| w * k.abs()).sum::<f64>();
             if taken == 1 {
-                size = own;
+                size = integral_of_part;
             }
             let left = width.abs() * last(&kernels);
             if is_unresolved(&kernels, RESOLVED) && left > NEGLIGIBLE * size {
@@ -87,7 +84,7 @@ impl Weights {
         weights
     }
 
-    /// The factors exp(-c lag) of all kernels; 0 where a kernel is another.
+    /// The factors exp(-c lag) of all kernels; 0 for other kernels.
     pub(super) fn decay(&mut self, plan: &HistoryPlan, lag: f64) -> &[f64] {
         if self.decay_of != Some(lag.to_bits()) {
             self.decay_of = Some(lag.to_bits());
@@ -100,7 +97,6 @@ impl Weights {
         &self.decay
     }
 
-    /// Replaces lags by the kernel's values there.
     fn apply(&mut self, kernel: &Kernel, lags: &mut [f64; ORDER]) {
         match kernel {
             Kernel::Exponential(c) => lags.iter_mut().for_each(|lag| *lag = (-c * *lag).exp()),

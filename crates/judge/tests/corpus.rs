@@ -1,7 +1,7 @@
 //! Published tables and the verdict that an expert gives.
 //! Source: `tests/corpus`, one file a document, each with its source; the numbers are those of the document.
-//! Goal: every table is read as it was printed; no verdict contradicts the expert's; of the claims that the expert
-//!   decides at most 15 % stay open.
+//! Goal: every table is read as printed; no verdict contradicts the expert's; of the claims that the expert decides at
+//! most 15 % stay open.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ struct Claimed {
     exact: bool,
     expert: Expert,
     why: String,
-    /// What the judge gets wrong here, so far.
+    /// A known defect of the judge.
     finding: Option<String>,
 }
 
@@ -60,7 +60,7 @@ fn documents() -> Vec<Document> {
     paths.iter().map(read).collect()
 }
 
-/// As `sweep fit` decides: a row that is broken is a failure, fewer than three levels say nothing.
+/// As `sweep fit`: a broken row is a failure; fewer than three levels say nothing.
 fn decided(group: &Group, claimed: &Claimed) -> (Decision, String) {
     if let Some(gaps) = group.gaps_in_words() {
         return (Decision::Fail, gaps);
@@ -95,12 +95,14 @@ fn no_verdict_contradicts_the_expert_and_few_stay_open() {
             let reading = Reading { dimension: table.dimension };
             let tables = read(table.text.as_bytes(), &reading)
                 .unwrap_or_else(|error| panic!("{name}: {error}\n{}", table.text));
-            let mut norms: Vec<&str> = table.claim.iter().map(|own| own.norm.as_str()).collect();
+            let mut norms: Vec<&str> =
+                table.claim.iter().map(|claim| claim.norm.as_str()).collect();
             norms.dedup();
             columns += norms.len();
             for claimed in &table.claim {
-                let own = |group: &&Group| group.norm.as_deref().unwrap_or("error") == claimed.norm;
-                let found = tables.groups.iter().find(own);
+                let measures_norm =
+                    |group: &&Group| group.norm.as_deref().unwrap_or("error") == claimed.norm;
+                let found = tables.groups.iter().find(measures_norm);
                 let group = found.unwrap_or_else(|| panic!("{name}: no column {}", claimed.norm));
                 let (decision, reason) = decided(group, claimed);
                 let line = format!(
@@ -117,7 +119,7 @@ fn no_verdict_contradicts_the_expert_and_few_stay_open() {
                     | (Expert::Fail, Decision::Fail)
                     | (Expert::Unresolved, Decision::Unresolved) => {}
                     (_, Decision::Unresolved) => open.push(line),
-                    // What is known to be wrong has to be so: a finding that is none any more is taken out.
+                    // A known defect that no longer occurs has to be removed from the list.
                     _ if claimed.finding.is_some() => findings += 1,
                     _ => wrong.push(line),
                 }
@@ -135,14 +137,15 @@ fn no_verdict_contradicts_the_expert_and_few_stay_open() {
 #[test]
 fn the_corpus_is_as_broad_as_it_says() {
     let documents = documents();
-    let mut projects: Vec<&str> = documents.iter().map(|own| own.project.as_str()).collect();
+    let mut projects: Vec<&str> =
+        documents.iter().map(|document| document.project.as_str()).collect();
     projects.sort_unstable();
     projects.dedup();
-    let tables: usize = documents.iter().map(|own| own.table.len()).sum();
+    let tables: usize = documents.iter().map(|document| document.table.len()).sum();
     assert!(documents.len() >= 12, "{} documents", documents.len());
     assert!(tables >= 60, "{tables} tables");
     assert!(projects.len() >= 8, "{projects:?}");
-    for table in documents.iter().flat_map(|own| &own.table) {
-        assert!(!table.claim.is_empty() && table.claim.iter().all(|own| !own.why.is_empty()));
+    for table in documents.iter().flat_map(|document| &document.table) {
+        assert!(!table.claim.is_empty() && table.claim.iter().all(|claim| !claim.why.is_empty()));
     }
 }

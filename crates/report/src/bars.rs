@@ -1,4 +1,4 @@
-//! Horizontal bars with their names, and the line that none of them may pass.
+//! Horizontal bars with names and a common limit.
 
 use plotters::style::RGBColor;
 
@@ -8,35 +8,28 @@ use super::legend::wrapped;
 use super::palette::{COLOURS, GRID, INK};
 use super::sheet::with_sheet;
 
-/// A bar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bar {
-    /// Its name.
     pub name: String,
-    /// What it stands for, in the words beside it.
+    /// The value in words, beside the bar.
     pub says: String,
-    /// Its length; 1 is the limit.
+    /// 1 is the limit.
     pub length: f64,
     /// Whether the bar is of the second kind.
     pub second: bool,
-    /// It is not what it should be.
+    /// Set if the value is not as it should be.
     pub fails: bool,
 }
 
-/// Bars of two kinds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// The bars from top to bottom.
     pub bars: Vec<Bar>,
-    /// What the bars of the first kind measure.
     pub first: String,
-    /// What those of the second kind measure.
     pub second: String,
-    /// What the limit is.
     pub limit: String,
 }
 
-/// Width of the picture, where names and words begin, ends of the axis.
+/// Width of the picture, start of names and words, ends of the axis.
 const WIDTH: f64 = 1800.0;
 const NAME: f64 = 16.0;
 const SAYS: f64 = 230.0;
@@ -44,15 +37,11 @@ const AXIS: (f64, f64) = (1130.0, 1560.0);
 const ROW: f64 = 50.0;
 const TOP: f64 = 110.0;
 const TEXT: f64 = 30.0;
-/// Characters of the words beside a bar, with those that set scripts low and are not seen.
+/// Characters of the words beside a bar, markup of scripts included.
 const CHARACTERS: usize = 66;
 const CHARACTER: f64 = 16.0;
 
 impl Bars {
-    /// The picture; none without bars.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         if self.bars.is_empty() {
             return Ok(None);
@@ -92,7 +81,7 @@ fn draw(canvas: &Canvas<'_>, bar: &Bar, y: f64) -> Result<(), ReportError> {
     canvas.text(&bar.name, (NAME, y), Anchor::Left)?;
     let says = wrapped(&bar.says, CHARACTERS, 1).concat();
     canvas.text(&says, (SAYS, y), Anchor::Left)?;
-    // A rounding beyond the limit may still be within the accuracy: what fails is said by those who know.
+    // Slightly beyond the limit may still be within the accuracy, so the caller decides.
     let colour = if bar.fails { COLOURS[1] } else { ink(bar.second) };
     let shown = if bar.length.is_nan() { 1.0 } else { bar.length.clamp(0.0, 1.08) };
     let (left, right) = (across(0.0), across(shown));

@@ -1,4 +1,4 @@
-//! A plane body as it is deformed: stress by shade, where it yields, the pressure on Γ3 as arrows.
+//! A deformed plane body: stress by shade, yielding cells, pressure on Γ3 as arrows.
 
 use std::collections::BTreeMap;
 
@@ -9,57 +9,46 @@ use super::canvas::{Anchor, Canvas, Place};
 use super::palette::{INK, colour};
 use super::sheet::with_sheet;
 
-/// A triangle of the deformed mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Corners as deformed.
     pub corners: [(f64, f64); 3],
-    /// A stress.
     pub stress: f64,
     /// The projection acts there.
     pub yields: bool,
 }
 
-/// The picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deformed {
-    /// Its first line, in bold.
     pub title: String,
-    /// The line below; says how much larger displacements are drawn.
+    /// Includes the magnification of displacements.
     pub subtitle: String,
-    /// What the shade is.
+    /// Meaning of the shade.
     pub quantity: String,
-    /// The mesh.
     pub cells: Vec<Cell>,
-    /// Edges of the body at rest.
     pub rest: Vec<[(f64, f64); 2]>,
-    /// Edges between yielding cells and others, as deformed.
+    /// Edges between yielding and other cells, deformed.
     pub yield_border: Vec<[(f64, f64); 2]>,
-    /// The pressure on Γ3.
     pub arrows: Vec<Arrow>,
 }
 
-/// A pressure at a point of Γ3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
-    /// The point as deformed.
     pub foot: (f64, f64),
     /// The direction in which it presses, of length 1.
     pub direction: (f64, f64),
-    /// Its size.
     pub pressure: f64,
 }
 
-/// Room of the body: left, top, right, bottom.
+/// Area of the body: left, top, right, bottom.
 const ROOM: [f64; 4] = [150.0, 160.0, 1230.0, 1030.0];
 /// Longest arrow.
 const ARROW: f64 = 95.0;
-/// Where the legend stands.
+/// Left end of the legend.
 const LEGEND: f64 = 1310.0;
-/// Steps of the bar of shades.
+/// Steps of the colour bar.
 const SHADES: usize = 24;
 
-/// From light to dark with one rise of lightness, blue to yellow for colour-blind readers.
+/// Light to dark with monotone lightness, blue to yellow for colour-blind readers.
 const RAMP: [[f64; 3]; 4] =
     [[253.0, 246.0, 214.0], [236.0, 206.0, 120.0], [122.0, 142.0, 150.0], [28.0, 58.0, 110.0]];
 
@@ -71,10 +60,6 @@ fn shade(part: f64) -> RGBColor {
 }
 
 impl Deformed {
-    /// The picture; none without a cell.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         let Some(view) = View::of(self) else { return Ok(None) };
         let mut svg = String::new();
@@ -118,7 +103,7 @@ impl Deformed {
         self.cells.iter().filter(|cell| cell.yields).count()
     }
 
-    /// The fewer: cells that yield, or those that do not.
+    /// Hatches the smaller set: yielding cells, or the others.
     fn hatched(&self) -> impl Iterator<Item = &Cell> {
         let which = 2 * self.yielding() <= self.cells.len();
         self.cells.iter().filter(move |cell| cell.yields == which)
@@ -184,7 +169,7 @@ impl Deformed {
 /// Distance of hatches, along either axis.
 const HATCH: f64 = 18.0;
 
-/// Lines from lower left to upper right through triangles; what continues from one to the next is one line.
+/// Lines from lower left to upper right through triangles, joined across neighbours.
 fn hatches(cells: Vec<[Place; 3]>) -> Vec<[Place; 2]> {
     // By line x + y = c, from one x to another.
     let mut pieces: BTreeMap<i64, Vec<(f64, f64)>> = BTreeMap::new();
@@ -209,14 +194,14 @@ fn hatches(cells: Vec<[Place; 3]>) -> Vec<[Place; 2]> {
         }
     }
     let mut lines = Vec::new();
-    for (line, mut own) in pieces {
-        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (line, mut spans) in pieces {
+        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
         let sum = HATCH * line as f64;
         let mut open: Option<(f64, f64)> = None;
         let place = |(from, to): (f64, f64)| [from, to].map(|x| (x, sum - x));
-        for (from, to) in own {
+        for (from, to) in spans {
             open = match open {
-                // Neighbours meet in a point, but for rounding.
+                // Neighbours meet up to rounding.
                 Some((start, end)) if from <= end + 1e-6 => Some((start, end.max(to))),
                 Some(done) => {
                     lines.push(place(done));
@@ -230,10 +215,9 @@ fn hatches(cells: Vec<[Place; 3]>) -> Vec<[Place; 2]> {
     lines
 }
 
-/// Lines of the mesh.
 const THIN: RGBColor = RGBColor(150, 150, 150);
 
-/// An arrow of a length that ends at its foot, pressing in its direction (y upwards).
+/// An arrow that ends at its foot, pressing in its direction (y upwards).
 fn arrow(
     canvas: &Canvas<'_>,
     foot: Place,
@@ -250,7 +234,7 @@ fn arrow(
     canvas.fill(&[foot, side(1.0), side(-1.0)], colour(0), 1.0)
 }
 
-/// From places of the body to the canvas.
+/// Maps the body to the canvas.
 struct View {
     origin: (f64, f64),
     scale: f64,
@@ -271,7 +255,7 @@ impl View {
         if all.is_empty() {
             return None;
         }
-        // Arrows stand outside of the body.
+        // Leaves room for arrows outside the body.
         let [left, top, right, bottom] = [ROOM[0], ROOM[1], ROOM[2], ROOM[3] - ARROW];
         let wide = |(lo, hi): (f64, f64)| (hi - lo).max(f64::MIN_POSITIVE);
         let scale = ((right - left) / wide(x)).min((bottom - top) / wide(y));
@@ -315,7 +299,7 @@ mod tests {
             title: String::new(),
             subtitle: String::new(),
             quantity: String::new(),
-            cells: yields.iter().map(|own| cell(*own)).collect(),
+            cells: yields.iter().map(|yielding| cell(*yielding)).collect(),
             rest: Vec::new(),
             yield_border: Vec::new(),
             arrows: Vec::new(),

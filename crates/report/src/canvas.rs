@@ -10,35 +10,32 @@ use super::ReportError;
 use super::sheet::{PAPER, WORDS, WORDS_ON_TINT};
 use files::harmless;
 
-/// Size of a picture in units.
 pub(super) const SIZE: (u32, u32) = (1800, 1120);
 
-/// Height of plain text: 33 of 1800 units are 8.3 pt where the picture is 16 cm wide.
+/// Text height: 33 of 1800 units are 8.3 pt at a picture width of 16 cm.
 const TEXT: f64 = 33.0;
 
-/// plotters writes the font size it is given divided by this.
+/// plotters divides font sizes by this.
 const PLOTTERS_FONT: f64 = 1.24;
 
 /// Half of the size of a marker.
 const MARKER: f64 = 11.0;
 
-/// A place on the canvas, y downwards.
+/// A point on the canvas, y downwards.
 pub(super) type Place = (f64, f64);
 
-/// Where a text stands from its place.
+/// Position of a text relative to its place.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Anchor {
     Left,
     Centre,
     Right,
-    /// Centred and turned to read upwards.
+    /// Centred, reading upwards.
     Upwards,
 }
 
-/// The canvas of one picture.
 pub(super) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
-    /// Height of plain text.
     text: f64,
 }
 
@@ -47,7 +44,6 @@ impl<'a> Canvas<'a> {
         Self::of_size(svg, SIZE, TEXT)
     }
 
-    /// A canvas of another size, with another height of text.
     pub(super) fn of_size(
         svg: &'a mut String,
         size: (u32, u32),
@@ -110,7 +106,7 @@ impl<'a> Canvas<'a> {
         self.area.draw(&shape).map_err(ReportError::drawing)
     }
 
-    /// A marker, one of four shapes by its number; hollow for a point that is left out.
+    /// One of four shapes by number; hollow for a point that is left out.
     pub(super) fn marker(
         &self,
         place: Place,
@@ -145,7 +141,7 @@ impl<'a> Canvas<'a> {
         self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS))
     }
 
-    /// Words in the middle of an area of light colour.
+    /// Words centred on an area of light colour.
     pub(super) fn on_tint(&self, words: &str, place: Place) -> Result<(), ReportError> {
         self.styled(words, place, Anchor::Centre, (FontStyle::Normal, WORDS_ON_TINT))
     }
@@ -171,7 +167,6 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Corners of a marker; none for the disc.
 fn outline(shape: usize, (x, y): Place) -> Vec<Place> {
     let corners: &[Place] = match shape % 4 {
         0 => &[],

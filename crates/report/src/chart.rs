@@ -1,4 +1,4 @@
-//! A picture of series over two axes: what every picture of a report is made of.
+//! A picture of series over two axes.
 
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, Place, SIZE};
@@ -12,108 +12,90 @@ use super::sheet::with_sheet;
 use super::slope::{self, Slope};
 use plotters::style::RGBColor;
 
-/// A point of the data: x and y.
+/// x and y.
 pub type Datum = (f64, f64);
 
-/// An axis: what it measures (with its unit, if it has one), and how it is divided.
+/// An axis with its label (including units) and scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// The words beside it.
     pub label: String,
-    /// How it is divided.
     pub scale: Scale,
 }
 
-/// A part of a series. A point without a place (not finite, or not positive on a logarithmic
-/// axis) is not drawn, and a line is interrupted there.
+/// A part of a series. Points that cannot be placed (not finite, or not positive on a logarithmic axis) are skipped and
+/// interrupt lines.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Part {
-    /// A line through the points.
     Line(Vec<Datum>),
-    /// A line of strokes.
+    /// Dashed.
     Dashed(Vec<Datum>),
-    /// A line of dots.
     Dotted(Vec<Datum>),
-    /// A marker at each point.
     Points(Vec<Datum>),
-    /// A hollow marker at each point: what is shown and does not count.
+    /// Shown but not counted.
     Hollow(Vec<Datum>),
     /// A light area with these corners.
     Band(Vec<Datum>),
 }
 
-/// What belongs to one name: one colour, one shape of markers, one entry of the legend.
+/// One name: one colour, one marker shape, one entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Its words in the legend; without any it has no entry.
     pub name: String,
-    /// More lines of words below its name.
+    /// More lines below the name.
     pub detail: String,
-    /// What is drawn.
     pub parts: Vec<Part>,
-    /// In grey, where it belongs to all other series; else in the next colour.
+    /// Grey for what belongs to all series; else the next colour.
     pub grey: bool,
     /// A triangle of the predicted order near it, if both axes are logarithmic.
     pub slope: Option<Slope>,
 }
 
-/// A line across the picture at a value of one axis, drawn with a letter at its end. A value
-/// without a place (a threshold that is infinite) has its words in the legend and no line.
+/// A line across the picture at a value of one axis, with a letter at its end. A value that cannot be placed (an
+/// infinite threshold) only has its words in the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// The value.
+    /// The value on the axis.
     pub at: f64,
-    /// Its words in the legend.
+    /// Words in the legend.
     pub label: String,
 }
 
-/// What a sign of the picture means, where no series says it.
+/// The meaning of a sign that no series explains.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Key {
-    /// The meaning of an area.
+    /// Of an area.
     Band(String),
-    /// The meaning of hollow markers.
+    /// Of hollow markers.
     Hollow(String),
-    /// The meaning of dashed lines.
+    /// Of dashed lines.
     Dashed(String),
 }
 
-/// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Its first line, in bold; none where a heading above the picture says it.
+    /// First line, in bold; empty if a heading above the picture says it.
     pub title: String,
-    /// One or two lines below.
     pub question: String,
-    /// The axis below.
     pub x: Axis,
-    /// The axis at the left.
     pub y: Axis,
-    /// What is drawn; the legend keeps this order.
+    /// The legend keeps this order.
     pub series: Vec<Series>,
-    /// Lines at values of x.
     pub verticals: Vec<Mark>,
-    /// Lines at values of y.
     pub horizontals: Vec<Mark>,
-    /// Words beside points.
     pub labels: Vec<(Datum, String)>,
-    /// What signs mean.
     pub keys: Vec<Key>,
-    /// Words at the end of the legend.
     pub note: String,
-    /// The names of series stand at the ends of their lines, and not in the legend.
+    /// Writes names at the ends of lines, not in the legend.
     pub direct: bool,
 }
 
 impl Axis {
-    /// An axis.
     pub fn new(label: impl Into<String>, scale: Scale) -> Self {
         Self { label: label.into(), scale }
     }
 }
 
 impl Series {
-    /// A series of these parts.
     pub fn new(name: impl Into<String>, parts: Vec<Part>) -> Self {
         Self { name: name.into(), detail: String::new(), parts, grey: false, slope: None }
     }
@@ -130,16 +112,16 @@ impl Series {
     }
 }
 
-/// Strokes and gaps of dashed lines, and of dotted ones: shorter than their gaps.
+/// Strokes and gaps of dashed lines, and of dotted ones.
 const DASHES: (f64, f64) = (14.0, 10.0);
 const DOTS: (f64, f64) = (4.0, 9.0);
 
-/// From a point to the words beside it: above the line that goes on to the right.
+/// Offset of words from their point: above the line that goes on to the right.
 const LABEL: (f64, f64) = (10.0, -34.0);
-/// Width of a character, at most.
+/// Maximal width of a character.
 const CHARACTER: f64 = 17.5;
 
-/// How often the axis is lengthened downwards by a decade to make room for the triangles.
+/// Limit of decades added below to make room for the triangles.
 const LONGER: i32 = 3;
 
 impl Part {
@@ -169,7 +151,6 @@ impl Part {
 }
 
 impl Chart {
-    /// A chart without series.
     pub fn new(title: &str, question: &str, x: Axis, y: Axis) -> Self {
         Self {
             title: title.to_owned(),
@@ -186,10 +167,6 @@ impl Chart {
         }
     }
 
-    /// The picture as SVG; none if no point has a place.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         let Some((frame, slopes)) = self.arranged() else {
             return Ok(None);
@@ -223,7 +200,7 @@ impl Chart {
         Ok(Some(with_sheet(&svg)))
     }
 
-    /// The axes, long enough that every triangle finds a place; if it does not, it is left out.
+    /// The axes, extended until every triangle has a place; failing that, the triangle is omitted.
     fn arranged(&self) -> Option<(Frame, Vec<slope::Placed>)> {
         let mut frame = Frame::new(self, &[])?;
         let wanted = self.series.iter().filter(|series| series.slope.is_some()).count();
@@ -257,7 +234,7 @@ impl Chart {
         self.series.iter().map(ink).collect()
     }
 
-    /// The places of a part, cut where a point has none.
+    /// The places of a part, cut at points without a place.
     pub(super) fn runs(&self, frame: &Frame, part: &Part) -> Vec<Vec<Place>> {
         let holds = |p: &Datum| self.x.scale.holds(p.0) && self.y.scale.holds(p.1);
         let pieces = part.points().split(|point| !holds(point));
@@ -331,7 +308,7 @@ impl Chart {
     }
 }
 
-/// A picture without the room for its title.
+/// The picture without the room for its title.
 fn without_head(svg: &str) -> String {
     let ((width, height), head) = (SIZE, TITLE_ROOM);
     let size = |from: u32| {

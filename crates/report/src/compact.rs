@@ -1,9 +1,8 @@
-//! What the drawing library writes, in fewer bytes and with scripts set low and high.
+//! Compresses the output of the drawing library, and sets scripts low and high.
 //!
-//! It writes an element a line, a text on three. Lines of one style that follow each other become one path: a dashed line
-//! is as many elements as it has strokes.
+//! The library writes one element per line, and a text on three. Consecutive lines of one style become one path: a
+//! dashed line has as many elements as strokes.
 
-/// The picture in fewer bytes.
 pub(super) fn compact(svg: &str) -> String {
     let mut out = String::with_capacity(svg.len() / 2);
     let mut path: Option<(String, String)> = None;
@@ -11,7 +10,7 @@ pub(super) fn compact(svg: &str) -> String {
     while let Some(line) = lines.next() {
         if let Some((style, points)) = polyline(line) {
             match &mut path {
-                Some((own, data)) if own == style => data.push_str(&moves(points)),
+                Some((open_style, data)) if open_style == style => data.push_str(&moves(points)),
                 _ => {
                     finish(&mut out, path.take());
                     path = Some((style.to_owned(), moves(points)));
@@ -62,7 +61,7 @@ fn moves(points: &str) -> String {
     data
 }
 
-/// An element without what it says for nothing.
+/// Drops attributes with default values.
 fn plain(line: &str) -> String {
     let said_for_nothing = [
         " opacity=\"1\"",
@@ -73,7 +72,6 @@ fn plain(line: &str) -> String {
     said_for_nothing.into_iter().fold(line.to_owned(), |text, part| text.replacen(part, "", 1))
 }
 
-/// The height of a text.
 fn size(line: &str) -> f64 {
     let from = |rest: &str| rest.split('"').next().and_then(|text| text.parse().ok());
     line.split_once("font-size=\"").and_then(|(_, rest)| from(rest)).unwrap_or(0.0)
@@ -83,8 +81,8 @@ fn size(line: &str) -> f64 {
 const SMALLER: f64 = 0.72;
 const APART: f64 = 0.3;
 
-/// Words with `x_ab` and `x^ab` set low and high: behind one letter that stands alone (a name of more is a name), behind a
-/// bar or a bracket. `Γ3` is Γ with a low 3.
+/// Sets `x_ab` and `x^ab` as scripts: after a single letter (longer words are names), a bar or a bracket. `Γ3` is Γ
+/// with a low 3.
 fn scripted(words: &str, size: f64) -> String {
     let characters: Vec<char> = words.chars().collect();
     let (mut out, mut at) = (String::new(), 0);
@@ -97,7 +95,7 @@ fn scripted(words: &str, size: f64) -> String {
                 let back = if end == characters.len() {
                     String::new()
                 } else {
-                    // The rest of the words returns to the line; an entity is one sign.
+                    // The rest of the words returns to the baseline; an entity is one sign.
                     let entity = characters[end..].iter().position(|c| *c == ';');
                     let length = entity.filter(|_| characters[end] == '&').map_or(1, |at| at + 1);
                     at = end + length;
@@ -119,7 +117,7 @@ fn scripted(words: &str, size: f64) -> String {
     out
 }
 
-/// What stands low or high: its signs, and where the words go on.
+/// A script: its signs, and the position after it.
 struct Script {
     from: usize,
     to: usize,
@@ -127,7 +125,7 @@ struct Script {
     down: bool,
 }
 
-/// The script that begins here, if one does.
+/// The script that begins here, if any.
 fn script(characters: &[char], at: usize) -> Option<Script> {
     let before = |back: usize| at.checked_sub(back).map(|i| characters[i]);
     let base = before(1)?;
@@ -147,7 +145,7 @@ fn script(characters: &[char], at: usize) -> Option<Script> {
     // A power behind an index is not part of it.
     let belongs = |c: &&char| c.is_alphanumeric() && **c != '²';
     let end = from + characters[from..].iter().take_while(belongs).count();
-    // A name with parts of its own is no symbol.
+    // A name of several parts is not a symbol.
     let named = characters.get(end).is_some_and(|c| *c == '_');
     (end > from && !named).then_some(Script { from, to: end, end, down })
 }
@@ -170,7 +168,7 @@ mod tests {
             "<path fill=\"none\" stroke=\"#A\" d=\"M1 2L3 4M5 6L7 8L9 9\"/>\n\
              <path fill=\"none\" stroke=\"#B\" d=\"M0 0L1 1\"/>\n"
         );
-        // What lies between two lines stays between them, and a line that is seen through stays as it is.
+        // Elements between two lines keep their order, and transparent lines stay.
         let between = [line("#A", "1,2 3,4"), "<circle cx=\"1\" opacity=\"1\"/>\n".into()].concat();
         let text = compact(&format!("{between}{}", line("#A", "5,6 7,8")));
         assert_eq!(text.matches("<path").count(), 2);
@@ -194,7 +192,7 @@ mod tests {
         );
         assert_eq!(set("c_j²").matches('j').count(), 1);
         assert!(set("c_j²").contains(">j</tspan>"));
-        // What is escaped stays whole.
+        // Entities stay whole.
         assert!(set("u_ν&lt;g").ends_with("<tspan dy=\"-30\">&lt;</tspan>g"));
         assert!(set("σ^D and h").starts_with("σ<tspan dy=\"-30\" font-size=\"72\">D</tspan>"));
         for name in ["trace_L2_max", "V_projection_max", "a-b_c", "10⁻³", "u_", "_a", "Γ", "m0"]

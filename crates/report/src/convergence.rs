@@ -1,4 +1,4 @@
-//! Error against h, and against k: one curve a norm, with what was predicted and fitted.
+//! Error against h, and against k: one curve per norm, with prediction and fit.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,7 @@ use judge::fit::Direction;
 use judge::record::{CaseRecord, is_by_state, norm_label, norm_label_in_time};
 use judge::verdict::{Verdict, cell_texts};
 
-/// The picture of one scene in one direction; none if no norm has two points there.
-///
-/// # Errors
-/// [`ReportError::Drawing`].
+/// The picture of one scene in one direction; None if no norm has two points.
 pub fn convergence_svg(
     scene: &SceneSummary,
     records: &[CaseRecord],
@@ -31,8 +28,7 @@ pub fn convergence_svg(
         Direction::Space => format!("N = {fixed}"),
         Direction::Time => format!("n = {fixed}"),
     };
-    // Curves need not come from the same cases: the axis names the most frequent level, curves of
-    // another name their own.
+    // Curves may come from different cases: the axis names the most frequent level, other curves theirs.
     let usual = most_frequent(curves.iter().filter_map(|curve| curve.fixed));
     let others = curves.iter().any(|curve| curve.fixed != usual);
     let mut step = step_name(&records, direction).to_owned();
@@ -49,9 +45,9 @@ pub fn convergence_svg(
     };
     let named = |curve: &Curve<'_>| match curve.verdict.is_some_and(is_path) {
         true => Some("N grows with n".to_owned()),
-        false => curve.fixed.filter(|own| Some(*own) != usual).map(level),
+        false => curve.fixed.filter(|level_of_curve| Some(*level_of_curve) != usual).map(level),
     };
-    // Floors of judged curves say why points were left out; those of all others would hide them.
+    // Floors of judged curves explain omitted points; those of all others would hide them.
     let judged = curves.iter().any(|curve| curve.verdict.is_some());
     let floor = |curve: &Curve<'_>| match judged && curve.verdict.is_none() {
         true => Vec::new(),
@@ -67,7 +63,7 @@ pub fn convergence_svg(
     chart.svg()
 }
 
-/// What the abscissa is, with its convention.
+/// The abscissa and its convention.
 fn step_name(records: &[CaseRecord], direction: Direction) -> &'static str {
     // 1/n is off by a rounding at most.
     let cells = |record: &CaseRecord| match (record.n, record.h) {
@@ -121,7 +117,7 @@ fn fitted(curve: &Curve<'_>) -> Option<[Part; 3]> {
     Some([band(a), band(b), Part::Line(vec![at(a, order), at(b, order)])])
 }
 
-/// What the signs mean that occur.
+/// Explains the signs that occur.
 fn keys(series: &[Series]) -> Vec<Key> {
     let occurs = |part: fn(&Part) -> bool| series.iter().flat_map(|s| &s.parts).any(part);
     let mut keys = Vec::new();

@@ -1,4 +1,4 @@
-//! The points of one norm in one direction, with what a verdict says of them.
+//! The points of one norm in one direction, with its verdict.
 
 use super::SceneSummary;
 use super::chart::Datum;
@@ -7,8 +7,7 @@ use judge::fit::{Direction, Point};
 use judge::record::{CONTACT_SET_MAX, CaseRecord, V_TIME_MAX, norm_rank};
 use judge::verdict::{Variable, Verdict, cell_texts, line_points};
 
-/// A floor is drawn if it is within three decades of the smallest error: further down it
-/// would only flatten the picture.
+/// A floor is drawn within three decades of the smallest error; below, it would flatten the picture.
 const FLOOR_RANGE: f64 = 1e-3;
 
 /// One norm in the picture: abscissa and error.
@@ -22,7 +21,6 @@ pub(super) struct Curve<'a> {
     pub(super) fixed: Option<u32>,
 }
 
-/// The norms of a scene, in the order of tables.
 pub(super) fn norms(records: &[CaseRecord]) -> Vec<&str> {
     let mut norms: Vec<&str> = records.iter().flat_map(CaseRecord::norms).collect();
     norms.sort_by_key(|norm| (norm_rank(norm), *norm));
@@ -30,7 +28,7 @@ pub(super) fn norms(records: &[CaseRecord]) -> Vec<&str> {
     norms
 }
 
-/// The curve of a norm in one direction; none if it has fewer than two points there.
+/// The curve of a norm in one direction; None with fewer than two points.
 pub(super) fn curve<'a>(
     scene: &SceneSummary,
     records: &[CaseRecord],
@@ -47,7 +45,7 @@ pub(super) fn curve<'a>(
     let same = |v: &&Verdict| v.scene == scene.name && v.norm == norm && along(v);
     let verdict = verdicts.iter().find(same);
     if norm == V_TIME_MAX && direction == Direction::Space && verdict.is_none() {
-        // It measures nothing that h changes.
+        // Independent of h.
         return None;
     }
     let points = match verdict {
@@ -83,7 +81,7 @@ fn uses(verdict: &Verdict, point: &Point) -> bool {
     verdict.points_used.iter().any(|used| same_step(used.h, point.h) && used.k == point.k)
 }
 
-/// The level in the other direction of the case that a point belongs to.
+/// The level in the other direction of a point's case.
 fn fixed_level(point: &Point, records: &[CaseRecord], direction: Direction) -> Option<u32> {
     let record = case_of(records, point.h, point.k)?;
     match direction {
@@ -102,7 +100,6 @@ fn same_step(a: f64, b: f64) -> bool {
     a == b || a.is_nan() && b.is_nan()
 }
 
-/// The points of a verdict, with their floors from the records.
 fn judged_points(verdict: &Verdict, records: &[CaseRecord]) -> Vec<Point> {
     let floor = |h: f64, k: f64| {
         case_of(records, h, k).and_then(|record| record.norm(&verdict.norm)?.floor).unwrap_or(0.0)
@@ -120,9 +117,9 @@ fn sorted(mut curve: Curve<'_>) -> Curve<'_> {
 }
 
 impl Curve<'_> {
-    /// Whether the picture shows it. Without a verdict, two kinds of curves are left to the table:
-    /// they would flatten all others. The distance of the locked sets is the length of Γ3 as long
-    /// as one of them is empty, and an error within its floor is none.
+    /// Whether the picture shows the curve. Without a verdict, curves that would flatten all others are left to the
+    /// table: the distance of the locked sets (the length of Γ3 while one of them is empty), and errors within their
+    /// floors.
     pub(super) fn is_drawn(&self) -> bool {
         let above_floor = |(step, error): &Datum| {
             let floor = self.floor.iter().find(|point| point.0 == *step);
@@ -136,14 +133,14 @@ impl Curve<'_> {
         self.used.iter().chain(&self.left_out).copied()
     }
 
-    /// The floors, if they are in sight of the errors.
+    /// The floors, if near the errors.
     pub(super) fn visible_floor(&self) -> &[Datum] {
         let lowest = self.points().map(|point| point.1).fold(f64::INFINITY, f64::min);
         let visible = self.floor.iter().all(|(_, floor)| *floor >= FLOOR_RANGE * lowest);
         if visible { &self.floor } else { &[] }
     }
 
-    /// The predicted order, between the points that serve.
+    /// The predicted order, along the points used.
     pub(super) fn slope(&self) -> Option<Slope> {
         let verdict = self.verdict?;
         let label = cell_texts(verdict)[3].clone();

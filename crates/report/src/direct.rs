@@ -1,4 +1,4 @@
-//! Names of series at the ends of their lines, where a legend would send the eye to and fro.
+//! Names of series at the ends of their lines, in place of a legend.
 
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, Place};
@@ -6,20 +6,16 @@ use super::chart::Chart;
 use super::frame::{BOTTOM, Frame, LINE, RIGHT, TOP};
 use super::legend::LEGEND_CHARACTERS;
 
-/// From the frame to the words.
 const BESIDE: f64 = 56.0;
 
-/// Whether the names of a chart stand beside its lines: each in one line, and all within the frame.
+/// Whether all names fit beside their lines, in one line each and within the frame.
 pub(super) fn fits(chart: &Chart) -> bool {
     let names = chart.series.iter().map(|series| series.name.chars().count());
     let lines = names.clone().filter(|count| *count > 0).count() as f64;
     names.max().is_none_or(|longest| longest <= LEGEND_CHARACTERS) && lines * LINE <= BOTTOM - TOP
 }
 
-/// Writes the names; gives the height of the lowest one, or the top where there is none.
-///
-/// # Errors
-/// [`ReportError::Drawing`].
+/// Writes the names; returns the height of the lowest one, or the top if there is none.
 pub(super) fn draw(canvas: &Canvas<'_>, chart: &Chart, frame: &Frame) -> Result<f64, ReportError> {
     let end = |at: usize| -> Option<(usize, Place)> {
         let series = &chart.series[at];
@@ -39,7 +35,7 @@ pub(super) fn draw(canvas: &Canvas<'_>, chart: &Chart, frame: &Frame) -> Result<
     Ok(heights.last().copied().unwrap_or(TOP))
 }
 
-/// Heights in ascending order, moved apart to a line each, within the frame as far as there is room.
+/// Heights in ascending order, moved apart by a line each, within the frame if possible.
 fn spread(wanted: &[f64]) -> Vec<f64> {
     let mut heights = wanted.to_vec();
     let mut least = TOP;

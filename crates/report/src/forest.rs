@@ -1,4 +1,4 @@
-//! The forest plot: every observed order with its interval, against its prediction, a row each.
+//! The forest plot: every observed order with its interval and prediction, a row each.
 
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, Place};
@@ -9,25 +9,23 @@ use judge::fit::TOLERANCE;
 use judge::verdict::{Decision, Verdict};
 use plotters::style::RGBColor;
 
-/// Width of a column and height of a row in units; half of them are pixels at the size for which it is made.
+/// Width of a column and height of a row in units, two per pixel.
 const COLUMN: f64 = 850.0;
 const ROW: f64 = 27.0;
 const TEXT: f64 = 20.0;
-/// In a column: where norms end, the axis, where predictions begin.
+/// In a column: end of norms, the axis, start of predictions.
 const NORM: f64 = 448.0;
 const AXIS: (f64, f64) = (466.0, 734.0);
 const PREDICTION: f64 = 752.0;
-/// Observed minus predicted order at the ends of the axis: what leaves it has an arrow at the end.
+/// Ends of the axis of observed minus predicted order; what exceeds it gets an arrow.
 const RANGE: (f64, f64) = (-0.5, 1.0);
-/// Where the axis is named.
+/// Labelled ticks.
 const TICKS: [(f64, &str); 4] = [(-0.5, "−½"), (0.0, "0"), (0.5, "+½"), (1.0, "+1")];
-/// Half of the height of a point.
 const POINT: f64 = 6.0;
 
-/// A line of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Line {
-    /// A group with how many of its verdicts are as expected; named again at the top of a column that continues it.
+    /// A group with the number of verdicts as expected; repeated at the top of a column that continues it.
     Heading {
         title: &'static str,
         held: String,
@@ -35,30 +33,29 @@ pub(super) enum Line {
     Row(Row),
 }
 
-/// One order.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     scene: String,
     norm: String,
-    /// The predicted order, as it is printed.
+    /// The printed prediction.
     prediction: String,
-    /// Observed minus predicted: lower end, order, upper end; none where no order was found.
+    /// Observed minus predicted: lower end, order, upper end; None without an order.
     apart: Option<[f64; 3]>,
     decision: Decision,
     as_expected: bool,
 }
 
-/// The rows of these verdicts, each with its group, in the order of groups and then of verdicts.
+/// The rows of these verdicts, by group and then in order.
 pub(super) fn lines(verdicts: &[Verdict], group: impl Fn(&str) -> Group) -> Vec<Line> {
     let mut lines = Vec::new();
-    for own in Group::ALL {
-        let of: Vec<&Verdict> = verdicts.iter().filter(|v| group(&v.scene) == own).collect();
+    for kind in Group::ALL {
+        let of: Vec<&Verdict> = verdicts.iter().filter(|v| group(&v.scene) == kind).collect();
         if of.is_empty() {
             continue;
         }
         let met = of.iter().filter(|verdict| verdict.as_expected()).count();
         let held = format!("{met} of {}", of.len());
-        lines.push(Line::Heading { title: own.title(), held });
+        lines.push(Line::Heading { title: kind.title(), held });
         lines.extend(of.into_iter().flat_map(rows).map(Line::Row));
     }
     lines
@@ -91,7 +88,7 @@ fn rows(verdict: &Verdict) -> Vec<Row> {
     }
 }
 
-/// The lines in columns of equal length; a column that begins within a group names it again, none ends with a heading.
+/// The lines in columns of equal length; a column that begins within a group repeats its heading, none ends with one.
 pub(super) fn columns(lines: &[Line], count: usize) -> Vec<Vec<Line>> {
     let length = (lines.len() + count).div_ceil(count.max(1));
     let mut columns: Vec<Vec<Line>> = vec![Vec::new()];
@@ -115,10 +112,7 @@ pub(super) fn columns(lines: &[Line], count: usize) -> Vec<Vec<Line>> {
     columns
 }
 
-/// Columns side by side; none without lines.
-///
-/// # Errors
-/// [`ReportError::Drawing`].
+/// Columns side by side; None without lines.
 pub(super) fn svg(columns: &[Vec<Line>]) -> Result<Option<String>, ReportError> {
     let Some(longest) = columns.iter().map(Vec::len).max() else { return Ok(None) };
     let size = (COLUMN * columns.len() as f64, ROW * (longest as f64 + 0.5));
@@ -182,7 +176,7 @@ fn draw_row(
     let at = (left + across(order), y);
     match row.decision {
         Decision::Pass => canvas.fill(&square(at, POINT), ink, 1.0),
-        // A hollow point is told apart without colours.
+        // Hollow points also differ without colours.
         Decision::Fail | Decision::Unresolved => {
             canvas.fill(&square(at, POINT), super::sheet::PAPER, 1.0)?;
             let corners = square(at, POINT);
@@ -203,7 +197,7 @@ fn unclipped(apart: f64) -> f64 {
     AXIS.0 + (apart - RANGE.0) / (RANGE.1 - RANGE.0) * (AXIS.1 - AXIS.0)
 }
 
-/// Where a difference stands, kept on the axis.
+/// Position of a difference, clamped to the axis.
 fn across(apart: f64) -> f64 {
     unclipped(apart.clamp(RANGE.0, RANGE.1))
 }
@@ -245,7 +239,7 @@ mod tests {
         assert!(svg(&columns(&[], 2)).unwrap().is_none());
     }
 
-    /// What leaves the axis, what missed and what has no order differ from an order that is met.
+    /// Orders off the axis, missed or missing differ from met ones.
     #[test]
     fn rows_say_what_they_found() {
         let drawn = |line: Line| without(&svg(&[vec![line]]).unwrap().unwrap());

@@ -1,4 +1,4 @@
-//! The two axes of a picture, with a title above and room for a legend beside.
+//! The axes of a picture, with room for a title above and a legend beside.
 
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, Place};
@@ -11,30 +11,29 @@ pub(super) const LEFT: f64 = 170.0;
 pub(super) const RIGHT: f64 = 1140.0;
 pub(super) const TOP: f64 = 190.0;
 pub(super) const BOTTOM: f64 = 990.0;
-/// Height of the room that title and question have, above the letters of marks.
+/// Height of title and question, above the letters of marks.
 pub(super) const TITLE_ROOM: u32 = 136;
 
-/// Distance of lines of text.
+/// Line spacing.
 pub(super) const LINE: f64 = 44.0;
 
-/// Characters of plain text in the width of the picture.
+/// Characters in the width of the picture.
 const TITLE_CHARACTERS: usize = 92;
 
-/// What labels need along the axes: five digits side by side, twice a line of text above another.
+/// Space for labels along the axes: five digits side by side, twice a line of text above another.
 const ROOM_X: Room = Room { length: RIGHT - LEFT, label: 100.0 };
 const ROOM_Y: Room = Room { length: BOTTOM - TOP, label: 80.0 };
 
-/// Length of the stroke of a tick without label.
+/// Length of an unlabelled tick.
 const STROKE: f64 = 12.0;
 
-/// The axes of a picture.
 pub(super) struct Frame {
     x: Ruler,
     y: Ruler,
 }
 
 impl Frame {
-    /// Axes for the data and the marks of a chart, and for `more` heights; none without data.
+    /// Axes for the data and marks of a chart, and for `more` heights; None without data.
     pub(super) fn new(chart: &Chart, more: &[f64]) -> Option<Self> {
         let scales = (chart.x.scale, chart.y.scale);
         let shown = |(x, y): &&(f64, f64)| scales.0.holds(*x) && scales.1.holds(*y);
@@ -46,7 +45,7 @@ impl Frame {
         }
         ys.extend(more);
         let marks = |marks: &[Mark]| marks.iter().map(|mark| mark.at).collect::<Vec<_>>();
-        // Steps are those of the markers: a line has corners of its own.
+        // Steps are those of the markers, not the corners of lines.
         let markers = parts().filter(|part| part.has_markers()).flat_map(|part| part.points());
         let levels: Vec<f64> = markers.filter(shown).map(|point| point.0).collect();
         let (data, beside) = if levels.is_empty() { (&xs, &levels) } else { (&levels, &xs) };
@@ -56,27 +55,24 @@ impl Frame {
         Some(Self { x, y })
     }
 
-    /// Place of a point.
     pub(super) fn place(&self, (x, y): (f64, f64)) -> Place {
         (self.across(x), self.up(y))
     }
 
-    /// Where x stands.
     pub(super) fn across(&self, x: f64) -> f64 {
         LEFT + self.x.share(x) * (RIGHT - LEFT)
     }
 
-    /// Where y stands, kept within the frame: a fitted line may run out of it.
+    /// Clamped to the frame, which a fitted line may leave.
     pub(super) fn up(&self, y: f64) -> f64 {
         BOTTOM - self.y.share(y).clamp(0.0, 1.0) * (BOTTOM - TOP)
     }
 
-    /// Height of a decade of y, if y is logarithmic.
+    /// Height of a decade of y, if logarithmic.
     pub(super) fn decade(&self) -> Option<f64> {
         self.y.decade().map(|share| share * (BOTTOM - TOP))
     }
 
-    /// Title, grid, ticks and labels.
     pub(super) fn draw(&self, canvas: &Canvas<'_>, chart: &Chart) -> Result<(), ReportError> {
         if !chart.title.is_empty() {
             canvas.bold(&chart.title, (30.0, 44.0))?;

@@ -1,11 +1,10 @@
-//! Verdicts as workflow commands of GitHub Actions, and as Markdown for its step summary. Without
-//! clocks: equal verdicts give equal text.
+//! Verdicts as workflow commands of GitHub Actions, and as Markdown for its step summary. Deterministic, without
+//! clocks.
 
 use files::{counted, harmless};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Verdict, cell_texts};
 
-/// Where an annotation stands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// Path of the scene file in the repository.
@@ -14,9 +13,8 @@ pub struct Place {
     pub line: usize,
 }
 
-/// One command a line: an error for every verdict that is not as expected and for every failed case,
-/// a warning where a scene gets the `fail` or `unresolved` it is built to get, a notice with the
-/// count. `place` finds the file of a scene, and the line of a verdict's prediction.
+/// One command a line: an error for every unexpected verdict and failed case, a warning for an expected `fail` or
+/// `unresolved`, a notice with the count. `place` finds the file of a scene, and the line of a verdict's prediction.
 pub fn annotations(
     records: &[CaseRecord],
     verdicts: &[Verdict],
@@ -47,7 +45,6 @@ pub fn annotations(
     lines.join("\n") + "\n"
 }
 
-/// The verdicts as a Markdown table under a heading.
 pub fn step_summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
     let head = "| scene | norm | in | predicted | observed | verdict | why | reason |";
     let rule = "|---|---|---|---|---|---|---|---|";
@@ -77,17 +74,17 @@ fn command(level: &str, place: Option<Place>, title: &str, text: &str) -> String
     format!("::{level} {place}title={}::{}", property(title), data(text))
 }
 
-/// Text after the second `::`.
+/// Escapes text after the second `::`.
 fn data(text: &str) -> String {
     harmless(text).replace('%', "%25").replace('\n', "%0A")
 }
 
-/// A value before it: colons and commas end one there.
+/// Escapes a value before it, which colons and commas would end.
 fn property(text: &str) -> String {
     data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
-/// Text in a cell of a Markdown table; `<` and `&` would be HTML.
+/// Escapes text in a cell of a Markdown table, against HTML.
 fn cell(text: &str) -> String {
     let text = harmless(text).replace('&', "&amp;").replace('<', "&lt;").replace('\\', "\\\\");
     ["|", "*", "_", "`", "[", "]", "~"]

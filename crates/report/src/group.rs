@@ -1,8 +1,8 @@
-//! What the scenes of a report are sorted by.
+//! Groups of the scenes in a report.
 
 use crate::Terms;
 
-/// A group of scenes; the order is that of a report.
+/// In the order of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Group {
     /// The problem of the paper with every term.
@@ -16,14 +16,13 @@ pub enum Group {
     Materials,
     /// No body.
     Abstract,
-    /// A hypothesis is broken on purpose, or is at its limit.
+    /// A hypothesis is broken on purpose, or at its limit.
     Broken,
-    /// Another program solved.
+    /// Solved by another program.
     External,
 }
 
 impl Group {
-    /// All groups in their order.
     pub(crate) const ALL: [Self; 7] = [
         Self::Whole,
         Self::Contact,
@@ -34,7 +33,6 @@ impl Group {
         Self::External,
     ];
 
-    /// The group of a scene with these terms.
     pub fn of(terms: Terms, breaks: bool) -> Self {
         let Terms { is_abstract, projection, memory, contact, gap, law, friction, quadratic } =
             terms;
@@ -53,7 +51,6 @@ impl Group {
         }
     }
 
-    /// Its heading.
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Whole => "Every term of the paper",
@@ -78,7 +75,7 @@ mod tests {
         assert_eq!(Group::of(whole, false), Group::Whole);
         assert_eq!(Group::of(whole, true), Group::Broken);
         assert_eq!(Group::of(contact, false), Group::Contact);
-        // Friction is not the paper's, whatever else a scene has.
+        // Friction is beyond the paper, whatever else a scene has.
         assert_eq!(Group::of(Terms { friction: true, ..whole }, false), Group::Beyond);
         assert_eq!(Group::of(Terms { quadratic: true, ..whole }, false), Group::Beyond);
         assert_eq!(

@@ -9,13 +9,11 @@ use super::ReportError;
 use files::{harmless, write_named};
 use judge::verdict::{Comparison, Decision, Verdict, cell_texts};
 
-/// Writes where a user says one suite a scene, one test a verdict. Unresolved is a failure; a verdict that the
-/// scene expects is a success. A run that was compared with its baseline has one test more for each
-/// scene. What made the verdicts, by `provenance`, stands in the properties of each suite. Without clocks: equal verdicts
-/// of one origin give equal bytes.
+/// Writes one suite per scene, one test per verdict. Unresolved is a failure; an expected verdict is a success. A run
+/// compared with its baseline has one more test per scene. Properties of each suite give the origin from `provenance`.
+/// Deterministic, without clocks.
 ///
-/// # Errors
-/// [`ReportError::Xml`], [`ReportError::Io`].
+/// # Errors [`ReportError::Xml`], [`ReportError::Io`].
 pub fn write_junit(
     path: &Path,
     verdicts: &[Verdict],
@@ -28,7 +26,7 @@ pub fn write_junit(
         .map_err(|source| ReportError::Io { path: path.to_owned(), source })
 }
 
-/// Version of the program and circumstances of the run, as far as they are known.
+/// Program version and circumstances of the run, as far as known.
 fn origin(provenance: &serde_json::Value) -> Vec<(String, String)> {
     let text = |value: &serde_json::Value| value.as_str().map_or(value.to_string(), str::to_owned);
     let version = provenance.get("version").map(|version| ("version".to_owned(), text(version)));
@@ -66,13 +64,14 @@ fn properties(origin: &[(String, String)]) -> impl Iterator<Item = Property> + '
     origin.iter().map(|(name, value)| Property::new(name.as_str(), value.as_str()))
 }
 
-/// One scene against its baseline; all of its deviations in the text.
+/// One scene against its baseline; all deviations are in the text.
 fn baseline_case(scene: &str, comparison: &Comparison) -> TestCase {
-    let own: Vec<_> = comparison.deviations.iter().filter(|d| d.scene == scene).collect();
-    let status = match own.first() {
+    let of_scene: Vec<_> = comparison.deviations.iter().filter(|d| d.scene == scene).collect();
+    let status = match of_scene.first() {
         None => TestCaseStatus::success(),
         Some(first) => {
-            let lines: Vec<&str> = own.iter().map(|deviation| deviation.reason.as_str()).collect();
+            let lines: Vec<&str> =
+                of_scene.iter().map(|deviation| deviation.reason.as_str()).collect();
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
             status.set_type(first.verdict.name()).set_message(harmless(lines[0]));
             status.set_description(harmless(&lines.join("\n")));

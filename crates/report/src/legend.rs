@@ -6,17 +6,16 @@ use super::ReportError;
 use super::canvas::{Anchor, Canvas, SIZE};
 use super::frame::{LINE, RIGHT, TOP};
 
-/// Characters of plain text in the width of the legend.
+/// Characters in the width of the legend.
 pub(super) const LEGEND_CHARACTERS: usize = 28;
 
-/// How a line is drawn: in one stroke, or in strokes and gaps of these lengths.
+/// A solid line, or one of strokes and gaps of these lengths.
 #[derive(Clone, Copy)]
 pub(super) enum Stroke {
     Full,
     Broken((f64, f64)),
 }
 
-/// How a legend shows what it names.
 #[derive(Clone, Copy)]
 pub(super) enum Sample {
     /// A line, a marker of this shape, or both.
@@ -29,7 +28,6 @@ pub(super) enum Sample {
     Text,
 }
 
-/// The legend, written from top to bottom.
 pub(super) struct Legend<'a, 'b> {
     canvas: &'b Canvas<'a>,
     y: f64,
@@ -40,13 +38,12 @@ impl<'a, 'b> Legend<'a, 'b> {
         Self { canvas, y: TOP + 22.0 }
     }
 
-    /// Goes on below this height.
+    /// Continues below this height.
     pub(super) fn below(&mut self, y: f64) {
         self.y = self.y.max(y + LINE);
     }
 
-    /// One entry: a sample, and its words in at most six lines. What does not fit the picture
-    /// is left to the table.
+    /// An entry: a sample, and its words in at most six lines. What does not fit is left to the table.
     pub(super) fn entry(
         &mut self,
         sample: Sample,
@@ -84,13 +81,12 @@ impl<'a, 'b> Legend<'a, 'b> {
         Ok(())
     }
 
-    /// Some space before the next entry.
     pub(super) fn space(&mut self) {
         self.y += 0.35 * LINE;
     }
 }
 
-/// Lines of at most `width` characters, broken at blanks; the last one says if there is more.
+/// Wraps to `most` lines of at most `width` characters; the last one marks an omission.
 pub(super) fn wrapped(text: &str, width: usize, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -1,7 +1,7 @@
 //! Records and verdicts as files: the table of cases, `verdict.json`, pictures, a page, JUnit.
 //!
-//! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
-//! is a [`Chart`], series over two axes with lines at values of either axis, or a [`Map`].
+//! Everything is rebuilt from records and verdicts; equal input gives equal bytes. A picture is a [`Chart`] (series
+//! over two axes) or a [`Map`].
 
 mod bars;
 mod body;
@@ -66,30 +66,26 @@ use judge::record::{CaseRecord, RecordError, write_sorted};
 use judge::verdict::{Comparison, DocumentError, Verdict, write_json};
 use written::write_listed;
 
-/// What a report says of a scene beside its numbers.
+/// A scene in a report, beside its results.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SceneSummary {
-    /// Its name, as in the records.
     pub name: String,
-    /// The question it asks.
     pub question: String,
-    /// Where it stands in the report.
     pub group: Group,
     /// Its body with the parts of the boundary, as SVG.
     pub picture: Option<String>,
-    /// What a reader has to know beside it: a hypothesis that is broken, a verdict that is not given.
+    /// Remarks: a broken hypothesis, a verdict that is not given.
     pub remarks: Vec<String>,
-    /// What is solved.
     pub equations: Vec<Equation>,
     /// The scene file: part, key, value.
     pub data: Vec<[String; 3]>,
     /// The hypotheses that it breaks on purpose, as scene files name them.
     pub violates: Vec<String>,
-    /// What its step size has to obey; none where that could not be computed.
+    /// None if it could not be computed.
     pub step: Option<StepLimits>,
 }
 
-/// Bounds on the step size that follow from the data of a scene, each a time; infinite where there is none.
+/// Bounds on the step size from the data of a scene, each a time, or infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepLimits {
     /// m0 of (2.9), a stress.
@@ -104,67 +100,36 @@ pub struct StepLimits {
     pub solvable: f64,
 }
 
-/// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// The file system refused.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// `cases.csv` could not be written.
+    Io { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// `verdict.json` could not be written.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// A study that another command wrote into the directory is not one.
+    /// An invalid study in the directory.
     #[error("{}:{line}: {reason}; write this study again by `sweep {command} --out DIR`, or delete the file", path.display())]
     Study {
-        /// The file.
         path: PathBuf,
-        /// Where the reader stopped.
         line: usize,
-        /// What is wrong.
         reason: String,
-        /// What writes such files.
+        /// The command that writes such files.
         command: String,
     },
-    /// The list of files that an earlier report wrote is not one.
+    /// An invalid list of the files of an earlier report.
     #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
-    List {
-        /// The list.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-    /// A picture could not be drawn.
+    List { path: PathBuf, reason: String },
     #[error("drawing: {what}")]
-    Drawing {
-        /// What the drawing library said.
-        what: String,
-    },
-    /// The PDF could not be set.
+    Drawing { what: String },
     #[error("typesetting: {what}")]
-    Typesetting {
-        /// What the typesetter said.
-        what: String,
-    },
-    /// The JUnit file could not be formed.
+    Typesetting { what: String },
     #[error("JUnit: {source}")]
-    Xml {
-        /// What the writer said.
-        source: quick_junit::SerializeError,
-    },
-    /// Two scenes whose names differ only in characters that a file name does not keep.
+    Xml { source: quick_junit::SerializeError },
+    /// Two scenes whose names differ only in characters that file names do not keep.
     #[error("the scenes {first:?} and {second:?} would share the file name {stem:?}")]
     SharedName {
-        /// One scene.
         first: String,
-        /// The other.
         second: String,
         /// Their common file name.
         stem: String,
@@ -178,12 +143,11 @@ impl ReportError {
 }
 
 /// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`,
-/// `SCENE-scene.svg`, `SCENE-errors.svg` and `forest.svg` into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
-/// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay. Returns the
-/// document that the pages are renderings of.
+/// `SCENE-scene.svg`, `SCENE-errors.svg` and `forest.svg` into `dir`, which is created if necessary. Pages are
+/// index.html, report.md, tables.tex, and report.typ with report.json. Obsolete files of an earlier report are removed,
+/// foreign ones stay. Returns the document of the pages.
 ///
-/// # Errors
-/// [`ReportError`]; files written before stay.
+/// # Errors [`ReportError`]; files written before stay.
 pub fn write_all(
     dir: &Path,
     scenes: &[SceneSummary],
@@ -225,15 +189,14 @@ pub fn write_all(
         (DATA, data(&document, None)),
     ];
     let forest = forest.iter().map(|(picture, _)| picture);
-    let own = pictures.iter().chain(&cards).flatten().chain(forest);
-    let own = own.map(|(file, _, svg)| (file.clone(), svg.as_str()));
+    let drawings = pictures.iter().chain(&cards).flatten().chain(forest);
+    let drawings = drawings.map(|(file, _, svg)| (file.clone(), svg.as_str()));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
-    let files: Vec<(String, &str)> = own.chain(pages).collect();
+    let files: Vec<(String, &str)> = drawings.chain(pages).collect();
     write_listed(dir, &files)?;
     Ok(document)
 }
 
-/// A picture with its file name and its caption.
 type Picture = (String, String, String);
 
 /// The forest plot of all verdicts in two columns, and in three pieces.
@@ -253,7 +216,7 @@ fn forest(
     Ok(Some((picture, pieces.into_iter().flatten().collect())))
 }
 
-/// The body of a scene and its errors, small, as far as there is something to draw.
+/// Small pictures of the body of a scene and its errors, if any.
 fn card(
     scene: &SceneSummary,
     stem: &str,

@@ -1,4 +1,4 @@
-//! A map: one row of cells per line, each cell with its words and a colour that says how it ended.
+//! A map: one row of cells per line, each cell with words and a colour for its outcome.
 
 use plotters::style::RGBColor;
 
@@ -7,46 +7,41 @@ use super::canvas::{Anchor, Canvas, SIZE};
 use super::palette::INK;
 use super::sheet::with_sheet;
 
-/// How a cell ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shade {
-    /// Well: from 0, far within what is allowed, to 1, just within it.
+    /// Success: from 0, far within what is allowed, to 1, just within it.
     Within(f64),
-    /// As it should, without a number.
+    /// Success without a number.
     Outside,
-    /// Not as it should.
+    /// Failure.
     Wrong,
 }
 
-/// A cell: its words and how it ended.
 pub type Cell = (String, Shade);
 
-/// A map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Its first line, in bold.
     pub title: String,
-    /// What a row of the map is.
+    /// Meaning of a row.
     pub subtitle: String,
-    /// Rows: a name and the cells.
     pub rows: Vec<(String, Vec<Cell>)>,
-    /// What `Shade::Within`, `Outside` and `Wrong` mean.
+    /// Meanings of `Shade::Within`, `Outside` and `Wrong`.
     pub legend: [String; 3],
 }
 
 const LEFT: f64 = 265.0;
 const RIGHT: f64 = 1770.0;
 const TOP: f64 = 116.0;
-/// Height of a row, and of text: words stand apart from those above and below.
+/// Height of a row, and of text.
 const ROW: f64 = 46.0;
 const TEXT: f64 = 25.0;
 /// From the last row to the middle of the legend, and to the end.
 const LEGEND: f64 = 46.0;
 const MARGIN: f64 = 84.0;
-/// Width of a character of plain text, at most.
+/// Maximal width of a character.
 const CHARACTER: f64 = 14.0;
 
-/// From light to dark, both light enough for dark words; grey and vermilion beside them.
+/// Light to dark, both light enough for dark words; then grey and vermilion.
 const NEAR: [f64; 3] = [226.0, 240.0, 250.0];
 const FAR: [f64; 3] = [110.0, 180.0, 228.0];
 const GREY: RGBColor = RGBColor(214, 214, 214);
@@ -64,10 +59,6 @@ fn colour(shade: Shade) -> RGBColor {
 }
 
 impl Map {
-    /// The picture.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<String, ReportError> {
         let mut svg = String::new();
         let bottom = TOP + ROW * self.rows.len() as f64;
@@ -103,7 +94,7 @@ impl Map {
     }
 }
 
-/// A cell from left, top to right, bottom; a wrong one is crossed as well, for prints without colours.
+/// A cell (left, top, right, bottom); failures are also crossed, for prints without colours.
 fn cell(
     canvas: &Canvas<'_>,
     [left, top, right, bottom]: [f64; 4],
@@ -122,7 +113,7 @@ fn cell(
     let room = ((right - left) / CHARACTER).floor() as usize;
     let mut shown: String = words.chars().take(room.max(1)).collect();
     if shown.len() < words.len() {
-        // What is cut says so: half a number is another number.
+        // Truncation is marked: half a number is another number.
         shown.pop();
         shown.push('…');
     }

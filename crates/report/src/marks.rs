@@ -1,4 +1,4 @@
-//! Lines across a picture at values of its axes, each with a letter that the legend explains.
+//! Lines across a picture at values of its axes, with letters that the legend explains.
 
 use super::ReportError;
 use super::canvas::{Anchor, Canvas};
@@ -8,7 +8,7 @@ use super::legend::{Sample, Stroke};
 use super::palette::INK;
 use super::ruler::Scale;
 
-/// Strokes and gaps of the first, second, … line: apart from each other without colours.
+/// Strokes and gaps of the first, second, … line, distinct without colours.
 const PATTERNS: [(f64, f64); 4] = [(22.0, 10.0), (6.0, 8.0), (40.0, 10.0), (12.0, 22.0)];
 
 /// Least distance of two letters.
@@ -17,7 +17,7 @@ const LETTERS: f64 = 32.0;
 /// Length of the stroke from a line to its letter.
 const STUB: f64 = 12.0;
 
-/// The marks that have a place, each with the number of its letter; verticals come first.
+/// The marks that can be placed, with the numbers of their letters; verticals come first.
 fn placed(marks: &[Mark], scale: Scale, before: usize) -> Vec<(usize, &Mark)> {
     let has_place = |mark: &&Mark| scale.holds(mark.at);
     marks.iter().filter(has_place).enumerate().map(|(i, mark)| (before + i, mark)).collect()
@@ -33,7 +33,6 @@ fn letter(index: usize) -> char {
     char::from(b'a' + (index % 26) as u8)
 }
 
-/// The lines and their letters.
 pub(super) fn draw_marks(
     canvas: &Canvas<'_>,
     frame: &Frame,
@@ -55,7 +54,7 @@ pub(super) fn draw_marks(
     Ok(())
 }
 
-/// Each mark with its place and that of its letter: letters keep their order and distance.
+/// Each mark with its place and that of its letter; letters keep their order and distance.
 fn spread<'a>(
     marks: &[(usize, &'a Mark)],
     place: impl Fn(f64) -> f64,
@@ -69,7 +68,7 @@ fn spread<'a>(
     all
 }
 
-/// Their entries in the legend; those without a place come last, without a letter.
+/// Legend entries; marks without a place come last, without a letter.
 pub(super) fn mark_entries(chart: &Chart) -> Vec<(Sample, String)> {
     let drawn = both(chart).into_iter().flatten().map(|(index, mark)| {
         let stroke = Some(Stroke::Broken(PATTERNS[index % PATTERNS.len()]));

@@ -1,5 +1,4 @@
-//! Colours that colour-blind readers tell apart, after Okabe and Ito (2008), with a marker
-//! each, so that a print without colours reads as well.
+//! Colours for colour-blind readers, after Okabe and Ito (2008), each with a marker for prints without colours.
 
 use plotters::style::RGBColor;
 
@@ -19,7 +18,7 @@ pub(super) const GRID: RGBColor = RGBColor(222, 222, 222);
 /// Axes, triangles and floors.
 pub(super) const INK: RGBColor = RGBColor(90, 90, 90);
 
-/// Colour of the i-th curve. Its marker is the i-th of four: 28 curves until a pair returns.
+/// Colour of the i-th curve. With four markers, 28 curves differ.
 pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }

@@ -6,16 +6,13 @@ use std::path::Path;
 use super::{Picture, ReportError};
 use files::read_text;
 
-/// What a file is called, and what it shows.
+/// Endings of file names, and what the files show.
 const ENDINGS: [(&str, &str); 2] = [
     ("-contact.svg", "contact state of Γ3 over time, exact and discrete"),
     ("-body.svg", "deformed body at the last time level"),
 ];
 
-/// The pictures in a directory, a kind after the other, each in the order of file names.
-///
-/// # Errors
-/// The file system's.
+/// The pictures in a directory, by kind, then by file name.
 pub(super) fn of_cases(dir: &Path) -> Result<Vec<Picture>, ReportError> {
     let failed = |path: &Path, source| ReportError::Io { path: path.into(), source };
     let mut names = Vec::new();
@@ -30,7 +27,7 @@ pub(super) fn of_cases(dir: &Path) -> Result<Vec<Picture>, ReportError> {
             let Some(case) = name.strip_suffix(ending) else { continue };
             let path = dir.join(name);
             let svg = read_text(&path).map_err(|source| failed(&path, source))?;
-            // A file of another program that is called alike has no place on the page.
+            // Foreign files with such a name are ignored.
             if svg.trim_start().starts_with("<svg") {
                 let case = if case.is_empty() { String::new() } else { format!("{case}: ") };
                 found.push((name.clone(), format!("{case}{shows} (sweep solve --pictures)."), svg));

@@ -1,49 +1,46 @@
-//! One axis: where a value stands on it, and its ticks.
+//! One axis: positions of values, and ticks.
 
 use super::ticks::{decimal, power, step_label, with_decimals};
 
-/// How an axis is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Equal steps of 1, 2 or 5 times a power of ten.
     Linear,
-    /// Logarithmic, ticks at powers of ten, and at 2 and 5 where there is room.
+    /// Logarithmic, ticks at powers of ten, and at 2 and 5 if there is room.
     Log,
-    /// Logarithmic, ticks at the values of the data: step sizes, written 1/n where they are.
+    /// Logarithmic, ticks at the data: step sizes, written 1/n where possible.
     Steps,
 }
 
-/// A tick; one without a label is a short stroke, one with a label has a line of the grid.
+/// A tick: a short stroke, or with a label a line of the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     pub(super) at: f64,
     pub(super) label: Option<String>,
 }
 
-/// An axis of a given length on the canvas.
 #[derive(Debug)]
 pub(super) struct Ruler {
     scale: Scale,
-    /// The ends, logarithms to base ten on a logarithmic axis.
+    /// Ends; logarithms to base ten on a logarithmic axis.
     ends: [f64; 2],
     pub(super) ticks: Vec<Tick>,
 }
 
-/// Length of an axis and the distance that its labels need, in units of the canvas.
+/// Length of an axis and the distance that labels need, in canvas units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Room {
     pub(super) length: f64,
     pub(super) label: f64,
 }
 
-/// Share of the range that is left free at either end.
+/// Free share of the range at either end.
 const MARGIN: f64 = 0.03;
 
-/// Ticks within a decade.
 const DIGITS: [i64; 3] = [1, 2, 5];
 
 impl Scale {
-    /// Whether a value has a place.
+    /// Whether a value can be placed.
     pub(super) fn holds(self, value: f64) -> bool {
         value.is_finite() && (self == Scale::Linear || value > 0.0)
     }
@@ -54,8 +51,7 @@ impl Scale {
 }
 
 impl Ruler {
-    /// The axis that shows all of `data`, and `marks` beside it, as far as they have a place;
-    /// none without data.
+    /// An axis that shows all of `data` and `marks` that can be placed; None without data.
     pub(super) fn new(scale: Scale, data: &[f64], marks: &[f64], room: Room) -> Option<Self> {
         let mut levels: Vec<f64> = data.iter().copied().filter(|v| scale.holds(*v)).collect();
         levels.sort_by(f64::total_cmp);
@@ -79,14 +75,14 @@ impl Ruler {
         (self.scale.measure(value) - self.ends[0]) / (self.ends[1] - self.ends[0])
     }
 
-    /// Share of the axis that a decade takes; none on a linear one.
+    /// Share of the axis per decade, if logarithmic.
     pub(super) fn decade(&self) -> Option<f64> {
         (self.scale != Scale::Linear).then(|| 1.0 / (self.ends[1] - self.ends[0]))
     }
 }
 
 fn linear([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
-    // A single value stands in the middle of an axis as wide as itself.
+    // A single value is centred on an axis of its size.
     let half = if hi > lo { 0.0 } else { 0.5 * lo.abs().max(f64::MIN_POSITIVE) };
     let (lo, hi) = (lo - half, hi + half);
     let most = (room.length / room.label).floor().max(2.0);
@@ -96,7 +92,7 @@ fn linear([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
     let step = sizes.into_iter().find(|size| (hi - lo) / size <= most).unwrap_or(hi - lo);
     let (first, last) = ((lo / step + 1e-9).floor(), (hi / step - 1e-9).ceil());
     let margin = MARGIN * step * (last - first);
-    // 10 of them at most: sizes grow by 2.5 at most from one to the next.
+    // At most 10 ticks, since their size grows by at most 2.5.
     let ticks = (0..=(last - first) as i64).map(|i| {
         let at = step * (first + i as f64);
         Tick { at, label: Some(with_decimals(at, step)) }
@@ -129,7 +125,7 @@ fn measured((digit, exponent): (i64, i64)) -> f64 {
     (digit as f64).log10() + exponent as f64
 }
 
-/// The number nearest to it; zero or infinite beyond the range of doubles, where no tick is drawn.
+/// Nearest double; zero or infinite out of range, where no tick is drawn.
 fn value((digit, exponent): (i64, i64)) -> f64 {
     format!("{digit}e{exponent}").parse().unwrap_or(f64::NAN)
 }
@@ -164,7 +160,7 @@ fn logarithmic([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
     (ends, ticks.chain(strokes.into_iter().flatten()).collect())
 }
 
-/// The digits of all decades from the first to the last member that a rule keeps, without labels.
+/// Unlabelled ticks between two members, filtered by a rule.
 fn strokes(first: i64, last: i64, keep: impl Fn(i64) -> bool) -> impl Iterator<Item = Tick> {
     let decades = first.div_euclid(3)..=last.div_euclid(3);
     let ends = [measured(member(first)), measured(member(last))];
@@ -194,7 +190,7 @@ mod tests {
         assert_eq!(labels(Scale::Log, &[3e-6, 2e-2]), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
         assert_eq!(labels(Scale::Log, &[0.03, 0.15]), ["0.02", "0.05", "0.1", "0.2"]);
         assert_eq!(labels(Scale::Log, &[1.0]), ["0.5", "1", "2"]);
-        // Every label stands clear of the next: no more than ten on 800 units.
+        // Labels stand clear of each other: no more than ten on 800 units.
         assert!(labels(Scale::Log, &[1e-30, 1.0]).len() <= 10);
         assert!(labels(Scale::Log, &[f64::MIN_POSITIVE, f64::MAX]).len() >= 2);
     }

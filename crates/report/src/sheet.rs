@@ -1,14 +1,13 @@
-//! The one style sheet of pictures: what each ink becomes on a dark page.
+//! The style sheet of pictures: inks on a dark page.
 //!
-//! A picture is drawn for white paper and stays so in print; a viewer with a dark page maps its inks. The sheet selects
-//! by the colours themselves, so that a picture without it (a viewer that knows no media queries) is the light one.
+//! Pictures are drawn for white paper and printed so; viewers with a dark page map their inks. The sheet selects by the
+//! colours themselves, so that a picture without media queries is the light one.
 
 use super::compact::compact;
 use plotters::style::RGBColor;
 
 /// Paper; hollow markers are filled with it.
 pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
-/// Words.
 pub(super) const WORDS: RGBColor = RGBColor(30, 30, 30);
 /// Words on an area of light colour, which a dark page leaves as it is.
 pub(super) const WORDS_ON_TINT: RGBColor = RGBColor(31, 31, 31);
@@ -28,7 +27,7 @@ svg [fill=\"#CC79A7\"]{fill:#e39cc4}svg [stroke=\"#CC79A7\"]{stroke:#e39cc4}\
 svg [fill=\"#56B4E9\"]{fill:#a5dbff}svg [stroke=\"#56B4E9\"]{stroke:#a5dbff}\
 }\n";
 
-/// A picture as it was drawn, compact and with the sheet inside.
+/// Compresses a drawn picture and inserts the sheet.
 pub(super) fn with_sheet(drawn: &str) -> String {
     let svg = compact(drawn);
     match svg.find('>') {
@@ -37,7 +36,6 @@ pub(super) fn with_sheet(drawn: &str) -> String {
     }
 }
 
-/// A picture without it.
 pub(super) fn without(svg: &str) -> String {
     svg.replacen(&element(), "", 1)
 }
@@ -51,7 +49,7 @@ mod tests {
     use super::super::palette::{COLOURS, GRID, INK};
     use super::*;
 
-    /// Every ink of a picture but the light orange has its counterpart, spelt as plotters spells it.
+    /// Every ink except the light orange has its counterpart, spelt as plotters spells it.
     #[test]
     fn every_ink_has_a_dark_counterpart() {
         let orange = RGBColor(230, 159, 0);

@@ -1,4 +1,4 @@
-//! A small picture of a domain or of a few curves: readable where it is 240 pixels wide.
+//! A small picture of a domain or a few curves, readable at 240 pixels.
 
 use plotters::style::RGBColor;
 
@@ -7,20 +7,20 @@ use super::canvas::{Anchor, Canvas, Place};
 use super::palette::{INK, colour};
 use super::sheet::with_sheet;
 
-/// Size in units; half of them are pixels at the size for which it is made.
+/// Size in units, two per pixel.
 const SIZE: (u32, u32) = (480, 404);
-/// Height of text: 11 pixels.
+/// Text height: 11 pixels.
 const TEXT: f64 = 22.0;
-/// The room of the drawing: left, top, width, height. Below it stand the entries of the legend.
+/// Drawing area: left, top, width, height. The legend is below.
 const ROOM: (f64, f64, f64, f64) = (24.0, 16.0, 432.0, 276.0);
-/// Where words at the left margin begin.
+/// Start of words at the left margin.
 const MARGIN: f64 = 1.0;
-/// Of the legend: entries per line, the height of the first line and the distance of lines.
+/// Legend: entries per line, height of the first line, line spacing.
 const ENTRIES: usize = 2;
 const FIRST_LINE: f64 = 322.0;
 const NEXT_LINE: f64 = 32.0;
 
-/// What a line or area stands for; each has a colour and a way to be drawn, so that prints without colours read as well.
+/// What a line or area stands for; each has a colour and a line style, for prints without colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
     /// Γ1: a heavy line with hatches.
@@ -29,13 +29,12 @@ pub enum Ink {
     Traction,
     /// Γ3: a heavy line.
     Contact,
-    /// The body moved by u(T): a line of strokes.
+    /// The body moved by u(T), dashed.
     Moved,
-    /// What the body may touch: a dotted line.
+    /// What the body may touch, dotted.
     Obstacle,
     /// An edge of a body in space.
     Edge,
-    /// A named region.
     Region,
     /// Lines of the mesh, hidden edges, axes.
     Thin,
@@ -43,38 +42,32 @@ pub enum Ink {
     Curve(usize),
 }
 
-/// Corners, y upwards, with the ink and its opacity.
+/// Corners, y upwards, with ink and opacity.
 pub(crate) type Area = (Vec<(f64, f64)>, Ink, f64);
 
-/// A line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroke {
-    /// How it is drawn.
     pub ink: Ink,
-    /// Its points, y upwards.
+    /// Points, y upwards.
     pub path: Vec<(f64, f64)>,
 }
 
-/// A picture without axes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sketch {
-    /// Light areas in the colour of an ink, drawn first, each with its opacity.
+    /// Drawn first.
     pub areas: Vec<Area>,
     /// Lines, the first below the others.
     pub strokes: Vec<Stroke>,
-    /// Words at the left margin, at the heights of places.
+    /// Words at the left margin, at the heights of these points.
     pub words: Vec<((f64, f64), String)>,
-    /// The legend: lines with their words.
+    /// Lines with their words.
     pub legend: Vec<(Ink, String)>,
-    /// Each axis fills its room: for curves; else both have one scale.
+    /// Scales each axis to its room, for curves; otherwise both are equal.
     pub stretched: bool,
 }
 
 impl Sketch {
-    /// As an SVG.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
+    /// Renders the picture as SVG.
     pub fn svg(&self) -> Result<String, ReportError> {
         let mut svg = String::new();
         let canvas = Canvas::of_size(&mut svg, SIZE, TEXT)?;
@@ -130,7 +123,7 @@ fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[Place]) -> Result<(), ReportError
     }
 }
 
-/// Short strokes that leave a line to one side.
+/// Short strokes on one side of a line.
 fn hatches(canvas: &Canvas<'_>, from: Place, to: Place) -> Result<(), ReportError> {
     let length = (to.0 - from.0).hypot(to.1 - from.1);
     let (along, count) = (((to.0 - from.0) / length, (to.1 - from.1) / length), length / 14.0);
@@ -142,7 +135,7 @@ fn hatches(canvas: &Canvas<'_>, from: Place, to: Place) -> Result<(), ReportErro
     })
 }
 
-/// From places of the drawing to the canvas.
+/// Maps the drawing to the canvas.
 struct View {
     origin: (f64, f64),
     scale: (f64, f64),
@@ -201,18 +194,18 @@ mod tests {
 
     #[test]
     fn lengths_keep_their_ratio_unless_axes_are_stretched() {
-        let (own, stretched) = (square(), Sketch { stretched: true, ..square() });
+        let (plain, stretched) = (square(), Sketch { stretched: true, ..square() });
         let extent = |sketch: &Sketch| {
             let view = View::of(sketch);
             let (a, b) = (view.place((0.0, 0.0)), view.place((2.0, 1.0)));
             ((b.0 - a.0) / (a.1 - b.1), a, b)
         };
-        assert!((extent(&own).0 - 2.0).abs() < 1e-12);
+        assert!((extent(&plain).0 - 2.0).abs() < 1e-12);
         let (_, a, b) = extent(&stretched);
         let corners = ((ROOM.0, ROOM.1 + ROOM.3), (ROOM.0 + ROOM.2, ROOM.1));
         assert!((a.0 - corners.0.0).abs() + (b.1 - corners.1.1).abs() < 1e-9);
-        // What is clamped is told by its hatches, what is moved by strokes.
-        let svg = own.svg().expect("a picture");
+        // Hatches mark what is clamped, dashes what is moved.
+        let svg = plain.svg().expect("a picture");
         assert!(svg.matches('M').count() > 20 && svg.contains("contact"), "{svg}");
         assert!(svg.len() < 8000 && !svg.contains("NaN"));
     }

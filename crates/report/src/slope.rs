@@ -1,4 +1,4 @@
-//! Triangles of a predicted order, put where nothing else is drawn.
+//! Triangles of a predicted order, placed in free space.
 
 use plotters::style::RGBColor;
 
@@ -7,39 +7,36 @@ use super::canvas::{Anchor, Canvas, Place};
 use super::chart::{Chart, Datum, Part};
 use super::frame::{BOTTOM, Frame, RIGHT};
 
-/// A predicted order along points of a series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slope {
-    /// The order: y grows like x to this power.
+    /// y grows like x to this power.
     pub order: f64,
-    /// Its words beside the triangle.
     pub label: String,
     /// The points, along rising x: the triangle stands between two neighbours.
     pub along: Vec<Datum>,
 }
 
-/// A triangle with its place: fine end, corner, coarse end.
+/// A placed triangle: fine end, corner, coarse end.
 pub(super) struct Placed {
-    /// The series it belongs to.
     pub(super) series: usize,
     corners: [Place; 3],
     label: String,
 }
 
-/// Distance that a triangle keeps from everything drawn: half a marker and a little more.
+/// Distance to everything drawn: half a marker and a little more.
 const CLEAR: f64 = 22.0;
 
-/// The steps by which a triangle moves away from its line.
+/// Step by which a triangle is moved from its line.
 const MOVE: f64 = 12.0;
 
-/// Width of a character and half of the height of a line of text.
+/// Width of a character and half of the line height.
 const CHARACTER: f64 = 19.0;
 const HALF_LINE: f64 = 18.0;
 
 type Segment = [Place; 2];
 
-/// The triangles that find a place: each as near below its line as nothing is in its way, between
-/// the finest points that allow it. None on linear axes.
+/// The triangles that find a place, as close below their lines as possible, between the finest points that allow it.
+/// None on linear axes.
 pub(super) fn place(chart: &Chart, frame: &Frame) -> Vec<Placed> {
     let Some(decade) = frame.decade() else {
         return Vec::new();
@@ -58,7 +55,7 @@ pub(super) fn place(chart: &Chart, frame: &Frame) -> Vec<Placed> {
     placed
 }
 
-/// Everything that is drawn, as segments; a marker is one of no length.
+/// Everything that is drawn, as segments; a marker has length zero.
 fn drawn(chart: &Chart, frame: &Frame) -> Vec<Segment> {
     let mut segments = Vec::new();
     for part in chart.series.iter().flat_map(|series| &series.parts) {
@@ -115,7 +112,7 @@ fn meets(shape: &[Place], segment: &Segment, clear: f64) -> bool {
     within(segment[0]) || edges(shape).any(|edge| distance(&edge, segment) < clear)
 }
 
-/// Twice the area of the triangle a, b, c, with the sign of its sense.
+/// Twice the signed area of the triangle a, b, c.
 fn turn(a: Place, b: Place, c: Place) -> f64 {
     (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0)
 }

@@ -1,4 +1,4 @@
-//! The contact state along Γ3 over time: a panel for the truth, one for the discrete solution.
+//! The contact state along Γ3 over time, exact and discrete.
 
 use plotters::style::RGBColor;
 
@@ -8,7 +8,7 @@ use super::palette::INK;
 use super::ruler::{Room, Ruler, Scale};
 use super::sheet::with_sheet;
 
-/// What Γ3 does at a place and time; each shade is darker than the one before, so that prints without colours read as well.
+/// State of Γ3 at a place and time; shades get darker, for prints without colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Zone {
     /// No pressure.
@@ -19,38 +19,32 @@ pub enum Zone {
     Locked,
 }
 
-/// One panel: for each time level its zones along Γ3.
+/// One panel: the zones along Γ3 at each time level.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Panel {
-    /// Its words above.
     pub title: String,
     /// t_n, rising.
     pub times: Vec<f64>,
-    /// At each level pieces of Γ3 from one length to another, in order.
+    /// At each level pieces of Γ3 between two arc lengths, in order.
     pub levels: Vec<Vec<(f64, f64, Zone)>>,
 }
 
-/// The picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceTime {
-    /// Its first line, in bold.
     pub title: String,
-    /// The line below.
     pub subtitle: String,
-    /// One or two panels.
     pub panels: Vec<Panel>,
 }
 
 const LEFT: f64 = 130.0;
 const RIGHT: f64 = 1770.0;
-/// Height by which boxes of neighbouring levels overlap.
+/// Overlap of neighbouring boxes.
 const SEAM: f64 = 1.0;
-/// Between panels.
 const GUTTER: f64 = 170.0;
 const TOP: f64 = 190.0;
 const BOTTOM: f64 = 910.0;
 const LEGEND: f64 = 1070.0;
-/// A single panel is no wider than this.
+/// Widest single panel.
 const WIDEST: f64 = 1000.0;
 
 const COMPLIANT: RGBColor = RGBColor(134, 190, 226);
@@ -75,10 +69,6 @@ impl Zone {
 }
 
 impl SpaceTime {
-    /// The picture; none without a level.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         let pieces = || self.panels.iter().flat_map(|p| &p.levels).flatten();
         let ends: Vec<f64> = pieces().flat_map(|piece| [piece.0, piece.1]).collect();
@@ -119,7 +109,7 @@ fn draw(
 ) -> Result<(), ReportError> {
     let across = |value: f64| left + width * x.share(value);
     let up = |value: f64| BOTTOM - (BOTTOM - TOP) * t.share(value);
-    // A level stands for the time halfway to its neighbours.
+    // A level covers the time halfway to its neighbours.
     let halfway = |a: usize, b: usize| 0.5 * (panel.times[a] + panel.times[b]);
     let last = panel.times.len().saturating_sub(1);
     for (n, pieces) in panel.levels.iter().enumerate() {
@@ -129,7 +119,7 @@ fn draw(
             if let (Some(colour), Some(first), Some(end)) =
                 (run[0].2.colour(), run.first(), run.last())
             {
-                // The level after it begins where this one ends: without the overlap viewers show the seam.
+                // Without the overlap viewers show the seam.
                 let corners = [across(first.0), up(to) - SEAM, across(end.1), up(from)];
                 boxed(canvas, corners, Some(colour), false)?;
             }
@@ -150,7 +140,7 @@ fn draw(
             canvas.text(label, (left - 16.0, at), Anchor::Right)?;
         }
     }
-    // What lies outside of Γ3 and of the time is no open zone.
+    // The area outside Γ3 and the time is not an open zone.
     let ends = panel.levels.iter().flatten().map(|piece| piece.1).fold(0.0, f64::max);
     let (first, last) = (panel.times.first().copied(), panel.times.last().copied());
     if let (Some(first), Some(last)) = (first, last) {

@@ -1,4 +1,5 @@
-//! The error over h and k: a cell a run, with its error and how much of it the fitted model gives to either step.
+//! The error over h and k: a cell per run, with its error and the share that the fitted model attributes to either
+//! step.
 
 use plotters::style::RGBColor;
 
@@ -11,10 +12,9 @@ use super::{ReportError, SceneSummary};
 use judge::fit::{JointFit, Model, Point, joint_fits, screen};
 use judge::record::{CaseRecord, norm_label};
 
-/// The cells: left, top, right, height of a row. Text of 30 units is 7.5 pt where the picture is 16 cm wide.
+/// The cells: left, top, right, row height. Text of 30 units is 7.5 pt at a picture width of 16 cm.
 const ROOM: (f64, f64, f64, f64) = (170.0, 70.0, 1770.0, 88.0);
 const TEXT: f64 = 30.0;
-/// Widest cell.
 const WIDEST: f64 = 320.0;
 /// Below the cells: the name of k, the words.
 const BELOW: [f64; 3] = [40.0, 92.0, 134.0];
@@ -24,10 +24,7 @@ const OF_H: [f64; 3] = [140.0, 190.0, 226.0];
 const OF_BOTH: [f64; 3] = [246.0, 246.0, 246.0];
 const OF_K: [f64; 3] = [242.0, 180.0, 134.0];
 
-/// The picture of one scene; none if no norm has a grid of h and k from which both parts can be fitted.
-///
-/// # Errors
-/// [`ReportError::Drawing`].
+/// The picture of one scene; None if no norm has a grid of h and k from which both parts can be fitted.
 pub fn split_svg(
     scene: &SceneSummary,
     records: &[CaseRecord],
@@ -119,7 +116,7 @@ fn tint(of_k: f64) -> RGBColor {
     RGBColor(mixed(0), mixed(1), mixed(2))
 }
 
-/// The part of E^m that the model gives to the time step.
+/// The share of E^m that the model attributes to the time step.
 fn share_of_k(fit: &JointFit, h: f64, k: f64) -> f64 {
     let m = match fit.model {
         Model::Sum => 1.0,
@@ -130,7 +127,7 @@ fn share_of_k(fit: &JointFit, h: f64, k: f64) -> f64 {
     time / (space + time)
 }
 
-/// The first norm of a scene with two levels of h and of k, and its points: a row an h from coarse to fine, along falling k.
+/// The first norm with two levels of h and of k, and its points: a row per h, coarse to fine, along falling k.
 fn grid(scene: &SceneSummary, records: &[CaseRecord]) -> Option<(String, Vec<Vec<Point>>)> {
     let records: Vec<CaseRecord> =
         records.iter().filter(|record| record.scene == scene.name).cloned().collect();
@@ -173,8 +170,8 @@ mod tests {
         split_svg(&scene, &records).unwrap().unwrap()
     }
 
-    /// h + k² with equal constants: a coarse mesh with many steps has the error of h, few steps on a fine mesh that of k;
-    /// with the roles changed it is the other way round.
+    /// h + k² with equal constants: a coarse mesh with many steps has the error of h, few steps on a fine mesh that of
+    /// k; and the reverse with exchanged roles.
     #[test]
     fn the_larger_part_is_named() {
         let of_space = drawn(|h, k| h + k * k);

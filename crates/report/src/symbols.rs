@@ -1,6 +1,6 @@
-//! Formulas that files spell in ASCII (`E_phi1 <= alpha_phi e^2`), as a reader writes them (`E_{φ1} ≤ α_φ e²`).
+//! Converts formulas from ASCII (`E_phi1 <= alpha_phi e^2`) to print (`E_{φ1} ≤ α_φ e²`).
 
-/// Names of letters and signs, as ASCII spells them.
+/// ASCII names of letters and signs.
 const LETTERS: [(&str, &str); 18] = [
     ("alpha", "α"),
     ("beta", "β"),
@@ -22,13 +22,12 @@ const LETTERS: [(&str, &str); 18] = [
     ("sqrt", "√"),
 ];
 
-/// A formula with its letters and signs; `_` and `^` are before what stands low and high, in braces where that is more than
-/// one sign.
+/// A formula with its letters and signs; `_` and `^` precede low and high signs, in braces if several.
 pub fn symbols(ascii: &str) -> String {
     let signs = [("<=", "≤"), (">=", "≥"), (" - ", " − "), (" -> ", " → ")];
     let signed = signs.iter().fold(ascii.to_owned(), |text, (from, to)| text.replace(from, to));
     let characters: Vec<char> = signed.chars().collect();
-    // Between blanks `<` compares; without them it opens a product.
+    // Between blanks `<` compares; otherwise it opens a product.
     let compares =
         |at: usize| at > 0 && characters[at - 1] == ' ' && characters.get(at + 1) == Some(&' ');
     let (mut out, mut at) = (String::new(), 0);
@@ -78,7 +77,7 @@ fn script(sign: char, inside: &str) -> String {
     }
 }
 
-/// A word as a letter, where it is the name of one, with a number behind it or without.
+/// A named letter, with or without a number behind it.
 fn letters(word: &str) -> String {
     let named = LETTERS.iter().find_map(|(name, letter)| {
         let number = word.strip_prefix(name)?;
@@ -87,8 +86,8 @@ fn letters(word: &str) -> String {
     named.unwrap_or_else(|| word.to_owned())
 }
 
-/// Words with what stands low and high in them: `a_b` and `a^b` are symbols where one letter has an index of one or two signs
-/// (a power of letters, as `h^0.99` is a number) and ends with it, so that `V_max` and `cases_by_n` stay names.
+/// Words with low and high signs: `a_b` and `a^b` are symbols if one letter has an index of one or two signs (or a
+/// numeric power, as `h^0.99`) and ends with it, so that `V_max` and `cases_by_n` stay names.
 pub(crate) fn indexed(words: &str, set: impl Fn(char, &str) -> String) -> String {
     let characters: Vec<char> = words.chars().collect();
     let ends = |c: Option<&char>| c.is_none_or(|c| !c.is_alphanumeric() && *c != '_' || *c == '²');
@@ -113,7 +112,7 @@ pub(crate) fn indexed(words: &str, set: impl Fn(char, &str) -> String) -> String
     out
 }
 
-/// A formula where nothing can stand low or high: without the braces.
+/// A formula without scripts and braces.
 pub(crate) fn in_line(formula: &str) -> String {
     formula.replace(['{', '}'], "")
 }

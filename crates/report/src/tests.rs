@@ -92,7 +92,7 @@ fn a_report_is_whole_and_the_same_twice() {
     let once = write();
     assert_eq!(once, write());
     let junit = fs::read_to_string(dir.join("junit.xml")).unwrap();
-    // In JSON it is no markup, nor in the lines of code of Markdown.
+    // Not as markup; in JSON and Markdown code it may stand.
     let is_page = |file: &str| ["html", "tex", "typ", "svg"].iter().any(|end| file.ends_with(end));
     let pages = files.iter().zip(&once).filter(|(file, _)| is_page(file)).map(|(_, text)| text);
     assert!(pages.chain([&junit]).all(|text| !text.contains("<strong>")));
@@ -119,13 +119,12 @@ fn nothing_to_draw_draws_nothing() {
     assert!(split_svg(&scene, &records).unwrap().is_none());
 }
 
-/// The picture of one scene in one direction.
 fn picture(records: &[CaseRecord], verdicts: &[Verdict], direction: Direction) -> String {
     let scene = SceneSummary { name: "s".into(), ..SceneSummary::default() };
     convergence_svg(&scene, records, verdicts, direction).unwrap().unwrap()
 }
 
-/// The distance of the locked sets, a flat line, is left to the table unless it is judged.
+/// The distance of the locked sets, a flat line, is left to the table unless judged.
 #[test]
 fn the_contact_set_is_named_where_it_is_not_drawn() {
     let mut records = example("s");
@@ -150,7 +149,7 @@ fn the_contact_set_is_named_where_it_is_not_drawn() {
     assert!(circles(&judged) > circles(&without));
 }
 
-/// Rounding is no error: a curve at 1e-17 would flatten all others.
+/// Rounding errors are not drawn: a curve at 1e-17 would flatten all others.
 #[test]
 fn errors_within_their_floor_are_named_where_they_are_not_drawn() {
     let mut records = example("s");
@@ -165,14 +164,14 @@ fn errors_within_their_floor_are_named_where_they_are_not_drawn() {
     assert!(after.contains("not drawn, in cases.csv:") && !after.contains("10⁻¹⁶"));
 }
 
-/// Curves of one picture say from which mesh they are, each of its own where they differ.
+/// Curves name their mesh if it differs.
 #[test]
 fn curves_name_their_mesh() {
     let mut records = example("s");
     let same = picture(&records, &[], Direction::Time);
     assert_eq!(same.matches("n = 128").count(), 1, "once, at the axis");
     assert_eq!(picture(&records, &[], Direction::Space).matches("N = 128").count(), 1);
-    // The time error is measured on one coarse mesh alone.
+    // The time error is measured on one coarse mesh only.
     for record in records.iter_mut().filter(|record| record.n != Some(32)) {
         record.errors.retain(|entry| entry.norm != "V_time_max");
     }
@@ -181,7 +180,7 @@ fn curves_name_their_mesh() {
     assert!(mixed.contains("n = 128 where not named"));
 }
 
-/// One test a compared scene, red with every deviation of it in the text.
+/// One test per compared scene, failing with all its deviations in the text.
 #[test]
 fn junit_carries_deviations_from_the_baseline() {
     let records = example("s");
@@ -209,7 +208,7 @@ fn two_scenes_do_not_share_a_file() {
     assert!(matches!(refused, Err(ReportError::SharedName { .. })));
 }
 
-/// A PDF of everything that a document can hold, the same for the same date alone.
+/// A PDF of everything that a document can contain depends only on its date.
 #[test]
 #[cfg(feature = "pdf")]
 fn the_pdf_is_the_same_twice() {

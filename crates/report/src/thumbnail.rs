@@ -11,27 +11,24 @@ use super::{Direction, SceneSummary};
 use judge::record::CaseRecord;
 use judge::verdict::{Variable, Verdict};
 
-/// The size of sketches, beside which a thumbnail stands.
+/// Size of the sketches beside it.
 const SIZE: (u32, u32) = (480, 404);
 const TEXT: f64 = 22.0;
 /// Left, top, right, bottom of the axes.
 const ROOM: (f64, f64, f64, f64) = (66.0, 20.0, 352.0, 340.0);
 /// Least distance of two labels at the ends of lines.
 const LABELS: f64 = 26.0;
-/// More curves than this are left to the large picture.
+/// Further curves are left to the large picture.
 const MOST: usize = 3;
 
-/// The picture of a scene's verdicts in the variable of the first; none without points.
-///
-/// # Errors
-/// [`ReportError::Drawing`].
+/// The scene's verdicts in the variable of the first; None without points.
 pub(super) fn thumbnail_svg(
     scene: &SceneSummary,
     records: &[CaseRecord],
     verdicts: &[Verdict],
 ) -> Result<Option<String>, ReportError> {
-    let own: Vec<&Verdict> = verdicts.iter().filter(|v| v.scene == scene.name).collect();
-    let in_time = own.first().is_some_and(|verdict| verdict.variable == Variable::K);
+    let of_scene: Vec<&Verdict> = verdicts.iter().filter(|v| v.scene == scene.name).collect();
+    let in_time = of_scene.first().is_some_and(|verdict| verdict.variable == Variable::K);
     let (direction, step) = match in_time {
         true => (Direction::Time, "k"),
         false => (Direction::Space, "h"),
@@ -41,10 +38,10 @@ pub(super) fn thumbnail_svg(
     let mut curves: Vec<Curve<'_>> = Vec::new();
     for norm in super::curve::norms(&records) {
         let drawn = curve(scene, &records, verdicts, norm, direction);
-        let judged = drawn.filter(|curve| curve.verdict.is_some() || own.is_empty());
+        let judged = drawn.filter(|curve| curve.verdict.is_some() || of_scene.is_empty());
         curves.extend(judged.filter(|curve| curve.used.len() > 1));
     }
-    curves.truncate(if own.is_empty() { 1 } else { MOST });
+    curves.truncate(if of_scene.is_empty() { 1 } else { MOST });
     let Some(axes) = Axes::of(&curves) else { return Ok(None) };
     let mut svg = String::new();
     let canvas = Canvas::of_size(&mut svg, SIZE, TEXT)?;
@@ -70,7 +67,7 @@ fn draw(
     for (points, hollow) in [(&curve.used, false), (&curve.left_out, true)] {
         points.iter().try_for_each(|p| canvas.marker(axes.place(*p), index, ink, hollow))?;
     }
-    // The label stands at the coarse end, below those that are there.
+    // At the coarse end, below the existing labels.
     let Some((order, end)) = curve.verdict.and_then(|v| v.observed).zip(places.last()) else {
         return Ok(());
     };
@@ -82,7 +79,7 @@ fn draw(
     canvas.text(&format!("{} {order:.2}", symbol(curve.norm)), (end.0 + 16.0, y), Anchor::Left)
 }
 
-/// What is measured, as short as there is room.
+/// A short symbol of a norm.
 fn symbol(norm: &str) -> &str {
     match norm.split('_').next() {
         Some("V") => "V",
@@ -94,7 +91,6 @@ fn symbol(norm: &str) -> &str {
     }
 }
 
-/// Two logarithmic axes.
 struct Axes {
     x: (f64, f64),
     y: (f64, f64),

@@ -1,6 +1,6 @@
-//! Numbers as the ticks of an axis write them.
+//! Numbers at the ticks of an axis.
 
-/// A step as 1/n where it is one.
+/// A step as 1/n if possible.
 pub(super) fn step_label(step: f64) -> String {
     let inverse = 1.0 / step;
     // 1/n as computed is off by a rounding; a step of a graded grid by far more.
@@ -13,7 +13,7 @@ pub(super) fn step_label(step: f64) -> String {
     }
 }
 
-/// digit·10^exponent, in plain decimals where they are short.
+/// digit·10^exponent, as a plain decimal if short.
 pub(super) fn decimal(digit: i64, exponent: i64) -> String {
     match exponent {
         -3..0 => format!("{:.*}", -exponent as usize, digit as f64 * 10f64.powi(exponent as i32)),
@@ -23,7 +23,6 @@ pub(super) fn decimal(digit: i64, exponent: i64) -> String {
     }
 }
 
-/// 10 to an exponent.
 pub(super) fn power(exponent: i64) -> String {
     format!("10{}", superscript(exponent))
 }
@@ -32,7 +31,7 @@ pub(super) fn power(exponent: i64) -> String {
 pub(super) fn with_decimals(value: f64, step: f64) -> String {
     let exponent = (step * (1.0 + 1e-9)).log10().floor() as i32;
     if (-4..5).contains(&exponent) {
-        // The multiple of 0 is not written -0.
+        // Avoids -0.
         let value = if value.abs() < 0.5 * step { 0.0 } else { value };
         format!("{value:.*}", (-exponent).max(0) as usize)
     } else {

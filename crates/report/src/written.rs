@@ -1,5 +1,4 @@
-//! The files that a report put into a directory: they go when a later one has no use for them,
-//! and nothing else does.
+//! List of the files that a report wrote; only these are removed when obsolete.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -8,10 +7,9 @@ use std::path::{Component, Path};
 use super::ReportError;
 use files::{read_text, remove_if_there, replace_file};
 
-/// Name of the list.
 const LIST: &str = "files.json";
 
-/// The names listed in a directory; none where there is no list.
+/// The names listed in a directory; empty without a list.
 fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
     let path = dir.join(LIST);
     let text = match read_text(&path) {
@@ -20,7 +18,7 @@ fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
     };
     let names: BTreeSet<String> = serde_json::from_str(&text)
         .map_err(|error| ReportError::List { path: path.clone(), reason: error.to_string() })?;
-    // A list that points out of its directory is not one of ours: nothing may be removed by it.
+    // A list that points out of its directory is not ours: nothing may be removed by it.
     let outside = |name: &&String| {
         let mut parts = Path::new(name.as_str()).components();
         !matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None))
@@ -45,8 +43,8 @@ fn remove(dir: &Path, name: &str) -> Result<(), ReportError> {
     remove_if_there(&path).map_err(|source| ReportError::Io { path, source })
 }
 
-/// Writes the files, lists them, and removes those of an earlier list that are not among them.
-/// Killed at any point, the list holds every file that a report wrote.
+/// Writes the files, lists them, and removes obsolete ones of an earlier list. If killed at any point, the list
+/// includes every written file.
 pub(super) fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), ReportError> {
     let earlier = listed(dir)?;
     let now: BTreeSet<String> = files.iter().map(|(name, _)| name.clone()).collect();
@@ -59,10 +57,7 @@ pub(super) fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), R
     write_list(dir, &now)
 }
 
-/// Removes the page and the pictures of an earlier report: what they show is no longer there.
-///
-/// # Errors
-/// [`ReportError::Io`], [`ReportError::List`].
+/// Removes the pages and pictures of an earlier report.
 pub fn remove_earlier(dir: &Path) -> Result<(), ReportError> {
     let earlier = listed(dir)?;
     if earlier.is_empty() {

@@ -1,4 +1,4 @@
-//! A sweep in one call: what a program needs that is not about files, threads or plans.
+//! A sweep in one call.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,47 +14,30 @@ use judge::verdict::Verdict;
 use scene::setup::{Scheme, Setup, SetupError, Subject};
 use scene::{Norm, Scene, SceneError, Source};
 
-/// Why a sweep has no verdicts.
 #[derive(Debug, thiserror::Error)]
 pub enum FrontError {
-    /// The text is no scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The scene violates a hypothesis, or cannot be set up.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The directory of the records cannot be had.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The records could not be written.
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    /// A solver would be judged by its own finer run.
+    /// The solver would be judged against its finer run.
     #[error(
         "{name}: the scene has no exact solution to judge another solver by; `sweep list` names those that have"
     )]
-    NoTruth {
-        /// The scene.
-        name: String,
-    },
-    /// The grid is none for the scene, or has no case.
+    NoTruth { name: String },
+    /// The grid is invalid for the scene, or has no case.
     #[error("{name}: no case to run; give n and steps")]
-    NoCase {
-        /// The scene.
-        name: String,
-    },
-    /// [`Sweep::progress`] has stopped it.
+    NoCase { name: String },
+    /// Stopped by [`Sweep::progress`].
     #[error("{name}: stopped before all cases were run")]
-    Stopped {
-        /// The scene.
-        name: String,
-    },
-    /// A scene in ℝ^m has no mesh that another solver could march on.
+    Stopped { name: String },
+    /// A scene in ℝ^m has no mesh for another solver.
     #[error("{name}: a problem in R^m is solved by the library alone; leave out `solver`")]
-    NoBody {
-        /// The scene.
-        name: String,
-    },
+    NoBody { name: String },
 }
 
 /// A scene on its grids, measured and judged.
@@ -77,24 +60,22 @@ pub struct Sweep {
     progress: Arc<dyn Progress + Send>,
 }
 
-/// What a sweep found.
 #[derive(Debug)]
 pub struct Swept {
     /// One record per case, sorted by scene, n and steps.
     pub records: Vec<CaseRecord>,
-    /// One verdict per prediction of the scene.
+    /// One verdict per prediction.
     pub verdicts: Vec<Verdict>,
 }
 
 impl Swept {
-    /// Whether every verdict is the one that the scene expects; not where there is none.
+    /// Whether every verdict is the expected one; false without verdicts.
     pub fn as_expected(&self) -> bool {
         !self.verdicts.is_empty() && self.verdicts.iter().all(Verdict::as_expected)
     }
 }
 
 impl Sweep {
-    /// A scene that has been read.
     pub fn of(scene: Scene) -> Self {
         let overrides = Overrides::default();
         Self {
@@ -109,18 +90,14 @@ impl Sweep {
         }
     }
 
-    /// The scene of a file.
+    /// Reads the scene of a file.
     ///
-    /// # Errors
-    /// [`FrontError::Scene`], with line, value and the way out.
+    /// # Errors [`FrontError::Scene`], with line, value and the way out.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FrontError> {
         Ok(Self::of(Scene::read(path.as_ref())?))
     }
 
-    /// The scene of a text in TOML; `name` stands for the file in messages.
-    ///
-    /// # Errors
-    /// As [`Sweep::read`].
+    /// Parses a scene in TOML; `name` stands for the file in messages.
     pub fn parse(name: &str, text: &str) -> Result<Self, FrontError> {
         Ok(Self::of(Scene::from_source(Source::from_text(name, text))?))
     }
@@ -137,37 +114,37 @@ impl Sweep {
         self
     }
 
-    /// Cases at a time; the records do not depend on it.
+    /// Cases run in parallel; the records do not depend on it.
     pub fn jobs(mut self, jobs: usize) -> Self {
         self.jobs = jobs;
         self
     }
 
-    /// Another solver of Problem 14 in place of the library's own.
+    /// Another solver of Problem 14 in place of the built-in one.
     pub fn solver(mut self, solver: impl Scheme + 'static) -> Self {
         self.solver = Some(Arc::new(solver));
         self
     }
 
-    /// The solver gives displacements alone: what pressures tell is neither measured nor judged.
+    /// The solver gives displacements only: nothing that needs pressures is measured or judged.
     pub fn without_pressures(mut self) -> Self {
         self.pressures = false;
         self
     }
 
-    /// Judges orders alone and not their constants: for other elements or time rules.
+    /// Judges orders but not constants: for other elements or time rules.
     pub fn orders_only(mut self) -> Self {
         self.constants = false;
         self
     }
 
-    /// Keeps `cases.csv` in this directory, a row as each case ends; without it the records are in the answer alone.
+    /// Keeps `cases.csv` in this directory, a row as each case ends; otherwise records are only returned.
     pub fn out(mut self, directory: impl Into<PathBuf>) -> Self {
         self.out = Some(directory.into());
         self
     }
 
-    /// Who hears of the cases, and may stop them.
+    /// An observer of the cases, which may stop them.
     pub fn progress(mut self, progress: impl Progress + Send + 'static) -> Self {
         self.progress = Arc::new(progress);
         self
@@ -175,8 +152,7 @@ impl Sweep {
 
     /// Runs every case, then judges.
     ///
-    /// # Errors
-    /// [`FrontError`]. A case that fails is a record with its reason, and its verdict is none that passes.
+    /// # Errors [`FrontError`]. A failed case is a record with its reason, and its verdict does not pass.
     pub fn run(mut self) -> Result<Swept, FrontError> {
         let tells = |norm: Norm| self.pressures || !norm.wants_pressure();
         self.scene.predicts.retain(|prediction| tells(prediction.norm));
@@ -218,7 +194,7 @@ impl Sweep {
     }
 }
 
-/// A directory of this process that goes with this value.
+/// A temporary directory, removed on drop.
 struct Scratch(PathBuf);
 
 impl Scratch {

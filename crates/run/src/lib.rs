@@ -1,4 +1,4 @@
-//! Sweeps of a scene over its grids: cases, threads, records, resume; solvers in other programs; many processes.
+//! Sweeps of a scene over its grids: cases, threads, records, resume; external solvers; distributed runs.
 
 pub mod distributed;
 pub mod external;

@@ -16,63 +16,57 @@ use super::law::Law;
 use super::reading::Reading;
 use super::singular;
 
-/// A matrix by rows.
 pub(crate) type Rows = Vec<Vec<f64>>;
 
 /// One kernel with its matrix: q_l(t, s) Q_l.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AbstractKernel {
-    /// q_l, a formula in t and, in place of s, the first space coordinate; of (t - s)^{-a} q_l where it is singular.
+    /// q_l, a formula in t and, for s, the first space coordinate; the factor of (t - s)^{-a} if singular.
     pub q: Node,
     /// a, 0 ≤ a < 1.
     pub power: f64,
-    /// Q_l, the identity if none was given.
+    /// Q_l; by default the identity.
     pub matrix: Rows,
 }
 
-/// One functional a_i with what the scene says of a_i·u.
+/// One functional a_i with the scene's data for a_i·u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AbstractTrace {
     /// a_i.
     pub functional: Vec<f64>,
     /// w_i > 0.
     pub weight: f64,
-    /// ∂j_i; none is 0.
+    /// ∂j_i; None is 0.
     pub law: Option<Law>,
-    /// g_i, ∞ if none was given.
+    /// g_i, or ∞.
     pub upper: f64,
-    /// l_i, -∞ if none was given.
+    /// l_i, or -∞.
     pub lower: f64,
 }
 
-/// The problem of an abstract scene as validated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AbstractScene {
     /// Gram matrix of the inner product of X, symmetric.
     pub inner_product: Rows,
-    /// The matrix of A.
     pub matrix: Rows,
-    /// g_i in r (the first space coordinate); none where A is linear.
+    /// g_i in r (the first space coordinate); None for linear A.
     pub nonlinear: Option<Vec<Node>>,
-    /// Kernels; none where the problem has no history.
+    /// Empty without history.
     pub kernels: Vec<AbstractKernel>,
-    /// R.
     pub r: Rows,
-    /// a_S.
     pub a_s: Vec<f64>,
-    /// N_i in y (the second space coordinate) and r (the first); none is N_i = y_i.
+    /// N_i in y (the second space coordinate) and r (the first); None is N_i = y_i.
     pub force: Option<Vec<Node>>,
-    /// The functionals.
     pub traces: Vec<AbstractTrace>,
     /// u(t).
     pub u: Vec<Node>,
-    /// λ_i(t), one a functional; none is 0.
+    /// λ_i(t) per functional; None is 0.
     pub multiplier: Option<Vec<Node>>,
-    /// ξ_i(t) ∈ ∂j_i(a_i·u), one a functional; none where all laws are functions.
+    /// ξ_i(t) ∈ ∂j_i(a_i·u) per functional; None if all laws are functions.
     pub selection: Option<Vec<Node>>,
 }
 
-/// Unknowns of an abstract scene at most: its matrices are dense.
+/// Limit of unknowns, since matrices are dense.
 pub(super) const MOST: i64 = 256;
 
 impl AbstractScene {
@@ -205,7 +199,6 @@ impl AbstractTrace {
         Ok(Self { functional, weight, law, upper, lower })
     }
 
-    /// Whether a_i·u is bounded.
     pub fn is_bounded(&self) -> bool {
         self.upper.is_finite() || self.lower.is_finite()
     }

@@ -1,4 +1,4 @@
-//! A scene of `kind = "abstract"` as written: keys and types, nothing else is checked here.
+//! A scene of `kind = "abstract"` as written: keys and types only.
 
 use std::collections::BTreeMap;
 

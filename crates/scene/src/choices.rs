@@ -1,4 +1,4 @@
-//! Words of which a scene takes one: the known ones, and the one that was meant.
+//! Enumerated words, with suggestions for unknown ones.
 
 use super::diagnostic::SceneError;
 use super::nearest::nearest;
@@ -7,8 +7,7 @@ use super::reading::{Reading, last};
 impl Reading<'_> {
     /// The value that a word names.
     ///
-    /// # Errors
-    /// The word is none of the known ones; the message lists them, nearest first.
+    /// # Errors An unknown word; the message lists the known ones, nearest first.
     pub(super) fn choice<T: Copy>(
         &self,
         key: &str,
@@ -28,7 +27,7 @@ impl Reading<'_> {
         Err(self.error(key, format!("unknown value `{word}` of `{subject}`"), hint))
     }
 
-    /// Refuses a key that another `kind` of the same table takes.
+    /// Refuses a key that another `kind` of the table takes.
     pub(super) fn surplus<T>(
         &self,
         key: &str,

@@ -1,4 +1,4 @@
-//! `[contact]`: gap, shift, law, quadrature and friction on Γ3; each part may be absent.
+//! `[contact]`: gap, shift, law, quadrature and friction on Γ3, all optional.
 
 use formula::Node;
 
@@ -12,22 +12,22 @@ use super::scale::Scale;
 use super::time::Time;
 use super::written;
 
-/// The rule for the compliance term on Γ3; it is part of the discrete problem.
+/// The rule for the compliance term on Γ3; part of the discrete problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactQuadrature {
     /// Trapezoidal on each edge: the conditions decouple by vertex.
     Vertex,
     Gauss,
-    /// The integral itself, as in (5.14).
+    /// The exact integral, as in (5.14).
     Exact,
 }
 
 /// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// g, a formula in x, y; none is g = ∞.
+    /// g, a formula in x, y; None is g = ∞.
     pub gap: Option<Node>,
-    /// s, a formula in x, y; none is 0.
+    /// s, a formula in x, y; None is 0.
     pub shift: Option<Node>,
     pub law: Option<Law>,
     pub quadrature: ContactQuadrature,

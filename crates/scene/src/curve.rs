@@ -15,8 +15,8 @@ pub enum Curve {
     Power { coefficient: f64, exponent: f64, until: f64 },
 }
 
-/// The largest exponent whose power is integrated exactly between kinks: with a hat function and the 8 Gauss
-/// points of the exact rule, 14 + 1 = 15.
+/// Largest exponent integrated exactly between kinks: with a hat function and the 8 Gauss points of the exact rule, 14
+/// + 1 = 15.
 const EXACT_EXPONENT: f64 = 14.0;
 
 impl Curve {
@@ -78,9 +78,9 @@ impl Curve {
 
     /// The steepest descent of p: the extreme of p' with respect to q = r/length.
     ///
-    /// Rational: p' = c(1 - q²)/(1 + q²)² has its minimum -c/8 at q² = 3. Exponential: p' = c(1 - q)e^{-q} has
-    /// its minimum -c e⁻² at q = 2. Power: p' ≥ 0. p is continuous, so by the mean value theorem
-    /// (p(r) - p(s))(r - s) ≥ min p' (r - s)².
+    /// Rational: p' = c(1 - q²)/(1 + q²)² has its minimum -c/8 at q² = 3. Exponential: p' = c(1 - q)e^{-q} has its
+    /// minimum -c e⁻² at q = 2. Power: p' ≥ 0. p is continuous, so by the mean value theorem (p(r) - p(s))(r - s) ≥ min
+    /// p' (r - s)².
     pub(crate) fn alpha(&self) -> f64 {
         match *self {
             Self::Rational { stiffness, .. } => 0.125 * stiffness,
@@ -89,7 +89,7 @@ impl Curve {
         }
     }
 
-    /// Whether Gauss points on the pieces between kinks integrate p to rounding.
+    /// Whether Gauss points between kinks integrate p to rounding.
     pub(super) fn has_exact_rule(&self) -> bool {
         match *self {
             Self::Rational { .. } | Self::Exponential { .. } => true,

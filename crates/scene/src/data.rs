@@ -1,4 +1,4 @@
-//! `[exact]` or `[loads]`: what drives the scene, and what its truth is.
+//! `[exact]` or `[loads]`: the data of a scene, and the solution to measure against.
 
 use formula::{Node, Point, Variable};
 
@@ -10,13 +10,12 @@ use super::reading::{Reading, evenly};
 use super::time::Time;
 use super::written;
 
-/// The space variables in order.
 pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
 /// Intervals of each side and of [0, T] at whose ends loads are evaluated.
 const SAMPLES: u32 = 8;
 
-/// How the loads of an exact solution are integrated.
+/// Form of the loads of an exact solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadForm {
     /// F(v) = ∫ σ:ε(v) + ∫_{Γ3} (ξ+λ) v_ν.
@@ -25,27 +24,27 @@ pub enum LoadForm {
     Strong,
 }
 
-/// What drives the scene; formulas in x, y, t, one a component.
+/// Data of a scene; formulas in x, y, t, one per component.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Data {
     /// A known solution; its loads are derived.
     Exact {
         u: Vec<Node>,
-        /// λ ≥ 0, supported where u_ν = g; none is 0.
+        /// λ ≥ 0, supported where u_ν = g; None is 0.
         multiplier: Option<Node>,
-        /// ξ ∈ p(u_ν - s) where p is set-valued; none where p(u_ν - s) is a number.
+        /// ξ ∈ p(u_ν - s) where p is set-valued; None if p(u_ν - s) is a number.
         selection: Option<Node>,
-        /// s = -σ_τ: in the plane one formula, along the tangent; in space three. None is S u_τ/|u_τ|, and 0 where u_τ = 0.
+        /// s = -σ_τ: in the plane one formula, along the tangent; in space three. None is S u_τ/|u_τ|, and 0 where u_τ
+        /// = 0.
         friction: Option<Vec<Node>>,
         /// u(t) is the nodal interpolant of the formula on each mesh.
         interpolated: bool,
         form: LoadForm,
     },
-    /// Given loads; a finer run is the truth.
+    /// Given loads; errors are measured against a finer run.
     Loads {
-        /// f0.
         body: Vec<Node>,
-        /// f2 on the sides that carry one; 0 on the other sides of Γ2.
+        /// f2 on the sides that have one; 0 elsewhere on Γ2.
         traction: Vec<(Side, Vec<Node>)>,
     },
 }
@@ -120,7 +119,7 @@ fn exact_solution(
     let multiplier = optional("exact.multiplier", &written.multiplier)?;
     let selection = optional("exact.selection", &written.selection)?;
     let friction = written.friction.as_ref();
-    let friction = friction.map(|own| own.nodes(reading, dimension, &scope)).transpose()?;
+    let friction = friction.map(|stress| stress.nodes(reading, dimension, &scope)).transpose()?;
     let interpolated = written.interpolated;
     Ok(Data::Exact { u, multiplier, selection, friction, interpolated, form })
 }

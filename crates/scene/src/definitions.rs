@@ -1,4 +1,4 @@
-//! Named constants and named quantities: `[exact.parameters]` and `[exact.define]`, in file order.
+//! Named constants and quantities: `[exact.parameters]` and `[exact.define]`, in file order.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use super::written::Formula;
 const PARAMETERS: &str = "exact.parameters";
 const DEFINE: &str = "exact.define";
 
-/// The named constants, in file order; each may use the ones before it.
+/// The named constants; each may use earlier ones.
 pub(super) fn parameters(
     reading: &mut Reading,
     written: &BTreeMap<String, Formula>,
@@ -36,7 +36,8 @@ pub(super) fn parameters(
     Ok(parameters)
 }
 
-/// The scope of the exact solution: the space variables, t, the parameters, and each named quantity, which may use the ones before it.
+/// The scope of the exact solution: space variables, t, parameters and named quantities; each of these may use earlier
+/// ones.
 pub(super) fn definitions(
     reading: &mut Reading,
     written: &BTreeMap<String, Formula>,
@@ -77,7 +78,7 @@ pub(super) fn definitions_in(
     Ok(scope)
 }
 
-/// Where a formula names something that is defined further down, says so.
+/// Adds a note if a formula names something defined further down.
 fn used_too_early(error: SceneError, later: &[&str]) -> SceneError {
     let SceneError::Text(diagnosis) = &error else {
         return error;
@@ -92,7 +93,7 @@ fn used_too_early(error: SceneError, later: &[&str]) -> SceneError {
     error.with_note(note)
 }
 
-/// (dotted key, name, formula), sorted by their place in the file.
+/// (dotted key, name, formula), sorted by position in the file.
 fn in_file_order<'w>(
     reading: &Reading,
     table: &str,
@@ -106,7 +107,7 @@ fn in_file_order<'w>(
     entries
 }
 
-/// A name that formulas can use and that means nothing else.
+/// Checks that a name is valid in formulas and not taken.
 fn free_name(reading: &Reading, key: &str, name: &str) -> Result<(), SceneError> {
     if Graph::is_reserved(name) {
         let hint = "variables, functions and pi keep their meaning: choose another name";

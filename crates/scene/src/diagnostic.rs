@@ -1,4 +1,4 @@
-//! What is wrong with a scene file: where, why, and the way out.
+//! Errors in a scene file: place, reason and the way out.
 
 use std::fmt;
 use std::ops::Range;
@@ -14,7 +14,7 @@ use super::source::Source;
 /// Why a scene could not be read. Every message names the file and the way out.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SceneError {
-    /// Something in the text, with the place underlined.
+    /// A fault in the text, to be underlined.
     #[error("{0}")]
     Text(Box<Diagnosis>),
     #[error("cannot read {}: {reason}\n  = give the path of a TOML file or the name of a scene (`sweep list` prints them)", path.display())]
@@ -39,7 +39,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// An error that points at `span` (bytes) of the text; `hint` is the way out.
+    /// An error at `span` (bytes) of the text; `hint` is the way out.
     pub(crate) fn at(
         source: &Source,
         span: Range<usize>,
@@ -56,7 +56,7 @@ impl SceneError {
         }))
     }
 
-    /// The error with one more remark, printed before the way out.
+    /// Adds a remark, printed before the way out.
     #[must_use]
     pub(crate) fn with_note(mut self, note: impl Into<String>) -> SceneError {
         if let SceneError::Text(diagnosis) = &mut self {
@@ -79,12 +79,12 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Line of the first character at fault, counted from 1.
+    /// Line of the fault, from 1.
     pub fn line(&self) -> usize {
         1 + self.text[..self.span.start].matches('\n').count()
     }
 
-    /// Column of the first character at fault, counted from 1 in characters.
+    /// Column of the fault, from 1, in characters.
     pub fn column(&self) -> usize {
         let before = &self.text[..self.span.start];
         1 + before.chars().rev().take_while(|&c| c != '\n').count()
@@ -107,7 +107,7 @@ impl fmt::Display for Diagnosis {
     }
 }
 
-/// The part of `span` that lies in the text, widened to character boundaries.
+/// Restricts `span` to the text, widened to character boundaries.
 fn clamp(text: &str, span: Range<usize>) -> Range<usize> {
     let start = text.floor_char_boundary(span.start.min(text.len()));
     let end = text.ceil_char_boundary(span.end.clamp(start, text.len()));

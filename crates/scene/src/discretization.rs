@@ -11,7 +11,7 @@ use super::validated::{Body, Scene};
 use super::written;
 use crate::ContactQuadrature;
 
-/// The parts of a scene on which it depends whether an element can have it.
+/// The parts of a scene that restrict the choice of the element.
 pub(super) struct Parts<'a> {
     pub dimension: usize,
     pub contact: Option<&'a Contact>,
@@ -21,10 +21,9 @@ pub(super) struct Parts<'a> {
 
 pub(super) const KEY: &str = "discretization.element";
 
-/// The element of a scene; P1 where it names none.
+/// The element of a scene; P1 by default.
 ///
-/// # Errors
-/// An element that is unknown, or cannot have a part of the scene.
+/// # Errors An unknown element, or one incompatible with a part of the scene.
 pub(super) fn element(
     reading: &Reading,
     written: Option<&written::Discretization>,
@@ -33,7 +32,7 @@ pub(super) fn element(
     let Some(word) = written.and_then(|written| written.element.as_ref()) else {
         return Ok(Element::P1);
     };
-    let element = reading.choice(KEY, word, &Element::ALL.map(|own| (own.name(), own)))?;
+    let element = reading.choice(KEY, word, &Element::ALL.map(|known| (known.name(), known)))?;
     match refusal(element, parts) {
         Some([message, hint]) => Err(reading.error(KEY, message, hint)),
         None => Ok(element),
@@ -64,7 +63,7 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     None
 }
 
-/// What functions that jump cannot have beyond that.
+/// Further restrictions of nonconforming elements.
 fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if parts.dimension != 2 {
         let message = "CR is known on triangles alone";
@@ -86,8 +85,7 @@ fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
 impl Scene {
     /// The scene with another element.
     ///
-    /// # Errors
-    /// At `discretization.element`, what a file that names it is refused for.
+    /// # Errors At `discretization.element`, as if the file named the element.
     pub fn with_element(&self, element: Element) -> Result<Self, SceneError> {
         let mut scene = self.clone();
         if let Body::Contact(body) = &mut scene.body {

@@ -19,7 +19,6 @@ use super::diagnostic::SceneError;
 use super::reading::{Reading, evenly};
 use super::written;
 
-/// Where a point is, in words.
 pub(super) fn place(point: &Point, dimension: usize) -> String {
     let named = [("x", point.x), ("y", point.y), ("z", point.z)];
     let parts: Vec<String> =
@@ -27,7 +26,7 @@ pub(super) fn place(point: &Point, dimension: usize) -> String {
     parts.join(", ")
 }
 
-/// Each point with each place along an axis; the new axis varies slowest.
+/// Product of points with places along an axis; the new axis varies slowest.
 fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
     let with = |place: f64| {
         points.iter().map(move |point| {
@@ -39,7 +38,6 @@ fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
     places.iter().flat_map(|&place| with(place)).collect()
 }
 
-/// What the domain is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// The product of (0, size\[i\]).
@@ -48,13 +46,13 @@ pub enum Shape {
     Refined(CoarseMesh),
 }
 
-/// A domain; each side is in exactly one of the three lists.
+/// Each side is in exactly one of the three lists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Domain {
     pub shape: Shape,
-    /// Extent along each axis, positive: of a rectangle or box, its sides.
+    /// Extent along each axis, positive.
     pub size: Vec<f64>,
-    /// Names of the sides, in the order of [`Side`] and of `Mesh::sides`.
+    /// In the order of [`Side`] and of `Mesh::sides`.
     pub sides: Vec<String>,
     /// Γ1, at least one side: u = 0.
     pub clamped: Vec<Side>,
@@ -91,17 +89,14 @@ impl Domain {
         Ok(domain)
     }
 
-    /// d.
     pub fn dimension(&self) -> usize {
         self.size.len()
     }
 
-    /// The name of a side.
     pub fn name(&self, side: Side) -> &str {
         &self.sides[side.index()]
     }
 
-    /// The side with a name.
     pub(super) fn parse(
         &self,
         reading: &Reading,
@@ -118,24 +113,21 @@ impl Domain {
         match &self.shape {
             Shape::Box => vec![Face::of_box(&self.size, side)],
             Shape::Refined(coarse) => {
-                let own = coarse.pieces().into_iter().filter(|piece| piece.side == side.0);
-                own.map(|piece| Face::simplex(&piece)).collect()
+                let of_side = coarse.pieces().into_iter().filter(|piece| piece.side == side.0);
+                of_side.map(|piece| Face::simplex(&piece)).collect()
             }
         }
     }
 
-    /// Points of a side: on each plane piece a grid with `intervals` steps.
     pub(crate) fn points_on(&self, side: Side, intervals: u32) -> Vec<[f64; 3]> {
         self.faces(side).iter().flat_map(|face| face.points(intervals)).collect()
     }
 
-    /// All sides.
     pub fn all_sides(&self) -> impl Iterator<Item = Side> + use<> {
         (0..self.sides.len() as u32).map(Side)
     }
 
-    /// If Γ3 is one plane piece: the longest line that leaves it at right angles and stays in the body
-    /// until it meets the boundary again, if all of these lines end on Γ1.
+    /// If Γ3 is one plane piece and all normal lines from it end on Γ1: the longest of them within the body.
     pub(crate) fn depth_under_contact(&self) -> Option<f64> {
         let [side] = self.contact[..] else { return None };
         match &self.shape {
@@ -146,12 +138,11 @@ impl Domain {
             Shape::Refined(CoarseMesh::Plane(coarse)) => {
                 depth::under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
             }
-            // Not worked out in space.
+            // Not implemented in space.
             Shape::Refined(CoarseMesh::Space(_)) => None,
         }
     }
 
-    /// |Ω|.
     pub fn measure(&self) -> f64 {
         match &self.shape {
             Shape::Box => self.size.iter().product(),
@@ -167,7 +158,6 @@ impl Domain {
         }
     }
 
-    /// The mesh n.
     pub fn mesh(&self, n: u32) -> Mesh {
         let family = self.mesh.of_mesh();
         match (&self.shape, &self.size[..]) {
@@ -177,14 +167,14 @@ impl Domain {
         }
     }
 
-    /// Cells of the mesh n, which is not made.
+    /// Number of cells of mesh n, without making it.
     pub fn cells(&self, n: u32) -> f64 {
         match &self.shape {
             Shape::Refined(coarse) => {
                 coarse.count() as f64 * f64::from(n).powi(coarse.dimension() as i32)
             }
             Shape::Box => {
-                // As the meshes of boxes round, and no side has less than one.
+                // As the meshes of boxes round; no side has less than one.
                 let along = |size: &f64| (size * f64::from(n)).round().max(1.0);
                 let each = if self.dimension() == 2 { 2.0 } else { 6.0 };
                 each * self.size.iter().map(along).product::<f64>()
@@ -192,20 +182,19 @@ impl Domain {
         }
     }
 
-    /// What the mesh n refines.
+    /// What mesh n refines.
     pub(crate) fn nesting(&self, n: u32) -> Nesting {
         match &self.shape {
             Shape::Refined(CoarseMesh::Plane(coarse)) => {
                 Nesting::Refined { coarse: coarse.clone(), parts: n }
             }
-            // Tetrahedra from a file are refined edgewise; the parents of their vertices are not kept.
+            // Tetrahedra from a file are refined edgewise, and parents of vertices are not kept.
             Shape::Refined(CoarseMesh::Space(_)) => Nesting::Unknown,
             Shape::Box => Nesting::of_box(&self.size, n),
         }
     }
 
-    /// The reported mesh size of the mesh n: 1/n of a rectangle or box, else the longest coarse edge
-    /// over n.
+    /// The reported size of mesh n: 1/n for a rectangle or box, else the longest coarse edge over n.
     pub fn h(&self, n: u32) -> f64 {
         match &self.shape {
             Shape::Box => 1.0 / f64::from(n),
@@ -213,8 +202,8 @@ impl Domain {
         }
     }
 
-    /// Points of the domain: a grid with `intervals` steps along each axis or coarse edge, ends
-    /// included; along an edge of tetrahedra as many fewer as there are of them beside each other.
+    /// A grid of points with `intervals` steps along each axis or coarse edge, ends included; along edges of tetrahedra
+    /// correspondingly fewer.
     pub(crate) fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
         let coarse = match &self.shape {
             Shape::Refined(coarse) => coarse,
@@ -235,13 +224,13 @@ impl Domain {
         (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect()
     }
 
-    /// Points inside: the midpoints of count × count parts of a rectangle (of a box, at z = 0), or the
-    /// centroids of its coarse simplices cut into as many as make at least count².
+    /// Interior points: the midpoints of count × count parts of a rectangle (of a box, at z = 0), or the centroids of
+    /// its coarse simplices, cut into at least count².
     pub fn inner_points(&self, count: u32) -> Vec<[f64; 3]> {
         match &self.shape {
             Shape::Box => {
                 let part = |i: u32| (f64::from(i) + 0.5) / f64::from(count);
-                // In space the planes take turns.
+                // In space the planes alternate.
                 let depth = self.size.get(2).copied().unwrap_or(0.0);
                 let planes = count.saturating_sub(1).max(1);
                 let at = |i: u32| {

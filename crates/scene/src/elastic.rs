@@ -1,4 +1,4 @@
-//! The elasticity tensor 𝒜 of a body or of a region: by two numbers, by moduli along the axes, or in full.
+//! The elasticity tensor 𝒜 of a body or region: by two numbers, by moduli along the axes, or in full.
 
 use vhi::law::{FourthOrder, Isotropic};
 
@@ -7,7 +7,7 @@ use super::reading::Reading;
 use super::wording::heading;
 use super::written;
 
-/// What `[material]` and a region give of 𝒜.
+/// The keys of `[material]` or a region for 𝒜.
 pub(super) struct Given<'a> {
     pub lambda: Option<f64>,
     pub mu: Option<f64>,
@@ -120,7 +120,7 @@ fn full(
     };
     let tensor = FourthOrder::Full(Box::new(matrix));
     let (smallest, _) = tensor.eigenvalues(dimension);
-    // Written so that a NaN is refused.
+    // NaN is refused.
     if smallest > 0.0 {
         return Ok(tensor);
     }
@@ -131,7 +131,6 @@ fn full(
     Err(reading.error(&place, message, hint))
 }
 
-/// A symmetric matrix in Mandel notation.
 fn mandel(
     reading: &Reading,
     key: &str,
@@ -177,7 +176,6 @@ fn mandel(
     Ok(matrix)
 }
 
-/// The matrix of moduli along the axes.
 fn orthotropic(
     reading: &Reading,
     key: &str,
@@ -209,7 +207,7 @@ fn orthotropic(
     }
     for (at, &(i, j)) in pairs.iter().enumerate() {
         (matrix[i][j], matrix[j][i]) = (coupling[at], coupling[at]);
-        // σ_ij = 2 𝒜_ijij ε_ij, the same for √2 times both.
+        // σ_ij = 2 𝒜_ijij ε_ij, which also holds for √2 times both.
         matrix[d + at][d + at] = 2.0 * shear[at];
     }
     Ok(matrix)

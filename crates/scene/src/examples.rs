@@ -1,6 +1,6 @@
-//! What a missing part or key looks like, for messages.
+//! Examples of missing parts and keys, for messages.
 
-/// A line to add, by dotted name; list indices are left out.
+/// A line to add, by dotted name without list indices.
 const LINES: [(&str, &str); 30] = [
     ("scene", "[scene] holds name, question, dimension"),
     ("scene.name", "name = \"punch\""),

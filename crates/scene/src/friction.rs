@@ -1,5 +1,5 @@
-//! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a given bound S(x, t), one that depends on the slip, or
-//! one that follows the normal law.
+//! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a bound S that is given as S(x, t), depends on the slip, or
+//! follows the normal law.
 
 use formula::{Node, Point, Variable};
 
@@ -16,7 +16,7 @@ use super::written::{self, Formula};
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
 const SAMPLES: [u32; 2] = [256, 24];
 const TIMES: u32 = 32;
-/// Ends of faces that are closer than this share of their lengths are one vertex.
+/// Relative distance below which ends of faces are one vertex.
 const SAME_PLACE: f64 = 1e-9;
 
 /// The bound S of the friction stress.
@@ -24,13 +24,12 @@ const SAME_PLACE: f64 = 1e-9;
 pub enum FrictionBound {
     /// Tresca: S(x, t) ≥ 0, a formula in the coordinates and t.
     Given(Node),
-    /// (r, S(r)) over the slip r = |u_τ|, the first at r = 0, joined by lines and constant beyond the last.
+    /// (r, S(r)) over the slip r = |u_τ|, starting at r = 0, piecewise linear and constant beyond the last.
     Slip(Vec<[f64; 2]>),
     /// S = μ_f p(u_ν) with the normal law p and this μ_f.
     Coulomb(f64),
 }
 
-/// Friction on Γ3.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
     pub bound: FrictionBound,
@@ -58,7 +57,7 @@ impl Friction {
         Ok(Self { bound })
     }
 
-    /// α_τ ≥ 0 (a stiffness), the steepest descent of S: then r ↦ S(|r|) sign r satisfies (2.8c) with it, since its jump at
+    /// α_τ ≥ 0 (a stiffness), the steepest descent of S: r ↦ S(|r|) sign r satisfies (2.8c) with it, since its jump at
     /// 0 goes up.
     pub fn alpha(&self) -> f64 {
         let FrictionBound::Slip(points) = &self.bound else { return 0.0 };
@@ -75,7 +74,7 @@ impl Friction {
     }
 }
 
-/// S(x, t), finite and not negative at the samples.
+/// S(x, t), finite and nonnegative at the samples.
 fn given(
     reading: &mut Reading,
     formula: &Formula,
@@ -110,7 +109,7 @@ fn given(
     Ok(FrictionBound::Given(node))
 }
 
-/// μ_f > 0, beside a law whose values are single numbers, not negative, with a steepest rise, at the vertices.
+/// μ_f > 0, with a single-valued, nonnegative law of bounded rise, at the vertices.
 fn coulomb(
     reading: &mut Reading,
     table: &written::FrictionBoundTable,
@@ -199,8 +198,8 @@ fn slip(
     Ok(points)
 }
 
-/// u_τ takes the unknowns beside that of u_ν: a vertex between two contact sides has too few, unless it is clamped. In
-/// space sides that meet do so along an edge.
+/// u_τ takes the unknowns left by u_ν: a vertex between two contact sides has too few, unless it is clamped. In space
+/// such sides meet along an edge.
 fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
     let ends = |face: &Face| {
         let mut ends = vec![face.corner];
@@ -226,9 +225,9 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneE
             let bends = |other: &Face| {
                 let (a, b) = (face.normal, other.normal);
                 let turn = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| a[i] * b[j] - a[j] * b[i]);
-                turn.iter().any(|own| own.abs() > SAME_PLACE) && at(p, other)
+                turn.iter().any(|component| component.abs() > SAME_PLACE) && at(p, other)
             };
-            let held = || d == 2 && clamped.iter().any(|own| at(p, own));
+            let held = || d == 2 && clamped.iter().any(|face_of_clamped| at(p, face_of_clamped));
             if contact[..i].iter().any(bends) && !held() {
                 let [x, y, z] = p;
                 let point = Point { x, y, z, ..Point::default() };

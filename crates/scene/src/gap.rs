@@ -15,10 +15,9 @@ use super::written::Formula;
 const SAMPLES: u32 = 256;
 /// Samples along each edge of a face in space.
 const SAMPLES_OF_A_FACE: u32 = 32;
-/// Second differences below this part of the gap's size are rounding.
+/// Smaller second differences, relative to the gap, are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A formula in x, y (and z) that is finite on the contact sides.
 pub(super) fn finite_on_contact(
     reading: &mut Reading,
     key: &str,
@@ -46,7 +45,7 @@ pub(super) fn finite_on_contact(
     Ok(node)
 }
 
-/// g, or none for `inf`; concave on each contact side, unless the scene violates that on purpose.
+/// g, or None for `inf`; concave on each contact side, unless the scene violates that on purpose.
 pub(super) fn gap(
     reading: &mut Reading,
     formula: &Formula,
@@ -62,8 +61,7 @@ pub(super) fn gap(
     Ok(Some(gap))
 }
 
-/// Refuses a gap that bends upward along a plane piece of a side: U^h ⊂ U, which (5.14) uses, needs a
-/// concave one.
+/// Refuses a gap that is not concave on a plane piece of a side: (5.14) uses U^h ⊂ U.
 fn concave(reading: &mut Reading, gap: Node, domain: &Domain) -> Result<(), SceneError> {
     for side in &domain.contact {
         let faces = domain.faces(*side);
@@ -83,13 +81,13 @@ fn concave(reading: &mut Reading, gap: Node, domain: &Domain) -> Result<(), Scen
     Ok(())
 }
 
-/// The point with the largest bend; the first of several that differ by rounding.
+/// The point with the largest bend; the first of several up to rounding.
 fn steeper(bends: impl Iterator<Item = (Point, f64)>) -> Option<(Point, f64)> {
     bends.reduce(|steepest, next| if next.1 > 1.001 * steepest.1 { next } else { steepest })
 }
 
-/// The point of a face at which the gap bends upward most, with its second derivative there; none where it is concave.
-/// Second differences of the samples stand beside the exact derivative, which does not see kinks.
+/// The point of a face with the largest upward second derivative; None if concave. Second differences of the samples
+/// detect kinks, which the exact derivative misses.
 fn steepest_bend(
     reading: &mut Reading,
     gap: Node,
@@ -110,7 +108,7 @@ fn steepest_bend(
     // Neighbours on both sides of a sample, along the edges and across a face.
     let pairs: &[[i64; 2]] =
         if steps.len() == 1 { &[[1, 0]] } else { &[[1, 0], [0, 1], [1, 1], [1, -1]] };
-    // Rows first, as the points stand.
+    // Rows first, in the order of the points.
     let grid: BTreeMap<[i64; 2], usize> = (0..)
         .zip(face.grid(intervals))
         .map(|(at, ([i, j], _))| ([j, i].map(i64::from), at))
@@ -128,7 +126,7 @@ fn steepest_bend(
     steeper(found.into_iter().filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size))
 }
 
-/// The second derivatives along a face.
+/// Second derivatives along a face.
 struct Bends {
     first: Directional,
     /// g_ab and g_bb on a face in space.
@@ -168,7 +166,7 @@ impl Bends {
     }
 }
 
-/// Intervals of each plane piece: a side of many pieces takes fewer on each.
+/// Intervals per plane piece, fewer for a side of many pieces.
 fn samples(domain: &Domain, faces: &[Face]) -> u32 {
     let whole = if domain.dimension() == 2 { SAMPLES } else { SAMPLES_OF_A_FACE };
     (whole / faces.len().max(1) as u32).max(8)

@@ -20,11 +20,11 @@ pub enum Hypothesis {
     Smallness,
     /// g concave on each contact face, so that U^h ⊂ U.
     ConcaveGap,
-    /// κ Lipschitz, as (5.1) asks.
+    /// κ Lipschitz, as (5.1) requires.
     LipschitzKappa,
     /// (3.4): k below the step-size bound.
     StepSize,
-    /// q ∈ C² and u ∈ W^{2,∞}(0,T;X), of which Theorem 7 concludes (3.17); (5.15) for the body.
+    /// q ∈ C² and u ∈ W^{2,∞}(0,T;X), the premises of (3.17) in Theorem 7; (5.15) for the body.
     RegularInTime,
     /// (5.25): u(t) ∈ H²(Ω), u_ν(t) ∈ H² on each side of Γ3.
     RegularInSpace,
@@ -40,7 +40,7 @@ impl Hypothesis {
         Hypothesis::RegularInSpace,
     ];
 
-    /// The name that `violates` takes.
+    /// Its name in `violates`.
     pub fn name(self) -> &'static str {
         match self {
             Hypothesis::Smallness => "2.9",
@@ -53,7 +53,6 @@ impl Hypothesis {
     }
 }
 
-/// What a file states a problem of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SceneKind {
     /// Problem 12: a body in contact.
@@ -63,14 +62,13 @@ pub(super) enum SceneKind {
 }
 
 impl SceneKind {
-    /// The kind that a file names, contact if it names none.
+    /// The kind named in a file; by default contact.
     pub(crate) fn validate(reading: &Reading, word: Option<&str>) -> Result<SceneKind, SceneError> {
         let known = [("contact", SceneKind::Contact), ("abstract", SceneKind::Abstract)];
         reading.choice("scene.kind", word.unwrap_or("contact"), &known)
     }
 }
 
-/// `[scene]` as validated.
 pub(super) struct Heading {
     pub name: String,
     pub dimension: usize,
@@ -100,8 +98,8 @@ impl Heading {
     }
 }
 
-/// Longest name of a scene, in bytes. File systems take 255 for a name of a file, and pictures and unfinished files add
-/// some 30, as in `NAME-trade-memory.svg.4194304.partial`.
+/// Longest name of a scene, in bytes: file systems allow 255, and pictures and unfinished files add some 30, as in
+/// `NAME-trade-memory.svg.4194304.partial`.
 const LONGEST_NAME: usize = 200;
 
 /// A name becomes part of file names: letters, digits, `-` and `_`.

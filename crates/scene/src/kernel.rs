@@ -4,10 +4,9 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written::{self, Formula};
 
-/// The formula of a kernel: its own, or that of the table
-/// `{ kind = "exponential", amplitude = a, time = τ }`: a exp(-t/τ);
-/// `{ kind = "prony", terms = [[a_1, τ_1], …] }`: Σ a_i exp(-t/τ_i);
-/// `{ kind = "power", amplitude = a, time = τ, exponent = p }`: a (1 + t/τ)^{-p}, which is smooth on [0, T].
+/// The formula of a kernel, given directly or by the table `{ kind = "exponential", amplitude = a, time = τ }`: a
+/// exp(-t/τ); `{ kind = "prony", terms = [[a_1, τ_1], …] }`: Σ a_i exp(-t/τ_i); `{ kind = "power", amplitude = a, time
+/// = τ, exponent = p }`: a (1 + t/τ)^{-p}, which is smooth on [0, T].
 pub(super) fn formula_of(
     reading: &Reading,
     key: &str,
@@ -42,7 +41,7 @@ pub(super) fn formula_of(
 }
 
 fn decay(amplitude: f64, time: f64) -> String {
-    // The rate itself, so that the formula is recognised as an exponential with this number.
+    // The literal rate, so that the formula is recognised as this exponential.
     format!("({amplitude:?})*exp(-({:?})*t)", 1.0 / time)
 }
 
@@ -86,7 +85,7 @@ fn time(reading: &Reading, key: &str, value: Option<f64>) -> Result<f64, SceneEr
     reading.positive(&format!("{key}.time"), value)
 }
 
-/// Refuses keys that another kind of kernel has.
+/// Refuses keys of other kinds of kernel.
 fn only(
     reading: &Reading,
     key: &str,

@@ -1,4 +1,4 @@
-//! The compliance law p = ∂j_ν: piecewise linear or curved, jumps upward only.
+//! The compliance law p = ∂j_ν: piecewise linear or curved, with upward jumps only.
 
 use super::curve::Curve;
 use super::diagnostic::SceneError;
@@ -6,22 +6,20 @@ use super::reading::Reading;
 use super::scale::Scale;
 use super::written;
 
-/// p = ∂j_ν as a graph: `slope_before`, then the points joined by lines, then `slope_after`.
-/// Two points of one abscissa are a jump, where p is the interval between them. A curve is added to the graph,
-/// and a factor multiplies the sum.
+/// p = ∂j_ν as a graph: `slope_before`, the points joined by lines, `slope_after`. Two points of one abscissa are a
+/// jump, where p is the interval between them. A curve is added to the graph, and a factor multiplies the sum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
-    /// (r, p(r)), at least one, r nondecreasing and at most twice the same.
+    /// (r, p(r)), at least one, r nondecreasing and at most twice equal.
     pub points: Vec<[f64; 2]>,
     pub slope_before: f64,
     pub slope_after: f64,
-    /// The curved part; none in a piecewise linear law.
+    /// None for a piecewise linear law.
     pub curve: Option<Curve>,
-    /// c(x): the law at x is c p; none is 1.
+    /// c(x): the law at x is c p; None is 1.
     pub scale: Option<Scale>,
 }
 
-/// The kinds of law, before their numbers are known.
 #[derive(Clone, Copy)]
 enum LawKind {
     None,
@@ -82,7 +80,6 @@ impl Law {
         }
     }
 
-    /// p(r) = stiffness · r for every r.
     fn linear(reading: &Reading, table: &str, written: &written::Law) -> Result<Law, SceneError> {
         let key = format!("{table}.stiffness");
         let stiffness =
@@ -105,7 +102,6 @@ impl Law {
         Ok(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) })
     }
 
-    /// A piecewise linear law without a factor.
     fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
         Law { points, slope_before, slope_after, curve: None, scale: None }
     }
@@ -157,11 +153,11 @@ impl Law {
 
     /// α_ν ≥ 0, the steepest descent of p (per unit of r): the constant of relaxed monotonicity (2.8c).
     ///
-    /// It suffices: for r1 > r2 and ξi ∈ p(ri), ξ1 - ξ2 is the integral of the slopes over (r2, r1) plus parts of
-    /// upward jumps, hence at least -α (r1 - r2); times (r1 - r2) this is (2.8c). No smaller constant does: two points
-    /// of the steepest segment give equality. A curve adds its own α: for a sum of laws the inequalities add, and where
-    /// the graph is a jump at r = 0, as beside every curve of a scene, no smaller constant does. A factor c(x) > 0
-    /// multiplies it, so that Γ3 takes the largest c; [`Self::alpha`] includes it. A jump down by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
+    /// Sufficient: for r1 > r2 and ξi ∈ p(ri), ξ1 - ξ2 is the integral of the slopes over (r2, r1) plus parts of upward
+    /// jumps, hence at least -α (r1 - r2); times (r1 - r2) this is (2.8c). Optimal: two points of the steepest segment
+    /// give equality. A curve adds its α: for a sum of laws the inequalities add, and if the graph is a jump at r = 0,
+    /// as beside every curve of a scene, no smaller constant does. A factor c(x) > 0 multiplies it; α includes the
+    /// largest c. A downward jump by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
     pub fn alpha(&self) -> f64 {
         let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
         let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
@@ -172,7 +168,7 @@ impl Law {
         self.scale.map_or(1.0, |scale| scale.largest) * (graph + curve)
     }
 
-    /// The steepest rise of a law without a curve, the largest factor included (a stiffness).
+    /// The steepest rise of a law without a curve, including the largest factor (a stiffness).
     pub fn steepest_rise(&self) -> f64 {
         let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
         let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
@@ -180,13 +176,13 @@ impl Law {
         self.scale.map_or(1.0, |scale| scale.largest) * steepest
     }
 
-    /// Whether p has a jump, where a selection ξ ∈ p(r) is not determined by r.
+    /// Whether p has a jump, where ξ ∈ p(r) is not determined by r.
     pub fn is_set_valued(&self) -> bool {
         self.points.windows(2).any(|pair| pair[0][0] == pair[1][0])
     }
 }
 
-/// The second of two neighbouring points: not to the left, not below at the same place, and not beyond all slopes.
+/// Checks the second of two neighbouring points: not to the left, not below at equal abscissa, of finite slope.
 fn admissible(
     reading: &Reading,
     key: &str,

@@ -1,9 +1,9 @@
 //! Scene files: TOML as written, the scene as validated, and messages that name the way out.
 //!
-//! A file becomes a [`Scene`] in two stages, and each may stop it with a [`SceneError`] that points at the text:
-//! - [`written`]: the keys and their types, nothing else; unknown keys are refused with the nearest known one;
-//! - `validated`: plain numbers and compiled formulas that satisfy every hypothesis
-//!   that can be checked without a mesh and without a solve.
+//! A file becomes a [`Scene`] in two stages, each of which may fail with a [`SceneError`] that points at the text:
+//! - [`written`]: keys and types; unknown keys are refused with the nearest known one;
+//! - `validated`: numbers and compiled formulas that satisfy every hypothesis that can be checked without a mesh or a
+//!   solve.
 //!
 //! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by `Scene::span`.
 

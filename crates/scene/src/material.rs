@@ -1,4 +1,4 @@
-//! `[material]`: elasticity, the optional memory and projection, and named regions with their own.
+//! `[material]`: elasticity, optional memory and projection, and named regions.
 
 use vhi::law::FourthOrder;
 
@@ -19,11 +19,10 @@ pub struct Material {
     /// The terms of ℬ; empty without memory.
     pub memory: Vec<Memory>,
     pub projection: Option<Projection>,
-    /// `[[material.region]]`, in file order.
     pub regions: Vec<Region>,
 }
 
-/// A named part of the body with an elasticity of its own; a memory of its own is in [`Memory::regions`].
+/// A named part of the body with a separate elasticity; separate memory is in [`Memory::regions`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     pub name: String,
@@ -56,14 +55,15 @@ impl Material {
         };
         let (mut regions, mut parts) = (Vec::new(), Vec::new());
         for (index, region) in written.region.iter().enumerate() {
-            let (region, own) = Region::validate(reading, index, region, horizon, domain)?;
+            let (region, region_memory) =
+                Region::validate(reading, index, region, horizon, domain)?;
             if regions.iter().any(|other: &Region| other.name == region.name) {
                 let message = format!("two regions are called `{}`", region.name);
                 let key = format!("material.region.{index}.name");
                 return Err(reading.error(&key, message, "rename one of them"));
             }
             regions.push(region);
-            parts.push(own.unwrap_or_else(|| base.clone()));
+            parts.push(region_memory.unwrap_or_else(|| base.clone()));
         }
         if regions.len() > MOST_REGIONS {
             let message =
@@ -80,17 +80,17 @@ impl Material {
 
     /// The key of the first exponent of a kernel that is infinite at s = t.
     pub(super) fn singular_key(&self) -> Option<String> {
-        let own = self.memory.iter().find_map(|term| term.singular)?;
-        Some(format!("{}.singular", memory::key(own.region)))
+        let singular = self.memory.iter().find_map(|term| term.singular)?;
+        Some(format!("{}.singular", memory::key(singular.region)))
     }
 
-    /// True if 𝒜 is given in full somewhere.
+    /// Whether 𝒜 is given in full somewhere.
     pub fn is_anisotropic(&self) -> bool {
         let mut elastic = self.regions.iter().map(|region| &region.elastic).chain([&self.elastic]);
         elastic.any(|elastic| matches!(elastic, FourthOrder::Full(_)))
     }
 
-    /// True where one isotropic tensor and one term of memory at most describe the whole body.
+    /// Whether one isotropic tensor and at most one term of memory describe the whole body.
     pub fn is_plain(&self) -> bool {
         self.regions.is_empty()
             && self.memory.len() <= 1
@@ -99,7 +99,7 @@ impl Material {
 }
 
 impl Region {
-    /// A region, and its memory where it has one of its own.
+    /// A region, and its separate memory if any.
     fn validate(
         reading: &mut Reading,
         index: usize,
@@ -126,10 +126,10 @@ impl Region {
             table: written.elasticity.as_ref(),
         };
         let elastic = elastic(reading, &key, &given, dimension)?;
-        let own = match &written.memory {
+        let region_memory = match &written.memory {
             Some(memory) => Some(memory::parts(reading, Some(index), memory, horizon, dimension)?),
             None => None,
         };
-        Ok((Region { name: written.name.clone(), place, elastic }, own))
+        Ok((Region { name: written.name.clone(), place, elastic }, region_memory))
     }
 }

@@ -13,11 +13,11 @@ const SAMPLES: u32 = 512;
 /// A term of ℬ(t)ε = Σ kernel(t) · (2 mu ε + lambda tr(ε) I).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Memory {
-    /// A formula in t, finite on (0, T], and at 0 unless it is singular.
+    /// A formula in t, finite on (0, T], and at 0 unless singular.
     pub kernel: Node,
-    /// Where kernel = t^{-a} c(t).
+    /// Set if kernel = t^{-a} c(t).
     pub singular: Option<Singular>,
-    /// Pairs (a, c) with kernel = Σ a exp(-c t), where it has that form.
+    /// Pairs (a, c) with kernel = Σ a exp(-c t), if it has that form.
     pub exponentials: Option<Vec<(f64, f64)>>,
     /// Outside all named regions.
     pub lambda: f64,
@@ -33,16 +33,14 @@ pub struct Singular {
     pub power: f64,
     /// c, finite on [0, T].
     pub factor: Node,
-    /// The named region whose memory it is; none for that of the material.
+    /// The named region with this memory; None for the material.
     pub region: Option<usize>,
 }
 
-/// The table of the memory of a region, or of the material.
 pub(super) fn key(region: Option<usize>) -> String {
     region.map_or("material.memory".into(), |index| format!("material.region.{index}.memory"))
 }
 
-/// A kernel with its tensor on one region.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     kernel: Node,
@@ -50,7 +48,7 @@ pub(super) struct Part {
     tensor: [f64; 2],
 }
 
-/// The parts of the `memory` table of a region or of the material: its kernel, or its kernels of bulk and shear.
+/// The parts of the `memory` table of a region or the material: its kernel, or those of bulk and shear.
 pub(super) fn parts(
     reading: &mut Reading,
     region: Option<usize>,
@@ -98,7 +96,6 @@ pub(super) fn parts(
 }
 
 impl Part {
-    /// t^{-power} times a formula in t.
     fn new(
         reading: &mut Reading,
         factor: Node,
@@ -137,7 +134,7 @@ fn validated(
     Ok(kernel)
 }
 
-/// The terms of ℬ: equal kernels are one term, with a tensor per region.
+/// The terms of ℬ: equal kernels are merged, with a tensor per region.
 pub(super) fn terms(reading: &Reading, base: &[Part], regions: &[Vec<Part>]) -> Vec<Memory> {
     let mut terms: Vec<Memory> = Vec::new();
     for part in base.iter().chain(regions.iter().flatten()) {
@@ -145,8 +142,9 @@ pub(super) fn terms(reading: &Reading, base: &[Part], regions: &[Vec<Part>]) -> 
             continue;
         }
         let tensor = |parts: &[Part]| {
-            let own = parts.iter().filter(|other| other.kernel == part.kernel);
-            own.fold([0.0, 0.0], |[a, b], Part { tensor: [lambda, mu], .. }| [a + lambda, b + mu])
+            let of_kernel = parts.iter().filter(|other| other.kernel == part.kernel);
+            of_kernel
+                .fold([0.0, 0.0], |[a, b], Part { tensor: [lambda, mu], .. }| [a + lambda, b + mu])
         };
         let [lambda, mu] = tensor(base);
         let exponentials = match part.singular {

@@ -1,11 +1,11 @@
-//! The known names nearest to a misspelt one.
+//! Suggestions for misspelt names.
 
-/// The nearest candidate, if it is near enough to be meant.
+/// The nearest candidate, if near enough.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     by_distance(name, candidates).into_iter().next()
 }
 
-/// All candidates near enough to be meant, nearest first.
+/// All candidates near enough, nearest first.
 pub(super) fn by_distance<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -19,8 +19,8 @@ pub(super) fn by_distance<'a>(
     near.into_iter().map(|(_, candidate)| candidate).collect()
 }
 
-/// Number of edits between the names; none where more than a third of the letters differ.
-/// A name that begins with the other one, three letters or more, counts as one edit.
+/// Number of edits between the names; None if more than a third of the letters differ. A prefix of three letters or
+/// more counts as one edit.
 fn closeness(name: &str, candidate: &str) -> Option<usize> {
     let shorter = name.len().min(candidate.len());
     if shorter >= 3 && (name.starts_with(candidate) || candidate.starts_with(name)) {
@@ -31,8 +31,8 @@ fn closeness(name: &str, candidate: &str) -> Option<usize> {
     (edits <= longer.div_ceil(3)).then_some(edits).filter(|&edits| edits < longer)
 }
 
-/// Fewest insertions, deletions, substitutions and swaps of neighbours that turn one name into the other.
-/// Cost: product of the lengths.
+/// Fewest insertions, deletions, substitutions and swaps of neighbours that turn one name into the other. Cost: product
+/// of the lengths.
 fn edit_distance(from: &str, to: &str) -> usize {
     let from: Vec<char> = from.chars().collect();
     let to: Vec<char> = to.chars().collect();

@@ -1,4 +1,4 @@
-//! A value that is written plainly, or as a table with a kind.
+//! A value written plainly, or as a table with a kind.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -12,13 +12,12 @@ use serde::{Deserialize, Deserializer};
 pub enum OrTable<P, T> {
     /// A text or a number.
     Plain(P),
-    /// A kind with what belongs to it.
     Table(T),
 }
 
 /// What may stand in place of a table.
 pub trait Plain {
-    /// What it is, for messages.
+    /// Its description, for messages.
     const IS: &'static str;
 }
 

@@ -1,4 +1,4 @@
-//! `[[predicts]]`: the orders that the theory promises, each with the theorem that does.
+//! `[[predicts]]`: the orders that the theory promises, with their theorems.
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
@@ -17,21 +17,20 @@ pub enum Norm {
     ContactSetMax,
     VTimeMax,
     VProjectionMax,
-    /// Of u_ν on the part of Γ3 where the truth is in a state.
+    /// u_ν on the part of Γ3 where the exact solution is in a state.
     TraceMax(ContactState),
-    /// Of ξ + λ there.
+    /// ξ + λ on that part.
     PressureMax(ContactState),
     /// Measure of the symmetric difference of the locked sets.
     ContactMeasureMax,
 }
 
 impl Norm {
-    /// Whether displacements alone do not tell it.
+    /// Whether it needs pressures.
     pub fn wants_pressure(self) -> bool {
         matches!(self, Norm::PressureL2Max | Norm::PressureMax(_))
     }
 
-    /// Every norm.
     pub const ALL: [Norm; 19] = [
         Norm::VMax,
         Norm::L2Max,
@@ -54,7 +53,7 @@ impl Norm {
         Norm::ContactMeasureMax,
     ];
 
-    /// The name in scene files and in `cases.csv`.
+    /// Its name in scene files and in `cases.csv`.
     pub fn name(self) -> &'static str {
         match self {
             Norm::VMax => "V_max",
@@ -79,13 +78,13 @@ impl Norm {
         }
     }
 
-    /// Whether the norm lives on Γ3 and so has no meaning without contact.
+    /// Whether the norm is on Γ3 and needs contact.
     pub fn needs_contact(self) -> bool {
         matches!(self, Norm::TraceL2Max | Norm::PressureL2Max | Norm::ContactSetMax)
             || self.by_state()
     }
 
-    /// Whether the norm asks for the contact state of the truth.
+    /// Whether the norm needs the contact state of the exact solution.
     pub fn by_state(self) -> bool {
         matches!(self, Norm::TraceMax(_) | Norm::PressureMax(_) | Norm::ContactMeasureMax)
     }
@@ -109,7 +108,7 @@ impl Norm {
     }
 }
 
-/// The direction in which an order is seen.
+/// The direction of refinement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     /// h → 0 at a fixed number of steps.
@@ -122,23 +121,20 @@ pub enum Direction {
     Path,
 }
 
-/// One promised order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     pub norm: Norm,
     pub variable: Direction,
-    /// Order in `variable`; in h where that is joint. Positive.
+    /// In h if `variable` is joint. Positive.
     pub order: f64,
     /// Order in k, present exactly if `variable` is joint. Positive.
     pub order_k: Option<f64>,
-    /// The order is a lower bound.
     pub at_least: bool,
-    /// The order is sharp: more is a failure too.
+    /// A higher order is a failure too.
     pub exact: bool,
-    /// The constant is compared with its prediction, where there is one.
+    /// Compares the constant with its prediction, if there is one.
     pub constant: bool,
-    /// How far from one the constant may be from its prediction, where the scene has a reason for another share than the
-    /// usual one.
+    /// Allowed relative difference of the constant from its prediction, if not the default.
     pub constant_within: Option<f64>,
     /// The theorem or equation that promises it.
     pub why: String,
@@ -147,7 +143,7 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// The prediction at position `index` of the file.
+    /// Validates the prediction at position `index` of the file.
     pub(super) fn validate(
         reading: &Reading,
         index: usize,
@@ -190,7 +186,7 @@ impl Prediction {
 }
 
 impl Prediction {
-    /// An abstract scene has no mesh: its error is ‖u_n - u_n^k‖_X, in k alone.
+    /// An abstract scene has no mesh: its error is ‖u_n - u_n^k‖_X, in k only.
     pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<(), SceneError> {
         let key = |name: &str| format!("predicts.{index}.{name}");
         if self.norm != Norm::VMax {
@@ -206,7 +202,7 @@ impl Prediction {
     }
 }
 
-/// The share by which a constant may differ from its prediction: in (0, 1), and never without a reason.
+/// Allowed relative difference of a constant from its prediction: in (0, 1), and only with a reason.
 fn constant_within(
     reading: &Reading,
     key: &dyn Fn(&str) -> String,

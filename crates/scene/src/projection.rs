@@ -10,7 +10,7 @@ use super::written;
 /// Even intervals of the range of ζ, and points that crowd towards ζ = 0.
 const EVEN_SAMPLES: u32 = 2000;
 const CROWDED_SAMPLES: i32 = 48;
-/// The range of ζ that is sampled, in horizons: mean strain norms up to 100.
+/// Sampled range of ζ, in horizons: mean strain norms up to 100.
 const LARGEST_MEAN_STRAIN: f64 = 100.0;
 
 /// The stress μ(ε - P_{M(κ(ζ))} ε) of (5.1).
@@ -20,7 +20,7 @@ pub struct Projection {
     pub mu: f64,
     /// κ ≥ 0, a formula in zeta.
     pub kappa: Node,
-    /// L_κ: largest sampled |κ'| on [0, 100 T]; infinite only where the scene violates (5.1) on purpose.
+    /// L_κ: largest sampled |κ'| on [0, 100 T]; infinite only if the scene violates (5.1) on purpose.
     pub lipschitz: f64,
 }
 

@@ -1,4 +1,4 @@
-//! One reading of a scene file: the text, its places, and the formulas compiled so far.
+//! One reading of a scene file: the text, its positions, and the formulas compiled so far.
 
 use std::ops::Range;
 
@@ -10,7 +10,6 @@ use super::source::Source;
 use super::spans::Spans;
 use super::written::Formula;
 
-/// What validation carries from part to part.
 pub(super) struct Reading<'a> {
     pub source: &'a Source,
     pub spans: &'a Spans,
@@ -31,7 +30,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// An error that underlines the value at `key`, or the part that should hold it.
+    /// An error that underlines the value at `key`, or the part that should contain it.
     pub(crate) fn error(
         &self,
         key: &str,
@@ -73,7 +72,7 @@ impl<'a> Reading<'a> {
         ))
     }
 
-    /// A whole number of at least 1 and at most 2³¹ - 1.
+    /// A whole number from 1 to 2³¹ - 1.
     pub(crate) fn count(&self, key: &str, value: i64) -> Result<usize, SceneError> {
         match i32::try_from(value) {
             Ok(count) if count >= 1 => Ok(count.unsigned_abs() as usize),
@@ -117,7 +116,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// The variables and the parameters of the scene.
+    /// The given variables and the parameters of the scene.
     pub(crate) fn scope(&self, variables: &[Variable]) -> Scope {
         let mut scope = Scope::new(variables);
         for (name, node) in &self.parameters {
@@ -126,7 +125,7 @@ impl<'a> Reading<'a> {
         scope
     }
 
-    /// Compiles a formula; an error points into the text of the formula.
+    /// Compiles a formula; an error points into its text.
     pub(crate) fn formula(
         &mut self,
         key: &str,
@@ -144,7 +143,7 @@ impl<'a> Reading<'a> {
         })
     }
 
-    /// Compiles one formula a component; there must be `dimension` of them.
+    /// Compiles one formula per component; there must be `dimension` of them.
     pub(crate) fn vector(
         &mut self,
         key: &str,
@@ -171,7 +170,7 @@ impl<'a> Reading<'a> {
             .collect()
     }
 
-    /// The first of the points at which a formula is infinite or undefined, and its value there.
+    /// The first point at which a formula is infinite or undefined, with its value.
     pub(crate) fn first_not_finite(
         &self,
         node: Node,
@@ -183,7 +182,7 @@ impl<'a> Reading<'a> {
             .find(|(_, value)| !value.is_finite())
     }
 
-    /// Bytes of a part of a string value; the whole value where escapes break the count.
+    /// Bytes of a part of a string value; the whole value if it contains escapes.
     fn inside(&self, key: &str, content: &str, part: Range<usize>) -> Range<usize> {
         let value = self.spans.value(key);
         match self.source.text[value.clone()].find(content) {
@@ -201,7 +200,6 @@ pub(super) fn evenly(from: f64, to: f64, intervals: u32) -> impl Iterator<Item =
     (0..=intervals).map(move |i| from + (to - from) * f64::from(i) / f64::from(intervals))
 }
 
-/// The last name of a dotted key.
 pub(super) fn last(key: &str) -> &str {
     key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
 }

@@ -1,4 +1,4 @@
-//! Where a region of the material is: a condition on the place, or a physical group of the mesh file.
+//! Location of a region: a condition on coordinates, or a physical group of the mesh file.
 
 use fem::mesh::CoarseMesh;
 use formula::{Graph, Node, Scope, Variable};
@@ -9,7 +9,6 @@ use super::domain::{Domain, Shape};
 use super::reading::Reading;
 use super::written;
 
-/// The cells of a region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     /// Cells whose centroid has a positive value of the formula.
@@ -50,22 +49,22 @@ pub(super) fn place(
     }
 }
 
-/// Barycentric coordinates down to this one count as inside: points on the boundary of the body belong to it.
+/// Barycentric coordinates down to this count as inside: boundary points of the body belong to it.
 const INSIDE: f64 = 1e-9;
 
 impl Place {
-    /// A formula that is positive in the region: of a physical group the largest over its coarse simplices of the
-    /// smallest barycentric coordinate, raised so that points on their faces are inside. On the interface itself two
-    /// regions meet, and either may have its points.
+    /// A formula that is positive in the region: for a physical group the largest over its coarse simplices of the
+    /// smallest barycentric coordinate, raised so that their faces are inside. On an interface either region may have
+    /// the points.
     pub(crate) fn condition(self, graph: &mut Graph, shape: &Shape) -> Node {
         let (group, coarse) = match (self, shape) {
             (Place::Where(node), _) => return node,
             (Place::Physical(_), Shape::Box) => return graph.constant(-1.0),
             (Place::Physical(group), Shape::Refined(coarse)) => (group, coarse),
         };
-        let own = (0..coarse.count()).filter(|&simplex| coarse.region_of(simplex) == group);
+        let simplices = (0..coarse.count()).filter(|&simplex| coarse.region_of(simplex) == group);
         let mut deepest = graph.constant(f64::NEG_INFINITY);
-        for simplex in own {
+        for simplex in simplices {
             let least = smallest_coordinate(graph, coarse, simplex);
             deepest = graph.max(deepest, least);
         }
@@ -77,21 +76,21 @@ impl Place {
 /// min_a λ_a(x) of a coarse simplex.
 fn smallest_coordinate(graph: &mut Graph, coarse: &CoarseMesh, simplex: usize) -> Node {
     let (corners, d) = (coarse.corners(simplex), coarse.dimension());
-    // Rows of the inverse are the gradients of λ_1, …, λ_d; λ_0 is what they leave of 1.
+    // Rows of the inverse are the gradients of λ_1, …, λ_d; λ_0 = 1 minus their sum.
     let edges = nalgebra::DMatrix::from_fn(d, d, |i, a| corners[a + 1][i] - corners[0][i]);
     let inverse = edges.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(d, d));
     let mut first = graph.constant(1.0);
     let mut least = None;
     for a in 0..d {
         let at_corner: f64 = (0..d).map(|i| inverse[(a, i)] * corners[0][i]).sum();
-        let mut own = graph.constant(-at_corner);
+        let mut coordinate = graph.constant(-at_corner);
         for (i, &axis) in AXES.iter().enumerate().take(d) {
             let (slope, axis) = (graph.constant(inverse[(a, i)]), graph.variable(axis));
             let term = graph.mul(slope, axis);
-            own = graph.add(own, term);
+            coordinate = graph.add(coordinate, term);
         }
-        first = graph.sub(first, own);
-        least = Some(least.map_or(own, |least| graph.min(least, own)));
+        first = graph.sub(first, coordinate);
+        least = Some(least.map_or(coordinate, |least| graph.min(least, coordinate)));
     }
     least.map_or(first, |least| graph.min(least, first))
 }

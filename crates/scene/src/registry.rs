@@ -1,4 +1,4 @@
-//! The scenes of a folder or those inside a program, found by name; any other scene, by its path.
+//! The scenes of a folder or inside a program, found by name; any other scene, by path.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,13 +8,12 @@ use super::nearest::by_distance;
 use super::source::{Inside, Source};
 use super::validated::Scene;
 
-/// How many folders deep scenes are looked for.
+/// Depth of the search in subfolders.
 const DEEPEST: usize = 8;
 
-/// What messages name as the folder of files that are inside the program.
+/// Folder shown in messages for files inside the program.
 const INSIDE: &str = "<sweep>";
 
-/// Where scenes are looked for, in words.
 pub(super) fn place(folder: &Path) -> String {
     if folder == Path::new(INSIDE) {
         return "inside the program".into();
@@ -22,20 +21,18 @@ pub(super) fn place(folder: &Path) -> String {
     format!("under {}", folder.display())
 }
 
-/// Scene files by name.
 #[derive(Debug, Clone)]
 pub struct Registry {
     folder: PathBuf,
     files: BTreeMap<String, PathBuf>,
-    /// Texts in place of files; none for a folder.
+    /// Texts in place of files; empty for a folder.
     inside: Inside,
 }
 
 impl Registry {
-    /// Lists the TOML files under a folder, subfolders included; nothing is read.
+    /// Lists the TOML files below a folder without reading them.
     ///
-    /// # Errors
-    /// The folder cannot be read, or two files have one name.
+    /// # Errors The folder cannot be read, or two files have one name.
     pub fn open(folder: &Path) -> Result<Registry, SceneError> {
         let (folder, files) = (folder.to_path_buf(), BTreeMap::new());
         let mut registry = Registry { folder, files, inside: &[] };
@@ -43,7 +40,7 @@ impl Registry {
         Ok(registry)
     }
 
-    /// The scenes among texts inside the program; meshes that they name are looked for there.
+    /// The scenes among texts inside the program, with their meshes.
     pub fn inside(texts: Inside) -> Registry {
         let folder = PathBuf::from(INSIDE);
         let scenes = texts.iter().filter(|(name, _)| name.ends_with(".toml"));
@@ -51,15 +48,13 @@ impl Registry {
         Registry { folder, files, inside: texts }
     }
 
-    /// The names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.files.keys().map(String::as_str)
     }
 
-    /// The file of a scene given by name, or by a path: whatever has a `/` or ends in `.toml`.
+    /// The file of a scene given by name, or by a path, which has a `/` or ends in `.toml`.
     ///
-    /// # Errors
-    /// No scene has that name; the nearest names are given.
+    /// # Errors No scene has that name; the nearest names are given.
     pub(crate) fn find(&self, scene: &str) -> Result<PathBuf, SceneError> {
         if let Some(path) = self.files.get(scene) {
             return Ok(path.clone());
@@ -72,8 +67,7 @@ impl Registry {
 
     /// Reads a scene given by name or by path.
     ///
-    /// # Errors
-    /// The scene is unknown or at fault, or a file of the folder holds a scene of another name.
+    /// # Errors The scene is unknown or invalid, or a file of the folder holds a scene of another name.
     pub fn load(&self, scene: &str) -> Result<Scene, SceneError> {
         let path = self.find(scene)?;
         let loaded = match self.text(&path) {
@@ -96,7 +90,7 @@ impl Registry {
         Ok(loaded)
     }
 
-    /// The text of a file that is inside the program.
+    /// The text of a file inside the program.
     fn text(&self, path: &Path) -> Option<&'static str> {
         let below = path.strip_prefix(&self.folder).ok()?;
         let (_, text) = self.inside.iter().find(|(name, _)| Path::new(name) == below)?;
@@ -154,7 +148,6 @@ impl Registry {
     }
 }
 
-/// The file name without its ending.
 fn stem(path: &Path) -> String {
     path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }

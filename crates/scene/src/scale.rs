@@ -1,4 +1,4 @@
-//! The factor c(x) of a law that differs from place to place: c ∂j_ν, c > 0 on Γ3.
+//! The factor c(x) of a law that varies in space: c ∂j_ν, c > 0 on Γ3.
 
 use formula::{Node, Point};
 
@@ -9,21 +9,21 @@ use super::gap::{finite_on_contact, points};
 use super::reading::Reading;
 use super::written::Formula;
 
-/// Intervals of a segment, and along each axis of a face of a box, on which the factor is examined; a side of many
-/// pieces takes fewer on each.
+/// Intervals of a segment, and along each axis of a face of a box, on which the factor is examined; fewer per piece for
+/// a side of many pieces.
 const INTERVALS: u32 = 2048;
 const INTERVALS_OF_A_FACE: u32 = 64;
-/// On each of many triangles in space.
+/// Minimum on each of many triangles in space.
 const FEWEST_ON_A_FACE: u32 = 16;
 
-/// c(x), and a bound of it.
+/// c(x), and an upper bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     /// A formula in x, y (and z).
     pub formula: Node,
-    /// A bound of max c over Γ3: the largest sample plus δ²/8 times the largest second derivatives on the samples, δ
-    /// their distance. It bounds c between samples where c'' is no larger there than on them; a kink of c
-    /// between two samples is missed by at most its slope times δ.
+    /// A bound of max c over Γ3: the largest sample plus δ²/8 times the largest sampled second derivatives, δ the
+    /// sample distance. It holds if c'' is not larger between samples; a kink of c between samples adds an error of at
+    /// most its slope times δ.
     pub largest: f64,
 }
 

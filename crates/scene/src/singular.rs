@@ -4,17 +4,16 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::time::{Time, TimeRule};
 
-/// The way out for a kernel that is infinite at lag zero, by the name of the key of its formula.
+/// The way out for a kernel that is infinite at lag zero, by the key of its formula.
 pub(super) fn way_out(formula: &str) -> String {
     format!(
         "a kernel (t - s)^(-a) b, 0 < a < 1, is integrable: give b as {formula} and singular = a beside it, with rule = \"product-integration\" under [time]"
     )
 }
 
-/// The a of a kernel (t - s)^{-a} b at `key`; 0 where it has none.
+/// The a of a kernel (t - s)^{-a} b at `key`, or 0.
 ///
-/// # Errors
-/// An exponent that is not between 0 and 1.
+/// # Errors An exponent that is not between 0 and 1.
 pub(super) fn exponent(
     reading: &Reading,
     key: &str,
@@ -31,8 +30,8 @@ pub(super) fn exponent(
     }
 }
 
-/// The distinct exponents p of some kernels t^{-p} b, and the factor T^{a-p} by which each is bounded by one with the largest,
-/// a, which comes last; so are their last weights k^{1-p}/((1-p)(2-p)). Plain kernels, p = 0, are none of them.
+/// The distinct exponents p of kernels t^{-p} b, with the factor T^{a-p} that bounds each by one with the largest, a,
+/// which comes last; also for their last weights k^{1-p}/((1-p)(2-p)). Plain kernels, p = 0, are left out.
 pub(crate) fn in_the_largest(
     exponents: impl Iterator<Item = f64>,
     horizon: f64,
@@ -44,10 +43,9 @@ pub(crate) fn in_the_largest(
     powers.into_iter().map(|power| (power, horizon.powf(most - power))).collect()
 }
 
-/// Refuses rules that take the value of a kernel at s = t where that is infinite; `key` is that of the exponent.
+/// Refuses rules that evaluate a kernel at s = t where it is infinite; `key` is that of the exponent.
 ///
-/// # Errors
-/// Any rule but product integration.
+/// # Errors Any rule but product integration.
 pub(super) fn needs_product_integration(
     reading: &Reading,
     time: &Time,

@@ -1,4 +1,4 @@
-//! The text of a scene file, where it stands, and its hash.
+//! The text of a scene file, its path and hash.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -6,34 +6,32 @@ use std::path::{Path, PathBuf};
 use super::diagnostic::SceneError;
 use files::{fnv_1a, read_file_up_to};
 
-/// Largest scene file that is read, in bytes (1 MiB).
 const LARGEST_FILE: u64 = 1 << 20;
 
-/// A scene file as read: where it stands, its text, and the hash that identifies it in records.
+/// A scene file as read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     pub path: PathBuf,
     pub text: String,
-    /// 64-bit FNV-1a hash of the text, and of the mesh file after it, 16 hexadecimal digits; the same on every machine.
+    /// 64-bit FNV-1a hash of the text and then the mesh file, 16 hexadecimal digits; identical on every machine.
     pub hash: String,
     /// The text of the mesh file that the scene names.
     pub mesh: Option<String>,
-    /// Where a mesh file is looked for first: what stands beside a text that is inside the program.
+    /// Searched first for a mesh file: files inside the program.
     pub(crate) beside: Inside,
 }
 
-/// Files inside the program: names and texts.
 pub type Inside = &'static [(&'static str, &'static str)];
 
 impl Source {
-    /// Text that did not come from a file; `path` is the name that messages show.
+    /// A text that did not come from a file; `path` is for messages.
     pub fn from_text(path: impl Into<PathBuf>, text: impl Into<String>) -> Source {
         let text = text.into();
         let hash = hash(&[&text]);
         Source { path: path.into(), text, hash, mesh: None, beside: &[] }
     }
 
-    /// Adds the text of the mesh file, which becomes a part of the hash.
+    /// Adds the text of the mesh file, which enters the hash.
     #[must_use]
     pub fn with_mesh(self, mesh: String) -> Source {
         Source { hash: hash(&[&self.text, &mesh]), mesh: Some(mesh), ..self }
@@ -41,8 +39,7 @@ impl Source {
 
     /// Reads a file of at most 1 MiB of UTF-8.
     ///
-    /// # Errors
-    /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
+    /// # Errors The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
     pub(crate) fn read(path: &Path) -> Result<Source, SceneError> {
         let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| match error.kind() {
             ErrorKind::FileTooLarge => SceneError::TooLarge { path: path.to_path_buf() },
@@ -72,7 +69,7 @@ fn hash(texts: &[&str]) -> String {
 mod tests {
     use super::Source;
 
-    /// Records of one mesh are not those of another.
+    /// Records of different meshes must differ.
     #[test]
     fn the_mesh_is_part_of_the_hash() {
         let of = |mesh: &str| Source::from_text("a.toml", "text").with_mesh(mesh.into()).hash;

@@ -1,4 +1,4 @@
-//! Where each key of a scene file stands.
+//! Positions of the keys of a scene file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,14 +6,14 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Bytes of a key and of its value; of a `[table]`, its name and its header.
+/// Bytes of a key and of its value; for a `[table]`, of its name and its header.
 #[derive(Debug, Clone, PartialEq)]
 struct Place {
     key: Range<usize>,
     value: Range<usize>,
 }
 
-/// The place of every key, by dotted name: `exact.multiplier`, `predicts.0.order`, `sweep.n.2`.
+/// The position of every key, by dotted name: `exact.multiplier`, `predicts.0.order`, `sweep.n.2`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spans {
     places: BTreeMap<String, Place>,
@@ -26,12 +26,12 @@ impl Spans {
         spans
     }
 
-    /// Bytes of the value at a dotted key; of the nearest part that contains it, where the key is absent.
+    /// Bytes of the value at a dotted key; for an absent key, of the nearest containing part.
     pub fn value(&self, key: &str) -> Range<usize> {
         self.nearest_place(key).map_or(0..0, |place| place.value.clone())
     }
 
-    /// Bytes of the key itself, or of the nearest part that contains it.
+    /// Bytes of the key itself, or of the nearest containing part.
     pub(crate) fn key(&self, key: &str) -> Range<usize> {
         self.nearest_place(key).map_or(0..0, |place| place.key.clone())
     }
@@ -45,7 +45,7 @@ impl Spans {
             .max_by_key(|name| name.len())
     }
 
-    /// The dotted name of the key whose own name begins at this byte.
+    /// The dotted name of the key that begins at this byte.
     pub(super) fn name_of_key_at(&self, start: usize) -> Option<&str> {
         self.places
             .iter()

@@ -1,4 +1,4 @@
-//! `[sweep]`: the grid of cases, and the finer run that stands for the truth.
+//! `[sweep]`: the grid of cases, and the finer reference run.
 
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Shape};
@@ -8,7 +8,7 @@ use super::validated::{Body, Scene};
 use super::written;
 use files::counted;
 
-/// The run that stands for the truth where there is no exact solution.
+/// The reference run of a scene without exact solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reference {
     pub n: usize,
@@ -18,18 +18,18 @@ pub struct Reference {
 /// Every n with every number of steps; or the pairs of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sweep {
-    /// Mesh cells per unit length, h = 1/n; each divides both sides of the rectangle into whole cells.
-    /// Empty for abstract scenes, which have no mesh.
+    /// Mesh cells per unit length, h = 1/n; each divides the sides of a rectangle into whole cells. Empty for abstract
+    /// scenes.
     pub n: Vec<usize>,
     /// Numbers N of time steps.
     pub steps: Vec<usize>,
-    /// n a multiple of every n, steps of every number of steps.
+    /// Its n is a multiple of every n, its steps of every number of steps.
     pub reference: Option<Reference>,
-    /// The cases [n, N] of a path in place of the grid; `n` and `steps` then hold what occurs.
+    /// The cases [n, N] of a path in place of the grid; `n` and `steps` then list the occurring values.
     pub pairs: Option<Vec<[usize; 2]>>,
-    /// Norms to measure; none leaves the choice to the sweep.
+    /// Norms to measure; None leaves the choice to the sweep.
     pub norms: Option<Vec<Norm>>,
-    /// Errors split by contact state are measured beside them.
+    /// Also measures errors split by contact state.
     pub by_state: bool,
 }
 
@@ -75,7 +75,7 @@ impl Sweep {
 }
 
 impl Sweep {
-    /// The sweep of an abstract scene: numbers of steps alone.
+    /// The sweep of an abstract scene: numbers of steps only.
     pub(super) fn in_time(reading: &Reading, steps: &[i64]) -> Result<Sweep, SceneError> {
         let steps = counts(reading, "sweep.steps", steps)?;
         Ok(Sweep {
@@ -119,7 +119,7 @@ impl Reference {
     }
 }
 
-/// The pairs [n, N] of a path: at least three, finer in n from one to the next and no coarser in N.
+/// The pairs [n, N] of a path: at least three, with increasing n and nondecreasing N.
 fn path(
     reading: &Reading,
     written: &written::Sweep,
@@ -170,7 +170,6 @@ fn step_count(reading: &Reading, key: &str, value: i64) -> Result<usize, SceneEr
     }
 }
 
-/// A list of positive numbers without repetition.
 fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, SceneError> {
     if written.is_empty() {
         return Err(reading.error(key, "the list is empty", "give at least one: [8, 16, 32]"));
@@ -194,19 +193,19 @@ fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, S
     Ok(counts)
 }
 
-/// Numbers of cells and vertices are whole numbers of 32 bits, with room to spare.
+/// Numbers of cells and vertices have to fit 32 bits.
 const MOST_CELLS: f64 = 1e9;
-/// Steps beyond which a number of steps is a slip; `--steps` takes no more either.
+/// More steps are taken for a slip; `--steps` has the same limit.
 const MOST_STEPS: usize = 10_000_000;
 
-/// Cells of the mesh n, where they are too many.
+/// The number of cells of mesh n in words, if too many.
 fn too_many_cells(n: usize, domain: &Domain) -> Option<String> {
     let cells = domain.cells(u32::try_from(n).unwrap_or(u32::MAX));
     let many = cells.is_nan() || cells > MOST_CELLS;
     many.then(|| format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most"))
 }
 
-/// n cells per unit length must cut every side of a rectangle or box into a whole number of cells, and not into too many.
+/// n cells per unit length must cut every side of a rectangle or box into a whole number of cells, and not too many.
 fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
     if let Some(message) = too_many_cells(n, domain) {
         return Err(reading.error(key, message, "choose a smaller n"));
@@ -234,8 +233,7 @@ fn odd_length(n: usize, domain: &Domain) -> Option<f64> {
 impl Scene {
     /// Checks that n cells per unit length divide the sides into whole cells.
     ///
-    /// # Errors
-    /// An n that does not.
+    /// # Errors An n that does not.
     pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
         let Body::Contact(body) = &self.body else { return Ok(()) };
         if let Some(message) = too_many_cells(n as usize, &body.domain) {
@@ -247,10 +245,9 @@ impl Scene {
         Err(self.error("domain.size", message, hint))
     }
 
-    /// Checks grids that come from outside the file (the command line) as the file's own are.
+    /// Checks grids of the command line as if they were in the file.
     ///
-    /// # Errors
-    /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
+    /// # Errors As [`Self::check_cases`]; any grid for a scene that runs along a path.
     pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
         if path && !(n.is_empty() && steps.is_empty()) {
@@ -263,17 +260,16 @@ impl Scene {
 
     /// Checks numbers of cells and steps that the file does not list.
     ///
-    /// # Errors
-    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    /// # Errors As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
     pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         n.iter().try_for_each(|&n| self.check_cells(n))?;
         let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
             return Ok(());
         };
-        for (name, own, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
-            if let Some(case) = cases.iter().find(|&&case| !own.is_multiple_of(case as usize)) {
+        for (name, refined, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
+            if let Some(case) = cases.iter().find(|&&case| !refined.is_multiple_of(case as usize)) {
                 let message =
-                    format!("the reference {name} = {own} is no multiple of {name} = {case}");
+                    format!("the reference {name} = {refined} is no multiple of {name} = {case}");
                 let hint = "choose divisors of the reference's, or change the reference";
                 return Err(self.error("sweep.reference", message, hint));
             }
@@ -298,7 +294,7 @@ pub(super) fn serves(
     Err(reading.error(&format!("predicts.{index}.variable"), message, hint))
 }
 
-/// Errors by contact state need the states of the truth: an exact solution in the plane with contact.
+/// Errors by contact state need an exact solution in the plane with contact.
 pub(super) fn states_are_known(
     reading: &Reading,
     known: bool,

@@ -4,18 +4,20 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written;
 
-/// Where the time points t_0 = 0 < … < t_N = T lie.
+/// The time points t_0 = 0 < … < t_N = T.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TimeGrid {
     /// t_j = T j/N.
     Uniform,
     /// t_j = T (j/N)^exponent, exponent ≥ 1: fine near t = 0.
-    Graded { exponent: f64 },
-    /// Random steps, reproducible by their seed.
-    Random { seed: u64 },
+    Graded {
+        exponent: f64,
+    },
+    Random {
+        seed: u64,
+    },
 }
 
-/// `[time]` as validated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Time {
     /// T > 0.
@@ -27,14 +29,17 @@ pub struct Time {
 /// How ∫ q(t, s) v(s) ds is approximated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TimeRule {
-    /// The trapezoidal rule of the paper.
     Trapezoid,
-    /// The value at the left end of each step, for all of it.
+    /// The value at the left end of each step.
     Left,
-    /// The trapezoidal rule corrected by differences at both ends, on equal steps: order 3 or 4.
-    Gregory { order: u32 },
+    /// The trapezoidal rule with difference corrections at both ends, on equal steps: order 3 or 4.
+    Gregory {
+        order: u32,
+    },
     /// The trapezoidal rule with a corrected weight at s = t for kernels like (t - s)^exponent.
-    CorrectedEnd { exponent: f64 },
+    CorrectedEnd {
+        exponent: f64,
+    },
     /// v interpolated linearly, the kernel integrated exactly.
     ProductIntegration,
 }
@@ -124,7 +129,6 @@ impl TimeRule {
     }
 }
 
-/// The kinds of grid, before their numbers are known.
 #[derive(Clone, Copy)]
 enum GridKind {
     Uniform,

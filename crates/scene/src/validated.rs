@@ -1,4 +1,4 @@
-//! The scene as validated: what every later part of the program reads.
+//! The scene as validated.
 
 use std::ops::Range;
 use std::path::Path;
@@ -28,17 +28,17 @@ use super::sweep::{Sweep, serves, states_are_known};
 use super::time::Time;
 use super::{wording, written};
 
-/// A scene that satisfies everything that can be checked without a mesh and without a solve.
+/// A scene that satisfies everything that can be checked without a mesh or a solve.
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub name: String,
     pub question: String,
     /// 2 for bodies (plane strain); m for an abstract problem in ℝ^m.
     pub dimension: usize,
-    /// Whether verdicts are given; else the scene is measured and reported only.
+    /// Whether verdicts are given; otherwise the scene is only measured.
     pub judge: bool,
     pub expect: Expectation,
-    /// Runs only when asked for.
+    /// Runs only on request.
     pub long: bool,
     pub window_n: Option<[usize; 2]>,
     pub window_steps: Option<[usize; 2]>,
@@ -46,16 +46,13 @@ pub struct Scene {
     pub source: Source,
     pub spans: Spans,
     pub time: Time,
-    /// What is solved.
     pub body: Body,
     pub predicts: Vec<Prediction>,
-    /// None where the scene asks for no sweep.
     pub sweep: Option<Sweep>,
     /// Owns every formula of the scene.
     pub formulas: Graph,
 }
 
-/// The problem of a scene.
 #[derive(Debug, Clone)]
 pub enum Body {
     /// Problem 12.
@@ -64,7 +61,6 @@ pub enum Body {
     Abstract(Box<AbstractScene>),
 }
 
-/// A body in contact.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
     pub domain: Domain,
@@ -75,7 +71,6 @@ pub struct ContactScene {
 }
 
 impl Scene {
-    /// The body in contact, if the scene is one.
     pub fn as_contact(&self) -> Option<&ContactScene> {
         match &self.body {
             Body::Contact(body) => Some(body),
@@ -85,16 +80,14 @@ impl Scene {
 
     /// Reads and validates a file.
     ///
-    /// # Errors
-    /// The first fault found, with its place and the way out.
+    /// # Errors The first fault found, with its place and the way out.
     pub fn read(path: &Path) -> Result<Scene, SceneError> {
         Scene::from_source(Source::read(path)?)
     }
 
     /// Validates the text of a scene.
     ///
-    /// # Errors
-    /// The first fault found, with its place and the way out.
+    /// # Errors The first fault found, with its place and the way out.
     pub fn from_source(source: Source) -> Result<Scene, SceneError> {
         if is_blank(&source.text) {
             return Err(SceneError::Empty { path: source.path });
@@ -114,12 +107,12 @@ impl Scene {
         }
     }
 
-    /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would hold it.
+    /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would contain it.
     pub(crate) fn span(&self, key: &str) -> Range<usize> {
         self.spans.value(key)
     }
 
-    /// An error found later, such as (2.9) violated, that points at a key of this scene.
+    /// An error found later, such as (2.9) violated, at a key of this scene.
     pub fn error(
         &self,
         key: &str,
@@ -130,7 +123,7 @@ impl Scene {
     }
 }
 
-/// Nothing but white space and comments.
+/// Only white space and comments.
 fn is_blank(text: &str) -> bool {
     text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
 }
@@ -215,7 +208,7 @@ fn validate_abstract(
     Ok(heading.scene(file.scene, content))
 }
 
-/// What a scene has besides its heading.
+/// The parts of a scene besides its heading.
 struct Content {
     source: Source,
     spans: Spans,
@@ -262,7 +255,7 @@ fn predictions(
         .collect()
 }
 
-/// A judged scene that predicts nothing would be green whatever it measures.
+/// Refuses a judged scene without predictions, which could never fail.
 fn is_judged_by_something(
     reading: &Reading,
     judge: bool,

@@ -8,7 +8,7 @@ use super::nearest::nearest;
 use super::source::Source;
 use super::spans::Spans;
 
-/// Types as the TOML reader calls them, and as a scene does.
+/// Types in the words of the TOML reader and of a scene.
 const TYPES: [(&str, &str); 11] = [
     ("i64", "a whole number"),
     ("f64", "a number"),
@@ -41,7 +41,7 @@ pub(super) fn syntax(source: &Source, error: &toml::de::Error) -> SceneError {
     SceneError::at(source, span, message, hint)
 }
 
-/// The text is TOML, but not the keys and types of a scene.
+/// The text is TOML, but not a scene.
 pub(super) fn structure(source: &Source, spans: &Spans, error: &toml::de::Error) -> SceneError {
     let span = error.span().unwrap_or_default();
     let message = error.message();
@@ -127,7 +127,7 @@ fn plain_type(name: &str) -> String {
     renamed.unwrap_or_else(|| name.to_string())
 }
 
-/// How a dotted name of a table reads in a message: `[material.memory]`, `[[predicts]]`.
+/// A dotted name of a table as in a message: `[material.memory]`, `[[predicts]]`.
 pub(super) fn heading(part: &str) -> String {
     match part.rsplit_once('.') {
         Some((list, index)) if index.parse::<usize>().is_ok() => format!("[[{list}]]"),
@@ -135,7 +135,7 @@ pub(super) fn heading(part: &str) -> String {
     }
 }
 
-/// The pieces of a message between backticks.
+/// The parts of a message between backticks.
 fn in_backticks(message: &str) -> Vec<&str> {
     message.split('`').skip(1).step_by(2).collect()
 }

@@ -1,7 +1,7 @@
-//! A scene file as written: keys and types, nothing else is checked here.
+//! A scene file as written: keys and types only.
 //!
-//! Plain nested tables; a `kind` is a string here, and what belongs to it is decided in validation.
-//! Counts are signed, so that a negative one can be refused with words.
+//! Plain nested tables; a `kind` is a string here, and its further keys are decided in validation. Counts are signed,
+//! so that a negative one can be refused with a message.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -134,7 +134,7 @@ pub struct Time {
 /// `rule = "left"`, or `rule = { kind = "corrected-end", exponent = 0.5 }`
 pub type Rule = OrTable<RuleName, RuleTable>;
 
-/// A rule that takes no numbers, by its name.
+/// A rule without parameters.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(transparent)]
 pub struct RuleName(pub String);
@@ -143,7 +143,7 @@ impl Plain for RuleName {
     const IS: &'static str = "the name of a rule";
 }
 
-/// A rule with what belongs to its kind.
+/// A rule with the parameters of its kind.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RuleTable {
@@ -273,8 +273,8 @@ pub struct FrictionBoundTable {
     pub coefficient: Option<Formula>,
 }
 
-/// `law = { kind = "piecewise-linear", points = [[0.0, 0.0], …], slope_before = 0.0, slope_after = 0.0 }`, or of
-/// another kind; docs/CONTACT-LAWS.md lists the keys of each.
+/// `law = { kind = "piecewise-linear", points = [[0.0, 0.0], …], slope_before = 0.0, slope_after = 0.0 }`, or another
+/// kind; docs/CONTACT-LAWS.md lists the keys of each.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Law {

@@ -6,38 +6,35 @@ use super::{
 };
 use algebra::linalg::FactorError;
 
-/// j1(r) = j(r) + α/2 r² is convex by (2.8c), and j2 = α/2 r² is treated explicitly: u' solves
+/// j1(r) = j(r) + α/2 r² is convex by (2.8c); j2 = α/2 r² is treated explicitly: u' solves
 ///
-///   F(u') + Σ_i w_i (c_i + α_i (s_i u'_i - s_i u_i)) s_i e_i = 0,   c_i ∈ G_i(s_i u'_i),
+///   F(u') + Σ_i w_i (c_i + α_i (s_i u'_i - s_i u_i)) s_i e_i = 0, c_i ∈ G_i(s_i u'_i),
 ///
-/// a problem with a monotone boundary term, again and again until u' = u. For two iterates with
-/// difference d, m‖d'‖² ≤ Σ w α d'_i d_i ≤ α c_j² ‖d'‖ ‖d‖, where m is the constant of strong
-/// monotonicity of F: the map contracts with the factor α c_j²/m at most, which is below one exactly if
-/// (2.9) holds. Γ3 is integrated by vertices in c_j here, whatever the rule of the law: lumping does not
-/// lessen the quadratic term.
+/// a problem with a monotone boundary term, repeated until u' = u. For two iterates with difference d, m‖d'‖² ≤ Σ w α
+/// d'_i d_i ≤ α c_j² ‖d'‖ ‖d‖, m the constant of strong monotonicity of F: the map contracts with factor α c_j²/m at
+/// most, which is below one if and only if (2.9) holds. c_j integrates Γ3 by vertices here, whatever the rule of the
+/// law: lumping does not reduce the quadratic term.
 #[derive(Debug, Clone, Copy)]
 pub struct Decomposition {
-    /// Solves the convex problems.
     pub newton: Newton,
-    /// Convex problems after which the level is given up.
+    /// Limit of convex problems per level.
     pub max_iterations: u32,
     /// Stops when ‖u' - u‖_X falls below this share of ‖u'‖_X.
     pub tolerance: f64,
 }
 
 impl Default for Decomposition {
-    /// 1e-13 leaves the 1e-9 that results promise up to a factor of 0.9999; 2,000 problems reach it up
-    /// to a factor of 0.985.
+    /// 1e-13 meets the promised 1e-9 up to a factor of 0.9999; 2,000 problems reach it up to a factor of 0.985.
     fn default() -> Self {
         Self { newton: Newton::default(), max_iterations: 2000, tolerance: 1e-13 }
     }
 }
 
-/// Changes that rounding alone explains, as a share of ‖u‖.
+/// Changes within rounding, as a share of ‖u‖.
 const ROUNDING: f64 = 1e-11;
-/// Problems in a row that must not have shrunk the change before it is said not to contract.
+/// Problems in a row without a smaller change after which the map does not contract.
 const PATIENCE: u32 = 12;
-/// Units of rounding that no residual exceeds, for an evaluation without an iteration.
+/// Above any residual, in units of rounding: an evaluation without iteration.
 const ANY: f64 = 1e200;
 
 impl StepSolver for Decomposition {
@@ -50,7 +47,7 @@ impl StepSolver for Decomposition {
         let alpha: Vec<f64> =
             (0..problem.graph().coordinates.len()).map(|i| problem.descent(i)).collect();
         if alpha.iter().all(|alpha| *alpha == 0.0) {
-            // j is convex: the level is the one convex problem.
+            // j is convex: the level is one convex problem.
             let info = self.newton.solve(problem, state, scratch)?;
             return Ok(StepInfo { convex_problems: 1, ..info });
         }
@@ -71,7 +68,7 @@ impl StepSolver for Decomposition {
             if !change.is_finite() {
                 return Err(StepError::NotFinite { iteration: count, value: change });
             }
-            // Quotients of changes that are mostly rounding say nothing of the map.
+            // Quotients of changes near rounding say nothing about the map.
             if last.is_finite() && last > COUNTED * size {
                 total.contraction = total.contraction.max(change / last);
             }
@@ -83,7 +80,7 @@ impl StepSolver for Decomposition {
             }
             let stands = since_best >= PATIENCE && best <= ROUNDING * size;
             if done || stands {
-                // One evaluation of the level itself, without the term α(u' - u).
+                // Evaluates the level itself, without the term α(u' - u).
                 let plain = Newton { max_iterations: 0, rounding_units: ANY, ..Newton::standard() };
                 let info = plain.solve(problem, state, scratch)?;
                 let StepInfo { residual, tolerance, .. } = info;
@@ -100,10 +97,9 @@ impl StepSolver for Decomposition {
     }
 }
 
-/// Changes, as a share of ‖u‖, whose quotients are measured: above the accuracy of one convex problem.
+/// Changes, as a share of ‖u‖, whose quotients count: above the accuracy of one convex problem.
 const COUNTED: f64 = 1e-8;
 
-/// The level with α w (s u' - s u) added on the coordinates of the graphs.
 struct Convex<'a, P> {
     problem: &'a mut P,
     alpha: &'a [f64],
@@ -136,7 +132,7 @@ impl<P: StepInequality> StepInequality for Convex<'_, P> {
         let coordinates = self.problem.graph().coordinates.iter();
         let added = coordinates.zip(self.alpha).map(|(at, alpha)| alpha * at.weight);
         let mut slopes = slopes.to_vec();
-        slopes.iter_mut().zip(added).for_each(|(slope, own)| *slope += own);
+        slopes.iter_mut().zip(added).for_each(|(slope, convexity)| *slope += convexity);
         self.problem.linearize(&slopes, prescribed)
     }
 

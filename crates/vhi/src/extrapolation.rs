@@ -2,9 +2,8 @@
 
 use super::StepState;
 
-/// Levels through which start values are extrapolated. A third one takes more iterations where fronts move through the
-/// body, 215 in place of 200 in `punch`, n = N = 64, and 27 in place of 24 in `punch-box`, n = 12, N = 4; no scene was
-/// found that has fewer with it.
+/// Levels used for extrapolation. A third takes more iterations where fronts move through the body: 215 for 200 in
+/// `punch`, n = N = 64, and 27 for 24 in `punch-box`, n = 12, N = 4; no scene was found to gain from it.
 const LEVELS: usize = 2;
 
 /// The last solutions (u, c) with their times, newest first.
@@ -14,7 +13,6 @@ pub struct Extrapolation {
 }
 
 impl Extrapolation {
-    /// Keeps the solution at t.
     pub fn keep(&mut self, t: f64, state: &StepState) {
         if self.last.len() == LEVELS {
             self.last.rotate_right(1);
@@ -25,8 +23,8 @@ impl Extrapolation {
         }
     }
 
-    /// u and c through the last levels, exact for linear functions of time on any grid; `state` is left as it is before
-    /// the first level.
+    /// Extrapolates u and c, exact for linear functions of time on any grid; leaves `state` unchanged before the first
+    /// level.
     pub fn start(&self, t: f64, state: &mut StepState) {
         let last = &self.last;
         if last.is_empty() {

@@ -2,30 +2,29 @@
 
 use super::{HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState};
 
-/// η ← Λη = u_η until it stands still: the last slot of the history is frozen at η, the rest of the
-/// level is solved by Newton's method. Λ contracts with factor k β_φ‖R‖‖q‖/m0 at most (3.15).
+/// η ← Λη = u_η until it converges: the last slot of the history is frozen at η, the rest of the level solved by
+/// Newton's method. Λ contracts with factor k β_φ‖R‖‖q‖/m0 at most (3.15).
 #[derive(Debug, Clone, Copy)]
 pub struct FixedPoint {
-    /// Solves the level with frozen last slot.
     pub newton: Newton,
-    /// Iterations after which the level is given up.
+    /// Limit of iterations per level.
     pub max_iterations: u32,
     /// Stops when ‖u_η - η‖_X falls below this share of ‖u_η‖_X.
     pub tolerance: f64,
 }
 
 impl Default for FixedPoint {
-    /// Stops at 1e-13: for a factor θ the error is θ/(1-θ) times as large, which leaves the 1e-9
-    /// that results promise up to θ = 0.9999. 2,000 iterations reach 1e-13 up to θ = 0.985.
+    /// 1e-13: for a factor θ the error is θ/(1-θ) times as large, which meets the promised 1e-9 up to θ = 0.9999. 2,000
+    /// iterations reach 1e-13 up to θ = 0.985.
     fn default() -> Self {
         Self { newton: Newton::default(), max_iterations: 2000, tolerance: 1e-13 }
     }
 }
 
-/// Changes that rounding alone explains, as a share of ‖u‖: a frozen level is solved to about
-/// condition · ε, so two iterates of it differ by as much for ever.
+/// Changes within rounding, as a share of ‖u‖: a frozen level is solved to about condition · ε, so iterates keep
+/// differing by as much.
 const ROUNDING: f64 = 1e-11;
-/// Iterations in a row that must not have shrunk the change before Λ is said not to contract.
+/// Iterations in a row without a smaller change after which Λ does not contract.
 const PATIENCE: u32 = 12;
 
 impl StepSolver for FixedPoint {

@@ -1,32 +1,23 @@
-//! What the theory asks of Λ beyond its values: its derivative, and a step size to vary.
+//! The derivative of Λ, for checks of the theory.
 
 use super::{HistoryInequality, StepState};
 use algebra::linalg::FactorError;
 
-/// A problem whose open level has a Λ: η ↦ u_η (3.7) with a (generalized) derivative.
+/// A problem whose open level has a map Λ: η ↦ u_η (3.7) with a (generalized) derivative.
 ///
-/// The step size of the open level may be set freely: load and past stay as they are, and only the
-/// implicit weight k/2 of the last slot changes. All maps act on coefficient vectors.
+/// The step size of the open level may be varied: load and past are kept, only the implicit weight k/2 of the last slot
+/// changes. Maps act on coefficient vectors.
 pub trait FrozenDerivative: HistoryInequality {
-    /// Gives the last slot of the open level the weight of a last step of size k.
+    /// Gives the last slot of the open level the weight of a step k.
     fn set_step(&mut self, k: f64);
 
     /// Prepares DΛ(η), where `state` is Λη.
-    ///
-    /// # Errors
-    /// The factorization's.
     fn differentiate(&mut self, eta: &[f64], state: &StepState) -> Result<(), FactorError>;
 
     /// `out` ← DΛ x.
-    ///
-    /// # Errors
-    /// The linear solver's.
     fn derivative(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError>;
 
     /// `out` ← (DΛ)* x, the adjoint in the inner product of X.
-    ///
-    /// # Errors
-    /// The linear solver's.
     fn adjoint(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError>;
 
     /// `out` ← G x with the matrix G of the inner product of X.

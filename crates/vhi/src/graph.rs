@@ -1,35 +1,32 @@
 //! Graphs G = ∂j_ν(· - s) + ∂I_{[floor, g]} on single coordinates, and the choice of a piece.
 //!
-//! The unilateral constraint is the last vertical piece of the graph, a jump of ∂j_ν an inner one:
-//! one rule serves both. For γ α_ν < 1 the map (u, c) ↦ z = u + γ c is one to one along the graph,
-//! so z picks the piece: the primal-dual active set strategy.
+//! The unilateral constraint is the last vertical piece of the graph, a jump of ∂j_ν an inner one; one rule serves
+//! both. For γ α_ν < 1 the map (u, c) ↦ z = u + γ c is one to one along the graph, so z selects the piece: the
+//! primal-dual active set strategy.
 
 use std::sync::Arc;
 
 use super::StepState;
 use crate::law::Potential;
 
-/// The coordinate a graph sits on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinate {
-    /// The unknown.
     pub dof: u32,
     /// u_ν = sign · u.
     pub sign: f64,
     /// Weight w of the pressure in the force balance.
     pub weight: f64,
-    /// The bound g, infinite where there is none.
+    /// The bound g, or ∞.
     pub gap: f64,
-    /// The lower bound, -infinite where there is none (always, in contact).
+    /// The lower bound, or -∞ (always, in contact).
     pub floor: f64,
-    /// Number of the potential.
     pub law: u32,
     /// The shift s of the potential: ∂j_ν(u_ν - s).
     pub shift: f64,
     /// γ (length/pressure), the scaling of the complementarity condition.
     pub gamma: f64,
-    /// Coordinates that the law takes as one vector, this one and those behind it: 1 where it takes numbers, 0 on a
-    /// coordinate that belongs to a law before it.
+    /// Number of consecutive coordinates that the law takes as one vector, starting here: 1 for a scalar law, 0 inside
+    /// a vector.
     pub span: u8,
 }
 
@@ -44,9 +41,8 @@ pub enum Piece {
 
 /// All graphs of a time level.
 pub struct BoundaryGraph {
-    /// Where the graphs sit.
     pub coordinates: Vec<Coordinate>,
-    /// The potentials, [`crate::law::NoPotential`] where only the constraint is left to the graphs.
+    /// [`crate::law::NoPotential`] where the graph has only the constraint.
     pub potentials: Vec<Arc<dyn Potential>>,
 }
 
@@ -55,7 +51,6 @@ impl BoundaryGraph {
         &*self.potentials[self.coordinates[i].law as usize]
     }
 
-    /// α of (2.8c) of the potential of coordinate i.
     pub fn descent(&self, i: usize) -> f64 {
         self.potential(i).alpha()
     }
@@ -97,8 +92,8 @@ impl BoundaryGraph {
         potential.jumps().partition_point(passed)
     }
 
-    /// The first jump (as a value of u_ν) on the way from the free piece above `before` jumps to the
-    /// free piece that z selects; `None` if it is the same piece.
+    /// The first jump (a value of u_ν) between the free piece above `before` jumps and the one that z selects; None if
+    /// they are the same.
     pub(crate) fn jump_across(&self, i: usize, before: usize, z: f64) -> Option<f64> {
         let now = self.jumps_below(i, z);
         let crossed = match now.cmp(&before) {
@@ -109,8 +104,8 @@ impl BoundaryGraph {
         Some(self.potential(i).jumps()[crossed] + self.coordinates[i].shift)
     }
 
-    /// Pressure and slope of a free coordinate above `below` jumps. An argument that rounding has put
-    /// on or beyond the next jump is taken back: the branch is chosen by z, not by r.
+    /// Pressure and slope of a free coordinate above `below` jumps. The branch is chosen by z, so an argument that
+    /// rounding has put on or beyond the next jump is moved back.
     pub fn value_and_slope(&self, i: usize, below: usize, normal: f64) -> (f64, f64) {
         let potential = self.potential(i);
         let jumps = potential.jumps();
@@ -130,8 +125,8 @@ impl BoundaryGraph {
         at.sign * u[at.dof as usize]
     }
 
-    /// Slopes of the free coordinates at a solution (a stiffness), in the order of [`crate::StepInequality::linearize`], and
-    /// increment 0 on the pinned ones.
+    /// Slopes of the free coordinates at a solution (a stiffness), in the order of
+    /// [`crate::StepInequality::linearize`], and increment 0 on the pinned ones.
     pub fn pieces(&self, solution: &StepState) -> (Vec<f64>, Vec<Option<f64>>) {
         let mut slopes = vec![0.0; self.slopes()];
         let mut prescribed = vec![Some(0.0); self.coordinates.len()];
@@ -177,7 +172,7 @@ mod tests {
         graph.defect(0, &[graph.coordinates[0].sign * normal], &[pressure])
     }
 
-    /// Every point of the graph selects its own piece.
+    /// Every point of the graph selects its piece.
     #[test]
     fn z_selects_the_piece_that_it_came_from() {
         let graph = graph();
@@ -193,7 +188,7 @@ mod tests {
         assert_eq!(graph.piece(0, 0.6 + gamma * 2.0), bound);
     }
 
-    /// Rounding at the ends of the jump: the value of the chosen branch, not of the other one.
+    /// Rounding at the ends of the jump must not leave the chosen branch.
     #[test]
     fn a_free_coordinate_stays_on_its_branch() {
         let graph = graph();

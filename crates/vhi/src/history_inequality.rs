@@ -1,4 +1,4 @@
-//! Problem 5 and 9 over a whole time grid: the inequality with its history operator.
+//! Problems 5 and 9 over a whole time grid: the inequality with its history operator.
 
 use super::{StepError, StepInequality, StepState};
 use crate::history::TimeGrid;
@@ -7,27 +7,24 @@ use crate::history::TimeGrid;
 ///
 ///   ⟨A u_n, v-u_n⟩ + φ(S_n^k u, u_n, v) - φ(S_n^k u, u_n, u_n) + j⁰(γ_j u_n; γ_j v-γ_j u_n) ≥ ⟨f_n, v-u_n⟩
 ///
-/// for all v ∈ K, where S_n^k u = R(k Σ'_{j≤n} q(t_n, t_j) u_j + a_S). The coordinates of u_n and
-/// the graphs of ∂j + ∂I_K are those of [`StepInequality`].
+/// for all v ∈ K, where S_n^k u = R(k Σ'_{j≤n} q(t_n, t_j) u_j + a_S). Coordinates of u_n and graphs of ∂j + ∂I_K are
+/// those of [`StepInequality`].
 ///
-/// Levels are opened, solved and committed one after another: the history is changed by
-/// [`Self::commit`] alone, so a failed or repeated solve leaves no trace.
+/// Levels are opened, solved and committed in turn; only [`Self::commit`] changes the history, so a failed or repeated
+/// solve leaves no trace.
 pub trait HistoryInequality: StepInequality {
-    /// What opening a level and a failed step end in.
     type Error: From<FailedStep>;
 
-    /// The time grid.
     fn grid(&self) -> &TimeGrid;
 
-    /// Opens the level after the last committed one (the first is n = 0): the load f(t_n) and the
-    /// sum over j < n. The last slot of the history is implicit: F depends on u_n through it.
+    /// Opens the next level (the first is n = 0): the load f(t_n) and the sum over j < n. The last slot of the history
+    /// is implicit: F depends on u_n through it.
     ///
-    /// # Errors
-    /// The load's.
+    /// # Errors Those of the load.
     fn open(&mut self) -> Result<(), Self::Error>;
 
-    /// Freezes the last slot of the history of the open level at η, as the operator Λ: η ↦ u_η of
-    /// the proof of Theorem 6 does; `None` makes it implicit again.
+    /// Freezes the last slot of the history of the open level at η, as the operator Λ: η ↦ u_η of the proof of Theorem
+    /// 6; None makes it implicit again.
     fn freeze(&mut self, eta: Option<&[f64]>);
 
     /// Appends u_n to the history and closes the level.
@@ -37,7 +34,6 @@ pub trait HistoryInequality: StepInequality {
     fn norm(&self, v: &[f64]) -> f64;
 }
 
-/// A time level without a computed solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("step {n} (t = {t}): {source}")]
 pub struct FailedStep {
@@ -45,6 +41,5 @@ pub struct FailedStep {
     pub n: usize,
     /// t_n.
     pub t: f64,
-    /// What the solver said.
     pub source: StepError,
 }

@@ -1,6 +1,6 @@
-//! The discrete inequality (4.3) over a time grid, and its solution level by level: a semismooth
-//! Newton method with primal-dual active set, the fixed-point iteration Λ of Theorem 6, or the
-//! decomposition of Remark 3. Nothing here knows a mesh.
+//! The discrete inequality (4.3) over a time grid, and its solution level by level: a semismooth Newton method with
+//! primal-dual active set, the fixed-point iteration Λ of Theorem 6, or the decomposition of Remark 3. Independent of
+//! any mesh.
 
 mod decomposition;
 mod extrapolation;

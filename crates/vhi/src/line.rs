@@ -1,30 +1,27 @@
-//! The line that a graph sits on.
+//! Vector-valued laws, reduced to a line.
 //!
-//! A law of numbers has the axis of its coordinate. A law of vectors is r ↦ S(|r|) r/|r| where r ↦ S(|r|) sign r is the law
-//! of numbers: on the line along z = r + γ s it is that law, and across the line, to first order, the spring S/|r|. So
-//! a vector needs a line that turns with z, and nothing else. |z| is at least γ S where the vector slips: the line is
-//! known to rounding however small the slip is, which r alone would not tell.
+//! A scalar law acts on the axis of its coordinate. A vector law is r ↦ S(|r|) r/|r| with the scalar law r ↦ S(|r|)
+//! sign r: along the line of z = r + γ s it is that law, and across the line, to first order, the spring S/|r|. The
+//! line turns with z. |z| is at least γ S where the vector slips, so the line is known to rounding however small the
+//! slip, which r alone would not tell.
 
 use std::ops::Range;
 
 use super::{BoundaryGraph, Piece};
 
-/// A line through 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Line {
-    /// Its direction.
     pub(crate) along: [f64; 2],
     /// The stiffness across it, over the weight.
     across: f64,
 }
 
 impl Line {
-    /// The axis of a coordinate.
     pub(crate) const AXIS: Self = Self { along: [1.0, 0.0], across: 0.0 };
 }
 
-/// A slip shorter than this share of γ S has the spring of this one: a spring that is 1e8 times as stiff as the body holds
-/// a direction as well, and leaves half of the digits to the stiffness along it.
+/// A slip shorter than this share of γ S gets the spring of this one: a spring 1e8 times as stiff as the body fixes the
+/// direction as well, and leaves half of the digits to the stiffness along it.
 const SHORTEST: f64 = 1e-8;
 
 impl BoundaryGraph {
@@ -38,13 +35,13 @@ impl BoundaryGraph {
         i..i + usize::from(self.coordinates[i].span)
     }
 
-    /// Slopes of a level: one a coordinate, and one a vector.
+    /// Number of slopes of a level: one per coordinate, and one per vector.
     pub(crate) fn slopes(&self) -> usize {
         let vectors = self.coordinates.iter().filter(|at| at.span > 1).count();
         self.coordinates.len() + vectors
     }
 
-    /// The line of the law at i for (u, c), and the place z ≥ 0 on it; of a law of numbers the axis and any z.
+    /// The line of the law at i for (u, c), and the place z ≥ 0 on it; for a scalar law the axis and any z.
     pub(crate) fn line(&self, i: usize, u: &[f64], pressure: &[f64]) -> (Line, f64) {
         let at = &self.coordinates[i];
         let z = |j: usize| self.normal(j, u) + at.gamma * pressure[j];
@@ -69,7 +66,6 @@ impl BoundaryGraph {
         (line, length)
     }
 
-    /// The place of u on a line.
     pub(crate) fn place(&self, i: usize, line: &Line, u: &[f64]) -> f64 {
         match self.coordinates[i].span {
             1 => self.normal(i, u),
@@ -96,7 +92,7 @@ impl BoundaryGraph {
         }
     }
 
-    /// Its slopes, times the weight: on the coordinates, and between the two of a vector at `mixed`.
+    /// Its slopes, times the weight: on the coordinates, and for vectors the mixed one at `mixed`.
     pub(crate) fn set_slopes(
         &self,
         i: usize,
@@ -119,8 +115,8 @@ impl BoundaryGraph {
 
     /// Distance of (u_ν, c) from the graph, as a force: zero exactly on the graph.
     ///
-    /// At a pinned piece it is w·dist(c, [lo, hi]) for u_ν at its value; else the violation of the
-    /// bound over γ; continuous in both.
+    /// On a pinned piece it is w·dist(c, [lo, hi]) with u_ν at its value; else the violation of the bound over γ;
+    /// continuous in both.
     pub(crate) fn defect(&self, i: usize, u: &[f64], pressure: &[f64]) -> f64 {
         let at = &self.coordinates[i];
         let (line, z) = self.line(i, u, pressure);
@@ -229,8 +225,8 @@ mod tests {
         }
     }
 
-    /// u = f/|f| (|f| - w S)/k where that is positive, from starts on all sides of 0; also where the slip is no more than
-    /// the rounding of its forces, and u alone says nothing of its direction.
+    /// u = f/|f| (|f| - w S)/k where positive, from starts on all sides of 0; also for slips within the rounding of the
+    /// forces, where u alone has no direction.
     #[test]
     fn a_vertex_on_a_spring_slips_along_its_load() {
         let bound = 0.4;
@@ -259,22 +255,22 @@ mod tests {
         }
     }
 
-    /// Slopes are differences of S(|u|) u/|u|, with a bound that falls and one that rises.
+    /// Slopes against differences of S(|u|) u/|u|, for a falling and a rising bound.
     #[test]
     fn slopes_are_differences() {
         const STEP: f64 = 1e-6;
         for points in [vec![(0.0, 0.4), (0.5, 0.3)], vec![(0.0, 0.1), (0.5, 0.7)]] {
-            let own = vertex(points.clone(), [0.0; 2]).graph;
+            let graph = vertex(points.clone(), [0.0; 2]).graph;
             let ((_, s0), (r1, s1)) = (points[0], points[1]);
             // In unknowns: a displacement (x, -y), a force w (s_1, -s_2).
             let force = |[x, y]: [f64; 2]| {
                 let r = x.hypot(y);
-                [x, y].map(|own| WEIGHT * (s0 + (s1 - s0) * r / r1) * own / r)
+                [x, y].map(|component| WEIGHT * (s0 + (s1 - s0) * r / r1) * component / r)
             };
             let at = [0.11, -0.17];
-            let s = force(at).map(|own| own / WEIGHT);
+            let s = force(at).map(|component| component / WEIGHT);
             let state = StepState { u: at.to_vec(), pressure: vec![s[0], -s[1]] };
-            let (slopes, prescribed) = own.pieces(&state);
+            let (slopes, prescribed) = graph.pieces(&state);
             assert_eq!(prescribed, [None, None]);
             for (j, column) in [[slopes[0], slopes[2]], [slopes[2], slopes[1]]].iter().enumerate() {
                 let moved = |sign: f64| {

@@ -4,15 +4,13 @@ use super::line::Line;
 use super::{Piece, StepInequality, StepState};
 use algebra::linalg::{FactorError, root_of_squares};
 
-/// Parameters of the iteration.
 #[derive(Debug, Clone, Copy)]
 pub struct Newton {
-    /// Iterations after which the step is given up.
     pub max_iterations: usize,
     /// The residual is accepted below this many units of rounding, ε·force_scale.
     pub rounding_units: f64,
-    /// Relative residual of the linear solves. A Newton step reduces the nonlinear residual by about 1e-4 near the
-    /// solution, so more digits are lost to linearization.
+    /// Relative residual of the linear solves. A Newton step gains about four digits near the solution, so more would
+    /// be lost to linearization.
     pub linear_tolerance: f64,
 }
 
@@ -22,24 +20,22 @@ impl Default for Newton {
     }
 }
 
-/// What one step took.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepInfo {
-    /// Newton iterations (linear solves).
     pub iterations: u32,
-    /// Coordinates that changed their piece, summed over the iterations.
+    /// Changes of piece, summed over coordinates and iterations.
     pub active_set_changes: u32,
-    /// Halved steps.
+    /// Number of halved steps.
     pub damped: u32,
-    /// Norm of residual and graph defects at the end (a force).
+    /// Final norm of residual and graph defects (a force).
     pub residual: f64,
-    /// The tolerance it had to meet.
+    /// The tolerance for `residual`.
     pub tolerance: f64,
-    /// Applications of Λ, 0 where the last slot of the history was implicit.
+    /// Applications of Λ; 0 if the last slot of the history was implicit.
     pub fixed_point_iterations: u32,
-    /// Convex problems of the decomposition, 0 for other solvers.
+    /// Convex problems of the decomposition; 0 for other solvers.
     pub convex_problems: u32,
-    /// The largest quotient of successive changes of the decomposition, 0 where none was measured.
+    /// The largest quotient of successive changes of the decomposition; 0 if none was measured.
     pub contraction: f64,
 }
 
@@ -51,49 +47,45 @@ pub enum StepError {
         "{source} in Newton iteration {iteration}; a smaller time step restores it if memory at lag 0 is negative, a smaller descent slope of the contact law otherwise"
     )]
     Factor { iteration: u32, source: FactorError },
-    /// Residual or increment is not a finite number.
+    /// Residual or increment is not finite.
     #[error("the residual became {value} in Newton iteration {iteration}")]
     NotFinite { iteration: u32, value: f64 },
-    /// Too many iterations.
     #[error(
         "no convergence in {iterations} Newton iterations: residual {residual:.3e}, wanted {tolerance:.3e}"
     )]
     NotConverged { iterations: u32, residual: f64, tolerance: f64 },
-    /// The fixed-point iteration does not stand still.
+    /// The fixed-point iteration does not converge.
     #[error(
         "Λ does not contract: after {iterations} iterations it still changes by {change:.3e}, {factor:.3} times the change before; a smaller time step makes it contract (3.4), and Newton's method does not need it to"
     )]
     NotContracting { iterations: u32, change: f64, factor: f64 },
-    /// The decomposition does not stand still.
+    /// The decomposition does not converge.
     #[error(
         "the decomposition of Remark 3 does not contract: after {problems} convex problems it still changes by {change:.3e}, {factor:.3} times the change before; it contracts where alpha_nu c_j^2 is below the constant of monotonicity (2.9), and Newton's method does not need that"
     )]
     Expanding { problems: u32, change: f64, factor: f64 },
 }
 
-/// Full steps are taken until this many iterations bring no new best residual; then they are
-/// halved, which breaks cycles of the active set.
+/// Iterations without a new best residual after which steps are halved, which breaks cycles of the active set.
 const PATIENCE: u32 = 8;
 
-/// The first iteration is solved to so many linear tolerances: from an extrapolated start, with fronts that have moved on, it reduces the residual
-/// by 1/50 to 1/500 whatever the digits. `punch`, n = N = 128, with the start values of two levels: 1,379 passes over a
-/// factor and 66 factorizations; with all four digits 1,548 and 81 (start values of three levels).
+/// Factor of the linear tolerance in the first iteration: from an extrapolated start, with moved fronts, it reduces the
+/// residual by 1/50 to 1/500 only. `punch`, n = N = 128: 1,379 passes over a factor and 66 factorizations, against
+/// 1,548 and 81 with all four digits (and start values of three levels).
 const FIRST: f64 = 30.0;
 /// In the last iteration the linear residual stays below this share of the tolerance.
 const FORCING_SHARE: f64 = 0.3;
 
 impl Newton {
-    /// 60 iterations: ten times what a step takes. The computed residual has a floor of 1 to 4
-    /// units of rounding on meshes of n = 4…256 (sums of up to 7 cells and 3 strain terms); 16
-    /// stays above it without giving away digits.
+    /// 60 iterations are ten times the usual number. The computed residual has a floor of 1 to 4 units of rounding on
+    /// meshes of n = 4…256 (sums of up to 7 cells and 3 strain terms); 16 is safely above it without losing digits.
     pub const fn standard() -> Self {
         Self { max_iterations: 60, rounding_units: 16.0, linear_tolerance: 1e-4 }
     }
 
     /// Solves one time level from the start value in `state`.
     ///
-    /// # Errors
-    /// See [`StepError`]; `state` is then the last iterate and no result.
+    /// # Errors See [`StepError`]; `state` is then the last iterate.
     pub fn solve<P: StepInequality>(
         &self,
         problem: &mut P,
@@ -101,8 +93,8 @@ impl Newton {
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
         scratch.resize(problem);
-        // A level without forces has the solution 0, and no residual is small beside forces that vanish
-        // with it: iterates from another start would shrink for ever.
+        // Without forces the solution is 0, and no residual is small relative to forces that vanish with it: other
+        // start values would shrink for ever.
         scratch.increment.fill(0.0);
         if problem.force_scale(&scratch.increment) == 0.0 {
             state.u.fill(0.0);
@@ -146,7 +138,6 @@ impl Newton {
     }
 }
 
-/// Vectors of the iteration, kept between steps.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
     force: Vec<f64>,
@@ -159,15 +150,14 @@ pub struct Scratch {
     prescribed: Vec<Option<f64>>,
 }
 
-/// The piece a coordinate is on, `None` before the first choice.
+/// The piece of a coordinate, None before the first choice.
 type PieceKey = Option<Chosen>;
 
-/// A chosen piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Chosen {
-    /// Between jumps, above so many of them.
+    /// Above so many jumps.
     Free(usize),
-    /// The unknown is pinned at a value.
+    /// At this value.
     Pinned(f64),
 }
 
@@ -200,10 +190,10 @@ impl Scratch {
                 self.lines[i].along[0] * line.along[0] + self.lines[i].along[1] * line.along[1];
             let chosen = match (graph.piece(i, z), self.pieces[i]) {
                 (Piece::Pinned { value, .. }, _) => Chosen::Pinned(value),
-                // A vector that would turn back goes by way of 0, as a number does.
+                // A vector that would reverse stops at 0 first, as a number does.
                 (Piece::Free, Some(Chosen::Free(_))) if turned < 0.0 => Chosen::Pinned(0.0),
-                // From one side of a jump to the other it would go back and forth for ever where
-                // the solution is at the jump: it stops there first.
+                // Crossing a jump stops at it first; otherwise iterates would alternate for ever if the solution is at
+                // the jump.
                 (Piece::Free, Some(Chosen::Free(before))) => {
                     graph.jump_across(i, before, z).map_or(Chosen::Free(before), Chosen::Pinned)
                 }
@@ -218,9 +208,8 @@ impl Scratch {
         changes
     }
 
-    /// Sets the pressures (in equilibrium with F(u) where pinned, on the graph of ∂j_ν where free)
-    /// and the increment to minus the unbalanced force; returns the norm of that force and of the
-    /// graph defects.
+    /// Sets the pressures (in equilibrium with F(u) where pinned, on the graph of ∂j_ν where free) and the increment to
+    /// minus the unbalanced force; returns the norm of that force and of the graph defects.
     fn balance<P: StepInequality>(&mut self, problem: &P, state: &mut StepState) -> f64 {
         let graph = problem.graph();
         for (target, force) in self.increment.iter_mut().zip(&self.force) {
@@ -290,7 +279,7 @@ impl Scratch {
         }
         let graph = problem.graph();
         if damping == 1.0 {
-            // u + (g - u) rounds: put pinned coordinates on their value exactly.
+            // u + (g - u) rounds: put pinned coordinates exactly on their value.
             for (i, at) in graph.coordinates.iter().enumerate() {
                 if let Some(Chosen::Pinned(value)) = self.pieces[i] {
                     state.u[at.dof as usize] = at.sign * value;

@@ -1,24 +1,23 @@
-//! Newton's method driven as far as the arithmetic goes: what the accepted residual of the default
-//! solver leaves in a solution shows in the distance to this one.
+//! Newton's method to the limits of rounding: the distance to its solution shows what the accepted residual of the
+//! default solver leaves.
 
 use super::{HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState};
 
-/// Solves a level, then goes on with single Newton iterations until the residual is below 1/100 of
-/// the tolerance, or rounding keeps it from falling. Linear levels are solved the same way, with the
-/// factors of a sequence and residuals, not by one direct solve.
+/// Solves a level, then continues with single Newton iterations until the residual is below 1/100 of the tolerance, or
+/// rounding keeps it from falling. Linear levels are solved the same way, with the factors of a sequence and residuals,
+/// not by one direct solve.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Polished {
-    /// Solves the level first.
     pub newton: Newton,
 }
 
-/// The share of the default tolerance that is aimed at.
+/// Targeted share of the default tolerance.
 const SHARE: f64 = 0.01;
-/// Iterations in a row without a smaller residual after which rounding is all that is left.
+/// Iterations in a row without a smaller residual after which only rounding is left.
 const PATIENCE: u32 = 3;
-/// Iterations after which it ends in any case: each divides the residual by 1e4 or meets rounding.
+/// Limit of iterations: each divides the residual by 1e4 or meets rounding.
 const LIMIT: u32 = 12;
-/// Units of rounding that no residual exceeds, for an evaluation without an iteration.
+/// Above any residual, in units of rounding: an evaluation without iteration.
 const ANY: f64 = 1e200;
 
 impl StepSolver for Polished {
@@ -58,7 +57,7 @@ impl StepSolver for Polished {
                 break;
             }
         }
-        // One evaluation more, so that strains and pressures are those of the best iterate.
+        // Evaluated once more, so that strains and pressures are those of the best iterate.
         state.clone_from(&best);
         Newton { max_iterations: 0, rounding_units: ANY, ..self.newton }
             .solve(problem, state, scratch)?;

@@ -1,49 +1,44 @@
-//! What a solver may know of one time level.
+//! The view of one time level that solvers have.
 
 use super::BoundaryGraph;
 use algebra::linalg::FactorError;
 
-/// Problem 9 at one time level, reduced to coordinates: find u and pressures c with
+/// Problem 9 at one time level in coordinates: find u and pressures c with
 ///
-///   F(u) + Σ_i w_i c_i s_i e_i = 0,   c_i ∈ G_i(s_i u_i),
+///   F(u) + Σ_i w_i c_i s_i e_i = 0, c_i ∈ G_i(s_i u_i),
 ///
-/// where F is single-valued (A, φ with the history up to this level, smooth boundary terms, minus
-/// the load) and the graphs G_i = ∂j + ∂I_{≤ g} sit on single coordinates (dof, sign s_i, weight
-/// w_i) or on two as a vector: the constraint v ∈ K^h and a diagonal, possibly set-valued part of ∂j.
+/// where F is single-valued (A, φ with the history up to this level, smooth boundary terms, minus the load) and the
+/// graphs G_i = ∂j + ∂I_{≤ g} act on single coordinates (dof, sign s_i, weight w_i) or on two as a vector: the
+/// constraint v ∈ K^h and a diagonal, possibly set-valued part of ∂j.
 pub trait StepInequality {
-    /// Number of unknowns.
     fn dofs(&self) -> usize;
 
-    /// The graphs and the coordinates they sit on.
     fn graph(&self) -> &BoundaryGraph;
 
-    /// α_i ≥ 0 with which r ↦ G_i(r) + α_i r is monotone, and so is the part of ∂j that F holds, after
-    /// w_i α_i s_i u_i has been added on every coordinate.
+    /// α_i ≥ 0 such that r ↦ G_i(r) + α_i r is monotone, and so is the part of ∂j within F after adding w_i α_i s_i u_i
+    /// on every coordinate.
     fn descent(&self, i: usize) -> f64 {
         self.graph().descent(i)
     }
 
-    /// `out` ← F(u).
     fn residual(&mut self, u: &[f64], out: &mut [f64]);
 
-    /// Takes the pressures c_i on the pieces that were chosen, before [`Self::linearize`]: graphs that depend on other
-    /// coordinates than their own have a part of the Jacobian in them. It does nothing where there are none.
+    /// Takes the pressures c_i on the chosen pieces, before [`Self::linearize`]: graphs that depend on other
+    /// coordinates use them in the Jacobian. No operation otherwise.
     fn take_pressures(&mut self, _pressures: &[f64]) {}
 
-    /// Prepares solves with the generalized Jacobian of F at the u of the last [`Self::residual`],
-    /// plus `slopes[i]` on the coordinate of graph i (a stiffness), with the increment of graph i
-    /// prescribed where `prescribed[i]` says so (an increment of the dof). Behind the slopes of the coordinates are those
-    /// between the two unknowns of each law of vectors, in its order.
+    /// Prepares solves with the generalized Jacobian of F at the u of the last [`Self::residual`], plus `slopes[i]` on
+    /// the coordinate of graph i (a stiffness), with the increment of graph i prescribed where `prescribed[i]` is set
+    /// (an increment of the dof). After the slopes of the coordinates follow the mixed slopes of the vector laws, in
+    /// order.
     ///
-    /// # Errors
-    /// The factorization's, if the Jacobian is not positive definite.
+    /// # Errors Those of the factorization, if the Jacobian is not positive definite.
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError>;
 
-    /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the
-    /// right side (or better: a direct solve ignores it).
+    /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the right side; a direct
+    /// solve ignores it.
     ///
-    /// # Errors
-    /// The factorization's; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
+    /// # Errors Those of the factorization; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
     /// singular.
     fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError>;
 
@@ -54,9 +49,8 @@ pub trait StepInequality {
 /// Unknowns of one time level: start value on entry, solution on return.
 #[derive(Debug, Default)]
 pub struct StepState {
-    /// u.
     pub u: Vec<f64>,
-    /// c_i, one a graph: the pressure ξ + λ.
+    /// c_i per graph: the pressure ξ + λ.
     pub pressure: Vec<f64>,
 }
 
@@ -65,7 +59,7 @@ impl Clone for StepState {
         Self { u: self.u.clone(), pressure: self.pressure.clone() }
     }
 
-    /// In the memory that is there: levels are kept at every step.
+    /// Reuses memory: levels are kept at every step.
     fn clone_from(&mut self, other: &Self) {
         self.u.clone_from(&other.u);
         self.pressure.clone_from(&other.pressure);

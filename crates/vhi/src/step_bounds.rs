@@ -1,11 +1,11 @@
 //! Bounds on the step size of the scheme (3.3) from the constants of Problem 5.
 //!
-//! Λ: η ↦ u_η freezes the last slot of the history at η and solves. Its contraction factor is bounded
-//! by k β_φ‖R‖‖q‖/m0 (3.15). A rule gives that slot the weight w_nn, k/2 by the trapezoidal one, not k, and
-//! a history of several parts enters with the sum of their own factors instead of a product of maxima, so
-//! the factor is also at most w_nn·`last_slot`/m0. Without a weight there, Λ is constant.
+//! Λ: η ↦ u_η freezes the last slot of the history at η and solves. Its contraction factor is bounded by k β_φ‖R‖‖q‖/m0
+//! (3.15). But the weight of that slot is w_nn (k/2 for the trapezoidal rule), not k, and a history of several parts
+//! enters by the sum of their factors instead of a product of maxima, so the factor is also at most
+//! w_nn·`last_slot`/m0. With w_nn = 0, Λ is constant.
 
-/// Constants of Problem 5 that bound its step size. Units: m0 a stress, the others a stress a time.
+/// Constants of Problem 5 that bound its step size. Units: m0 a stress, the others a stress per time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepBounds {
     /// m0 = m_A - α_φ - α_j c_j² of (2.9).
@@ -18,16 +18,15 @@ pub struct StepBounds {
     pub paper_lipschitz: f64,
     /// Lipschitz constant of y ↦ φ(y,·,·) composed with the last slot of S, for weight 1.
     pub last_slot: f64,
-    /// How much of the last slot, for weight 1, can act against the monotonicity of the step.
+    /// The part of the last slot, for weight 1, that can act against the monotonicity of the step.
     pub destabilizing: f64,
-    /// The largest w_nn/k of the time rule: ½ of the trapezoidal one.
+    /// The largest w_nn/k of the time rule: ½ for the trapezoidal one.
     pub last_share: f64,
-    /// The same constants of kernels (t - s)^{-a} b(t, s), in terms of b.
     pub singular: SingularSlot,
 }
 
-/// What kernels that are infinite at s = t add to the constants of [`StepBounds`]: their last weight is
-/// w = `share` k^{1-a}, and it takes the place of k in (3.4). Units: b is a stress over a time to the power 1 - a.
+/// Additional constants of kernels (t - s)^{-a} b(t, s): their last weight w = `share` k^{1-a} takes the place of k in
+/// (3.4). Units: b is a stress over a time to the power 1 - a.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SingularSlot {
     /// a; 0 without such a kernel.
@@ -45,7 +44,6 @@ pub struct SingularSlot {
 }
 
 impl SingularSlot {
-    /// w_nn of a step k.
     fn weight(&self, k: f64) -> f64 {
         if self.share == 0.0 { 0.0 } else { self.share * k.powf(1.0 - self.power) }
     }
@@ -54,16 +52,16 @@ impl SingularSlot {
 /// The eigenvalue, the slopes and the trace constant of (2.9) are each known to a few units of rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// m0 = m_A - `taken` of (2.9), with `taken` = α_φ + α_j c_j². Zero where the difference is no more than rounding of its
-/// terms: 1e-16 is no stress that a bound could be divided by.
+/// m0 = m_A - `taken` of (2.9), with `taken` = α_φ + α_j c_j². Zero if the difference is within rounding, since bounds
+/// divide by it.
 pub fn monotonicity(m_a: f64, taken: f64) -> f64 {
     let m0 = m_a - taken;
     if m0.abs() <= ROUNDING * m_a.abs().max(taken.abs()) { 0.0 } else { m0 }
 }
 
 impl StepBounds {
-    /// The bound (3.15) of the contraction factor of Λ, with the norms of the paper. Like the other two it is infinite
-    /// where m0 ≤ 0: then nothing bounds the factor.
+    /// The bound (3.15) of the contraction factor of Λ, with the norms of the paper. Like the next two it is infinite
+    /// for m0 ≤ 0.
     pub fn paper_factor(&self, k: f64) -> f64 {
         self.over_m0(self.size(k, self.paper()))
     }
@@ -73,24 +71,24 @@ impl StepBounds {
         self.over_m0(self.size(k, self.operator()))
     }
 
-    /// The sharpened bound of the contraction factor of Λ.
     pub fn sharpened_factor(&self, k: f64) -> f64 {
         self.over_m0(self.size(k, self.sharpened()))
     }
 
-    /// What the last slot of a step k can take from the monotonicity of the step.
+    /// The part of the monotonicity that the last slot of a step k can take.
     pub fn taken(&self, k: f64) -> f64 {
         self.size(k, self.taking())
     }
 
-    /// Constants that are counted with k, and with the last weight of singular kernels.
+    /// Constants that multiply k, and the last weight of singular kernels.
     fn paper(&self) -> [f64; 2] {
         [self.paper_lipschitz, self.singular.paper_lipschitz]
-            .map(|own| self.beta_phi * self.counted(own))
+            .map(|lipschitz| self.beta_phi * self.counted(lipschitz))
     }
 
     fn operator(&self) -> [f64; 2] {
-        [self.lipschitz, self.singular.lipschitz].map(|own| self.beta_phi * self.counted(own))
+        [self.lipschitz, self.singular.lipschitz]
+            .map(|lipschitz| self.beta_phi * self.counted(lipschitz))
     }
 
     fn sharpened(&self) -> [f64; 2] {
@@ -101,7 +99,7 @@ impl StepBounds {
         [self.last_share * self.destabilizing, self.singular.destabilizing]
     }
 
-    /// A constant of the history, which (3.4) counts with all of k; 0 where the last slot has no weight.
+    /// A constant of the history, which (3.4) counts with all of k; 0 if the last slot has no weight.
     fn counted(&self, lipschitz: f64) -> f64 {
         if self.last_share == 0.0 { 0.0 } else { lipschitz }
     }
@@ -119,7 +117,6 @@ impl StepBounds {
         self.limit_of(self.paper())
     }
 
-    /// (3.4) with operator norms.
     pub fn limit(&self) -> f64 {
         self.limit_of(self.operator())
     }
@@ -129,7 +126,7 @@ impl StepBounds {
         self.limit_of(self.sharpened())
     }
 
-    /// The k below which the step is a strongly monotone problem, hence has exactly one solution.
+    /// The k below which the step is strongly monotone, hence has exactly one solution.
     pub fn solvable_limit(&self) -> f64 {
         self.limit_of(self.taking())
     }
@@ -142,7 +139,7 @@ impl StepBounds {
         if size == 0.0 || !(plain.is_finite() && powers > 0.0) {
             return if size == 0.0 { plain } else { powers };
         }
-        // The size rises with k, and at the smaller of both limits it has reached m0.
+        // The size increases with k, and has reached m0 at the smaller of both limits.
         let (mut below, mut above) = (0.0, plain.min(powers));
         loop {
             let middle = 0.5 * (below + above);
@@ -153,20 +150,19 @@ impl StepBounds {
         }
     }
 
-    /// Where a step size stands.
     pub fn place(&self, k: f64) -> StepPlace {
         if k < self.limit() {
             StepPlace::WithinTheorem
         } else if k < self.solvable_limit() {
             StepPlace::Solvable
         } else {
-            // NaN limits end here as well.
+            // Includes NaN limits.
             StepPlace::Unguaranteed
         }
     }
 }
 
-/// m0/size; no restriction where nothing depends on the last slot, none admissible if m0 ≤ 0, NaN if m0 is.
+/// m0/size; ∞ if nothing depends on the last slot, 0 if m0 ≤ 0, NaN if m0 is.
 fn limit(m0: f64, size: f64) -> f64 {
     if m0.is_nan() {
         f64::NAN
@@ -179,14 +175,13 @@ fn limit(m0: f64, size: f64) -> f64 {
     }
 }
 
-/// What is known of a step size beforehand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepPlace {
     /// k satisfies (3.4).
     WithinTheorem,
-    /// k is beyond (3.4), and the step is still strongly monotone.
+    /// k is beyond (3.4), but the step is still strongly monotone.
     Solvable,
-    /// Nothing guarantees that the step has one solution.
+    /// Nothing guarantees a unique solution.
     Unguaranteed,
 }
 
@@ -240,13 +235,13 @@ mod tests {
         }
         // 2 k + 4 √k = 2.
         assert!(near(both.limit().sqrt(), 2f64.sqrt() - 1.0), "{}", both.limit());
-        let own = [
+        let at_limits = [
             both.paper_factor(both.paper_limit()),
             both.factor(both.limit()),
             both.sharpened_factor(both.sharpened_limit()),
             both.taken(both.solvable_limit()) / both.m0,
         ];
-        assert!(own.into_iter().all(|one| near(one, 1.0)), "{own:?}");
+        assert!(at_limits.into_iter().all(|one| near(one, 1.0)), "{at_limits:?}");
         for (limit, place) in [(0.999, StepPlace::WithinTheorem), (1.001, StepPlace::Solvable)] {
             assert_eq!(both.place(limit * both.limit()), place);
         }
@@ -285,13 +280,13 @@ mod tests {
         );
     }
 
-    /// By a rule without a weight in the last slot each step is one solve with a known past.
+    /// Without a weight in the last slot each step is one solve with a known past.
     #[test]
     fn no_step_is_too_large_without_a_last_weight() {
         let explicit = StepBounds { last_share: 0.0, ..BOUNDS };
         assert_eq!(explicit.place(1e9), StepPlace::WithinTheorem);
         assert_eq!([explicit.paper_factor(9.0), explicit.sharpened_factor(9.0)], [0.0, 0.0]);
-        // A quarter of the step: the limits that know the weight are twice those of one half.
+        // A quarter of the step: limits that know the weight are twice those of one half.
         let quarter = StepBounds { last_share: 0.25, ..BOUNDS };
         assert_eq!([quarter.sharpened_limit(), quarter.solvable_limit()], [8.0, 16.0]);
         assert_eq!(StepBounds { m0: -0.1, ..explicit }.place(1e-9), StepPlace::Unguaranteed);

@@ -1,15 +1,14 @@
-//! The march in time: level after level, each started from an extrapolation of the last ones.
+//! The march in time, each level started from an extrapolation of the last ones.
 
 use super::{
     Extrapolation, FailedStep, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepState,
 };
 
-/// A solver of one time level, the history operator included.
+/// A solver of one time level, including the history operator.
 pub trait StepSolver {
     /// Solves the open level of `problem` from the start value in `state`.
     ///
-    /// # Errors
-    /// See [`StepError`]; `state` is then the last iterate and no result.
+    /// # Errors See [`StepError`]; `state` is then the last iterate.
     fn solve_level<P: HistoryInequality>(
         &self,
         problem: &mut P,
@@ -17,8 +16,8 @@ pub trait StepSolver {
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError>;
 
-    /// The Newton iteration, where it is all there is to this solver: a level may then be solved in another
-    /// form that has the same solution, by one linear solve or condensed onto Γ3.
+    /// The Newton iteration, if this solver is nothing else: an equivalent form of the level may then be solved, by one
+    /// linear solve or condensed onto Γ3.
     fn newton(&self) -> Option<&Newton> {
         None
     }
@@ -39,19 +38,17 @@ impl StepSolver for Newton {
     }
 }
 
-/// The state of a march.
 pub struct Stepper<'a, S> {
     solver: &'a S,
-    /// The level that was solved last.
     pub state: StepState,
-    /// Vectors of the iteration; after a step they hold what the last residual was made of.
+    /// Vectors of the iteration; after a step they hold the parts of the last residual.
     pub scratch: Scratch,
     extrapolation: Extrapolation,
     level: usize,
 }
 
 impl<'a, S: StepSolver> Stepper<'a, S> {
-    /// Before the first level; the start value there is zero.
+    /// Before the first level, with start value zero.
     pub fn new<P: HistoryInequality>(problem: &P, solver: &'a S) -> Self {
         let graphs = problem.graph().coordinates.len();
         Self {
@@ -65,8 +62,7 @@ impl<'a, S: StepSolver> Stepper<'a, S> {
 
     /// Opens, solves and commits the next level.
     ///
-    /// # Errors
-    /// The load's, or [`FailedStep`] with what the solver said.
+    /// # Errors Those of the load, or [`FailedStep`].
     pub fn step<P: HistoryInequality>(&mut self, problem: &mut P) -> Result<StepInfo, P::Error> {
         let (n, t) = (self.level, problem.grid().time(self.level));
         problem.open()?;

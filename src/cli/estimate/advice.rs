@@ -12,7 +12,6 @@ use studies::trade::estimate::{
     Advice, Advised, Companions, CostSource, Estimate, Goal, NoAdvice, advise,
 };
 
-/// What the command line asks for.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Wanted {
     target: Target,
@@ -21,7 +20,7 @@ pub(in super::super) struct Wanted {
 }
 
 impl Wanted {
-    /// Reads `--target` and `--norm`; a norm on Γ3 needs one.
+    /// Reads `--target` and `--norm`; refuses a norm on Γ3 without Γ3.
     pub(in super::super) fn read(
         setup: &Setup,
         target: &str,
@@ -55,7 +54,7 @@ impl Wanted {
     }
 }
 
-/// The recommendation, with the estimate that it rests on.
+/// Prints the recommendation with its estimate.
 pub(super) fn print(advice: &Advice, found: &Companions, norm: Norm, estimate: &Estimate) {
     let part = match norm {
         Norm::VMax => {
@@ -66,7 +65,7 @@ pub(super) fn print(advice: &Advice, found: &Companions, norm: Norm, estimate: &
     print_text(&format!("\ntarget {:.4e} in {}{part}", advice.target, norm.name()));
     print_text(&format!("  recommended: {}", advised_words(&advice.choice)));
     match &advice.cautious {
-        Ok(own) => print_text(&format!("  cautious:    {}", advised_words(own))),
+        Ok(advised) => print_text(&format!("  cautious:    {}", advised_words(advised))),
         Err(reason) => print_text(&format!("  cautious:    {reason}")),
     }
     print_text(&format!("  orders counted on: {}", orders_words(estimate)));
@@ -77,18 +76,18 @@ pub(super) fn print(advice: &Advice, found: &Companions, norm: Norm, estimate: &
     ));
 }
 
-fn advised_words(own: &Advised) -> String {
-    let warning = own.extrapolates().map_or(String::new(), |text| format!("\n    far: {text}"));
+fn advised_words(advised: &Advised) -> String {
+    let warning = advised.extrapolates().map_or(String::new(), |text| format!("\n    far: {text}"));
     format!(
         "n = {}, N = {} (h = {:.5}, k = {:.5}), predicted: error {:.3e} in {}, {:.3} CPU s, {}{warning}",
-        own.n,
-        own.steps,
-        own.h,
-        own.k,
-        own.error,
-        bracketed(own.interval),
-        own.seconds,
-        megabytes(own.bytes),
+        advised.n,
+        advised.steps,
+        advised.h,
+        advised.k,
+        advised.error,
+        bracketed(advised.interval),
+        advised.seconds,
+        megabytes(advised.bytes),
     )
 }
 
@@ -135,17 +134,17 @@ pub(super) fn json(advice: &Result<Advice, NoAdvice>, found: &Companions, norm: 
     })
 }
 
-fn advised_json(own: &Advised) -> Value {
+fn advised_json(advised: &Advised) -> Value {
     json!({
-        "n": own.n,
-        "steps": own.steps,
-        "h": own.h,
-        "k": own.k,
-        "error": own.error,
-        "interval": [own.interval.lo, own.interval.hi],
-        "cpu_seconds": own.seconds,
-        "bytes": own.bytes,
-        "finer": own.finer,
-        "extrapolates": own.extrapolates(),
+        "n": advised.n,
+        "steps": advised.steps,
+        "h": advised.h,
+        "k": advised.k,
+        "error": advised.error,
+        "interval": [advised.interval.lo, advised.interval.hi],
+        "cpu_seconds": advised.seconds,
+        "bytes": advised.bytes,
+        "finer": advised.finer,
+        "extrapolates": advised.extrapolates(),
     })
 }

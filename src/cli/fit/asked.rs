@@ -1,4 +1,4 @@
-//! What a caller claims of a table and knows of its errors, and the answer to it.
+//! What a caller claims of a table and knows of its errors, and the answer.
 
 use judge::fit::{Claim, Direction, Posterior, Ruling, TOLERANCE};
 use judge::verdict::Decision;
@@ -6,18 +6,17 @@ use serde_json::{Value, json};
 
 use super::run;
 
-/// The orders that are predicted, and how they are meant.
+/// Predicted orders and their meaning.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked {
     pub(super) p: Option<f64>,
     pub(super) q: Option<f64>,
     pub(super) at_least: bool,
     pub(super) exact: bool,
-    /// How far an order may lie from the prediction.
+    /// Allowed distance of an order from the prediction.
     pub(super) tolerance: f64,
     /// Power of a factor |log h|.
     pub(super) log: f64,
-    /// Relative standard deviation of all errors.
     pub(super) noise: Option<f64>,
 }
 
@@ -28,18 +27,17 @@ impl Default for Asked {
     }
 }
 
-/// What an order was found to be against its prediction, before it is printed.
+/// The judgement of an order, before it is printed.
 pub(super) struct Answer {
     pub(super) decision: Decision,
     pub(super) reason: String,
-    /// That the order is as predicted.
+    /// Probability that the order is as predicted.
     pub(super) probability: Option<f64>,
-    /// Steps that would help, of an open decision.
+    /// Steps that would help an open decision.
     pub(super) next: Vec<f64>,
 }
 
 impl Answer {
-    /// Without an order.
     pub(super) fn of(decision: Decision, reason: String) -> Self {
         Self { decision, reason, probability: None, next: Vec::new() }
     }
@@ -62,7 +60,7 @@ impl Asked {
         Claim { order, at_least, exact, tolerance, log }
     }
 
-    /// Judges an order, and says what would help where that is open: `next` are the steps of one level more.
+    /// Judges an order; `next` are the steps of one more level.
     pub(super) fn answer(
         self,
         posterior: &Posterior,
@@ -87,7 +85,7 @@ impl Asked {
         Answer { decision, reason: reason + &help, probability: Some(probability), next }
     }
 
-    /// The entries of a JSON object that say what was asked.
+    /// The JSON entries of what was asked.
     pub(super) fn json(self) -> serde_json::Map<String, Value> {
         super::map(json!({
             "at_least": self.at_least,

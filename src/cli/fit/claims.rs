@@ -1,28 +1,25 @@
-//! Orders as they are claimed on the command line: one for all norms, or one a norm.
+//! Claimed orders of the command line: one for all norms, or one per norm.
 
 use std::str::FromStr;
 
 /// `2` or `L2=2,H1=1`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Claims {
-    /// One order for all norms.
     All(f64),
-    /// An order for each norm that is named; others are not judged.
+    /// Other norms are not judged.
     Each(Vec<(String, f64)>),
 }
 
 impl Claims {
-    /// The order that is claimed of a norm.
     pub(super) fn of(&self, norm: Option<&str>) -> Option<f64> {
         match self {
             Self::All(order) => Some(*order),
             Self::Each(orders) => {
-                orders.iter().find(|(own, _)| Some(own.as_str()) == norm).map(|(_, order)| *order)
+                orders.iter().find(|(name, _)| Some(name.as_str()) == norm).map(|(_, order)| *order)
             }
         }
     }
 
-    /// The norms that are named.
     pub(super) fn norms(&self) -> impl Iterator<Item = &str> {
         let named: &[(String, f64)] = match self {
             Self::All(_) => &[],
@@ -49,7 +46,7 @@ impl FromStr for Claims {
     }
 }
 
-/// An order is a finite number: every comparison with NaN is false.
+/// Refuses non-finite orders.
 fn order(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(order) if order.is_finite() => Ok(order),

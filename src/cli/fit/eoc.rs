@@ -1,11 +1,10 @@
-//! Tables of errors with their orders, as papers print them: h, and error and EOC of each norm.
+//! Error tables with orders, as in papers: h, then error and EOC of each norm.
 
 use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level};
 use judge::table::{Group, Quantity};
 
 use super::step_name;
 
-/// How a table is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Style {
     Text,
@@ -14,7 +13,7 @@ pub(super) enum Style {
 }
 
 impl Style {
-    /// Norms side by side that a page, or a terminal of 100 columns, has room for.
+    /// Norms side by side that fit a page or a terminal of 100 columns.
     fn norms(self) -> usize {
         match self {
             Self::Text => 4,
@@ -23,7 +22,7 @@ impl Style {
     }
 }
 
-/// A size or a value in four digits, never as 0.0000.
+/// Four digits, but never 0.0000.
 pub(super) fn plain(number: f64) -> String {
     let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
     match rounded.abs() {
@@ -32,29 +31,29 @@ pub(super) fn plain(number: f64) -> String {
     }
 }
 
-/// A table for each scene and direction that is refined; of a grid the longest line.
+/// A table for each scene and refined direction; for a grid its longest line.
 pub(super) fn tables(groups: &[Group], style: Style) -> Vec<String> {
     let mut scenes: Vec<&Option<String>> = groups.iter().map(|group| &group.scene).collect();
     scenes.dedup();
     let mut texts = Vec::new();
     for scene in scenes {
         for direction in [Direction::Space, Direction::Time] {
-            let own = |group: &&Group| {
+            let belongs = |group: &&Group| {
                 let second = direction == Direction::Time && path(&group.points()).is_some();
                 group.scene == *scene && group.refined(direction) && !second
             };
-            let own: Vec<&Group> = groups.iter().filter(own).collect();
-            if own.is_empty() {
+            let shown: Vec<&Group> = groups.iter().filter(belongs).collect();
+            if shown.is_empty() {
                 continue;
             }
             texts.extend(scene.clone());
-            texts.extend(own.chunks(style.norms()).map(|own| table(own, direction, style)));
+            texts.extend(shown.chunks(style.norms()).map(|group| table(group, direction, style)));
         }
     }
     texts
 }
 
-/// The points of one direction from coarse to fine: along a path all, else the longest line.
+/// The points of one direction, coarse to fine: along a path all, else the longest line.
 pub(super) fn line(group: &Group, direction: Direction) -> Vec<Point> {
     let all = group.points();
     let mut line = match path(&all).is_some() {
@@ -65,8 +64,7 @@ pub(super) fn line(group: &Group, direction: Direction) -> Vec<Point> {
     line
 }
 
-/// The local orders that stand behind each point of a line, where there are any: of errors that of a pair, of values
-/// that of three.
+/// The local orders at the points of a line: for errors from pairs, for values from triples.
 fn orders(quantity: Quantity, line: &[Point], direction: Direction) -> Vec<Option<f64>> {
     let step = |at: usize| direction.step(&line[at]);
     let order = |at: usize| match quantity {
@@ -143,7 +141,7 @@ fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
             };
             let widths: Vec<usize> = (0..head.len()).map(width).collect();
             for row in std::iter::once(head).chain(rows) {
-                // The step on the left: a line then begins with what it is known by.
+                // Steps are left-aligned.
                 let cell = |(at, (cell, width)): (usize, (&String, &usize))| match at {
                     0 => format!("{cell:<width$}"),
                     _ => format!("{cell:>width$}"),
@@ -195,14 +193,14 @@ mod tests {
         assert!(latex.contains("0.25 & $2.500 \\cdot 10^{-2}$ & 2.00"), "{latex}");
         let plain = tables(&groups, Style::Text).join("\n");
         assert_eq!(plain.lines().nth(2), Some("0.25  2.500e-2  2.00  5.000e-1  1.00"), "{plain}");
-        // What is printed can be read again.
+        // The output can be read as input.
         for text in [plain, markdown, latex] {
             let again = read(text.as_bytes(), &Reading::default()).unwrap().groups;
             assert_eq!(again[0].points()[1].error, 0.025, "{text}");
         }
     }
 
-    /// Of values the order is that of three, of a path both steps are shown.
+    /// Values have orders of triples; paths show both steps.
     #[test]
     fn values_and_paths_have_tables_too() {
         let text = |text: &str| {

@@ -26,7 +26,7 @@ impl Joint {
     pub(super) fn of(group: &Group, asked: Asked) -> Result<Self, NotIdentifiable> {
         let measured = group.measurements();
         let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
-        // One noise for all points: the root mean square of theirs.
+        // One noise for all points: the root mean square.
         let sigmas: Option<Vec<f64>> = measured.iter().map(|(_, sigma)| *sigma).collect();
         let mean =
             |all: Vec<f64>| (all.iter().map(|s| s * s).sum::<f64>() / all.len() as f64).sqrt();
@@ -35,7 +35,7 @@ impl Joint {
         Ok(Self { fits, posterior: infer_grid(&points, noise)?, points })
     }
 
-    /// What the grid says of one of its orders.
+    /// The answer for one of the orders.
     pub(super) fn answer(&self, direction: Direction, order: f64, asked: Asked) -> Answer {
         let posterior = match direction {
             Direction::Space => &self.posterior.order_h,
@@ -125,12 +125,11 @@ fn text(
     lines.join("\n")
 }
 
-/// What a floor term changes, and whether the residual falls by more than chance: F of one more
-/// parameter at 95 % is the square of Student's quantile. Bends of the error terms make it fall
-/// as well, so that a better fit is a hint at a floor and no proof of one.
+/// The effect of a floor term, if it reduces the residual significantly: F of one more parameter at 95 % is the square
+/// of Student's quantile. Bends of the error terms reduce it as well, so this is only a hint at a floor.
 fn floor_line(plain: &JointFit, with: &JointFit, points: usize) -> Option<String> {
     let floor = with.floor?;
-    // Of an exact table nothing is left that a floor could explain.
+    // An exact table leaves nothing to explain.
     if plain.residual_norm < ROUNDING {
         return None;
     }
@@ -169,11 +168,11 @@ fn object(
     };
     let mut object = super::map(json!({
         "variable": "joint",
-        "order": space.map(|own| own.order),
-        "observed": space.map(|own| own.order),
-        "interval": space.map(|own| [own.interval.lo, own.interval.hi]),
-        "observed_k": time.map(|own| own.order),
-        "interval_k": time.map(|own| [own.interval.lo, own.interval.hi]),
+        "order": space.map(|posterior| posterior.order),
+        "observed": space.map(|posterior| posterior.order),
+        "interval": space.map(|posterior| [posterior.interval.lo, posterior.interval.hi]),
+        "observed_k": time.map(|posterior| posterior.order),
+        "interval_k": time.map(|posterior| [posterior.interval.lo, posterior.interval.hi]),
         "models": all.map(model).collect::<Vec<Value>>(),
         "better": fits.map(|fits| fits.best.model.name()),
         "constants": constants.map(|[h, k]| json!({

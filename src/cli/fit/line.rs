@@ -13,23 +13,22 @@ use judge::fit::{
 use judge::table::Group;
 use judge::verdict::Decision;
 
-/// A line with its order.
 struct Read {
     samples: Vec<Sample>,
     posterior: Posterior,
 }
 
-/// A line as it stands in the table, and what was made of it.
+/// A line of the table, and its result.
 struct Line<'a> {
     direction: Direction,
     points: Vec<Point>,
-    /// Points outside of the window.
+    /// Points outside the window.
     outside: &'a [Point],
     read: Result<Read, FitError>,
     asked: Asked,
 }
 
-/// The order in one direction; none if it is neither refined nor predicted.
+/// The order in one direction; None if it is neither refined nor predicted.
 pub(super) fn part(
     group: &Group,
     direction: Direction,
@@ -52,7 +51,6 @@ pub(super) fn part(
     })
 }
 
-/// The order of some measurements in one direction.
 pub(super) fn order(
     measured: &[(Point, Option<f64>)],
     direction: Direction,
@@ -100,8 +98,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// Where the term of the other direction bends this line, the grid decides; and where the grid
-    /// shows that the term of this direction is too small to be seen, nothing does.
+    /// If the term of the other direction bends this line, the grid decides; if the grid cannot see this direction's
+    /// term, nothing does.
     fn bent(&self, order: f64, joint: Option<&Result<Joint, NotIdentifiable>>) -> Option<Answer> {
         let joint = match joint? {
             Ok(joint) => joint,
@@ -136,8 +134,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// Under the predicted order, or that which was found; nobody knows the scheme behind a table, so that the next term
-    /// is taken to be the next power.
+    /// The constant for the predicted or the found order; the scheme is unknown, so the next power is taken as the next
+    /// term.
     fn constant(&self, read: &Read) -> Option<(f64, Interval)> {
         let order = self.asked.order(self.direction).unwrap_or(read.posterior.order);
         let factor = |step: f64| step.ln().abs().powf(self.asked.log);
@@ -182,12 +180,12 @@ impl<'a> Line<'a> {
         };
         let object = json!({
             "variable": self.name(),
-            "local_slopes": posterior.map(|own| own.slopes.clone()),
-            "order": posterior.map(|own| own.order),
-            "observed": posterior.map(|own| own.order),
-            "interval": posterior.map(|own| [own.interval.lo, own.interval.hi]),
-            "coarse_left_out": posterior.map(|own| own.coarse_left_out),
-            "floor_from": posterior.and_then(|own| own.floor_from),
+            "local_slopes": posterior.map(|fitted| fitted.slopes.clone()),
+            "order": posterior.map(|fitted| fitted.order),
+            "observed": posterior.map(|fitted| fitted.order),
+            "interval": posterior.map(|fitted| [fitted.interval.lo, fitted.interval.hi]),
+            "coarse_left_out": posterior.map(|fitted| fitted.coarse_left_out),
+            "floor_from": posterior.and_then(|fitted| fitted.floor_from),
             "log": self.asked.log,
             "constant": constant.map(|(value, _)| value),
             "constant_interval": constant.map(|(_, i)| [i.lo, i.hi]),

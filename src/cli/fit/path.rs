@@ -8,7 +8,7 @@ use judge::fit::{Direction, FitError, Path, Posterior, samples};
 use judge::table::Group;
 use judge::verdict::Decision;
 
-/// The order in h along the path, which is min(p, s q), and what it says of p and q.
+/// The order in h along the path, min(p, s q), and what it implies for p and q.
 pub(super) fn part(group: &Group, path: Path, asked: Asked) -> Part {
     let read = line::order(&group.measurements(), Direction::Space, asked);
     let order = along(path, asked);
@@ -25,10 +25,10 @@ pub(super) fn part(group: &Group, path: Path, asked: Asked) -> Part {
         "variable": "path",
         "exponent": exponent,
         "path_constant": constant,
-        "order": found.map(|own| own.order),
-        "observed": found.map(|own| own.order),
-        "interval": found.map(|own| [own.interval.lo, own.interval.hi]),
-        "local_slopes": found.map(|own| own.slopes.clone()),
+        "order": found.map(|fitted| fitted.order),
+        "observed": found.map(|fitted| fitted.order),
+        "interval": found.map(|fitted| [fitted.interval.lo, fitted.interval.hi]),
+        "local_slopes": found.map(|fitted| fitted.slopes.clone()),
         "predicted": asked.p,
         "predicted_k": asked.q,
         "verdict": answer.as_ref().map(|answer| answer.decision.name()),
@@ -67,8 +67,8 @@ fn text(
     }
 }
 
-/// The order that is predicted along the path, without the rounding of its exponent; where one of p, q is not given, as
-/// if the other term were the slower one.
+/// The predicted order along the path, without the rounding of its exponent; a missing p or q counts as the faster
+/// term.
 fn along(path: Path, asked: Asked) -> Option<f64> {
     let order = match (asked.p, asked.q) {
         (Some(p), Some(q)) => path.order(p, q),

@@ -8,7 +8,7 @@ use super::asked::Asked;
 use super::{eoc, step_name};
 use crate::cli::CliError;
 
-/// One series per table, in the first direction that the file refines, with triangles of the orders that are predicted.
+/// One series per table, in the first refined direction of the file, with triangles of predicted orders.
 pub(super) fn svg(
     groups: &[Group],
     asked: impl Fn(Option<&str>) -> Asked,
@@ -16,7 +16,7 @@ pub(super) fn svg(
     let errors: Vec<&Group> =
         groups.iter().filter(|group| group.quantity == Quantity::Error).collect();
     let directions = [Direction::Space, Direction::Time];
-    let refined = |own: &Direction| errors.iter().any(|group| group.refined(*own));
+    let refined = |direction: &Direction| errors.iter().any(|group| group.refined(*direction));
     let nothing = || CliError::other("nothing to draw: no errors at two sizes");
     let direction = directions.into_iter().find(refined).ok_or_else(nothing)?;
     let x = Axis::new(step_name(direction), Scale::Steps);

@@ -12,10 +12,10 @@ use judge::fit::{
 use judge::table::Group;
 use judge::verdict::Decision;
 
-/// Below this order both published uncertainties are too small for more than one table in twenty.
+/// Below this order both published uncertainties are too small in more than one table in twenty.
 const LOW_ORDER: f64 = 0.75;
 
-/// All that the values say, in direction of refinement.
+/// All results for the values, coarse to fine.
 struct Findings {
     samples: Vec<ValueSample>,
     last_three: Option<Triple>,
@@ -23,13 +23,13 @@ struct Findings {
     estimate: Option<EcaHoekstra>,
 }
 
-/// The extrapolated value in one direction; none if it is neither refined nor predicted.
+/// The extrapolated value in one direction; None if it is neither refined nor predicted.
 pub(super) fn part(group: &Group, direction: Direction, asked: Asked) -> Option<Part> {
     let predicted = asked.order(direction);
     if !group.refined(direction) && predicted.is_none() {
         return None;
     }
-    // Along a path the value depends on one step alone.
+    // Along a path the value depends on one step.
     let line: Vec<Point> = match path(&group.points()).is_some() {
         true => group.points(),
         false => group.line(direction).into_iter().map(|(point, _)| point).collect(),
@@ -93,7 +93,7 @@ impl Findings {
         }
     }
 
-    /// Where the published uncertainties are not to be relied on.
+    /// A warning where the published uncertainties are unreliable.
     fn caution(&self) -> Option<String> {
         let differences = self.samples.windows(2).map(|pair| pair[0].value - pair[1].value);
         let differences: Vec<f64> = differences.collect();
@@ -146,7 +146,7 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
     lines.join("\n")
 }
 
-/// Of values that diverge no estimate is printed: each of them would be a number, none a limit.
+/// Diverging values have no limit, so no estimate is printed.
 fn diverges(findings: &Findings) -> bool {
     matches!(findings.last_three, Some(Triple::Diverging { .. }))
 }

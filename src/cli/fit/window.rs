@@ -1,19 +1,19 @@
-//! Rows of a table inside of a window of steps.
+//! Restricts a table to a window of steps.
 
 use std::str::FromStr;
 
 use judge::fit::Point;
 use judge::table::{Row, Tables};
 
-/// Steps from the first to the second, both included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Window([f64; 2]);
 
-/// A step that rounding moves over an end is still inside.
+/// Relative tolerance at the ends.
 const ROUNDING: f64 = 1e-6;
 
 impl Window {
-    /// Takes the rows outside of it out of all tables; their points, a list a table. Of h, or of k where a table has no h.
+    /// Removes the rows outside from all tables and returns their points, a list per table. The window is in h, or in k
+    /// for a table without h.
     pub(super) fn narrow(self, tables: &mut Tables) -> Vec<Vec<Point>> {
         let mut left_out = Vec::new();
         for group in &mut tables.groups {
@@ -27,7 +27,7 @@ impl Window {
         left_out
     }
 
-    /// What has no step is no reason to look away: it stays, and is a gap.
+    /// A row without a step stays, as a gap.
     fn holds(self, step: f64) -> bool {
         let Self([lo, hi]) = self;
         step.is_nan() || (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(&step)
@@ -62,7 +62,7 @@ mod tests {
         let steps = |at: usize| tables.groups[at].points().iter().map(|p| p.h).collect::<Vec<_>>();
         assert_eq!((steps(0), steps(1)), (vec![0.3, 0.2, 0.1], vec![0.2, 0.1]));
         assert!(tables.groups[1].gaps_in_words().is_some(), "a gap inside stays one");
-        // Without h the window is one of k.
+        // Without h the window is in k.
         let mut tables = read(b"k,error\n0.5,1\n0.2,1\n", &Reading::default()).unwrap();
         assert_eq!(window.narrow(&mut tables)[0].len(), 1);
         for wrong in ["", "1", "0,1", "-1,1", "nan,1", "a,b"] {

@@ -9,14 +9,14 @@ use fem::norms::{ContactState, is_locked, state_rule};
 use report::{Arrow, BodyCell, Deformed, Panel, SpaceTime, Zone};
 use vhi::law::Projection;
 
-/// The largest displacement as drawn, as a part of the body's extent, where displacements are small.
+/// Largest displacement as drawn, relative to the body's extent, if displacements are small.
 const REACH: f64 = 0.1;
 
-/// What a march leaves for its pictures; plane bodies.
+/// Data for the pictures of a plane body.
 pub(super) struct Pictures {
     name: String,
     grid: String,
-    /// Facets of Γ3 in the order of their midpoints, each with its length so far and whether it runs backwards.
+    /// Facets of Γ3 ordered by midpoint, each with its arc length and whether it runs backwards.
     order: Vec<(usize, f64, bool)>,
     discrete: Panel,
     exact: Panel,
@@ -55,7 +55,7 @@ impl Pictures {
         }
     }
 
-    /// Adds a time level; the last one is kept as the body's.
+    /// Adds a time level; the last one is used for the body.
     pub(super) fn add<P: Projection>(
         &mut self,
         space: &Discretization,
@@ -79,7 +79,7 @@ impl Pictures {
         Ok(())
     }
 
-    /// An edge is locked if both its ends are, as where errors are split by states.
+    /// An edge is locked if both its ends are, as in the errors by states.
     fn discrete_level<P: Projection>(
         &self,
         space: &Discretization,
@@ -107,7 +107,7 @@ impl Pictures {
         self.order.iter().map(piece).collect()
     }
 
-    /// The truth at the points of [`state_rule`] on each facet.
+    /// The exact solution at the points of [`state_rule`] on each facet.
     fn exact_level(&self, space: &Discretization, zones: &[Zone]) -> Vec<(f64, f64, Zone)> {
         let weights = state_rule().weights;
         let mut pieces = Vec::new();
@@ -198,7 +198,7 @@ fn zone(state: ContactState) -> Zone {
     }
 }
 
-/// How many times displacements are drawn: 1, 2 or 5 times a power of ten, one where they are seen as they are.
+/// Magnification of displacements: 1, 2 or 5 times a power of ten, at least one.
 fn magnification(largest: f64, extent: f64) -> f64 {
     let wanted = REACH * extent / largest;
     if !wanted.is_finite() || wanted < 1.5 {
@@ -217,7 +217,7 @@ fn as_drawn(factor: f64) -> String {
     }
 }
 
-/// Edges between a yielding cell and one that is not.
+/// Edges between yielding and other cells.
 fn border(corners: &[u32], cells: &[BodyCell]) -> Vec<[u32; 2]> {
     let mut sides: BTreeMap<[u32; 2], (u32, u32)> = BTreeMap::new();
     for (cell, corners) in cells.iter().zip(corners.chunks(3)) {

@@ -1,19 +1,17 @@
-//! What a solve says on the terminal: the answer in a sentence, then each quantity in words with what it is measured in.
+//! The output of a solve on the terminal: the answer in a sentence, then each quantity with its unit.
 
 use super::super::width;
 use report::digits;
 use serde_json::Value;
 
-/// What a number is measured in, by powers of the scene's units of length and stress.
+/// Units, by powers of the scene's units of length and stress.
 #[derive(Clone, Copy)]
 enum Unit {
     /// A count, or a ratio.
     None,
-    /// A length.
     Length,
-    /// A stress.
     Stress,
-    /// Stress times area: in the plane, times length.
+    /// Stress times area; in the plane, times length.
     Force,
     /// Stress times volume.
     Energy,
@@ -21,13 +19,12 @@ enum Unit {
     Strain,
     /// A strain accumulated over time.
     Accumulated,
-    /// Seconds of this machine.
     Seconds,
-    /// Bytes, shown in MiB.
+    /// Shown in MiB.
     Bytes,
 }
 
-/// A group of quantities: a key of the JSON document, its words, its unit.
+/// A group of quantities: key of the JSON document, words, unit.
 type Quantities = &'static [(&'static str, &'static str, Unit)];
 
 const GROUPS: [(&str, Quantities); 4] = [
@@ -92,7 +89,7 @@ const GROUPS: [(&str, Quantities); 4] = [
     ),
 ];
 
-/// Keys that say nothing where they are zero: another solver, a law without jumps, no friction.
+/// Keys omitted if zero: another solver, a law without jumps, no friction.
 const ZERO_IS_NOTHING: [&str; 8] = [
     "friction_force",
     "stick_vertices",
@@ -104,7 +101,7 @@ const ZERO_IS_NOTHING: [&str; 8] = [
     "yielding_elements",
 ];
 
-/// The document of a run, `case` being its scene and grid, in words. What has no value in this scene is left out.
+/// The document of a run in words; `case` is its scene and grid. Quantities without a value are omitted.
 pub(in crate::cli) fn in_words(case: &str, document: &Value, dimension: usize) -> String {
     let wide = width(u16::MAX);
     let mut lines = vec![report::beside("", 0, &format!("{case}: {}", answer(document)), wide)];
@@ -142,7 +139,7 @@ fn has_contact(document: &Value) -> bool {
     document["normal_displacement"].as_array().is_some_and(|rows| !rows.is_empty())
 }
 
-/// The sentence that comes first.
+/// The first sentence.
 fn answer(document: &Value) -> String {
     let number = |key: &str| document[key].as_f64().map_or_else(|| "–".into(), |v| digits(v, 4));
     let count = |key: &str| document[key].as_u64().unwrap_or(0);
@@ -165,7 +162,7 @@ fn answer(document: &Value) -> String {
     )
 }
 
-/// A value as it is printed; none where the scene has none.
+/// A printed value; None if the scene has none.
 fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
     let number = |value: f64| match unit {
         Unit::Bytes => format!("{:.0}", value / (1024.0 * 1024.0)),
@@ -194,7 +191,6 @@ fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
     }
 }
 
-/// A number that is zero, or a vector of such.
 fn is_zero(value: &Value) -> bool {
     match value {
         Value::Array(items) => items.iter().all(is_zero),
@@ -202,7 +198,7 @@ fn is_zero(value: &Value) -> bool {
     }
 }
 
-/// A unit in the scene's units of length and stress; forces and energies of a plane body are those of a unit of depth.
+/// A unit in the scene's units of length and stress; forces and energies of a plane body are per unit depth.
 fn words_of(unit: Unit, dimension: usize) -> String {
     let power = |base: &str, exponent: usize| match exponent {
         0 => String::new(),
@@ -247,16 +243,16 @@ mod tests {
         assert!(!text.contains("null") && !text.contains("jump") && !text.contains("distance"));
         assert!(!text.contains("friction") && !text.contains("stick"), "{text}");
         assert!(in_words("box", &pressed, 3).contains("stress · length²"));
-        // Without Γ3 its zeros are no contact.
+        // Zeros without Γ3 are not a contact.
         let free = json!({ "contact_force": 0.0, "normal_displacement": [], "strain_norm": 0.5 });
         let text = in_words("free", &free, 2);
         assert!(text.starts_with("free: ‖ε(u)‖ = 0.5, no contact side") && !text.contains("force"));
     }
 
-    /// Keys of the document that have no words: lists of vertices.
+    /// Keys without words: lists of vertices.
     const LISTS: [&str; 2] = ["normal_displacement", "compliance_pressure"];
 
-    /// The help names every key of the document, which a test of the program holds; so does this page in words.
+    /// The keys listed in the help (tested elsewhere to be complete) all have words.
     #[test]
     fn every_key_of_a_body_has_words() {
         let command = <Solve as clap::Args>::augment_args(clap::Command::default());
@@ -266,16 +262,17 @@ mod tests {
         let mut depth = 0;
         let plain: String = keys
             .chars()
-            .filter(|own| {
-                depth += i32::from(*own == '(');
+            .filter(|character| {
+                depth += i32::from(*character == '(');
                 let outside = depth == 0;
-                depth -= i32::from(*own == ')');
+                depth -= i32::from(*character == ')');
                 outside
             })
             .collect();
         let keys: Vec<&str> = plain.split([',', ' ']).filter(|key| !key.is_empty()).collect();
         let keys: Vec<&str> = keys.into_iter().filter(|key| *key != "and").collect();
-        let known: Vec<&str> = GROUPS.iter().flat_map(|group| group.1).map(|own| own.0).collect();
+        let known: Vec<&str> =
+            GROUPS.iter().flat_map(|group| group.1).map(|entry| entry.0).collect();
         let without: Vec<&&str> =
             keys.iter().filter(|key| !known.contains(key) && !LISTS.contains(key)).collect();
         assert!(keys.len() > 25 && without.is_empty(), "{without:?} of {keys:?}");
@@ -283,7 +280,7 @@ mod tests {
 
     #[test]
     fn no_quantity_is_named_twice() {
-        let mut keys: Vec<&str> = GROUPS.iter().flat_map(|g| g.1).map(|own| own.0).collect();
+        let mut keys: Vec<&str> = GROUPS.iter().flat_map(|g| g.1).map(|entry| entry.0).collect();
         let count = keys.len();
         keys.sort_unstable();
         keys.dedup();

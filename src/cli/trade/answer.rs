@@ -1,4 +1,4 @@
-//! `--confirm`: the answer of a trade, run.
+//! `--confirm`: runs the answer of a trade.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::super::{CliError, Scenes, megabytes};
 use studies::trade::{Answer, AnswerError, Answered, Bench, Knob, Variant};
 
-/// Runs of a confirmed answer for the clock.
+/// Timed runs of a confirmed answer.
 const CONFIRMING: u32 = 5;
 
 impl From<AnswerError> for CliError {
@@ -18,7 +18,6 @@ impl From<AnswerError> for CliError {
     }
 }
 
-/// The answer run.
 #[derive(Serialize)]
 pub(super) struct Confirmed {
     error: f64,
@@ -28,7 +27,6 @@ pub(super) struct Confirmed {
     ratios: Ratios,
 }
 
-/// Predicted over real.
 #[derive(Serialize)]
 struct Ratios {
     error: f64,
@@ -37,22 +35,21 @@ struct Ratios {
 }
 
 impl Confirmed {
-    /// Runs the answer.
     pub(super) fn run(
         found: &Answered,
         bench: &mut Bench,
         scenes: &Scenes,
         scene: &str,
     ) -> Result<Self, CliError> {
-        let own = Variant::new(&bench.plain.setup.scene.clone(), found.knob)?;
-        let variant =
-            own.ok_or_else(|| CliError::other("the scene does not have the knob of the answer"))?;
+        let with_knob = Variant::new(&bench.plain.setup.scene.clone(), found.knob)?;
+        let variant = with_knob
+            .ok_or_else(|| CliError::other("the scene does not have the knob of the answer"))?;
         bench.repeats = CONFIRMING;
         let trial = bench.trial(&variant, found.choice.n, found.choice.steps);
         let run = trial
             .outcome
             .map_err(|reason| CliError::other(format!("the answer does not run: {reason}")))?;
-        // `sweep solve` runs scenes with the element that they name.
+        // `sweep solve` uses the element named in the scene.
         let as_named = !matches!(found.knob, Knob::Element(_));
         let bytes = as_named.then(|| peak_of_a_process(scenes, scene, found.choice)).flatten();
         Ok(Self {
@@ -87,8 +84,7 @@ impl Confirmed {
     }
 }
 
-/// The peak resident size of a process that does the run alone, by the scene as written; none where the system does not
-/// say it.
+/// The peak resident size of a separate process for the run, by the scene as written; None if the system does not tell.
 fn peak_of_a_process(scenes: &Scenes, scene: &str, choice: Answer) -> Option<f64> {
     let program = std::env::current_exe().ok()?;
     let numbers = [choice.n, choice.steps].map(|value| value.to_string());

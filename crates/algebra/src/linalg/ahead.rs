@@ -1,23 +1,23 @@
-//! Numbers of a factor are asked for before they are read. Columns are short: where each begins the processor has not yet
-//! seen that numbers are read in order, and a pass that waits there reads memory at a third of its rate.
+//! Prefetching of factors. Columns are short: at each beginning the processor has not yet recognised sequential access,
+//! and a pass that waits there runs at a third of the memory rate.
 
 use std::ops::Range;
 
 use super::cholesky::Real;
 
-/// So many numbers lie between those in use and those that are asked for. Half and twice as many do as well: memory needs
-/// some microseconds, and what has come is not to leave the innermost cache, of 32 KiB or more, before it is read.
+/// Prefetch distance in numbers; insensitive to a factor of two. Memory latency is some microseconds, and prefetched
+/// data must fit in the innermost cache, 32 KiB or more.
 const AHEAD: usize = 4096;
-/// Bytes that come at once.
+/// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Before `used` is read by a pass that ascends.
+/// For an ascending pass, before `used` is read.
 #[inline(always)]
 pub(crate) fn prefetch_behind<T: Real>(values: &[T], used: Range<usize>) {
     ask(&values[behind(used, values.len())]);
 }
 
-/// Before `used` is read by a pass that descends.
+/// For a descending pass, before `used` is read.
 #[inline(always)]
 pub(crate) fn prefetch_before<T: Real>(values: &[T], used: Range<usize>) {
     ask(&values[before(used)]);
@@ -44,7 +44,7 @@ fn ask<T: Real>(values: &[T]) {
 mod tests {
     use super::*;
 
-    /// Both passes ask for each number once and before they use it, but for the first ones.
+    /// Except for the first ones, each number is prefetched once and before use.
     #[test]
     fn every_number_is_asked_for_once() {
         let blocks = [0..7, 7..1000, 1000..1004, 1004..9000, 9000..9001, 9001..20_000];

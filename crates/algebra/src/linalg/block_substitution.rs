@@ -1,5 +1,5 @@
-//! Forward and backward substitution with several right sides at once: the factor is read once for all of them, where a
-//! pass with one is bound by its traffic.
+//! Forward and backward substitution with several right sides: the factor is read once for all, where a single pass is
+//! bound by its memory traffic.
 
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
@@ -7,14 +7,13 @@ use super::cholesky::{Analysis, Factor};
 use super::substitution::Front;
 use super::supernode::{COLUMNS, Supernode, supernode};
 
-/// Right sides that are taken together: two registers of four doubles.
+/// Right sides per pass: two registers of four doubles.
 pub const SIDES: usize = 8;
 
-/// One entry of each right side.
 pub type Side = [f64; SIDES];
 
 impl Analysis {
-    /// Solves L y = x in place, as [`Self::forward`] does, for [`SIDES`] right sides.
+    /// Solves L y = x in place, as [`Self::forward`], for [`SIDES`] right sides.
     pub fn forward_block(
         &self,
         factor: &Factor,
@@ -25,8 +24,8 @@ impl Analysis {
         self.pass(factor, cut, x, front, true);
     }
 
-    /// Solves Lᵀ z = y in place, as [`Self::backward`] does, for [`SIDES`] right sides. What a side becomes depends on
-    /// that side alone.
+    /// Solves Lᵀ z = y in place, as [`Self::backward`], for [`SIDES`] right sides; each result is independent of the
+    /// other sides.
     pub fn backward_block(
         &self,
         factor: &Factor,
@@ -52,7 +51,6 @@ impl Analysis {
     }
 }
 
-/// One pass over the supernodes, compiled for the vector units that a machine may have.
 struct Pass<'a> {
     symbolic: &'a SymbolicSupernodalCholesky<u32>,
     factor: &'a Factor,
@@ -87,7 +85,6 @@ impl pulp::WithSimd for Pass<'_> {
     }
 }
 
-/// The forward step of one supernode.
 #[inline(always)]
 fn eliminate(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut Vec<Side>) {
     let (start, width) = (node.start, node.width);
@@ -98,15 +95,15 @@ fn eliminate(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut V
     let mut j = 0;
     while j + COLUMNS <= columns {
         node.reads_forward(j, COLUMNS);
-        let (own, rest) = rows[j..].split_at_mut(COLUMNS);
+        let (head, rest) = rows[j..].split_at_mut(COLUMNS);
         let mut w = [[0.0; SIDES]; COLUMNS];
         for a in 0..COLUMNS {
             let column = node.column(j + a, j + a);
-            w[a] = own[a].map(|value| value / column[0]);
-            own[a] = w[a];
+            w[a] = head[a].map(|value| value / column[0]);
+            head[a] = w[a];
             for b in a + 1..COLUMNS {
                 for l in 0..SIDES {
-                    own[b][l] -= column[b - a] * w[a][l];
+                    head[b][l] -= column[b - a] * w[a][l];
                 }
             }
         }
@@ -116,9 +113,9 @@ fn eliminate(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut V
     while j < columns {
         node.reads_forward(j, 1);
         let column = node.column(j, j);
-        let (own, rest) = rows[j..].split_at_mut(1);
-        own[0] = own[0].map(|value| value / column[0]);
-        subtract([&column[1..]], [own[0]], rest);
+        let (head, rest) = rows[j..].split_at_mut(1);
+        head[0] = head[0].map(|value| value / column[0]);
+        subtract([&column[1..]], [head[0]], rest);
         j += 1;
     }
     x[start..start + width].copy_from_slice(&rows[..width]);
@@ -143,7 +140,6 @@ fn subtract<const C: usize>(c: [&[f64]; C], w: [Side; C], x: &mut [Side]) {
     }
 }
 
-/// The backward step of one supernode.
 #[inline(always)]
 fn substitute(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut Vec<Side>) {
     let (start, width) = (node.start, node.width);
@@ -156,30 +152,30 @@ fn substitute(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut 
         j -= 1;
         node.reads_backward(j, 1);
         let column = node.column(j, j);
-        let (own, rest) = rows[j..].split_at_mut(1);
+        let (head, rest) = rows[j..].split_at_mut(1);
         let [sum] = products([&column[1..]], rest);
         for l in 0..SIDES {
-            own[0][l] = (own[0][l] - sum[l]) / column[0];
+            head[0][l] = (head[0][l] - sum[l]) / column[0];
         }
     }
     while j > 0 {
         j -= COLUMNS;
         node.reads_backward(j, COLUMNS);
-        let (own, rest) = rows[j..].split_at_mut(COLUMNS);
+        let (head, rest) = rows[j..].split_at_mut(COLUMNS);
         let sums: [Side; COLUMNS] =
             products(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), rest);
         for a in (0..COLUMNS).rev() {
             let column = node.column(j + a, j + a);
-            let mut value = own[a];
+            let mut value = head[a];
             for l in 0..SIDES {
                 value[l] -= sums[a][l];
             }
             for b in a + 1..COLUMNS {
                 for l in 0..SIDES {
-                    value[l] -= column[b - a] * own[b][l];
+                    value[l] -= column[b - a] * head[b][l];
                 }
             }
-            own[a] = value.map(|value| value / column[0]);
+            head[a] = value.map(|value| value / column[0]);
         }
     }
     x[start..start + columns].copy_from_slice(&rows[..columns]);
@@ -206,7 +202,7 @@ mod tests {
     use super::super::{BlockPattern, nested_dissection};
     use super::*;
 
-    /// Eight sides at once and one after another, on a grid of 12 × 12 nodes with a cut.
+    /// Eight sides together and one by one, on a grid of 12 × 12 nodes with a cut.
     #[test]
     fn sides_together_are_sides_apart() {
         let cells: Vec<u32> = (0..11)
@@ -242,9 +238,9 @@ mod tests {
             };
             [off(&x, &forward), off(&y, &backward)]
         };
-        // Sums in another order: rounding times a condition number of about 3.
+        // Different order of summation: rounding times a condition number of about 3.
         assert!((0..SIDES).all(|l| far(&factor, l).iter().all(|off| *off < 1e-14)));
-        // One entry of the factor that is off shows in every side.
+        // A perturbed entry of the factor shows in every side.
         let middle = factor.values.len() / 2;
         let at = (middle..).find(|&i| factor.values[i].abs() > 1e-3).unwrap();
         factor.values[at] *= 1.0 + 1e-8;

@@ -1,5 +1,5 @@
-//! Sparse Cholesky factorization (faer, supernodal, one thread): analysis once a pattern, numbers
-//! often. One thread inside a factorization keeps results bit-identical on any machine load.
+//! Sparse Cholesky factorization (faer, supernodal): one symbolic analysis per pattern. It runs on one thread, so that
+//! results are bit-identical under any machine load.
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, Sub, SubAssign};
 
@@ -16,40 +16,36 @@ use faer::{Par, Side};
 
 use super::pattern::BlockPattern;
 
-/// Why a factorization was not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FactorError {
-    /// A pivot was not positive, or a direction p of an iteration had pᵀAp ≤ 0: the matrix is not positive
-    /// definite.
+    /// A pivot was not positive, or a search direction p had pᵀAp ≤ 0.
     #[error("the tangent matrix is not positive definite (first at unknown {dof})")]
     NotPositiveDefinite {
         /// The unknown of the pivot, or of the largest entry of the direction.
         dof: usize,
     },
-    /// An iteration ended before its residual was small.
+    /// Conjugate gradients ended before their residual was small.
     #[error(
         "conjugate gradients still have {residual:.1e} of their residual after {iterations} iterations; `--linear-solver direct` factorizes instead"
     )]
     NotReached {
-        /// Iterations.
         iterations: u32,
-        /// Norm of the residual over that of the first one.
+        /// Norm of the residual relative to the first one.
         residual: f64,
     },
-    /// Entries without a mirror image, which are no part of the factor, are too large for iterations.
+    /// Nonsymmetric entries, which the factor lacks, are too large for the iteration.
     #[error(
         "friction that follows the normal law makes the tangent singular or nearly so: a residual of {relative:.1e} is left, wanted {forcing:.1e}"
     )]
     NotSolved {
-        /// Norm of the residual over that of the right side.
+        /// Norm of the residual relative to the right side.
         relative: f64,
-        /// What was asked for.
+        /// Requested relative residual.
         forcing: f64,
     },
-    /// The numbers handed in were not finite.
     #[error("the tangent matrix has an entry that is not a finite number")]
     NotFinite,
-    /// The rank-one piece of the Jacobian, from ζ_n(u_n), makes it singular or turns its sign.
+    /// The rank-one part of the Jacobian, from ζ_n(u_n), makes it singular or turns its sign.
     #[error(
         "the implicit dependence on ζ makes the tangent singular (1 + bᵀK⁻¹a = {denominator:e})"
     )]
@@ -59,16 +55,11 @@ pub enum FactorError {
     },
     /// The symbolic analysis ran out of memory or index range.
     #[error("the symbolic factorization of order {order} failed: {reason}")]
-    Analysis {
-        /// Order of the matrix.
-        order: usize,
-        /// What the library said.
-        reason: String,
-    },
+    Analysis { order: usize, reason: String },
 }
 
-/// Two supernodes are merged where together they have at most so many columns and store at most this share of
-/// zeros: about half of the library's shares, which leaves 6 % less to read in every solve.
+/// Supernodes are merged up to so many columns and this share of stored zeros: about half of faer's defaults, which
+/// leaves 6 % less to read in each solve.
 const MERGED: [(usize, f64); 4] = [(4, 0.5), (16, 0.2), (48, 0.05), (usize::MAX, 0.02)];
 
 /// Symbolic factorization of a pattern.
@@ -77,7 +68,7 @@ pub struct Analysis {
     pub(super) symbolic: SymbolicCholesky<u32>,
 }
 
-/// Real numbers in which a factor can be kept: f64, or f32 as a preconditioner.
+/// Number type of a factor: f64, or f32 for a preconditioner.
 pub trait Real:
     faer::traits::RealField
     + Copy
@@ -89,9 +80,7 @@ pub trait Real:
     + SubAssign
     + DivAssign
 {
-    /// Zero.
     const ZERO: Self;
-    /// Whether the number is finite.
     fn finite(self) -> bool;
 }
 
@@ -109,13 +98,12 @@ impl Real for f32 {
     }
 }
 
-/// Numbers of one factorization L Lᵀ.
+/// Values of a factorization L Lᵀ.
 #[derive(Debug, Clone)]
 pub struct Factor<T = f64> {
     pub(super) values: Vec<T>,
 }
 
-/// Scratch memory of factorizations.
 pub struct Workspace {
     memory: MemBuffer,
 }
@@ -123,8 +111,7 @@ pub struct Workspace {
 impl Analysis {
     /// Analyses `pattern` in the order `permutation` (position → dof).
     ///
-    /// # Errors
-    /// [`FactorError::Analysis`] if memory or the index range is exhausted.
+    /// # Errors [`FactorError::Analysis`] if memory or the index range is exhausted.
     pub fn new(pattern: &BlockPattern, permutation: &[u32]) -> Result<Self, FactorError> {
         let order = pattern.order();
         let mut inverse = vec![0u32; order];
@@ -145,20 +132,18 @@ impl Analysis {
         Ok(Self { symbolic })
     }
 
-    /// Numbers stored in a factor.
     pub fn factor_entries(&self) -> usize {
         self.symbolic.len_val()
     }
 
-    /// Passes over a factor, with a product each, that one factorization costs, from the work of either: 0.05
-    /// multiplications an entry of the factor is what the two took on meshes of n = 64 and 128 (6 and 9 iterations of
-    /// GMRES).
+    /// Cost of one factorization in passes over the factor (with a product each): 0.05 multiplications per entry fit
+    /// the optimum on meshes of n = 64 and 128 (6 and 9 iterations of GMRES).
     pub fn passes_of_a_factor(&self) -> u32 {
         let entries = (self.factor_entries() as f64).max(1.0);
         (2.0 + 0.05 * self.multiplications() / entries) as u32
     }
 
-    /// Multiplications of one factorization: Σ over columns of the square of their length.
+    /// Multiplications of one factorization: Σ over columns of their length squared.
     pub fn multiplications(&self) -> f64 {
         let columns = |begin: usize, end: usize, below: usize| -> f64 {
             (0..end - begin).map(|j| ((end - begin - j + below) as f64).powi(2)).sum()
@@ -177,12 +162,10 @@ impl Analysis {
         }
     }
 
-    /// An empty factor of this pattern.
     pub fn factor<T: Real>(&self) -> Factor<T> {
         Factor { values: vec![T::ZERO; self.symbolic.len_val()] }
     }
 
-    /// Scratch memory for factorizations.
     pub fn workspace(&self) -> Workspace {
         let factorize =
             self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
@@ -191,8 +174,7 @@ impl Analysis {
 
     /// Computes L of the matrix with these lower-triangle `values`.
     ///
-    /// # Errors
-    /// [`FactorError::NotPositiveDefinite`] names the unknown whose pivot failed.
+    /// # Errors [`FactorError::NotPositiveDefinite`] names the unknown whose pivot failed.
     pub fn factorize<T: Real>(
         &self,
         pattern: &BlockPattern,
@@ -214,7 +196,7 @@ impl Analysis {
             Ok(_) => Ok(()),
             Err(_) if values.iter().any(|v| !v.finite()) => Err(FactorError::NotFinite),
             Err(LltError::NonPositivePivot { index }) => {
-                // The index counts in the permuted order of the supernodal factorization.
+                // The index is in the permuted order of the supernodal factorization.
                 let dof = match self.symbolic.perm() {
                     Some(perm) => perm.arrays().0.get(index).map_or(index, |&d| d as usize),
                     None => index,
@@ -256,7 +238,6 @@ mod tests {
         let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
         let x: Vec<f64> = (0..120).map(|i| f64::from(i % 7) - 3.0).collect();
-        // One after the other in the same room.
         let mut front = Front::default();
         for x in x.chunks(60) {
             let mut b = vec![0.0; 60];
@@ -266,7 +247,7 @@ mod tests {
         }
     }
 
-    /// A band matrix of half width 4 in its natural order: columns of length 5, shorter at the end.
+    /// A band matrix of half width 4 in natural order: columns of length 5, shorter at the end.
     #[test]
     fn multiplications_of_a_band_matrix() {
         let (pattern, ..) = laplacian();

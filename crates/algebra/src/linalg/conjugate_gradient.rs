@@ -1,14 +1,13 @@
-//! Preconditioned conjugate gradients, which notice where the matrix is not positive definite.
+//! Preconditioned conjugate gradients that detect an indefinite matrix.
 //!
-//! Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952). The new direction is made orthogonal to the
-//! last one by zᵀ(r - r₋) in place of zᵀr (Polak and Ribière), which rounding in a preconditioner of
-//! single precision does not disturb (Notay, SIAM J. Sci. Comput. 22 (2000)).
+//! Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952). Directions are orthogonalised with zᵀ(r - r₋) in place of
+//! zᵀr (Polak and Ribière), which tolerates rounding in a single-precision preconditioner (Notay, SIAM J. Sci. Comput.
+//! 22 (2000)).
 
 use super::cholesky::FactorError;
 use super::gmres::Preconditioned;
 use super::{axpy, dot, norm};
 
-/// Vectors of the iteration, kept between solves.
 #[derive(Debug, Clone, Default)]
 pub struct Directions {
     direction: Vec<f64>,
@@ -18,9 +17,8 @@ pub struct Directions {
 
 /// Reduces the `residual` b - Ax to a norm of at most `target`, adding to `x`; returns the iterations.
 ///
-/// # Errors
-/// [`FactorError::NotPositiveDefinite`] with the largest entry of a direction p that has pᵀAp ≤ 0;
-/// [`FactorError::NotFinite`]; [`FactorError::NotReached`] after `limit` iterations. `x` is then of no use.
+/// # Errors [`FactorError::NotPositiveDefinite`] with the largest entry of a direction p that has pᵀAp ≤ 0;
+/// [`FactorError::NotFinite`]; [`FactorError::NotReached`] after `limit` iterations. `x` is then undefined.
 pub fn conjugate_gradients(
     operator: &mut dyn Preconditioned,
     residual: &mut [f64],
@@ -44,12 +42,12 @@ pub fn conjugate_gradients(
     for iteration in 1..=limit {
         operator.apply(direction, image);
         let curvature = dot(direction, image);
-        // Below this, pᵀAp is rounding of its own sum.
+        // Below this, pᵀAp is rounding of its sum.
         let nothing = f64::EPSILON * norm(direction) * norm(image);
         if !(curvature.is_finite() && product.is_finite()) {
             return Err(FactorError::NotFinite);
         }
-        // zᵀr ≤ 0: the preconditioner of a positive definite matrix is one itself.
+        // zᵀr ≤ 0 contradicts a positive definite preconditioner, hence matrix.
         if curvature <= nothing || product <= 0.0 {
             return Err(FactorError::NotPositiveDefinite { dof: largest_entry(direction) });
         }
@@ -63,8 +61,8 @@ pub fn conjugate_gradients(
         corrected.copy_from_slice(residual);
         operator.precondition(corrected);
         let turn = -length * dot(corrected, image) / product;
-        for (own, z) in direction.iter_mut().zip(&*corrected) {
-            *own = z + turn * *own;
+        for (entry, z) in direction.iter_mut().zip(&*corrected) {
+            *entry = z + turn * *entry;
         }
         product = dot(residual, corrected);
     }
@@ -80,7 +78,7 @@ fn largest_entry(vector: &[f64]) -> usize {
 mod tests {
     use super::*;
 
-    /// diag(1, …, m) with one entry exchanged, and the preconditioner 1.
+    /// diag(1, …, m) with one entry replaced; no preconditioner.
     struct Diagonal(Vec<f64>);
 
     impl Preconditioned for Diagonal {
@@ -112,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_negative_or_missing_eigenvalue_is_an_error_and_so_is_an_unreached_target() {
-        // Nearly all of the last direction is along the negative entry.
+        // The last direction is nearly along the negative entry.
         assert_eq!(solve(-0.5, 20).0, Err(FactorError::NotPositiveDefinite { dof: 4 }));
         assert!(matches!(solve(-500.0, 20).0, Err(FactorError::NotPositiveDefinite { .. })));
         assert!(matches!(solve(0.0, 30).0, Err(FactorError::NotPositiveDefinite { .. })));

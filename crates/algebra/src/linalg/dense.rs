@@ -1,4 +1,4 @@
-//! Cholesky factorization of a small full matrix (faer), in memory that is kept.
+//! Cholesky factorization of small dense matrices (faer) in reused memory.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -7,7 +7,7 @@ use faer::{MatMut, MatRef, Par};
 
 use super::FactorError;
 
-/// A symmetric positive definite matrix and its factor in its place.
+/// A symmetric positive definite matrix, overwritten by its factor.
 pub struct DenseCholesky {
     order: usize,
     values: Vec<f64>,
@@ -15,7 +15,6 @@ pub struct DenseCholesky {
 }
 
 impl DenseCholesky {
-    /// Room for matrices of this order.
     pub fn new(order: usize) -> Self {
         let scratch =
             llt::factor::cholesky_in_place_scratch::<f64>(order, Par::Seq, Default::default());
@@ -24,8 +23,7 @@ impl DenseCholesky {
 
     /// Factorizes the matrix whose lower triangle `fill` writes, by columns.
     ///
-    /// # Errors
-    /// [`FactorError::NotPositiveDefinite`] names the row whose pivot failed.
+    /// # Errors [`FactorError::NotPositiveDefinite`] names the row whose pivot failed.
     pub fn factorize(&mut self, fill: impl FnOnce(&mut [f64])) -> Result<(), FactorError> {
         fill(&mut self.values);
         let finite = self.values.iter().all(|value| value.is_finite());
@@ -46,7 +44,6 @@ impl DenseCholesky {
         }
     }
 
-    /// Solves with the factor in place.
     pub fn solve(&mut self, rhs: &mut [f64]) {
         llt::solve::solve_in_place(
             MatRef::from_column_major_slice(&self.values, self.order, self.order),

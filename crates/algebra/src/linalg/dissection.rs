@@ -1,19 +1,16 @@
 //! Fill-reducing order by nested dissection on node coordinates.
 //!
-//! A set of nodes is cut at the median of its longest coordinate direction; nodes of the upper half
-//! that have a neighbour in the lower half form the separator and are numbered last. Reference:
-//! A. George, SIAM J. Numer. Anal. 10 (1973).
+//! A set of nodes is split at the median of its longest direction; nodes of the upper half with a neighbour in the
+//! lower half form the separator and come last. A. George, SIAM J. Numer. Anal. 10 (1973).
 
 use super::pattern::BlockPattern;
 
-/// Sets of at most this many nodes are numbered as they come: against 24, eight leave 6 % less fill at
-/// n = 128, and four no less.
+/// Size of undivided sets: eight give 6 % less fill than 24 at n = 128, and four no less.
 const LEAF: usize = 8;
 
-/// Order of the dofs (position → dof) for the pattern, from `coordinates` of the free nodes
-/// (`dimension` numbers per node). Components of a node stay together, but for the nodes of the dofs
-/// `last`: they follow after all others, those dofs at the very end in the order given, so that a factor
-/// condenses the matrix onto them.
+/// Order of the dofs (position → dof) for the pattern, from `coordinates` of the free nodes (`dimension` numbers each).
+/// Components of a node stay together, except nodes of the dofs `last`, which follow all others with those dofs at the
+/// very end in the given order, so that a factor condenses the matrix onto them.
 pub fn nested_dissection(pattern: &BlockPattern, coordinates: &[f64], last: &[u32]) -> Vec<u32> {
     let d = pattern.dimension();
     let nodes = pattern.order() / d;
@@ -55,7 +52,7 @@ fn dissect(
     };
     let axis = (0..d).max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
     let middle = set.len() / 2;
-    // Ties are broken by node number: the order is a function of the mesh alone.
+    // Ties are broken by node number, so the order depends on the mesh alone.
     set.select_nth_unstable_by(middle, |&a, &b| {
         at(a, axis).total_cmp(&at(b, axis)).then(a.cmp(&b))
     });

@@ -1,35 +1,30 @@
 //! Right-preconditioned GMRES without restart, for few iterations with a very good preconditioner.
 //!
-//! Saad and Schultz, SIAM J. Sci. Stat. Comput. 7 (1986). The preconditioned directions are kept, so
-//! the solution needs no further application of the preconditioner.
+//! Saad and Schultz, SIAM J. Sci. Stat. Comput. 7 (1986). Preconditioned directions are kept, so that the solution
+//! needs no further application of the preconditioner.
 
 use super::{axpy, dot, norm};
 
-/// Vectors of the Krylov space, kept between solves.
 #[derive(Debug, Clone, Default)]
 pub struct Krylov {
-    /// Orthonormal basis v_j.
     basis: Vec<Vec<f64>>,
     /// z_j = P⁻¹ v_j.
     directions: Vec<Vec<f64>>,
-    /// Columns of the triangular factor of the Hessenberg matrix, its rotations, the rotated right side, and the
-    /// weights of the directions.
+    /// Columns of the triangular factor of the Hessenberg matrix; then rotations, rotated right side, weights of the
+    /// directions.
     triangle: Vec<Vec<f64>>,
     rotations: Vec<(f64, f64)>,
     right: Vec<f64>,
     weights: Vec<f64>,
 }
 
-/// What a solve took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KrylovInfo {
-    /// Iterations: applications of operator and preconditioner.
     pub iterations: u32,
-    /// Residual norm over the norm of the right side.
+    /// Residual norm relative to the right side.
     pub relative_residual: f64,
 }
 
-/// A linear operator with a preconditioner.
 pub trait Preconditioned {
     /// `out` ← J x.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
@@ -37,8 +32,8 @@ pub trait Preconditioned {
     fn precondition(&mut self, x: &mut [f64]);
 }
 
-/// Solves J x = `rhs` in place until the residual is below `tolerance`·‖rhs‖ or for at most
-/// `limit` iterations; the caller decides what an unreached tolerance means.
+/// Solves J x = `rhs` in place until the residual is below `tolerance`·‖rhs‖, or for `limit` iterations; an unreached
+/// tolerance is not an error here.
 pub fn gmres(
     operator: &mut dyn Preconditioned,
     rhs: &mut [f64],
@@ -75,7 +70,7 @@ pub fn gmres(
         right[j] *= rotation.0;
         steps += 1;
         let residual = right[steps].abs();
-        // Written so that a NaN stops the iteration.
+        // A NaN stops the iteration.
         if residual.is_nan() || residual <= tolerance * size {
             break;
         }
@@ -100,7 +95,7 @@ impl Krylov {
         self.triangle.resize_with(limit, Vec::new);
         self.rotations.clear();
         self.right.clear();
-        // Vectors beyond the first are allocated when an iteration first reaches them.
+        // Other vectors are allocated when first needed.
         self.basis[0].resize(length, 0.0);
     }
 
@@ -133,7 +128,6 @@ impl Krylov {
 mod tests {
     use super::*;
 
-    /// A nonsymmetric 4×4 matrix with a diagonal preconditioner.
     struct Small;
     const MATRIX: [[f64; 4]; 4] =
         [[4.0, 1.0, 0.0, 0.5], [-1.0, 3.0, 1.0, 0.0], [0.0, 0.3, 5.0, -2.0], [1.0, 0.0, 0.7, 2.0]];

@@ -1,7 +1,7 @@
-//! Extreme eigenvalues of linear maps that are known by their action, in a given inner product.
+//! Extreme eigenvalues of matrix-free linear maps in a given inner product.
 //!
-//! Power iteration with all its iterates kept: Lanczos for self-adjoint maps, Arnoldi for others. The
-//! basis is orthogonalized twice against all of itself, so no spurious copies of an eigenvalue appear.
+//! Lanczos for self-adjoint maps, Arnoldi for others. The basis is orthogonalised twice against all of itself, so no
+//! spurious copies of an eigenvalue appear.
 
 use faer::Mat;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -12,75 +12,54 @@ use super::{FactorError, axpy, dot};
 pub trait LinearMap {
     /// `out` ← T x.
     ///
-    /// # Errors
-    /// Of the linear solves that T contains.
+    /// # Errors Those of the linear solves within T.
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError>;
 
     /// `out` ← G x.
     fn gram(&mut self, x: &[f64], out: &mut [f64]);
 }
 
-/// An eigenvalue with what is known of its accuracy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extreme {
-    /// The eigenvalue.
     pub value: f64,
     /// An eigenvector of length 1 in the inner product.
     pub vector: Vec<f64>,
-    /// Applications of T.
     pub iterations: u32,
     /// ‖T x - θ x‖.
     pub residual: f64,
 }
 
-/// Why an eigenvalue was not found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EigenError {
     /// A solve within the map failed.
     #[error(transparent)]
     Factor(#[from] FactorError),
-    /// The eigenvalues of a small projected matrix were not found.
     #[error("the eigenvalues of a projected matrix of order {order} did not converge")]
-    NotConverged {
-        /// Its order.
-        order: usize,
-    },
+    NotConverged { order: usize },
     /// The iteration ran out.
     #[error(
         "an eigenvalue did not settle: {value} after {iterations} applications, still changing by {change:e}"
     )]
-    NotSettled {
-        /// The last value.
-        value: f64,
-        /// Applications.
-        iterations: u32,
-        /// Relative change.
-        change: f64,
-    },
+    NotSettled { value: f64, iterations: u32, change: f64 },
 }
 
 /// Vectors after which an iteration is given up.
 const LIMIT: usize = 600;
-/// The value is accepted when it changed by less than this between two looks, relative to itself:
-/// rounding in T and G is some 1e-14.
+/// Relative change at which a value is accepted: rounding in T and G is some 1e-14.
 const SETTLED: f64 = 1e-13;
-/// And when ‖Tx - θx‖ is below this share of θ. The error of θ is of the order of its square.
+/// Relative bound of ‖Tx - θx‖; the error of θ is of the order of its square.
 const RESIDUAL: f64 = 1e-6;
-/// The accuracy for maps that are not self-adjoint, where errors are not squared.
+/// Accuracy for maps that are not self-adjoint, whose errors are not squared.
 const SETTLED_RADIUS: f64 = 1e-9;
-/// What is still accepted of any map when the iteration has run out, where many eigenvalues lie close to the
-/// largest: factors are printed to six digits.
+/// Accuracy still accepted at the limit, when many eigenvalues are close to the largest: factors are printed to six
+/// digits.
 const SETTLED_AT_LIMIT: f64 = 1e-7;
-/// An imaginary part below this share of the radius is rounding of a nearly double real eigenvalue.
+/// A smaller imaginary part, relative to the radius, is rounding of a nearly double real eigenvalue.
 const REAL: f64 = 1e-6;
-/// An invariant subspace: the next vector is rounding.
+/// Below this, the next vector is rounding: the subspace is invariant.
 const INVARIANT: f64 = 1e-12;
 
-/// The largest eigenvalue of a map that is self-adjoint and positive semidefinite in its inner
-/// product; 0 for the zero map.
-///
-/// # Errors
-/// [`EigenError`].
+/// The largest eigenvalue of a self-adjoint, positive semidefinite map; 0 for the zero map.
 pub fn largest_eigenvalue(map: &mut dyn LinearMap, start: &[f64]) -> Result<Extreme, EigenError> {
     let mut basis = Basis::new(map, start);
     let mut last = f64::NAN;
@@ -114,21 +93,15 @@ pub fn largest_eigenvalue(map: &mut dyn LinearMap, start: &[f64]) -> Result<Extr
     }
 }
 
-/// The outer eigenvalues of a linear map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spectrum {
     /// The largest modulus.
     pub radius: f64,
     /// The largest real eigenvalue; minus infinity if none is real.
     pub rightmost: f64,
-    /// Applications of T.
     pub iterations: u32,
 }
 
-/// The outer eigenvalues of any linear map.
-///
-/// # Errors
-/// [`EigenError`].
 pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, EigenError> {
     let mut basis = Basis::new(map, start);
     let mut last = (f64::NAN, f64::NAN);
@@ -158,8 +131,8 @@ pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, Eige
     }
 }
 
-/// Small projected matrices are looked at every second time, larger ones each time they have grown by
-/// a quarter: their eigenvalues cost the cube of their order.
+/// Whether to compute the eigenvalues of the projected matrix, which cost m³: every second step while small, later
+/// after growth by a quarter.
 fn look(m: usize) -> bool {
     let mut next = 20;
     while next < m {
@@ -168,14 +141,14 @@ fn look(m: usize) -> bool {
     m == next || (m < 20 && m.is_multiple_of(2))
 }
 
-/// An orthonormal basis of the Krylov space with T in it.
+/// An orthonormal basis of the Krylov space, and T in it.
 struct Basis {
     vectors: Vec<Vec<f64>>,
     /// G times each vector.
     images: Vec<Vec<f64>>,
     /// Column j: (v_i, T v_j) for i ≤ j + 1.
     columns: Vec<Vec<f64>>,
-    /// Length of the part of T v_j that leaves the basis.
+    /// Norm of the part of T v_j outside the basis.
     next: f64,
 }
 
@@ -234,7 +207,6 @@ impl Basis {
 mod tests {
     use super::*;
 
-    /// A dense map with a diagonal G.
     struct Dense {
         map: DMatrix<f64>,
         weights: Vec<f64>,
@@ -254,8 +226,8 @@ mod tests {
         }
     }
 
-    /// T = G⁻¹S with S the second difference matrix: self-adjoint in G = 2I, eigenvalues
-    /// 1 - cos(jπ/(m+1)), crowded at the top.
+    /// T = G⁻¹S with S the second difference matrix: self-adjoint in G = 2I, eigenvalues 1 - cos(jπ/(m+1)), crowded at
+    /// the top.
     fn second_differences(m: usize) -> Dense {
         let map = DMatrix::from_fn(m, m, |i, j| match i.abs_diff(j) {
             0 => 1.0,
@@ -303,7 +275,7 @@ mod tests {
         );
         let mut dense = Dense { map, weights: vec![1.0; 4] };
         let found = spectrum(&mut dense, &start(4)).unwrap();
-        // The eigenvalues are ±i/2 and 0.1 twice, in a Jordan block: that halves the digits.
+        // Eigenvalues ±i/2 and 0.1 twice in a Jordan block, which halves the digits.
         assert!((found.radius - 0.5).abs() < 1e-12, "{found:?}");
         assert!((found.rightmost - 0.1).abs() < 1e-6, "{found:?}");
     }

@@ -32,7 +32,7 @@ pub use sequence::{Coupling, LinearWork, Precision, RankOne, SequenceSolver};
 pub use substitution::Front;
 pub use tangent_solver::TangentSolver;
 
-/// Partial sums of a scalar product: one alone would wait for itself at every term.
+/// Independent partial sums of a scalar product.
 const LANES: usize = 8;
 
 /// Σ a_i b_i; eight sums, each in order.
@@ -50,24 +50,23 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + rest
 }
 
-/// ‖a‖₂.
 pub fn norm(a: &[f64]) -> f64 {
     root_of_squares(|scale| a.iter().map(|x| (scale * x) * (scale * x)).sum())
 }
 
-/// Sums of squares in this range are as exact as their terms: no square that counts has left the doubles.
+/// Sums of squares in this range lost nothing to under- or overflow.
 const SQUARES: std::ops::RangeInclusive<f64> = 1e-270..=1e300;
 
-/// Whether a sum of squares has lost nothing to under- or overflow.
+/// Whether a sum of squares lost nothing to under- or overflow.
 pub fn is_sound_sum(squares: f64) -> bool {
     SQUARES.contains(&squares)
 }
 
-/// 2^500: squares of numbers times it, or divided by it, stay in range where those of the numbers do not.
+/// 2^500, a factor that brings squares back into range.
 const RESCALED: f64 = 3.273_390_607_896_142e150;
 
-/// √S(1) for a sum of squares S(s) = Σ w_i (s x_i)². Where S(1) leaves the range in which squares are formed
-/// without loss, it is S(s)/s² with a power of two s: the same bits but for under- and overflow.
+/// √S(1) for a sum of squares S(s) = Σ w_i (s x_i)². If S(1) leaves the safe range, S(s)/s² is used with a power of two
+/// s: the same bits except under under- or overflow.
 pub fn root_of_squares(sum: impl Fn(f64) -> f64) -> f64 {
     let plain = sum(1.0);
     if is_sound_sum(plain) || plain.is_nan() {
@@ -77,15 +76,15 @@ pub fn root_of_squares(sum: impl Fn(f64) -> f64) -> f64 {
     sum(scale).sqrt() / scale
 }
 
-/// The larger of two numbers; a NaN stays, which `f64::max` would forget.
+/// The larger of two numbers; unlike `f64::max` it keeps a NaN.
 pub fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
-/// max |a_i|, 0 of nothing; a NaN stays.
+/// max |a_i|, 0 if empty; keeps a NaN.
 pub fn largest(a: &[f64]) -> f64 {
     let (blocks, rest) = a.as_chunks::<LANES>();
-    // No comparison with a NaN holds: it is looked for apart, so that lanes need no branch.
+    // Comparisons with NaN are false, so NaN is detected separately, without branches.
     let (mut lanes, mut nothing) = ([0.0f64; LANES], [0.0; LANES]);
     for block in blocks {
         for l in 0..LANES {
@@ -100,7 +99,6 @@ pub fn largest(a: &[f64]) -> f64 {
     lanes.iter().chain(rest).fold(0.0, |worst, value| larger(worst, value.abs()))
 }
 
-/// y ← y + α x.
 pub fn axpy(alpha: f64, x: &[f64], y: &mut [f64]) {
     for (target, value) in y.iter_mut().zip(x) {
         *target += alpha * value;
@@ -118,7 +116,7 @@ mod tests {
             let unit = 2f64.powi(e * 10 / 3);
             let found = norm(&[3.0 * unit, -4.0 * unit]);
             assert!((found / (5.0 * unit) - 1.0).abs() < 1e-15, "{e}: {found:e}");
-            // Squares alone do not have that.
+            // Plain squares do not have that.
             let plain = dot(&[3.0 * unit], &[3.0 * unit]).sqrt() / (3.0 * unit);
             assert!(e.abs() < 200 || plain == 0.0 || plain == f64::INFINITY, "{e}: {plain}");
         }

@@ -1,12 +1,11 @@
 //! Geometric multigrid as a preconditioner of conjugate gradients: one symmetric V-cycle.
 //!
-//! Coarse unknowns are Cartesian displacements of coarse vertices, interpolated to the fine unknowns by
-//! P = M N P₀: P₀ takes the mean of two parents, N turns it into the unknowns of oblique vertices, M leaves out
-//! the held ones (the truncated basis of Kornhuber, Numer. Math. 69 (1994)). Coarse matrices are PᵀAP, so
-//! whatever the tangent holds (yielded cells, slopes of the contact law, held coordinates) is on all levels.
-//! Gauss–Seidel over nodes goes forward before the correction and backward after it, so the cycle is symmetric,
-//! and positive definite if the matrix is. Sweeps are in single precision: they are bound by memory.
-//! Reference: W. Hackbusch, Multi-Grid Methods and Applications (1985).
+//! Coarse unknowns are Cartesian displacements of coarse vertices, interpolated by P = M N P₀: P₀ takes the mean of two
+//! parents, N maps to the unknowns of oblique vertices, M leaves out held ones (the truncated basis of Kornhuber,
+//! Numer. Math. 69 (1994)). Coarse matrices are PᵀAP, so that all features of the tangent (yielded cells, contact
+//! slopes, held coordinates) are on all levels. Gauss–Seidel over nodes runs forward before the correction and backward
+//! after it: the cycle is symmetric, and positive definite if the matrix is. Sweeps are in single precision, since they
+//! are bound by memory. W. Hackbusch, Multi-Grid Methods and Applications (1985).
 
 mod galerkin;
 mod gauss_seidel;
@@ -21,7 +20,7 @@ use gauss_seidel::Sweeps;
 pub use transfer::NodeFrame;
 use transfer::{Transfer, Turns};
 
-/// What depends on meshes alone: patterns of the coarse matrices, transfers, analysis of the coarsest.
+/// Mesh-dependent data: patterns of the coarse matrices, transfers, analysis of the coarsest.
 #[derive(Debug)]
 pub struct Levels {
     transfers: Vec<Transfer>,
@@ -31,12 +30,11 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// Levels below the matrices of `fine`. `of_vertex` gives the node of a vertex, `parents` the coarse
-    /// vertices of each vertex, finest mesh first; `coordinates` are those of the free nodes; `frames` the
-    /// unknowns of nodes that have their own. Nothing without `parents`.
+    /// Levels below the matrices of `fine`. `of_vertex` gives the node of a vertex, `parents` the coarse vertices of
+    /// each vertex, finest mesh first; `coordinates` are those of the free nodes, `frames` the rotated unknowns of
+    /// nodes. None without `parents`.
     ///
-    /// # Errors
-    /// The analysis of the coarsest matrix.
+    /// # Errors The analysis of the coarsest matrix.
     pub fn new(
         fine: &BlockPattern,
         of_vertex: &[u32],
@@ -63,12 +61,10 @@ impl Levels {
         Ok(Some(Self { transfers, patterns, coarsest, frames }))
     }
 
-    /// Unknowns of the coarsest level.
     pub fn coarsest_unknowns(&self) -> usize {
         self.patterns.last().map_or(0, BlockPattern::order)
     }
 
-    /// Number of levels, the finest included.
     pub fn count(&self) -> usize {
         self.patterns.len() + 1
     }
@@ -83,9 +79,9 @@ fn with(mut list: Vec<Transfer>, last: Transfer) -> Vec<Transfer> {
     list
 }
 
-/// What a cycle is made of.
+/// The parts of a cycle.
 pub(super) trait Parts {
-    /// The sweep before the correction, from zero; `rest` ← `right` - A `x`.
+    /// Pre-smoothing from zero; `rest` ← `right` - A `x`.
     fn before(&self, sweeps: &Sweeps, pattern: &BlockPattern, vectors: &mut Vectors) {
         sweeps.forward(pattern, &vectors.right, &mut vectors.solution, &mut vectors.rest);
     }
@@ -93,13 +89,11 @@ pub(super) trait Parts {
     fn restrict(&self, transfer: &Transfer, turns: &Turns, rest: &[f32], coarse: &mut [f32]) {
         transfer.restrict(turns, rest, coarse);
     }
-    /// The sweep after it.
     fn after(&self, sweeps: &Sweeps, pattern: &BlockPattern, vectors: &mut Vectors) {
         sweeps.backward(pattern, &vectors.right, &mut vectors.solution, &mut vectors.rest);
     }
 }
 
-/// The sweeps and the restriction that make the cycle symmetric.
 pub(super) struct Symmetric;
 
 impl Parts for Symmetric {}
@@ -126,12 +120,12 @@ pub(super) struct Multigrid<'a, C = Symmetric> {
     workspace: Workspace,
     front: Front<f64>,
     coarse: Vec<f64>,
-    /// The largest diagonal entry: sweeps hold the matrix over this.
+    /// The largest diagonal entry, by which sweeps scale the matrix.
     scale: f64,
 }
 
 impl<'a, C: Parts> Multigrid<'a, C> {
-    /// A cycle of `parts` for matrices with the pattern `fine`, before the first of them.
+    /// A cycle of `parts` for matrices with the pattern `fine`; no matrix yet.
     pub(super) fn new(parts: C, levels: &'a Levels, fine: &'a BlockPattern) -> Self {
         let all = || std::iter::once(fine).chain(&levels.patterns);
         let vectors = |pattern: &BlockPattern| Vectors {
@@ -155,12 +149,11 @@ impl<'a, C: Parts> Multigrid<'a, C> {
         }
     }
 
-    /// Takes the matrix with these lower-triangle `values`, in which rows and columns of the unknowns `held` have
-    /// their diagonal entry alone.
+    /// Takes the matrix with these lower-triangle `values`; rows and columns of the unknowns `held` are zero off the
+    /// diagonal.
     ///
-    /// # Errors
-    /// [`FactorError::NotPositiveDefinite`] where the block of a node on any level, or the coarsest matrix,
-    /// is not; the unknown is that of the fine matrix at the same vertex.
+    /// # Errors [`FactorError::NotPositiveDefinite`] if the block of a node on any level, or the coarsest matrix, is
+    /// not; it names the fine unknown at the same vertex.
     pub(super) fn set(&mut self, values: &[f64], held: &[usize]) -> Result<(), FactorError> {
         let d = self.fine.dimension();
         let diagonal = |dof: usize| values[self.fine.diagonal(dof)].abs();
@@ -172,7 +165,7 @@ impl<'a, C: Parts> Multigrid<'a, C> {
         for level in 0..self.levels.patterns.len() {
             let (done, rest) = self.values.split_at_mut(level);
             let (pattern, finer) = match done.last() {
-                Some(own) => (&self.levels.patterns[level - 1], own.as_slice()),
+                Some(coarse) => (&self.levels.patterns[level - 1], coarse.as_slice()),
                 None => (self.fine, values),
             };
             let indefinite = |dof| self.levels.indefinite(level, d, dof);
@@ -218,16 +211,16 @@ impl<'a, C: Parts> Multigrid<'a, C> {
     fn descend(&mut self, level: usize) {
         let Some(sweeps) = self.sweeps.get(level) else { return self.solve_coarsest() };
         let pattern = if level == 0 { self.fine } else { &self.levels.patterns[level - 1] };
-        let (own, coarser) = self.vectors.split_at_mut(level + 1);
-        self.parts.before(sweeps, pattern, &mut own[level]);
+        let (finer, coarser) = self.vectors.split_at_mut(level + 1);
+        self.parts.before(sweeps, pattern, &mut finer[level]);
         let (transfer, none) = (&self.levels.transfers[level], Turns::default());
         let turns = if level == 0 { &self.turns } else { &none };
-        self.parts.restrict(transfer, turns, &own[level].rest, &mut coarser[0].right);
+        self.parts.restrict(transfer, turns, &finer[level].rest, &mut coarser[0].right);
         self.descend(level + 1);
-        let (own, coarser) = self.vectors.split_at_mut(level + 1);
+        let (finer, coarser) = self.vectors.split_at_mut(level + 1);
         let turns = if level == 0 { &self.turns } else { &none };
-        transfer.add_interpolated(turns, &coarser[0].solution, &mut own[level].solution);
-        self.parts.after(&self.sweeps[level], pattern, &mut own[level]);
+        transfer.add_interpolated(turns, &coarser[0].solution, &mut finer[level].solution);
+        self.parts.after(&self.sweeps[level], pattern, &mut finer[level]);
     }
 
     fn solve_coarsest(&mut self) {
@@ -243,7 +236,7 @@ impl<'a, C: Parts> Multigrid<'a, C> {
 }
 
 impl Levels {
-    /// The error of an unknown of a level, named by the fine unknown at the same vertex.
+    /// The error for an unknown of a level, named by the fine unknown at the same vertex.
     fn indefinite(&self, level: usize, d: usize, dof: usize) -> FactorError {
         let up = |node: u32, transfer: &Transfer| transfer.twins[node as usize];
         let node = self.transfers[..level].iter().rev().fold((dof / d) as u32, up);

@@ -1,5 +1,5 @@
-//! Solves with Jacobians K + a bᵀ by conjugate gradients with a multigrid cycle for K, and Sherman and Morrison's
-//! formula for the rank-one piece. No factor but that of the coarsest matrix is held.
+//! Solves with Jacobians K + a bᵀ by conjugate gradients with a multigrid cycle for K, and the Sherman–Morrison
+//! formula. Only the coarsest matrix is factorized.
 
 use std::time::Instant;
 
@@ -13,35 +13,33 @@ use super::{axpy, dot, norm};
 
 /// Iterations after which a solve is given up: 5 are usual for four digits, and 58 with λ/μ_L = 1000.
 const LIMIT: u32 = 600;
-/// Solves of the remaining residual until it is small: the recursive residual of conjugate gradients departs from the
-/// true one by rounding, and what is asked for may be close to that.
+/// Restarts from the true residual: the recursive residual of conjugate gradients departs from it by rounding, and the
+/// target may be close to that.
 const ROUNDS: usize = 4;
-/// Residual of the direction K⁻¹a before anything is asked of it, over a: the sign of 1 + bᵀK⁻¹a needs no more.
+/// First relative residual of K⁻¹a: enough for the sign of 1 + bᵀK⁻¹a.
 const ROUGHLY: f64 = 1e-2;
-/// Residual of [`MultigridSequence::solve_again`]: what it estimates is multiplied by safety factors.
+/// Residual of [`MultigridSequence::solve_again`], whose result is multiplied by safety factors.
 const ESTIMATE: f64 = 1e-3;
 
-/// Solver for a sequence of Jacobians.
 pub struct MultigridSequence<'a> {
     cycle: Multigrid<'a>,
     pattern: &'a BlockPattern,
-    /// The present K, whether the cycle is made of it, and the unknowns held by an equation each.
+    /// The present K, whether the cycle is built for it, and the held unknowns.
     values: Vec<f64>,
     ready: bool,
     held: Vec<usize>,
     rank_one: Option<RankOne>,
-    /// K⁻¹a of the last solve: the next one starts there.
+    /// K⁻¹a of the last solve, the start value of the next.
     response: Vec<f64>,
-    /// Room for a solution, for what its residual is and for its correction.
+    /// Scratch: a solution, its residual, its correction.
     solution: Vec<f64>,
     residual: Vec<f64>,
     correction: Vec<f64>,
     vectors: Directions,
-    /// Counters and times: a factorization is that of the coarsest matrix.
+    /// Counters and times; a factorization is that of the coarsest matrix.
     pub work: LinearWork,
 }
 
-/// K with its cycle.
 struct Matrix<'s, 'a> {
     pattern: &'a BlockPattern,
     values: &'s [f64],
@@ -59,7 +57,6 @@ impl Preconditioned for Matrix<'_, '_> {
 }
 
 impl<'a> MultigridSequence<'a> {
-    /// A solver without a Jacobian yet.
     pub fn new(levels: &'a Levels, pattern: &'a BlockPattern) -> Self {
         Self {
             cycle: Multigrid::new(Symmetric, levels, pattern),
@@ -77,17 +74,16 @@ impl<'a> MultigridSequence<'a> {
         }
     }
 
-    /// Takes lower-triangle values of K out, to be refilled and handed back to [`Self::prepare`].
+    /// Takes lower-triangle values of K out, to be refilled for [`Self::prepare`].
     pub fn take_values(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.values)
     }
 
-    /// Takes the rank-one piece out, to be refilled likewise.
+    /// Takes the rank-one part out, to be refilled likewise.
     pub(crate) fn take_rank_one(&mut self) -> RankOne {
         self.rank_one.take().unwrap_or_default()
     }
 
-    /// The unknowns whose rows and columns in the next K have their diagonal entry alone.
     pub(crate) fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
         self.held.clear();
         self.held.extend(dofs);
@@ -95,8 +91,7 @@ impl<'a> MultigridSequence<'a> {
 
     /// The Jacobian K + a bᵀ for the next solves; `unchanged` says that K is the last one.
     ///
-    /// # Errors
-    /// A matrix that is seen not to be positive definite.
+    /// # Errors A matrix found not to be positive definite.
     pub fn prepare(
         &mut self,
         values: Vec<f64>,
@@ -119,8 +114,8 @@ impl<'a> MultigridSequence<'a> {
 
     /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
     ///
-    /// # Errors
-    /// A matrix that is not positive definite, a piece a bᵀ that makes the Jacobian singular, iterations without end.
+    /// # Errors A matrix that is not positive definite, a rank-one part that makes the Jacobian singular, no
+    /// convergence.
     pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         let start = Instant::now();
         let target = forcing * norm(rhs);
@@ -136,8 +131,8 @@ impl<'a> MultigridSequence<'a> {
         outcome
     }
 
-    /// x = K⁻¹r - c y with y = K⁻¹a, c = bᵀK⁻¹r/(1 + bᵀy): the residual is that of the first solve minus c times
-    /// that of the second.
+    /// x = K⁻¹r - c y with y = K⁻¹a, c = bᵀK⁻¹r/(1 + bᵀy): the residual is that of the first solve minus c times that
+    /// of the second.
     fn solve_with(
         &mut self,
         rank_one: &RankOne,
@@ -146,7 +141,7 @@ impl<'a> MultigridSequence<'a> {
     ) -> Result<(), FactorError> {
         let size = norm(&rank_one.a);
         if size == 0.0 {
-            // No cell yields: nothing is below a share of a right side that vanishes, and nothing is to be solved.
+            // No cell yields: a = 0, and there is nothing to correct.
             return self.solve_matrix(rhs, target);
         }
         self.solve_matrix(rhs, 0.5 * target)?;
@@ -173,7 +168,7 @@ impl<'a> MultigridSequence<'a> {
         Ok(())
     }
 
-    /// K⁻¹ r in place to a residual of at most `target`. Held unknowns have equations of their own.
+    /// K⁻¹ r in place to a residual of at most `target`. Equations of held unknowns are decoupled.
     fn solve_matrix(&mut self, rhs: &mut [f64], target: f64) -> Result<(), FactorError> {
         let mut x = std::mem::take(&mut self.solution);
         x.clear();
@@ -198,15 +193,15 @@ impl<'a> MultigridSequence<'a> {
         let mut last = f64::INFINITY;
         for round in 0..ROUNDS {
             matrix.apply(x, residual);
-            residual.iter_mut().zip(rhs).for_each(|(own, r)| *own = r - *own);
+            residual.iter_mut().zip(rhs).for_each(|(entry, r)| *entry = r - *entry);
             held.iter().for_each(|&dof| residual[dof] = 0.0);
             let size = norm(residual);
-            // Also where rounding lets nothing more be won; the level then judges by its own residual.
+            // Also stops where rounding prevents progress; the level then judges by its residual.
             if size <= target || (round > 0 && size > 0.5 * last) {
                 break;
             }
             last = size;
-            // Products of residual and correction stay in range whatever the unit of force is.
+            // Keeps products of residual and correction in range for any unit of force.
             let unit = 2f64.powi(size.log2().floor() as i32);
             residual.iter_mut().for_each(|r| *r /= unit);
             correction.fill(0.0);
@@ -224,12 +219,11 @@ impl<'a> MultigridSequence<'a> {
         Ok(())
     }
 
-    /// Diagonal entry of the present K.
     pub(crate) fn diagonal(&self, dof: usize) -> f64 {
         self.values[self.pattern.diagonal(dof)]
     }
 
-    /// An estimate of (the present K)⁻¹ r, not a number where there is none; nothing before the first K.
+    /// An estimate of K⁻¹ r with the present K; NaN on failure, no operation before the first K.
     pub fn solve_again(&mut self, rhs: &mut [f64]) {
         if !self.ready {
             return;

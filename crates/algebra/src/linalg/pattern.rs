@@ -1,8 +1,7 @@
 //! Pattern of a symmetric finite element matrix: lower triangle by columns, D×D blocks of nodes.
 //!
-//! The rows of a column D·b + j are: the rest D - j of its diagonal block, then D rows of every
-//! larger neighbour of node b, sorted. A block is therefore addressed by one slot number, and the
-//! assembly needs one such number for each pair of vertices of a cell.
+//! The rows of a column D·b + j are the remaining D - j of its diagonal block, then D rows for each larger neighbour of
+//! node b, sorted. One slot number addresses a block, and assembly needs one per pair of vertices of a cell.
 
 use sprs::CsMatI;
 
@@ -10,7 +9,6 @@ use sprs::CsMatI;
 #[derive(Debug, Clone)]
 pub struct BlockPattern {
     dimension: usize,
-    /// Nodes a cell.
     stride: usize,
     /// Column starts of the lower triangle.
     pub columns: Vec<u32>,
@@ -19,21 +17,21 @@ pub struct BlockPattern {
     /// Larger neighbours of node b: `neighbours[first[b]..first[b + 1]]`.
     first: Vec<u32>,
     neighbours: Vec<u32>,
-    /// For every cell and local pair a < b (in the order 01, 02, 12, 03, …): the slot of the pair
-    /// among the larger neighbours of its smaller node; `NONE` where a node is clamped.
+    /// For every cell and local pair a < b (in the order 01, 02, 12, 03, …): the slot of the pair among the larger
+    /// neighbours of its smaller node; `NONE` if a node is clamped.
     slots: Vec<u32>,
 }
 
 const NONE: u32 = u32::MAX;
 
 impl BlockPattern {
-    /// Pattern of matrices over `free` nodes with `dimension` components coupled by `cells`
-    /// (`stride` node numbers each; numbers from `free` on are clamped and left out).
+    /// Pattern for `free` nodes with `dimension` components coupled by `cells` (`stride` node numbers each; numbers
+    /// from `free` on are clamped and left out).
     pub fn new(cells: &[u32], stride: usize, dimension: usize, free: usize) -> Self {
         Self::coupled(cells, stride, dimension, free, std::iter::empty())
     }
 
-    /// The same where the nodes of each of `others` are coupled as well; [`Self::add`] reaches their entries.
+    /// As [`Self::new`], also coupling the nodes of each of `others`; [`Self::add`] reaches their entries.
     pub fn coupled<'a>(
         cells: &'a [u32],
         stride: usize,
@@ -61,7 +59,7 @@ impl BlockPattern {
         Self { dimension, stride, columns, rows, first, neighbours, slots }
     }
 
-    /// Pattern of matrices over nodes with the given sorted larger neighbours, which nothing is scattered to.
+    /// Pattern from the sorted larger neighbours of nodes, without cells to assemble.
     pub fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
         let mut pattern = Self::new(&[], dimension + 1, dimension, lists.len());
         pattern.first = vec![0];
@@ -73,36 +71,32 @@ impl BlockPattern {
         pattern
     }
 
-    /// Order of the matrix.
     pub(crate) fn order(&self) -> usize {
         self.columns.len() - 1
     }
 
-    /// Number of stored entries of the lower triangle.
     pub fn entries(&self) -> usize {
         self.rows.len()
     }
 
-    /// Larger neighbours of a free node.
     pub(crate) fn larger_neighbours(&self, node: usize) -> &[u32] {
         &self.neighbours[self.first[node] as usize..self.first[node + 1] as usize]
     }
 
-    /// Nodes without clamped ones.
     pub(crate) fn nodes(&self) -> usize {
         self.first.len() - 1
     }
 
-    /// Position of the first entry of column j of the diagonal block of a node, and of the block below it that
-    /// belongs to its larger neighbour number `slot`.
+    /// Position of the first entry of column j of a node's diagonal block, or of the block of its larger neighbour
+    /// number `slot`.
     #[inline]
     pub(super) fn in_column(&self, node: usize, j: usize, slot: Option<usize>) -> usize {
         let start = self.columns[self.dimension * node + j] as usize;
         slot.map_or(start, |slot| start + self.dimension - j + self.dimension * slot)
     }
 
-    /// Adds `weight`·`local` to `values`, where `local[(a, i), (b, j)]` is the symmetric matrix of
-    /// cell `c` over its `nodes`, row-major of order V·`D` for V of them.
+    /// Adds `weight`·`local` to `values`; `local[(a, i), (b, j)]` is the symmetric matrix of cell `c`, row-major of
+    /// order V·`D` for V nodes.
     #[inline]
     pub fn scatter<const D: usize>(
         &self,
@@ -111,7 +105,7 @@ impl BlockPattern {
         local: &[f64],
         values: &mut [f64],
     ) {
-        // The nodes of linear elements as a constant: loops are unrolled.
+        // A constant number of nodes for linear elements lets loops unroll.
         match self.stride {
             linear if linear == D + 1 => self.scatter_of::<D>(D + 1, c, nodes, local, values),
             vertices => self.scatter_of::<D>(vertices, c, nodes, local, values),
@@ -161,7 +155,6 @@ impl BlockPattern {
         }
     }
 
-    /// Position of the diagonal entry of a dof.
     #[inline]
     pub fn diagonal(&self, dof: usize) -> usize {
         self.columns[dof] as usize
@@ -191,9 +184,9 @@ impl BlockPattern {
         for column in 0..self.order() {
             for position in self.columns[column] as usize + 1..self.columns[column + 1] as usize {
                 let row = self.rows[position] as usize;
-                for (own, other) in [(column, row), (row, column)] {
-                    if index[own] != NONE {
-                        couplings[index[own] as usize].push((other as u32, position as u32));
+                for (dof, other) in [(column, row), (row, column)] {
+                    if index[dof] != NONE {
+                        couplings[index[dof] as usize].push((other as u32, position as u32));
                     }
                 }
             }
@@ -201,7 +194,6 @@ impl BlockPattern {
         couplings
     }
 
-    /// The matrix with these lower-triangle `values`, as a compressed sparse column matrix.
     pub fn matrix(&self, values: Vec<f64>) -> CsMatI<f64, u32> {
         let order = self.order();
         CsMatI::new_csc((order, order), self.columns.clone(), self.rows.clone(), values)
@@ -213,17 +205,16 @@ impl BlockPattern {
         for column in 0..self.order() {
             let start = self.columns[column] as usize;
             let end = self.columns[column + 1] as usize;
-            let own = x[column];
-            let mut sum = values[start] * own;
+            let x_column = x[column];
+            let mut sum = values[start] * x_column;
             for (&row, &value) in self.rows[start + 1..end].iter().zip(&values[start + 1..end]) {
-                y[row as usize] += value * own;
+                y[row as usize] += value * x_column;
                 sum += value * x[row as usize];
             }
             y[column] += sum;
         }
     }
 
-    /// Components per node.
     pub(crate) fn dimension(&self) -> usize {
         self.dimension
     }

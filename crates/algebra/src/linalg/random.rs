@@ -1,4 +1,4 @@
-//! A small seeded generator, the same on every machine.
+//! A small seeded generator, identical on every machine.
 
 /// SplitMix64 (Steele, Lea, Flood 2014), mapped to [-1, 1).
 pub fn signed_unit(state: &mut u64) -> f64 {

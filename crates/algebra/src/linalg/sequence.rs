@@ -1,9 +1,9 @@
 //! Solves with a sequence of nearby Jacobians K + a bᵀ + C, K sparse, symmetric and positive definite, C a few single
-//! entries: one factorization of K serves several of them as a preconditioner of GMRES.
+//! entries: one factorization of K preconditions GMRES for several of them.
 //!
-//! Large systems keep the factor in single precision: it takes half the time and memory traffic, and
-//! GMRES on the double-precision Jacobian restores the digits. Where it does not, a double-precision
-//! factor of the present Jacobian is computed and used directly.
+//! Large systems keep the factor in single precision, which halves time and memory traffic; GMRES on the
+//! double-precision Jacobian restores the digits. Where it fails, a double-precision factor of the present Jacobian is
+//! used.
 
 use std::time::Instant;
 
@@ -13,27 +13,21 @@ use super::pattern::BlockPattern;
 use super::substitution::Front;
 use super::{axpy, dot};
 
-/// The rank-one piece a bᵀ.
+/// The rank-one part a bᵀ.
 #[derive(Debug, Clone, Default)]
 pub struct RankOne {
-    /// a.
     pub a: Vec<f64>,
-    /// b.
     pub b: Vec<f64>,
 }
 
-/// An entry of the Jacobian without its mirror image.
+/// A nonsymmetric entry of the Jacobian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
-    /// The equation.
     pub row: usize,
-    /// The unknown.
     pub column: usize,
-    /// What is added there.
     pub value: f64,
 }
 
-/// Counters and times.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LinearWork {
     /// Numerical factorizations, in either precision.
@@ -42,35 +36,32 @@ pub struct LinearWork {
     pub solves: u32,
     /// Iterations of solves without a factor.
     pub iterations: u32,
-    /// Seconds in factorizations.
     pub seconds_factor: f64,
-    /// Seconds in solves.
     pub seconds_solve: f64,
 }
 
-/// Real numbers in which factors are kept.
+/// Number type of factors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// Half the memory, seven digits.
     Single,
-    /// Sixteen digits.
     Double,
 }
 
-/// From this order on the factor is kept in single precision. Below it a factor (some 0.1 MB at
-/// n = 16) stays in cache, and a direct solve beats two iterations.
+/// Order from which the factor is in single precision. Smaller factors (some 0.1 MB at n = 16) stay in cache, where a
+/// direct solve beats two iterations.
 const SINGLE_FROM: usize = 4000;
-/// Iterations that a factor of the present Jacobian takes as well, in single precision.
+/// Iterations that even a current factor needs in single precision.
 const LEAST: u32 = 2;
 /// Iterations after which a factor is given up at once.
 const LIMIT: usize = 24;
 /// Iterations beyond the rank of C, for rounding.
 const MARGIN: usize = 4;
-/// Residual with K's own factor, relative, that is as good as that of a direct solve: some tens of units of rounding.
+/// Relative residual with the factor of K itself that is as good as a direct solve: some tens of units of rounding.
 const OWN_FACTOR: f64 = 1e-13;
 
-/// A factor, in the precision it is kept in. Single precision holds that of K/`scale`, so that no
-/// unit of force leaves its range; `narrow` is room for the numbers of the matrix.
+/// A factor in its precision. Single precision holds that of K/`scale`, so that any unit of force stays in range;
+/// `narrow` is scratch for the matrix.
 enum Stored {
     Double { factor: Factor<f64>, front: Front<f64> },
     Single { factor: Factor<f32>, scale: f64, narrow: Vec<f32>, front: Front<f32> },
@@ -82,9 +73,9 @@ pub struct SequenceSolver<'a> {
     pattern: &'a BlockPattern,
     workspace: Workspace,
     stored: Option<Stored>,
-    /// The precision of factors, where it is not left to the order of the matrix.
+    /// None: chosen by the order of the matrix.
     precision: Option<Precision>,
-    /// True if the stored factor is the double-precision one of the present Jacobian.
+    /// The stored factor is the double-precision one of the present Jacobian.
     exact: bool,
     /// Iterations beyond [`LEAST`] of all solves since the factorization.
     extra: u32,
@@ -93,18 +84,14 @@ pub struct SequenceSolver<'a> {
     /// K⁻¹a/(1 + bᵀK⁻¹a) and b of the factorized Jacobian.
     correction: Option<(Vec<f64>, Vec<f64>)>,
     krylov: Krylov,
-    /// The right side that is being solved for.
     saved: Vec<f64>,
-    /// The present Jacobian.
     values: Vec<f64>,
     rank_one: Option<RankOne>,
     couplings: Vec<Coupling>,
-    /// Counters and times.
     pub work: LinearWork,
 }
 
 impl<'a> SequenceSolver<'a> {
-    /// A solver without a Jacobian yet.
     pub fn new(analysis: &'a Analysis, pattern: &'a BlockPattern) -> Self {
         Self {
             analysis,
@@ -125,40 +112,38 @@ impl<'a> SequenceSolver<'a> {
         }
     }
 
-    /// With factors in this precision; by the order of the matrix without one.
+    /// Sets the precision of factors; None chooses by the order of the matrix.
     #[must_use]
     pub fn in_precision(self, precision: Option<Precision>) -> Self {
         Self { precision, ..self }
     }
 
-    /// Takes lower-triangle values of K out, to be refilled and handed back to [`Self::prepare`].
+    /// Takes lower-triangle values of K out, to be refilled for [`Self::prepare`].
     pub(crate) fn take_values(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.values)
     }
 
-    /// Takes the rank-one piece out, to be refilled likewise.
+    /// Takes the rank-one part out, to be refilled likewise.
     pub(crate) fn take_rank_one(&mut self) -> RankOne {
         self.rank_one.take().unwrap_or_default()
     }
 
-    /// C of the next Jacobians.
+    /// Sets C of the next Jacobians.
     pub(crate) fn couple(&mut self, couplings: impl Iterator<Item = Coupling>) {
         self.couplings.clear();
         self.couplings.extend(couplings);
     }
 
-    /// Turns C into its transpose.
     pub(crate) fn transpose_couplings(&mut self) {
-        for own in &mut self.couplings {
-            (own.row, own.column) = (own.column, own.row);
+        for coupling in &mut self.couplings {
+            (coupling.row, coupling.column) = (coupling.column, coupling.row);
         }
     }
 
-    /// The Jacobian K + a bᵀ + C for the next solves. `unchanged` says that K is the one that was
-    /// factorized and there is no rank-one piece.
+    /// The Jacobian K + a bᵀ + C for the next solves. `unchanged` says that K is the factorized one and there is no
+    /// rank-one part.
     ///
-    /// # Errors
-    /// The factorization's.
+    /// # Errors Those of the factorization.
     pub(crate) fn prepare(
         &mut self,
         values: Vec<f64>,
@@ -171,8 +156,8 @@ impl<'a> SequenceSolver<'a> {
             return Ok(());
         }
         self.exact = false;
-        // An old factor serves until its extra iterations have cost a new one: at most twice the least cost,
-        // whatever comes.
+        // An old factor is used until its extra iterations cost as much as a new one, so at most twice the optimal cost
+        // is spent.
         if self.stored.is_some() && self.extra < self.worth {
             return Ok(());
         }
@@ -195,7 +180,7 @@ impl<'a> SequenceSolver<'a> {
                 self.extra = 0;
                 self.correct(room)
             }
-            // Single precision may call a barely definite matrix indefinite.
+            // Single precision may find a barely definite matrix indefinite.
             Err(FactorError::NotPositiveDefinite { .. } | FactorError::NotFinite) if single => {
                 self.factorize(false)
             }
@@ -231,7 +216,7 @@ impl<'a> SequenceSolver<'a> {
         Ok(())
     }
 
-    /// Prepares Sherman and Morrison's correction for the factorized Jacobian.
+    /// Prepares the Sherman–Morrison correction for the factorized Jacobian.
     fn correct(&mut self, (mut y, mut b): (Vec<f64>, Vec<f64>)) -> Result<(), FactorError> {
         let Some(rank_one) = &self.rank_one else { return Ok(()) };
         y.clone_from(&rank_one.a);
@@ -247,7 +232,6 @@ impl<'a> SequenceSolver<'a> {
         Ok(())
     }
 
-    /// x ← (factorized K)⁻¹ x.
     fn apply_factor(&mut self, x: &mut [f64]) {
         let start = Instant::now();
         let analysis = self.analysis;
@@ -255,7 +239,7 @@ impl<'a> SequenceSolver<'a> {
             None => {}
             Some(Stored::Double { factor, front }) => analysis.solve(factor, x, front),
             Some(Stored::Single { factor, scale, front, .. }) => {
-                // The right side is scaled to one as well: only its direction needs single range.
+                // The right side is scaled to one: only its direction has to fit single precision.
                 let size = x.iter().fold(0.0f64, |size, value| size.max(value.abs()));
                 if size > 0.0 && size.is_finite() {
                     let into = |value| (value / size) as f32;
@@ -276,11 +260,9 @@ impl<'a> SequenceSolver<'a> {
         }
     }
 
-    /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right
-    /// side.
+    /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
     ///
-    /// # Errors
-    /// The factorization's, if a new one was needed.
+    /// # Errors Those of a new factorization, if one was needed.
     pub(crate) fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         if self.exact && self.couplings.is_empty() {
             self.apply_inverse(rhs);
@@ -303,7 +285,7 @@ impl<'a> SequenceSolver<'a> {
             self.apply_inverse(rhs);
             return Ok(());
         }
-        // C has so many rows at most: with K's own factor more iterations have nothing left to find.
+        // The rank of C bounds the iterations with the factor of K itself.
         let most = self.couplings.len() + MARGIN;
         let mut krylov = std::mem::take(&mut self.krylov);
         let wanted = forcing.max(OWN_FACTOR);
@@ -315,12 +297,11 @@ impl<'a> SequenceSolver<'a> {
         }
     }
 
-    /// Diagonal entry of the present K.
     pub(crate) fn diagonal(&self, dof: usize) -> f64 {
         self.values[self.pattern.diagonal(dof)]
     }
 
-    /// One application of the stored factor, whatever Jacobian it is of; nothing before the first.
+    /// Applies the stored factor, whatever Jacobian it belongs to; no operation before the first.
     pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
         self.apply_factor(rhs);
     }
@@ -332,8 +313,8 @@ impl Preconditioned for SequenceSolver<'_> {
         if let Some(rank_one) = &self.rank_one {
             axpy(dot(&rank_one.b, x), &rank_one.a, out);
         }
-        for own in &self.couplings {
-            out[own.row] += own.value * x[own.column];
+        for coupling in &self.couplings {
+            out[coupling.row] += coupling.value * x[coupling.column];
         }
     }
 

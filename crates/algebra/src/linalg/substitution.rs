@@ -1,8 +1,8 @@
-//! Forward and backward substitution with one right side over the supernodes of a factor, whole or up
-//! to a cut: with the unknowns of Γ3 numbered last, what stops short of them condenses onto Γ3.
+//! Forward and backward substitution with one right side over the supernodes of a factor, whole or up to a cut: with
+//! the unknowns of Γ3 numbered last, a pass that stops before them condenses onto Γ3.
 //!
-//! A pass is bound by the traffic of L, which is read once: columns are taken four at a time, so that the
-//! right side is not. Sums have a fixed number of lanes, so a result does not depend on the vector unit.
+//! A pass is bound by the memory traffic of L, which is read once; columns are taken four at a time, to spare that of
+//! the right side. Sums have a fixed number of lanes, so that results do not depend on the vector unit.
 
 use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
@@ -10,14 +10,14 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use super::cholesky::{Analysis, Factor, Real};
 use super::supernode::{COLUMNS, Supernode, supernode};
 
-/// Partial sums of a scalar product: two registers of four doubles, for each column.
+/// Partial sums of a scalar product: two registers of four doubles, per column.
 const LANES: usize = 8;
 const HALF: usize = LANES / 2;
 
-/// What a pass takes beside the factor.
+/// Scratch of a pass.
 #[derive(Debug, Clone, Default)]
 pub struct Front<T> {
-    /// Rows of one supernode: those of its own columns, then those below.
+    /// Rows of one supernode: those of its columns, then those below.
     pub(super) rows: Vec<T>,
     /// The right side of a whole solve in the order of the factor.
     ordered: Vec<T>,
@@ -27,7 +27,7 @@ impl Analysis {
     pub(super) fn supernodes(&self) -> Option<&SymbolicSupernodalCholesky<u32>> {
         match self.symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(raw) => Some(raw),
-            // Never chosen but for order 0, where there is nothing to solve.
+            // Chosen only for order 0, where there is nothing to solve.
             SymbolicCholeskyRaw::Simplicial(_) => None,
         }
     }
@@ -37,12 +37,12 @@ impl Analysis {
         self.symbolic.perm().map_or(&[], |perm| perm.arrays().0)
     }
 
-    /// Solves L Lᵀ x = b in place; x and b are over the unknowns.
+    /// Solves L Lᵀ x = b in place; x and b are in the order of the unknowns.
     pub fn solve<T: Real>(&self, factor: &Factor<T>, x: &mut [T], front: &mut Front<T>) {
         self.solve_in(factor, x, front, |value| value, |value| value);
     }
 
-    /// K⁻¹b in the numbers of the factor, to which `into` takes those of b, and from which `back` takes those of x.
+    /// K⁻¹b in the number type of the factor; `into` and `back` convert b and x.
     pub(super) fn solve_in<T: Real, X: Copy>(
         &self,
         factor: &Factor<T>,
@@ -62,8 +62,8 @@ impl Analysis {
         front.ordered = ordered;
     }
 
-    /// Solves L y = x in place in the columns before `cut`; what they leave of the right side stands
-    /// behind it. `x` is in the order of the factor.
+    /// Solves L y = x in place for the columns before `cut`; the reduced right side is left behind it. `x` is in the
+    /// order of the factor.
     pub fn forward<T: Real>(&self, factor: &Factor<T>, cut: usize, x: &mut [T], f: &mut Front<T>) {
         if let Some(symbolic) = self.supernodes() {
             let rows = &mut f.rows;
@@ -71,7 +71,7 @@ impl Analysis {
         }
     }
 
-    /// Solves Lᵀ z = y in place in the columns before `cut`; what stands behind it is taken as solved.
+    /// Solves Lᵀ z = y in place for the columns before `cut`, given the solution behind it.
     pub fn backward<T: Real>(&self, factor: &Factor<T>, cut: usize, x: &mut [T], f: &mut Front<T>) {
         if let Some(symbolic) = self.supernodes() {
             let rows = &mut f.rows;
@@ -79,8 +79,7 @@ impl Analysis {
         }
     }
 
-    /// The triangle of L behind `cut`, full and by columns: it is the factor of the Schur complement on
-    /// the last unknowns.
+    /// The triangle of L behind `cut`, dense by columns: the factor of the Schur complement on the last unknowns.
     pub fn last_triangle(&self, factor: &Factor, cut: usize) -> Vec<f64> {
         let size = self.order().len() - cut;
         let mut triangle = vec![0.0; size * size];
@@ -88,8 +87,8 @@ impl Analysis {
         for s in 0..symbolic.n_supernodes() {
             let node = supernode(symbolic, factor, s);
             for j in cut.max(node.start)..node.start + node.width {
-                let own = node.column(j - node.start, j - node.start);
-                let (inside, below) = own.split_at(node.start + node.width - j);
+                let column_values = node.column(j - node.start, j - node.start);
+                let (inside, below) = column_values.split_at(node.start + node.width - j);
                 let column = &mut triangle[size * (j - cut)..size * (j - cut + 1)];
                 column[j - cut..][..inside.len()].copy_from_slice(inside);
                 for (&row, value) in node.below.iter().zip(below) {
@@ -101,7 +100,6 @@ impl Analysis {
     }
 }
 
-/// One pass over the supernodes, compiled for the vector units that a machine may have.
 struct Pass<'a, T> {
     symbolic: &'a SymbolicSupernodalCholesky<u32>,
     factor: &'a Factor<T>,
@@ -136,7 +134,6 @@ impl<T: Real> pulp::WithSimd for Pass<'_, T> {
     }
 }
 
-/// The forward step of one supernode.
 #[inline(always)]
 fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &mut Vec<T>) {
     let (start, width) = (node.start, node.width);
@@ -147,25 +144,25 @@ fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &m
     let mut j = 0;
     while j + COLUMNS <= columns {
         node.reads_forward(j, COLUMNS);
-        let (own, rest) = rows[j..].split_at_mut(COLUMNS);
+        let (head, rest) = rows[j..].split_at_mut(COLUMNS);
         for a in 0..COLUMNS {
             let column = node.column(j + a, j + a);
-            own[a] /= column[0];
+            head[a] /= column[0];
             for b in a + 1..COLUMNS {
-                own[b] -= column[b - a] * own[a];
+                head[b] -= column[b - a] * head[a];
             }
         }
-        let w: [T; COLUMNS] = std::array::from_fn(|a| own[a]);
+        let w: [T; COLUMNS] = std::array::from_fn(|a| head[a]);
         subtract(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), w, rest);
         j += COLUMNS;
     }
     while j < columns {
         node.reads_forward(j, 1);
         let column = node.column(j, j);
-        let (own, rest) = rows[j..].split_at_mut(1);
-        own[0] /= column[0];
+        let (head, rest) = rows[j..].split_at_mut(1);
+        head[0] /= column[0];
         for (value, entry) in rest.iter_mut().zip(&column[1..]) {
-            *value -= *entry * own[0];
+            *value -= *entry * head[0];
         }
         j += 1;
     }
@@ -175,7 +172,6 @@ fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &m
     }
 }
 
-/// The backward step of one supernode.
 #[inline(always)]
 fn substitute<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &mut Vec<T>) {
     let (start, width) = (node.start, node.width);
@@ -188,27 +184,26 @@ fn substitute<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &
         j -= 1;
         node.reads_backward(j, 1);
         let column = node.column(j, j);
-        let (own, rest) = rows[j..].split_at_mut(1);
-        own[0] = (own[0] - product(&column[1..], rest)) / column[0];
+        let (head, rest) = rows[j..].split_at_mut(1);
+        head[0] = (head[0] - product(&column[1..], rest)) / column[0];
     }
     while j > 0 {
         j -= COLUMNS;
         node.reads_backward(j, COLUMNS);
-        let (own, rest) = rows[j..].split_at_mut(COLUMNS);
+        let (head, rest) = rows[j..].split_at_mut(COLUMNS);
         let sums = products(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), rest);
         for a in (0..COLUMNS).rev() {
             let column = node.column(j + a, j + a);
-            let mut value = own[a] - sums[a];
+            let mut value = head[a] - sums[a];
             for b in a + 1..COLUMNS {
-                value -= column[b - a] * own[b];
+                value -= column[b - a] * head[b];
             }
-            own[a] = value / column[0];
+            head[a] = value / column[0];
         }
     }
     x[start..start + columns].copy_from_slice(&rows[..columns]);
 }
 
-/// Σ a_i b_i.
 #[inline(always)]
 fn product<T: Real>(a: &[T], b: &[T]) -> T {
     let mut lanes = [T::ZERO; LANES];
@@ -223,8 +218,8 @@ fn product<T: Real>(a: &[T], b: &[T]) -> T {
     total(lanes) + rest
 }
 
-/// x ← x - Σ_a w_a c_a, in blocks of fixed size: fronts are short, and a loop that is unrolled for long ones spends
-/// itself on what is left over.
+/// x ← x - Σ_a w_a c_a, in blocks of fixed size: fronts are short, and longer unrolling would spend its time on
+/// remainders.
 #[inline(always)]
 fn subtract<T: Real>(c: [&[T]; COLUMNS], w: [T; COLUMNS], x: &mut [T]) {
     let [c0, c1, c2, c3] = c;
@@ -275,7 +270,7 @@ fn products<T: Real>(c: [&[T]; COLUMNS], x: &[T]) -> [T; COLUMNS] {
             }
         }
     }
-    // A sum of its own: lanes that are addressed one by one would not stay in registers.
+    // Separate sums: lanes addressed one by one would not stay in registers.
     let mut rest = [T::ZERO; COLUMNS];
     for (i, x) in x_rest.iter().enumerate() {
         for (rest, (_, c)) in rest.iter_mut().zip(c) {
@@ -288,7 +283,6 @@ fn products<T: Real>(c: [&[T]; COLUMNS], x: &[T]) -> [T; COLUMNS] {
     })
 }
 
-/// The sum of all lanes, by halves.
 #[inline(always)]
 fn total<T: Real>(lanes: [T; LANES]) -> T {
     let mut lanes = lanes;
@@ -365,7 +359,7 @@ mod tests {
         x[cut..].copy_from_slice(&wanted[cut..]);
         analysis.backward(&factor, cut, &mut x, &mut front);
         assert!(close(&x, 1e-13));
-        // A wrong value behind the cut is carried through.
+        // A wrong value behind the cut shows.
         x[cut] += 1e-6;
         analysis.backward(&factor, cut, &mut x, &mut front);
         assert!(!close(&x, 1e-8));

@@ -1,15 +1,14 @@
-//! Columns of a factor that have the same rows, as the substitutions read them.
+//! Columns of a factor with common rows, as the substitutions read them.
 
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::ahead::{prefetch_before, prefetch_behind};
 use super::cholesky::{Factor, Real};
 
-/// Columns that are taken together.
 pub(super) const COLUMNS: usize = 4;
 
-/// A supernode: columns `start..start + width`, `below` the rows under its triangle, numbers by columns from `first` on
-/// among those of the factor.
+/// A supernode: columns `start..start + width`, `below` the rows under its triangle, values by columns from `first` on
+/// in the factor.
 pub(super) struct Supernode<'a, T> {
     pub(super) start: usize,
     pub(super) width: usize,
@@ -24,19 +23,17 @@ impl<T: Real> Supernode<'_, T> {
         self.width + self.below.len()
     }
 
-    /// Where column j begins.
     #[inline(always)]
     fn begin(&self, j: usize) -> usize {
         self.first + self.height() * j
     }
 
-    /// Rows `from..` of column j.
     #[inline(always)]
     pub(super) fn column(&self, j: usize, from: usize) -> &[T] {
         &self.values[self.begin(j) + from..self.begin(j + 1)]
     }
 
-    /// To be called before columns j..j + count are read by a forward pass: prefetches what comes behind them.
+    /// To be called before a forward pass reads columns j..j + count: prefetches what follows them.
     #[inline(always)]
     pub(super) fn reads_forward(&self, j: usize, count: usize) {
         prefetch_behind(self.values, self.begin(j)..self.begin(j + count));
@@ -49,7 +46,6 @@ impl<T: Real> Supernode<'_, T> {
     }
 }
 
-/// Supernode s of a factor.
 #[inline(always)]
 pub(super) fn supernode<'a, T>(
     symbolic: &'a SymbolicSupernodalCholesky<u32>,

@@ -1,19 +1,17 @@
-//! The solver of a sequence of Jacobians: with a factor of each, or without.
+//! Solver of a sequence of Jacobians, with or without factors.
 
 use super::cholesky::FactorError;
 use super::multigrid_sequence::MultigridSequence;
 use super::sequence::{Coupling, LinearWork, RankOne, SequenceSolver};
 
-/// One of the two; methods are those of [`SequenceSolver`].
+/// Methods are those of [`SequenceSolver`].
 pub enum TangentSolver<'a> {
-    /// Cholesky factors.
     Direct(Box<SequenceSolver<'a>>),
-    /// Conjugate gradients with multigrid.
     Multigrid(Box<MultigridSequence<'a>>),
 }
 
 impl TangentSolver<'_> {
-    /// Lower-triangle values of K, to be refilled and handed back to [`Self::prepare`].
+    /// Lower-triangle values of K, to be refilled for [`Self::prepare`].
     pub fn take_values(&mut self) -> Vec<f64> {
         match self {
             Self::Direct(solver) => solver.take_values(),
@@ -21,7 +19,7 @@ impl TangentSolver<'_> {
         }
     }
 
-    /// The rank-one piece of the last Jacobian, to be refilled likewise; empty vectors if it had none.
+    /// The rank-one part of the last Jacobian, to be refilled likewise; empty vectors if it had none.
     pub fn take_rank_one(&mut self) -> RankOne {
         match self {
             Self::Direct(solver) => solver.take_rank_one(),
@@ -29,22 +27,22 @@ impl TangentSolver<'_> {
         }
     }
 
-    /// The unknowns whose rows and columns in the next K have their diagonal entry alone.
+    /// The unknowns whose rows and columns in the next K are zero off the diagonal.
     pub fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
         if let Self::Multigrid(solver) = self {
             solver.hold(dofs);
         }
     }
 
-    /// C of the next Jacobians. Multigrid leaves it out: steps of Newton's method are then those of the rest of the
-    /// Jacobian, and more of them are needed.
+    /// Sets C of the next Jacobians. Multigrid ignores it: Newton steps then use the rest of the Jacobian, and more are
+    /// needed.
     pub fn couple(&mut self, couplings: impl Iterator<Item = Coupling>) {
         if let Self::Direct(solver) = self {
             solver.couple(couplings);
         }
     }
 
-    /// Turns C into its transpose, for solves with the transposed Jacobian where it has no other unsymmetric piece.
+    /// Transposes C, for solves with the transposed Jacobian if C is its only nonsymmetric part.
     pub fn transpose_couplings(&mut self) {
         if let Self::Direct(solver) = self {
             solver.transpose_couplings();
@@ -53,8 +51,7 @@ impl TangentSolver<'_> {
 
     /// The Jacobian K + a bᵀ + C for the next solves.
     ///
-    /// # Errors
-    /// A matrix that is not positive definite.
+    /// # Errors A matrix that is not positive definite.
     pub fn prepare(
         &mut self,
         values: Vec<f64>,
@@ -69,8 +66,7 @@ impl TangentSolver<'_> {
 
     /// Solves in place, to a residual of at most `forcing` times the right side.
     ///
-    /// # Errors
-    /// As [`Self::prepare`]; a rank-one piece that makes the Jacobian singular.
+    /// # Errors As [`Self::prepare`]; a rank-one part that makes the Jacobian singular.
     pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         match self {
             Self::Direct(solver) => solver.solve(rhs, forcing),
@@ -78,7 +74,6 @@ impl TangentSolver<'_> {
         }
     }
 
-    /// Diagonal entry of the present K.
     pub fn diagonal(&self, dof: usize) -> f64 {
         match self {
             Self::Direct(solver) => solver.diagonal(dof),
@@ -86,7 +81,7 @@ impl TangentSolver<'_> {
         }
     }
 
-    /// K⁻¹ r with the last factor, or an estimate of it; nothing before the first K.
+    /// K⁻¹ r with the last factor, or an estimate of it; no operation before the first K.
     pub fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
         match self {
             Self::Direct(solver) => solver.solve_with_last_factor(rhs),
@@ -94,7 +89,6 @@ impl TangentSolver<'_> {
         }
     }
 
-    /// Counters and times.
     pub fn work(&self) -> LinearWork {
         match self {
             Self::Direct(solver) => solver.work,

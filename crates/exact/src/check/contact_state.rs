@@ -1,4 +1,4 @@
-//! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
+//! Contact state on Γ3: signs, complementarity, occurring states, and whether h3 vanishes.
 
 use super::polytope;
 use super::sliding::SlidingExtremes;
@@ -25,7 +25,7 @@ const LOCKED: usize = 3;
 #[derive(Default)]
 struct Extremes {
     penetration: f64,
-    /// Largest |g| and |u_ν| where there is a gap.
+    /// Largest |g| and |u_ν|, if there is a gap.
     lengths: f64,
     tension: f64,
     complementarity: f64,
@@ -111,7 +111,7 @@ fn sample<const D: usize>(
     let mut values = vec![Vec::new(); 5];
     let mut fields = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
     let friction = exact.friction(&normal[..D]);
-    let mut sliding = friction.map(|own| (own.tangents, own.program.bind(points)));
+    let mut sliding = friction.map(|friction| (friction.tangents, friction.program.bind(points)));
     let mut slides = vec![Vec::new(); Sliding::numbers(D)];
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
@@ -128,9 +128,9 @@ fn sample<const D: usize>(
             extremes.add(u_nu, pressure, gap, lambda, has_law);
             let mut along = [0.0; 3];
             if let Some((tangents, _)) = &sliding {
-                let own = Sliding::new(*tangents, D, |i| slides[i][p]);
-                extremes.friction.get_or_insert_default().add(&own);
-                along = own.stress();
+                let sliding_state = Sliding::new(*tangents, D, |i| slides[i][p]);
+                extremes.friction.get_or_insert_default().add(&sliding_state);
+                along = sliding_state.stress();
             }
             let h3 = (0..D).map(|i| {
                 let traction: f64 = sigma[i].iter().zip(&normal).map(|(s, n)| s * n).sum();
@@ -157,7 +157,7 @@ impl Extremes {
         let state = match (locked, lambda > 0.0) {
             (true, true) => LOCKED,
             (true, false) => GRAZING,
-            // Without a law there is nothing to be compressed before the gap is closed.
+            // Without a law nothing is compressed before the gap closes.
             _ if has_law && u_nu > 0.0 => COMPLIANT,
             _ => OPEN,
         };
@@ -169,7 +169,7 @@ impl Extremes {
         100.0 * self.states[state] as f64 / self.samples.max(1) as f64
     }
 
-    /// The states that the scene can have: compliant takes a law, grazing and locked take a gap.
+    /// The possible states: compliant needs a law, grazing and locked need a gap.
     fn states_in_words(&self, contact: Option<&ContactFormulas>) -> String {
         let has_law = contact.is_some_and(|contact| contact.law.is_some());
         let has_gap = contact.is_some_and(|contact| contact.gap.is_some());
@@ -203,7 +203,7 @@ mod tests {
     use crate::LawNumbers;
     use formula::Graph;
 
-    /// The words for samples at u_ν = 0.05 below a gap, one open, one touching, one pressed.
+    /// The words for samples at u_ν = 0.05 below a gap: one open, one touching, one pressed.
     fn words(has_law: bool, has_gap: bool) -> String {
         let law = LawNumbers {
             points: vec![[0.0, 0.0]],

@@ -1,7 +1,7 @@
 //! Quadrature points on lines along the axes, cut where guards of the stress change sign.
 //!
-//! The axes are taken in the order z, x, y. Along each a line is cut where a guard changes sign that varies along it and
-//! along axes before it alone: a front x = x0(z, t) cuts each line along x at its own place.
+//! The axes are taken in the order z, x, y. Along each, a line is cut at sign changes of guards that vary along it and
+//! earlier axes only: a front x = x0(z, t) cuts each line along x at its position.
 
 use crate::Exact;
 use crate::sign_changes::sign_changes;
@@ -9,19 +9,18 @@ use crate::symbolic::AXES;
 use fem::space::quadrature::gauss_legendre;
 use formula::{Node, Program};
 
-/// The order in which axes are taken.
+/// The order of the axes.
 const ORDER: [usize; 3] = [2, 0, 1];
-/// Gauss points a piece and pieces a direction, in the plane and in space.
+/// Gauss points per piece and pieces per direction, in the plane and in space.
 const POINTS: usize = 6;
 const PIECES: [usize; 2] = [32, 6];
 /// Intervals of a line on which guards are watched.
 const WATCHES: usize = 64;
 
-/// The guards of the stress at one time; and at t = 0, where histories begin.
+/// The guards of the stress at one time, and at t = 0, where histories begin.
 pub(super) struct Lines<'a> {
     size: &'a [f64],
     guards: Program,
-    /// The axes that each guard depends on.
     depends: Vec<[bool; 3]>,
     times: [f64; 2],
 }
@@ -45,8 +44,8 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Places on the line along an axis through `point` where a guard changes sign that depends on this axis and others
-    /// that are `known` alone.
+    /// Sign changes, on the line along an axis through `point`, of guards that depend on this axis and otherwise on
+    /// `known` axes only.
     fn changes(&self, axis: usize, point: [f64; 3], known: [bool; 3]) -> Vec<f64> {
         let decides = |depends: &[bool; 3]| {
             depends[axis] && (0..3).all(|i| i == axis || known[i] || !depends[i])
@@ -60,14 +59,14 @@ impl<'a> Lines<'a> {
         for time in self.times {
             found.extend(sign_changes(0.0, width, WATCHES, |places| {
                 let at = |&place: &f64| {
-                    let mut own = point;
-                    own[axis] = place;
-                    own
+                    let mut moved = point;
+                    moved[axis] = place;
+                    moved
                 };
                 let points: Vec<[f64; 3]> = places.iter().map(at).collect();
                 let mut values = vec![Vec::new(); chosen.len()];
                 self.guards.bind(&points).evaluate(time, 0.0, &mut values);
-                // The others have no sign.
+                // The other guards are ignored.
                 let ignored = values.iter_mut().zip(&chosen).filter(|(_, chosen)| !**chosen);
                 ignored.for_each(|(values, _)| values.fill(0.0));
                 values
@@ -79,7 +78,6 @@ impl<'a> Lines<'a> {
         found
     }
 
-    /// Where guards that depend on an axis alone change sign.
     pub(super) fn straight(&self, axis: usize) -> Vec<f64> {
         self.changes(axis, [0.0; 3], [false; 3])
     }
@@ -101,12 +99,12 @@ impl<'a> Lines<'a> {
         self.over(&ORDER.map(|axis| (axis, axis != fixed)), start, known)
     }
 
-    /// The lines along y, by their places in x and z, with weights.
+    /// The lines along y, by x and z, with weights.
     pub(super) fn along_y(&self) -> Vec<([f64; 3], f64)> {
         self.over(&ORDER.map(|axis| (axis, axis != 1)), [0.0; 3], [false; 3])
     }
 
-    /// The pieces of a line along y, cut at further places.
+    /// The pieces of a line along y, with additional cuts.
     pub(super) fn on_line(&self, line: [f64; 3], further: &[f64]) -> Vec<(f64, f64)> {
         let mut cuts = self.cuts(1, line, [true, false, true]);
         cuts.extend(further);
@@ -121,8 +119,8 @@ impl<'a> Lines<'a> {
         mut known: [bool; 3],
     ) -> Vec<([f64; 3], f64)> {
         let mut points = vec![(start, 1.0)];
-        let own = axes.iter().filter(|(axis, taken)| *taken && *axis < self.size.len());
-        for &(axis, _) in own {
+        let taken_axes = axes.iter().filter(|(axis, taken)| *taken && *axis < self.size.len());
+        for &(axis, _) in taken_axes {
             let mut next = Vec::new();
             for (point, weight) in points {
                 for (place, share) in on_pieces(&self.cuts(axis, point, known)) {

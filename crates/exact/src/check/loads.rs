@@ -1,9 +1,8 @@
 //! Strong against weak loads: ∫ f0·v + ∫_{∂Ω} σν·v = ∫ σ:ε(v) for smooth v that vanish on Γ1.
 //!
-//! Both sides come from different evaluations: f0 from the symbolic divergence of the stress
-//! formula, σ on the right and on ∂Ω from the numerical law on full tensors. The integrals are cut
-//! where guards change sign ([`super::lines`]). σ may jump across such a line (a kink of u): the strong form then
-//! lacks ∫ [σ]e_x·v, which is measured and reported apart.
+//! The two sides are evaluated independently: f0 from the symbolic divergence of the stress formula, σ on the right and
+//! on ∂Ω from the numerical law on full tensors. The integrals are cut where guards change sign ([`super::lines`]). σ
+//! may jump across such a line (a kink of u): the strong form then lacks ∫ [σ]e_x·v, which is reported separately.
 
 use super::lines::Lines;
 use super::{Finding, SideOfBox, Status, times};
@@ -13,15 +12,14 @@ use formula::{Graph, Node, Program, Scope};
 
 /// Intervals of a line on which the yield function is watched.
 const YIELD_WATCHES: usize = 96;
-/// Agreement demanded without projection: rounding of some 1e5 terms.
+/// Tolerance without projection: rounding of some 1e5 terms.
 const ROUNDING: f64 = 1e-10;
-/// With projection f0 jumps across the yield curve. Lines across it are cut there; what remains are
-/// the few places where the curve runs along a line: a square root there leaves (1/32)^1.5 of
-/// the jump, some 5e-3, spread over the sum of absolute terms. The six pieces in space leave (1/6)^1.5 of it on
-/// a curve of a surface, about one column of pieces in 36.
+/// With projection f0 jumps across the yield curve, where lines are cut; the few places where the curve runs along a
+/// line remain: a square root there leaves (1/32)^1.5 of the jump, some 5e-3, spread over the sum of absolute terms.
+/// The six pieces in space leave (1/6)^1.5 of it on a curve of a surface, about one column of pieces in 36.
 const UNRESOLVED_JUMP: f64 = 1e-3;
 
-/// Values of the three integrals for one test function and time.
+/// The three integrals for one test function and time.
 #[derive(Default, Clone, Copy)]
 struct Balance {
     weak: f64,
@@ -102,7 +100,6 @@ impl TestFunctions {
         Self { program: Program::compile(&mut graph, &outputs, exact.data.horizon), count }
     }
 
-    /// [v, ∂_x v, …] of the test functions, one after the other.
     fn at<const D: usize>(&self, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
         let mut out = vec![Vec::new(); (D + 1) * self.count];
         self.program.bind(points).evaluate(0.0, 0.0, &mut out);
@@ -128,7 +125,6 @@ fn balances<const D: usize>(
     balances
 }
 
-/// σ at points, from the numerical law.
 fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
     let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
     exact.interior.bind(points).evaluate(t, 0.0, &mut out);
@@ -142,8 +138,7 @@ fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<T
         .collect()
 }
 
-/// Quadrature points with weights: on each line along y, y is cut where the yield function changes sign as well, since f0
-/// jumps there.
+/// Quadrature points with weights; lines along y are also cut at the yield curve, where f0 jumps.
 fn columns<const D: usize>(exact: &Exact, t: f64, lines: &Lines<'_>) -> Vec<([f64; 3], f64)> {
     let along = lines.along_y();
     let mut out = Vec::new();
@@ -173,7 +168,7 @@ fn yield_points<const D: usize>(exact: &Exact, t: f64, lines: &[([f64; 3], f64)]
         .map(|(i, j)| at(i, height * j as f64 / YIELD_WATCHES as f64))
         .collect();
     let flags = beyond(&points);
-    // (line, low, high, flag at low) of every bracket.
+    // Brackets as (line, low, high, flag at low).
     let mut brackets = Vec::new();
     for i in 0..lines.len() {
         for j in 0..YIELD_WATCHES {
@@ -200,7 +195,6 @@ fn yield_points<const D: usize>(exact: &Exact, t: f64, lines: &[([f64; 3], f64)]
     roots
 }
 
-/// ‖ε^D‖.
 fn deviator_norm<const D: usize>(strain: &Tensor<D>) -> f64 {
     let mean = (0..D).map(|i| strain[i][i]).sum::<f64>() / D as f64;
     let mut squares = 0.0;
@@ -264,7 +258,7 @@ fn boundary<const D: usize>(
     }
 }
 
-/// What a jump of σ across x = `x` adds: -Div σ contains -[σ]e_x on it.
+/// Contribution of a jump of σ across x = `x`: -Div σ contains -[σ]e_x on it.
 fn interface<const D: usize>(
     exact: &Exact,
     tests: &TestFunctions,
@@ -273,7 +267,7 @@ fn interface<const D: usize>(
     lines: &Lines<'_>,
     balances: &mut [Balance],
 ) {
-    // One-sided values: far enough not to touch the line, near enough for a difference of 1e-11.
+    // One-sided values: off the line, but near enough for a difference of 1e-11.
     let offset = 1e-11 * exact.data.size[0];
     let places = lines.across(0, x);
     let at = |x: f64| places.iter().map(|(p, _)| [x, p[1], p[2]]).collect::<Vec<_>>();
@@ -286,7 +280,7 @@ fn interface<const D: usize>(
         for test in 0..tests.count {
             for component in 0..D {
                 let jump = right[p][component][0] - left[p][component][0];
-                // A difference of rounding size is no jump.
+                // A difference of rounding size is not a jump.
                 if jump.abs() > 1e-8 * size {
                     let part = weight * jump * v[(D + 1) * test][p];
                     balances[D * test + component].interface -= part;
@@ -296,7 +290,7 @@ fn interface<const D: usize>(
     }
 }
 
-/// Whether a region has a boundary across no axis alone: quadrature is not cut there.
+/// Whether a region has a boundary that depends on several axes, where quadrature is not cut.
 fn has_slanted_regions(exact: &Exact) -> bool {
     let graph = &exact.data.graph;
     let slanted = |node| AXES.iter().filter(|&&axis| graph.depends_on(node, axis)).count() > 1;

@@ -1,5 +1,4 @@
-//! Verification of an exact solution, before any solve: loads in two forms, contact state, purity,
-//! regularity.
+//! Verification of an exact solution before any solve: loads in two forms, contact state, purity, regularity.
 
 mod contact_state;
 mod lines;
@@ -17,18 +16,16 @@ use super::Exact;
 /// How a line of the report is to be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// Verified.
     Verified,
     /// A fact without a claim.
     Fact,
-    /// A hypothesis of the theorem that does not hold here, or holds to the accuracy given only.
+    /// A hypothesis of the theorem that fails, or is verified only to the given accuracy.
     Weak,
-    /// The data contradict themselves.
+    /// The data are inconsistent.
     Failed,
 }
 
 impl Status {
-    /// Its word in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Verified => "verified",
@@ -39,7 +36,6 @@ impl Status {
     }
 }
 
-/// One line of the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// What was looked at.
@@ -64,14 +60,11 @@ impl Finding {
 pub struct SideOfBox {
     /// Outward normal, an axis, padded with zeros.
     pub normal: [f64; 3],
-    /// True on Γ1.
     pub clamped: bool,
-    /// True on Γ3.
     pub contact: bool,
 }
 
 impl SideOfBox {
-    /// The axis of the normal.
     pub(crate) fn axis(&self) -> usize {
         (0..3).find(|&i| self.normal[i] != 0.0).unwrap_or(0)
     }
@@ -87,13 +80,11 @@ impl SideOfBox {
         (0..size.len()).filter(|&axis| axis != self.axis()).collect()
     }
 
-    /// Its length or area.
     pub(crate) fn measure(&self, size: &[f64]) -> f64 {
         self.along(size).iter().map(|&axis| size[axis]).product()
     }
 
-    /// Points of the side: the product of `places(axis)` over the axes along it, the last of which varies
-    /// fastest.
+    /// Points of the side: the product of `places(axis)` over its axes, the last of which varies fastest.
     pub(crate) fn points(&self, size: &[f64], places: impl Fn(usize) -> Vec<f64>) -> Vec<[f64; 3]> {
         let mut start = [0.0; 3];
         start[self.axis()] = self.level(size);
@@ -130,7 +121,7 @@ pub fn check(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     findings
 }
 
-/// Times at which fields are looked at: two inside and the end.
+/// Times at which fields are checked: two inside and the end.
 fn times(exact: &Exact) -> [f64; 3] {
     [0.37, 0.71, 1.0].map(|fraction| fraction * exact.data.horizon)
 }

@@ -1,5 +1,5 @@
-//! The checks on a domain of coarse simplices: the same questions as on a rectangle or box, asked on the cells of
-//! a refined mesh and on the real sides.
+//! The checks on a domain of coarse simplices: as on a rectangle or box, on the cells of a refined mesh and on the real
+//! sides.
 
 use super::smoothness::{FINE, STRIDES, judge, largest, rounding, worst};
 use super::{Finding, Status, regularity, times};
@@ -13,19 +13,19 @@ use crate::{AccumulatedStrain, Exact};
 use fem::mesh::{CoarseMesh, Mesh, Piece};
 use fem::space::quadrature::{Rule, edge, tetrahedron_product, triangle_product};
 
-/// Cells on which loads are compared, Gauss points per direction, and in space the points aimed at in all.
+/// Cells on which loads are compared, Gauss points per direction, and in space the approximate total of points.
 const LOAD_CELLS: usize = 64;
 const POINTS: usize = 8;
 const WORK: f64 = 1e5;
-/// Agreement demanded of smooth fields: rounding of some 1e4 terms.
+/// Tolerance for smooth fields: rounding of some 1e4 terms.
 const ROUNDING: f64 = 1e-10;
-/// With projection or kinks f0 jumps across curves that no cell follows: an eighth of the domain's
-/// length, cut by 8 points, leaves some 1e-3 of the jump.
+/// With projection or kinks f0 jumps across curves that no cell follows: an eighth of the domain's length, cut by 8
+/// points, leaves some 1e-3 of the jump.
 const UNRESOLVED_JUMP: f64 = 1e-2;
-/// Agreement of ζ by two rules that leaves time errors unharmed.
+/// Agreement of ζ by two rules that leaves time errors unaffected.
 const ZETA: f64 = 1e-9;
-/// Lines a coarse simplex and direction, in space across each of two directions, on a face of Γ3, and the power by which they gather at
-/// the edge to which they are parallel.
+/// Lines per coarse simplex and direction (in space across each of two directions), on a face of Γ3, and the power by
+/// which they crowd at the parallel edge.
 const LINES: usize = 16;
 const LINES_IN_SPACE: usize = 2;
 const LINES_ON_FACE: usize = 4;
@@ -33,8 +33,8 @@ const GRADING: i32 = 5;
 /// Cells for derivatives in time.
 const TIME_CELLS: usize = 512;
 
-/// Strong against weak loads, in the test functions of V^h that interpolate 1, x, y, … off Γ1, a component at
-/// a time: ∫ σ:ε(v) = ∫ f0·v + ∫_{∂Ω} σν·v.
+/// Strong against weak loads, with the test functions of V^h that interpolate 1, x, y, … off Γ1, component by
+/// component: ∫ σ:ε(v) = ∫ f0·v + ∫_{∂Ω} σν·v.
 pub(super) fn loads(exact: &Exact, polytope: &Polytope) -> Finding {
     let mesh = parts(&polytope.coarse, LOAD_CELLS);
     let worst_share = match mesh.dimension {
@@ -153,7 +153,6 @@ fn gradient<const D: usize>(mesh: &Mesh, c: usize, v: &[f64]) -> [f64; D] {
     gradient_of(&edges, &rise)
 }
 
-/// σ at points, from the numerical law.
 fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
     let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
     exact.interior.bind(points).evaluate(t, 0.0, &mut out);
@@ -165,8 +164,7 @@ fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<T
     (0..points.len()).map(one).collect()
 }
 
-/// ζ(T) by the rule of the truth against a finer one: kinks inside the
-/// domain, which no cell follows, show here.
+/// ζ(T) by the usual rule against a finer one, which detects kinks inside cells.
 pub(super) fn zeta(exact: &Exact, polytope: &Polytope) -> Option<Finding> {
     let known = exact.zeta.at(exact.data.horizon);
     if known.is_nan() {
@@ -186,12 +184,12 @@ pub(super) fn in_time(polytope: &Polytope) -> (Vec<[f64; 3]>, Vec<f64>) {
     let mesh = parts(&polytope.coarse, TIME_CELLS);
     let corners = mesh.dimension + 1;
     let centroid = Rule { points: vec![vec![1.0 / corners as f64; corners]], weights: vec![1.0] };
-    let own = SimplexPoints::of(&mesh, &centroid);
-    (own.points, own.weights)
+    let centroids = SimplexPoints::of(&mesh, &centroid);
+    (centroids.points, centroids.weights)
 }
 
-/// ‖f(· + δe) - f‖/δ in L² along lines parallel to the edges of each coarse simplex, at three times. The
-/// lines gather at the edge.
+/// ‖f(· + δe) - f‖/δ in L² along lines parallel to the edges of each coarse simplex, crowded at the edge, at three
+/// times.
 pub(super) fn space_derivative(
     exact: &Exact,
     polytope: &Polytope,
@@ -228,7 +226,7 @@ pub(super) fn space_derivative(
     judge(subject, "the difference quotient in L2", &quotients, floor)
 }
 
-/// Edges of a simplex.
+/// Number of edges of a simplex.
 fn directions(coarse: &CoarseMesh) -> usize {
     match coarse {
         CoarseMesh::Plane(_) => 3,
@@ -240,15 +238,14 @@ fn directions(coarse: &CoarseMesh) -> usize {
 const EDGES: [[usize; 4]; 6] =
     [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
 
-/// Points along lines parallel to an edge of a simplex; of each line the measure that a point stands for,
-/// and the length.
+/// Points along lines parallel to an edge of a simplex, with the measure per point of each line, and the length.
 fn gathered(
     coarse: &CoarseMesh,
     simplex: usize,
     direction: usize,
 ) -> (Vec<[f64; 3]>, Vec<(f64, f64)>) {
     let (corners, measure) = (coarse.corners(simplex), coarse.measure_of(simplex));
-    // The edge, and the points opposite to it with the share of the opposite edge that each stands for.
+    // The edge, and the points opposite to it with the share of the opposite edge that each represents.
     let (a, b, opposite, lines) = match coarse {
         CoarseMesh::Plane(_) => {
             let [a, b, tip] = [0, 1, 2].map(|i: usize| corners[(direction + i) % 3]);
@@ -263,7 +260,7 @@ fn gathered(
             (a, b, (0..LINES_IN_SPACE).map(between).collect(), LINES_IN_SPACE)
         }
     };
-    // Not towards the tip: on ever shorter lines all strides would resolve a singularity there alike.
+    // Not towards the tip: on ever shorter lines all strides would resolve a singularity there equally.
     let place = |i: usize| (i as f64 / lines as f64).powi(GRADING);
     let length = blend(a, b, 1.0).iter().zip(a).map(|(b, a)| (b - a).powi(2)).sum::<f64>().sqrt();
     let (mut points, mut out) = (Vec::new(), Vec::new());
@@ -282,7 +279,8 @@ fn gathered(
     (points, out)
 }
 
-/// ‖second difference of u_ν‖/δ² in L² along each plane piece of Γ3: in space along lines parallel to each of its edges.
+/// ‖second difference of u_ν‖/δ² in L² along each plane piece of Γ3: in space along lines parallel to each of its
+/// edges.
 pub(super) fn normal_traces(exact: &Exact, polytope: &Polytope) -> Vec<Finding> {
     let d = exact.dimension();
     contact_pieces(polytope)
@@ -293,7 +291,7 @@ pub(super) fn normal_traces(exact: &Exact, polytope: &Polytope) -> Vec<Finding> 
         .collect()
 }
 
-/// Ends of lines on a piece of the boundary, with the measure that each stands for: a segment itself, or lines parallel
+/// Ends of lines on a piece of the boundary, with the measure that each represents: a segment itself, or lines parallel
 /// to each edge of a triangle.
 fn lines_on(piece: &Piece) -> Vec<([[f64; 3]; 2], f64)> {
     let corners = &piece.corners;
@@ -315,7 +313,6 @@ fn lines_on(piece: &Piece) -> Vec<([[f64; 3]; 2], f64)> {
     [[p, q, r], [q, r, p], [r, p, q]].into_iter().flat_map(lines).collect()
 }
 
-/// The plane pieces of Γ3.
 pub(super) fn contact_pieces(polytope: &Polytope) -> impl Iterator<Item = Piece> {
     let pieces = polytope.coarse.pieces().into_iter();
     pieces.filter(|piece| polytope.contact.contains(&piece.side))

@@ -1,5 +1,5 @@
-//! The regularity that (5.26) asks for, measured by differences under refinement: a difference
-//! quotient that settles belongs to a bounded derivative, one that grows does not.
+//! The regularity that (5.26) requires, measured by differences under refinement: the quotient converges if and only if
+//! the derivative is bounded.
 
 use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_difference, worst};
 use super::{Finding, SideOfBox, polytope, times};
@@ -9,8 +9,8 @@ use formula::{Point, Program};
 
 /// Lines across the direction of differences in time.
 const LINES: usize = 12;
-/// Lines across the direction of differences in space, and the power by which they gather at the
-/// sides: singularities sit at corners and sides, and the nearest lines are 1e-5 away from these.
+/// Lines across the direction of differences in space, and the power by which they crowd at the sides: singularities
+/// are at corners and sides, and the nearest lines are 1e-5 from these.
 const GRADED_LINES: usize = 16;
 const GRADING: i32 = 5;
 /// Graded points in space, across each of two directions.
@@ -31,7 +31,7 @@ pub(super) fn regularity(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     findings
 }
 
-/// What Theorem 7 asks for: (5.15), and ℬ in C².
+/// Requirements of Theorem 7: (5.15), and ℬ in C².
 pub fn regularity_in_time(exact: &Exact) -> Vec<Finding> {
     let [second, _] = time_derivatives(exact);
     let mut findings = vec![second];
@@ -39,7 +39,7 @@ pub fn regularity_in_time(exact: &Exact) -> Vec<Finding> {
     findings
 }
 
-/// What (5.25) asks for.
+/// Requirements of (5.25).
 pub fn regularity_in_space(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     space_findings(exact, sides).concat()
 }
@@ -65,8 +65,8 @@ fn in_body(exact: &Exact, what: &str, equation: &str) -> String {
     }
 }
 
-/// sup_t ‖ε(u(t+δ) - 2u(t) + u(t-δ))‖/δ², and the norm in L²(Ω) of the pointwise variation
-/// Σ |ε(u(t+δ) - 2u(t) + u(t-δ))|/δ, which is what order 2 of the trapezoidal rule needs.
+/// sup_t ‖ε(u(t+δ) - 2u(t) + u(t-δ))‖/δ², and the norm in L²(Ω) of the pointwise variation Σ |ε(u(t+δ) - 2u(t) +
+/// u(t-δ))|/δ, which order 2 of the trapezoidal rule needs.
 fn time_derivatives(exact: &Exact) -> [Finding; 2] {
     let (points, areas) = match &exact.data.polytope {
         Some(polytope) => polytope::in_time(polytope),
@@ -79,14 +79,14 @@ fn time_derivatives(exact: &Exact) -> [Finding; 2] {
     };
     let mut bound = exact.interior.bind(&points);
     let d = exact.dimension();
-    let own = d..d + exact.strain.len();
-    let mut out = vec![Vec::new(); own.end + exact.memory.len()];
+    let strains = d..d + exact.strain.len();
+    let mut out = vec![Vec::new(); strains.end + exact.memory.len()];
     let count = FINE / 3;
     let step = exact.data.horizon / count as f64;
     let history: Vec<Vec<f64>> = (0..=count)
         .map(|n| {
             bound.evaluate(step * n as f64, 0.0, &mut out);
-            out[own.clone()].concat()
+            out[strains.clone()].concat()
         })
         .collect();
     let (mut second, mut variation) = ([0.0f64; 4], [0.0f64; 4]);
@@ -149,9 +149,9 @@ fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
                 for component in &values {
                     size = worst(size, largest(component));
                     let lines = component.chunks(FINE).zip(regions.chunks(FINE));
-                    for ((line, own), weight) in lines.zip(&weights) {
-                        // Strains jump where the material does: what is asked is H² on each region.
-                        let pairs = (0..FINE - stride).filter(|&i| own[i] == own[i + stride]);
+                    for ((line, region), weight) in lines.zip(&weights) {
+                        // Strains jump where the material does: H² is required on each region.
+                        let pairs = (0..FINE - stride).filter(|&i| region[i] == region[i + stride]);
                         let squares = pairs.map(|i| ((line[i + stride] - line[i]) / delta).powi(2));
                         sum += weight * squares.sum::<f64>();
                     }
@@ -206,7 +206,7 @@ fn normal_trace(exact: &Exact, side: &SideOfBox) -> Finding {
     bends.finding()
 }
 
-/// The same along straight lines, given by their ends, each with the measure that it stands for.
+/// As above along straight lines, given by their ends, each with the measure that it represents.
 pub(super) fn normal_trace_along(
     exact: &Exact,
     program: &Program,
@@ -279,8 +279,8 @@ fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
     })
 }
 
-/// Points along lines in a direction, [`FINE`] midpoints per line, and the area that stands for each
-/// point of a line; the lines gather at the sides.
+/// Points along lines in a direction, [`FINE`] midpoints per line, and the area per point of each line; the lines crowd
+/// at the sides.
 fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
     let size = &exact.data.size;
     let graded = if size.len() == 2 { GRADED_LINES } else { GRADED_IN_SPACE };
@@ -289,7 +289,7 @@ fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
         let half = |x: f64| 0.5 * x.powi(GRADING);
         if x <= 1.0 { half(x) } else { 1.0 - half(2.0 - x) }
     };
-    // Where a line crosses the other directions, and the part of their product that it stands for.
+    // Where a line crosses the other directions, and the part of their product that it represents.
     let mut crossings = vec![([0.0; 3], 1.0)];
     for across in (0..size.len()).filter(|&axis| axis != direction) {
         let strip = |(point, share): ([f64; 3], f64)| {

@@ -1,21 +1,19 @@
-//! Friction on Γ3 at samples: |s| ≤ S, s = S u_τ/|u_τ| where u_τ slips, and how much of Γ3 sticks.
+//! Friction on Γ3 at samples: |s| ≤ S, s = S u_τ/|u_τ| where u_τ slips, and the share of Γ3 that sticks.
 
 use super::{Finding, Status};
 use crate::Sliding;
 
-/// |u_τ| below this share of the largest is zero but for rounding of the formulas.
+/// |u_τ| below this share of the largest is rounding of the formulas.
 const AT_REST: f64 = 1e-12;
 
-/// What the samples have at worst.
+/// Worst values over the samples.
 pub(super) struct SlidingExtremes {
     /// Largest |s| - S.
     excess: f64,
-    /// Largest S |u_τ| - s·u_τ, which is not negative where |s| ≤ S.
+    /// Largest S |u_τ| - s·u_τ, which is nonnegative for |s| ≤ S.
     unaligned: f64,
-    /// Largest |u_τ| and S.
     slip: f64,
     bound: f64,
-    /// Smallest S.
     least: f64,
     /// |u_τ| of all samples.
     slips: Vec<f64>,
@@ -29,19 +27,19 @@ impl Default for SlidingExtremes {
 }
 
 impl SlidingExtremes {
-    pub(super) fn add(&mut self, own: &Sliding) {
-        let (s, u_tau, bound) = (own.size(), own.slipped(), own.bound);
-        // A NaN is a violation of any size.
+    pub(super) fn add(&mut self, sliding: &Sliding) {
+        let (s, u_tau, bound) = (sliding.size(), sliding.slipped(), sliding.bound);
+        // NaN counts as an infinite violation.
         let excess = if s.is_nan() || bound.is_nan() { f64::INFINITY } else { s - bound };
         self.excess = self.excess.max(excess);
-        self.unaligned = self.unaligned.max(own.unaligned());
+        self.unaligned = self.unaligned.max(sliding.unaligned());
         self.slip = self.slip.max(u_tau);
         self.bound = self.bound.max(bound);
         self.least = self.least.min(bound);
         self.slips.push(u_tau);
     }
 
-    /// The findings, where stresses on Γ3 are of size `scale`.
+    /// The findings; stresses on Γ3 have size `scale`.
     pub(super) fn findings(&self, scale: f64, samples: usize) -> Vec<Finding> {
         let verified = |holds: bool| if holds { Status::Verified } else { Status::Failed };
         let holds = self.excess <= 1e-9 * scale && self.least >= 0.0;
@@ -70,8 +68,9 @@ mod tests {
 
     fn statuses(samples: &[[f64; 3]]) -> Vec<Status> {
         let mut extremes = SlidingExtremes::default();
-        let plane = |own: &[f64; 3]| Sliding::new([[1.0, 0.0, 0.0], [0.0; 3]], 2, |i| own[i]);
-        samples.iter().for_each(|own| extremes.add(&plane(own)));
+        let plane =
+            |numbers: &[f64; 3]| Sliding::new([[1.0, 0.0, 0.0], [0.0; 3]], 2, |i| numbers[i]);
+        samples.iter().for_each(|numbers| extremes.add(&plane(numbers)));
         extremes.findings(1.0, samples.len()).into_iter().map(|finding| finding.status).collect()
     }
 
@@ -88,13 +87,19 @@ mod tests {
         }
     }
 
-    /// In space |s| ≤ S is a ball: each of two components within S is not enough, nor is a stress of size S aside of the slip.
+    /// In space |s| ≤ S is a ball: neither two components within S nor a stress of size S off the slip direction
+    /// suffice.
     #[test]
     fn a_box_of_stresses_is_no_ball() {
-        let findings = |own: [f64; 5]| {
+        let findings = |numbers: [f64; 5]| {
             let mut extremes = SlidingExtremes::default();
-            extremes.add(&Sliding::new([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], 3, |i| own[i]));
-            extremes.findings(1.0, 1).into_iter().map(|own| own.status).take(2).collect::<Vec<_>>()
+            extremes.add(&Sliding::new([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], 3, |i| numbers[i]));
+            extremes
+                .findings(1.0, 1)
+                .into_iter()
+                .map(|finding| finding.status)
+                .take(2)
+                .collect::<Vec<_>>()
         };
         let [yes, no] = [Status::Verified, Status::Failed];
         assert_eq!(findings([0.3, 0.4, 0.03, 0.04, 0.5]), [yes, yes]);

@@ -1,32 +1,30 @@
-//! Whether a derivative is bounded, by difference quotients under refinement: a quotient that
-//! settles belongs to a bounded derivative, one that grows does not.
+//! Boundedness of derivatives, by difference quotients under refinement: the quotient converges if and only if the
+//! derivative is bounded.
 
 use super::{Finding, Status};
 
 /// Fine intervals along a line; quotients are taken over 8, 4, 2 and 1 of them.
 pub(super) const FINE: usize = 768;
 pub(super) const STRIDES: [usize; 4] = [8, 4, 2, 1];
-/// A quotient that grows by more than this at the last halving is unbounded: a jump gives √2 in
-/// L² and 2 in L∞, a corner singularity ρ^0.54 over its smooth surroundings 1.2 in L², a bounded
-/// derivative a factor near 1.
+/// A quotient that grows by more than this at the last halving is unbounded: a jump gives √2 in L² and 2 in L∞, a
+/// corner singularity ρ^0.54 over its smooth surroundings 1.2 in L², a bounded derivative a factor near 1.
 const GROWS: f64 = 1.1;
-/// Rounding of a difference, in units of ε·max|f|: 4 for the weights 1, 2, 1 of a second difference,
-/// 2 for the Frobenius norm over ε_xx, ε_xy twice, ε_yy, and 8 for the formula behind each sample,
-/// whose operations cost half a unit each. Measured on fields linear in t: 0.1 to 2.
+/// Rounding of a difference, in units of ε·max|f|: 4 for the weights 1, 2, 1 of a second difference, 2 for the
+/// Frobenius norm over ε_xx, ε_xy twice, ε_yy, and 8 for the formula behind each sample, whose operations cost half a
+/// unit each. Measured on fields linear in t: 0.1 to 2.
 const ROUNDING_UNITS: f64 = 64.0;
 
-/// What rounding of samples of size at most `largest` leaves in a quotient with the divisor δ or δ²,
-/// whose norm gives the constant 1 the value `one`.
+/// Rounding of samples of size at most `largest` in a quotient with the divisor δ or δ², whose norm gives the constant
+/// 1 the value `one`.
 pub(super) fn rounding(largest: f64, one: f64, divisor: f64) -> f64 {
     ROUNDING_UNITS * f64::EPSILON * largest * one / divisor
 }
 
-/// Reads quotients over ever finer strides. The last one may hold `rounding`, which grows as the
-/// stride falls and says nothing about the field.
+/// Judges quotients over ever finer strides. The last one may contain `rounding`, which grows as the stride falls.
 pub(super) fn judge(subject: &str, what: &str, quotients: &[f64], rounding: f64) -> Finding {
     let last = quotients[quotients.len() - 1];
     let before = quotients[quotients.len() - 2];
-    // Written so that a NaN is not bounded.
+    // NaN is not bounded.
     let bounded = last.is_finite() && last <= GROWS * before + rounding;
     let text = if bounded && last <= rounding {
         format!("{what} is zero to rounding: {last:.1e}, rounding is below {rounding:.1e}")
@@ -41,12 +39,11 @@ pub(super) fn judge(subject: &str, what: &str, quotients: &[f64], rounding: f64)
     Finding::new(subject, status, last, text)
 }
 
-/// The larger modulus; what is no number is larger than all.
+/// The larger modulus; NaN is largest.
 pub(super) fn worst(known: f64, value: f64) -> f64 {
     if value.is_nan() { f64::INFINITY } else { known.max(value.abs()) }
 }
 
-/// The largest modulus.
 pub(super) fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().fold(0.0, |known, value| worst(known, *value))
 }

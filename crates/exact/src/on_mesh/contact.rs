@@ -19,13 +19,13 @@ impl ExactOnMesh {
     /// Adds ∫_{Γ3} c v_ν + s v_τ, d numbers per point of the trace, to a vector over all nodes.
     pub(super) fn add_contact_pressure(&self, pressure: &[f64], force: &mut [f64]) {
         let (d, points) = (self.space.mesh.dimension, &self.space.trace.points);
-        for (point, own) in points.iter().zip(pressure.chunks_exact(d)) {
+        for (point, point_pressure) in points.iter().zip(pressure.chunks_exact(d)) {
             let target = &mut force[d * point.node as usize..][..d];
-            target.iter_mut().zip(own).for_each(|(target, value)| *target += value);
+            target.iter_mut().zip(point_pressure).for_each(|(target, value)| *target += value);
         }
     }
 
-    /// ∫_{Γ3} c v_ν + s v_τ of the points of the trace, d numbers each.
+    /// ∫_{Γ3} c v_ν + s v_τ at the points of the trace, d numbers each.
     pub(super) fn contact_pressure(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let (d, trace) = (self.space.mesh.dimension, &self.space.trace);
         let mut force = vec![0.0; d * trace.points.len()];
@@ -77,11 +77,11 @@ impl ExactOnMesh {
             for (index, &f) in group.facets.iter().enumerate() {
                 let measure = self.space.trace.measure[f];
                 for (field, target) in [(0, &mut normal), (1, &mut pressure)] {
-                    let own = &values[field][count * index..count * (index + 1)];
-                    at.iter_mut().zip(own).for_each(|(at, value)| *at = [*value]);
+                    let of_facet = &values[field][count * index..count * (index + 1)];
+                    at.iter_mut().zip(of_facet).for_each(|(at, value)| *at = [*value]);
                     onto.functions::<f64, 1, D>(&mut at, &mut of_nodes);
-                    let own = &mut target.node[nodes * f..nodes * (f + 1)];
-                    own.copy_from_slice(of_nodes.as_flattened());
+                    let of_facet = &mut target.node[nodes * f..nodes * (f + 1)];
+                    of_facet.copy_from_slice(of_nodes.as_flattened());
                     let squares = at.iter().zip(&rule.weights).map(|([rest], w)| w * rest * rest);
                     target.rest += measure * squares.sum::<f64>();
                 }

@@ -91,7 +91,6 @@ fn no_integral_depends_on_y() {
     }
 }
 
-/// Quadrature points of 64 x 64 cells, two triangles each with six points.
 fn structured() -> Vec<[f64; 3]> {
     let triangle =
         [[0.09, 0.09], [0.09, 0.82], [0.82, 0.09], [0.445, 0.445], [0.445, 0.11], [0.11, 0.445]];

@@ -5,7 +5,6 @@ use proptest::prelude::*;
 
 use super::{Graph, Point, Variable, assert_close, everything, node, value};
 
-/// Smooth expressions in x and y.
 #[derive(Clone, Debug)]
 enum Expr {
     X,

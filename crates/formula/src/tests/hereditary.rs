@@ -4,7 +4,6 @@ use super::{Graph, Node, Point, Variable, assert_close, everything, node, value}
 use crate::Program;
 use crate::graph::Op;
 
-/// Checks both evaluators against `exact` at several x and t.
 fn check(text: &str, tolerance: f64, exact: impl Fn(f64, f64) -> f64) {
     let mut graph = Graph::new();
     let f = node(&mut graph, &everything(), text);
@@ -79,8 +78,7 @@ fn relaxation_across_kinks_and_jumps() {
     });
 }
 
-/// A break as good as at the edge of a panel, and two breaks side by side, are breaks still: without them the integrals
-/// are off by 2e-8 and 1e-8.
+/// Breaks next to a panel edge or to each other are kept: without them the integrals are off by 2e-8 and 1e-8.
 #[test]
 fn breaks_next_to_an_edge_or_another_are_kept() {
     let edge = 0.5 + 2e-8;
@@ -179,8 +177,8 @@ fn convolution() {
     assert_eq!(ours, expected);
 }
 
-/// ∫_0^t (t-s)^a s^m ds = B(a+1, m+1) t^{a+m+1}: the kernel has a root at a lag of zero, where t is
-/// on an edge of a panel, just after one and far from any.
+/// ∫_0^t (t-s)^a s^m ds = B(a+1, m+1) t^{a+m+1}: a kernel with a root at lag zero, with t on an edge of a panel, just
+/// after one and far from any.
 #[test]
 fn convolution_with_a_root_at_zero_lag() {
     let mut graph = Graph::new();
@@ -194,14 +192,13 @@ fn convolution_with_a_root_at_zero_lag() {
             for t in [0.0, 1e-3, 1.0 / 64.0, 0.25, 0.25 + 1e-7, 0.3337, 1.0] {
                 bound.evaluate(t, 0.0, &mut out);
                 let exact = beta[m] * t.powf(power + 1.0 + m as f64);
-                // Without the weights near the end 1e-8.
+                // 1e-8 without the weights near the end.
                 assert_close(out[0][0], exact, 1e-12, &format!("{power} {text} at {t}"));
             }
         }
     }
 }
 
-/// An instant has no past: t is a number, hereditary integrals are zero, whatever they stand in.
 #[test]
 fn an_instant_leaves_the_past_out() {
     let mut graph = Graph::new();
@@ -214,7 +211,7 @@ fn an_instant_leaves_the_past_out() {
     }
 }
 
-/// A spike of width 0.02, of which one panel of a sixteenth leaves 1e-7.
+/// A spike of width 0.02, of which one panel of a sixteenth misses 1e-7.
 #[test]
 fn panels_are_halved_where_an_integrand_is_not_resolved() {
     let mut graph = Graph::new();
@@ -228,12 +225,13 @@ fn panels_are_halved_where_an_integrand_is_not_resolved() {
     }
 }
 
-/// On scattered points integrals are interpolated along x; on so few that they share nothing, and near kinks, they are not.
+/// On scattered points integrals are interpolated along x, but not near kinks or on few points.
 #[test]
 fn integrals_at_many_places_are_those_at_each() {
     let mut graph = Graph::new();
     let scope = crate::Scope::new(&[Variable::X, Variable::Y, Variable::T]);
-    // Kinks that move, one that does not, a jump, a kink of an inner integral, and what is nowhere smooth to twelve nodes.
+    // Moving kinks, a fixed one, a jump, a kink of an inner integral, and a function not smooth at twelve nodes
+    // anywhere.
     let texts = [
         "y*relax(0.75, max(t - x, 0)^2) + relax(1, sin(3*t + x))",
         "relax(0.3, if(x < 0.37, t, 2*t*cos(x)))",
@@ -244,7 +242,7 @@ fn integrals_at_many_places_are_those_at_each() {
     for text in texts {
         let node = graph.parse(text, &scope).expect("a formula");
         let program = Program::compile(&mut graph, &[node], 1.0);
-        // The golden mean: no two of the same abscissa.
+        // The golden mean: all abscissae differ.
         let place = |k: usize| [(0.618_033_988_749_894_9 * k as f64).fract(), 0.3, 0.0];
         let all: Vec<[f64; 3]> = (0..6000).map(place).collect();
         let some: Vec<[f64; 3]> = all.iter().copied().step_by(7).collect();

@@ -108,7 +108,7 @@ fn sizes_are_limited() {
     }
     let error = fault(&"x+".repeat(40_000));
     assert!(error.message.contains("64 KiB"), "{error}");
-    // Long and flat is no problem, nor is nesting up to the limit.
+    // Long and flat text is accepted, and nesting up to the limit.
     let long = format!("{}x", "x*t+".repeat(16_000));
     let mut graph = Graph::new();
     let f = graph.parse(&long, &everything()).expect("a long sum");

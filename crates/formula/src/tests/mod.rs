@@ -9,13 +9,11 @@ mod tapes;
 
 use super::{Graph, Node, Point, Scope, Variable};
 
-/// A scope with all variables.
 fn everything() -> Scope {
     use Variable::{T, X, Y, Z, Zeta};
     Scope::new(&[X, Y, Z, T, Zeta])
 }
 
-/// The node of a formula that must be right.
 fn node(graph: &mut Graph, scope: &Scope, text: &str) -> Node {
     match graph.parse(text, scope) {
         Ok(node) => node,
@@ -23,7 +21,6 @@ fn node(graph: &mut Graph, scope: &Scope, text: &str) -> Node {
     }
 }
 
-/// The value of a formula at (x, y, z, t).
 fn value(text: &str, [x, y, z, t]: [f64; 4]) -> f64 {
     let mut graph = Graph::new();
     let f = node(&mut graph, &everything(), text);

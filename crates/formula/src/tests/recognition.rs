@@ -68,7 +68,7 @@ fn separation() {
     }
 }
 
-/// Factors that differ by a number are one: of 2t sin x, -3t y + x cos t and t/7 there are two.
+/// 2t sin x, -3t y + x cos t and t/7 have two factors in time.
 #[test]
 fn several_formulas_share_their_factors_in_time() {
     let mut graph = Graph::new();
@@ -88,7 +88,7 @@ fn several_formulas_share_their_factors_in_time() {
     assert!(graph.separate_together(&[formulas[0], moving]).is_none());
 }
 
-/// Of t, t + sin t and 2t - sin t two are enough; of t + sin t and y alone the sum is.
+/// t, t + sin t and 2t - sin t need two factors; t + sin t and y need only the sum.
 #[test]
 fn sums_of_factors_of_others_are_none_of_their_own() {
     let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };

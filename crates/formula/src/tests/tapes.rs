@@ -61,7 +61,7 @@ fn tapes_agree_with_plain_evaluation() {
     }
 }
 
-/// What is kept for other times and what is computed with the rest are the same bits; integrals are kept in both.
+/// Programs for one time and for all times agree bit for bit; integrals are kept in both.
 #[test]
 fn values_for_one_time_are_those_for_all() {
     let (mut graph, mut outputs, points) = setup();
@@ -75,7 +75,7 @@ fn values_for_one_time_are_those_for_all() {
         let mut kept = Program::compile(&mut graph, &all, 1.0).bind(&points);
         let mut once = Program::compile_once(&mut graph, &all, 1.0).bind(&points);
         for (t, zeta) in [(0.83, 0.3), (0.0, -1.0)] {
-            let [kept, once] = [&mut kept, &mut once].map(|own| run(own, all.len(), t, zeta));
+            let [kept, once] = [&mut kept, &mut once].map(|bound| run(bound, all.len(), t, zeta));
             assert_eq!(bits(&kept), bits(&once), "at {t}");
         }
     }

@@ -1,24 +1,24 @@
 //! What a reference run hides: errors measured against a finer solution in place of the exact one.
 
-/// An order without the error of the reference, and that error.
+/// An order corrected for the error of the reference, and an estimate of that error.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct AgainstReference {
-    /// p, from differences of squares.
+    /// Order p, from differences of squared errors.
     pub order: f64,
-    /// The local order of the last two errors as they were measured, too high.
+    /// Local order of the last two measured errors; biased upwards.
     pub measured_order: f64,
-    /// C h_ref^p, the estimated error of the reference itself.
+    /// Estimated error of the reference, C h_ref^p.
     pub reference_error: f64,
-    /// The finest error as measured, and with that of the reference put back.
+    /// Finest error: as measured, and corrected for the reference.
     pub finest: [f64; 2],
 }
 
-/// From errors e_i of discrete solutions against a nested reference of size `reference`, on three sizes with one
-/// ratio r, coarsest first.
+/// Order from errors e_i against a nested reference of size `reference`, for three sizes of one ratio r, coarsest
+/// first.
 ///
-/// In the energy norm of a Galerkin method the parts are orthogonal, e_i² = C²(h_i^{2p} - h_ref^{2p}), nearly so with
-/// contact. The differences e_1² - e_2² and e_2² - e_3² are free of the reference, their ratio is r^{2p}. None if the
-/// sizes have no common ratio, or the differences do not fall: then nothing can be said.
+/// In the energy norm of a Galerkin method e_i² = C²(h_i^{2p} - h_ref^{2p}) by orthogonality, nearly so with contact.
+/// e_1² - e_2² and e_2² - e_3² are free of the reference and have the ratio r^{2p}. None if the sizes have no common
+/// ratio or the differences do not fall.
 pub fn against_reference(points: [(f64, f64); 3], reference: f64) -> Option<AgainstReference> {
     let [(h1, e1), (h2, e2), (h3, e3)] = points;
     let ratio = h1 / h2;
@@ -58,10 +58,9 @@ mod tests {
                 let points = measured(order, reference);
                 let found = against_reference(points, reference).expect("an order");
                 assert!((found.order - order).abs() < 1e-9, "{found:?}");
-                let own = 0.3 * reference.powf(order);
-                assert!((found.reference_error - own).abs() < 1e-9, "{found:?}");
+                let expected = 0.3 * reference.powf(order);
+                assert!((found.reference_error - expected).abs() < 1e-9, "{found:?}");
                 assert!((found.finest[1] - 0.3 * (1.0f64 / 32.0).powf(order)).abs() < 1e-9);
-                // As measured the order flatters.
                 assert!(found.measured_order > order + 5e-3, "{found:?}");
             }
         }

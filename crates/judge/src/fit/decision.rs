@@ -2,20 +2,16 @@
 
 use serde::Serialize;
 
-/// What a comparison says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Decision {
-    /// The prediction lies in a narrow interval.
     Pass,
-    /// The measurement refutes the prediction, or is not there.
+    /// The measurement refutes the prediction or is missing.
     Fail,
-    /// The data do not decide.
     Unresolved,
 }
 
 impl Decision {
-    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pass => "pass",
@@ -24,7 +20,7 @@ impl Decision {
         }
     }
 
-    /// Of two questions of which both have to pass: fails if one fails, passes if both pass.
+    /// Verdict on two claims that both have to hold: fail if either fails, pass if both pass.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         match (self, other) {

@@ -1,54 +1,41 @@
-//! Uncertainty of a functional from three grids and more, by least squares; three determine the power expansion.
+//! Uncertainty of a functional by least squares on three or more grids.
 //!
-//! L. Eça, M. Hoekstra, "A procedure for the estimation of the numerical uncertainty of CFD
-//! calculations based on grid refinement studies", J. Comput. Phys. 262 (2014) 104-130. The
-//! expansions, their choice and the factors of safety are those of the procedure for methods of
-//! nominal order two, which P1 elements are in L² functionals and the trapezoidal rule is.
+//! L. Eça, M. Hoekstra, "A procedure for the estimation of the numerical uncertainty of CFD calculations based on grid
+//! refinement studies", J. Comput. Phys. 262 (2014) 104-130; the variant for methods of nominal order two, which P1
+//! elements are in L² functionals and the trapezoidal rule is.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::ValueSample;
 
-/// Grids that the procedure needs.
 const GRIDS: usize = 3;
 
-/// Orders between which the power expansion is kept, and the end of those trusted fully.
+/// Range of orders in which the power expansion is kept; up to its end the small safety factor applies.
 const TRUSTED: [f64; 2] = [0.5, 2.0];
 const TRUSTED_WITH_MARGIN: f64 = 2.1;
 
-/// The factors of safety of the procedure.
 const SAFE: f64 = 1.25;
 const DOUBTFUL: f64 = 3.0;
 
-/// Orders among which the power expansion is sought: an optimum at either end is none.
+/// Search range of the order; an optimum at either end does not count.
 const ORDERS: [f64; 2] = [-4.0, 8.0];
 const ORDER_STEP: f64 = 0.05;
 
-/// The error expansions φ − φ₀ among which the procedure chooses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expansion {
-    /// α h^p with the observed p.
     Power(f64),
-    /// α h.
     First,
-    /// α h².
     Second,
-    /// α₁ h + α₂ h².
     Mixed,
 }
 
-/// What the procedure says of the finest grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EcaHoekstra {
-    /// The expansion that was chosen.
     pub expansion: Expansion,
-    /// Whether the grids were weighted with 1/h.
     pub weighted: bool,
-    /// φ₀ of that expansion.
     pub limit: f64,
-    /// Order of the power expansion, also where another was chosen; none without an optimum.
+    /// Order of the power expansion, even if another was chosen; none without an optimum.
     pub observed_order: Option<f64>,
-    /// Standard deviation σ of the fit.
     pub deviation: f64,
     /// Data range Δφ = (max φ − min φ)/(n − 1), with which σ is compared.
     pub data_range: f64,
@@ -58,19 +45,17 @@ pub struct EcaHoekstra {
     pub uncertainty: f64,
 }
 
-/// One least-squares fit of φ = φ₀ + error.
 #[derive(Debug, Clone, Copy)]
 struct ExpansionFit {
     expansion: Expansion,
     weighted: bool,
     limit: f64,
     deviation: f64,
-    /// Of the finest grid: the error of the expansion, and the distance of value and fit.
+    /// On the finest grid: the error by the expansion, and the misfit.
     error: f64,
     distance: f64,
 }
 
-/// The procedure on values in direction of refinement; none for fewer than three.
 pub fn eca_hoekstra(samples: &[ValueSample]) -> Option<EcaHoekstra> {
     if samples.len() < GRIDS {
         return None;
@@ -95,7 +80,7 @@ pub fn eca_hoekstra(samples: &[ValueSample]) -> Option<EcaHoekstra> {
     } else {
         DOUBTFUL * fit.deviation / data_range * (fit.error.abs() + fit.deviation + fit.distance)
     };
-    // Values that are all one have no range, no deviation and no error.
+    // All values equal: no range, deviation or error.
     let uncertainty = if data_range == 0.0 { 0.0 } else { uncertainty };
     Some(EcaHoekstra {
         expansion: fit.expansion,
@@ -116,7 +101,7 @@ fn data_range(samples: &[ValueSample]) -> f64 {
     (hi - lo) / (samples.len() - 1) as f64
 }
 
-/// The fit with the smallest deviation among the expansions, weighted and not.
+/// The expansion of smallest deviation, with and without weights.
 fn chosen(samples: &[ValueSample], expansions: &[Expansion]) -> Option<ExpansionFit> {
     let fits = expansions.iter().flat_map(|expansion| {
         [false, true].map(|weighted| expansion_fit(samples, *expansion, weighted))
@@ -128,8 +113,8 @@ fn smallest(fits: impl Iterator<Item = ExpansionFit>) -> Option<ExpansionFit> {
     fits.min_by(|a, b| a.deviation.total_cmp(&b.deviation))
 }
 
-/// The power expansion with the p of least deviation: a scan, then golden section; none if the
-/// optimum lies at an end of the scan.
+/// Power expansion with the p of least deviation, by a scan and golden section; none if the optimum is at an end of the
+/// scan.
 fn power_fit(samples: &[ValueSample], weighted: bool) -> Option<ExpansionFit> {
     let fit = |p: f64| expansion_fit(samples, Expansion::Power(p), weighted);
     let deviation = |p: f64| fit(p).map_or(f64::INFINITY, |fit| fit.deviation);
@@ -149,14 +134,14 @@ fn power_fit(samples: &[ValueSample], weighted: bool) -> Option<ExpansionFit> {
     fit(0.5 * (lo + hi))
 }
 
-/// Linear least squares of φ on 1 and the terms of the expansion, weights 1 or 1/h.
+/// Linear least squares of φ on 1 and the terms of the expansion; weights 1 or 1/h.
 fn expansion_fit(
     samples: &[ValueSample],
     expansion: Expansion,
     weighted: bool,
 ) -> Option<ExpansionFit> {
     let finest = samples.last()?;
-    // Steps in units of the finest: the terms are then 1 there, and the constant is φ₀ + α.
+    // Steps relative to the finest, so that all terms are 1 there.
     let terms = |step: f64| -> Vec<f64> {
         let s = step / finest.step;
         match expansion {
@@ -167,10 +152,9 @@ fn expansion_fit(
         }
     };
     let columns = 1 + terms(finest.step).len();
-    // Parameters: φ₀, the coefficients, and the order where it is sought.
     let parameters = columns + usize::from(matches!(expansion, Expansion::Power(_)));
     let freedom = match (samples.len().checked_sub(parameters)?, expansion) {
-        // Exact on three grids: nothing is left over, and nothing to be divided.
+        // Three grids fit exactly; avoids 0/0.
         (0, Expansion::Power(_)) => 1,
         (0, _) => return None,
         (freedom, _) => freedom,
@@ -185,14 +169,14 @@ fn expansion_fit(
         let root = weight(&samples[i]).sqrt();
         if j == 0 { root } else { root * rows[i][j - 1] }
     });
-    // Relative to the finest value: nothing of φ's own size is lost in the differences.
+    // Relative to the finest value, against cancellation.
     let values = DVector::from_fn(samples.len(), |i, _| {
         weight(&samples[i]).sqrt() * (samples[i].value - finest.value)
     });
     let (q, r) = design.clone().qr().unpack();
     let coefficients = r.solve_upper_triangular(&(q.transpose() * &values))?;
     let residuals = &values - design * &coefficients;
-    // The limit s → 0 of the terms.
+    // Limit s → 0 of the terms.
     let error = match expansion {
         Expansion::Power(p) => -coefficients[1] * power_term(p, 0.0),
         _ => coefficients.rows(1, columns - 1).sum(),
@@ -209,8 +193,7 @@ fn expansion_fit(
     fit.deviation.is_finite().then_some(fit)
 }
 
-/// (s^p − 1)/p, the logarithm for p = 0: with a constant beside it the same as s^p, and never
-/// close to the constant itself.
+/// (s^p − 1)/p, log s for p = 0: equivalent to s^p beside a constant, and never collinear with it.
 fn power_term(p: f64, s: f64) -> f64 {
     if p == 0.0 { s.ln() } else { (p * s.ln()).exp_m1() / p }
 }

@@ -7,15 +7,13 @@ use super::levenberg_marquardt::minimise;
 use super::log_table::{LogTable, Shape};
 use super::{Estimate, Interval, Model, Point, student_quantile};
 
-/// Orders to start from; each pair is tried and the best minimum kept.
+/// Start orders; all pairs are tried and the best minimum kept.
 const STARTS: [(f64, f64); 6] =
     [(1.0, 2.0), (1.0, 1.0), (0.5, 2.0), (2.0, 2.0), (2.0, 1.0), (0.5, 1.0)];
 
-/// The starts are compared on so many points of a larger table: which valley is the deepest
-/// shows on them, and the rest of the table only moves its bottom.
+/// Points of a larger table on which the starts are compared; the full table then refines the best.
 const SCOUTS: usize = 64;
 
-/// The minimum of one model, with what its Student intervals need.
 #[derive(Debug, Clone)]
 pub(super) struct GridFit {
     pub(super) model: Model,
@@ -31,7 +29,6 @@ pub(super) struct GridFit {
 }
 
 impl GridFit {
-    /// The deepest of the minima that the starts lead to.
     pub(super) fn of(points: &[Point], model: Model, shape: Shape) -> Option<Self> {
         let scouts = scouts(points);
         let table = LogTable::new(&scouts);
@@ -42,7 +39,7 @@ impl GridFit {
         if scouts.len() == points.len() { Some(best) } else { best.again(points, shape) }
     }
 
-    /// The fit of other points, or with other parameters, from this minimum.
+    /// Refit of other points or another shape, started from this minimum.
     pub(super) fn again(&self, points: &[Point], shape: Shape) -> Option<Self> {
         let table = LogTable::new(points);
         let orders = self.shape.orders_of(&self.x);
@@ -55,7 +52,7 @@ impl GridFit {
         Self::from_start(&table, self.model, shape, DVector::from_vec(start))
     }
 
-    /// The fit with the next term of each expansion, where there are levels enough for it.
+    /// Fit with the next term of each expansion, if there are enough levels.
     pub(super) fn bent(&self, points: &[Point]) -> Option<Self> {
         let shape = Shape { bends: true, ..self.shape };
         check_bends(points, shape.parameters()).ok()?;
@@ -84,8 +81,7 @@ impl GridFit {
         })
     }
 
-    /// Both orders where they are fitted, both log C where the orders are given; with their
-    /// Student intervals.
+    /// Student estimates of both orders, or of both log C where the orders are given.
     pub(super) fn estimates(&self) -> [Estimate; 2] {
         let (first, values) = match self.shape.orders {
             None => (2, [self.x[2], self.x[3]]),
@@ -97,20 +93,17 @@ impl GridFit {
         })
     }
 
-    /// log C_h and log C_k.
     pub(super) fn log_constants(&self) -> [f64; 2] {
         let (p, q) = self.shape.orders_of(&self.x);
         [self.x[0] - p * self.centre[0], self.x[1] - q * self.centre[1]]
     }
 
-    /// F, if it was fitted.
     pub(super) fn floor(&self) -> Option<f64> {
         self.shape.floor.then(|| self.x[self.shape.floor_at()].exp())
     }
 }
 
-/// Points spread over the table: those at the fractions of the multiples of the golden ratio,
-/// which fall into no rhythm with its rows.
+/// A spread sample of the table: golden-ratio multiples avoid any rhythm with its rows.
 fn scouts(points: &[Point]) -> Vec<Point> {
     if points.len() <= 2 * SCOUTS {
         return points.to_vec();
@@ -120,7 +113,7 @@ fn scouts(points: &[Point]) -> Vec<Point> {
     (0..SCOUTS).map(|i| points[place(i) as usize]).collect()
 }
 
-/// Both constants at half of the mean error, a floor below the smallest error.
+/// Both constants at half of the mean error, the floor below the smallest error.
 fn starts(table: &LogTable, shape: Shape) -> Vec<DVector<f64>> {
     let count = table.rows.len().max(1) as f64;
     let mean = table.rows.iter().map(|row| row.error).sum::<f64>() / count;
@@ -165,18 +158,16 @@ mod tests {
         places.sort_by(f64::total_cmp);
         places.dedup();
         assert_eq!(places.len(), 64);
-        // Multiples of the golden ratio leave gaps of at most 2.618/64 of the whole.
         let widest = places.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         assert!(places[0] < 420.0 && places[63] > 9580.0 && widest < 420.0, "{widest}");
     }
 
-    /// Columns (3, 0) and (1, 1): lengths 3 and √2, cosine 1/√2, condition ((√2 + 1)/(√2 − 1))^½.
+    /// Columns (3, 0) and (1, 1): unit columns have cosine 1/√2, condition ((√2 + 1)/(√2 − 1))^½.
     #[test]
     fn the_condition_is_that_of_unit_columns() {
         let root = 2f64.sqrt();
         let jacobian = DMatrix::from_row_slice(2, 2, &[3.0, 1.0, 0.0, 1.0]);
         let expected = ((root + 1.0) / (root - 1.0)).sqrt();
-        // A few roundings.
         assert!((condition(&jacobian) - expected).abs() < 1e-14);
         assert_eq!(condition(&DMatrix::zeros(2, 2)), f64::INFINITY);
     }
@@ -198,23 +189,22 @@ mod tests {
         let table = LogTable::new(&points);
         let start = DVector::from_vec(vec![-3.0, -3.0, 1.1, 1.9]);
         let other = GridFit::from_start(&table, Model::Sum, shape, start).unwrap();
-        // The minimisation stops at steps of 1e-10.
         for (a, b) in found.estimates().into_iter().zip(other.estimates()) {
             assert!((a.value - b.value).abs() < 1e-7 && a.interval.contains(b.value));
             assert!((a.interval.half_width() - b.interval.half_width()).abs() < 1e-7);
         }
         assert_eq!(found.residual_norm.to_bits() >> 20, other.residual_norm.to_bits() >> 20);
         assert!(found.floor().is_none());
-        // Orders are the third and fourth parameter, constants at given orders the first and second.
+        // Orders are parameters three and four; constants at given orders are one and two.
         let radii = |fit: &GridFit| fit.estimates().map(|one| one.interval.half_width());
-        let own = |fit: &GridFit, at: usize| fit.quantile * fit.deviations[at];
+        let radius_by_deviation = |fit: &GridFit, at: usize| fit.quantile * fit.deviations[at];
         for (radius, at) in radii(&found).into_iter().zip([2, 3]) {
-            assert!((radius - own(&found, at)).abs() < 1e-12);
+            assert!((radius - radius_by_deviation(&found, at)).abs() < 1e-12);
         }
         let given = Shape { orders: Some((1.0, 2.0)), ..shape };
         let constants = found.again(&points, given).unwrap();
         for (radius, at) in radii(&constants).into_iter().zip([0, 1]) {
-            assert!((radius - own(&constants, at)).abs() < 1e-12);
+            assert!((radius - radius_by_deviation(&constants, at)).abs() < 1e-12);
         }
         assert!(found.deviations[2] != found.deviations[3]);
     }

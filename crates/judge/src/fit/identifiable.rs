@@ -4,31 +4,25 @@ use super::log_table::Shape;
 use super::{Direction, JointFit, Point, same_level};
 use files::counted;
 
-/// Levels needed in each direction: two give an order, the third its uncertainty.
+/// Levels per direction: two give an order, the third its uncertainty.
 const LEVELS: usize = 3;
 
-/// If log h and log k correlate beyond this, the two terms can trade places: on a path k = h
-/// nothing tells them apart.
+/// Beyond this correlation of log h and log k the two terms are interchangeable, as on a path k = h.
 const LARGEST_CORRELATION: f64 = 0.999;
 
-/// Each term must carry this share of the error somewhere: below it, leaving the term out
-/// bends log e by less than 0.11, which the bias of the other term does as well.
+/// Each term must reach this share of the error somewhere: below it, dropping the term bends log e by less than 0.11,
+/// as much as the bias of the other term does.
 const SMALLEST_SHARE: f64 = 0.1;
 
-/// Bound of the scaled condition: beyond it, a bias of 1 in 1000 of the errors moves an order
-/// by its own size.
+/// Bound of the scaled condition: beyond it, a bias of 1 in 1000 of the errors changes an order by its size.
 const LARGEST_CONDITION: f64 = 1e3;
 
-/// The points do not determine both orders; what to run instead.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not identifiable: {reason}; {suggestion}")]
 pub struct NotIdentifiable {
-    /// What is missing.
     pub reason: String,
-    /// The cases to run.
     pub suggestion: String,
-    /// The direction whose term is too small a part of the errors to be seen, if that is why: a
-    /// line of cases in it shows the other term.
+    /// The direction whose term is too small to be seen, if that is the reason.
     pub hidden: Option<Direction>,
 }
 
@@ -42,18 +36,17 @@ impl NotIdentifiable {
     }
 }
 
-/// Levels, number of points and independence of h and k.
 pub(super) fn check_grid(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
     check_levels(points, parameters, LEVELS)
 }
 
-/// The grid without its coarsest level: of a fit with given orders two levels are enough.
+/// Checks a grid without its coarsest level; two levels suffice for given orders.
 pub(super) fn check_clip(points: &[Point], shape: Shape) -> Result<(), NotIdentifiable> {
     let needed = if shape.orders.is_some() { 2 } else { LEVELS };
     check_levels(points, shape.parameters(), needed)
 }
 
-/// Whether the points tell the parameters where the next term of each expansion is fitted as well: one level more.
+/// Checks for a fit with the next term of each expansion, which takes one more level.
 pub(super) fn check_bends(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
     check_levels(points, parameters, LEVELS + 1)
 }
@@ -86,7 +79,6 @@ fn check_levels(points: &[Point], parameters: usize, needed: usize) -> Result<()
     Ok(())
 }
 
-/// Share of each term, and condition of the fit.
 pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIdentifiable> {
     let largest = |term: usize| {
         points.iter().map(|point| fit.weights(point.h, point.k)[term]).fold(0.0, f64::max)
@@ -104,7 +96,7 @@ pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIde
             return Err(NotIdentifiable { hidden, ..NotIdentifiable::new(reason, suggestion) });
         }
     }
-    // A condition that is no number fails as well.
+    // NaN fails as well.
     if fit.condition <= LARGEST_CONDITION {
         return Ok(());
     }
@@ -112,7 +104,6 @@ pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIde
     Err(NotIdentifiable::new(reason, "run one more level of h and of k"))
 }
 
-/// The grids without the coarsest h, and without the coarsest k.
 pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
     [Direction::Space, Direction::Time].map(|direction| {
         let coarsest = levels(points, direction).first().copied().unwrap_or(f64::INFINITY);
@@ -121,12 +112,10 @@ pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
     })
 }
 
-/// Distinct steps, from the largest to the smallest.
 fn levels(points: &[Point], direction: Direction) -> Vec<f64> {
     distinct(points.iter().map(|point| direction.step(point)).collect())
 }
 
-/// Steps that differ by more than rounding, from the largest to the smallest.
 pub(crate) fn distinct(mut steps: Vec<f64>) -> Vec<f64> {
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup_by(|finer, coarser| same_level(*finer, *coarser));
@@ -151,7 +140,7 @@ mod tests {
         pairs.iter().map(|&(h, k)| Point { h, k, error: 1.0, floor: 0.0 }).collect()
     }
 
-    /// Three levels of each, five points that are no path: the least a fit of four parameters takes.
+    /// Three levels of each in five points off any path: the minimum for four parameters.
     const FIVE: [(f64, f64); 5] =
         [(0.5, 0.5), (0.25, 0.5), (0.125, 0.5), (0.5, 0.25), (0.5, 0.125)];
 
@@ -173,15 +162,14 @@ mod tests {
         assert_eq!(two.hidden, None);
     }
 
-    /// (log h, log k) = (0, 0), (1, 0), (0, 1), (1, 1): independent; (0, 0), (1, 1), (2, 1): covariance
-    /// 1/3, variances 2/3 and 2/9, correlation √3/2.
+    /// (log h, log k) = (0, 0), (1, 0), (0, 1), (1, 1): independent; (0, 0), (1, 1), (2, 1): covariance 1/3, variances
+    /// 2/3 and 2/9, correlation √3/2.
     #[test]
     fn correlations_by_hand() {
         let logs = |pairs: &[(f64, f64)]| -> Vec<Point> {
             on(&pairs.iter().map(|(h, k)| (h.exp(), k.exp())).collect::<Vec<_>>())
         };
         let square = logs(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]);
-        // A few roundings of numbers of size 1.
         assert!(correlation(&square).abs() < 1e-15);
         let bent = logs(&[(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)]);
         assert!((correlation(&bent) - 0.75f64.sqrt()).abs() < 1e-15);
@@ -194,7 +182,6 @@ mod tests {
     #[test]
     fn clips_lose_their_coarsest_level_alone() {
         let mut points = on(&FIVE);
-        // The coarsest h once more, off by a rounding.
         points.push(Point { h: 0.5 * (1.0 - 1e-15), ..points[4] });
         let [without_h, without_k] = clipped(&points);
         assert_eq!(without_h, points[1..3]);
@@ -219,7 +206,6 @@ mod tests {
         }
     }
 
-    /// At h = k = 1 the shares are those of the constants.
     #[test]
     fn a_term_counts_from_a_tenth_of_the_error_on() {
         let here = on(&[(1.0, 1.0)]);
@@ -230,7 +216,6 @@ mod tests {
         let time = check_terms(&fit(9.1, 1.0, 1.0), &here).unwrap_err();
         assert!(time.reason.contains("the time term"), "{time}");
         assert_eq!(time.hidden, Some(Direction::Time));
-        // It may be small elsewhere: the largest share counts.
         let two = on(&[(1.0, 1.0), (1.0, 1e-6)]);
         assert_eq!(check_terms(&fit(1.0, 1.0, 1.0), &two), Ok(()));
         for condition in [1.1e3, f64::INFINITY, f64::NAN] {

@@ -1,43 +1,35 @@
 //! Closed intervals of orders and constants.
 
-/// A closed interval `[lo, hi]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
-    /// Lower end.
     pub lo: f64,
-    /// Upper end.
     pub hi: f64,
 }
 
 impl Interval {
-    /// `[centre - radius, centre + radius]`.
     pub fn around(centre: f64, radius: f64) -> Self {
         Self { lo: centre - radius, hi: centre + radius }
     }
 
-    /// The smallest interval that holds all values; none if there is no value.
+    /// The smallest interval that contains all values; none without values.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let points = values.into_iter().map(|value| Self { lo: value, hi: value });
         points.reduce(Self::hull)
     }
 
-    /// The smallest interval that holds both.
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// Half of its length.
     pub fn half_width(self) -> f64 {
         0.5 * (self.hi - self.lo)
     }
 
-    /// Whether it holds `value`.
     pub fn contains(self, value: f64) -> bool {
         self.lo <= value && value <= self.hi
     }
 
-    /// The image under the increasing function exp.
     #[must_use]
     pub(crate) fn exp(self) -> Self {
         Self { lo: self.lo.exp(), hi: self.hi.exp() }

@@ -5,39 +5,31 @@ use super::identifiable::{check_clip, check_grid, check_terms, clipped};
 use super::log_table::Shape;
 use super::{FitError, Interval, Model, NotIdentifiable, Point, screen};
 
-/// A model whose residual is at most so many times that of the better one is not refuted by
-/// it: the ratio 4 of their squares is below the 95 % quantile of F up to 6 and 6 degrees.
+/// Residual ratio up to which the worse model is not refuted: 4 in squares is below the 95 % quantile of F up to 6 and
+/// 6 degrees of freedom.
 const COMPARABLE: f64 = 2.0;
 
-/// To see an order q = 2 within 0.1 under an order 1, the other term must stay below this
-/// share: a local slope is the error-weighted mean of the orders present.
+/// To see order q = 2 within 0.1 beside order 1, the other term must stay below this share: a local slope is the
+/// error-weighted mean of the orders.
 pub const LARGEST_OTHER_SHARE: f64 = 0.053;
 
-/// A fitted number with its 95 % interval.
+/// A fitted value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Value at the minimum.
     pub value: f64,
-    /// Its interval.
     pub interval: Interval,
 }
 
-/// One model fitted to a grid, on logarithms.
+/// One error model fitted to a grid, in logarithms.
 #[derive(Debug, Clone)]
 pub struct JointFit {
-    /// How the terms combine.
     pub model: Model,
-    /// Order p in h with its Student interval.
     pub order_h: Estimate,
-    /// Order q in k with its Student interval.
     pub order_k: Estimate,
-    /// The Student intervals of p and q alone.
+    /// Student intervals of p and q, before widening.
     pub student: [Interval; 2],
-    /// C_h.
     pub constant_h: f64,
-    /// C_k.
     pub constant_k: f64,
-    /// F, if it was fitted.
     pub floor: Option<f64>,
     /// ‖log E − log e‖, Euclidean over the points.
     pub residual_norm: f64,
@@ -46,7 +38,6 @@ pub struct JointFit {
 }
 
 impl JointFit {
-    /// The error of the model at (h, k).
     pub fn error(&self, h: f64, k: f64) -> f64 {
         self.combined(h, k).0.exp()
     }
@@ -64,15 +55,13 @@ impl JointFit {
     }
 }
 
-/// Both models on one grid.
 #[derive(Debug, Clone)]
 pub struct JointFits {
-    /// The model with the smaller residual; its intervals are the hull of its Student
-    /// intervals, the order p' of the grid without its coarsest h (or k) ± 2 |p' − p|, from
-    /// four levels on the Student intervals with the next term of each expansion fitted as well,
-    /// and the other model's Student intervals where its residual is comparable.
+    /// The model of smaller residual. Its intervals are the hull of its Student intervals, of p' ± 2 |p' − p| with the
+    /// order p' without the coarsest h (or k), from four levels on of the Student intervals with next terms, and of the
+    /// other model's if its residual is comparable.
     pub best: JointFit,
-    /// The other model, with Student intervals alone; none if its fit did not end.
+    /// The other model, with Student intervals; none if its fit did not converge.
     pub other: Option<JointFit>,
 }
 
@@ -97,13 +86,11 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
     Ok(JointFits { best: fit, other: others.first().map(|fit| joint_fit(fit, fit.estimates())) })
 }
 
-/// The constants C_h and C_k under given orders (p, q), each with its interval.
+/// C_h and C_k for given orders (p, q), with intervals.
 ///
-/// From four levels on they are those of the fit with the next term of each expansion: without
-/// it C_h carries the bias D h of the table. The interval is then the hull of the Student
-/// interval, of the constant ± half of its change by the next terms, and of the other model's
-/// where its residual is comparable. With fewer levels it is made
-/// like that of an order in [`JointFits::best`].
+/// From four levels on the next term of each expansion is fitted: otherwise C_h carries the bias D h. The interval is
+/// the hull of the Student interval, of the constant ± half of its change by the next terms, and of the other model's
+/// if its residual is comparable. With fewer levels it is made as for an order in [`JointFits::best`].
 ///
 /// # Errors
 /// [`FitError::TooFew`] for fewer than three points, [`FitError::Singular`] without a minimum.
@@ -158,30 +145,28 @@ fn joint_fit(fit: &GridFit, [order_h, order_k]: [Estimate; 2]) -> JointFit {
     }
 }
 
-/// The estimates of a fit, their intervals widened by the choice of grid, by the next terms of
-/// the expansions and by the choice of model.
+/// Estimates with intervals widened for the choice of grid, the next terms and the choice of model.
 fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [Estimate; 2] {
-    let own = full.estimates();
+    let estimates = full.estimates();
     let mut parts: Vec<[Interval; 2]> = Vec::new();
     let clips = clipped(points).into_iter().filter(|clip| check_clip(clip, full.shape).is_ok());
     for clip in clips.filter_map(|clip| full.again(&clip, full.shape)) {
         let clip = clip.estimates();
-        parts.push([0, 1].map(|i| drift(own[i], clip[i])));
+        parts.push([0, 1].map(|i| drift(estimates[i], clip[i])));
     }
     if let Some(bent) = full.bent(points) {
         let bent = bent.estimates();
-        parts.push([0, 1].map(|i| corrected(own[i], bent[i])));
+        parts.push([0, 1].map(|i| corrected(estimates[i], bent[i])));
     }
     for rival in rivals.iter().filter(|o| o.residual_norm <= COMPARABLE * full.residual_norm) {
         parts.push(rival.estimates().map(|rival| rival.interval));
     }
     [0, 1].map(|i| {
-        let interval = parts.iter().fold(own[i].interval, |hull, part| hull.hull(part[i]));
-        Estimate { interval, ..own[i] }
+        let interval = parts.iter().fold(estimates[i].interval, |hull, part| hull.hull(part[i]));
+        Estimate { interval, ..estimates[i] }
     })
 }
 
-/// The bent estimates with the other readings of the table.
 fn extrapolated(
     full: [Estimate; 2],
     bent: [Estimate; 2],
@@ -194,14 +179,13 @@ fn extrapolated(
     })
 }
 
-/// The Student interval with the next terms of the expansions, and the order ± half of the
-/// change that they make: for the terms after them. The half is set by simulation: without it
-/// the interval of p covers 77-95 % of grids with |D| ≤ 4, h from 1/8, with it 96-100 %.
+/// Student interval with next terms, and the order ± half of its change by them, for the terms after those. By
+/// simulation for |D| ≤ 4, h from 1/8, the interval of p covers 77-95 % of grids without the half and 96-100 % with it.
 fn corrected(full: Estimate, bent: Estimate) -> Interval {
     bent.interval.hull(Interval::around(bent.value, 0.5 * (bent.value - full.value).abs()))
 }
 
-/// The order of the clipped grid ± 2 |its change by clipping|.
+/// Order of the clipped grid ± 2 |change by clipping|.
 fn drift(full: Estimate, clip: Estimate) -> Interval {
     Interval::around(clip.value, 2.0 * (clip.value - full.value).abs())
 }

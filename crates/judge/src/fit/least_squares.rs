@@ -5,16 +5,12 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::Interval;
 
-/// Solution of min ‖X c − y‖.
 #[derive(Debug, Clone)]
 pub struct LinearFit {
-    /// The coefficients c.
     pub coefficients: DVector<f64>,
-    /// y − X c.
     pub residuals: DVector<f64>,
-    /// Standard errors of c, from s² (XᵀX)⁻¹ with s² = ‖y − X c‖² / degrees of freedom.
+    /// From s² (XᵀX)⁻¹ with s² = ‖y − X c‖² / degrees of freedom.
     pub standard_errors: DVector<f64>,
-    /// Rows less columns.
     pub degrees_of_freedom: usize,
 }
 
@@ -27,7 +23,7 @@ impl LinearFit {
     }
 }
 
-/// Fits by QR; none if there are fewer rows than columns or the columns are dependent.
+/// Fits by QR; none with fewer rows than columns or dependent columns.
 pub fn linear_fit(design: DMatrix<f64>, values: &DVector<f64>) -> Option<LinearFit> {
     let (rows, columns) = design.shape();
     if rows < columns {
@@ -44,7 +40,7 @@ pub fn linear_fit(design: DMatrix<f64>, values: &DVector<f64>) -> Option<LinearF
     Some(LinearFit { coefficients, residuals, standard_errors, degrees_of_freedom })
 }
 
-/// The 97.5 % quantile of Student's t: ± it bounds a two-sided 95 % interval.
+/// 97.5 % quantile of Student's t, for two-sided 95 % intervals.
 pub fn student_quantile(degrees_of_freedom: usize) -> Option<f64> {
     StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok().map(|t| t.inverse_cdf(0.975))
 }
@@ -57,7 +53,7 @@ mod tests {
     fn quantiles_of_the_tables() {
         for (degrees, quantile) in [(1, 12.706204736432), (2, 4.302652729696), (30, 2.042272456301)]
         {
-            // The quantile of statrs is good to 9 digits.
+            // statrs gives the quantile to 9 digits.
             assert!((student_quantile(degrees).unwrap() - quantile).abs() < 1e-9 * quantile);
         }
         assert!(student_quantile(0).is_none());
@@ -69,7 +65,6 @@ mod tests {
         let design = DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0]);
         let values = DVector::from_vec(vec![1.0 + 1.0 / 6.0, 3.0 - 1.0 / 3.0, 5.0 + 1.0 / 6.0]);
         let fit = linear_fit(design, &values).unwrap();
-        // A few roundings of numbers of size 5.
         assert!((fit.coefficients[0] - 1.0).abs() < 1e-14);
         assert!((fit.coefficients[1] - 2.0).abs() < 1e-14);
         assert!((fit.standard_errors[1] - (1.0f64 / 12.0).sqrt()).abs() < 1e-14);

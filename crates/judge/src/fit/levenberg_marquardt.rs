@@ -1,21 +1,19 @@
 //! Nonlinear least squares of a few parameters.
 //!
-//! Written here because the published crates for it (levenberg-marquardt, varpro) are bound to
-//! an older nalgebra, which would bring a second linear algebra, or give no Jacobian at the
-//! minimum, which the covariance of the parameters is made from.
+//! Written here because the published crates (levenberg-marquardt, varpro) need an older nalgebra or give no Jacobian
+//! at the minimum, which the covariance of the parameters needs.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Steps before a start is given up: a start that converges needs some twenty.
+/// Steps before a start is given up; converging ones need about twenty.
 const STEPS: usize = 200;
 
-/// A step so small changes an order in its tenth digit.
+/// Step size that changes an order in its tenth digit.
 const SMALL_STEP: f64 = 1e-10;
 
 /// Damping at which no descent direction is left.
 const LARGEST_DAMPING: f64 = 1e12;
 
-/// A local minimum of ‖r(x)‖².
 #[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub(super) x: DVector<f64>,
@@ -24,8 +22,7 @@ pub(super) struct Minimum {
 }
 
 impl Minimum {
-    /// Standard errors of x: roots of the diagonal of s² (JᵀJ)⁻¹, s² = ‖r‖² / freedom. None if
-    /// the parameters are dependent.
+    /// Standard errors: roots of the diagonal of s² (JᵀJ)⁻¹, s² = ‖r‖² / freedom. None for dependent parameters.
     pub(super) fn deviations(&self, freedom: usize) -> Option<DVector<f64>> {
         let variance = self.residuals.norm_squared() / freedom as f64;
         let inverse = self.jacobian.tr_mul(&self.jacobian).try_inverse()?;
@@ -34,8 +31,8 @@ impl Minimum {
     }
 }
 
-/// Levenberg-Marquardt with Marquardt's scaling: (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, μ divided by 3
-/// on descent and doubled on ascent. None if it meets a number that is none, or does not end.
+/// Levenberg-Marquardt with Marquardt's scaling: (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, μ divided by 3 on descent, doubled on
+/// ascent. None if it meets a NaN or does not converge.
 pub(super) fn minimise(
     start: DVector<f64>,
     problem: impl Fn(&DVector<f64>) -> (DVector<f64>, DMatrix<f64>),
@@ -51,7 +48,7 @@ pub(super) fn minimise(
         let next = &x + &step;
         let (next_residuals, next_jacobian) = problem(&next);
         let small = step.amax() < SMALL_STEP * (1.0 + x.amax());
-        // A residual that is not a number is not a descent.
+        // NaN is not a descent.
         if next_residuals.norm_squared() <= residuals.norm_squared() {
             (x, residuals, jacobian) = (next, next_residuals, next_jacobian);
             damping /= 3.0;
@@ -82,7 +79,6 @@ mod tests {
     use super::*;
     use crate::fit::linear_fit;
 
-    /// Rosenbrock's valley as r = (10 (y − x²), 1 − x), minimum at (1, 1).
     #[test]
     fn rosenbrock_is_solved() {
         let minimum = minimise(DVector::from_vec(vec![-1.2, 1.0]), |x| {
@@ -93,7 +89,6 @@ mod tests {
         assert!((minimum.unwrap().x - DVector::from_vec(vec![1.0, 1.0])).norm() < 1e-8);
     }
 
-    /// On a linear problem the standard errors are those of linear least squares.
     #[test]
     fn standard_errors_agree_with_linear_least_squares() {
         let design = DMatrix::from_row_slice(4, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0, 1.0, 4.0]);
@@ -102,14 +97,13 @@ mod tests {
         let problem = |x: &DVector<f64>| (&design * x - &values, design.clone());
         let minimum = minimise(DVector::zeros(2), problem).unwrap();
         let deviations = minimum.deviations(2).unwrap();
-        // The minimisation stops at steps of 1e-10; the rest is rounding.
+        // The minimisation stops at steps of 1e-10.
         assert!((&minimum.x - &linear.coefficients).norm() < 1e-9);
         assert!((deviations - &linear.standard_errors).norm() < 1e-9);
         let dependent = Minimum { jacobian: DMatrix::zeros(4, 2), ..minimum };
         assert!(dependent.deviations(2).is_none());
     }
 
-    /// e^{-x} falls for ever: no minimum, and no endless loop.
     #[test]
     fn a_minimum_at_infinity_is_none() {
         let endless = |x: &DVector<f64>| {
@@ -119,7 +113,7 @@ mod tests {
         assert!(minimise(DVector::zeros(1), endless).is_none());
     }
 
-    /// A kink: from its bottom every step goes up, and the damping ends the search there.
+    /// At a kink every step ascends, and the damping ends the search.
     #[test]
     fn a_kink_is_a_minimum() {
         let kink = |x: &DVector<f64>| {

@@ -4,8 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{Interval, Sample, linear_fit};
 
-/// Rounding of logarithms: log e up to 700 in magnitude carries 1e-13, and a slope over a
-/// ratio of 1.3 divides that by 0.26.
+/// Rounding of logarithms: |log e| up to 700 carries 1e-13, divided by 0.26 for a ratio of 1.3.
 const ROUNDING: f64 = 1e-12;
 
 /// Power of the next term of the error expansion, relative to the first.
@@ -18,7 +17,6 @@ pub enum Correction {
 }
 
 impl Correction {
-    /// The power of the next term, relative to the first.
     fn power(self) -> i32 {
         match self {
             Self::Linear => 1,
@@ -27,8 +25,7 @@ impl Correction {
     }
 }
 
-/// Local slopes p_i = ln(e_i / e_{i+1}) / ln(s_i / s_{i+1}), with the true ratio of the steps
-/// and with sign: divergence is negative.
+/// Local slopes p_i = ln(e_i / e_{i+1}) / ln(s_i / s_{i+1}), with the true ratio of the steps; negative for divergence.
 pub fn local_slopes(samples: &[Sample]) -> Vec<f64> {
     samples
         .windows(2)
@@ -36,14 +33,13 @@ pub fn local_slopes(samples: &[Sample]) -> Vec<f64> {
         .collect()
 }
 
-/// The constant C = e / s^p under a given order p, extrapolated to s → 0, and its interval.
+/// C = e / s^p for a given order p, extrapolated to s → 0, and its interval.
 ///
-/// From three samples on, C is the limit of log C = c + D s^r in least squares, r being the next
-/// power of the expansion: on tables with |D| ≤ 4 it is three to ten times closer to the truth
-/// than the last value e / s^p, whose bias is D s^r. The interval is the hull of the Student
-/// interval of c (noise), of c ± 2 |c − c'| with the limit c' of the last two samples alone
-/// (the terms after the next), and of the last value, which no reading of the table excludes.
-/// With two samples C is the last value, times or over the square of its change. Fewer have none.
+/// From three samples on, C is the limit of log C = c + D s^r in least squares, r the next power of the expansion: for
+/// |D| ≤ 4 three to ten times closer to the truth than the last e / s^p, whose bias is D s^r. The interval is the hull
+/// of the Student interval of c (noise), of c ± 2 |c − c'| with the limit c' of the last two samples (further terms),
+/// and of the last value. With two samples C is the last value, times or over the square of its change; with fewer,
+/// none.
 pub fn constant_under(
     order: f64,
     samples: &[Sample],
@@ -94,8 +90,7 @@ mod tests {
         }
     }
 
-    /// log C of 3 h (1 + h) at h = 1/8, 1/16, 1/32 is bent by h²/2 alone: the limit of the line is
-    /// 0.2 % from 3, the last value 3 %.
+    /// log C of 3 h (1 + h) at h = 1/8, 1/16, 1/32 is bent by h²/2 only: the limit is 0.2 % from 3, the last value 3 %.
     #[test]
     fn constants_are_extrapolated() {
         let samples = law(&[0.125, 0.0625, 0.03125], |h| 3.0 * h * (1.0 + h));
@@ -106,16 +101,16 @@ mod tests {
         assert!(interval.half_width() < 0.1, "{interval}");
     }
 
-    /// log C = log 3 + D s^r exactly: the limit is 3 to rounding for the r that is fitted, and
-    /// the interval reaches from it to the last value alone.
+    /// log C = log 3 + D s^r exactly: the limit is 3 to rounding for the fitted r, and the interval ends at the last
+    /// value.
     #[test]
     fn the_fitted_power_is_removed_exactly() {
         for (correction, power) in [(Correction::Linear, 1), (Correction::Quadratic, 2)] {
             let bend = |s: f64| (0.7 * s.powi(power)).exp();
             let samples = law(&[0.3, 0.2, 0.1, 0.05], |s| 3.0 * s * s * bend(s));
             let (value, interval) = constant_under(2.0, &samples, correction).unwrap();
-            // Some ten roundings of logarithms of size 5; Student's factor is 4.3;
-            // the interval is widened by 1e-12 of its ends.
+            // About ten roundings of logarithms of size 5, times Student's 4.3; the interval is widened by 1e-12 of its
+            // ends.
             assert!((value - 3.0).abs() < 1e-13 && (interval.lo - 3.0).abs() < 1e-11);
             assert!((interval.hi - 3.0 * bend(0.05)).abs() < 1e-11, "{interval}");
         }
@@ -125,19 +120,18 @@ mod tests {
     fn two_samples_have_their_drift() {
         let samples = law(&[0.5, 0.25], |s| s);
         let (value, interval) = constant_under(0.0, &samples, Correction::Linear).unwrap();
-        // 1/4, times or over (1/2)²: exact up to roundings of exp and log.
         assert!((value - 0.25).abs() < 1e-15 && (interval.lo - 0.0625).abs() < 1e-15);
         assert!((interval.hi - 1.0).abs() < 1e-15);
         assert!(constant_under(1.0, &samples[..1], Correction::Linear).is_none());
         assert!(constant_under(1.0, &[], Correction::Linear).is_none());
     }
 
-    /// log e = log 3 + log h + h/2: both estimates of the limit are 3, and the interval ends at the last constant.
+    /// log e = log 3 + log h + h/2: both limits are 3, and the interval ends at the last constant.
     #[test]
     fn the_interval_of_a_constant_reaches_from_its_limit_to_the_last_case() {
         let samples = law(&[0.4, 0.2, 0.1, 0.05], |h| 3.0 * h * (0.5 * h).exp());
         let (constant, interval) = constant_under(1.0, &samples, Correction::Linear).unwrap();
-        // Rounding of logarithms: ROUNDING is 1e-12.
+        // ROUNDING is 1e-12.
         assert!((constant - 3.0).abs() < 1e-11 && (interval.lo - 3.0).abs() < 1e-11);
         assert!(interval.lo < 3.0 && interval.contains(3.0));
         assert!((interval.hi - 3.0 * 0.025f64.exp()).abs() < 1e-11, "{interval}");

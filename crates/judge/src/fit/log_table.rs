@@ -1,31 +1,26 @@
-//! The points of a joint fit on logarithms: residuals of an error model and their Jacobian.
+//! Residuals of an error model and their Jacobian, in logarithms.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{Model, Point};
 
-/// Which parameters are fitted, in this order: log C_h, log C_k[, p, q][, log F][, D_h, D_k].
+/// Fitted parameters, in this order: log C_h, log C_k[, p, q][, log F][, D_h, D_k].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shape {
-    /// The orders (p, q), where they are given and not fitted.
     pub(super) orders: Option<(f64, f64)>,
-    /// log F.
     pub(super) floor: bool,
-    /// D_h and D_k in A = C_h h^p exp(D_h h), B = C_k k^q exp(D_k k²): the next terms of the
-    /// expansions of the space error and of the trapezoidal rule's.
+    /// Fits D_h and D_k in A = C_h h^p exp(D_h h), B = C_k k^q exp(D_k k²), the next terms in space and of the
+    /// trapezoidal rule.
     pub(super) bends: bool,
 }
 
-/// The most parameters a shape has.
 const MOST: usize = 7;
 
 impl Shape {
-    /// Number of all parameters.
     pub(super) fn parameters(self) -> usize {
         self.bends_at() + 2 * usize::from(self.bends)
     }
 
-    /// Place of log F, where it is fitted.
     pub(super) fn floor_at(self) -> usize {
         if self.orders.is_some() { 2 } else { 4 }
     }
@@ -34,27 +29,22 @@ impl Shape {
         self.floor_at() + usize::from(self.floor)
     }
 
-    /// The orders of a fit.
     pub(super) fn orders_of(self, x: &DVector<f64>) -> (f64, f64) {
         self.orders.unwrap_or_else(|| (x[2], x[3]))
     }
 }
 
-/// One point on logarithms.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
-    /// log h and log k, less their means over the table: better for the condition.
+    /// log h and log k less their means, for the condition.
     steps: [f64; 2],
-    /// h and k², largest 1.
+    /// h and k², scaled to maximum 1.
     bends: [f64; 2],
-    /// log e.
     pub(super) error: f64,
 }
 
-/// The points of a fit.
 pub(super) struct LogTable {
     pub(super) rows: Vec<Row>,
-    /// Means of log h and log k.
     pub(super) centre: [f64; 2],
 }
 
@@ -73,8 +63,7 @@ impl LogTable {
         Self { rows: points.iter().map(row).collect(), centre }
     }
 
-    /// Residuals log E − log e and their Jacobian in the parameters of the shape, the constants
-    /// at the centre of the table.
+    /// Residuals log E − log e and their Jacobian; constants refer to the centre of the table.
     pub(super) fn residuals(
         &self,
         model: Model,
@@ -149,7 +138,7 @@ mod tests {
         }
     }
 
-    /// One point with h = k = 1 is its own centre: E = C_h exp(D_h) + C_k exp(D_k) + F.
+    /// One point h = k = 1 is its centre: E = C_h exp(D_h) + C_k exp(D_k) + F.
     #[test]
     fn every_parameter_enters_the_model_where_it_should() {
         let table = LogTable::new(&[Point { h: 2.0, k: 3.0, error: 5.0, floor: 0.0 }]);
@@ -157,7 +146,6 @@ mod tests {
         let shape = Shape { orders: None, floor: true, bends: true };
         let (residuals, _) = table.residuals(Model::Sum, shape, &x);
         let error = 0.8f64.exp() + (-0.6f64).exp() + 0.1f64.exp();
-        // A few roundings of numbers of size 2.
         assert!((residuals[0] - (error / 5.0).ln()).abs() < 1e-15);
         assert_eq!(table.centre, [2f64.ln(), 3f64.ln()]);
     }

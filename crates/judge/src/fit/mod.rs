@@ -1,8 +1,8 @@
-//! Orders of convergence from errors: pure functions of numbers, for anybody's table.
+//! Orders of convergence from errors: pure functions of numbers, usable for any table.
 //!
-//! The residuals of a straight line through the logarithms are bias, not noise: the next term of the error expansion
-//! bends it, so that its Student interval misses the truth. The order is therefore inferred together with what may
-//! follow it, see [`infer`].
+//! The residuals of a straight line through the logarithms are bias, not noise: the next term of the expansion bends
+//! it, and its Student interval misses the truth. The order is therefore inferred together with the next term, see
+//! [`infer`].
 
 mod against_reference;
 mod decision;
@@ -46,39 +46,30 @@ pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen, value_samples
 pub use stopping::settles;
 pub use values::infer_values;
 
-/// Two steps are one level if they differ by rounding only: tables carry 1/3 as 0.333333333.
+/// Relative difference of steps that count as one level: tables carry 1/3 as 0.333333333.
 const SAME_LEVEL: f64 = 1e-9;
 
-/// Whether two positive steps are one up to rounding.
 pub fn same_level(a: f64, b: f64) -> bool {
     a.min(b) >= a.max(b) * (1.0 - SAME_LEVEL)
 }
 
-/// One entry of an error table. A missing error is NaN, an unmeasured floor is 0, and a step
-/// that the table does not have is NaN.
+/// One entry of an error table. A missing error or step is NaN, an unmeasured floor is 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Mesh size.
     pub h: f64,
-    /// Time step.
     pub k: f64,
-    /// Error.
     pub error: f64,
-    /// What the error would be for exact discretisation: solver tolerance and rounding.
+    /// Error that exact discretisation would leave: solver tolerance and rounding.
     pub floor: f64,
 }
 
-/// The step that is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// Mesh size h.
     Space,
-    /// Time step k.
     Time,
 }
 
 impl Direction {
-    /// The step of a point in this direction.
     pub fn step(self, point: &Point) -> f64 {
         match self {
             Self::Space => point.h,
@@ -87,53 +78,25 @@ impl Direction {
     }
 }
 
-/// Why no order could be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FitError {
-    /// Too few points for a slope and its interval.
     #[error("{}, an order needs {needed}", counted(*found, "point"))]
-    TooFew {
-        /// Points given.
-        found: usize,
-        /// Points needed.
-        needed: usize,
-    },
+    TooFew { found: usize, needed: usize },
     /// A step that occurs twice has no ratio and no slope.
     #[error("the step {step:e} occurs twice")]
-    RepeatedStep {
-        /// The step.
-        step: f64,
-    },
-    /// A step or an error that is no positive number.
+    RepeatedStep { step: f64 },
+    /// A step or an error that is not a positive number.
     #[error("the error {error:e} at the step {step:e}: both have to be positive numbers")]
-    NoError {
-        /// The step.
-        step: f64,
-        /// The error.
-        error: f64,
-    },
+    NoError { step: f64, error: f64 },
     /// A relative standard deviation that is not positive.
     #[error("the relative standard deviation {sigma} is no positive number")]
-    NoDeviation {
-        /// The value found.
-        sigma: f64,
-    },
+    NoDeviation { sigma: f64 },
     /// |log h| vanishes at a step of one and grows beyond.
     #[error("a factor |log h| needs steps below 1, and one is {step}")]
-    NoLogarithm {
-        /// The step.
-        step: f64,
-    },
-    /// Values that rise and fall.
+    NoLogarithm { step: f64 },
     #[error("the values oscillate: their differences change sign at the step {step:e}")]
-    SignChange {
-        /// The middle of the three steps.
-        step: f64,
-    },
+    SignChange { step: f64 },
     /// The least-squares problem has no unique solution.
     #[error("the fit of {} is singular", counted(*points, "point"))]
-    Singular {
-        /// Points given.
-        points: usize,
-    },
+    Singular { points: usize },
 }

@@ -10,7 +10,6 @@ pub enum Model {
 }
 
 impl Model {
-    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sum => "sum",
@@ -25,8 +24,8 @@ impl Model {
         }
     }
 
-    /// log E and the weights ∂ log E / ∂ log A, … of terms given by their logarithms: a local
-    /// slope is the mean of the orders with these weights.
+    /// log E and its weights ∂ log E / ∂ log A, … for terms given by logarithms; a local slope is the mean of the
+    /// orders with these weights.
     pub(super) fn combine<const T: usize>(self, log_terms: [f64; T]) -> (f64, [f64; T]) {
         let m = self.exponent();
         let largest = log_terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -43,7 +42,6 @@ mod tests {
     #[test]
     fn terms_combine_with_their_weights() {
         let (log_error, weights) = Model::Sum.combine([3f64.ln(), 0.0]);
-        // Single roundings.
         assert!((log_error - 4f64.ln()).abs() < 1e-15 && (weights[0] - 0.75).abs() < 1e-15);
         let (log_error, weights) = Model::RootSumSquare.combine([3f64.ln(), 4f64.ln()]);
         assert!((log_error - 5f64.ln()).abs() < 1e-15 && (weights[1] - 0.64).abs() < 1e-15);

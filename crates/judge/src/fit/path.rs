@@ -1,9 +1,9 @@
-//! Tables refined along a path k = c h^s: one order, and what it says of two.
+//! Tables refined along a path k = c h^s: the order along it, and what it says of p and q.
 
 use super::{Point, Sample, power_law, same_level};
 
-/// k may leave c h^s by this share: numbers of steps are whole, and N = √n seldom is. Such a
-/// change of k moves the order along the path by less than q · 0.02 / log 2 over a halving.
+/// Relative deviation of k from c h^s: numbers of steps are integers, N = √n rarely is. It changes the order along the
+/// path by less than q · 0.02 / log 2 over a halving.
 const OFF_THE_PATH: f64 = 0.02;
 
 /// Two points always lie on a path.
@@ -14,7 +14,6 @@ const POINTS: usize = 3;
 pub struct Path {
     /// s: 1 for k proportional to h, ½ for the balanced path of E = O(h + k²).
     pub exponent: f64,
-    /// c.
     pub constant: f64,
 }
 
@@ -24,25 +23,22 @@ impl Path {
         p.min(self.exponent * q)
     }
 
-    /// Which of the orders p, q the order along the path rests on: that of the slower term, both
-    /// on a balanced path, where s q = p. An order on which it does not rest may be anything
-    /// above, and the path cannot tell.
+    /// Which of p and q the order along the path tests: that of the slower term, or both if s q = p.
     pub fn tests(self, p: f64, q: f64) -> [bool; 2] {
-        // Two thirds of the widest half-width that a verdict allows: closer orders are one.
+        // Two thirds of the largest half-width a verdict allows; closer orders are not told apart.
         let balanced = 0.1;
         let ahead = p - self.exponent * q;
         [ahead <= balanced, ahead >= -balanced]
     }
 }
 
-/// The path that all points with both steps lie on, if h and k are refined together along one.
+/// The path through all points with both steps, if h and k are refined together along one.
 pub fn path(points: &[Point]) -> Option<Path> {
     let positive = |step: f64| step.is_finite() && step > 0.0;
     let both = points.iter().filter(|point| positive(point.h) && positive(point.k));
     let mut samples: Vec<Sample> =
         both.map(|point| Sample { step: point.h, error: point.k }).collect();
     samples.sort_by(|a, b| b.step.total_cmp(&a.step));
-    // Both steps have to fall along it.
     let repeated = |pair: &[Sample]| {
         let falls = |coarse: f64, fine: f64| fine < coarse && !same_level(coarse, fine);
         !falls(pair[0].step, pair[1].step) || !falls(pair[0].error, pair[1].error)
@@ -69,7 +65,6 @@ mod tests {
         for exponent in [0.5, 1.0, 2.0] {
             let steps = [0.25, 0.125, 0.0625, 0.03].map(|h: f64| (h, 3.0 * h.powf(exponent)));
             let found = path(&on_path(&steps)).unwrap();
-            // A few roundings of logarithms.
             assert!((found.exponent - exponent).abs() < 1e-13);
             assert!((found.constant - 3.0).abs() < 1e-12);
         }
@@ -78,7 +73,6 @@ mod tests {
         assert!((path(&on_path(&rounded)).unwrap().exponent - 0.5).abs() < 0.01);
     }
 
-    /// What has no two positive steps is on no path, and does not end one.
     #[test]
     fn points_without_steps_are_passed_over() {
         let steps = [(0.25, 0.25), (0.125, 0.125), (0.0625, 0.0625)];
@@ -102,7 +96,7 @@ mod tests {
         let line = [(0.5, 0.1), (0.25, 0.1), (0.125, 0.1)];
         assert_eq!(path(&on_path(&line)), None);
         assert_eq!(path(&on_path(&[(0.5, 0.5), (0.25, 0.25)])), None);
-        // k grows while h falls, and a k that is 5 % off.
+        // k grows while h falls; a k that is 5 % off.
         assert_eq!(path(&on_path(&[(0.5, 0.1), (0.25, 0.2), (0.125, 0.4)])), None);
         assert_eq!(path(&on_path(&[(0.5, 0.5), (0.25, 0.27), (0.125, 0.125)])), None);
         let without = [(0.5, f64::NAN), (0.25, f64::NAN), (0.125, f64::NAN)];

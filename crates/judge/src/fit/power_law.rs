@@ -7,11 +7,9 @@ use super::{FitError, Interval, Sample, linear_fit};
 /// log e = log C + p log s in least squares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PowerLaw {
-    /// The order p.
     pub order: f64,
-    /// The constant C.
     pub constant: f64,
-    /// log e − log C − p log s, in direction of refinement.
+    /// log e − log C − p log s, coarse to fine.
     pub residuals: Vec<f64>,
     /// 95 % Student interval of p; none for two points.
     pub interval: Option<Interval>,

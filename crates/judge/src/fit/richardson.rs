@@ -1,61 +1,53 @@
-//! Three values of a functional without an exact one: limit, order, grid convergence index.
+//! Limit, order and grid convergence index from three values of a functional.
 
-/// A step and the value that was computed with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValueSample {
-    /// h or k.
     pub step: f64,
     /// The functional, of any sign.
     pub value: f64,
 }
 
-/// Safety factor of the index for three grids and more (Roache 1998, §5.7).
+/// Safety factor of the index for three or more grids (Roache 1998, §5.7).
 const SAFETY: f64 = 1.25;
 
-/// Differences of values below so many units in their last place are rounding.
+/// Differences below so many units in the last place are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Orders are sought in ± this: beyond it r^p has no digits left to compare, even for r = 1.3.
+/// Orders are sought up to ± this: beyond, r^p has no digits to compare even for r = 1.3.
 const LARGEST_ORDER: f64 = 50.0;
 
-/// Smaller orders are zero up to rounding: a logarithm looks like that, and it has no limit.
+/// Smaller orders are zero up to rounding, as for a logarithm, which has no limit.
 const SMALLEST_ORDER: f64 = 1e-6;
 
-/// What three values φ₃, φ₂, φ₁ on steps h₃ > h₂ > h₁ say, with φᵢ = φ₀ + α hᵢ^p.
+/// Three values φ₃, φ₂, φ₁ on steps h₃ > h₂ > h₁ under φᵢ = φ₀ + α hᵢ^p.
 ///
-/// p solves (φ₂ − φ₁)/(φ₃ − φ₂) = (h₂^p − h₁^p)/(h₃^p − h₂^p), which is the equation that the
-/// fixed-point iteration of Celik et al. (J. Fluids Eng. 130, 2008, 078001) is made for; the
-/// right side falls in p, so bisection always ends, for any ratios. The sign of p is kept: with
-/// the absolute value that the printed iteration takes, divergence reads as convergence.
+/// p solves (φ₂ − φ₁)/(φ₃ − φ₂) = (h₂^p − h₁^p)/(h₃^p − h₂^p), the equation behind the fixed-point iteration of Celik
+/// et al. (J. Fluids Eng. 130, 2008, 078001). The right side falls in p, so bisection converges for any ratios. The
+/// sign of p is kept: with the absolute value of the printed iteration, divergence reads as convergence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Triple {
-    /// Differences of one sign that fall: p > 0.
     Converging {
-        /// Observed order p.
         order: f64,
-        /// Extrapolated value φ₀ (Richardson 1911).
         limit: f64,
-        /// Grid convergence index on the finest grid, in units of the value:
-        /// 1.25 |φ₁ − φ₂| / (r^p − 1) with r = h₂/h₁ (Roache, J. Fluids Eng. 116, 1994, 405).
+        /// Grid convergence index on the finest grid, in units of the value: 1.25 |φ₁ − φ₂| / (r^p − 1) with r = h₂/h₁
+        /// (Roache, J. Fluids Eng. 116, 1994, 405).
         gci: f64,
     },
     /// Differences of alternating sign: no order, no limit.
     Oscillating {
-        /// Half of the range of the three values, the uncertainty that is left (Stern et al.,
-        /// J. Fluids Eng. 123, 2001, 793).
+        /// Half of the range of the three values (Stern et al., J. Fluids Eng. 123, 2001, 793).
         half_range: f64,
     },
     /// Differences of one sign that do not fall: p ≤ 0 up to rounding.
     Diverging {
-        /// The order, −∞ if the first difference is zero.
+        /// −∞ if the first difference is zero.
         order: f64,
     },
-    /// The last difference is rounding: the value does not depend on the step any more.
+    /// The last difference is rounding.
     Stationary,
 }
 
 impl Triple {
-    /// Reads three values in direction of refinement, steps strictly falling.
     pub fn of([coarse, middle, fine]: [ValueSample; 3]) -> Self {
         let values = [coarse.value, middle.value, fine.value];
         let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -82,7 +74,6 @@ impl Triple {
         Self::Converging { order, limit, gci: SAFETY * correction.abs() }
     }
 
-    /// The order, where there is one.
     pub fn order(self) -> Option<f64> {
         match self {
             Self::Converging { order, .. } | Self::Diverging { order } => Some(order),
@@ -92,14 +83,13 @@ impl Triple {
     }
 }
 
-/// The p at which (1 − r^{−p})/(s^p − 1) is the ratio of the differences, with log s, log r the
-/// logarithms of the coarse and the fine ratio of steps.
+/// The p at which (1 − r^{−p})/(s^p − 1) equals the ratio of differences; arguments are log s (coarse) and log r
+/// (fine).
 fn order(ratio: f64, [coarse, fine]: [f64; 2]) -> f64 {
     let model = |p: f64| {
         if p == 0.0 { fine / coarse } else { -(-p * fine).exp_m1() / (p * coarse).exp_m1() }
     };
     let (mut lo, mut hi) = (-LARGEST_ORDER, LARGEST_ORDER);
-    // Each step halves the interval: 60 of them leave the rounding of p.
     for _ in 0..60 {
         let middle = 0.5 * (lo + hi);
         if model(middle) > ratio {
@@ -119,14 +109,13 @@ mod tests {
         Triple::of(steps.map(|step| ValueSample { step, value: value(step) }))
     }
 
-    /// A first difference of rounding says nothing of an order, however large the values are.
     #[test]
     fn rounding_is_relative_to_the_values() {
         let at = |step: f64, value: f64| ValueSample { step, value };
         let triple = Triple::of([at(0.4, 1e6 + 1e-9), at(0.2, 1e6), at(0.1, 1e6 - 1.0)]);
         assert_eq!(triple, Triple::Diverging { order: f64::NEG_INFINITY });
         assert_eq!(triple.order(), None);
-        // The same difference of small values is one.
+        // The same difference counts for small values.
         let triple = Triple::of([at(0.4, 1.5e-9), at(0.2, 5e-10), at(0.1, 0.0)]);
         assert!((triple.order().expect("an order") - 1.0).abs() < 1e-12);
     }
@@ -150,8 +139,7 @@ mod tests {
         }
     }
 
-    /// φ = 1.9, 1.7, 1.6 on halved steps: differences 0.2, 0.1, order 1, limit 1.5, index
-    /// 1.25 · 0.1. By hand.
+    /// φ = 1.9, 1.7, 1.6 on halved steps, by hand: differences 0.2, 0.1, order 1, limit 1.5, index 1.25 · 0.1.
     #[test]
     fn a_triple_by_hand() {
         let values = [(0.4, 1.9), (0.2, 1.7), (0.1, 1.6)];
@@ -171,7 +159,7 @@ mod tests {
             assert!((order - true_order).abs() < 1e-10);
             assert_eq!(found.order(), Some(order));
         }
-        // log h: the order is zero, and the value has no limit.
+        // log h: order zero, no limit.
         let logarithm = triple([0.4, 0.3, 0.1], |h: f64| h.ln());
         assert!(matches!(logarithm, Triple::Diverging { order } if order.abs() < 1e-10));
         let jump = triple([0.4, 0.2, 0.1], |h| if h < 0.15 { 1.0 } else { 0.0 });
@@ -179,8 +167,7 @@ mod tests {
         assert_eq!(jump.order(), None);
     }
 
-    /// Steps in the ratio 1.0003, as in a table of ten thousand: the limit is far in units of
-    /// the last difference, and there all the same.
+    /// Steps in the ratio 1.0003, as in a table of ten thousand: the limit is many differences away.
     #[test]
     fn close_steps_converge_as_well() {
         let found = triple([0.1, 0.1 / 1.0003, 0.1 / 1.0006], |h| 2.0 + h);

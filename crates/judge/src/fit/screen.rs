@@ -2,49 +2,32 @@
 
 use super::{Direction, FitError, Point, ValueSample, same_level};
 
-/// A point counts if its error is above so many floors: the floor then moves log e by less
-/// than 1/20, and a slope over one halving by less than 0.07.
+/// Floors that an error has to exceed: the floor then changes log e by less than 1/20, and a slope over a halving by
+/// less than 0.07.
 pub const FLOORS_ABOVE: f64 = 20.0;
 
-/// Why a point carries no order.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Exclusion {
     /// The floor is too large a part of the error.
     #[error("below floor: error {error:.1e}, floor {floor:.1e}, {FLOORS_ABOVE} floors needed")]
-    BelowFloor {
-        /// Error of the point.
-        error: f64,
-        /// Its floor.
-        floor: f64,
-    },
+    BelowFloor { error: f64, floor: f64 },
     /// An error of exactly zero has no logarithm.
     #[error("below floor: the error is exactly zero")]
     Zero,
-    /// NaN (a missing error is NaN as well), infinite or negative.
+    /// NaN (also a missing error), infinite or negative.
     #[error("the error {error} is no error")]
-    NotAnError {
-        /// The value found.
-        error: f64,
-    },
-    /// A floor that is NaN, infinite or negative.
+    NotAnError { error: f64 },
     #[error("the floor {floor} is no floor")]
-    NotAFloor {
-        /// The value found.
-        floor: f64,
-    },
+    NotAFloor { floor: f64 },
 }
 
 impl Exclusion {
-    /// Whether the point is broken, and not merely too small to be read.
+    /// Whether the point is invalid, not only too small.
     pub(crate) fn is_broken(self) -> bool {
         matches!(self, Self::NotAnError { .. } | Self::NotAFloor { .. })
     }
 }
 
-/// Whether a point may carry an order.
-///
-/// # Errors
-/// The reason to leave it out.
 pub fn screen(point: &Point) -> Result<(), Exclusion> {
     let Point { error, floor, .. } = *point;
     if !error.is_finite() || error < 0.0 {
@@ -60,19 +43,13 @@ pub fn screen(point: &Point) -> Result<(), Exclusion> {
     }
 }
 
-/// A step and its error, both positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// h or k.
     pub step: f64,
-    /// Error.
     pub error: f64,
 }
 
-/// The screened points in direction of refinement: from the largest step to the smallest.
-///
-/// # Errors
-/// [`FitError::RepeatedStep`] if two of them have one step.
+/// The screened points, coarse to fine.
 pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, FitError> {
     let mut samples: Vec<Sample> = points
         .iter()
@@ -85,11 +62,8 @@ pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, Fi
     Ok(samples)
 }
 
-/// The values of a functional in direction of refinement, where a table has them in place of
-/// errors; what is not finite is left out.
-///
-/// # Errors
-/// [`FitError::RepeatedStep`] if two of them have one step.
+/// The values of a functional, coarse to fine, from a table that has them in place of errors; non-finite ones are
+/// dropped.
 pub fn value_samples(points: &[Point], direction: Direction) -> Result<Vec<ValueSample>, FitError> {
     let mut samples: Vec<ValueSample> = points
         .iter()
@@ -101,7 +75,6 @@ pub fn value_samples(points: &[Point], direction: Direction) -> Result<Vec<Value
     Ok(samples)
 }
 
-/// Whether falling steps are distinct beyond rounding.
 fn distinct(steps: impl Iterator<Item = f64>) -> Result<(), FitError> {
     let mut previous = f64::INFINITY;
     for step in steps {

@@ -1,19 +1,19 @@
-//! When a table that grows level by level has told what it can.
+//! Sequential stopping of a table that grows level by level.
 //!
-//! A claim that is judged at every level has as many chances to be wrong as levels. With three levels a next term of the
-//! size of the first, or noise of a few percent, looks like another order now and then, and coarse meshes that do not
-//! resolve look like a lower one, until a further level shows what they are. The simulation of these rules is among the
-//! tests of the inference.
+//! A claim judged at every level has as many chances of a wrong decision. With three levels a large next term or noise
+//! of a few percent can look like another order, and unresolved coarse meshes like a lower one. The tests of the
+//! inference simulate these rules.
 
 use super::Decision;
 
-/// With fewer levels nothing is settled by the errors alone.
+/// Levels below which the errors alone settle nothing.
 const SETTLED: usize = 4;
-/// A pass ends a table above this probability, not above that which is enough for a table of a fixed length: with 3 % of
-/// noise 1.7 % of the tables whose order is ¼ higher than claimed would pass at one level or another, and 0.3 % do.
+/// Probability at which a pass ends a table; stricter than for a table of fixed length. With 3 % of noise 0.3 % of the
+/// tables whose order is ¼ above the claim pass at some level, against 1.7 % with the threshold of a fixed length.
 const SURE: f64 = 0.90;
 
-/// Whether no further level is needed: a pass from four levels on, a failure from five on that was one a level before.
+/// Whether no further level is needed: a pass from four levels on, or a failure from five on that was one a level
+/// before.
 pub fn settles(
     levels: usize,
     decision: Decision,
@@ -21,7 +21,7 @@ pub fn settles(
     before: Option<Decision>,
 ) -> bool {
     match decision {
-        Decision::Pass => levels >= SETTLED && probability.is_some_and(|own| own > SURE),
+        Decision::Pass => levels >= SETTLED && probability.is_some_and(|hit| hit > SURE),
         Decision::Fail => levels > SETTLED && before == Some(Decision::Fail),
         Decision::Unresolved => false,
     }

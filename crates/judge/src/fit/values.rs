@@ -1,21 +1,20 @@
 //! The order of a functional whose limit is not known, from the differences of its values.
 //!
-//! Under φ = φ₀ + α h^p the values of two neighbouring grids differ by α h^p (1 − r^{−p}) with the ratio r of their
-//! steps. Over (1 − r^{−p})/p that is an error of order p at h, for any ratios. Where these differ the factor needs the
-//! order itself, which is iterated.
+//! Under φ = φ₀ + α h^p the values of neighbouring grids differ by α h^p (1 − r^{−p}), r the ratio of their steps.
+//! Divided by (1 − r^{−p})/p that is an error of order p at h. For differing ratios the factor depends on the order,
+//! which is iterated.
 
 use super::inference::{FEWEST, Level, Posterior, infer};
 use super::{FitError, ValueSample};
 
-/// Differences of values below so many units in their last place are rounding.
+/// Differences below so many units in the last place are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// The factors hardly move with the order: each pass leaves less than a tenth of the change before.
+/// Each pass leaves less than a tenth of the previous change.
 const PASSES: usize = 6;
-/// Two orders this close are one, a tenth of what is printed.
+/// Orders this close count as equal: a tenth of what is printed.
 const SETTLED: f64 = 1e-4;
 
-/// The order of at least four values in direction of refinement: three differences. `noise` is the standard deviation of
-/// the values relative to them, where it is known.
+/// Order of at least four values, coarse to fine. `noise`: relative standard deviation of the values, if known.
 ///
 /// # Errors
 /// [`FitError::TooFew`] below four values, [`FitError::SignChange`] where they oscillate, and those of [`infer`].
@@ -35,7 +34,7 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
             product => -(-product).exp_m1() / order,
         };
         let size = pair[0].value.abs().max(pair[1].value.abs());
-        // Two values are off by the noise each.
+        // A difference has the noise of two values.
         let sigma = noise.map(|noise| 2f64.sqrt() * noise * size / difference.abs());
         Level {
             size: pair[0].step,
@@ -49,7 +48,8 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
     loop {
         let pairs = samples.windows(2).zip(&differences);
         let levels = pairs.map(|pair| level(pair, order));
-        let levels: Vec<Level> = levels.filter(|own| own.error > own.floor).collect();
+        let levels: Vec<Level> =
+            levels.filter(|candidate| candidate.error > candidate.floor).collect();
         let posterior = infer(&levels, None, 0.0)?;
         passes += 1;
         if passes == PASSES || (posterior.order - order).abs() < SETTLED || regular(samples) {
@@ -59,7 +59,7 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
     }
 }
 
-/// Where all ratios are one, so are the factors.
+/// Whether all ratios are equal, and so all factors.
 fn regular(samples: &[ValueSample]) -> bool {
     let ratios = samples.windows(2).map(|pair| pair[0].step / pair[1].step);
     let [lo, hi] = ratios
@@ -97,7 +97,7 @@ mod tests {
         }
     }
 
-    /// φ = 1 + h (1 + 2h): the differences of halvings are h/2 (1 + 3h), and no triple has the order 1.
+    /// φ = 1 + h (1 + 2h): differences of halvings are h/2 (1 + 3h); no triple has order 1.
     #[test]
     fn bent_values_have_the_order_of_their_first_term() {
         let table =
@@ -114,12 +114,10 @@ mod tests {
         assert_eq!(three, FitError::TooFew { found: 3, needed: 4 });
         let swings = infer_values(&values(&steps, |h| (h - 0.2).powi(2)), None).unwrap_err();
         assert!(matches!(swings, FitError::SignChange { step } if step == 0.25), "{swings}");
-        // Values that stand still have differences below their rounding.
         let still = infer_values(&values(&steps, |_| 0.7), None).unwrap_err();
         assert_eq!(still, FitError::TooFew { found: 0, needed: 3 });
     }
 
-    /// Known noise widens the interval.
     #[test]
     fn noise_that_is_told_counts() {
         let table = values(&[0.2, 0.1, 0.05, 0.025], |h| 1.0 + h);

@@ -11,7 +11,6 @@ use super::row::{self, COLUMNS, Row};
 use super::{CaseRecord, Key, RecordError, norm_rank};
 use files::{read_file, replace_file};
 
-/// The table of cases, open for appending.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -19,12 +18,10 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the table at `path`, with its header if it is new. A torn last line, left by an
-    /// interrupted write, is cut off first.
+    /// Opens or creates the table at `path`; a torn last line of an interrupted write is cut off first.
     ///
     /// # Errors
-    /// [`RecordError::Header`] if the file is something else (it is not touched), and all
-    /// that [`read`] reports.
+    /// [`RecordError::Header`] if the file is something else (it is left untouched), and those of [`read`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
         let io_error = |source| RecordError::Io { path: path.to_owned(), source };
         let bytes = match read_file(path) {
@@ -53,15 +50,13 @@ impl Journal {
         self.write(&bytes)
     }
 
-    /// Whether the table is still the one at its path: what is written into a removed file is lost without a word.
-    ///
-    /// # Errors
-    /// [`RecordError::Gone`]; [`RecordError::Io`].
+    /// Whether the table is still the one at its path: writes into a removed file are lost silently.
     pub fn in_place(&self) -> Result<(), RecordError> {
-        let own = self.file.metadata();
-        let own = own.map_err(|source| RecordError::Io { path: self.path.clone(), source })?;
+        let opened = self.file.metadata();
+        let opened =
+            opened.map_err(|source| RecordError::Io { path: self.path.clone(), source })?;
         match fs::metadata(&self.path) {
-            Ok(there) if same_file(&own, &there) => Ok(()),
+            Ok(there) if same_file(&opened, &there) => Ok(()),
             _ => Err(RecordError::Gone { path: self.path.clone() }),
         }
     }
@@ -78,30 +73,27 @@ fn same_file(one: &fs::Metadata, other: &fs::Metadata) -> bool {
     (one.dev(), one.ino()) == (other.dev(), other.ino())
 }
 
-/// Files have no identity here: that one is there has to do.
+/// No file identity on this platform: existence has to suffice.
 #[cfg(not(unix))]
 fn same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
     true
 }
 
-/// A table of cases as it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The cases in order of first appearance; of two entries of one case the later wins. A case that lost rows shows
-    /// in [`CaseRecord::norms`].
+    /// In order of first appearance; of two entries of one case the later wins. Lost rows show in
+    /// [`CaseRecord::norms`].
     pub cases: Vec<CaseRecord>,
-    /// Lines that are not as they were written; what they say is left out.
+    /// Numbers of lines that fail their checksum; they are left out.
     pub changed: Vec<u64>,
-    /// The last line was cut off, and is left out.
     pub torn: bool,
-    /// The rows have checksums.
     pub checked: bool,
 }
 
-/// Reads the cases of a table. A torn last line is dropped.
+/// Reads the cases of a table; a torn last line is dropped.
 ///
 /// # Errors
-/// A torn, malformed or changed line anywhere else, with its number.
+/// A torn, malformed or changed line anywhere else.
 pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
     let Table { cases, changed, .. } = read_table(path)?;
     match changed.first() {
@@ -110,10 +102,10 @@ pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
     }
 }
 
-/// Reads a table, and says what is wrong with it.
+/// Reads a table and reports its defects.
 ///
 /// # Errors
-/// A torn or malformed line that is not the last, with its number; no file.
+/// A torn or malformed line that is not the last; no file.
 pub fn read_table(path: &Path) -> Result<Table, RecordError> {
     let bytes =
         read_file(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
@@ -131,7 +123,6 @@ fn lines_of(rows: Vec<Line>) -> Vec<u64> {
     rows.into_iter().map(|(line, _)| line).collect()
 }
 
-/// The cases of rows.
 fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
     let mut cases: Vec<CaseRecord> = Vec::new();
     let mut place: BTreeMap<Key, usize> = BTreeMap::new();
@@ -157,8 +148,7 @@ fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
     Ok(cases)
 }
 
-/// Writes the whole table, sorted by scene, n, steps and norm, in place of the old one; of two
-/// entries of one case the later wins.
+/// Replaces the table, sorted by scene, n, steps and norm; of two entries of one case the later wins.
 ///
 /// # Errors
 /// [`RecordError::Name`], [`RecordError::Io`].
@@ -191,10 +181,9 @@ pub(super) fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
     writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
 }
 
-/// A line number, from 1, and the fields of the line.
 type Line = (u64, StringRecord);
 
-/// The rows of a table with their line numbers, the length of its intact part in bytes, and the fields of a row.
+/// Rows with line numbers, length of the intact part in bytes, fields per row.
 struct Scan {
     rows: Vec<Line>,
     intact: u64,
@@ -225,7 +214,7 @@ fn scan(path: &Path, bytes: &[u8]) -> Result<Scan, RecordError> {
     }
 }
 
-/// The lines of a table with their numbers, and where each begins.
+/// Lines with their numbers and offsets.
 fn parse_lines(path: &Path, bytes: &[u8]) -> Result<(Vec<Line>, Vec<u64>), RecordError> {
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
     let mut rows = Vec::new();

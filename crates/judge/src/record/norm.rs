@@ -1,4 +1,4 @@
-//! The norms in which errors are measured: contract names, order in tables, labels in plots.
+//! Norms of errors: names (a contract), order in tables, labels in plots.
 
 /// max over n of ‖ε(u_n − u_n^{kh})‖, the paper's norm.
 pub const V_MAX: &str = "V_max";
@@ -12,15 +12,15 @@ pub const PRESSURE_L2_MAX: &str = "pressure_L2_max";
 pub const STRESS_L2_MAX: &str = "stress_L2_max";
 /// max over n of the Hausdorff distance of the exact and discrete locked sets on Γ3.
 pub const CONTACT_SET_MAX: &str = "contact_set_max";
-/// V norm against a reference on the same mesh with 8N steps: the time error alone.
+/// V norm against a reference on the same mesh with 8N steps: the time error.
 pub const V_TIME_MAX: &str = "V_time_max";
 /// V norm against the A-projection of u.
 pub const V_PROJECTION_MAX: &str = "V_projection_max";
-/// max over n of the measure of the points of Γ3 locked in one of truth and discrete solution.
+/// max over n of the measure of the points of Γ3 locked in only one of exact and discrete solution.
 pub const CONTACT_MEASURE_MAX: &str = "contact_measure_max";
 
-/// All norms of the contract, in the order of tables, each with its label in plots. Those of a
-/// contact state are errors on the part of Γ3 where the truth is in that state.
+/// All norms of the contract in table order, with plot labels. Those of a contact state are errors on the part of Γ3
+/// where the exact solution is in that state.
 pub const NORMS: [(&str, &str); 19] = [
     (V_MAX, "max ‖ε(u−u_h)‖"),
     (L2_MAX, "max ‖u−u_h‖"),
@@ -43,22 +43,20 @@ pub const NORMS: [(&str, &str); 19] = [
     (CONTACT_MEASURE_MAX, "max |locked sets differ|"),
 ];
 
-/// Position of a norm in tables; names outside the contract come after those within.
 pub fn norm_rank(norm: &str) -> usize {
     NORMS.iter().position(|(name, _)| *name == norm).unwrap_or(NORMS.len())
 }
 
-/// Whether a norm is one of the split by contact state: eleven curves more would hide the others.
+/// Whether a norm is split by contact state; plots leave these out.
 pub fn is_by_state(norm: &str) -> bool {
     norm_rank(norm) > norm_rank(V_PROJECTION_MAX) && norm_rank(norm) < NORMS.len()
 }
 
-/// Label of a norm in plots; a name outside the contract is its own label.
 pub fn norm_label(norm: &str) -> &str {
     NORMS.iter().find(|(name, _)| *name == norm).map_or(norm, |(_, label)| label)
 }
 
-/// The label in plots of records without a mesh: there the V norm is that of X.
+/// Plot label for records without a mesh, where the V norm is that of X.
 pub fn norm_label_in_time(norm: &str) -> &str {
     if norm == V_MAX { "max ‖u−u_k‖ in X" } else { norm_label(norm) }
 }

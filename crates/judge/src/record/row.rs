@@ -8,7 +8,6 @@ use csv::StringRecord;
 use super::{CaseRecord, NormError, RecordError, Status};
 use files::fnv_1a;
 
-/// Columns of `cases.csv`, a contract: extend, do not rename.
 pub const COLUMNS: [&str; 22] = [
     "scene",
     "dimension",
@@ -34,28 +33,27 @@ pub const COLUMNS: [&str; 22] = [
     "checksum",
 ];
 
-/// The columns that belong to the norm and not to the case.
+/// Columns of the norm; the others belong to the case.
 const NORM_COLUMNS: std::ops::Range<usize> = 8..11;
-/// The columns that differ between equal runs.
+/// Columns that may differ between equal runs.
 const SECONDS: std::ops::Range<usize> = 15..20;
-/// The last column: what the others but `seconds_*` were when the row was written.
+/// Checksum of all other columns but `seconds_*`.
 const CHECKSUM: usize = COLUMNS.len() - 1;
 
-/// Number of fields of a row under this header; none if it is no header of a table of cases. A table that was made
-/// elsewhere may go without checksums.
+/// Number of fields under this header; none if it is not that of a table of cases. Foreign tables may lack checksums.
 pub(super) fn width(header: &StringRecord) -> Option<usize> {
     [COLUMNS.len(), CHECKSUM].into_iter().find(|&width| *header == COLUMNS[..width])
 }
 
-/// The hash of the fields of a row, `seconds_*` left out: equal runs have equal rows.
+/// Hash of the fields without `seconds_*`: equal runs have equal rows.
 fn checksum<'a>(fields: impl Iterator<Item = &'a str>) -> String {
     let lasting = fields.take(CHECKSUM).enumerate().filter(|(i, _)| !SECONDS.contains(i));
-    // A line break stands in no field.
+    // No field contains a line break.
     let bytes = lasting.flat_map(|(_, field)| field.bytes().chain([b'\n']));
     format!("{:016x}", fnv_1a(bytes))
 }
 
-/// The rows of a case, one a norm; a case without norms has one row with an empty name.
+/// One row per norm; a case without norms has one row with an empty name.
 pub(super) fn encode(case: &CaseRecord) -> Vec<Vec<String>> {
     let nameless = [NormError { norm: String::new(), error: None, floor: None }];
     let entries = if case.errors.is_empty() { &nameless[..] } else { &case.errors[..] };
@@ -105,12 +103,10 @@ fn optional(value: Option<f64>) -> String {
     value.map_or_else(String::new, number)
 }
 
-/// Whether two rows describe the same case, column for column.
 pub(super) fn same_case(a: &StringRecord, b: &StringRecord) -> bool {
     (0..CHECKSUM).filter(|i| !NORM_COLUMNS.contains(i)).all(|i| a.get(i) == b.get(i))
 }
 
-/// A row with its place, for messages.
 pub(super) struct Row<'a> {
     pub(super) path: &'a Path,
     pub(super) line: u64,
@@ -118,12 +114,11 @@ pub(super) struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Whether the row is the one that was written; always so in a table without checksums.
+    /// Whether the checksum holds; true in a table without checksums.
     pub(super) fn is_unchanged(&self) -> bool {
-        self.fields.get(CHECKSUM).is_none_or(|own| own == checksum(self.fields.iter()))
+        self.fields.get(CHECKSUM).is_none_or(|stored| stored == checksum(self.fields.iter()))
     }
 
-    /// The case of this row, without its norms.
     pub(super) fn case(&self) -> Result<CaseRecord, RecordError> {
         Ok(CaseRecord {
             scene: self.text(0).to_owned(),
@@ -148,7 +143,6 @@ impl Row<'_> {
         })
     }
 
-    /// The norm of this row; none if the case has no norms.
     pub(super) fn norm(&self) -> Result<Option<NormError>, RecordError> {
         let entry = NormError {
             norm: self.text(8).to_owned(),

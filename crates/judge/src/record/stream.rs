@@ -1,4 +1,4 @@
-//! The cases of a table one after the other, however long it is: read in order, written in order.
+//! Streaming of tables of any length.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -11,15 +11,12 @@ use super::row::{COLUMNS, Row, same_case, width};
 use super::{CaseRecord, RecordError, norm_rank};
 use files::{Replacement, open_file};
 
-/// The cases of a finished table in its order, one at a time. Unlike [`super::read`] it takes no torn line: the
-/// table of a running sweep may have one, a table that was handed over must not.
+/// Cases of a finished table, one at a time. Unlike [`super::read`] it refuses a torn last line.
 #[derive(Debug)]
 pub struct CaseStream {
     path: PathBuf,
     rows: csv::Reader<File>,
-    /// Fields of a row.
     width: usize,
-    /// The first row of the next case.
     ahead: Option<(u64, StringRecord)>,
     ended: bool,
 }
@@ -51,7 +48,6 @@ impl CaseStream {
         Ok(stream)
     }
 
-    /// The next row with its line number.
     fn row(&mut self) -> Result<Option<(u64, StringRecord)>, RecordError> {
         let mut fields = StringRecord::new();
         let there = self
@@ -107,7 +103,7 @@ impl Iterator for CaseStream {
     }
 }
 
-/// Whether the last byte of the file ends a line; the file stands at its beginning again.
+/// Whether the last byte ends a line; rewinds the file.
 fn ends_with_line(file: &mut File) -> io::Result<bool> {
     let mut last = [0];
     if file.metadata()?.len() > 0 {
@@ -118,7 +114,7 @@ fn ends_with_line(file: &mut File) -> io::Result<bool> {
     Ok(last == *b"\n")
 }
 
-/// A table that is written case by case, in the caller's order, and stands at its place when it is finished.
+/// Writes a table case by case in the caller's order; it appears at its path when finished.
 #[derive(Debug)]
 pub struct TableWriter {
     path: PathBuf,
@@ -126,10 +122,6 @@ pub struct TableWriter {
 }
 
 impl TableWriter {
-    /// Begins the table that is to stand at `path`.
-    ///
-    /// # Errors
-    /// [`RecordError::Io`].
     pub fn create(path: &Path) -> Result<Self, RecordError> {
         let begun = || -> io::Result<Replacement> {
             let mut file = Replacement::create(path)?;
@@ -140,7 +132,7 @@ impl TableWriter {
         Ok(Self { path: path.to_owned(), file })
     }
 
-    /// Adds a case, its norms in their order.
+    /// Adds a case, norms in table order.
     ///
     /// # Errors
     /// [`RecordError::Name`], [`RecordError::Io`].
@@ -151,10 +143,6 @@ impl TableWriter {
         written.map_err(|source| RecordError::Io { path: self.path.clone(), source })
     }
 
-    /// Puts the table at its place, in one step.
-    ///
-    /// # Errors
-    /// [`RecordError::Io`].
     pub fn finish(self) -> Result<(), RecordError> {
         let Self { path, file } = self;
         file.finish().map_err(|source| RecordError::Io { path, source })
@@ -195,7 +183,6 @@ mod tests {
         assert_eq!(streamed, read(&path).unwrap());
 
         let whole = fs::read(&path).unwrap();
-        // Cut within the last line, within its line break, within the header.
         for (cut, torn) in [(whole.len() - 9, true), (whole.len() - 1, true), (20, false)] {
             fs::write(&path, &whole[..cut]).unwrap();
             match CaseStream::open(&path).unwrap_err() {
@@ -204,12 +191,11 @@ mod tests {
                 other => panic!("{other}"),
             }
         }
-        // A line in the middle that lost a field.
         let text = String::from_utf8(whole).unwrap().replacen(",converged", "", 1);
         fs::write(&path, text).unwrap();
         let error = CaseStream::open(&path).unwrap_err().to_string();
         assert!(error.contains("cases.csv:2: 21 fields"), "{error}");
-        // What is given up leaves nothing.
+        // A dropped writer leaves nothing.
         drop(TableWriter::create(&folder.join("other.csv")).unwrap());
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         fs::remove_dir_all(&folder).unwrap();

@@ -2,20 +2,17 @@
 
 use super::{TableError, latex};
 
-/// Cells of one line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cells {
     pub(super) line: u64,
     pub(super) cells: Vec<String>,
 }
 
-/// A table before its numbers are read.
 pub(super) struct Cut {
     pub(super) header: Cells,
     pub(super) rows: Vec<Cells>,
 }
 
-/// What stands between cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Separator {
     Character(u8),
@@ -25,7 +22,7 @@ enum Separator {
     Blanks,
 }
 
-/// Cuts a text; comments and rules are left out.
+/// Cuts a text into cells; comments and rules are dropped.
 ///
 /// # Errors
 /// A text without a header.
@@ -72,13 +69,11 @@ fn is_comment(line: &str) -> bool {
     line.trim_start().starts_with(['#', '%'])
 }
 
-/// Lines of dashes, plus signs, bars and box characters.
 fn is_rule(line: &str) -> bool {
     let drawn = |c: char| "-+|=:_ \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
     line.chars().all(drawn) && line.chars().filter(|&c| !" \t".contains(c)).count() > 2
 }
 
-/// A number, or what stands for a missing one.
 fn is_entry(cell: &str) -> bool {
     let cell = cell.trim();
     cell.is_empty()
@@ -109,7 +104,7 @@ fn separator(lines: &[(u64, &str)]) -> Separator {
     }
 }
 
-/// `0,5 0,25`: commas inside of numbers that blanks separate.
+/// Decimal commas in numbers separated by blanks: `0,5 0,25`.
 fn has_decimal_comma(line: &str) -> bool {
     let comma = |word: &str| word.replacen(',', ".", 1).parse::<f64>().is_ok();
     line.split_whitespace().count() > 1
@@ -134,7 +129,7 @@ fn plain(separator: Separator, line: u64, text: &str) -> Cells {
     Cells { line, cells }
 }
 
-/// Quoted cells may hold separators and ends of lines; comments are emptied, so that lines keep their numbers.
+/// Quoted cells may contain separators and line ends; comments are emptied, which keeps line numbers.
 fn csv_rows(text: &str, separator: u8) -> Result<Vec<Cells>, TableError> {
     let kept: String = text
         .split_inclusive('\n')
@@ -150,7 +145,7 @@ fn csv_rows(text: &str, separator: u8) -> Result<Vec<Cells>, TableError> {
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| TableError::at(1, error.to_string()))?;
-        // The position of a record is where the one before ended: empty lines follow.
+        // The reader's position is the end of the previous record: empty lines follow.
         let mut line = record.position().map_or(1, csv::Position::line);
         let empty =
             |line: u64| lines.get(line as usize - 1).is_some_and(|text| text.trim().is_empty());
@@ -165,12 +160,12 @@ fn csv_rows(text: &str, separator: u8) -> Result<Vec<Cells>, TableError> {
     Ok(rows)
 }
 
-/// A header of blanks whose names are of several words, or fewer than the numbers below: what two blanks separate may
-/// be one name, and what stands behind a norm without a name of its own is a rate. Of all readings that fit the one
-/// is taken that leaves fewest names unknown.
+/// Matches a blank-separated header to the columns: a name may have several words, separated from the next by two
+/// blanks, and an unnamed column after a norm is a rate. Of all readings that fit, the one with the fewest unknown
+/// names is taken.
 fn spread(header: Cells, wanted: usize, body: &[(u64, &str)], comments: &[(u64, &str)]) -> Cells {
-    let own = |(line, _): &&(u64, &str)| *line == header.line;
-    let text = body.iter().chain(comments).find(own).map_or("", |(_, text)| *text);
+    let is_header = |(line, _): &&(u64, &str)| *line == header.line;
+    let text = body.iter().chain(comments).find(is_header).map_or("", |(_, text)| *text);
     let text = text.trim().trim_start_matches(['#', '%']);
     let groups: Vec<String> = text
         .split("  ")
@@ -194,7 +189,7 @@ fn spread(header: Cells, wanted: usize, body: &[(u64, &str)], comments: &[(u64, 
     }
 }
 
-/// The names with columns of rates behind the norms, so that there are as many as wanted; and how many that takes.
+/// Names with unnamed rate columns inserted to reach the wanted number, and how many were inserted.
 fn with_rates(names: Vec<String>, wanted: usize) -> Option<(Vec<String>, usize)> {
     let norms = names.iter().filter(|name| super::name::is_norm(name)).count();
     let extra = wanted.checked_sub(names.len())?;
@@ -211,7 +206,7 @@ fn with_rates(names: Vec<String>, wanted: usize) -> Option<(Vec<String>, usize)>
     Some((cells.collect(), extra))
 }
 
-/// `h = 0.25, E = 1e-3` as names and values; none if a part is no such pair.
+/// `h = 0.25, E = 1e-3` as names and values; none if a part is not such a pair.
 fn pair_list(line: &str) -> Option<Vec<(String, String)>> {
     if !line.contains(['=', ':']) {
         return None;
@@ -238,7 +233,7 @@ fn pair_list(line: &str) -> Option<Vec<(String, String)>> {
     (name.is_empty() && pairs.len() > 1).then_some(pairs)
 }
 
-/// The names are those of the line that has most of them: a rate has none on the coarsest mesh.
+/// Names are those of the line with most pairs: the coarsest mesh has no rate.
 fn pairs(body: &[(u64, &str)]) -> Result<Cut, TableError> {
     let mut found = Vec::new();
     for &(line, text) in body {
@@ -249,7 +244,7 @@ fn pairs(body: &[(u64, &str)]) -> Result<Cut, TableError> {
     let (line, names) = longest.cloned().ok_or_else(|| TableError::at(1, NO_HEADER))?;
     let names: Vec<String> = names.into_iter().map(|(name, _)| name).collect();
     let row = |(line, pairs): &(u64, Vec<(String, String)>)| {
-        let value = |name: &String| pairs.iter().find(|(own, _)| own == name);
+        let value = |name: &String| pairs.iter().find(|(key, _)| key == name);
         let text = |name: &String| value(name).map_or(String::new(), |(_, value)| value.clone());
         Cells { line: *line, cells: names.iter().map(text).collect() }
     };

@@ -1,4 +1,4 @@
-//! Places of the columns, and one row read by them.
+//! Positions of the columns, and rows read by them.
 
 use super::cells::Cells;
 use super::group::{Quantity, Row};
@@ -8,10 +8,9 @@ use super::{Reading, TableError};
 use crate::fit::{Point, screen};
 use files::counted;
 
-/// Levels of refinement beyond this are none.
+/// Deeper levels are not levels of refinement.
 const DEEPEST: f64 = 64.0;
 
-/// A column of sizes.
 #[derive(Debug, Clone)]
 struct Size {
     at: usize,
@@ -19,14 +18,13 @@ struct Size {
     measure: Measure,
 }
 
-/// A column of errors or values, with its name where there may be several.
+/// A column of errors or values; named if there may be several.
 #[derive(Debug, Clone)]
 pub(super) struct Measured {
     pub(super) at: usize,
     pub(super) norm: Option<String>,
 }
 
-/// Places of the columns.
 #[derive(Debug)]
 pub(super) struct Columns {
     h: Option<Size>,
@@ -40,7 +38,7 @@ pub(super) struct Columns {
     pub(super) norm: Option<usize>,
     status: Option<usize>,
     count: usize,
-    /// Names that are not understood, beside norms that are.
+    /// Names not understood, beside known norms.
     pub(super) unknown: Vec<String>,
 }
 
@@ -48,7 +46,7 @@ impl Columns {
     pub(super) fn of(header: &Cells, reading: &Reading) -> Result<Self, TableError> {
         let roles: Vec<Role> = header.cells.iter().map(|name| role(name)).collect();
         let fail = |what: String| Err(TableError::at(header.line, what));
-        let place = |wanted: Role| roles.iter().position(|own| *own == wanted);
+        let place = |wanted: Role| roles.iter().position(|role| *role == wanted);
         let unknown: Vec<String> = (header.cells.iter().zip(&roles))
             .filter(|(_, role)| **role == Role::Unknown)
             .map(|(name, _)| format!("`{name}`"))
@@ -97,17 +95,16 @@ impl Columns {
             norm: place(Role::Norm),
             status: place(Role::Status),
             count: header.cells.len(),
-            // A table with a column `error` may carry anything else, as `cases.csv` does.
+            // A table with a column `error` may have any other column, as `cases.csv` does.
             unknown: if long { Vec::new() } else { unknown },
         })
     }
 
-    /// One row a measured column.
-    pub(super) fn rows(&self, own: &Cells) -> Result<Vec<Row>, TableError> {
-        let line = own.line;
-        if own.cells.len() != self.count {
-            let (found, wanted) = (counted(own.cells.len(), "field"), self.count);
-            let hint = if own.cells.len() == 2 * wanted {
+    pub(super) fn rows(&self, cells: &Cells) -> Result<Vec<Row>, TableError> {
+        let line = cells.line;
+        if cells.cells.len() != self.count {
+            let (found, wanted) = (counted(cells.cells.len(), "field"), self.count);
+            let hint = if cells.cells.len() == 2 * wanted {
                 "; decimal commas are written as points"
             } else {
                 ""
@@ -115,7 +112,7 @@ impl Columns {
             return Err(TableError::at(line, format!("{found}, the header has {wanted}{hint}")));
         }
         let text =
-            |at: Option<usize>| at.and_then(|at| own.cells.get(at)).filter(|t| !t.is_empty());
+            |at: Option<usize>| at.and_then(|at| cells.cells.get(at)).filter(|t| !t.is_empty());
         let number = |at: Option<usize>, absent: f64| -> Result<f64, TableError> {
             match text(at) {
                 Some(text) if !is_missing(text) => {
@@ -161,7 +158,6 @@ impl Columns {
         self.measured.iter().map(row).collect()
     }
 
-    /// Why a row that is there cannot serve.
     fn gap(&self, point: &Point, there: bool, sigma: f64) -> Option<String> {
         match self.quantity {
             _ if sigma <= 0.0 || sigma.is_infinite() => {
@@ -178,8 +174,8 @@ impl Columns {
     }
 }
 
-/// The column of sizes in one direction: a length before a number along the side, and a count, which needs the
-/// dimension, before that number where the dimension is given: `n` is then a counter.
+/// The column of sizes in one direction. Preference: a length, a number along the side, a count (which needs the
+/// dimension). With a dimension given, `n` is a counter.
 fn size(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> Option<Size> {
     let counted = header.cells.iter().any(|name| is_cells(name));
     let found = header.cells.iter().enumerate().zip(roles).filter_map(|((at, name), role)| {
@@ -192,14 +188,14 @@ fn size(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> O
             Measure::Count if dimension.is_none() => return None,
             Measure::Count if is_cells(name) => 1,
             Measure::Count => 2,
-            // Beside cells `n` may be a counter, as in `n cells`: the dimension has to say.
+            // Beside cells `n` may be a counter, as in `n cells`: the dimension decides.
             Measure::Number if dimension.is_none() && normal(name) == "n" && counted => {
                 return None;
             }
             Measure::Number => 3,
             Measure::Level => 4,
         };
-        // Of h and hmax, the one that is called h.
+        // Of h and hmax, the one called h.
         let plain = normal(name).len();
         Some((rank, plain, Size { at, name: name.clone(), measure }))
     });

@@ -1,6 +1,5 @@
 //! Lines of a LaTeX table.
 
-/// Lines that draw, open or close a table.
 const DRAWN: [&str; 12] = [
     "\\hline",
     "\\toprule",
@@ -16,13 +15,11 @@ const DRAWN: [&str; 12] = [
     "\\small",
 ];
 
-/// Whether a line carries no cells.
 pub(super) fn is_rule(line: &str) -> bool {
     let line = line.trim();
     !line.contains('&') && DRAWN.iter().any(|command| line.starts_with(command))
 }
 
-/// The cells of a line, without what sets them.
 pub(super) fn cells(line: &str) -> Vec<String> {
     let line = line.split("\\\\").next().unwrap_or_default();
     line.replace("\\hline", "").split('&').map(|cell| plain(cell.trim())).collect()

@@ -1,7 +1,7 @@
-//! Tables of anybody: text in, points with their scenes and norms out.
+//! Foreign tables as text: points with scenes and norms.
 //!
-//! Separators are comma, semicolon, tab, blanks, `|` (Markdown, org, pretty-printed) and LaTeX's `&`; lines of
-//! `name = value` pairs are a table as well. A column is known by its name, see [`understood`].
+//! Separators are comma, semicolon, tab, blanks, `|` (Markdown, org, pretty-printed) and LaTeX's `&`; lines of `name =
+//! value` pairs work as well. Columns are known by name, see [`understood`].
 
 mod cells;
 mod columns;
@@ -16,11 +16,9 @@ pub use group::{Group, Measurement, Quantity, Row};
 pub use name::understood;
 pub use read::{Reading, Tables, read};
 
-/// Why a text is no table.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{line}: {what}")]
 pub struct TableError {
-    /// The line, from 1.
     pub line: u64,
     /// What is wrong there, with the value, and the way out.
     pub what: String,

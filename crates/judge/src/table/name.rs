@@ -1,19 +1,16 @@
 //! Columns by their names.
 
-/// What a size counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Measure {
-    /// A length or a time.
     Length,
-    /// Cells or steps along one side: the size is 1 over it.
+    /// Cells or steps along one side: size 1/n.
     Number,
-    /// Cells or unknowns of the mesh: the size is it to the power -1/D.
+    /// Cells or unknowns of the mesh: size n^{-1/D}.
     Count,
-    /// Halvings of the mesh: the size is 2 to the power of minus it.
+    /// Halvings of the mesh: size 2^{-n}.
     Level,
 }
 
-/// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     Space(Measure),
@@ -25,9 +22,7 @@ pub(super) enum Role {
     Scene,
     Norm,
     Status,
-    /// The error in one norm, of several side by side.
     Wide,
-    /// Rates that somebody else has computed, counters and costs.
     Ignored,
     Unknown,
 }
@@ -130,13 +125,13 @@ const NORM_NAMES: &[&str] = &[
     "curl",
 ];
 
-/// The names that columns may have, for messages.
+/// Accepted column names, for messages.
 pub fn understood() -> &'static str {
     "h, dx or hmax, k, dt or tau, n or N, steps; cells or dofs with --dimension; level (h = 2^-level); error, value, or norms side by side \
      (L2, H1, Linf, energy, u, ...); floor, sigma, scene, norm, status; rate, eoc, order, reduction and counters are skipped"
 }
 
-/// A name without case, signs and the commands of LaTeX.
+/// A name in lower case without signs and LaTeX commands.
 pub(super) fn normal(name: &str) -> String {
     let mut text =
         name.to_lowercase().replace('δ', "delta").replace('τ', "tau").replace('∞', "inf");
@@ -147,12 +142,11 @@ pub(super) fn normal(name: &str) -> String {
     text
 }
 
-/// What a column of this name holds.
 pub(super) fn role(name: &str) -> Role {
-    let own = normal(name);
-    let is = |list: &[&str]| list.contains(&own.as_str());
-    let has = |list: &[&str]| list.iter().any(|part| own.contains(part));
-    match own.as_str() {
+    let normalised = normal(name);
+    let is = |list: &[&str]| list.contains(&normalised.as_str());
+    let has = |list: &[&str]| list.iter().any(|part| normalised.contains(part));
+    match normalised.as_str() {
         "error" | "err" => Role::Error,
         "value" => Role::Value,
         "floor" => Role::Floor,
@@ -166,28 +160,25 @@ pub(super) fn role(name: &str) -> Role {
         _ if is(STEPS) => Role::Time(Measure::Number),
         _ if is(CELLS) || is(DOFS) => Role::Space(Measure::Count),
         _ if is(LEVELS) => Role::Space(Measure::Level),
-        _ if has(RATES) || is(COUNTERS) || own.is_empty() => Role::Ignored,
+        _ if has(RATES) || is(COUNTERS) || normalised.is_empty() => Role::Ignored,
         _ if has(NORM_PARTS) || is(NORM_NAMES) => Role::Wide,
         _ => Role::Unknown,
     }
 }
 
-/// Whether a column of this name holds errors.
 pub(super) fn is_norm(name: &str) -> bool {
     matches!(role(name), Role::Wide | Role::Error | Role::Value)
 }
 
-/// Among names of counts: cells follow the mesh size on uniform meshes, unknowns in the limit alone.
+/// Prefer cells among counts: they follow the mesh size exactly, unknowns only in the limit.
 pub(super) fn is_cells(name: &str) -> bool {
     CELLS.contains(&normal(name).as_str())
 }
 
-/// Whether a name is a size or is skipped.
 pub(super) fn is_size_or_counter(name: &str) -> bool {
     matches!(role(name), Role::Space(_) | Role::Time(_) | Role::Ignored)
 }
 
-/// Whether a name is none of those that are understood.
 pub(super) fn is_unknown(name: &str) -> bool {
     role(name) == Role::Unknown
 }

@@ -1,14 +1,13 @@
 //! Numbers as programs print them.
 
-/// What stands for a number that is not there.
 pub(super) fn is_missing(cell: &str) -> bool {
     ["-", "--", "---", "–", "—", "*", "n/a", "none"].contains(&cell.to_lowercase().as_str())
 }
 
-/// A number: `1.2e-3`, Fortran's `1.2D-3`, a fraction `1/8`, a power `2^-3`, a minus sign of print.
+/// Parses `1.2e-3`, Fortran's `1.2D-3`, a fraction `1/8`, a power `2^-3`, a typographic minus.
 ///
 /// # Errors
-/// What is wrong, with the way out.
+/// What is wrong, and the way out.
 pub(super) fn parse(cell: &str) -> Result<f64, String> {
     let text = cell.trim().replace('\u{2212}', "-");
     if let Ok(number) = text.parse::<f64>() {

@@ -1,4 +1,4 @@
-//! A text as the tables of its scenes and norms.
+//! Reads a text into one group per scene and norm.
 
 use std::collections::HashMap;
 
@@ -8,26 +8,20 @@ use super::columns::Columns;
 use super::group::{Group, Row};
 use crate::fit::Direction;
 
-/// What a reader has to know beside the text.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reading {
-    /// Dimension of the mesh, where sizes are counts of cells or unknowns.
+    /// Dimension of the mesh, if sizes are counts of cells or unknowns.
     pub dimension: Option<u32>,
 }
 
-/// All tables of a text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tables {
-    /// One a scene and norm, in the order of their first rows.
+    /// One per scene and norm, in the order of their first rows.
     pub groups: Vec<Group>,
-    /// Columns that are not understood, and not read.
     pub unknown: Vec<String>,
 }
 
-/// Reads a text.
-///
-/// # Errors
-/// What is no table, with its line.
+/// # Errors A text that is not a table, with the line.
 pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = &bytes[..error.valid_up_to()];
@@ -62,7 +56,7 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     Ok(Tables { groups, unknown: columns.unknown })
 }
 
-/// A case that failed has no norm in `cases.csv`: it is missing in all norms of its scene.
+/// A failed case has no norm in `cases.csv`: it is missing in all norms of its scene.
 fn share_nameless(groups: &mut Vec<Group>) {
     let nameless = |group: &Group| group.norm.as_deref() == Some("");
     let named = |group: &Group, scene: &Option<String>| group.scene == *scene && !nameless(group);
@@ -70,7 +64,7 @@ fn share_nameless(groups: &mut Vec<Group>) {
         std::mem::take(groups).into_iter().partition(nameless);
     for group in lost {
         let takers: Vec<&mut Group> =
-            kept.iter_mut().filter(|own| named(own, &group.scene)).collect();
+            kept.iter_mut().filter(|candidate| named(candidate, &group.scene)).collect();
         if takers.is_empty() {
             kept.push(group);
             continue;
@@ -85,7 +79,7 @@ fn share_nameless(groups: &mut Vec<Group>) {
     *groups = kept;
 }
 
-/// A row without h in a table that has h elsewhere can take no part in it; the same for k.
+/// A row without h in a table that has h elsewhere is unusable; the same for k.
 fn mark_missing_steps(group: &mut Group) {
     for (direction, name) in [(Direction::Space, "h"), (Direction::Time, "k")] {
         let missing = |row: &Row| direction.step(&row.point).is_nan();

@@ -1,12 +1,11 @@
-//! Several runs at one level, random meshes say, as one point with a standard deviation.
+//! Several runs at one level (random meshes) merged into one point with a standard deviation.
 
 use super::Quantity;
 use super::group::{Measurement, Row};
 use crate::fit::{Point, same_level};
 
-/// Levels in the order of their first rows. Errors have the mean of their logarithms, and where the runs of a level
-/// differ, the standard deviation of that mean, from the spread within all levels together: two runs alone would
-/// leave it open by a factor of ten. Values have their mean.
+/// Levels in the order of their first rows. Errors are averaged on logarithms; the deviation of that mean is pooled
+/// over all levels, because two runs alone would leave it open by a factor of ten. Values are averaged.
 pub(super) fn merged<'a>(
     quantity: Quantity,
     rows: impl Iterator<Item = &'a Row>,
@@ -32,7 +31,7 @@ fn same(a: &Point, b: &Point) -> bool {
     equal(a.h, b.h) && equal(a.k, b.k)
 }
 
-/// Standard deviation of log error within levels; none where no level has runs that differ.
+/// Pooled standard deviation of log error; none if no runs differ.
 fn spread(levels: &[Vec<&Row>]) -> Option<f64> {
     let (mut squares, mut freedom) = (0.0, 0usize);
     for level in levels.iter().filter(|level| level.len() > 1) {
@@ -49,7 +48,7 @@ fn one(quantity: Quantity, level: &[&Row], spread: Option<f64>) -> Measurement {
     let runs = level.len() as f64;
     let mean = |f: &dyn Fn(&Row) -> f64| level.iter().map(|row| f(row)).sum::<f64>() / runs;
     let first = level[0].point;
-    // A run of error zero keeps its zero, which is left out as below any floor.
+    // A zero error stays zero and is dropped later as below any floor.
     let error = match quantity {
         _ if level.len() == 1 => first.error,
         Quantity::Error => mean(&|row| row.point.error.ln()).exp(),

@@ -11,7 +11,6 @@ fn groups(text: &str) -> Vec<Group> {
     tables(text, None).unwrap().groups
 }
 
-/// Names, sizes and errors of each group.
 fn plain(text: &str, dimension: Option<u32>) -> Vec<(String, Vec<(f64, f64)>)> {
     let groups = tables(text, dimension).unwrap().groups;
     let pair =
@@ -45,8 +44,8 @@ fn every_separator_gives_one_table() {
     }
 }
 
-/// The layouts of deal.II's ConvergenceTable: names of two words, rates without a name, counters, and `n cells` once
-/// for two columns and once for one.
+/// Layouts of deal.II's ConvergenceTable: names of two words, unnamed rates, counters, and `n cells` for one or two
+/// columns.
 #[test]
 fn unnamed_rates_stand_behind_their_norms() {
     let two = "n cells         H1                   L2\n0   16 1.0 - - 0.1 - -\n1   64 0.5 2.0 1.0 0.025 4.0 2.0\n";
@@ -81,11 +80,10 @@ fn runs_at_one_level_are_one_point_with_a_spread() {
     let text = "h,error\n0.5,1\n0.5,4\n0.25,1\n0.25,1\n";
     let found = groups(text)[0].measurements();
     assert_eq!(found.len(), 2);
-    // The mean of logarithms, and two levels of two runs: squares 2 ln²2 over two degrees of freedom, over two runs.
+    // Mean of logarithms; two levels of two runs: squares 2 ln²2 over two degrees of freedom, over two runs.
     assert!((found[0].0.error - 2.0).abs() < 1e-14);
     let sigma = found[0].1.unwrap();
     assert!((sigma - 2f64.ln() / 2f64.sqrt()).abs() < 1e-14, "{sigma}");
-    // Equal runs say nothing of a spread.
     let equal = groups("h,error\n0.5,1\n0.5,1\n0.25,1\n")[0].measurements();
     assert_eq!((equal.len(), equal[0].1), (2, None));
     let given = groups("h,error,sigma\n0.5,2,0.1\n0.25,1,0.2\n")[0].measurements();
@@ -107,7 +105,7 @@ fn rows_of_one_scene_and_norm_are_a_table() {
     assert_eq!(names, ["a V", "b V", "a L"]);
     let errors: Vec<f64> = read[0].points().iter().map(|point| point.error).collect();
     assert_eq!(errors, [1.0, 4.0]);
-    // The failed case is a gap in both norms of its scene, and in no other scene.
+    // The failed case is a gap in both norms of its scene only.
     let gap = Some("line 6: the case is failed".to_owned());
     assert_eq!(read[0].gaps_in_words(), gap);
     assert_eq!(read[2].gaps_in_words(), gap);
@@ -147,7 +145,6 @@ fn gaps_are_named_with_their_lines() {
         values[0].gaps_in_words().unwrap(),
         "line 3: the value inf is no number; line 4: no value"
     );
-    // A gap of one norm is none of the other.
     let wide = groups("h,L2,H1\n0.5,1,-\n0.25,2,3\n");
     assert_eq!([wide[0].points().len(), wide[1].points().len()], [2, 1]);
 }
@@ -179,6 +176,6 @@ fn what_is_no_table_is_refused() {
     }
     let binary = read(b"h,error\n\xff,1\n", &Reading::default()).unwrap_err();
     assert_eq!((binary.line, binary.to_string().contains("not UTF-8")), (2, true));
-    // Beside norms that are known, a column that is not is named and not read.
+    // Beside known norms, an unknown column is named and ignored.
     assert_eq!(tables("h,L2,colour\n1,1,x\n", None).unwrap().unknown, ["`colour`"]);
 }

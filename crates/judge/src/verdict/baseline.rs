@@ -1,6 +1,5 @@
-//! The recorded baseline: errors and work of every case as they once were, the second line behind predictions.
-//!
-//! A factor in an error that no theorem predicts moves no order; against its recorded value it shows.
+//! Recorded baseline of errors and work, a second check after the predictions: a constant factor in an error changes no
+//! order, but differs from its recorded value.
 
 mod compare;
 mod owed;
@@ -16,91 +15,68 @@ pub use owed::{Owed, Owing, compare_owed};
 use crate::record::{CaseRecord, Key, NormError};
 use files::{read_at_most, write_named};
 
-/// The longest baseline that is read, in bytes (256 MiB): a case takes a few hundred.
+/// Size limit of a baseline, 256 MiB; a case takes a few hundred bytes.
 const LARGEST: u64 = 256 << 20;
 
-/// An error below this many of its floors may be rounding, and is not recorded. It takes 20 to carry an
-/// order; but what quadrature and reference add is the same in every run, so fewer do here.
+/// Errors below this many floors may be rounding and are not recorded. An order needs 20, but quadrature and reference
+/// errors repeat exactly.
 const FLOORS_COUNTED: f64 = 4.0;
-/// Norms whose value jumps by a sample where two numbers tie: no baseline holds across machines.
+/// Norms that jump by a sample on ties; no baseline holds across machines.
 const JUMPING: [&str; 2] = [crate::record::CONTACT_SET_MAX, crate::record::CONTACT_MEASURE_MAX];
 
-/// Why a baseline could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
-    /// The file system refused.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// Not a baseline.
+    Io { path: PathBuf, source: std::io::Error },
     #[error("{}: {source}; `sweep baseline` writes it anew", path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// What the parser said.
-        source: serde_json::Error,
-    },
+    Json { path: PathBuf, source: serde_json::Error },
 }
 
-/// Errors and work of cases, by scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
-    /// The scenes by name.
     pub scenes: BTreeMap<String, Recorded>,
 }
 
-/// One scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
-    /// Hash of the scene file that was run.
     pub hash: String,
-    /// The verdicts that a run on its own grids has to judge; none where a baseline does not say it.
+    /// Verdicts owed on the scene's default grids; absent in older baselines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub owes: Option<Vec<Owed>>,
-    /// Its cases, by n and steps.
     pub cases: Vec<RecordedCase>,
 }
 
-/// One case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedCase {
-    /// Mesh cells per unit length; none without a mesh.
     pub n: Option<u32>,
-    /// Number of time steps.
     pub steps: u32,
-    /// Newton iterations over all steps.
     pub newton_iterations: u64,
-    /// Factorizations over all steps.
     pub factorizations: u64,
-    /// Changes of the active set over all steps; none where a baseline does not say it.
+    /// Absent in older baselines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub active_set_changes: Option<u64>,
-    /// Largest bytes of the history, likewise.
+    /// Largest bytes of the history; absent in older baselines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub history_bytes: Option<u64>,
-    /// The error in each norm, to nine digits.
+    /// Error per norm, to nine digits.
     pub errors: BTreeMap<String, f64>,
-    /// Relative deviations allowed beyond the general one, of errors near their floors.
+    /// Relative deviations allowed beyond the general one, for errors near their floors.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub allowed: BTreeMap<String, f64>,
 }
 
 impl Baseline {
-    /// The baseline of a run: `hashes` are the scenes with the hashes of their files. [`Baseline::owing`] adds what they
+    /// The baseline of a run; `hashes` pairs scenes with the hashes of their files. [`Baseline::owing`] adds what they
     /// owe.
     pub fn of(records: &[CaseRecord], hashes: &[(&str, &str)]) -> Self {
         let cases = |scene: &str| -> Vec<RecordedCase> {
-            let mut own: Vec<&CaseRecord> =
+            let mut of_scene: Vec<&CaseRecord> =
                 records.iter().filter(|r| r.scene == scene && r.converged()).collect();
-            own.sort_by_key(|record| record.key());
-            own.into_iter().map(RecordedCase::of).collect()
+            of_scene.sort_by_key(|record| record.key());
+            of_scene.into_iter().map(RecordedCase::of).collect()
         };
         let scenes = hashes.iter().map(|&(name, hash)| {
             (name.to_owned(), Recorded { hash: hash.to_owned(), owes: None, cases: cases(name) })
@@ -108,13 +84,13 @@ impl Baseline {
         Self { scenes: scenes.collect() }
     }
 
-    /// The baseline without cases that were not to be run.
+    /// The baseline without held-back cases.
     #[must_use]
     pub fn without(mut self, held: &[Key]) -> Self {
         for (scene, recorded) in &mut self.scenes {
             let is_held = |case: &RecordedCase| {
-                let own = |key: &&Key| (key.n, key.steps) == (case.n, case.steps);
-                held.iter().filter(own).any(|key| key.scene == *scene)
+                let same_case = |key: &&Key| (key.n, key.steps) == (case.n, case.steps);
+                held.iter().filter(same_case).any(|key| key.scene == *scene)
             };
             recorded.cases.retain(|case| !is_held(case));
         }
@@ -122,9 +98,6 @@ impl Baseline {
     }
 
     /// Reads a baseline; none if there is no file.
-    ///
-    /// # Errors
-    /// [`BaselineError`].
     pub fn read(path: &Path) -> Result<Option<Self>, BaselineError> {
         let bytes = match read_at_most(path, LARGEST) {
             Ok(bytes) => bytes,
@@ -134,7 +107,7 @@ impl Baseline {
         Self::parse(path, &bytes).map(Some)
     }
 
-    /// The baseline of a text; `path` stands for it in messages.
+    /// Parses a baseline; `path` is for messages.
     ///
     /// # Errors
     /// [`BaselineError::Json`].
@@ -143,10 +116,7 @@ impl Baseline {
             .map_err(|source| BaselineError::Json { path: path.to_owned(), source })
     }
 
-    /// Writes it in one piece, a line per case, in the order of scenes, n and steps.
-    ///
-    /// # Errors
-    /// [`BaselineError`].
+    /// Writes atomically, a line per case, ordered by scene, n and steps.
     pub fn write(&self, path: &Path) -> Result<(), BaselineError> {
         let json = |source| BaselineError::Json { path: path.to_owned(), source };
         let mut scenes = Vec::new();
@@ -170,7 +140,7 @@ impl Baseline {
             .map_err(|source| BaselineError::Io { path: path.to_owned(), source })
     }
 
-    /// What a new baseline changes in this one, a line each; nothing if nothing.
+    /// Changes against a new baseline, a line each.
     pub fn changes(&self, new: &Baseline) -> Vec<String> {
         let mut lines = Vec::new();
         for name in self.scenes.keys().filter(|name| !new.scenes.contains_key(*name)) {
@@ -211,14 +181,13 @@ impl RecordedCase {
         }
     }
 
-    /// The case as messages name it.
+    /// Name of the case in messages.
     fn name(&self) -> String {
         compare::case_name(self.n, self.steps)
     }
 }
 
-/// Nine digits: three more than a comparison uses, so that the last ones of another machine do not
-/// change the file.
+/// Rounds to nine digits: three more than a comparison uses, so that the file is the same on other machines.
 fn nine(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
@@ -264,7 +233,7 @@ fn changes_of_scene(name: &str, old: &Recorded, new: &Recorded) -> Vec<String> {
             ("changes of the active set", before.active_set_changes, case.active_set_changes),
             ("bytes of history", before.history_bytes, case.history_bytes),
         ] {
-            // What an older baseline does not say has not changed.
+            // Absent in an older baseline is not a change.
             if let (Some(was), Some(is)) = (was, is)
                 && was != is
             {

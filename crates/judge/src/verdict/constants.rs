@@ -1,4 +1,4 @@
-//! A fitted constant against the one that is known beforehand.
+//! A fitted constant against the predicted one.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,71 +7,53 @@ use super::selection::Serving;
 use super::{Constant, Decision, Prediction, Variable};
 use crate::fit::{Direction, FEWEST, Sample, constant_under, local_slopes};
 
-/// The error that a sound scheme has on a case, to leading order.
+/// Leading error of a sound scheme on one case.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LeadingPoint {
-    /// Mesh cells per unit length.
     pub n: Option<u32>,
-    /// Number of time steps.
     pub steps: u32,
-    /// Mesh size.
     pub h: Option<f64>,
-    /// Time step.
     pub k: f64,
-    /// Leading error.
     pub error: f64,
 }
 
-/// Leading errors along one direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeadingLine {
-    /// One a case that has one.
+    /// One per case that has a leading error.
     pub points: Vec<LeadingPoint>,
-    /// What error over step tends to, where that is known apart from the points.
+    /// Limit of error over step, if known independently of the points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<f64>,
-    /// The share by which the error of a sound scheme may differ on the finest case.
+    /// Allowed relative difference on the finest case.
     pub tolerance: f64,
 }
 
-/// What is known beforehand of the constant of one prediction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Foreseen {
-    /// The leading errors.
     Leading(LeadingLine),
-    /// Nothing, and why.
-    Nothing {
-        /// Why.
-        not_predicted: String,
-    },
+    Nothing { not_predicted: String },
 }
 
-/// What is known beforehand, with the prediction to which it belongs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForeseenConstant {
-    /// Name of the scene.
     pub scene: String,
-    /// Name of the norm.
     pub norm: String,
-    /// What is refined.
     pub variable: Variable,
-    /// What is known.
     pub foreseen: Foreseen,
 }
 
-/// What the comparison says.
 pub(super) struct Comparison {
     pub(super) constant: Constant,
     pub(super) decision: Decision,
     pub(super) sentence: String,
-    /// Where the three finest cases all have the error that the exact solution predicts: the order of that one.
+    /// If the three finest cases have the leading error: its order.
     pub(super) leading_order: Option<f64>,
 }
 
-/// Compares error over step^order with the same of the leading error, case by case; the finest case decides. The steps
-/// of a measured case are those of its record, the steps of a leading error its own, so that a mislabelled step shows.
-/// `None` if the scene foresees nothing or no case that served has a leading error.
+/// Compares error over step^order with that of the leading error, case by case; the finest case decides. Steps are
+/// those of the record for measured errors and those of the leading point for leading errors, so that a mislabelled
+/// step shows. None if nothing is predicted or no used case has a leading error.
 pub(super) fn compare_constant(
     fitted: Constant,
     used: &[Serving],
@@ -82,8 +64,9 @@ pub(super) fn compare_constant(
     let order = prediction.order;
     let mut pairs: Vec<(Sample, f64)> = Vec::new();
     for point in &line.points {
-        let own = |serving: &&Serving| serving.key.n == point.n && serving.key.steps == point.steps;
-        let Some(serving) = used.iter().find(own) else { continue };
+        let same_case =
+            |serving: &&Serving| serving.key.n == point.n && serving.key.steps == point.steps;
+        let Some(serving) = used.iter().find(same_case) else { continue };
         let step = match direction {
             Direction::Space => point.h.unwrap_or(f64::NAN),
             Direction::Time => point.k,
@@ -116,8 +99,8 @@ pub(super) fn compare_constant(
     Some(Comparison { constant, decision, sentence, leading_order })
 }
 
-/// Pass if the ratio is within the tolerance of one; unresolved if it is still drifting so fast that it may come there,
-/// by twice its last change on the logarithm; else fail.
+/// Pass if the ratio is within tolerance of one; unresolved if twice its last change on the logarithm may bring it
+/// there; else fail.
 fn decide(
     ratio: f64,
     previous: Option<f64>,
@@ -129,7 +112,7 @@ fn decide(
         Direction::Space => ("C_h", "h, a load, a rule or a norm", "more cells n"),
         Direction::Time => ("C_k", "k, a weight or the kernel", "more steps"),
     };
-    // As many digits as tell it from one.
+    // Enough digits to differ from one.
     let digits = if (ratio - 1.0).abs() < 2e-3 { 6 } else { 4 };
     let sentence = format!("{name} is {ratio:.digits$} times the predicted one");
     let percent = percent(tolerance);
@@ -143,7 +126,7 @@ fn decide(
     } else {
         let missed = match unique {
             true => format!("beyond {percent} %: {cause} is off by a factor"),
-            // Of several solutions each is right, and has an error of its own.
+            // With several solutions each may be right, with a different error.
             false => format!(
                 "beyond {percent} %: uniqueness is not guaranteed, (2.9) or (3.4) is violated, and another solution may have been followed; else {cause} is off by a factor"
             ),
@@ -152,7 +135,7 @@ fn decide(
     }
 }
 
-/// A share in percent with the digits that it has: 3, 0.5, 0.01.
+/// A share in percent with its significant digits: 3, 0.5, 0.01.
 fn percent(share: f64) -> f64 {
     format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share)
 }

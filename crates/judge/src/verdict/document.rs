@@ -1,4 +1,4 @@
-//! `verdict.json`: verdicts with where they come from, and why cases failed.
+//! `verdict.json`: verdicts, provenance and reasons of failed cases.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,38 +9,21 @@ use super::{Comparison, Foreseen, ForeseenConstant, Variable, Verdict};
 use crate::record::{CaseRecord, Key, Status};
 use files::{read_file, replace_file};
 
-/// A case that did not converge, with what the solver said: `cases.csv` has no column for it.
+/// A case that did not converge, with the solver's reason, for which `cases.csv` has no column.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
-    /// Name of the scene.
     pub scene: String,
-    /// Mesh cells per unit length.
     pub n: Option<u32>,
-    /// Number of time steps.
     pub steps: u32,
-    /// What the solver said.
     pub reason: String,
 }
 
-/// Why verdicts could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
-    /// The file system refused.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// No JSON, or not of this shape.
+    Io { path: PathBuf, source: io::Error },
     #[error("{}: {source}", path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// What the parser said.
-        source: serde_json::Error,
-    },
+    Json { path: PathBuf, source: serde_json::Error },
 }
 
 #[derive(Serialize)]
@@ -48,7 +31,6 @@ struct Document<'a> {
     provenance: &'a serde_json::Value,
     verdicts: &'a [Verdict],
     failures: Vec<Failure>,
-    /// What deviates from the recorded baseline, where a run was compared with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     baseline: Option<&'a Comparison>,
 }
@@ -74,7 +56,7 @@ struct Verdicts {
     verdicts: Vec<Judged>,
 }
 
-/// The failed cases, in the order of their keys.
+/// Failed cases, sorted by key.
 pub fn failures(records: &[CaseRecord]) -> Vec<Failure> {
     let reason = |record: &CaseRecord| match &record.status {
         Status::Failed { reason } => Some(reason.clone()),
@@ -87,7 +69,7 @@ pub fn failures(records: &[CaseRecord]) -> Vec<Failure> {
     failed.into_iter().map(plain).collect()
 }
 
-/// What `verdict.json` holds, for `--json`. Numbers that are not finite become null.
+/// The content of `verdict.json`. Non-finite numbers become null.
 pub fn document(
     provenance: &serde_json::Value,
     verdicts: &[Verdict],
@@ -98,10 +80,10 @@ pub fn document(
     serde_json::json!(document)
 }
 
-/// Writes `verdict.json` in one piece. Numbers that are not finite become null.
+/// Writes `verdict.json` atomically. Non-finite numbers become null.
 ///
 /// # Errors
-/// [`DocumentError::Io`]; [`DocumentError::Json`] cannot occur for these types, and is passed on.
+/// [`DocumentError::Io`]; [`DocumentError::Json`] cannot occur for these types.
 pub fn write_json(
     path: &Path,
     provenance: &serde_json::Value,
@@ -117,18 +99,12 @@ pub fn write_json(
 }
 
 /// Reads the failures of an earlier `verdict.json`.
-///
-/// # Errors
-/// [`DocumentError::Io`], [`DocumentError::Json`].
 pub fn read_failures(path: &Path) -> Result<Vec<Failure>, DocumentError> {
     read::<Failures>(path).map(|read| read.failures)
 }
 
-/// Reads what an earlier `verdict.json` knew beforehand of constants, so that records are judged again without the
-/// scenes' exact solutions.
-///
-/// # Errors
-/// [`DocumentError::Io`], [`DocumentError::Json`].
+/// Reads the predicted constants of an earlier `verdict.json`, to judge records again without the scenes' exact
+/// solutions.
 pub fn read_foreseen(path: &Path) -> Result<Vec<ForeseenConstant>, DocumentError> {
     let with = |judged: Judged| {
         let Judged { scene, norm, variable, foreseen } = judged;
@@ -144,7 +120,7 @@ fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, DocumentError>
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })
 }
 
-/// Gives failed cases that were read from `cases.csv` their reasons back.
+/// Restores the reasons of failed cases read from `cases.csv`.
 pub fn restore_reasons(records: &mut [CaseRecord], failures: &[Failure]) {
     for record in records {
         let key = record.key();

@@ -1,4 +1,4 @@
-//! A prediction of both orders, judged on the whole grid.
+//! Judges a prediction of both orders on the whole grid.
 
 use std::collections::BTreeMap;
 
@@ -54,20 +54,17 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
     }
 }
 
-/// One more level in each direction.
 fn in_both(selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
     let cases = |direction| next_case(selection, direction, prediction).cases;
     [cases(Direction::Space), cases(Direction::Time)].concat()
 }
 
-/// What was found of the order in one direction.
 struct Part {
     direction: Direction,
     ruling: Ruling,
 }
 
 impl Part {
-    /// The cases that would help.
     fn next(&self, selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
         match self.ruling.decision {
             Decision::Unresolved if !self.ruling.too_high => {

@@ -1,4 +1,4 @@
-//! One prediction judged from records.
+//! Judges one prediction from records.
 
 use std::collections::BTreeMap;
 
@@ -13,18 +13,15 @@ use crate::fit::{
 };
 use crate::record::{CaseRecord, Key};
 
-/// What the data say about a prediction, before it is a verdict.
 pub(super) struct Finding {
     pub(super) orders: Option<(f64, Interval)>,
     pub(super) orders_k: Option<(f64, Interval)>,
-    /// Probability that the prediction holds.
     pub(super) probability: Option<f64>,
-    /// The order of predicted errors that agree with the measured ones and not with the prediction.
+    /// Order of the leading errors, if they agree with the measured ones and contradict the prediction.
     pub(super) contradicted_by: Option<f64>,
     pub(super) constants: BTreeMap<&'static str, Constant>,
     pub(super) decision: Decision,
     pub(super) reason: String,
-    /// The cases that would help an open decision.
     pub(super) next: Vec<NextCase>,
 }
 
@@ -44,14 +41,13 @@ impl Finding {
         }
     }
 
-    /// With the cases that would help.
     pub(super) fn with_next(self, next: Vec<NextCase>) -> Self {
         Self { next, ..self }
     }
 }
 
-/// Judges one prediction for one scene. Every expected case has to be there, converged, and
-/// with a finite error: else the verdict is `fail`, and says which is not.
+/// Judges a prediction for a scene. Every expected case has to be there, converged and with a finite error; else the
+/// verdict is `fail` and names the gaps.
 pub fn judge(
     scene: &str,
     records: &[CaseRecord],
@@ -62,8 +58,7 @@ pub fn judge(
     judge_foreseen(scene, records, expected_cases, prediction, None, expect)
 }
 
-/// Judges with what is known beforehand of the constant: an order that is right with a constant that is not is a
-/// `fail`.
+/// Judges with a predicted constant: the right order with a wrong constant is a `fail`.
 pub fn judge_foreseen(
     scene: &str,
     records: &[CaseRecord],
@@ -113,7 +108,6 @@ pub fn judge_foreseen(
     }
 }
 
-/// Adds the comparison of the constant to what was found of the order.
 fn compare_with(
     finding: &mut Finding,
     selection: &Selection,
@@ -135,7 +129,7 @@ fn compare_with(
     finding.decision = order_alone.and(decision);
     let Some(leading) = leading_order else { return };
     match order_alone {
-        // Errors that follow the leading error of a sound scheme have its order, whatever their slopes show alone.
+        // Errors that follow the leading error of a sound scheme have its order, whatever their slopes alone show.
         Decision::Unresolved if (leading - prediction.order).abs() <= TOLERANCE => {
             finding.reason +=
                 " on each of the finest cases, and so is the order of the predicted errors";
@@ -153,18 +147,17 @@ fn compare_with(
     }
 }
 
-/// Gaps that are named before the rest is counted.
 const NAMED_GAPS: usize = 3;
 
-/// Gaps by their places; a reason that several cases share is said once.
+/// Gaps by place; a reason shared by several cases is stated once.
 fn gaps_in_words(gaps: &[String]) -> String {
     let reason = |gap: &str| gap.split_once(" failed: ").map(|(_, reason)| reason.to_owned());
     let mut said: Vec<(&String, Option<String>, usize)> = Vec::new();
     for gap in gaps {
-        let own = reason(gap);
-        match said.iter_mut().find(|(_, other, _)| own.is_some() && *other == own) {
+        let shared = reason(gap);
+        match said.iter_mut().find(|(_, other, _)| shared.is_some() && *other == shared) {
             Some((_, _, others)) => *others += 1,
-            None => said.push((gap, own, 0)),
+            None => said.push((gap, shared, 0)),
         }
     }
     let words = |(gap, _, others): &(&String, Option<String>, usize)| match others {
@@ -187,7 +180,7 @@ fn judge_line(
 ) -> Finding {
     let next = next_case(selection, direction, prediction);
     let points = selection.points();
-    let levels: Vec<Level> = points.iter().map(|own| Level::of(own, direction, None)).collect();
+    let levels: Vec<Level> = points.iter().map(|point| Level::of(point, direction, None)).collect();
     let read = infer(&levels, None, 0.0)
         .and_then(|posterior| Ok((posterior, samples(&points, direction)?)));
     let (posterior, samples) = match read {
@@ -219,7 +212,6 @@ fn judge_line(
     }
 }
 
-/// What a prediction claims of one of its orders.
 pub(super) fn claim(prediction: &Prediction, order: f64) -> Claim {
     let Prediction { at_least, exact, .. } = *prediction;
     Claim { order, at_least, exact, tolerance: TOLERANCE, log: 0.0 }
@@ -230,7 +222,7 @@ fn flattening(prediction: &Prediction) -> Next {
     Next { cases: Vec::new(), text: prediction.floor.remedy().to_owned() }
 }
 
-/// The ruling, the levels that carry it, and where it is open the next cases to run.
+/// The ruling, the levels behind it and, if open, the next cases.
 fn in_words(ruling: &Ruling, posterior: &Posterior, next: &str) -> String {
     let reason = format!("{}{}", ruling.reason, posterior.left_out_in_words());
     match (ruling.decision, ruling.too_high) {
@@ -240,8 +232,8 @@ fn in_words(ruling: &Ruling, posterior: &Posterior, next: &str) -> String {
     }
 }
 
-/// The trapezoidal rule on smooth data has even terms only, k² (1 + D k²): where order 2 is
-/// predicted in time. Space, and every other order in time, has the next power.
+/// The trapezoidal rule on smooth data has even terms, k² (1 + D k²): where order 2 is predicted in time. Elsewhere the
+/// next power follows.
 pub(super) fn correction(prediction: &Prediction, direction: Direction) -> Correction {
     if direction == Direction::Time && prediction.order == 2.0 {
         Correction::Quadratic
@@ -250,7 +242,6 @@ pub(super) fn correction(prediction: &Prediction, direction: Direction) -> Corre
     }
 }
 
-/// What to do about an order that is settled above the prediction.
 pub(super) const HIGHER_ORDER: &str = "finer cases would not lower it; state the higher order with its theorem, at_least = true where the theory gives a bound, or choose a solution that excites the term";
 
 fn constant_name(direction: Direction) -> &'static str {
@@ -272,7 +263,7 @@ fn constants(
     fitted.into_iter().collect()
 }
 
-/// Says where the term of the other direction bends this line, if the grid can tell.
+/// Where the term of the other direction bends this line, if the grid can tell.
 fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Option<String> {
     let best = joint_fits(grid, false).ok()?.best;
     let (index, name, cure) = match direction {

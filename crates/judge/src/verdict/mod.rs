@@ -1,4 +1,4 @@
-//! What the theory predicts, compared with what was measured: pass, fail or unresolved.
+//! Predictions of theory compared with measurements: pass, fail or unresolved.
 
 mod baseline;
 mod constants;
@@ -31,7 +31,6 @@ pub use next::NextCase;
 pub use selection::{line_keys, line_points};
 pub use table::{NOTHING_JUDGED, TABLE_WIDTH, cell_texts, render_table};
 
-/// What is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Variable {
@@ -46,7 +45,6 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::H => "h",
@@ -57,24 +55,21 @@ impl Variable {
     }
 }
 
-/// What most of the floor of an error comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FloorSource {
-    /// Nothing is known: a table of numbers.
     #[default]
     Unknown,
-    /// The tolerance of the solver, and rounding.
     Solver,
-    /// The quadrature of loads and errors.
+    /// Quadrature of loads and errors.
     Quadrature,
-    /// The quadrature of f0 and f2, given or derived pointwise.
+    /// Quadrature of f0 and f2, given or derived pointwise.
     LoadQuadrature,
     /// The error of the reference run.
     Reference,
 }
 
 impl FloorSource {
-    /// How a floor from there is lowered.
+    /// How to lower a floor of this source.
     pub(crate) fn remedy(self) -> &'static str {
         match self {
             Self::Unknown => {
@@ -94,37 +89,32 @@ impl FloorSource {
     }
 }
 
-/// An order that the theory predicts for a scene.
+/// An order predicted by theory for a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
-    /// Name of the norm.
     pub norm: String,
-    /// What is refined.
     pub variable: Variable,
     /// Order in the variable; in h for [`Variable::Joint`].
     pub order: f64,
-    /// Order in k, for [`Variable::Joint`] alone.
+    /// Order in k, for [`Variable::Joint`].
     pub order_k: Option<f64>,
-    /// The theory gives a lower bound.
     pub at_least: bool,
     /// Higher orders refute the prediction as well.
     pub exact: bool,
-    /// The theorem that predicts it.
     pub why: String,
-    /// First and last n to be judged.
+    /// First and last n to judge.
     pub window_n: Option<[u32; 2]>,
-    /// First and last number of steps to be judged.
+    /// First and last number of steps to judge.
     pub window_steps: Option<[u32; 2]>,
-    /// What the floor of an error comes from, for advice.
     pub floor: FloorSource,
-    /// The data have one solution that a run must find; else another one of them may have been followed.
+    /// The solution is unique; otherwise a run may have followed another one.
     pub unique: bool,
 }
 
 impl Prediction {
-    /// Order `order` of the error `norm` in `variable`, judged on all cases: no lower bound, not refuted by higher orders,
-    /// no order in k beside it, no theorem named. What differs is set beside it:
-    /// `Prediction { exact: true, ..Prediction::new(norm, variable, order) }`.
+    /// Predicts `order` of the error `norm` in `variable`: two-sided, on all cases, not refuted by higher orders,
+    /// without an order in k or a theorem. Set what differs: `Prediction { exact: true, ..Prediction::new(norm,
+    /// variable, order) }`.
     pub fn new(norm: impl Into<String>, variable: Variable, order: f64) -> Self {
         Self {
             norm: norm.into(),
@@ -142,21 +132,16 @@ impl Prediction {
     }
 }
 
-/// The verdict a scene is built to get.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Expect {
-    /// The theory holds here.
     #[default]
     Pass,
-    /// The theory does not hold here, and a gate must show it.
     Fail,
-    /// The cases cannot decide, and a gate must say so.
     Unresolved,
 }
 
 impl Expect {
-    /// The decision that is expected.
     pub(crate) fn decision(self) -> Decision {
         match self {
             Self::Pass => Decision::Pass,
@@ -166,122 +151,95 @@ impl Expect {
     }
 }
 
-/// A point that served.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PointUsed {
-    /// Mesh size.
     pub h: f64,
-    /// Time step.
     pub k: f64,
-    /// Error.
     pub error: f64,
 }
 
-/// A point that was left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PointLeftOut {
-    /// Mesh size.
     pub h: f64,
-    /// Time step.
     pub k: f64,
-    /// Error.
     pub error: f64,
-    /// Why.
     pub reason: String,
 }
 
-/// Constant of an error term under its predicted order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Constant {
-    /// The constant.
     pub value: f64,
-    /// Its interval.
     pub interval: [f64; 2],
-    /// The order it belongs to.
     pub order: f64,
-    /// The constant of the leading errors, where they are known beforehand.
+    /// Constant of the leading errors, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted: Option<f64>,
-    /// What error over step tends to, where that is known apart from the cases.
+    /// Limit of error over step, if known independently of the cases.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<f64>,
     /// Measured over predicted on the finest case.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio: Option<f64>,
-    /// How far from one the ratio may be.
+    /// Allowed distance of the ratio from one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
 }
 
 impl Constant {
-    /// A constant as fitted, of which nothing is predicted.
     pub(crate) fn fitted(value: f64, interval: [f64; 2], order: f64) -> Self {
         Self { value, interval, order, predicted: None, limit: None, ratio: None, tolerance: None }
     }
 }
 
-/// One prediction judged; serialised it is an entry of `verdict.json`.
+/// A judged prediction, an entry of `verdict.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
-    /// Name of the scene.
     pub scene: String,
-    /// Name of the norm.
     pub norm: String,
-    /// What is refined.
     pub variable: Variable,
-    /// Predicted order, in h if joint.
+    /// In h if joint.
     pub predicted: f64,
-    /// Predicted order in k, if joint.
+    /// In k if joint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted_k: Option<f64>,
-    /// The prediction is a lower bound.
     pub at_least: bool,
-    /// The theorem that predicts it.
     pub why: String,
     /// Fitted order, in h if joint.
     pub observed: Option<f64>,
-    /// Fitted order in k, if joint.
+    /// Fitted order in k if joint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub observed_k: Option<f64>,
     /// Interval of the order, in h if joint.
     pub interval: Option<[f64; 2]>,
-    /// Interval of the order in k, if joint.
+    /// Interval of the order in k if joint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_k: Option<[f64; 2]>,
     /// Probability that the prediction holds within its tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probability: Option<f64>,
-    /// The order of the errors that the exact solution predicts, where the measured errors are these and the prediction
-    /// has another order: it is wrong, and the program is sound.
+    /// Order of the leading errors if the measured errors match them and not the prediction: then the prediction is
+    /// wrong and the program sound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contradicted_by: Option<f64>,
-    /// The points that served.
     pub points_used: Vec<PointUsed>,
-    /// The points that did not.
     pub points_left_out: Vec<PointLeftOut>,
-    /// `C_h` and `C_k`, as far as they were fitted.
+    /// `C_h` and `C_k`, as far as fitted.
     pub constants: BTreeMap<&'static str, Constant>,
-    /// What is known beforehand of the constant: leading errors, or why there are none.
+    /// The predicted constant: leading errors, or why there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foreseen: Option<Foreseen>,
-    /// The decision.
     #[serde(rename = "verdict")]
     pub decision: Decision,
-    /// Why, in one sentence.
     pub reason: String,
-    /// The cases that would help an unresolved verdict.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub next: Vec<NextCase>,
-    /// Every expected case is there, converged, with a finite error. Without, the verdict is
-    /// `fail` and meets no expectation.
+    /// Every expected case is there, converged and finite; otherwise the verdict is `fail` and never as expected.
     pub complete: bool,
-    /// The verdict that the scene is built to get.
     pub expect: Expect,
 }
 
 impl Verdict {
-    /// Whether the scene got the verdict it is built to get. A scene that must fail has to fail
-    /// by its order: a case that is missing does not count.
+    /// Whether the verdict is the expected one. An expected failure must come from the order, not from a missing case.
     pub fn as_expected(&self) -> bool {
         self.complete && self.decision == self.expect.decision()
     }

@@ -1,4 +1,4 @@
-//! The next cases to run, where the present ones do not decide.
+//! The next cases to run for unresolved verdicts.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,24 +6,20 @@ use super::selection::{Selection, Serving, inside};
 use super::{Prediction, Variable};
 use crate::fit::Direction;
 
-/// A case that is not there yet. `n` is absent for abstract scenes.
+/// A case not yet run; `n` is absent for abstract scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct NextCase {
-    /// Mesh cells per unit length, or level of refinement.
     pub n: Option<u32>,
-    /// Number N of time steps.
     pub steps: u32,
 }
 
-/// The cases that would help, and the words that name them. Where no case helps there is none, and
-/// the words say what would.
+/// Cases that would help, with their description. Without such cases the words say what would help.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Next {
     pub(super) cases: Vec<NextCase>,
     pub(super) text: String,
 }
 
-/// What to run to resolve an order in one direction.
 pub(super) fn next_case(
     selection: &Selection,
     direction: Direction,
@@ -95,7 +91,7 @@ fn cases(
     found
 }
 
-/// The levels n or N of the cases with their steps, from coarse to fine.
+/// Levels n or N of the cases with their steps, coarse to fine.
 fn levels<'a>(
     servings: impl Iterator<Item = &'a Serving>,
     direction: Direction,
@@ -123,8 +119,7 @@ fn twice(level: u32) -> u32 {
     level.saturating_mul(2)
 }
 
-/// The next level in the ratio of the last two; one more where the levels count refinements,
-/// which shows in steps that do not fall like 1/n.
+/// The next level in the ratio of the last two; plus one if levels count refinements, i.e. steps do not fall like 1/n.
 fn finer(previous: (u32, f64), last: (u32, f64)) -> u32 {
     let ratio = f64::from(last.0) / f64::from(previous.0.max(1));
     // Largest steps of graded grids follow 1/N within a few percent only.
@@ -151,7 +146,7 @@ mod tests {
     fn levels_continue_as_they_went() {
         assert_eq!(finer((64, 1.0 / 64.0), (128, 1.0 / 128.0)), 256);
         assert_eq!(finer((8, 1.0 / 8.0), (12, 1.0 / 12.0)), 18);
-        // Refinements are counted where steps are halved from one to the next, cells where they fall like 1/n.
+        // Levels count refinements if steps halve from one to the next, cells if steps fall like 1/n.
         assert_eq!(finer((2, 0.25), (3, 0.125)), 4);
         assert_eq!(finer((2, 0.5), (3, 1.0 / 3.0)), 5);
         assert_eq!(finer((2, 0.5), (3, 1.05 / 3.0)), 5);
@@ -215,7 +210,6 @@ mod tests {
         let whole = text(&[(8, 4), (16, 4)], &[(32, 4)]);
         assert_eq!(whole, "run n = 4: finer ones are below the floor");
         assert_eq!(text(&[(1, 4), (2, 4)], &[(4, 4)]), predict(Variable::H).floor.remedy());
-        // Both neighbours of the only level that counts are there already.
         assert_eq!(text(&[(10, 4)], &[(5, 4), (20, 4)]), predict(Variable::H).floor.remedy());
         assert_eq!(text(&[], &[]), "run three values of n");
     }

@@ -1,4 +1,4 @@
-//! Which cases serve a prediction.
+//! Cases used for a prediction.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +6,7 @@ use super::{PointLeftOut, PointUsed, Prediction, Variable};
 use crate::fit::{Direction, Point, screen};
 use crate::record::{CaseRecord, Key, Status};
 
-/// What identifies a case within its scene; there may be a million of them.
+/// Identifies a case within its scene; kept small, since there may be a million.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Place {
     pub(super) n: Option<u32>,
@@ -25,15 +25,13 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// A case with its point.
 #[derive(Debug, Clone)]
 pub(super) struct Serving {
     pub(super) key: Place,
     pub(super) point: Point,
 }
 
-/// The cases of a line or grid, sorted into those that serve, those left out with the reason,
-/// and what is missing altogether.
+/// Cases of a line or grid: used, left out with the reason, and missing.
 #[derive(Debug, Default)]
 pub(super) struct Selection {
     pub(super) used: Vec<Serving>,
@@ -62,7 +60,7 @@ impl Selection {
     }
 }
 
-/// The cases of one scene, expected or recorded, in their order; of two records of one case the later counts.
+/// Cases of one scene, expected or recorded, in order; of two records of one case the later counts.
 pub(super) struct Cases<'a> {
     cases: Vec<(Place, Option<&'a CaseRecord>)>,
 }
@@ -74,7 +72,6 @@ impl<'a> Cases<'a> {
         let found = records.iter().filter(|record| record.scene == scene);
         let found = found.map(|record| (Place { n: record.n, steps: record.steps }, Some(record)));
         let mut cases: Vec<(Place, Option<&CaseRecord>)> = wanted.chain(found).collect();
-        // Equal ones stay in their order, and the last of them is kept.
         cases.sort_by_key(|&(place, _)| place);
         cases.dedup_by(|later, kept| {
             let same = later.0 == kept.0;
@@ -86,14 +83,13 @@ impl<'a> Cases<'a> {
         Self { cases }
     }
 
-    /// The points of all converged cases that carry the norm.
     pub(super) fn points(&self, norm: &str) -> Vec<Point> {
         self.cases.iter().filter_map(|(_, record)| point((*record)?, norm)).collect()
     }
 
-    /// Sorts the cases that a prediction rests on. Along h these are all n with the largest
-    /// number of steps that was run on most n; along k all steps on the finest n that was run
-    /// with most steps; jointly all. A broken case counts as a gap wherever it stands.
+    /// Selects the cases for a prediction. Along h: all n with the largest number of steps that was run on most n;
+    /// along k: all steps on the finest n that was run with most steps; jointly: all. A broken case is a gap wherever
+    /// it stands.
     pub(super) fn select(&self, prediction: &Prediction) -> Selection {
         let norm = &prediction.norm;
         let line = self.line(prediction);
@@ -122,8 +118,7 @@ impl<'a> Cases<'a> {
         selection
     }
 
-    /// The cases a prediction rests on. A mesh or time grid counts if one of its cases carries
-    /// the norm: then all of them have to.
+    /// The line of a prediction. A mesh or time grid with the norm in one case needs it in all.
     fn line(&self, prediction: &Prediction) -> Line {
         let places = || self.cases.iter().map(|&(place, _)| place);
         match prediction.variable {
@@ -143,7 +138,7 @@ impl<'a> Cases<'a> {
         }
     }
 
-    /// The levels at which some case carries the norm; all levels if no case does.
+    /// Levels where some case has the norm; all levels if none has.
     fn measured<T: Ord>(&self, norm: &str, level: impl Fn(Place) -> T) -> BTreeSet<T> {
         let carries =
             |record: &Option<&CaseRecord>| record.is_some_and(|record| record.norm(norm).is_some());
@@ -153,13 +148,9 @@ impl<'a> Cases<'a> {
     }
 }
 
-/// Which cases of a scene a prediction rests on.
 enum Line {
-    /// No level is measured inside the window.
     None,
-    /// Those with so many steps.
     Steps(u32),
-    /// The cases on one mesh.
     Mesh(Option<u32>),
     All,
 }
@@ -175,14 +166,13 @@ impl Line {
     }
 }
 
-/// The most frequent value, the largest of several.
+/// The most frequent value; of ties the largest.
 fn most_frequent<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: BTreeMap<T, usize> = BTreeMap::new();
     values.for_each(|value| *counts.entry(value).or_default() += 1);
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(value, _)| value)
 }
 
-/// What is known of a case in one norm.
 enum Found {
     Point(Point),
     NotMeasured,
@@ -249,8 +239,7 @@ pub(super) fn inside(value: Option<u32>, window: Option<[u32; 2]>) -> bool {
     }
 }
 
-/// The points along one direction that a prediction in it would rest on, those below the floor
-/// included: for pictures.
+/// Points along one direction of a prediction, including those below the floor: for plots.
 pub fn line_points(
     scene: &str,
     records: &[CaseRecord],
@@ -263,7 +252,7 @@ pub fn line_points(
     selection.used.iter().chain(left_out).map(|serving| serving.point).collect()
 }
 
-/// The cases that serve a prediction.
+/// Keys of the cases used for a prediction.
 pub fn line_keys(scene: &str, records: &[CaseRecord], prediction: &Prediction) -> Vec<Key> {
     let selection = Cases::new(scene, records, &[]).select(prediction);
     selection.used.into_iter().map(|serving| serving.key.key(scene)).collect()

@@ -1,26 +1,26 @@
-//! When the verdicts of a sweep that grows case by case need no further case.
+//! Sequential stopping of the verdicts of a growing sweep.
 
 use super::{Constant, Decision, Expect, Variable, Verdict};
 use crate::fit::{FEWEST, distinct, settles};
 
 impl Verdict {
-    /// Whether no further case would change it, as far as that can be told: by [`settles`], or by three levels that pass
-    /// with the constant that was predicted. `before` is the verdict before the last cases were added. What a scene is
-    /// built not to get settles nothing, and a case that failed stays one.
+    /// Whether no further case is expected to change the verdict: by [`settles`], or by three passing levels with the
+    /// predicted constant. `before` is the verdict before the last cases. An unexpected verdict settles nothing.
     pub fn settled(&self, before: Option<&Self>) -> bool {
         if !self.complete {
             return true;
         }
         let as_built = self.expect == Expect::Pass || self.decision == self.expect.decision();
         let levels = self.levels();
-        let before = before.filter(|before| before.levels() < levels).map(|own| own.decision);
+        let before =
+            before.filter(|before| before.levels() < levels).map(|verdict| verdict.decision);
         let agrees = self.decision == Decision::Pass && self.constants_agree();
         as_built
             && (settles(levels, self.decision, self.probability, before)
                 || agrees && levels >= FEWEST)
     }
 
-    /// Different steps of the points that served; none of a grid, of which every case is needed.
+    /// Distinct steps of the points used; none for a grid, which needs every case.
     fn levels(&self) -> usize {
         let steps: Vec<f64> = match self.variable {
             Variable::H | Variable::Path => self.points_used.iter().map(|point| point.h).collect(),
@@ -30,9 +30,9 @@ impl Verdict {
         distinct(steps).len()
     }
 
-    /// Whether constants are known beforehand, and all those measured are these.
+    /// Whether constants are predicted, and all measured ones agree.
     fn constants_agree(&self) -> bool {
-        let known = |own: &Constant| Some((own.ratio?, own.tolerance?));
+        let known = |constant: &Constant| Some((constant.ratio?, constant.tolerance?));
         let known: Vec<_> = self.constants.values().filter_map(known).collect();
         !known.is_empty()
             && known.iter().all(|(ratio, tolerance)| (ratio - 1.0).abs() <= *tolerance)
@@ -47,7 +47,6 @@ mod tests {
     use crate::record::{CaseRecord, Key, NormError, V_MAX};
     use crate::verdict::{Prediction, judge};
 
-    /// A verdict on halvings from n = 4 on.
     fn on(levels: u32, order: f64, expect: Expect) -> Verdict {
         let records: Vec<CaseRecord> = (0..levels)
             .map(|i| {
@@ -75,10 +74,8 @@ mod tests {
         assert_eq!(fail(3).decision, Decision::Fail);
         assert!(!fail(4).settled(Some(&fail(3))));
         assert!(fail(5).settled(Some(&fail(4))));
-        // Cases of other claims are no further level of this one.
         assert!(!fail(5).settled(Some(&fail(5))) && !fail(5).settled(None));
         assert!(!fail(5).settled(Some(&pass(4))));
-        // A lower order is left open.
         assert!(!on(6, 0.5, Expect::Pass).settled(Some(&on(5, 0.5, Expect::Pass))));
     }
 
@@ -95,12 +92,12 @@ mod tests {
     #[test]
     fn three_levels_are_enough_with_the_constant_that_was_predicted() {
         let with = |ratio| {
-            let own = Constant {
+            let constant = Constant {
                 ratio: Some(ratio),
                 tolerance: Some(1e-4),
                 ..Constant::fitted(1.0, [1.0, 1.0], 1.0)
             };
-            let constants = BTreeMap::from([("C_h", own)]);
+            let constants = BTreeMap::from([("C_h", constant)]);
             Verdict { constants, ..on(3, 1.0, Expect::Pass) }
         };
         assert!(with(1.00005).settled(None));

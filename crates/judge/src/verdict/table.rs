@@ -1,25 +1,23 @@
-//! Verdicts as a table of a given width, and the reasons below it.
+//! Verdicts as a table, with reasons below.
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ColumnConstraint, ContentArrangement, LineStyle, Table};
 
 use super::{Decision, Verdict};
 
-/// Width of the text in characters where nothing else is known.
 pub const TABLE_WIDTH: u16 = 100;
 
-/// Narrower the theorems have no room beside the intervals.
+/// Minimal width for the theorems beside the intervals.
 const WITH_REASONS: u16 = 96;
 
-/// The columns whose cells are one thing: in, predicted, observed, verdict. An order is not parted from its interval.
+/// Columns not to be broken: in, predicted, observed, verdict.
 const WHOLE: std::ops::RangeInclusive<usize> = 2..=5;
 
-/// What stands in place of an empty table.
 pub const NOTHING_JUDGED: &str =
     "nothing was judged: every scene here says judge = false and is measured only";
 
-/// The table of verdicts in `width` columns: scene, norm, in, predicted, observed, verdict and, where there is room, why; and
-/// below it the reason of every verdict that is not a plain pass. Without verdicts: [`NOTHING_JUDGED`].
+/// Table in `width` characters: scene, norm, in, predicted, observed, verdict and, with enough room, why; below it the
+/// reason of every verdict that is not a plain pass. Without verdicts [`NOTHING_JUDGED`].
 pub fn render_table(verdicts: &[Verdict], width: u16) -> String {
     if verdicts.is_empty() {
         return NOTHING_JUDGED.into();
@@ -31,7 +29,6 @@ pub fn render_table(verdicts: &[Verdict], width: u16) -> String {
     table.set_header(&HEAD[..columns]);
     table.add_rows(verdicts.iter().map(|verdict| cell_texts(verdict).into_iter().take(columns)));
     for (at, column) in table.column_iter_mut().enumerate() {
-        // Gaps of two, and none at the margin.
         column.set_padding((0, 2));
         match at {
             0 => column.set_delimiter('-'),
@@ -45,24 +42,24 @@ pub fn render_table(verdicts: &[Verdict], width: u16) -> String {
     blocks.join("\n")
 }
 
-/// The reasons of all that is no plain pass; one that orders of a scene share is said once.
+/// Reasons of all but plain passes; one that several orders of a scene share is stated once.
 fn reasons(verdicts: &[Verdict], width: usize) -> Vec<String> {
-    let own: Vec<&Verdict> = verdicts.iter().filter(|verdict| !is_plain_pass(verdict)).collect();
-    let shared =
-        own.chunk_by(|a, b| (&a.scene, a.decision, &a.reason) == (&b.scene, b.decision, &b.reason));
+    let explained: Vec<&Verdict> =
+        verdicts.iter().filter(|verdict| !is_plain_pass(verdict)).collect();
+    let shared = explained
+        .chunk_by(|a, b| (&a.scene, a.decision, &a.reason) == (&b.scene, b.decision, &b.reason));
     let words = |group: &[&Verdict]| {
         let Verdict { scene, decision, reason, .. } = group[0];
-        let orders = group.iter().map(|own| format!("{} in {}", own.norm, own.variable.name()));
+        let orders =
+            group.iter().map(|verdict| format!("{} in {}", verdict.norm, verdict.variable.name()));
         let orders = orders.collect::<Vec<_>>().join(", ");
         wrapped(&format!("{scene} {orders}: {}: {reason}", decision.name()), width)
     };
     shared.map(words).collect()
 }
 
-/// The heads of the columns.
 const HEAD: [&str; 7] = ["scene", "norm", "in", "predicted", "observed", "verdict", "why"];
 
-/// The cells of a verdict: scene, norm, in, predicted, observed, verdict, why.
 pub fn cell_texts(verdict: &Verdict) -> [String; 7] {
     let name = verdict.decision.name();
     let decision = match (verdict.as_expected(), verdict.decision) {
@@ -101,7 +98,6 @@ fn observed(verdict: &Verdict) -> String {
     if texts.is_empty() { "-".to_owned() } else { texts.join("\n") }
 }
 
-/// Breaks a text at blanks, later lines indented.
 fn wrapped(text: &str, width: usize) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

@@ -38,7 +38,7 @@ fn words_and_letters_are_there() {
     for words in ["a &lt; b", "closed form", "a: threshold of Λ", "b: (3.4)", "c: the target"] {
         assert!(svg.contains(words), "{words}");
     }
-    // A threshold without a place has its words alone.
+    // A threshold without a place has only its words.
     assert!(svg.contains("no bound") && !svg.contains("d: no bound"));
 }
 
@@ -48,7 +48,7 @@ fn letters_of_near_marks_stand_apart() {
     let frame = Frame::new(&chart, &[]).unwrap();
     let near = (frame.across(0.4) - frame.across(0.41)).abs();
     assert!(near < 15.0, "{near}");
-    // Letters are single characters in text elements of their own: their x are in the SVG.
+    // Letters are separate text elements: their x are in the SVG.
     let svg = svg(&chart);
     let x = |letter: &str| -> f64 {
         let at = svg.find(&format!(">{letter}</text>")).expect(letter);
@@ -73,7 +73,7 @@ fn a_line_is_interrupted_where_a_point_has_no_place() {
     assert_eq!(runs(0.0, Scale::Linear), [4]);
 }
 
-/// The centre of a fitted line is no step.
+/// The centre of a fitted line is not a step.
 #[test]
 fn steps_are_those_of_the_markers() {
     let mut chart = chart(Scale::Steps, Scale::Log);
@@ -108,7 +108,7 @@ fn packed() -> Chart {
     chart
 }
 
-/// Points of the lines of a chart that lie in a triangle, by their coordinates.
+/// Points of the lines of a chart inside a triangle, by coordinates.
 fn hits(chart: &Chart, frame: &Frame, [fine, corner, coarse]: [Place; 3]) -> usize {
     let lines = chart.series.iter().flat_map(|series| chart.runs(frame, &series.parts[0]));
     let samples = lines.flat_map(|line| {
@@ -137,8 +137,7 @@ fn triangles_stand_clear_of_every_line() {
     for slope in &placed {
         assert_eq!(hits(&chart, &frame, slope.corners()), 0);
     }
-    // One that stands directly below its line, whatever else is there, meets the next line: the
-    // count can see it.
+    // The count detects a triangle directly below its line, which meets the next line.
     let [fine, coarse] = [(0.5f64.powi(8), 0.7), (0.5f64.powi(7), 0.7)]
         .map(|(k, below)| frame.place((k, below * k * k)));
     assert!(hits(&chart, &frame, [fine, (coarse.0, fine.1), coarse]) > 0);

@@ -1,25 +1,27 @@
-//! What a reader asks first: did the estimates hold, what is least certain, what was broken on purpose.
+//! The first answers: did the estimates hold, what is least certain, what was broken on purpose.
 
 use super::content::{Report, id_of, tone};
 use super::{Run, Section, Tone};
 use files::counted;
 use judge::verdict::{Verdict, cell_texts};
 
-/// Claims that a reader knows by name, as the reasons of predictions spell them.
+/// Claims that readers know by name, spelt as in the reasons of predictions.
 const CLAIMS: [&str; 3] = ["(5.26)", "Theorem 7", "(5.24)"];
 
-/// The answers, below the sentence that says everything at once.
 pub(super) fn write(section: &mut Section, report: &Report<'_>) {
     let verdicts = report.verdicts;
-    let held = |own: &[&Verdict]| {
-        let met = own.iter().filter(|verdict| verdict.as_expected()).count();
-        (format!("{met} of {}", own.len()), if met == own.len() { Tone::Pass } else { Tone::Miss })
+    let held = |judged: &[&Verdict]| {
+        let met = judged.iter().filter(|verdict| verdict.as_expected()).count();
+        (
+            format!("{met} of {}", judged.len()),
+            if met == judged.len() { Tone::Pass } else { Tone::Miss },
+        )
     };
     let mut by_claim = vec![Run::of("Did the estimates hold? ", Tone::Strong)];
     for claim in CLAIMS {
-        let own: Vec<&Verdict> = verdicts.iter().filter(|v| v.why.contains(claim)).collect();
-        if !own.is_empty() {
-            let (words, tone) = held(&own);
+        let of_claim: Vec<&Verdict> = verdicts.iter().filter(|v| v.why.contains(claim)).collect();
+        if !of_claim.is_empty() {
+            let (words, tone) = held(&of_claim);
             by_claim.push(Run::plain(format!("{claim}: ")));
             by_claim.push(Run::of(words, tone));
             by_claim.push(Run::plain("; "));
@@ -38,7 +40,7 @@ pub(super) fn write(section: &mut Section, report: &Report<'_>) {
     broken(section, report, held);
 }
 
-/// That with the least probability; an order without one is less certain than all others.
+/// The verdict of least probability; orders without one come first.
 fn least_certain(verdicts: &[Verdict]) -> Option<&Verdict> {
     let probability = |verdict: &Verdict| verdict.probability.unwrap_or(-1.0);
     verdicts.iter().min_by(|a, b| probability(a).total_cmp(&probability(b)))
@@ -74,9 +76,9 @@ fn broken(
     hypotheses.sort_unstable();
     hypotheses.dedup();
     let hypotheses: Vec<String> = hypotheses.into_iter().map(super::chapter::numbered).collect();
-    let own = |verdict: &&Verdict| scenes.iter().any(|scene| scene.name == verdict.scene);
-    let own: Vec<&Verdict> = report.verdicts.iter().filter(own).collect();
-    let (words, tone) = held(&own);
+    let is_broken = |verdict: &&Verdict| scenes.iter().any(|scene| scene.name == verdict.scene);
+    let broken: Vec<&Verdict> = report.verdicts.iter().filter(is_broken).collect();
+    let (words, tone) = held(&broken);
     section.text(vec![
         Run::of("What was broken on purpose? ", Tone::Strong),
         Run::plain("hypotheses").to("#chapter-broken"),

@@ -1,20 +1,20 @@
-//! Tables of characters that fit the columns there are: neither a number nor a word is broken.
+//! Text tables that fit the available width without breaking numbers or words.
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Width};
 
 use crate::legend::wrapped;
 
-/// Characters from one column to the next.
+/// Characters between columns.
 const GAP: usize = 2;
 
-/// Cells longer than this are prose: they may be broken at blanks.
+/// Longer cells are prose and may be wrapped.
 const PROSE: usize = 30;
 
-/// Narrower, prose is not read in a column and goes below its row.
+/// Narrower prose goes below its row.
 const NARROWEST: usize = 28;
 
-/// A table of cells on a terminal of so many columns; heads that begin with `>` are of numbers, which end at the right.
+/// A table for a terminal of `width` columns; heads that begin with `>` are numeric and right-aligned.
 pub fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
     let width = usize::from(width);
     let columns: Vec<Column> =
@@ -30,7 +30,7 @@ pub fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
     apart(&columns, rows, width)
 }
 
-/// Words beside their label, which takes so many columns; later lines stand below the words.
+/// Words beside a label of width `room`; later lines are aligned with the words.
 pub fn beside(label: &str, room: usize, words: &str, width: u16) -> String {
     let room = room.max(length(label));
     let lines = wrapped(words, usize::from(width).saturating_sub(room).max(NARROWEST), usize::MAX);
@@ -41,7 +41,6 @@ pub fn beside(label: &str, room: usize, words: &str, width: u16) -> String {
     lines.iter().enumerate().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A column and what it needs.
 struct Column {
     at: usize,
     head: String,
@@ -49,7 +48,7 @@ struct Column {
     prose: bool,
     /// Characters of its longest cell or head.
     whole: usize,
-    /// The least without a broken number or word.
+    /// Minimum without breaking a number or word.
     least: usize,
 }
 
@@ -61,7 +60,7 @@ impl Column {
         let content = cells().map(length).max().unwrap_or(0);
         let prose = !numeric && content > PROSE;
         let words = cells().map(longest).max().unwrap_or(0);
-        // Of what is no prose the cells stay whole, and the head alone may take several lines.
+        // Cells other than prose stay whole; only the head may take several lines.
         let least = if prose { words.max(NARROWEST) } else { content }.max(longest(head));
         let whole = content.max(length(head));
         Self { at, head: head.to_owned(), numeric, prose, whole, least: least.min(whole) }
@@ -72,7 +71,7 @@ fn length(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Characters of these columns side by side.
+/// Total width of these columns.
 fn taken(columns: &[&Column], of: impl Fn(&Column) -> usize) -> usize {
     columns.iter().map(|column| of(column) + GAP).sum()
 }
@@ -81,7 +80,7 @@ fn fits(columns: &[&Column], of: impl Fn(&Column) -> usize, width: usize) -> boo
     taken(columns, of) <= width
 }
 
-/// What is spare goes to the columns of prose, as far as they have use for it.
+/// Distributes spare width to prose, as far as useful.
 fn shares(columns: &[&Column], spare: usize) -> impl Fn(&Column) -> usize {
     let wanted: usize = columns.iter().map(|column| column.whole - column.least).sum();
     move |column| {
@@ -90,7 +89,7 @@ fn shares(columns: &[&Column], spare: usize) -> impl Fn(&Column) -> usize {
     }
 }
 
-/// Prose below its row, and columns that are left over in a table below, each with the first column again.
+/// Prose below its row, and remaining columns in further tables that repeat the first column.
 fn apart(columns: &[Column], rows: &[Vec<String>], width: usize) -> String {
     let (prose, short): (Vec<&Column>, Vec<&Column>) =
         columns.iter().partition(|column| column.prose);
@@ -132,13 +131,12 @@ fn with_prose(table: &str, prose: &[&Column], rows: &[Vec<String>], width: usize
     out.join("\n")
 }
 
-/// Rows of prose alone.
 fn below(prose: &[&Column], rows: &[Vec<String>], width: usize) -> String {
     let lines: Vec<String> = rows.iter().flat_map(|row| prose_of(row, prose, width)).collect();
     lines.join("\n")
 }
 
-/// The prose of a row, each with its head where there are several.
+/// The prose of a row, each with its head if there are several.
 fn prose_of(row: &[String], prose: &[&Column], width: usize) -> Vec<String> {
     let cells = prose.iter().filter_map(|column| {
         let text = row.get(column.at).filter(|text| !text.is_empty())?;
@@ -153,7 +151,6 @@ fn prose_of(row: &[String], prose: &[&Column], width: usize) -> Vec<String> {
     cells.flat_map(indented).collect()
 }
 
-/// Columns of given widths side by side.
 fn grid(columns: &[&Column], rows: &[Vec<String>], of: impl Fn(&Column) -> usize) -> String {
     let mut table = comfy_table::Table::new();
     table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
@@ -163,7 +160,7 @@ fn grid(columns: &[&Column], rows: &[Vec<String>], of: impl Fn(&Column) -> usize
         columns.iter().map(|column| row.get(column.at).map_or("", String::as_str).to_owned())
     }));
     for (column, drawn) in columns.iter().zip(table.column_iter_mut()) {
-        // A character between columns is the table's.
+        // One character between columns belongs to the table.
         drawn.set_padding((0, GAP as u16 - 1));
         let characters = of(column) + GAP - 1;
         drawn.set_constraint(ColumnConstraint::Absolute(Width::Fixed(characters as u16)));
@@ -189,7 +186,7 @@ mod tests {
 
     const HEADS: [&str; 5] = ["knob", ">spectral radius", ">norm", ">(3.15)", "because"];
 
-    /// Every number and every word stands in a line of its own, whole, at any width.
+    /// At any width every number and word stays whole in one line.
     #[test]
     fn nothing_is_broken_at_any_width() {
         for width in [20, 40, 60, 80, 100, 140, 200] {

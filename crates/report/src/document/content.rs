@@ -11,27 +11,26 @@ use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, NOTHING_JUDGED, Verdict, cell_texts, exit_code};
 use serde_json::Value;
 
-/// What a report is made of.
 pub(crate) struct Report<'a> {
     pub(crate) scenes: &'a [SceneSummary],
     /// A file name per scene, without ending.
     pub(crate) stems: &'a [String],
     /// File name, caption and SVG of the pictures of each scene.
     pub(crate) pictures: &'a [Vec<Picture>],
-    /// Body and errors of each scene, small.
+    /// Small pictures of body and errors of each scene.
     pub(crate) cards: &'a [Vec<Picture>],
-    /// The forest plot, and its pieces.
+    /// The forest plot, whole and in pieces.
     pub(crate) forest: Option<(Picture, Vec<String>)>,
-    /// What other commands left in the directory.
+    /// Studies found in the directory.
     pub(crate) studies: Vec<StudyDocument>,
-    /// Pictures of single cases that are there.
+    /// Pictures of single cases found in the directory.
     pub(crate) of_cases: Vec<Picture>,
     pub(crate) records: &'a [CaseRecord],
     pub(crate) verdicts: &'a [Verdict],
     pub(crate) provenance: &'a Value,
 }
 
-/// Numbers of tables and figures, counted through the document.
+/// Running numbers of tables and figures.
 #[derive(Default)]
 pub(super) struct Numbers {
     tables: usize,
@@ -39,7 +38,7 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// A block with its number in the document.
+    /// Numbers a block.
     pub(super) fn given(&mut self, block: Block) -> Block {
         match block {
             Block::Table(table) => {
@@ -54,14 +53,13 @@ impl Numbers {
         }
     }
 
-    /// A section with the numbers of its blocks.
+    /// Numbers all blocks of a section.
     pub(super) fn given_all(&mut self, section: Section) -> Section {
         let blocks = section.blocks.into_iter().map(|block| self.given(block)).collect();
         Section { blocks, ..section }
     }
 }
 
-/// The document of a report.
 pub(crate) fn document(report: Report<'_>) -> Document {
     let mut numbers = Numbers::default();
     let outcome = outcome(report.records, report.verdicts);
@@ -70,13 +68,13 @@ pub(crate) fn document(report: Report<'_>) -> Document {
         sections.push(introduction());
     }
     for group in Group::ALL {
-        let own = |at: &usize| report.group(&report.scenes[*at].name) == group;
-        let own: Vec<usize> = (0..report.scenes.len()).filter(own).collect();
-        if !own.is_empty() {
+        let in_group = |at: &usize| report.group(&report.scenes[*at].name) == group;
+        let members: Vec<usize> = (0..report.scenes.len()).filter(in_group).collect();
+        if !members.is_empty() {
             let id = format!("group-{group:?}").to_lowercase();
             sections.push(Section::new(2, &id, group.title()));
         }
-        sections.extend(own.into_iter().map(|at| of_scene(&report, at, &mut numbers)));
+        sections.extend(members.into_iter().map(|at| of_scene(&report, at, &mut numbers)));
     }
     sections.extend(chapters(&report, &mut numbers));
     if !report.of_cases.is_empty() {
@@ -111,14 +109,13 @@ pub(super) fn tone(verdict: &Verdict) -> Tone {
 }
 
 impl Report<'_> {
-    /// The group of a scene: that of its terms, unless another program solved it.
+    /// The group of a scene: by its terms, or `External`.
     pub(crate) fn group(&self, scene: &str) -> Group {
         group(self.scenes, self.provenance, scene)
     }
 
-    /// The name of a scene's section.
     pub(super) fn stem(&self, scene: &SceneSummary) -> &str {
-        let at = self.scenes.iter().position(|own| own.name == scene.name);
+        let at = self.scenes.iter().position(|other| other.name == scene.name);
         at.map_or("", |at| &self.stems[at])
     }
 }
@@ -129,7 +126,10 @@ pub(crate) fn group(scenes: &[SceneSummary], provenance: &Value, scene: &str) ->
     if options.is_some_and(|options| options.split(' ').next() == Some("verify")) {
         return Group::External;
     }
-    scenes.iter().find(|own| own.name == scene).map_or(Group::default(), |own| own.group)
+    scenes
+        .iter()
+        .find(|summary| summary.name == scene)
+        .map_or(Group::default(), |summary| summary.group)
 }
 
 /// The section of a scene by its name.

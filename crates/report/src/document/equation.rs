@@ -1,36 +1,27 @@
-//! The equations that a scene solves: as plain text, and for Typst.
+//! The equations of a scene, as plain text and for Typst.
 
 use serde::{Deserialize, Serialize};
 
-/// A formula with its number in the paper.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Equation {
-    /// The formula in characters.
     pub plain: String,
-    /// In Typst's notation of formulas.
+    /// In Typst's notation.
     pub typst: String,
-    /// Number in the paper; empty for what has none.
+    /// Number in the paper, or empty.
     pub number: String,
 }
 
-/// The terms that a scene has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Terms {
     /// Problem 1 in ℝ^m, without a body.
     pub is_abstract: bool,
     /// The projection onto the yield ball.
     pub projection: bool,
-    /// The integral over the past.
     pub memory: bool,
-    /// A contact side.
     pub contact: bool,
-    /// A rigid obstacle at a distance.
     pub gap: bool,
-    /// A compliance law.
     pub law: bool,
-    /// Friction.
     pub friction: bool,
-    /// Elements beyond linear ones.
     pub quadratic: bool,
 }
 
@@ -40,7 +31,7 @@ impl Equation {
     }
 }
 
-/// What is solved, and with which scheme.
+/// The problem and its scheme.
 pub fn equations(terms: Terms) -> Vec<Equation> {
     let mut list = if terms.is_abstract { abstract_problem() } else { body(terms) };
     if terms.memory {
@@ -91,7 +82,7 @@ fn body(terms: Terms) -> Vec<Equation> {
     list
 }
 
-/// (5.5) with what the scene has of it.
+/// (5.5) with the scene's terms.
 fn contact(terms: Terms) -> Equation {
     let (plain, typst) = match (terms.gap, terms.law) {
         (true, true) => (

@@ -1,29 +1,28 @@
-//! What a verdict rests on: its points as a table, and the table of a scene's cases.
+//! Evidence of a verdict: its points, and the scene's cases, as tables.
 
 use super::{Run, Table, Tone};
 use judge::record::{CaseRecord, Status, V_MAX, is_by_state, norm_rank};
 use judge::verdict::{Variable, Verdict};
 
-/// Norms in the table of cases: more would not fit a page, and cases.csv has them.
+/// Norms in the table of cases that fit a page; cases.csv has all.
 const NORM_COLUMNS: usize = 4;
 
-/// A number with four digits.
 pub(super) fn scientific(value: f64) -> String {
     if value.is_finite() { format!("{value:.3e}") } else { "–".into() }
 }
 
-/// A step: as a fraction where it is one.
+/// A step, as a fraction if possible.
 fn step(value: f64) -> String {
     if value.is_finite() { crate::ticks::step_label(value) } else { "–".into() }
 }
 
-/// The points of a verdict from coarse to fine, with the order between neighbours that served.
+/// The points of a verdict, coarse to fine, with the orders between used neighbours.
 pub(super) fn points(verdict: &Verdict, records: &[CaseRecord]) -> Table {
     let case = |h: f64, k: f64| {
         let here = |r: &&CaseRecord| {
             r.scene == verdict.scene
                 && r.k == k
-                && r.h.map_or(h.is_nan(), |own| own == h)
+                && r.h.map_or(h.is_nan(), |size| size == h)
                 && r.norm(&verdict.norm).is_some()
         };
         records.iter().find(here)
@@ -67,13 +66,13 @@ pub(super) fn points(verdict: &Verdict, records: &[CaseRecord]) -> Table {
 
 /// All cases of a scene with their sizes and errors.
 pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Option<Table> {
-    let own: Vec<&CaseRecord> = records.iter().filter(|r| r.scene == scene).collect();
-    let mut norms: Vec<&str> = own.iter().flat_map(|record| record.norms()).collect();
+    let of_scene: Vec<&CaseRecord> = records.iter().filter(|r| r.scene == scene).collect();
+    let mut norms: Vec<&str> = of_scene.iter().flat_map(|record| record.norms()).collect();
     norms.sort_by_key(|norm| (norm_rank(norm), *norm));
     norms.dedup();
     norms.retain(|norm| *norm == V_MAX || !is_by_state(norm));
     let rest = norms.split_off(norms.len().min(NORM_COLUMNS));
-    if own.is_empty() {
+    if of_scene.is_empty() {
         return None;
     }
     let row = |record: &&CaseRecord| {
@@ -93,7 +92,7 @@ pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Option<Table> {
         let plain = sizes.into_iter().chain(cells).map(Run::plain);
         plain.chain([ended]).collect::<Vec<Run>>()
     };
-    let rows: Vec<Vec<Run>> = own.iter().map(row).collect();
+    let rows: Vec<Vec<Run>> = of_scene.iter().map(row).collect();
     let head: Vec<String> = ["n", "N", "unknowns", "Newton"]
         .into_iter()
         .chain(norms.iter().copied())

@@ -1,20 +1,19 @@
-//! The document as a page that needs nothing but itself: no script to read it, one to sort its tables.
+//! The document as a self-contained page; a script only sorts tables.
 
 use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::sheet;
 use crate::symbols::indexed;
 use files::harmless;
 
-/// Light, and dark where the reader's system is.
+/// Light, or dark by the reader's system.
 const STYLE: &str = include_str!("page.css");
 
-/// Heads become buttons that sort their table by their column; without it tables stand as written.
+/// Heads become buttons that sort their column.
 const SCRIPT: &str = include_str!("sort.js");
 
-/// Tables with more rows are folded.
+/// Longer tables are folded.
 const MOST_ROWS: usize = 12;
 
-/// The page.
 pub(crate) fn page(document: &Document) -> String {
     let sections = sections(document);
     format!(
@@ -30,7 +29,6 @@ pub(crate) fn page(document: &Document) -> String {
     )
 }
 
-/// Links to the chapters.
 fn contents(document: &Document) -> String {
     let link = |s: &Section| format!("<a href=\"#{}\">{}</a>", escaped(&s.id), escaped(&s.title));
     let parts: Vec<String> = document.sections.iter().filter(|s| s.level == 1).map(link).collect();
@@ -40,15 +38,15 @@ fn contents(document: &Document) -> String {
 /// All sections: cards of scenes side by side, other sections below a chapter folded.
 fn sections(document: &Document) -> String {
     let (mut text, mut within) = (String::new(), false);
-    for own in &document.sections {
-        let is_card = own.card.is_some();
+    for part in &document.sections {
+        let is_card = part.card.is_some();
         if is_card != within {
             text += if is_card { "<div class=\"cards\">\n" } else { "</div>\n" };
             within = is_card;
         }
-        text += &match &own.card {
-            Some(of) => card(own, of),
-            None => section(own),
+        text += &match &part.card {
+            Some(of) => card(part, of),
+            None => section(part),
         };
     }
     text + if within { "</div>\n" } else { "" }
@@ -121,7 +119,7 @@ fn with_indices(text: &str) -> String {
     })
 }
 
-/// `a_b`, `a_{bc}` and `a^{bc}` with what is meant to be low or high.
+/// `a_b`, `a_{bc}` and `a^{bc}` with low and high signs.
 fn raised(text: &str) -> String {
     let (mut result, mut rest) = (String::new(), text);
     while let Some(at) = rest.find(['_', '^']) {
@@ -178,8 +176,7 @@ fn of_figure(figure: &Figure) -> String {
     )
 }
 
-/// A picture with what it shows in words. The page has the style sheet of all pictures once; a size of its own would
-/// stand in the way of that of the page.
+/// An accessible picture. The page has the style sheet of all pictures once, and sets their sizes.
 fn labelled(svg: &str, caption: &str) -> String {
     let label = escaped(caption);
     sheet::without(svg).replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
@@ -192,7 +189,7 @@ fn joined(runs: &[Run]) -> String {
 fn of_run(run: &Run) -> String {
     let text = escaped(&run.text).replace('\n', "<br>");
     let text = match run.tone {
-        // The words of a link are those of what it leads to.
+        // A link keeps the words of its target.
         Tone::Plain | Tone::Pass if run.target.is_none() => with_indices(&text),
         _ => text,
     };

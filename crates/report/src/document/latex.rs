@@ -1,4 +1,4 @@
-//! The tables of numbers as one LaTeX document with booktabs rules: to be compiled, or to be cut from.
+//! The tables of numbers as one LaTeX document with booktabs rules.
 
 use super::{Document, Run, Table, Tone};
 use files::harmless;
@@ -14,19 +14,20 @@ const PREAMBLE: &str = "\\documentclass[10pt]{article}
 \\begin{document}
 ";
 
-/// Columns with longer cells than this break their lines.
+/// Columns with longer cells break their lines.
 const LONGEST_CELL: usize = 26;
-/// Mean width of a character in `footnotesize` and the distance of two columns, in widths of the line: 4.1 pt and 8 pt of 494 pt.
+/// Mean width of a character in `footnotesize` and the distance of two columns, in line widths: 4.1 pt and 8 pt of 494
+/// pt.
 const CHARACTER: f64 = 0.0083;
 const BETWEEN: f64 = 0.0162;
-/// The next smaller size, `scriptsize`, in that.
+/// `scriptsize` relative to that.
 const SMALLER: f64 = 0.875;
-/// What columns that break their lines need of the line together.
+/// Minimal total share of the line for breaking columns.
 const LEAST: f64 = 0.25;
-/// A column counts no longer than this when they share what is left.
+/// Longest length that counts when columns share the rest.
 const LONGEST_SHARE: usize = 70;
 
-/// The tables without those that show data as code.
+/// The tables, except those of code.
 pub(crate) fn tables(document: &Document) -> String {
     let shows_code = |t: &&Table| t.rows.iter().flatten().any(|run| run.tone == Tone::Code);
     let tables: String = document.tables().filter(|t| !shows_code(t)).map(table).collect();
@@ -39,7 +40,7 @@ fn table(table: &Table) -> String {
     let head = line(table.head.iter().map(|head| escaped(head)).collect());
     let cell = |run: &Run| escaped(&run.in_line());
     let rows: String = table.rows.iter().map(|row| line(row.iter().map(cell).collect())).collect();
-    // The number is set by hand: it stays that of the report when tables are left out.
+    // Numbers are set explicitly, so that they match the report.
     format!(
         "\\room\n{{\\{size}\n\\noindent Table {}. {}\\par\\nopagebreak\n\\begin{{longtable}}[l]{{@{{}}{columns}@{{}}}}\n\\toprule\n{head}\\midrule\n\\endhead\n{rows}\\bottomrule\n\\end{{longtable}}}}\n\n",
         table.number,
@@ -47,7 +48,7 @@ fn table(table: &Table) -> String {
     )
 }
 
-/// The size of the letters, and what the columns are: short ones as wide as they are, long ones share the rest of the line.
+/// Font size and column specification: short columns have natural width, long ones share the rest.
 fn columns(table: &Table) -> (&'static str, String) {
     let longest = |column: usize| {
         let cells = table.rows.iter().map(|row| row[column].text.chars().count());
@@ -77,7 +78,7 @@ fn columns(table: &Table) -> (&'static str, String) {
     (size, all.clone().map(kind).collect())
 }
 
-/// Words that LaTeX sets as they are. Letters beyond these are left to `inputenc`.
+/// Escapes words for LaTeX; letters are left to `inputenc`.
 fn escaped(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for character in harmless(text).chars() {
@@ -93,7 +94,7 @@ fn command(character: char) -> Option<&'static str> {
     COMMANDS.iter().find(|(sign, _)| *sign == character).map(|(_, command)| *command)
 }
 
-/// What stands in LaTeX for signs that mean something else there, or nothing.
+/// LaTeX for special or unknown signs.
 const COMMANDS: &[(char, &str)] = &[
     ('\\', "\\textbackslash{}"),
     ('{', "\\{"),
@@ -109,7 +110,7 @@ const COMMANDS: &[(char, &str)] = &[
     ('>', "$>$"),
     ('|', "$|$"),
     ('"', "''"),
-    // A bracket after the end of a line would be its distance to the next.
+    // After a line break a bracket would be read as its argument.
     ('[', "{[}"),
     (']', "{]}"),
     ('\n', "; "),
@@ -180,7 +181,7 @@ const COMMANDS: &[(char, &str)] = &[
 mod tests {
     use super::*;
 
-    /// inputenc alone knows letters with accents and no sign of mathematics: one that has no command would stop LaTeX.
+    /// inputenc knows accented letters but no mathematical signs: one without a command would stop LaTeX.
     #[test]
     fn every_sign_of_the_program_has_a_command() {
         let known =
@@ -212,7 +213,7 @@ mod tests {
         assert!(size == "footnotesize" && kinds.starts_with("r>{"), "{kinds}");
         let head = CHARACTER * 4.0 + 3.0 * BETWEEN;
         assert!((widths(&two) + head - 1.0).abs() < 2e-3, "{}", widths(&two));
-        // Many short columns take a smaller size, and the long one keeps its least.
+        // Many short columns take a smaller size, and the long one keeps its minimum.
         let short = "1234567890123";
         let mut row = vec![short; 7];
         row.push(&long);
@@ -223,7 +224,7 @@ mod tests {
         assert!(widths(&crowded) > 0.12);
     }
 
-    /// What would stop LaTeX: a row with another number of cells, an environment or a group that is not closed, a raw sign.
+    /// What would stop LaTeX: a row with another number of cells, an unclosed environment or group, a raw sign.
     fn fault(latex: &str) -> Option<String> {
         let count = |text: &str, what: &str| text.matches(what).count();
         if count(latex, "\\begin{longtable}") != count(latex, "\\end{longtable}") {

@@ -1,9 +1,9 @@
-//! The document for a pull request: the outcome, the table of verdicts, what is remarkable, where the rest is.
+//! The document for a pull request: outcome, verdicts, remarks, links.
 
 use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
 use files::harmless;
 
-/// The document as Markdown; pictures are linked to, tables of evidence fold.
+/// The document as Markdown; pictures are linked, tables of evidence folded.
 pub(crate) fn markdown(document: &Document) -> String {
     let mut text = format!("# {}\n\n{}\n\n", plain(&document.title), plain(&document.made_by));
     for section in &document.sections {
@@ -57,10 +57,10 @@ fn rows(table: &Table) -> String {
 
 fn of_run(run: &Run) -> String {
     let text = match run.tone {
-        // A bar ends a cell, inside code too.
+        // A bar ends a cell, even in code.
         Tone::Code if run.text.is_empty() => String::new(),
         Tone::Code => format!("<code>{}</code>", html(&run.text)),
-        // A blank before the closing stars would make them stars.
+        // Closing stars must not follow a blank.
         Tone::Strong | Tone::Miss => {
             let words = run.text.trim_end();
             format!("**{}**{}", plain(words), &run.text[words.len()..])
@@ -73,7 +73,7 @@ fn of_run(run: &Run) -> String {
     }
 }
 
-/// Words that mean themselves.
+/// Escapes words.
 fn plain(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for character in harmless(text).chars() {
@@ -91,7 +91,7 @@ fn plain(text: &str) -> String {
     result
 }
 
-/// Words inside an element, where a backslash is no escape.
+/// Escapes words inside an element, where backslashes do not work.
 fn html(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for character in harmless(text).chars() {

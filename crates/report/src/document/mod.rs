@@ -1,6 +1,6 @@
-//! What a report says, apart from how it looks: sections of paragraphs, formulas, numbered tables and figures.
+//! The content of a report, independent of its rendering: paragraphs, formulas, numbered tables and figures.
 //!
-//! [`document`] builds it once from the records; a page, Markdown, LaTeX and Typst are renderings of it.
+//! [`document`] builds it once from the records; page, Markdown, LaTeX and Typst render it.
 
 mod answers;
 mod chapter;
@@ -35,13 +35,10 @@ pub use pdf::pdf;
 pub use study::{Chapter, StudyDocument};
 pub(super) use typst::{DATA, TEMPLATE, data};
 
-/// A report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Document {
     pub(super) title: String,
-    /// The outcome in one sentence.
     pub(super) outcome: String,
-    /// Program, version, platform.
     pub(super) made_by: String,
     pub(super) sections: Vec<Section>,
 }
@@ -50,16 +47,15 @@ pub struct Document {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Section {
     pub(super) level: usize,
-    /// What links to it name.
+    /// Target of links.
     pub(super) id: String,
     pub(super) title: String,
-    /// What it says at a glance, where it is a scene's.
+    /// Summary, for a scene's section.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) card: Option<Card>,
     pub(super) blocks: Vec<Block>,
 }
 
-/// A scene at a glance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Card {
     /// Its verdicts in a sentence.
@@ -68,7 +64,6 @@ pub(super) struct Card {
     pub(super) pictures: Vec<Figure>,
 }
 
-/// A part of a section.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", tag = "kind", content = "of")]
 pub(super) enum Block {
@@ -80,58 +75,54 @@ pub(super) enum Block {
     Code(String),
 }
 
-/// Words of one kind.
+/// Words of one style.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     pub(super) text: String,
     pub(super) tone: Tone,
-    /// The section or file that they lead to.
+    /// Linked section or file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) target: Option<String>,
 }
 
-/// How words stand out; none of these says anything that the words do not.
+/// Emphasis; never the only carrier of meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
-    /// Not at all.
     Plain,
-    /// Words that stand out by weight.
     Strong,
-    /// Words to be typed.
+    /// To be typed.
     Code,
-    /// A formula: `_` and `^` are before what stands low and high.
+    /// `_` and `^` precede low and high signs.
     Formula,
-    /// What is as expected.
     Pass,
-    /// Not as expected.
     Miss,
 }
 
-/// A table with its number in the report.
+/// A numbered table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Table {
     pub(super) number: usize,
     pub(super) caption: String,
     pub(super) head: Vec<String>,
-    /// Columns whose numbers end at the right.
+    /// Right-aligned columns.
     pub(super) numeric: Vec<bool>,
     pub(super) rows: Vec<Vec<Run>>,
-    /// What a verdict rests on: for those who look it up, and in the files of numbers as well.
+    /// Evidence of a verdict: folded, since the files have its numbers as well.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(super) evidence: bool,
 }
 
-/// A picture with its number in the report.
+/// A numbered picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Figure {
     pub(super) number: usize,
-    /// Its name in the directory of the report.
+    /// File name in the directory of the report.
     pub(super) file: String,
     pub(super) caption: String,
     #[serde(skip)]
     pub(super) svg: String,
-    /// The picture in pieces, for a page that sets as many of them side by side as there is room for.
+    /// The picture in pieces, for a page that arranges them by its width.
     #[serde(skip)]
     pub(super) pieces: Vec<String>,
 }
@@ -143,22 +134,20 @@ impl Figure {
 }
 
 impl Run {
-    /// Words that stand out by `tone`.
     pub fn of(text: impl Into<String>, tone: Tone) -> Self {
         Self { text: text.into(), tone, target: None }
     }
 
-    /// Words that do not stand out.
     pub fn plain(text: impl Into<String>) -> Self {
         Self::of(text, Tone::Plain)
     }
 
-    /// A formula that files spell in ASCII.
+    /// A formula spelt in ASCII.
     pub fn formula(ascii: &str) -> Self {
         Self::of(symbols(ascii), Tone::Formula)
     }
 
-    /// The words where nothing can stand low or high.
+    /// The words without scripts.
     fn in_line(&self) -> std::borrow::Cow<'_, str> {
         match self.tone {
             Tone::Formula => in_line(&self.text).into(),
@@ -176,7 +165,7 @@ impl Run {
 }
 
 impl Table {
-    /// Heads of columns whose numbers end at the right begin with `>`.
+    /// Heads of numeric columns begin with `>`.
     fn new(caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) -> Self {
         Self {
             number: 0,
@@ -210,7 +199,6 @@ impl Section {
 }
 
 impl Document {
-    /// The tables in their order.
     pub(super) fn tables(&self) -> impl Iterator<Item = &Table> {
         let blocks = self.sections.iter().flat_map(|section| &section.blocks);
         blocks.filter_map(|block| match block {

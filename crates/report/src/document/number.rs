@@ -2,7 +2,7 @@
 
 use super::{Run, Tone};
 
-/// At most so many significant digits, without zeros at the end.
+/// At most so many significant digits, without trailing zeros.
 pub fn digits(value: f64, significant: usize) -> String {
     if value == 0.0 {
         return "0".into();
@@ -24,7 +24,6 @@ pub fn number(value: impl Into<Option<f64>>) -> Run {
     precise(value, 5)
 }
 
-/// A cell with a number of at most so many digits.
 pub fn precise(value: impl Into<Option<f64>>, significant: usize) -> Run {
     Run::plain(value.into().map_or_else(|| "–".to_owned(), |value| digits(value, significant)))
 }
@@ -34,7 +33,7 @@ pub fn held(holds: bool) -> Run {
     if holds { Run::of("holds", Tone::Pass) } else { Run::of("does not hold", Tone::Miss) }
 }
 
-/// Two sides of what does not hold.
+/// Two sides of a relation that fails.
 pub fn sides(left: f64, right: f64) -> String {
     let side = |value: f64| match value.is_nan() {
         true => "no number".to_owned(),

@@ -1,4 +1,4 @@
-//! The document as a PDF, set by Typst from memory: no network, no font of the system, no clock.
+//! The document as a PDF, set by Typst from memory: no network, system fonts or clock.
 
 use std::collections::BTreeMap;
 
@@ -14,15 +14,13 @@ use typst_pdf::{PdfOptions, pdf as export};
 use super::{Block, DATA, Document, TEMPLATE, data};
 use crate::{ReportError, sheet};
 
-/// Name of the template.
 const MAIN: &str = "report.typ";
-/// The face of pictures: the generic name that they carry has none in a PDF.
+/// The font of pictures: the generic name in their SVG has none in a PDF.
 const FACE: &str = "font-family=\"DejaVu Sans\"";
 
-/// The document as a PDF; `date` is printed below the title. Equal documents and dates give equal bytes.
+/// The document as a PDF; `date` is printed below the title. Deterministic.
 ///
-/// # Errors
-/// [`ReportError::Typesetting`].
+/// # Errors [`ReportError::Typesetting`].
 pub fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
     let world = Sheets::new(document, date)?;
     let set = typst::compile::<PagedDocument>(&world).output;
@@ -35,7 +33,7 @@ fn refused(errors: &[SourceDiagnostic]) -> ReportError {
     ReportError::Typesetting { what: what.join("; ") }
 }
 
-/// Template, content, pictures and fonts: all that the typesetter may read.
+/// Everything that the typesetter may read.
 struct Sheets {
     library: LazyHash<Library>,
     book: LazyHash<FontBook>,
@@ -49,8 +47,8 @@ impl Sheets {
         let path = VirtualPath::new(MAIN)
             .map_err(|_| ReportError::Typesetting { what: format!("no path: {MAIN}") })?;
         let main = RootedPath::new(VirtualRoot::Project, path).intern();
-        let own = [dejavu::sans::regular(), dejavu::sans::bold()];
-        let all = typst_assets::fonts().chain(own);
+        let of_pictures = [dejavu::sans::regular(), dejavu::sans::bold()];
+        let all = typst_assets::fonts().chain(of_pictures);
         let fonts: Vec<Font> = all.flat_map(|face| Font::iter(Bytes::new(face))).collect();
         let mut files = BTreeMap::new();
         files.insert(DATA.to_owned(), Bytes::from_string(data(document, date)));

@@ -1,4 +1,4 @@
-//! What a study says: the text of its command, a file beside its numbers, and a section of a report.
+//! The document of a study: text of its command, a file beside its numbers, and a section of a report.
 
 use std::fs;
 use std::io;
@@ -10,7 +10,7 @@ use super::{Block, Figure, Run, Table, Tone, terminal};
 use crate::ReportError;
 use files::{read_text, replace_file};
 
-/// The chapter of a report to which a study belongs.
+/// The chapter of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Chapter {
@@ -20,16 +20,15 @@ pub enum Chapter {
     Gronwall,
     /// The proofs of Theorems 10 and 11.
     Audit,
-    /// What runs say of the claims of the paper.
+    /// The paper's claims against runs.
     Ledger,
-    /// Speed against accuracy.
     Trade,
     /// Ladders of extreme parameters.
     Extremes,
 }
 
 impl Chapter {
-    /// How file names and links call it.
+    /// Its name in files and links.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Bound => "bound",
@@ -41,7 +40,6 @@ impl Chapter {
         }
     }
 
-    /// The command that makes such a study.
     pub(crate) fn command(self) -> &'static str {
         match self {
             Self::Bound => "bound SCENE",
@@ -63,24 +61,20 @@ impl Chapter {
     }
 }
 
-/// A longer table is for those who look something up; the files of the study have its numbers.
+/// Longer tables count as evidence; the study's files have the numbers.
 const MOST_ROWS: usize = 40;
 
-/// Files with documents of studies end so.
+/// Ending of document files.
 const ENDING: &str = ".document.json";
 
-/// What a study says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyDocument {
-    /// The chapter where it belongs.
     pub chapter: Chapter,
-    /// Its scene, where it is about one.
+    /// None if it concerns no single scene.
     pub scene: Option<String>,
-    /// The fingerprint of the scene's text.
+    /// Fingerprint of the scene's text.
     pub fingerprint: Option<String>,
-    /// Its title.
     pub title: String,
-    /// Whether everything is as it should be.
     pub holds: bool,
     /// The k at which Λ stops contracting, for the table of all scenes.
     pub threshold: Option<String>,
@@ -88,7 +82,6 @@ pub struct StudyDocument {
 }
 
 impl StudyDocument {
-    /// A study that has said nothing yet.
     pub fn new(chapter: Chapter, title: impl Into<String>) -> Self {
         Self {
             chapter,
@@ -101,33 +94,32 @@ impl StudyDocument {
         }
     }
 
-    /// Of a scene whose text has this fingerprint.
+    /// For a scene whose text has this fingerprint.
     pub fn of_scene(self, scene: &str, fingerprint: &str) -> Self {
         Self { scene: Some(scene.into()), fingerprint: Some(fingerprint.into()), ..self }
     }
 
-    /// File names begin so: SCENE-bound, or extremes.
+    /// Prefix of file names: SCENE-bound, or extremes.
     pub fn stem(&self) -> String {
         let chapter = self.chapter.name();
         self.scene.as_ref().map_or(chapter.into(), |scene| format!("{scene}-{chapter}"))
     }
 
-    /// A paragraph.
     pub fn words(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Text(vec![Run::plain(text)]));
     }
 
-    /// A paragraph before all others: the answer to what was asked.
+    /// The first paragraph: the answer to the question.
     pub fn answer(&mut self, text: impl Into<String>) {
         self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
     }
 
-    /// A paragraph below the answer: what bears it out.
+    /// A paragraph directly below the answer.
     pub fn below_answer(&mut self, text: impl Into<String>) {
         self.blocks.insert(1.min(self.blocks.len()), Block::Text(vec![Run::plain(text)]));
     }
 
-    /// A table, where it has rows. Heads of columns whose numbers end at the right begin with `>`.
+    /// A table; omitted without rows. Heads of numeric columns begin with `>`.
     pub fn table(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
         if !rows.is_empty() {
             let evidence = rows.len() > MOST_ROWS;
@@ -136,7 +128,7 @@ impl StudyDocument {
         }
     }
 
-    /// A picture, where there is one: `SCENE-` and the rest of its file name, without ending.
+    /// A picture, if any; `rest` is its file name without `SCENE-` and ending.
     pub fn figure(&mut self, rest: &str, caption: &str, svg: Option<String>) {
         let Some(svg) = svg else { return };
         let scene = self.scene.as_ref();
@@ -145,12 +137,11 @@ impl StudyDocument {
         self.blocks.push(Block::Figure(Figure::new((file, caption, svg))));
     }
 
-    /// Lines to be typed.
     pub fn code(&mut self, lines: String) {
         self.blocks.push(Block::Code(lines));
     }
 
-    /// The verdict: what holds in words, or each failure.
+    /// The verdict: `all` if it holds, else each failure.
     pub fn verdict(&mut self, holds: bool, all: &str, failures: Vec<String>) {
         self.holds &= holds;
         if holds {
@@ -163,18 +154,14 @@ impl StudyDocument {
         }
     }
 
-    /// Columns of its text where nothing else is known.
+    /// Default width.
     pub const WIDTH: u16 = 132;
 
-    /// The study on a terminal of so many columns.
     pub fn text(&self, width: u16) -> String {
         terminal::text(&self.title, &self.blocks, width)
     }
 
     /// Writes the document and its pictures into a directory.
-    ///
-    /// # Errors
-    /// The file system's.
     pub fn write(&self, dir: &Path) -> Result<(), ReportError> {
         let put = |name: String, text: &str| {
             let path = dir.join(name);
@@ -191,8 +178,7 @@ impl StudyDocument {
 
     /// The studies in a directory, in the order of file names.
     ///
-    /// # Errors
-    /// A file that cannot be read, and one that is no document of a study.
+    /// # Errors A file that cannot be read, or is not the document of a study.
     pub(crate) fn read_all(dir: &Path) -> Result<Vec<Self>, ReportError> {
         let failed = |path: &Path, source| ReportError::Io { path: path.into(), source };
         let mut names: Vec<String> = Vec::new();
@@ -230,17 +216,18 @@ impl StudyDocument {
 }
 
 impl Figure {
-    /// Reads the picture beside its document; false where it is no longer there, or no picture.
+    /// Reads the picture beside its document; false if it is missing or not a picture.
     fn read(&mut self, dir: &Path) -> bool {
-        // A name that leads out of the directory is not one of ours.
-        let own = Path::new(&self.file).file_name().is_some_and(|name| name == &*self.file);
+        // Only names within the directory are followed.
+        let is_plain_name =
+            Path::new(&self.file).file_name().is_some_and(|name| name == &*self.file);
         let svg: io::Result<String> = read_text(&dir.join(&self.file));
         self.svg = svg.unwrap_or_default();
-        own && self.svg.trim_start().starts_with("<svg")
+        is_plain_name && self.svg.trim_start().starts_with("<svg")
     }
 }
 
-/// The message of the parser without " at line … column …", which stands before it.
+/// The parser's message without " at line … column …", which precedes it.
 fn without_place(message: &str) -> String {
     message.rsplit_once(" at line ").map_or(message, |(what, _)| what).to_owned()
 }

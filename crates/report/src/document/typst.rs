@@ -1,14 +1,13 @@
-//! The document for Typst: a fixed template and the content as JSON, so that no word of a scene is ever read as markup.
+//! The document for Typst: a fixed template with the content as JSON, so that no word of a scene is read as markup.
 
 use super::Document;
 
-/// Name of the content beside the template.
 pub(crate) const DATA: &str = "report.json";
 
-/// Reads [`DATA`] and sets it: `typst compile report.typ` in the directory of a report gives the PDF as well.
+/// Reads [`DATA`]: `typst compile report.typ` in the directory of a report also gives the PDF.
 pub(crate) const TEMPLATE: &str = include_str!("report.typ");
 
-/// The content; `date` stands below the title.
+/// The content; `date` is printed below the title.
 pub(crate) fn data(document: &Document, date: Option<&str>) -> String {
     let mut value = serde_json::json!(document);
     value["date"] = serde_json::json!(date);

@@ -1,37 +1,33 @@
-//! Cases put together to jobs: long enough that the start of a process does not dominate, no longer than asked.
+//! Bundles cases into jobs, long enough to amortise the start of a process.
 
 use std::collections::BTreeMap;
 
 use crate::sweep::PlanCost;
 
-/// A reference run is repeated in every job that has cases of its scene. A job goes on to this many times its seconds,
-/// so that what is repeated stays below a tenth of the work.
+/// Every job with cases of a scene repeats its reference run. A job may take this many times its seconds, so that
+/// repetition stays below a tenth of the work.
 const REFERENCE_RUNS: f64 = 10.0;
-/// Cases on a mesh keep loads and moments of all their times for each other. A job of several cases takes no more than
-/// this (1 GiB): most machines have that much for each processor.
+/// Memory limit of a job of several cases (1 GiB, which most machines have per processor): cases on a mesh keep loads
+/// and moments of all their times for each other.
 const MOST_BYTES: f64 = 1_073_741_824.0;
 
-/// The cases of a scene with what they take alone.
 pub(crate) struct SceneCosts {
-    /// n of each case, none in an abstract scene, and its number of steps.
     pub cases: Vec<(Option<u32>, u32)>,
-    /// What they take, in the same order.
     pub costs: PlanCost,
 }
 
-/// The cases that one process runs, one after the other.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Job {
-    /// Scene and case, as indices; the longest case first.
+    /// Indices of scene and case, longest case first.
     pub cases: Vec<(usize, usize)>,
-    /// Predicted CPU seconds, reference runs included.
+    /// Predicted CPU seconds, including reference runs.
     pub seconds: f64,
-    /// Predicted peak memory: that of its largest case, and what its meshes keep.
+    /// Predicted peak memory: that of the largest case, and what its meshes keep.
     pub bytes: f64,
 }
 
-/// Jobs of about `seconds` predicted CPU seconds each, the longest first. Cases of a mesh stay together as far as that
-/// goes, and a longer case is a job of its own. Equal input gives equal jobs.
+/// Jobs of about `seconds` predicted CPU seconds, longest first. Cases of a mesh stay together if possible; a longer
+/// case is a job by itself. Deterministic.
 pub(crate) fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
     let of = |&(s, c): &(usize, usize)| &scenes[s].costs.cases[c];
     let mut jobs: Vec<Job> = Vec::new();
@@ -67,12 +63,11 @@ pub(crate) fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
 #[derive(Default)]
 struct Open {
     job: Job,
-    /// Bytes of the largest case beside what it keeps, and what each mesh keeps.
+    /// Bytes of the largest case beyond what it keeps, and what each mesh keeps.
     largest: f64,
     kept: BTreeMap<(usize, Option<u32>), f64>,
 }
 
-/// What a job comes to with one case more.
 struct Added {
     seconds: f64,
     bytes: f64,
@@ -133,16 +128,16 @@ mod tests {
             scene(0.0, &[(8, 4, 3.0), (8, 8, 3.0)]),
         ];
         let jobs = bundle(&scenes, 10.0);
-        // The longest alone, then 4 + 2 + 1 + 3 of two scenes, then what is left.
+        // The longest alone, then 4 + 2 + 1 + 3 of two scenes, then the rest.
         assert_eq!(jobs[0].cases, [(0, 3)]);
         assert_eq!(jobs[1].cases, [(0, 2), (1, 1), (0, 1), (0, 0)]);
         assert_eq!(jobs[2].cases, [(1, 0)]);
         let seconds: Vec<f64> = jobs.iter().map(|job| job.seconds).collect();
         assert_eq!(seconds, [30.0, 10.0, 3.0]);
-        // What three meshes keep is there at once.
+        // Three meshes keep their data at the same time.
         assert_eq!([jobs[1].bytes, jobs[2].bytes], [120.0, 100.0]);
         assert_eq!(bundle(&scenes, 10.0), jobs);
-        // Every case once, whatever the size.
+        // Every case once, for any size.
         for target in [0.0, 1.0, 5.0, 1e9] {
             let mut all: Vec<_> =
                 bundle(&scenes, target).iter().flat_map(|j| j.cases.clone()).collect();
@@ -160,23 +155,23 @@ mod tests {
         let jobs = bundle(&[scene(20.0, &cases)], 40.0);
         assert_eq!(sizes(&jobs), [18, 12]);
         assert_eq!([jobs[0].seconds, jobs[1].seconds], [200.0, 140.0]);
-        // Where all of the scene fits in a new job, it is not split over two.
+        // A scene that fits in a new job is not split over two.
         let short = [scene(0.0, &[(4, 4, 30.0)]), scene(1.0, &cases[..3])];
         assert_eq!(sizes(&bundle(&short, 40.0)), [3, 1]);
     }
 
     #[test]
     fn what_cases_on_a_mesh_keep_counts_once() {
-        let mut own = scene(0.0, &[(8, 1, 1.0), (8, 2, 1.0), (8, 4, 1.0), (16, 4, 1.0)]);
+        let mut on_two_meshes = scene(0.0, &[(8, 1, 1.0), (8, 2, 1.0), (8, 4, 1.0), (16, 4, 1.0)]);
         let kept = [1e7, 2e7, 4e7, 8e7];
-        own.costs.cases.iter_mut().zip(kept).for_each(|(cost, kept)| {
+        on_two_meshes.costs.cases.iter_mut().zip(kept).for_each(|(cost, kept)| {
             (cost.memory_bytes, cost.kept_bytes) = (1e6 + kept, kept);
         });
-        let jobs = bundle(std::slice::from_ref(&own), 100.0);
+        let jobs = bundle(std::slice::from_ref(&on_two_meshes), 100.0);
         assert_eq!((jobs.len(), jobs[0].bytes), (1, 1e6 + 4e7 + 8e7));
-        // Where more would be kept than a job may take, another one begins.
-        own.costs.cases[3].kept_bytes = 1.05e9;
-        own.costs.cases[3].memory_bytes = 1.06e9;
-        assert_eq!(sizes(&bundle(&[own], 100.0)), [3, 1]);
+        // If more would be kept than a job may take, another one begins.
+        on_two_meshes.costs.cases[3].kept_bytes = 1.05e9;
+        on_two_meshes.costs.cases[3].memory_bytes = 1.06e9;
+        assert_eq!(sizes(&bundle(&[on_two_meshes], 100.0)), [3, 1]);
     }
 }

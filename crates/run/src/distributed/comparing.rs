@@ -1,4 +1,4 @@
-//! The baseline beside a merge: of the cases that pass, those that it has recorded are kept.
+//! Comparison with the baseline during a merge: only recorded cases are kept.
 
 use std::collections::BTreeSet;
 
@@ -6,22 +6,20 @@ use crate::sweep::ScenePlan;
 use judge::record::CaseRecord;
 use judge::verdict::{Baseline, Comparison, Run, Verdict};
 
-/// A baseline, and what is there to be compared with it.
 pub(crate) struct Comparing<'a> {
     baseline: &'a Baseline,
     runs: Vec<Run>,
     kept: Vec<CaseRecord>,
-    /// The recorded cases of the scene that passes.
+    /// Recorded cases of the current scene.
     recorded: BTreeSet<(Option<u32>, u32)>,
 }
 
 impl<'a> Comparing<'a> {
-    /// Before the first scene.
     pub(crate) fn new(baseline: &'a Baseline) -> Self {
         Self { baseline, runs: Vec::new(), kept: Vec::new(), recorded: BTreeSet::new() }
     }
 
-    /// Before the cases of a scene.
+    /// Called before the cases of a scene.
     pub(crate) fn open(&mut self, plan: &ScenePlan, own_grids: bool) {
         let scene = plan.scene();
         let recorded = self.baseline.scenes.get(&scene.name);
@@ -33,14 +31,14 @@ impl<'a> Comparing<'a> {
         self.runs.push(Run { scene, hash, planned, own_grids });
     }
 
-    /// Keeps a case of that scene, if it is recorded.
+    /// Keeps a case of the current scene, if it is recorded.
     pub(crate) fn keep(&mut self, case: &CaseRecord) {
         if self.recorded.contains(&(case.n, case.steps)) {
             self.kept.push(case.clone());
         }
     }
 
-    /// The comparison of all scenes, in this order, with what their verdicts leave owing.
+    /// The comparison of all scenes, in this order, including what their verdicts leave owing.
     pub(crate) fn found(mut self, order: &[&str], verdicts: &[Verdict]) -> Comparison {
         let place = |run: &Run| order.iter().position(|&name| name == run.scene);
         self.runs.sort_by_cached_key(place);

@@ -1,6 +1,6 @@
-//! Records of many processes made one table, and judged scene by scene.
+//! Merges the records of many processes into one table, and judges scene by scene.
 //!
-//! Memory: a fixed number of cases while they are sorted; then, of the scene that is judged, what its predictions use.
+//! Memory: a fixed number of cases while sorting; then the predictions' data of one scene.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -19,40 +19,31 @@ use judge::verdict::{Baseline, Comparison, Verdict};
 use scene::setup::{SetupError, Subject};
 use scene::{Norm, Scene, SceneError};
 
-/// Why nothing was merged.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// A directory or file cannot be read.
     #[error("{}: {reason}", path.display())]
     Unreadable { path: PathBuf, reason: String },
     /// A part does not belong to the others.
     #[error("{}: {what}; leave the directory out, or run its cases again", dir.display())]
     Different { dir: PathBuf, what: String },
-    /// Two records of one case.
     #[error(
         "{id}: the records in {} differ in more than their seconds; remove the wrong one, or run the case again",
         in_words(parts)
     )]
     Disagree { id: String, parts: Vec<PathBuf> },
-    /// A case that nobody asked for.
+    /// A case that was not planned.
     #[error("{}: {id} is no case of the plan; leave the directory out", in_words(parts))]
     Unplanned { id: String, parts: Vec<PathBuf> },
-    /// Cases that are nowhere.
     #[error("{0}")]
     Missing(Missing),
-    /// A scene at fault.
     #[error("{0}")]
     Scene(#[from] Box<SceneError>),
-    /// A scene that cannot be set up.
     #[error("{0}")]
     Setup(#[from] Box<SetupError>),
-    /// The plan is at fault.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A table is at fault, or cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// Anything else, said in full.
     #[error("{0}")]
     Other(String),
 }
@@ -61,27 +52,21 @@ fn in_words(parts: &[PathBuf]) -> String {
     parts.iter().map(|part| part.display().to_string()).collect::<Vec<_>>().join(" and ")
 }
 
-/// What a merge came to.
 pub struct Merged {
-    /// As of one process, scene by scene.
     pub verdicts: Vec<Verdict>,
-    /// Records of failed cases, with their reasons.
+    /// Records of failed cases, with reasons.
     pub failed: Vec<CaseRecord>,
-    /// Cases that are recorded as skipped.
+    /// Cases recorded as skipped.
     pub missing: Missing,
-    /// All cases of the table.
+    /// Number of cases in the table.
     pub cases: usize,
-    /// With the baseline, where one was given.
     pub comparison: Option<Comparison>,
-    /// Scenes with texts and remarks; what ran the merge is not in it.
+    /// Scenes with texts and remarks, without the machine of the merge.
     pub provenance: Provenance,
 }
 
-/// Merges `parts` into a table that is to stand at `table`, for the caller to finish, and judges; files go below
-/// `folder` meanwhile. With `incomplete`, missing cases are recorded as skipped. What `baseline` has recorded is compared.
-///
-/// # Errors
-/// [`MergeError`].
+/// Merges `parts` into a table that is to stand at `table`, for the caller to finish, and judges; temporary files go
+/// below `folder`. With `incomplete`, missing cases are recorded as skipped. Cases recorded in `baseline` are compared.
 pub fn merge(
     parts: &Parts,
     plan: Option<(&Plan, &Path)>,
@@ -148,19 +133,18 @@ struct Merging<'a> {
     merged: Merged,
 }
 
-/// A scene while its cases pass.
 struct Open<'a> {
-    /// Its cases are in `expected`.
+    /// Its cases are moved to `expected`.
     plan: ScenePlan,
-    /// The cases that must be there, in the order of the table, and how many have passed.
+    /// Expected cases in table order, and how many have passed.
     expected: Vec<Awaited>,
     passed: usize,
-    /// Norms that predictions use: the others are written and forgotten.
+    /// Norms used by predictions; the others are written and dropped.
     judged: BTreeSet<&'a str>,
     records: Vec<CaseRecord>,
 }
 
-/// A case that must be there. Most cases have the same norms, and there may be a million of them.
+/// An expected case. Most cases share their norms, and there may be a million of them.
 struct Awaited {
     n: Option<u32>,
     steps: u32,
@@ -168,7 +152,7 @@ struct Awaited {
 }
 
 impl Awaited {
-    /// The cases of a plan in the order of the table, each once.
+    /// The cases of a plan in table order, each once.
     fn of(mut cases: Vec<CasePlan>) -> Vec<Self> {
         cases.sort_by_key(|case| (case.n, case.steps));
         cases.dedup_by_key(|case| (case.n, case.steps));
@@ -218,7 +202,7 @@ impl Merging<'_> {
         Ok(open.judge())
     }
 
-    /// The next case, of which all records agree.
+    /// The next case, if all its records agree.
     fn one(&mut self) -> Result<Option<(Key, CaseRecord)>, MergeError> {
         let Some((key, first)) = self.sorted.next()? else { return Ok(None) };
         while self.sorted.is_next(&key) {
@@ -231,7 +215,6 @@ impl Merging<'_> {
         Ok(Some((key, first)))
     }
 
-    /// Takes a case that was run.
     fn pass(
         &mut self,
         open: &mut Open<'_>,
@@ -292,7 +275,7 @@ impl Merging<'_> {
             comparing.keep(&case);
         }
         if open.plan.scene().judge {
-            // Shrunk in place, each list would leave a hole that no other fits into.
+            // Reallocated: shrinking in place would leave unusable holes.
             let judged = |entry: &&NormError| open.judged.contains(entry.norm.as_str());
             let mut kept = Vec::with_capacity(case.errors.iter().filter(judged).count());
             kept.extend(case.errors.iter().filter(judged).cloned());
@@ -302,23 +285,22 @@ impl Merging<'_> {
         Ok(())
     }
 
-    /// Keeps of a scene what the provenance says.
     fn note(&mut self, plan: &ScenePlan) {
         let Scene { name, source, .. } = plan.scene();
-        let own = &mut self.merged.provenance;
-        own.scenes.insert(name.clone(), source.hash.clone());
-        own.texts.insert(name.clone(), source.text.clone());
+        let provenance = &mut self.merged.provenance;
+        provenance.scenes.insert(name.clone(), source.hash.clone());
+        provenance.texts.insert(name.clone(), source.text.clone());
         if let Some(mesh) = &source.mesh {
-            own.meshes.insert(name.clone(), mesh.clone());
+            provenance.meshes.insert(name.clone(), mesh.clone());
         }
         if let Some(remark) = plan.step_remark().ok().flatten() {
-            own.step_sizes.insert(name.clone(), remark.text);
+            provenance.step_sizes.insert(name.clone(), remark.text);
         }
         if let Some(asked) = blocks(plan) {
-            own.cases.insert(name.clone(), asked);
+            provenance.cases.insert(name.clone(), asked);
         }
         if let Some(added) = self.parts.added.get(name) {
-            own.added_cases.insert(name.clone(), added.clone());
+            provenance.added_cases.insert(name.clone(), added.clone());
         }
     }
 }
@@ -334,7 +316,7 @@ impl Open<'_> {
             return Vec::new();
         }
         let foreseen = foresee(&self.plan.subject, &self.records);
-        // Cases that are not there are recorded as skipped: the records are all that is expected.
+        // Missing cases are recorded as skipped, so the records are complete.
         judge_scene(scene, &self.records, &[], &foreseen)
     }
 }

@@ -1,4 +1,4 @@
-//! Cases that a merge or a report does not find, in words.
+//! Missing cases of a merge or report, in words.
 
 use std::path::Path;
 
@@ -9,31 +9,29 @@ use judge::record::Key;
 /// Missing cases that are named before the rest is counted.
 pub const NAMED: usize = 10;
 
-/// Cases that were asked for and are in no part, or have lost rows.
+/// Requested cases that are in no part, or have lost rows.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Missing {
-    /// The number of missing cases.
     pub number: usize,
-    /// The first of them, with the job that runs it where there is a plan.
+    /// The first of them, with their job if there is a plan.
     pub first: Vec<(String, Option<usize>)>,
-    /// What to do about it.
+    /// How to obtain them.
     pub way: WayOn,
 }
 
-/// How missing cases come to be.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub enum WayOn {
-    /// They are jobs of a plan.
+    /// Run their jobs of a plan.
     Plan,
-    /// They are on the grids of scenes, as no plan was given.
+    /// Run them on the grids of scenes; there is no plan.
     #[default]
     Grids,
-    /// They are those of a sweep that has not come to its end.
+    /// Resume an unfinished sweep.
     Resume,
 }
 
 impl Missing {
-    /// Cases that an unfinished sweep owes.
+    /// Cases that an unfinished sweep still owes.
     pub fn of_sweep(missing: &[Key]) -> Self {
         let first = missing.iter().take(NAMED).map(|key| (id(key), None)).collect();
         Self { number: missing.len(), first, way: WayOn::Resume }
@@ -60,9 +58,6 @@ impl std::fmt::Display for Missing {
 }
 
 /// The ids of the first missing cases with their jobs.
-///
-/// # Errors
-/// The plan's table cannot be read.
 pub(crate) fn with_jobs(
     missing: &[Key],
     plan: Option<(&Plan, &Path)>,

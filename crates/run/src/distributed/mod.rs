@@ -1,4 +1,4 @@
-//! Sweeps beyond one machine: a plan of jobs for an engine, the cases of a job, and their records merged and judged as
+//! Distributed sweeps: a plan of jobs for an engine, the cases of a job, and the merge of their records, judged like
 //! those of one process.
 
 mod bundle;

@@ -1,4 +1,4 @@
-//! One part of a sweep: some cases of a plan run in one process, their records published at the end in one step.
+//! Runs some cases of a plan in one process; their records are published atomically at the end.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,51 +14,41 @@ use judge::record::{CaseRecord, RecordError, write_sorted};
 use judge::verdict::{DocumentError, failures, write_json};
 use scene::setup::{SetupError, Subject};
 
-/// Below the directory of a part: where its cases are recorded until all are there.
+/// Below the directory of a part: holds records until all are there.
 const UNFINISHED: &str = ".unfinished";
 
-/// Why a part was not run.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
-    /// The plan is at fault, or a scene has changed.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A scene cannot be set up.
     #[error(transparent)]
     Setup(#[from] Box<SetupError>),
-    /// More memory than there is: an engine tries again where there is more, so this is no record.
+    /// More memory than available. Not a record, since an engine may retry where there is more.
     #[error("{id}: {reason}")]
     TooLarge { id: String, reason: TooLarge },
-    /// The directory is held by another process.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// Records cannot be written.
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    /// Likewise.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The reasons of failures cannot be written.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// Another file cannot be written or removed.
     #[error("{}: {reason}", path.display())]
     Io { path: PathBuf, reason: String },
 }
 
-/// What became of a part.
 #[derive(Debug)]
 pub struct PartRun {
-    /// Its records, by scene, n and steps.
+    /// Sorted by scene, n and steps.
     pub records: Vec<CaseRecord>,
-    /// They were there before.
+    /// The records existed before.
     pub known: bool,
 }
 
-/// The scenes of the rows with the rows' cases, in the plan's order of scenes.
+/// The scenes of the rows with their cases, in the plan's order of scenes.
 ///
-/// # Errors
-/// A scene that has changed since the plan was made, or a row that is no case of it.
+/// # Errors A scene that has changed since the plan was made, or a row that is not a case of it.
 pub(crate) fn plans(
     plan: &Plan,
     dir: &Path,
@@ -72,13 +62,13 @@ pub(crate) fn plans(
         let Some(rows) = of_scene.remove(planned.name.as_str()) else { continue };
         planned.unchanged()?;
         let subject = Subject::new(planned.scene(dir)?).map_err(Box::new)?;
-        let mut own = ScenePlan::new(subject, &grid(plan, &rows));
-        own.cases.retain(|case| rows.iter().any(|r| r.n == case.n && r.steps == case.steps));
-        if own.cases.len() != rows.len() {
+        let mut scene_plan = ScenePlan::new(subject, &grid(plan, &rows));
+        scene_plan.cases.retain(|case| rows.iter().any(|r| r.n == case.n && r.steps == case.steps));
+        if scene_plan.cases.len() != rows.len() {
             let reason = format!("rows of `{}` are no cases of that scene", planned.name);
             return Err(malformed(dir.join(CASES), reason).into());
         }
-        plans.push(own);
+        plans.push(scene_plan);
     }
     match of_scene.keys().next() {
         Some(scene) => {
@@ -89,8 +79,8 @@ pub(crate) fn plans(
     }
 }
 
-/// The smallest grid that holds the rows: a plan may have a million cases, a job has few. The scene's own grid, which
-/// may be a path, where the plan has it.
+/// A small grid that contains the rows, since a plan may have a million cases and a job few; the scene's default grid
+/// (possibly a path) if the plan uses it.
 fn grid(plan: &Plan, rows: &[&CaseRow]) -> Overrides {
     let list = |values: &mut dyn Iterator<Item = u32>| {
         let mut list: Vec<u32> = values.collect();
@@ -107,11 +97,10 @@ fn grid(plan: &Plan, rows: &[&CaseRow]) -> Overrides {
     }
 }
 
-/// Runs the cases of `rows` one after the other and publishes them in `out`. Complete records that are there already are
-/// kept, and what a killed process had finished is not run again.
+/// Runs the cases of `rows` one after the other and publishes them in `out`. Complete records, and cases that a killed
+/// process had finished, are kept.
 ///
-/// # Errors
-/// [`PartError`]: nothing is published then. A case whose solver fails is a record.
+/// # Errors [`PartError`]: nothing is published then. A case whose solver fails is a record.
 pub fn run_part(
     plan: &Plan,
     dir: &Path,
@@ -125,7 +114,7 @@ pub fn run_part(
         let too_large = |reason| PartError::TooLarge { id: row.id.clone(), reason };
         machine.memory.admit(row.bytes, false).map_err(too_large)?;
     }
-    // Records of another plan or version are no records of this part; they are replaced at the end.
+    // Records of another plan or version are replaced at the end.
     if let Ok(Resumed { records, doubts }) = resume(out, &plans) {
         if records.len() == rows.len() {
             return Ok(PartRun { records, known: true });
@@ -149,14 +138,14 @@ pub fn run_part(
     Ok(PartRun { records, known: false })
 }
 
-/// Puts the table at its place as the last of the files: without it the directory holds no records.
+/// Publishes the files, the table last: without it the directory holds no records.
 fn publish(out: &Path, records: &[CaseRecord], provenance: &Provenance) -> Result<(), PartError> {
     let [table, document] = ["cases.csv", "verdict.json"].map(|name| out.join(name));
     for path in [&table, &document] {
         remove_if_there(path)
             .map_err(|error| PartError::Io { path: path.clone(), reason: error.to_string() })?;
     }
-    // Those that a killed process left.
+    // Left by a killed process.
     make_directory(out)
         .map_err(|error| PartError::Io { path: out.to_owned(), reason: error.to_string() })?;
     provenance.write(out).map_err(|(path, reason)| PartError::Io { path, reason })?;
@@ -167,7 +156,6 @@ fn publish(out: &Path, records: &[CaseRecord], provenance: &Provenance) -> Resul
     Ok(write_sorted(&table, records)?)
 }
 
-/// The failed cases of a part in words, for a message.
 pub fn failed_in_words(records: &[CaseRecord]) -> Option<String> {
     let failed = failures(records);
     let first = failed.first()?;

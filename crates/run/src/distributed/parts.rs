@@ -1,4 +1,4 @@
-//! The directories that are merged, and whether they belong together.
+//! The directories of a merge, and whether they belong together.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,23 +13,18 @@ use scene::Scene;
 /// Directories with records of one version, and of one text of each scene.
 #[derive(Debug)]
 pub struct Parts {
-    /// One a part.
     pub dirs: Vec<PathBuf>,
-    /// The platform that made all of them.
     pub platform: Option<String>,
-    /// Why cases failed.
     pub reasons: BTreeMap<Key, String>,
-    /// Cases beyond the grids of scenes.
     pub added: BTreeMap<String, Vec<AddedCase>>,
     /// Hash of each scene, and the first part that has it.
     scenes: BTreeMap<String, (String, usize)>,
 }
 
 impl Parts {
-    /// The parts below `given`: a directory with records is one, of another its subdirectories with records are.
+    /// The parts below `given`: a directory with records, or else its subdirectories with records.
     ///
-    /// # Errors
-    /// No records below a directory; parts that do not belong together, or not to the plan.
+    /// # Errors No records below a directory; parts that do not belong together, or not to the plan.
     pub fn open(given: &[PathBuf], plan: Option<&Plan>) -> Result<Self, MergeError> {
         let mut dirs = Vec::new();
         for dir in given {
@@ -51,10 +46,10 @@ impl Parts {
         let known = Provenance::read(&dir)
             .map_err(|(path, reason)| MergeError::Unreadable { path, reason })?
             .ok_or_else(|| different("records without provenance.json".into()))?;
-        let own = env!("CARGO_PKG_VERSION");
-        if known.version != own {
+        let version = env!("CARGO_PKG_VERSION");
+        if known.version != version {
             return Err(different(format!(
-                "the records are of version {}, this is {own}",
+                "the records are of version {}, this is {version}",
                 known.version
             )));
         }
@@ -69,7 +64,8 @@ impl Parts {
             _ => self.platform = Some(known.platform),
         }
         for (scene, hash) in known.scenes {
-            let planned = plan.map(|plan| plan.planned(&scene).map(|own| own.hash.clone()));
+            let planned = plan
+                .map(|plan| plan.planned(&scene).map(|planned_scene| planned_scene.hash.clone()));
             let (wanted, of) = match (planned, self.scenes.get(&scene)) {
                 (Some(None), _) => {
                     return Err(different(format!("the scene `{scene}` is not in the plan")));
@@ -103,20 +99,17 @@ impl Parts {
         Ok(())
     }
 
-    /// The tables, in the order of the parts.
     pub(crate) fn tables(&self) -> Vec<PathBuf> {
         self.dirs.iter().map(|dir| dir.join("cases.csv")).collect()
     }
 
-    /// The names of all scenes, sorted.
     pub(crate) fn scenes(&self) -> impl Iterator<Item = &String> {
         self.scenes.keys()
     }
 
-    /// A scene, from the text that its first part keeps.
+    /// A scene, from the text in its first part.
     ///
-    /// # Errors
-    /// The text is not there or at fault.
+    /// # Errors The text is missing or invalid.
     pub(crate) fn scene(&self, name: &str) -> Result<Scene, MergeError> {
         let nothing = |path: &Path| MergeError::Unreadable {
             path: path.to_owned(),
@@ -133,7 +126,7 @@ impl Parts {
         scene.flatten().ok_or_else(|| nothing(&dir.join("provenance.json")))
     }
 
-    /// The parts that hold a case. Only asked for messages: every table is read.
+    /// The parts that hold a case; reads every table, for messages only.
     pub(crate) fn holders(&self, key: &Key) -> Vec<PathBuf> {
         let holds = |dir: &&PathBuf| {
             CaseStream::open(&dir.join("cases.csv"))
@@ -143,7 +136,7 @@ impl Parts {
     }
 }
 
-/// The parts of a directory that was named.
+/// The parts of a given directory.
 fn with_records(dir: &Path) -> Result<Vec<PathBuf>, MergeError> {
     let is_part = |dir: &Path| dir.join("cases.csv").is_file();
     if is_part(dir) {
@@ -156,7 +149,7 @@ fn with_records(dir: &Path) -> Result<Vec<PathBuf>, MergeError> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(dir).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
-        // What a killed process had recorded is no part of anything.
+        // Unpublished records of a killed process.
         if !entry.file_name().to_string_lossy().starts_with('.') && is_part(&entry.path()) {
             found.push(entry.path());
         }

@@ -1,4 +1,4 @@
-//! A plan on disk: what every process that runs a part of the sweep has to agree on.
+//! A plan on disk: what all processes of a sweep have to agree on.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -14,31 +14,27 @@ use scene::{Scene, SceneError, Source};
 
 /// Scenes, arguments and version of the plan, below its directory.
 pub const PLAN: &str = "plan.json";
-/// One row per case: what it takes and which job runs it.
+/// One row per case: its cost and job.
 pub const CASES: &str = "plan.csv";
-/// One row per job: what it takes and what it asks for.
+/// One row per job: its cost and request.
 pub const JOBS: &str = "jobs.csv";
 
-/// Why a plan cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    /// The file system refused.
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    /// No file of this program.
+    /// Not a file of this program.
     #[error("{}: {reason}; make the plan again with `sweep plan`", path.display())]
     Malformed { path: PathBuf, reason: String },
-    /// Made by another version.
     #[error(
-        "{}: the plan is of version {found}, this is {own}: records of both would not be of one sweep; run its cases with version {found}, or plan again", path.display()
+        "{}: the plan is of version {found}, this is {running}: records of both would not be of one sweep; run its cases with version {found}, or plan again", path.display()
     )]
-    Version { path: PathBuf, found: String, own: String },
-    /// The scene is not the one that was planned.
+    Version { path: PathBuf, found: String, running: String },
+    /// The scene differs from the planned one.
     #[error(
         "{}: the scene `{scene}` has changed since the plan was made ({planned} planned, {found} found); plan again into another directory, or restore the file (its text is kept in {PLAN} of the plan)", path.display()
     )]
     Changed { path: PathBuf, scene: String, planned: String, found: String },
-    /// The text in the plan is at fault.
     #[error("{0}")]
     Scene(#[from] Box<SceneError>),
     /// The plan has no such case or job.
@@ -46,85 +42,73 @@ pub enum PlanError {
     Unknown { path: PathBuf, what: String, cases: usize },
 }
 
-/// A scene as it was when the plan was made.
+/// A scene as planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlannedScene {
-    /// Its name.
     pub name: String,
-    /// Hash of its text, its mesh file included.
+    /// Hash of its text, including its mesh file.
     pub hash: String,
-    /// The file it was read from: where that is there, it must not have changed.
+    /// The file it was read from; if it exists, it must not have changed.
     pub file: PathBuf,
     /// Its text: a machine that runs a job needs no folder of scenes.
     pub text: String,
-    /// The text of its mesh file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<String>,
 }
 
-/// A sweep that is to run in many processes.
+/// A sweep to be run in many processes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Version of the program.
     pub version: String,
-    /// Cells per unit length in place of those of the scenes.
+    /// Overrides the scenes' `n`.
     pub n: Option<Vec<u32>>,
-    /// Numbers of steps in place of those of the scenes.
+    /// Overrides the scenes' `steps`.
     pub steps: Option<Vec<u32>>,
     /// Predicted CPU seconds that a job of several cases may have.
     pub bundle_seconds: f64,
-    /// Number of cases.
     pub cases: usize,
-    /// Number of jobs, which are called 0, 1, …
+    /// Number of jobs, named 0, 1, …
     pub jobs: usize,
-    /// The scenes, in the order of their verdicts.
+    /// In the order of their verdicts.
     pub scenes: Vec<PlannedScene>,
 }
 
-/// A row of `plan.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseRow {
     /// `SCENE:nN:NSTEPS`, `SCENE:NSTEPS` without a mesh.
     pub id: String,
-    /// Name of the scene.
     pub scene: String,
-    /// Cells per unit length; empty in an abstract scene.
+    /// Empty for abstract scenes.
     pub n: Option<u32>,
-    /// Number of steps.
     pub steps: u32,
     /// Predicted CPU seconds in a separate process, without a reference run.
     pub seconds: f64,
     /// Predicted peak memory of that process.
     pub bytes: f64,
-    /// The job that runs it.
     pub job: usize,
 }
 
-/// A row of `jobs.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JobRow {
-    /// Its number.
     pub job: usize,
-    /// How many cases it runs.
+    /// Number of cases.
     pub cases: usize,
-    /// Predicted CPU seconds, reference runs included.
+    /// Predicted CPU seconds, including reference runs.
     pub seconds: f64,
-    /// Predicted peak memory.
     pub bytes: f64,
-    /// Memory to ask for, in MB of 2^20 bytes.
+    /// Memory to request, in MB of 2^20 bytes.
     pub mem_mb: u64,
-    /// Time to ask for, in minutes.
+    /// Time to request, in minutes.
     pub runtime: u64,
 }
 
 impl CaseRow {
-    /// Its key in records.
     pub fn key(&self) -> Key {
         Key { scene: self.scene.clone(), n: self.n, steps: self.steps }
     }
 }
 
-/// The id of a case. A colon stands in no name of a scene.
+/// The id of a case. Names of scenes contain no colon.
 pub fn id(key: &Key) -> String {
     match key.n {
         Some(n) => format!("{}:n{n}:N{}", key.scene, key.steps),
@@ -133,7 +117,7 @@ pub fn id(key: &Key) -> String {
 }
 
 impl PlannedScene {
-    /// The scene with the file that it stands in, as it is now.
+    /// The scene with its file, as it is now.
     pub(crate) fn new(scene: &Scene) -> Self {
         let Source { path, text, hash, mesh, .. } = &scene.source;
         Self {
@@ -145,10 +129,9 @@ impl PlannedScene {
         }
     }
 
-    /// The scene that was planned, from its text; `dir` is the plan's directory.
+    /// The planned scene, from its text; `dir` is the plan's directory.
     ///
-    /// # Errors
-    /// [`PlanError::Scene`], [`PlanError::Malformed`] if text and hash do not belong together.
+    /// # Errors [`PlanError::Scene`], [`PlanError::Malformed`] if text and hash do not match.
     pub(crate) fn scene(&self, dir: &Path) -> Result<Scene, PlanError> {
         let path = dir.join(PLAN);
         let mut source =
@@ -164,10 +147,9 @@ impl PlannedScene {
         Ok(scene)
     }
 
-    /// Refuses a scene whose file says something else than the plan. A file that is not on this machine says nothing.
+    /// Refuses a scene whose file has changed since. A missing file is accepted.
     ///
-    /// # Errors
-    /// [`PlanError::Changed`].
+    /// # Errors [`PlanError::Changed`].
     pub(crate) fn unchanged(&self) -> Result<(), PlanError> {
         if !self.file.is_file() {
             return Ok(());
@@ -185,8 +167,7 @@ impl PlannedScene {
 impl Plan {
     /// Reads the plan in `dir`.
     ///
-    /// # Errors
-    /// [`PlanError`]; a plan of another version is refused.
+    /// # Errors [`PlanError`]; a plan of another version is refused.
     pub fn read(dir: &Path) -> Result<Self, PlanError> {
         let path = dir.join(PLAN);
         let text =
@@ -195,17 +176,18 @@ impl Plan {
             path: path.clone(),
             reason: error.to_string(),
         })?;
-        let own = env!("CARGO_PKG_VERSION");
-        if plan.version != own {
-            return Err(PlanError::Version { path, found: plan.version, own: own.to_owned() });
+        let running = env!("CARGO_PKG_VERSION");
+        if plan.version != running {
+            return Err(PlanError::Version {
+                path,
+                found: plan.version,
+                running: running.to_owned(),
+            });
         }
         Ok(plan)
     }
 
     /// Writes the plan with its tables into `dir`, plan.json last: without it there is no plan.
-    ///
-    /// # Errors
-    /// [`PlanError::Io`].
     pub(crate) fn write(
         &self,
         dir: &Path,
@@ -222,20 +204,17 @@ impl Plan {
         replace_file(&path, &text).map_err(|source| PlanError::Io { path, source })
     }
 
-    /// Grids in place of the scenes' own.
     pub(crate) fn overrides(&self) -> Overrides {
         Overrides { n: self.n.clone(), steps: self.steps.clone() }
     }
 
-    /// A scene of the plan by its name.
     pub(crate) fn planned(&self, name: &str) -> Option<&PlannedScene> {
         self.scenes.iter().find(|scene| scene.name == name)
     }
 
     /// The rows of `plan.csv` with one of these ids, or of one of these jobs.
     ///
-    /// # Errors
-    /// [`PlanError::Unknown`] if one of them is not there.
+    /// # Errors [`PlanError::Unknown`] if one of them is missing.
     pub fn rows(
         &self,
         dir: &Path,
@@ -245,7 +224,7 @@ impl Plan {
         let path = dir.join(CASES);
         let mut ids: BTreeSet<&str> = ids.iter().map(String::as_str).collect();
         let mut left: BTreeSet<usize> = jobs.iter().copied().collect();
-        // Jobs stand one after the other.
+        // Jobs are contiguous.
         let last = jobs.iter().max().filter(|_| ids.is_empty()).copied();
         let mut found = Vec::new();
         for row in rows(&path)? {
@@ -268,10 +247,9 @@ impl Plan {
     }
 }
 
-/// The rows of a `plan.csv`, one after the other.
+/// Streams the rows of a `plan.csv`.
 ///
-/// # Errors
-/// [`PlanError::Io`]; a malformed row is the error of its item.
+/// # Errors [`PlanError::Io`]; a malformed row is the error of its item.
 pub(crate) fn rows(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<CaseRow, PlanError>> + use<>, PlanError> {
@@ -285,7 +263,7 @@ pub(crate) fn rows(
     Ok(table.into_deserialize().map(move |row| row.map_err(&malformed)))
 }
 
-/// Writes a table in one piece, row by row.
+/// Writes a table atomically, row by row.
 fn table<R: Serialize>(path: &Path, rows: impl Iterator<Item = R>) -> Result<(), PlanError> {
     let write = || -> io::Result<()> {
         let mut table = csv::Writer::from_writer(Replacement::create(path)?);

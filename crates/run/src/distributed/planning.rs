@@ -1,4 +1,4 @@
-//! From scenes to a plan: predictions of all cases, jobs with what they ask the engine for, and the files that it reads.
+//! From scenes to a plan: predicted costs, jobs with their requests, and the files that an engine reads.
 
 use std::path::{Path, PathBuf};
 
@@ -10,31 +10,27 @@ use files::{make_directory, replace_file};
 use judge::record::Key;
 use scene::setup::SetupError;
 
-/// What runs the jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Engine {
-    /// Snakemake, by a `Snakefile`.
+    /// By a `Snakefile`.
     Snakemake,
-    /// Slurm, by job arrays.
+    /// By job arrays.
     Slurm,
-    /// Something else that reads the tables.
+    /// Any other reader of the tables.
     Tables,
 }
 
-/// Why no plan was written.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanningError {
-    /// A file cannot be written.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A plan is there, and it is not this one.
+    /// Another plan exists there.
     #[error(
         "{}: another plan stands here, and what was run by it would be lost; choose another directory with --out, or remove this one", path.display()
     )]
     Other { path: PathBuf },
 }
 
-/// A scene of a plan, and what its cases take.
 pub struct PlannedCases {
     scene: PlannedScene,
     costs: SceneCosts,
@@ -43,8 +39,7 @@ pub struct PlannedCases {
 impl PlannedCases {
     /// Predicts the cases of a scene; its meshes are made and analysed.
     ///
-    /// # Errors
-    /// A cell that the boundary of a region cuts.
+    /// # Errors A cell that the boundary of a region cuts.
     pub fn new(plan: &ScenePlan) -> Result<Self, SetupError> {
         let cases = plan.cases.iter().map(|case| (case.n, case.steps)).collect();
         let costs = SceneCosts { cases, costs: plan.costs()? };
@@ -52,9 +47,7 @@ impl PlannedCases {
     }
 }
 
-/// The jobs of a plan, and the plan itself.
 pub struct Planning {
-    /// What goes into plan.json.
     pub plan: Plan,
     /// One row per job, the longest first.
     pub jobs: Vec<JobRow>,
@@ -63,10 +56,10 @@ pub struct Planning {
 }
 
 impl Planning {
-    /// Puts the cases of `scenes` together to jobs of about `seconds`.
+    /// Bundles the cases of `scenes` into jobs of about `seconds`.
     pub fn new(scenes: Vec<PlannedCases>, overrides: Overrides, seconds: f64) -> Self {
         let (scenes, costs): (Vec<PlannedScene>, Vec<SceneCosts>) =
-            scenes.into_iter().map(|own| (own.scene, own.costs)).unzip();
+            scenes.into_iter().map(|scene| (scene.scene, scene.costs)).unzip();
         let bundles = bundle(&costs, seconds);
         let jobs: Vec<JobRow> =
             bundles.iter().enumerate().map(|(number, job)| request(number, job)).collect();
@@ -75,17 +68,14 @@ impl Planning {
             n: overrides.n,
             steps: overrides.steps,
             bundle_seconds: seconds,
-            cases: costs.iter().map(|own| own.cases.len()).sum(),
+            cases: costs.iter().map(|scene| scene.cases.len()).sum(),
             jobs: jobs.len(),
             scenes,
         };
         Self { plan, jobs, costs, bundles }
     }
 
-    /// Writes the plan for an engine into `dir`. The same plan once more changes nothing but the engine's files.
-    ///
-    /// # Errors
-    /// [`PlanningError`].
+    /// Writes the plan for an engine into `dir`. Repeating it with the same plan changes only the engine's files.
     pub fn write(&self, dir: &Path, engine: Engine) -> Result<(), PlanningError> {
         let io = |path: &Path, source| PlanError::Io { path: path.to_owned(), source };
         make_directory(dir).map_err(|source| io(dir, source))?;
@@ -117,7 +107,7 @@ impl Planning {
         Ok(())
     }
 
-    /// The rows of plan.csv: the longest job first, and in it the longest case.
+    /// The rows of plan.csv: longest job first, and in it the longest case.
     fn rows(&self) -> impl Iterator<Item = CaseRow> {
         self.bundles.iter().enumerate().flat_map(move |(job, bundle)| {
             bundle.cases.iter().map(move |&(s, c)| {
@@ -142,16 +132,16 @@ impl Planning {
 /// Measured over predicted memory is at most 1/0.67 (docs/HOW-WE-KNOW.md), and the plan with its texts is held as well.
 const MEMORY: f64 = 1.5;
 const BESIDE: f64 = 64.0 * MEBIBYTE;
-/// Predicted seconds are coarse (`sweep/cost.rs`), and another machine may be half as fast. A minute for the start of the
-/// process and for reading over a network.
+/// Predicted seconds are coarse (`sweep/cost.rs`), and another machine may be half as fast. The minute is for the start
+/// of the process and reading over a network.
 const TIME: f64 = 4.0;
 const START: f64 = 60.0;
 
 const MEBIBYTE: f64 = 1_048_576.0;
-/// Requests are multiples of so many MB: a scheduler keeps jobs of one size together.
+/// Granularity of requests in MB: schedulers group jobs of equal size.
 const STEP: f64 = 64.0;
 
-/// The row of a job with its request: the predictions with a margin, since a job that exceeds its request is killed.
+/// The row of a job. Its request has a margin, since a job that exceeds it is killed.
 fn request(number: usize, job: &Job) -> JobRow {
     let mem_mb = (MEMORY * job.bytes + BESIDE) / MEBIBYTE;
     let minutes = (TIME * job.seconds + START) / 60.0;

@@ -1,25 +1,23 @@
-//! Job arrays of Slurm from a plan: jobs of like requests in one array, since all tasks of an array ask for the same.
+//! Slurm job arrays from a plan. All tasks of an array have the same request, so jobs of similar requests share one.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::plan::JobRow;
 
-/// The script of a task.
 pub const ARRAY: &str = include_str!("workflow/array.sh");
 
 /// Slurm's default MaxArraySize is 1001, the largest index 1000.
 const LARGEST_ARRAY: usize = 1000;
-/// Requests of an array differ by less than these factors in memory and time.
+/// Factors within which requests of an array differ, in memory and time.
 const MEMORY_CLASS: f64 = 2.0;
 const TIME_CLASS: f64 = 4.0;
 
-/// An array: its file of job numbers, one per line, and what each task asks for.
+/// An array: its file of job numbers, one per line, and the request of each task.
 #[derive(Debug, PartialEq)]
 pub struct Array {
-    /// Below the directory of the plan.
+    /// Relative to the directory of the plan.
     pub file: String,
-    /// Its jobs.
     pub jobs: Vec<usize>,
     /// The largest request of its jobs, in MB.
     pub mem_mb: u64,
@@ -27,13 +25,13 @@ pub struct Array {
     pub runtime: u64,
 }
 
-/// The arrays of a plan, the longest jobs first.
+/// The arrays of a plan, longest jobs first.
 pub(crate) fn arrays(jobs: &[JobRow]) -> Vec<Array> {
     let class = |value: u64, factor: f64| (value.max(1) as f64).log(factor).floor() as i64;
     let mut classes: BTreeMap<(i64, i64), Vec<&JobRow>> = BTreeMap::new();
     for job in jobs {
-        let own = (-class(job.runtime, TIME_CLASS), -class(job.mem_mb, MEMORY_CLASS));
-        classes.entry(own).or_default().push(job);
+        let class_of_job = (-class(job.runtime, TIME_CLASS), -class(job.mem_mb, MEMORY_CLASS));
+        classes.entry(class_of_job).or_default().push(job);
     }
     let chunks = classes.values().flat_map(|jobs| jobs.chunks(LARGEST_ARRAY));
     let array = |(number, jobs): (usize, &[&JobRow])| Array {
@@ -58,7 +56,6 @@ pub(crate) fn submit(arrays: &[Array]) -> String {
     );
     for Array { file, jobs, mem_mb, runtime } in arrays {
         let last = jobs.len().saturating_sub(1);
-        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "sbatch --job-name=sweep --array=0-{last} --mem={mem_mb}M --time={runtime} --ntasks=1 --cpus-per-task=1 \

@@ -1,6 +1,6 @@
-//! The cases of many tables in the order of their keys, in memory that does not grow with their number.
+//! External sort of the cases of many tables by key.
 //!
-//! Cases are collected up to a fixed number, sorted, and written as a table; these tables are read side by side.
+//! Cases are collected up to a fixed number, sorted and written as tables, which are then merged.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,25 +8,24 @@ use std::path::{Path, PathBuf};
 
 use judge::record::{CaseRecord, CaseStream, Key, RecordError, TableWriter};
 
-/// Cases that are sorted in memory at once: some 40 MB with the norms of a contact scene.
+/// Cases sorted in memory at once: some 40 MB with the norms of a contact scene.
 pub const AT_ONCE: usize = 32_768;
 
-/// A sorted source: a table, or what was left in memory.
+/// A sorted source: a table, or the rest in memory.
 type Source = Box<dyn Iterator<Item = Result<CaseRecord, RecordError>>>;
 
 /// All cases by scene, n and steps; of equal keys those of earlier tables come first.
 pub(crate) struct SortedCases {
     sources: Vec<Source>,
-    /// The next case of each source that has one.
+    /// The next case of each source.
     heads: BinaryHeap<Reverse<(Key, usize)>>,
     next: Vec<Option<CaseRecord>>,
 }
 
 impl SortedCases {
-    /// Sorts the cases of `tables`, with at most `at_once` of them in memory and the others in files below `folder`.
+    /// Sorts the cases of `tables`, with at most `at_once` of them in memory and temporary files below `folder`.
     ///
-    /// # Errors
-    /// [`RecordError`] of a table, or of a file below `folder`.
+    /// # Errors [`RecordError`] of a table, or of a file below `folder`.
     pub(crate) fn new(
         tables: &[PathBuf],
         folder: &Path,
@@ -62,10 +61,6 @@ impl SortedCases {
         Ok(())
     }
 
-    /// The next case with its key.
-    ///
-    /// # Errors
-    /// [`RecordError`] of a file below the folder.
     pub(crate) fn next(&mut self) -> Result<Option<(Key, CaseRecord)>, RecordError> {
         let Some(Reverse((key, source))) = self.heads.pop() else { return Ok(None) };
         let case = self.next[source].take();
@@ -73,18 +68,15 @@ impl SortedCases {
         Ok(case.map(|case| (key, case)))
     }
 
-    /// Whether the next case has this key.
     pub(crate) fn is_next(&self, key: &Key) -> bool {
         self.heads.peek().is_some_and(|Reverse((next, _))| next == key)
     }
 
-    /// The scene of the next case.
     pub(crate) fn scene(&self) -> Option<&str> {
         self.heads.peek().map(|Reverse((key, _))| key.scene.as_str())
     }
 }
 
-/// Sorts cases into a separate table.
 fn written(cases: &mut Vec<CaseRecord>, path: &Path) -> Result<Source, RecordError> {
     cases.sort_by_cached_key(CaseRecord::key);
     let mut table = TableWriter::create(path)?;
@@ -93,7 +85,7 @@ fn written(cases: &mut Vec<CaseRecord>, path: &Path) -> Result<Source, RecordErr
     Ok(Box::new(CaseStream::open(path)?))
 }
 
-/// Whether two records of one case say the same: every column but `seconds_*`.
+/// Whether two records of one case agree in every column but `seconds_*`.
 pub(crate) fn agree(a: &CaseRecord, b: &CaseRecord) -> bool {
     let timeless = |case: &CaseRecord| {
         let mut case = CaseRecord {

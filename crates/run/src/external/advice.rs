@@ -1,11 +1,11 @@
-//! What the author of a solver looks at first where a verdict does not pass: a finer case seldom is it.
+//! What to check in an external solver if a verdict does not pass; a finer case seldom helps.
 
 use fem::space::Element;
 use judge::verdict::{Decision, Variable, Verdict};
 use scene::setup::Setup;
 
-/// Begins the reasons of verdicts on another solver that are open or fail with what to look at in the solver. Cases that
-/// failed say it themselves, and where they are too few for an order more of them are what helps.
+/// Prefixes the reasons of open or failed verdicts on an external solver with what to check in it. Failed cases give
+/// their reasons themselves, and where there are too few cases for an order, more of them help.
 pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup) {
     for verdict in verdicts.iter_mut().filter(|verdict| verdict.complete) {
         if verdict.decision != Decision::Pass && verdict.observed.is_some() {
@@ -18,7 +18,7 @@ pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup) {
     }
 }
 
-/// The likeliest first: sums over the past, then contact, then what every solver takes from the case.
+/// Most likely first: sums over the past, then contact, then what every solver takes from the case.
 fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
     let (model, body) = (&setup.model, &setup.body);
     let mut questions = Vec::new();
@@ -29,7 +29,7 @@ fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
     if body.material.projection.is_some() {
         questions.push("is zeta summed by the same rule, this level included".to_owned());
     }
-    // A time error is the difference of two runs on one mesh under the same loads.
+    // A time error is the difference of two runs on one mesh under equal loads.
     if variable == Variable::K && !questions.is_empty() {
         return questions;
     }
@@ -47,8 +47,7 @@ fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
     questions
 }
 
-/// Below it an order is none: no term that a solver may have wrong, a weight of its sums or a kink of its fields, leaves
-/// less than a half.
+/// Smaller orders mean none: a wrong weight of the sums or a kink of the fields leaves at least a half.
 const STUCK: f64 = 0.25;
 
 /// What every solver takes from the case.

@@ -1,5 +1,4 @@
-//! What a solver wrote: displacements of all levels, as `.npy`, `.csv` or a series of `.vtu`, and pressures if they were
-//! asked for.
+//! Output of a solver: displacements of all levels as `.npy`, `.csv` or a series of `.vtu`, and optionally pressures.
 
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -9,61 +8,50 @@ use super::npy::{NpyError, head, length, numbers};
 use super::series::{COLLECTION, SeriesError, each_level, indexed, numbered, read_levels};
 use super::vtu::VtuError;
 
-/// The displacements, (N + 1) × vertices × d.
+/// (N + 1) × vertices × d.
 pub const DISPLACEMENT: &str = "displacement.npy";
-/// The displacements as a table with columns n, vertex, ux, uy (and uz).
+/// A table with columns n, vertex, ux, uy (and uz).
 pub const DISPLACEMENT_TABLE: &str = "displacement.csv";
 /// ξ + λ at the rows of contact.csv, (N + 1) × rows.
 pub const PRESSURE: &str = "pressure.npy";
 
-/// Why an answer cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AnswerError {
-    /// Nothing is there.
     #[error(
         "there is neither {DISPLACEMENT} nor {DISPLACEMENT_TABLE} in {}, nor {COLLECTION} or displacement_0000.vtu …",
         .0.display()
     )]
     Missing(PathBuf),
-    /// A file that cannot be read.
     #[error("{}: {reason}", path.display())]
     Unreadable { path: PathBuf, reason: String },
-    /// A file that is no array of doubles.
+    /// Not an array of doubles.
     #[error("{}: {source}", path.display())]
     Npy { path: PathBuf, source: NpyError },
     /// An array of another shape.
     #[error("{}: shape {found:?} where {wanted:?} ({axes}) is wanted", path.display())]
     Shape { path: PathBuf, found: Vec<usize>, wanted: Vec<usize>, axes: &'static str },
-    /// A number that is none.
     #[error("{}: {value} at level {n}, row {row}", path.display())]
     NotFinite { path: PathBuf, value: f64, n: usize, row: usize },
-    /// A series that is not that of the levels.
+    /// A series that does not match the levels.
     #[error("{}: {source}", path.display())]
     Series { path: PathBuf, source: SeriesError },
-    /// One of its files.
     #[error("{}: {source}", path.display())]
     Vtu { path: PathBuf, source: VtuError },
-    /// A row of the table that is not understood.
     #[error("{}, line {line}: {reason}", path.display())]
     Row { path: PathBuf, line: u64, reason: String },
 }
 
-/// What an answer has to hold.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
     /// t_0 … t_N.
     pub times: &'a [f64],
     /// All vertices of the mesh; z = 0 in the plane.
     pub vertices: &'a [[f64; 3]],
-    /// d.
     pub dimension: usize,
 }
 
-/// The displacements of all levels, level by level, d numbers per vertex: of the first that is there among array, table,
-/// index of a series and files of levels.
-///
-/// # Errors
-/// [`AnswerError`].
+/// The displacements of all levels, level by level, d numbers per vertex, from the first that exists of array, table,
+/// indexed series and numbered files.
 pub fn read_displacements(dir: &Path, wanted: &Wanted<'_>) -> Result<Vec<f64>, AnswerError> {
     read_until(dir, wanted, None)
 }
@@ -98,10 +86,6 @@ pub(super) fn read_until(
     read_levels(&files.map_err(at_fault)?, wanted, until)
 }
 
-/// The pressures of all levels, level by level.
-///
-/// # Errors
-/// [`AnswerError`].
 pub(super) fn read_pressures(
     dir: &Path,
     [levels, points]: [usize; 2],
@@ -110,7 +94,7 @@ pub(super) fn read_pressures(
     read_array(dir.join(PRESSURE), &[levels, points], "levels N + 1, rows of contact.csv", until)
 }
 
-/// Shape and length are known to be right before a number is read.
+/// Shape and length are checked before a number is read.
 fn read_array(
     path: PathBuf,
     wanted: &[usize],
@@ -134,7 +118,7 @@ fn read_array(
         return Err(no_array(NpyError::Length { shape, wanted: bytes, found }));
     }
     let mut data = Vec::with_capacity(bytes);
-    // It may grow meanwhile.
+    // The file may grow meanwhile.
     file.take(bytes as u64).read_to_end(&mut data).map_err(unreadable)?;
     let array = numbers(shape, &data).map_err(no_array)?;
     finite(&path, &array.numbers, wanted[0])?;
@@ -152,7 +136,7 @@ fn finite(path: &Path, numbers: &[f64], levels: usize) -> Result<(), AnswerError
     }
 }
 
-/// Two counters and three numbers of 25 letters take 95; blanks may stand between.
+/// Two counters and three numbers of 25 letters take 95 bytes; the rest is for blanks.
 const BYTES_A_ROW: SizeLimit = SizeLimit { first: 1 << 12, each: 1 << 8 };
 
 /// Rows n, vertex, components in any order; each pair once.

@@ -1,4 +1,4 @@
-//! Files of another program, read if they are files, no longer than what they are to hold can be, and in time.
+//! Bounded reading of another program's files: regular files only, with limits of length and time.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -7,23 +7,19 @@ use std::time::Instant;
 
 use files::open_file;
 
-/// The most bytes of a file with so many parts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SizeLimit {
-    /// For what is there once.
     pub first: u64,
-    /// The most bytes of each part.
     pub each: u64,
 }
 
 impl SizeLimit {
-    /// Of a file with `count` parts.
     pub(crate) fn of(self, count: usize) -> u64 {
         self.first.saturating_add(self.each.saturating_mul(count as u64))
     }
 }
 
-/// When reading has to be over, if ever.
+/// Deadline for reading, if any.
 pub(crate) type Until = Option<Instant>;
 
 /// A file under a time limit.
@@ -31,20 +27,18 @@ pub(crate) type Until = Option<Instant>;
 pub(crate) struct Timed {
     file: File,
     until: Until,
-    /// Bytes of the file when it was opened.
+    /// Length of the file when it was opened.
     pub length: u64,
-    /// Bytes read so far.
     pub place: u64,
 }
 
-/// Most bytes between two looks at the clock.
+/// Bytes read between two checks of the clock.
 const PIECE: usize = 1 << 20;
 
 impl Timed {
     /// Opens a regular file.
     ///
-    /// # Errors
-    /// As [`open_file`].
+    /// # Errors As [`open_file`].
     pub(crate) fn open(path: &Path, until: Until) -> io::Result<Self> {
         let file = open_file(path)?;
         let length = file.metadata()?.len();
@@ -65,10 +59,9 @@ impl Read for Timed {
     }
 }
 
-/// Opens a file, if it is one and not longer than `most` bytes.
+/// Opens a regular file of at most `most` bytes.
 ///
-/// # Errors
-/// What the file system says, or both lengths.
+/// # Errors That of the file system, or both lengths.
 pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
     let file = Timed::open(path, until).map_err(|error| error.to_string())?;
     if file.length > most {
@@ -77,13 +70,10 @@ pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed
     Ok(file)
 }
 
-/// Reads a file, if it is one and not longer than `most` bytes.
-///
-/// # Errors
-/// As [`open_bounded`].
+/// Reads a regular file of at most `most` bytes.
 pub(crate) fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    // A file may grow meanwhile.
+    // The file may grow meanwhile.
     open_bounded(path, most, until)?
         .take(most)
         .read_to_end(&mut bytes)
@@ -91,7 +81,7 @@ pub(crate) fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u
     Ok(bytes)
 }
 
-/// Whether a name that a file gives is that of a file below its directory.
+/// Whether a relative name stays below its directory.
 pub(crate) fn is_below(file: &str) -> bool {
     let within = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     !file.is_empty() && Path::new(file).components().all(within)

@@ -11,15 +11,13 @@ use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
 use vhi::law::{FourthOrder, TensorField};
 
-/// What the files mean, for who writes a solver.
+/// Description of the files for authors of solvers.
 const FORMAT: &str = include_str!("format.md");
-/// Kernels of all pairs of levels are written up to this N on grids that are not uniform.
+/// Up to this N kernels are written for all pairs of levels on non-uniform grids.
 const MOST_PAIRS: usize = 4096;
 
-/// A row of the table of Γ3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRow {
-    /// Vertex.
     pub vertex: u32,
     /// Unit normal.
     pub normal: [f64; 3],
@@ -29,10 +27,10 @@ pub struct ContactRow {
     pub clamped: bool,
 }
 
-/// What a case gives to its solver beside the mesh.
+/// The data of a case beside the mesh.
 #[derive(Debug, Clone)]
 pub struct Given {
-    /// `case.json`.
+    /// Contents of `case.json`.
     pub document: Value,
     /// t_0 … t_N.
     pub times: Vec<f64>,
@@ -40,17 +38,15 @@ pub struct Given {
     pub kernels: Option<Array>,
     /// Loads of every level, (N + 1) × vertices × d.
     pub loads: Array,
-    /// Γ3.
     pub contact: Vec<ContactRow>,
     /// The factor of the bound of friction at the rows of Γ3, (N + 1) × rows; none without friction.
     pub friction: Option<Array>,
 }
 
 impl Given {
-    /// The case on a mesh and N steps.
+    /// The case on a mesh with N steps.
     ///
-    /// # Errors
-    /// A load that is not finite, a grid too long for its kernels.
+    /// # Errors A load that is not finite, a grid too long for its kernels.
     pub(crate) fn new(setup: &Setup, data: &MeshData, steps: u32) -> Result<Self, CaseError> {
         let grid = setup.grid(steps);
         Ok(Self {
@@ -63,7 +59,6 @@ impl Given {
         })
     }
 
-    /// Whether a vertex of the mesh is clamped.
     pub fn clamped(space: &Discretization, vertex: usize) -> bool {
         space.nodes.of_vertex[vertex] as usize >= space.nodes.free
     }
@@ -71,8 +66,7 @@ impl Given {
 
 /// Writes the files of a case into `dir`, which is created.
 ///
-/// # Errors
-/// A load that is not finite, a file that cannot be written, a grid too long for its kernels.
+/// # Errors A load that is not finite, a file that cannot be written, a grid too long for its kernels.
 pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Result<(), CaseError> {
     let (space, given) = (&*data.space, Given::new(setup, data, steps)?);
     std::fs::create_dir_all(dir).map_err(|error| outside(dir, error))?;
@@ -106,7 +100,7 @@ fn outside(path: &Path, error: impl std::fmt::Display) -> CaseError {
 fn case(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Value {
     let (scene, model, mesh) = (&setup.scene, &setup.model, &data.space.mesh);
     let d = mesh.dimension;
-    // The text has been read as TOML before.
+    // The text has been parsed before.
     let written: Value = toml::from_str(&scene.source.text).unwrap_or(Value::Null);
     let regions = 1 + setup.body.material.regions.len();
     let names = setup.body.material.regions.iter().map(|region| region.name.as_str());
@@ -150,7 +144,7 @@ fn tensor(tensor: &FourthOrder, d: usize) -> Value {
     }
 }
 
-/// A table; numbers have the shortest texts that read back to the same doubles.
+/// A table; numbers are the shortest texts that read back to the same doubles.
 struct Rows(csv::Writer<Vec<u8>>);
 
 impl Rows {
@@ -169,7 +163,6 @@ impl Rows {
     }
 }
 
-/// `first`, the texts between, `last`.
 fn between(
     first: &str,
     inner: impl IntoIterator<Item = String>,
@@ -205,9 +198,10 @@ fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let nodes = &space.nodes;
     let mut rows = Rows::new(between("cell", numbered(nodes.a_cell), &["region"]))?;
     for c in 0..space.mesh.cell_count() {
-        let own = nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize].to_string());
+        let nodes_of_cell =
+            nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize].to_string());
         let region = space.regions.get(c).copied().unwrap_or(0).to_string();
-        rows.add(between(&c.to_string(), own, &[&region]))?;
+        rows.add(between(&c.to_string(), nodes_of_cell, &[&region]))?;
     }
     rows.bytes()
 }
@@ -216,8 +210,8 @@ fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let (mesh, nodes) = (&space.mesh, &space.nodes);
     let mut rows = Rows::new(between("facet", numbered(nodes.a_facet), &["side"]))?;
     for (f, &side) in mesh.facet_side.iter().enumerate() {
-        let own = nodes.on_facet(f).iter().map(u32::to_string);
-        rows.add(between(&f.to_string(), own, &[&mesh.sides[side as usize]]))?;
+        let nodes_of_facet = nodes.on_facet(f).iter().map(u32::to_string);
+        rows.add(between(&f.to_string(), nodes_of_facet, &[&mesh.sides[side as usize]]))?;
     }
     rows.bytes()
 }
@@ -268,7 +262,7 @@ fn is_uniform(setup: &Setup) -> bool {
     setup.scene.time.grid == scene::TimeGrid::Uniform
 }
 
-/// Of a kernel that is infinite at lag zero the factor of its power.
+/// For a kernel that is infinite at lag zero, the factor of its power.
 fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
     let (terms, levels) = (&setup.model.memory, grid.steps() + 1);
     if is_uniform(setup) {
@@ -306,7 +300,6 @@ fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Array, CaseError> {
     Ok(Array { shape: vec![grid.steps() + 1, nodes.of_vertex.len(), d], numbers: values })
 }
 
-/// Where the files of a case stand below `folder`.
 pub fn case_dir(folder: &Path, scene: &str, n: u32, steps: u32) -> PathBuf {
     folder.join(scene).join(format!("n{n}-N{steps}"))
 }

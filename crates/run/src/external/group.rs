@@ -1,6 +1,5 @@
-//! A solver with all that it starts: a group of processes, which is ended as one.
-//!
-//! A process that leaves its group on purpose, as a daemon does, is not followed.
+//! A solver and the processes that it starts, as one process group, ended together. A daemon that leaves the group is
+//! not followed.
 
 use std::io;
 use std::process::{Child, Command, ExitStatus};
@@ -9,15 +8,15 @@ use std::time::{Duration, Instant};
 
 use wait_timeout::ChildExt;
 
-/// What a solver has to end what it has begun, once it is asked to.
+/// Time for a solver to clean up after being asked to end.
 const GRACE: Duration = Duration::from_millis(500);
-/// How often it is asked for.
+/// Polling interval of a wait.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// The groups that run, by the process that leads each.
+/// The running groups, by leader.
 struct Running {
     leaders: Vec<u32>,
-    /// The program is about to end: nothing more is started.
+    /// The program is ending: nothing more is started.
     over: bool,
 }
 
@@ -27,19 +26,16 @@ fn running() -> MutexGuard<'static, Running> {
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A process that leads a group of its own. Dropped, it is ended with all of the group.
+/// Leader of a process group. Dropping it ends the whole group.
 pub(crate) struct Group {
     child: Child,
 }
 
 impl Group {
     /// Starts a command as a group.
-    ///
-    /// # Errors
-    /// As [`Command::spawn`].
     pub(crate) fn start(command: &mut Command) -> io::Result<Self> {
         leading(command);
-        // Locked while it starts: what ends all groups must know it.
+        // Locked during the start, so that ending all groups includes this one.
         let mut running = running();
         if running.over {
             drop(running);
@@ -51,9 +47,6 @@ impl Group {
     }
 
     /// The status of the leader, if it ends within `limit`.
-    ///
-    /// # Errors
-    /// The system's.
     pub(crate) fn wait(&mut self, limit: Duration) -> io::Result<Option<ExitStatus>> {
         let status = self.child.wait_timeout(limit)?;
         let over = running().over;
@@ -64,7 +57,7 @@ impl Group {
     }
 }
 
-/// The program is being ended: what becomes of a solver now is no result, and nobody is to record it as one.
+/// The program is ending: the fate of a solver is no result and must not be recorded.
 fn stay() -> ! {
     loop {
         std::thread::park();
@@ -75,15 +68,15 @@ impl Drop for Group {
     fn drop(&mut self) {
         let leader = self.child.id();
         let child = &mut self.child;
-        // A leader that nobody waits for stays a member of its group.
+        // A leader that is not waited for stays a member of its group.
         end(&[leader], || _ = child.try_wait());
         let _ = child.kill();
         let _ = child.wait();
-        running().leaders.retain(|own| *own != leader);
+        running().leaders.retain(|running_leader| *running_leader != leader);
     }
 }
 
-/// Ends all solvers that run, and lets none begin: called by what ends the program.
+/// Ends all running solvers and lets none begin; called when the program ends.
 pub fn end_solvers() {
     let mut running = running();
     running.over = true;
@@ -92,7 +85,7 @@ pub fn end_solvers() {
     end(&leaders, || ());
 }
 
-/// Asks the groups to end, and ends what is left of them after a while.
+/// Asks the groups to end, and kills what is left of them after a while.
 fn end(leaders: &[u32], mut meanwhile: impl FnMut()) {
     let mut left: Vec<u32> =
         leaders.iter().copied().filter(|&leader| signal(leader, Signal::End)).collect();
@@ -109,14 +102,11 @@ fn end(leaders: &[u32], mut meanwhile: impl FnMut()) {
     }
 }
 
-/// What a group is told.
 #[derive(Debug, Clone, Copy)]
 enum Signal {
-    /// Nothing: asks whether there is anybody.
+    /// Asks whether the group exists.
     None,
-    /// The process is asked to end.
     End,
-    /// Nothing, it is ended.
     Kill,
 }
 
@@ -125,21 +115,21 @@ fn leading(command: &mut Command) {
     std::os::unix::process::CommandExt::process_group(command, 0);
 }
 
-/// Whether there was anybody to tell.
+/// Whether the group existed.
 #[cfg(unix)]
 fn signal(leader: u32, what: Signal) -> bool {
     use nix::sys::signal::{Signal as Own, killpg};
     use nix::unistd::Pid;
-    let own = match what {
+    let sent = match what {
         Signal::None => None,
         Signal::End => Some(Own::SIGTERM),
         Signal::Kill => Some(Own::SIGKILL),
     };
-    // 0 and 1 would be this program's own group, or everybody.
-    i32::try_from(leader).is_ok_and(|id| id > 1 && killpg(Pid::from_raw(id), own).is_ok())
+    // 0 and 1 would be this program's group, or every process.
+    i32::try_from(leader).is_ok_and(|id| id > 1 && killpg(Pid::from_raw(id), sent).is_ok())
 }
 
-/// Other systems have no groups here: the leader is ended alone.
+/// Other systems have no groups: only the leader is ended.
 #[cfg(not(unix))]
 fn leading(_: &mut Command) {}
 

@@ -1,28 +1,25 @@
-//! A solver in this process as a [`Scheme`]: it gets a case as arrays and gives displacements of all levels back.
+//! A solver in this process as a [`Scheme`]: it takes a case as arrays and returns displacements of all levels.
 
 use super::{Given, show};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use scene::setup::{MeshData, Scheme, Setup};
 
-/// What a solver gives back.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// (N + 1) × vertices × d, the last axis fastest.
     pub displacement: Vec<f64>,
-    /// ξ + λ, (N + 1) × rows of Γ3; none where it is not given.
+    /// ξ + λ, (N + 1) × rows of Γ3, if given.
     pub pressure: Option<Vec<f64>>,
 }
 
-/// A solver of one case, by whatever means.
 pub trait Solve: Send + Sync {
-    /// Solves it.
+    /// Solves a case.
     ///
-    /// # Errors
-    /// The reason, as it stands in the record of the failed case.
+    /// # Errors The reason, recorded with the failed case.
     fn solve(&self, given: &Given, data: &MeshData) -> Result<Answer, String>;
 }
 
-/// A solver as a scheme: measured and judged as one in another program.
+/// Adapts a solver; it is measured and judged like an external one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InProcess<S>(pub S);
 

@@ -1,4 +1,4 @@
-//! What a solver prints: kept in a file that does not grow for ever, shown by its last lines.
+//! Log of a solver: a file of bounded length, and its last lines.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -6,46 +6,37 @@ use std::path::{Path, PathBuf};
 
 use files::{open_file, remove_if_there, shortened};
 
-/// The file in the directory of a case.
 pub const LOG: &str = "solver.log";
-/// A longer log loses all but its end.
+/// Length beyond which a log is cut to its end.
 const MOST: u64 = 16 << 20;
-/// That end, and what is looked at for last lines.
+/// Length of that end, in which last lines are sought.
 const END: u64 = 1 << 16;
-/// Characters of the last line, which stands in the reason of a failed case.
+/// Characters kept of the last line, for the reason of a failed case.
 const WIDTH: usize = 400;
 
-/// The log of a solver that runs.
 pub(crate) struct Log {
     path: PathBuf,
     file: File,
 }
 
 impl Log {
-    /// An empty one in `dir`, in place of an older one of any kind.
+    /// Creates an empty log in `dir`, replacing any older one.
     ///
-    /// # Errors
-    /// The file system's.
+    /// # Errors Those of the file system.
     pub(crate) fn new(dir: &Path) -> io::Result<Self> {
         let path = dir.join(LOG);
         remove_if_there(&path)?;
-        // What is appended comes after the end, wherever that is by then.
+        // Appends stay valid when the file is cut.
         let file = File::options().append(true).create_new(true).open(&path)?;
         Ok(Self { path, file })
     }
 
-    /// For the solver to write to.
-    ///
-    /// # Errors
-    /// The system's.
+    /// A handle for the solver to write to.
     pub(crate) fn handle(&self) -> io::Result<File> {
         self.file.try_clone()
     }
 
-    /// Lets all but the end go of a log that has become too long, and says so in it.
-    ///
-    /// # Errors
-    /// The file system's.
+    /// Cuts a log that has become too long to its end, and notes that in it.
     pub(crate) fn keep_short(&mut self) -> io::Result<()> {
         let length = self.file.metadata()?.len();
         if length <= MOST {
@@ -57,7 +48,7 @@ impl Log {
         self.file.write_all(&end)
     }
 
-    /// `: ` and the last line with something in it, cut if it is long; empty where there is none.
+    /// `: ` and the last nonempty line, truncated; empty if there is none.
     pub(crate) fn last_line(&self) -> String {
         let lines = last_lines(&self.path);
         let last = lines.iter().rfind(|line| !line.trim().is_empty());
@@ -65,7 +56,7 @@ impl Log {
     }
 }
 
-/// The end of what a solver printed, as it stands in its log; nothing where there is none.
+/// The last lines of a log; empty if there is none.
 pub fn last_lines(log: &Path) -> Vec<String> {
     let Ok((bytes, cut)) = end_of(log) else { return Vec::new() };
     let mut lines: Vec<String> =

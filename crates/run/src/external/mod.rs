@@ -1,5 +1,5 @@
-//! A solver in another program as a [`Scheme`]: every case is a directory of plain files that it reads, displacements
-//! of all levels are what it writes.
+//! A solver in another program as a [`Scheme`]: each case is a directory of plain files, and the solver writes
+//! displacements of all levels.
 
 mod advice;
 mod answer;
@@ -38,26 +38,23 @@ use scene::setup::{MeshData, SceneModel, Scheme, Setup};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
 
-/// How a case comes to its answer.
+/// How a case gets its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Way {
-    /// By a command, which gets the directory of the case as its last argument.
+    /// Runs a command with the directory of the case as its last argument.
     Command {
-        /// Program and arguments.
         words: Vec<String>,
-        /// After which it is stopped, and its answer read no further.
+        /// Time limit for the command and for reading its answer.
         limit: Duration,
     },
-    /// The answer is there already.
+    /// The answer exists already.
     Results,
 }
 
-/// A solver outside this program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExternalSolver {
-    /// How the displacements come back.
     pub way: Way,
-    /// The cases stand below, [`case_dir`].
+    /// Cases are below it, see [`case_dir`].
     pub folder: PathBuf,
     /// Whether it gives pressures as well.
     pub pressures: bool,
@@ -94,14 +91,14 @@ impl Scheme for ExternalSolver {
     }
 }
 
-/// Characters of a reason: what a solver writes may be quoted in it, however long it is.
+/// Limit of a reason in characters, since output of the solver may be quoted in it.
 const LONGEST_REASON: usize = 4000;
 
 fn said(error: impl std::fmt::Display) -> CaseError {
     CaseError::Outside(shortened(&error.to_string(), LONGEST_REASON).into_owned())
 }
 
-/// An answer of an earlier run must not pass for one of this run.
+/// Removes the answer of an earlier run.
 fn forget(dir: &Path) -> Result<(), CaseError> {
     let named = [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION, PRESSURE].map(|name| dir.join(name));
     let numbered = numbered(dir).map_err(said)?;
@@ -111,7 +108,7 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Shows every level, with the histories that the displacements make by the scene's time rule: stresses are those of
+/// Shows every level to the measurement. Histories follow from the displacements by the scene's time rule, stresses by
 /// this program's laws.
 fn show(
     space: &Discretization,

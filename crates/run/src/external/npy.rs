@@ -1,49 +1,45 @@
 //! NumPy's `.npy` files: arrays of doubles in C order.
 //!
-//! Source: the NumPy enhancement proposal 1, "A simple file format for NumPy arrays". The published crates bring a
-//! parser of Python literals for the header, of which three keys are needed here.
+//! Source: NumPy enhancement proposal 1, "A simple file format for NumPy arrays". The published crates include a parser
+//! of Python literals for the header, of which three keys are needed here.
 
 use std::io::Read;
 
-/// An array of doubles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
-    /// Lengths of the axes.
     pub shape: Vec<usize>,
-    /// The numbers, the last axis fastest.
+    /// The last axis fastest.
     pub numbers: Vec<f64>,
 }
 
-/// What makes a file no array of doubles.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NpyError {
-    /// The first bytes are others.
+    /// Wrong magic bytes.
     #[error("no .npy file: write it with numpy.save")]
     Magic,
     /// A version of the format after 3.
     #[error("version {0} of the .npy format is not read")]
     Version(u8),
-    /// The header ends early, or a key is missing or not understood.
+    /// The header ends early, or a key is missing or invalid.
     #[error("the header of the .npy file has no {0} that is understood")]
     Header(&'static str),
-    /// Numbers of another kind.
+    /// Not doubles.
     #[error("numbers of type `{0}`: save little-endian doubles, numpy.asarray(u, dtype='<f8')")]
     Kind(String),
-    /// The first axis fastest.
+    /// Fortran order.
     #[error("an array in Fortran order: save numpy.ascontiguousarray(u)")]
     Order,
-    /// Fewer or more bytes than the shape says.
     #[error("shape {shape:?} wants {wanted} bytes, {found} follow the header")]
     Length { shape: Vec<usize>, wanted: usize, found: usize },
 }
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// The numbers of a file begin at a multiple of this.
+/// Alignment of the data in a file.
 const ALIGNED: usize = 64;
-/// NumPy itself reads no longer header than this.
+/// Longest header that NumPy reads.
 const LONGEST: u32 = 10_000;
 
-/// The bytes of a file, version 1.0.
+/// Encodes a file, version 1.0.
 pub fn encode(shape: &[usize], numbers: &[f64]) -> Vec<u8> {
     assert_eq!(shape.iter().product::<usize>(), numbers.len(), "an array has its shape");
     let axes: String = shape.iter().map(|length| format!("{length},")).collect();
@@ -61,20 +57,14 @@ pub fn encode(shape: &[usize], numbers: &[f64]) -> Vec<u8> {
     bytes
 }
 
-/// The array in the bytes of a file.
-///
-/// # Errors
-/// [`NpyError`].
+/// Decodes a file.
 pub fn decode(bytes: &[u8]) -> Result<Array, NpyError> {
     let mut rest = bytes;
     let shape = head(&mut rest)?;
     numbers(shape, rest)
 }
 
-/// Reads up to the numbers of a file: the shape.
-///
-/// # Errors
-/// [`NpyError`].
+/// Reads the header of a file; returns the shape.
 pub(crate) fn head(file: &mut impl Read) -> Result<Vec<usize>, NpyError> {
     let mut magic = [0; MAGIC.len()];
     file.read_exact(&mut magic).map_err(|_| NpyError::Magic)?;
@@ -107,7 +97,6 @@ pub(crate) fn head(file: &mut impl Read) -> Result<Vec<usize>, NpyError> {
     Ok(shape)
 }
 
-/// The next bytes.
 fn part<const BYTES: usize>(
     file: &mut impl Read,
     ended: NpyError,
@@ -117,19 +106,15 @@ fn part<const BYTES: usize>(
     Ok(bytes)
 }
 
-/// Bytes that the numbers of a shape take.
+/// Bytes of an array of this shape.
 ///
-/// # Errors
-/// [`NpyError::Header`] if there are too many to count.
+/// # Errors [`NpyError::Header`] if there are too many to count.
 pub(crate) fn length(shape: &[usize]) -> Result<usize, NpyError> {
     let count = shape.iter().try_fold(8usize, |product, &axis| product.checked_mul(axis));
     count.ok_or(NpyError::Header("shape"))
 }
 
-/// The array of a shape in the bytes behind the header.
-///
-/// # Errors
-/// [`NpyError::Length`].
+/// The array of a shape from the bytes behind the header.
 pub(crate) fn numbers(shape: Vec<usize>, data: &[u8]) -> Result<Array, NpyError> {
     let wanted = length(&shape)?;
     if wanted != data.len() {
@@ -139,7 +124,7 @@ pub(crate) fn numbers(shape: Vec<usize>, data: &[u8]) -> Result<Array, NpyError>
     Ok(Array { shape, numbers: chunks.iter().map(|chunk| f64::from_le_bytes(*chunk)).collect() })
 }
 
-/// What stands after `'key':` in the header.
+/// The text after `'key':` in the header.
 fn value<'h>(header: &'h str, key: &str) -> Option<&'h str> {
     let quoted = ['\'', '"'].iter().find_map(|quote| {
         let name = format!("{quote}{key}{quote}");
@@ -169,9 +154,9 @@ mod tests {
         bytes.extend((0..6).flat_map(|i| f64::from(i).to_le_bytes()));
         let array = decode(&bytes).unwrap();
         assert_eq!((array.shape.clone(), array.numbers[5]), (vec![1, 3, 2], 5.0));
-        let own = encode(&array.shape, &array.numbers);
-        assert_eq!(own.len(), bytes.len());
-        assert_eq!(decode(&own).unwrap(), array);
+        let encoded = encode(&array.shape, &array.numbers);
+        assert_eq!(encoded.len(), bytes.len());
+        assert_eq!(decode(&encoded).unwrap(), array);
         assert_eq!(decode(&encode(&[0, 2], &[])).unwrap().shape, [0, 2]);
         assert_eq!(decode(&encode(&[3], &[1.0, -0.0, f64::MAX])).unwrap().numbers.len(), 3);
     }

@@ -1,22 +1,20 @@
-//! Which vertex a point of a file is: solvers number vertices anew, so points are known by their coordinates.
+//! Matches the points of a file with vertices by coordinates, since solvers renumber vertices.
 
 use rustc_hash::FxHashMap;
 
 use super::vtu::VtuError;
 
-/// Coordinates written with six digits, as many programs do, are off by 5e-6 of the largest at most.
+/// Matching distance relative to the largest coordinate: those written with six digits are off by 5e-6 of it.
 const NEAR: f64 = 1e-5;
 
-/// The vertices of a mesh, to be found by coordinates.
 pub(crate) struct Places<'a> {
     vertices: &'a [[f64; 3]],
     near: f64,
-    /// Vertices in boxes of twice the distance `near`.
+    /// Vertices in boxes of size 2 `near`.
     boxes: FxHashMap<[i64; 3], Vec<u32>>,
 }
 
 impl<'a> Places<'a> {
-    /// Finds these vertices by their places.
     pub(crate) fn new(vertices: &'a [[f64; 3]]) -> Self {
         let largest = vertices.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
         let mut places = Self { vertices, near: NEAR * largest, boxes: FxHashMap::default() };
@@ -31,10 +29,9 @@ impl<'a> Places<'a> {
         (x / (2.0 * self.near)).floor() as i64
     }
 
-    /// The vertex of each point, every vertex once.
+    /// The vertex of each point; every vertex must occur once.
     ///
-    /// # Errors
-    /// [`VtuError::Points`], [`VtuError::Elsewhere`], [`VtuError::Twice`].
+    /// # Errors [`VtuError::Points`], [`VtuError::Elsewhere`], [`VtuError::Twice`].
     pub(crate) fn of(&self, points: &[[f64; 3]]) -> Result<Vec<u32>, VtuError> {
         let (found, wanted) = (points.len(), self.vertices.len());
         if found != wanted {

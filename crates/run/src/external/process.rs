@@ -1,4 +1,4 @@
-//! Another program, run on one case under a time limit.
+//! Runs another program on one case under a time limit.
 
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
@@ -7,27 +7,24 @@ use std::time::{Duration, Instant};
 use super::group::Group;
 use super::log::Log;
 
-/// How often its log is looked after.
+/// Interval for shortening its log.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Why a program gave no answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ProcessError {
-    /// It cannot be started.
     #[error("`{program}` cannot be started: {reason}")]
     Start { program: String, reason: String },
-    /// It ran too long and was ended.
     #[error("the solver was stopped after {0} s: --time-limit gives it longer")]
     TooLong(u64),
-    /// It ended with another status than 0.
+    /// It ended with a nonzero status.
     #[error("the solver ended with {status}{said}")]
     Failed { status: String, said: String },
 }
 
-/// Runs `words` with `dir` as its last argument and its working directory unchanged. Whatever it has started ends with it.
+/// Runs `words` with `dir` as last argument, in the current working directory. All processes that it starts end with
+/// it.
 ///
-/// # Errors
-/// [`ProcessError`]; the last line that it printed is in the message.
+/// # Errors [`ProcessError`]; its message includes the last line that the program printed.
 pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessError> {
     let (program, arguments) = words.split_first().ok_or_else(|| ProcessError::Start {
         program: String::new(),
@@ -43,7 +40,7 @@ pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), P
     command.stdout(log.handle().map_err(start)?).stderr(log.handle().map_err(start)?);
     let mut group = Group::start(&mut command).map_err(start)?;
     let status = wait(&mut group, &mut log, limit).map_err(start)?;
-    // Children of the solver that go on write no answer that could be relied on, and take the time of the next case.
+    // Remaining children would write no reliable answer and slow down the next case.
     drop(group);
     log.keep_short().map_err(start)?;
     match status {
@@ -55,7 +52,6 @@ pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), P
     }
 }
 
-/// The status, if there is one within the limit.
 fn wait(group: &mut Group, log: &mut Log, limit: Duration) -> std::io::Result<Option<ExitStatus>> {
     let begin = Instant::now();
     loop {

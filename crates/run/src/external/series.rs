@@ -1,4 +1,4 @@
-//! Displacements as a series of `.vtu` files, one per level: by the index `displacement.pvd`, or numbered.
+//! Displacements as a series of `.vtu` files, one per level: indexed by `displacement.pvd`, or numbered.
 
 use std::path::{Path, PathBuf};
 
@@ -7,48 +7,39 @@ use super::bounded::{SizeLimit, Until, is_below, read_bounded};
 use super::places::Places;
 use super::vtu::{Snapshot, VtuError, read_vtu, xml};
 
-/// ParaView's index of a series: the time and the file of each level.
+/// ParaView's index of a series: time and file of each level.
 pub const COLLECTION: &str = "displacement.pvd";
 /// Without an index: displacement_0000.vtu, … by level.
 const NUMBERED: (&str, &str) = ("displacement_", ".vtu");
 
-/// Times written with six digits, as many programs do, are off by 5e-6 of the largest at most.
+/// Relative tolerance of times: those written with six digits are off by 5e-6.
 const NEAR: f64 = 1e-5;
-/// The most of an index: a level takes a line with a name.
+/// Size limit of an index; a level takes a line with a name.
 const BYTES_A_LEVEL: SizeLimit = SizeLimit { first: 1 << 16, each: 1 << 12 };
 
-/// Why files are not those of the levels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SeriesError {
-    /// No index.
     #[error("{0}")]
     Index(VtuError),
     /// An entry without time or file.
     #[error("DataSet {0} has no number as timestep, or no file")]
     Entry(usize),
-    /// Another time.
     #[error("timestep {found} is no time of times.npy; the nearest is t_{n} = {nearest}")]
     Time { found: f64, n: usize, nearest: f64 },
-    /// Two files of a level.
     #[error(
         "two files of level {n}: {first} and {second}; write each level by one process into one file"
     )]
     Twice { n: usize, first: String, second: String },
-    /// Levels that do not exist.
+    /// Levels beyond the last.
     #[error("a file of level {n}, where the last is {last}: {file}")]
     Beyond { n: usize, last: usize, file: String },
-    /// A level without a file.
     #[error("level {n} of 0 to {last} has no file; t_0 belongs to them")]
     Level { n: usize, last: usize },
-    /// A file elsewhere.
     #[error("the file `{0}` is not below the directory of the case")]
     Outside(String),
 }
 
 /// The files that the index names, by level.
-///
-/// # Errors
-/// [`SeriesError`].
 pub(crate) fn indexed(
     dir: &Path,
     times: &[f64],
@@ -73,7 +64,7 @@ pub(crate) fn indexed(
     each_level(files, times.len())
 }
 
-/// The level of a time, which is known to within its digits and a quarter of the steps beside it.
+/// The level of a time, within the tolerance and a quarter of the adjacent steps.
 fn level(times: &[f64], found: f64) -> Result<usize, SeriesError> {
     let after = times.partition_point(|&t| t < found).min(times.len() - 1);
     let before = after.saturating_sub(1);
@@ -88,10 +79,7 @@ fn level(times: &[f64], found: f64) -> Result<usize, SeriesError> {
     Err(SeriesError::Time { found, n, nearest: times[n] })
 }
 
-/// The numbered files in a directory, none if it is not there.
-///
-/// # Errors
-/// The file system's.
+/// The numbered files in a directory; empty if it does not exist.
 pub(crate) fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError> {
     let unreadable = |error: std::io::Error| AnswerError::Unreadable {
         path: dir.to_owned(),
@@ -115,10 +103,9 @@ pub(crate) fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError>
     Ok(files)
 }
 
-/// A file for each level.
+/// Checks that each level has one file.
 ///
-/// # Errors
-/// [`SeriesError`]: a level without a file, with two, or beyond the last.
+/// # Errors [`SeriesError`]: a level without a file, with two, or beyond the last.
 pub(crate) fn each_level(
     files: Vec<(usize, PathBuf)>,
     levels: usize,
@@ -139,10 +126,7 @@ pub(crate) fn each_level(
     of_level.into_iter().enumerate().map(found).collect()
 }
 
-/// The displacements of all levels, d numbers per vertex, whatever the order of the points.
-///
-/// # Errors
-/// [`AnswerError::Vtu`].
+/// The displacements of all levels, d numbers per vertex, for any order of the points.
 pub(crate) fn read_levels(
     files: &[PathBuf],
     wanted: &Wanted<'_>,
@@ -155,7 +139,7 @@ pub(crate) fn read_levels(
     for (level, path) in u.chunks_exact_mut(vertices * d).zip(files) {
         let fault = |source| AnswerError::Vtu { path: path.clone(), source };
         let Snapshot { points, u } = read_vtu(path, [vertices, d], until).map_err(fault)?;
-        // Most solvers write the same points at every level.
+        // Most solvers write equal points at every level.
         let vertex = match known.take() {
             Some((same, vertex)) if same == points => vertex,
             _ => places.of(&points).map_err(fault)?,

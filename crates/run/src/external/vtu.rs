@@ -1,7 +1,7 @@
-//! Displacements in a `.vtu` file of any writer: text, base64 or raw, in one place or appended, plain or packed by zlib.
+//! Displacements in a `.vtu` file of any writer: text, base64 or raw, inline or appended, plain or packed by zlib.
 //!
-//! The published crates that read the format take a raw byte `<` for markup and drop an array that they cannot decode:
-//! here the XML is read by one crate, base64 and zlib by others.
+//! The published crates for the format take a raw byte `<` for markup and drop arrays that they cannot decode; here the
+//! XML is read by one crate, base64 and zlib by others.
 
 mod array;
 
@@ -14,55 +14,47 @@ use self::array::{Binary, numbers};
 use super::bounded::{SizeLimit, Until, is_below, read_bounded};
 use files::counted;
 
-/// Names of the point data that are looked for, the first that is there.
+/// Accepted names of the point data, in order of preference.
 const NAMES: [&str; 2] = ["displacement", "u"];
 
-/// Why a file has no displacement of the mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VtuError {
-    /// The file system refused, or the file is too long.
     #[error("{0}")]
     Unreadable(String),
-    /// No XML.
     #[error("no XML that can be read: {0}")]
     Xml(String),
-    /// A file of another kind.
     #[error("{0}: write an UnstructuredGrid (.vtu), by one process")]
     Kind(String),
-    /// An index of pieces, which is followed if it has one.
+    /// An index of pieces; followed if it has exactly one.
     #[error(
         "a parallel file of {}: one below the directory of the case is read; write it by one process",
         counted(.0.len(), "piece")
     )]
     Pieces(Vec<String>),
-    /// A way of writing that is not known.
+    /// An unknown encoding.
     #[error("{name} `{found}` is not read: write the file with `{known}`, or without {name}")]
     Form { name: String, found: String, known: &'static str },
-    /// Points that are not one per vertex.
+    /// The number of points differs from that of vertices.
     #[error(
         "{found} points where the mesh has {wanted} vertices (rows of vertices.csv): write each of them once; interpolate \
          elements of another order and discontinuous ones to the continuous element of the case first"
     )]
     Points { found: usize, wanted: usize },
-    /// Other point data.
     #[error("no point data `displacement` or `u`; there are: {0}")]
     NoArray(String),
-    /// A displacement of another dimension.
     #[error("`{name}` has {found} components where {wanted} are wanted")]
     Components { name: String, found: usize, wanted: &'static str },
-    /// Single precision.
     #[error("`{0}` is of type Float32, seven digits, which would pass for an error: write Float64")]
     Single(String),
     /// An array of another length or kind, or that cannot be decoded.
     #[error("array `{name}`: {reason}")]
     Array { name: String, reason: String },
-    /// A number that is none.
     #[error("{value} at point {point}")]
     NotFinite { value: f64, point: usize },
     /// A displacement out of the plane.
     #[error("a third component of {value} at point {point}: in the plane it is 0")]
     OutOfPlane { value: f64, point: usize },
-    /// A point where no vertex is.
+    /// A point that is not a vertex.
     #[error(
         "point {point} at {at:?} is no vertex of the mesh: points are those of the body at rest, as in vertices.csv, to \
          {near:e}"
@@ -76,26 +68,21 @@ pub enum VtuError {
     Twice { first: usize, point: usize, vertex: usize },
 }
 
-/// A file's points and their displacements.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Snapshot {
-    /// Coordinates.
     pub points: Vec<[f64; 3]>,
     /// d numbers per point.
     pub u: Vec<f64>,
 }
 
-/// A point and the cells around it take some 60 numbers with their connectivity in space; as text, at 25 letters each,
-/// with another 600 of a solver's own fields beside, they are below this.
+/// A point and the cells around it take some 60 numbers with connectivity; as text of 25 letters each, with another 600
+/// numbers of a solver's additional fields, they stay below this.
 const BYTES_A_POINT: SizeLimit = SizeLimit { first: 1 << 20, each: 1 << 14 };
-/// Elements of the XML: a piece with its arrays has a few dozen.
+/// Limit of XML elements: a piece with its arrays has a few dozen.
 const MOST_NODES: u32 = 1 << 16;
 
-/// Reads the displacement of `vertices` points in `dimension`. Some programs write an index of pieces from one process
-/// too: its only piece is read.
-///
-/// # Errors
-/// [`VtuError`].
+/// Reads the displacement of `vertices` points in `dimension`. An index with a single piece is followed, since some
+/// programs write one from one process too.
 pub(crate) fn read_vtu(
     path: &Path,
     [vertices, dimension]: [usize; 2],
@@ -153,7 +140,7 @@ fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot,
     Ok(all)
 }
 
-/// The XML, and what follows the underscore of `AppendedData`, which need not be text.
+/// Splits the XML from the bytes after the underscore of `AppendedData`, which need not be text.
 fn apart(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&[u8]>), VtuError> {
     let text = |part| std::str::from_utf8(part).map_err(|error| VtuError::Xml(error.to_string()));
     const TAG: &[u8] = b"<AppendedData";
@@ -167,10 +154,7 @@ fn apart(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&[u8]>), VtuError> {
     Ok((Cow::Owned(document), Some(&bytes[head + underscore + 1..])))
 }
 
-/// The elements of a text.
-///
-/// # Errors
-/// [`VtuError::Xml`].
+/// Parses the XML.
 pub(super) fn xml(text: &str) -> Result<Document<'_>, VtuError> {
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|error| VtuError::Xml(error.to_string()))

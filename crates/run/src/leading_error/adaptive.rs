@@ -1,25 +1,25 @@
-//! Integrals that a discrete sum is compared with, by Gauss rules of two orders on halved pieces: as accurate as the
-//! comparison asks for, and apart from the quadratures of the exact solution.
+//! Reference integrals for discrete sums, by Gauss rules of two orders on bisected pieces: as accurate as the
+//! comparison requires, and independent of the quadratures of the exact solution.
 
 use fem::space::quadrature::gauss_legendre;
 
-/// Points of the rule, and of the weaker one that it is compared with.
+/// Points of the rule, and of the weaker one for its error.
 const POINTS: [usize; 2] = [10, 6];
-/// What is allowed of the difference from the discrete sum: predictions are compared at 1e-2 and 1e-3.
+/// Allowed error as a share of the difference from the discrete sum: predictions are compared at 1e-2 and 1e-3.
 const SHARE: f64 = 1e-5;
 /// Rounding of a hundred terms.
 const ROUNDING: f64 = 1e-14;
-/// Rounds of halving, and pieces that are halved at most.
+/// Rounds of halving, and the limit of pieces halved.
 const ROUNDS: usize = 60;
 const MOST: usize = 256;
-/// Numbers that are held at once, about.
+/// Approximate limit of numbers held at once.
 const HELD: usize = 1 << 17;
 
-/// Pieces of [0, t] before any is halved.
+/// Initial pieces of [0, t].
 const PIECES: usize = 8;
 
-/// Cuts of [0, t], uniform ones and the `places` in it, where f has a kink: near the end of a piece, beyond the last
-/// points of both rules, none of them would see it.
+/// Cuts of [0, t]: uniform ones, and the `places` where f has a kink, since a kink near the end of a piece is beyond
+/// the last points of both rules.
 pub(super) fn cuts(t: f64, places: &[f64]) -> Vec<f64> {
     let mut cuts: Vec<f64> = (0..=PIECES).map(|i| t * i as f64 / PIECES as f64).collect();
     cuts.extend(places.iter().copied().filter(|&place| place > 0.0 && place < t));
@@ -28,7 +28,8 @@ pub(super) fn cuts(t: f64, places: &[f64]) -> Vec<f64> {
     cuts
 }
 
-/// ∫_0^t (t-s)^{-a} f(s) ds, 0 ≤ a < 1, of vectors, with cuts of [0, t]: in r = (t-s)^{1-a}, where the kernel is constant.
+/// ∫_0^t (t-s)^{-a} f(s) ds, 0 ≤ a < 1, of vectors, with cuts of [0, t]: in r = (t-s)^{1-a}, where the kernel is
+/// constant.
 pub(super) fn integral_against(
     a: f64,
     cuts: &[f64],
@@ -49,8 +50,8 @@ pub(super) fn integral_against(
     })
 }
 
-/// ∫ f between the first and the last of some cuts, as vectors; `f` gives one for each of a list of times. `discrete` is
-/// the sum that the integral is compared with.
+/// ∫ f between the first and the last cut, as vectors; `f` gives one for each time of a list. `discrete` is the sum
+/// that the integral is compared with.
 pub(super) fn integral(
     cuts: &[f64],
     discrete: &[f64],
@@ -71,7 +72,7 @@ pub(super) fn integral(
             for (ends, values) in pieces.iter().zip(f(&times).chunks(count)) {
                 let (strong, weak) = values.split_at(POINTS[0]);
                 let half = 0.5 * (ends[1] - ends[0]);
-                let [own, other] =
+                let [strong_sum, weak_sum] =
                     [(strong, &rules[0]), (weak, &rules[1])].map(|(values, rule)| {
                         let mut sum = vec![0.0; discrete.len()];
                         for (value, (_, weight)) in values.iter().zip(rule) {
@@ -81,20 +82,20 @@ pub(super) fn integral(
                     });
                 let largest = strong.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
                 size += half * largest;
-                algebra::linalg::axpy(1.0, &own, &mut total);
-                let error = apart(&own, &other);
-                found.push((*ends, own, error));
+                algebra::linalg::axpy(1.0, &strong_sum, &mut total);
+                let error = apart(&strong_sum, &weak_sum);
+                found.push((*ends, strong_sum, error));
             }
         }
         let allowed = SHARE * apart(&total, discrete) + ROUNDING * size;
         let mut next = Vec::new();
-        for (ends, own, error) in found {
+        for (ends, strong_sum, error) in found {
             let middle = 0.5 * (ends[0] + ends[1]);
-            // What is not finite stays so on any part.
+            // Bisection does not help where values are not finite.
             if error > allowed && middle > ends[0] && middle < ends[1] {
                 next.extend([[ends[0], middle], [middle, ends[1]]]);
             } else {
-                algebra::linalg::axpy(1.0, &own, &mut done);
+                algebra::linalg::axpy(1.0, &strong_sum, &mut done);
             }
         }
         if next.is_empty() {
@@ -108,7 +109,6 @@ pub(super) fn integral(
     done
 }
 
-/// The largest difference of two vectors.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }
@@ -117,7 +117,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::{cuts, integral, integral_against};
 
-    /// Powers and kinks to the share of what a trapezoid misses; smooth ones to rounding at once.
+    /// Powers and kinks to the allowed share; smooth functions to rounding at once.
     #[test]
     fn integrals_are_as_good_as_the_comparison_asks_for() {
         let one = |f: &dyn Fn(f64) -> f64, discrete: f64| {
@@ -146,8 +146,8 @@ mod tests {
         }
     }
 
-    /// A kink just inside the end of a piece, where neither rule has a point: its place must be a cut. Kernels with a
-    /// root at the other end need none.
+    /// A kink just inside the end of a piece, where neither rule has a point, must be a cut. Kernels with a root at the
+    /// other end need none.
     #[test]
     fn kinks_near_the_end_of_a_piece_are_cut_off() {
         let (steps, place) = (256, 0.361_803);

@@ -1,24 +1,21 @@
-//! Strains and nodal forces at the strain points of the cells of a mesh, one a cell for P1, in Mandel notation: S = 3 numbers
-//! in the plane (xx, yy, √2 xy), 6 in space (xx, yy, zz, √2 yz, √2 xz, √2 xy).
+//! Strains and nodal forces at the strain points of cells (one per cell for P1), in Mandel notation: S = 3 numbers in
+//! the plane (xx, yy, √2 xy), 6 in space (xx, yy, zz, √2 yz, √2 xz, √2 xy).
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use fem::contact::Discretization;
 use fem::space::StrainPoint;
 
-/// A symmetric tensor.
 pub(super) type Mandel<const S: usize> = [f64; S];
 
-/// Unknowns of a cell, at most: ten nodes in space.
+/// Most unknowns of a cell: ten nodes in space.
 const MOST: usize = 30;
 
-/// d, of tensors with so many numbers.
 const fn dimension(numbers: usize) -> usize {
     if numbers == 3 { 2 } else { 3 }
 }
 
-/// The rows of ε at a point, ε(v) = Σ_a B_a v_a, as far as there are unknowns: in the plane B_a is
-/// [[g_x, 0], [0, g_y], [g_y, g_x]/√2].
+/// The rows of ε at a point, ε(v) = Σ_a B_a v_a: in the plane B_a is [[g_x, 0], [0, g_y], [g_y, g_x]/√2].
 fn rows<const S: usize>(at: &StrainPoint<'_>) -> [[f64; MOST]; S] {
     let mut rows = [[0.0; MOST]; S];
     let d = dimension(S);
@@ -26,7 +23,7 @@ fn rows<const S: usize>(at: &StrainPoint<'_>) -> [[f64; MOST]; S] {
         for i in 0..d {
             rows[i][d * a + i] = g[i];
         }
-        // The shears: xy in the plane; yz, xz, xy in space, each named by the axis that it leaves out.
+        // The shears: xy in the plane; yz, xz, xy in space, each given by the axis that it leaves out.
         for row in d..S {
             let (i, j) = if d == 2 { (0, 1) } else { ((row + 1) % 3, (row + 2) % 3) };
             rows[row][d * a + i] = FRAC_1_SQRT_2 * g[j];
@@ -36,12 +33,10 @@ fn rows<const S: usize>(at: &StrainPoint<'_>) -> [[f64; MOST]; S] {
     rows
 }
 
-/// Σ_i a_i b_i.
 pub(super) fn product<const S: usize>(a: &Mandel<S>, b: &Mandel<S>) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// ε of a nodal vector, one tensor per point.
 pub(super) fn strains<const S: usize>(space: &Discretization, nodal: &[f64]) -> Vec<Mandel<S>> {
     let d = dimension(S);
     let strain = |at: StrainPoint<'_>| {
@@ -62,7 +57,7 @@ pub(super) fn inner<const S: usize>(
     space.points().zip(a.iter().zip(b)).map(|(at, (a, b))| at.weight * product(a, b)).sum()
 }
 
-/// Adds the part of v ↦ ∫ τ:ε(v) at a point to a nodal vector.
+/// Adds the contribution of a point to v ↦ ∫ τ:ε(v).
 pub(super) fn add_force<const S: usize>(
     at: &StrainPoint<'_>,
     tensor: &Mandel<S>,
@@ -75,7 +70,7 @@ pub(super) fn add_force<const S: usize>(
     }
 }
 
-/// Adds the part of (w, v) ↦ ∫ D ε(w):ε(v) at a point to the values of a symmetric matrix.
+/// Adds the contribution of a point to the symmetric matrix of (w, v) ↦ ∫ D ε(w):ε(v).
 pub(super) fn add_stiffness<const S: usize>(
     space: &Discretization,
     at: &StrainPoint<'_>,

@@ -1,5 +1,5 @@
-//! How Γ3 answers to a small change of u, in the linearised step: slopes of the laws at vertices, vertices that are held, and
-//! friction that follows the normal law.
+//! Linearised response of Γ3 to changes of u: slopes of the laws at vertices, held vertices, and friction that follows
+//! the normal law.
 
 use super::in_space::{InSpace, State};
 use super::law_slope::{Answer, answer, sliding_block};
@@ -7,11 +7,11 @@ use super::low_rank::RankOne;
 use exact::FrictionBound;
 use formula::{Node, Point};
 
-/// Stiffness of a held vertex, in units of the largest entry: it moves by 1e-10 of what it would.
+/// Stiffness of a held vertex in units of the largest entry; reduces its motion to 1e-10.
 const HELD: f64 = 1e10;
 
 impl<const S: usize> InSpace<S> {
-    /// How the pressure at each point of the trace answers; `None` where u = 0 is given, and where no law is.
+    /// Response of the pressure at each point of the trace; None where u = 0 is given or there is no law.
     pub(super) fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
         let contact = self.exact.data.contact.as_ref();
         let law = contact.and_then(|contact| contact.law.as_ref());
@@ -24,11 +24,11 @@ impl<const S: usize> InSpace<S> {
                 self.at_vertex(contact.and_then(|contact| contact.shift), 0.0, point.vertex);
             let scale =
                 self.at_vertex(contact.and_then(|contact| contact.scale), 1.0, point.vertex);
-            let own = match answer(law, normal - shift, xi / scale, lambda) {
+            let response = match answer(law, normal - shift, xi / scale, lambda) {
                 Answer::Slope(slope) => Answer::Slope(scale * slope),
                 Answer::Held => Answer::Held,
             };
-            answers.push(point.carries().then_some(own));
+            answers.push(point.carries().then_some(response));
         }
         answers
     }
@@ -55,15 +55,16 @@ impl<const S: usize> InSpace<S> {
         }
     }
 
-    /// Adds the slopes of friction at the vertices that slip; holds u_τ of those that stick.
+    /// Adds the slopes of friction at slipping vertices; holds u_τ of sticking ones.
     pub(super) fn add_friction(&self, state: &State<S>, values: &mut [f64]) {
-        let friction = self.exact.data.contact.as_ref().and_then(|own| own.friction.as_ref());
+        let friction =
+            self.exact.data.contact.as_ref().and_then(|contact| contact.friction.as_ref());
         let Some((friction, state)) = friction.zip(state.friction.as_ref()) else { return };
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         let d = self.space.mesh.dimension;
         let points = self.space.trace.points.iter().zip(state);
-        for (point, own) in points.filter(|(point, _)| point.carries()) {
-            let block = sliding_block(&friction.bound, own, [point.weight, HELD * stiffness]);
+        for (point, sliding) in points.filter(|(point, _)| point.carries()) {
+            let block = sliding_block(&friction.bound, sliding, [point.weight, HELD * stiffness]);
             let first = d * point.node as usize;
             for (i, row) in block.iter().enumerate().take(d) {
                 for (j, answer) in row.iter().enumerate().take(i + 1) {
@@ -73,27 +74,28 @@ impl<const S: usize> InSpace<S> {
         }
     }
 
-    /// The answers of friction to u_ν where its bound follows the normal law: μ_f p'(u_ν) along s at the vertices that slip.
+    /// Response of friction to u_ν if its bound follows the normal law: μ_f p'(u_ν) along s at slipping vertices.
     pub(super) fn following(&self, answers: &[Option<Answer>], state: &State<S>) -> Vec<RankOne> {
-        let friction = self.exact.data.contact.as_ref().and_then(|own| own.friction.as_ref());
-        let bound = friction.map(|own| &own.bound);
+        let friction =
+            self.exact.data.contact.as_ref().and_then(|contact| contact.friction.as_ref());
+        let bound = friction.map(|friction| &friction.bound);
         let Some((FrictionBound::Coulomb(coefficient), state)) = bound.zip(state.friction.as_ref())
         else {
             return Vec::new();
         };
         let d = self.space.mesh.dimension;
         let mut terms = Vec::new();
-        for ((point, answer), own) in self.space.trace.points.iter().zip(answers).zip(state) {
+        for ((point, answer), sliding) in self.space.trace.points.iter().zip(answers).zip(state) {
             let Some(Answer::Slope(slope)) = answer else { continue };
             let answer = point.weight * coefficient * slope;
-            if answer == 0.0 || own.size() == 0.0 || own.sticks() {
+            if answer == 0.0 || sliding.size() == 0.0 || sliding.sticks() {
                 continue;
             }
             let mut column = vec![0.0; self.space.nodes.len()];
             let mut row = column.clone();
-            let stress = own.stress();
+            let stress = sliding.stress();
             for i in 0..d {
-                column[d * point.node as usize + i] = answer * stress[i] / own.size();
+                column[d * point.node as usize + i] = answer * stress[i] / sliding.size();
                 row[d * point.node as usize + i] = point.normal[i];
             }
             terms.push(RankOne { column, row });
@@ -101,7 +103,7 @@ impl<const S: usize> InSpace<S> {
         terms
     }
 
-    /// The value of a formula at a vertex, or `absent` without one.
+    /// The value of a formula at a vertex; `absent` without a formula.
     fn at_vertex(&self, node: Option<Node>, absent: f64, vertex: u32) -> f64 {
         let [x, y, z] = self.space.mesh.point(&[vertex], &[1.0]);
         let at = Point { x, y, z, ..Point::default() };

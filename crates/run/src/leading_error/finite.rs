@@ -49,7 +49,7 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
             let mut of_errors = DVector::zeros(m);
             for (j, q) in row[0][..=n].iter().enumerate() {
                 let w = weights.at(times, n, j);
-                // A kernel may be infinite where the sum is empty.
+                // A kernel may be infinite where it has no weight.
                 if w != 0.0 {
                     of_exact.axpy(w * q, &exact[j], 1.0);
                     if j < n {
@@ -76,7 +76,6 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
     Ok(largest)
 }
 
-/// The scene's numbers as matrices, and the derivatives of its formulas.
 struct Linearised<'a> {
     graph: Graph,
     matrix: DMatrix<f64>,
@@ -144,7 +143,7 @@ impl<'a> Linearised<'a> {
         (e.dot(&(&self.product * e))).sqrt()
     }
 
-    /// Where a guard of u changes its sign between two of these times.
+    /// Interval ends where a guard of u changes sign between two of these times.
     fn kinks(&self, times: &[f64]) -> Vec<f64> {
         let mut kinks = Vec::new();
         for guard in self.graph.guards(&self.setup.problem.u) {
@@ -166,7 +165,8 @@ impl<'a> Linearised<'a> {
         kinks
     }
 
-    /// (S u)(t), integrated apart from the truth; `sums` are those in place of its integrals, `kinks` the kinks of u.
+    /// (S u)(t), integrated independently of the exact solution's histories; `sums` are the discrete sums, `kinks`
+    /// those of u.
     fn history(&self, t: f64, sums: &[DVector<f64>], kinks: &[f64]) -> DVector<f64> {
         let m = self.constant.len();
         let mut sum = self.constant.clone();
@@ -201,13 +201,13 @@ impl<'a> Linearised<'a> {
         let by_y =
             DVector::from_fn(m, |i, _| self.force.get(i).map_or(1.0, |f| at(f[1], i, discrete[i])));
         let by_r = DVector::from_fn(m, |i, _| {
-            let own = self.nonlinear.get(i).map_or(0.0, |&g| at(g, i, 0.0));
-            own + self.force.get(i).map_or(0.0, |f| at(f[2], i, discrete[i]))
+            let derivative = self.nonlinear.get(i).map_or(0.0, |&g| at(g, i, 0.0));
+            derivative + self.force.get(i).map_or(0.0, |f| at(f[2], i, discrete[i]))
         });
         (source, by_y, by_r)
     }
 
-    /// The saddle point problem with the held functionals; `None` if it is singular.
+    /// The saddle point problem with the held functionals; None if singular.
     fn solve(
         &self,
         mut tangent: DMatrix<f64>,

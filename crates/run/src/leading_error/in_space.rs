@@ -19,7 +19,6 @@ use fem::space::StrainPoint;
 use formula::{Node, Point, Variable};
 use scene::{Memory, TimeRule};
 
-/// A contact scene on one mesh, with tensors of S numbers.
 pub(super) struct InSpace<const S: usize> {
     pub(super) exact: Arc<Exact>,
     pub(super) space: Arc<Discretization>,
@@ -28,7 +27,6 @@ pub(super) struct InSpace<const S: usize> {
     /// κ'(ζ).
     slope: Option<Node>,
     graph: formula::Graph,
-    /// The region of each cell.
     regions: Vec<usize>,
     kernels: Vec<Kernel>,
 }
@@ -41,11 +39,11 @@ pub(super) struct State<const S: usize> {
     norm: f64,
     /// ε(∫ b_i(t-s) u ds) of each term of the memory.
     memory: Vec<Vec<Mandel<S>>>,
-    /// ζ, where κ depends on it.
+    /// ζ, if κ depends on it.
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
     pub(super) contact: Vec<[f64; 5]>,
-    /// The friction there; none without.
+    /// Friction at these points, if any.
     pub(super) friction: Option<Vec<Sliding>>,
 }
 
@@ -54,26 +52,26 @@ struct Past<const S: usize> {
     /// One per term of the memory.
     memory: Vec<Vec<Mandel<S>>>,
     memory_error: Vec<Vec<Mandel<S>>>,
-    /// The weights with which the level itself enters.
-    own_memory: Vec<f64>,
+    /// The weights of the level itself.
+    current_memory: Vec<f64>,
     accumulated: Accumulated,
 }
 
 /// ζ of the discrete history.
 struct Accumulated {
-    /// The weight with which the level itself enters.
-    own: f64,
+    /// The weight of the level itself.
+    weight: f64,
     zeta: f64,
     zeta_error: f64,
 }
 
-/// How the stress at a point moves, linearised.
+/// Linearised response of the stress at a point.
 struct Response<const S: usize> {
-    /// By the strain of the level, its own share of the memory included.
+    /// In the strain of the level, including its share of the memory.
     tangent: [Mandel<S>; S],
-    /// What it misses beside that: minus its part from the past.
+    /// Minus the contribution of the past.
     source: Mandel<S>,
-    /// The derivative of the stress in ζ.
+    /// In ζ.
     by_zeta: Mandel<S>,
 }
 
@@ -93,7 +91,7 @@ impl<const S: usize> InSpace<S> {
         rule: TimeRule,
         memory: &[Memory],
     ) -> Self {
-        // The rule matters to loads alone, which are not asked for here.
+        // The rule affects loads only, which are not used here.
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
         let mut graph = exact.data.graph.clone();
         let slope = exact
@@ -103,15 +101,15 @@ impl<const S: usize> InSpace<S> {
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
         let horizon = exact.data.horizon;
-        let kernel = |own: &Memory| match own.singular {
-            None => Kernel::new(&mut graph, own.kernel, horizon),
+        let kernel = |term: &Memory| match term.singular {
+            None => Kernel::new(&mut graph, term.kernel, horizon),
             Some(parts) => Kernel::singular(&mut graph, parts.power, parts.factor, horizon),
         };
         let kernels = memory.iter().map(kernel).collect();
         Self { exact, space, rule, truth, slope, graph, regions, kernels }
     }
 
-    /// The number of steps beyond which the sums over the past are dearer than what they tell.
+    /// Number of steps beyond which the direct sums cost too much.
     pub(super) fn most_steps(&self) -> u32 {
         let fixed = Weights::of(self.rule).is_ok_and(Weights::are_fixed);
         match !fixed || self.kernels.iter().any(Kernel::is_direct) {
@@ -120,7 +118,7 @@ impl<const S: usize> InSpace<S> {
         }
     }
 
-    /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
+    /// Whether u(t) ∈ V^h up to rounding, at arbitrary times.
     pub(super) fn holds_the_solution(&self, horizon: f64) -> bool {
         let mut interpolation = InterpolationError::new(&self.exact, &self.space);
         [0.37, 0.83, 1.0].iter().all(|share| {
@@ -133,7 +131,8 @@ impl<const S: usize> InSpace<S> {
     /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
         let weights = Weights::of_plain(self.rule)?;
-        let of_kernels = self.kernels.iter().map(|own| Weights::of_kernel(self.rule, own.power()));
+        let of_kernels =
+            self.kernels.iter().map(|kernel| Weights::of_kernel(self.rule, kernel.power()));
         let of_kernels = of_kernels.collect::<Result<Vec<_>, _>>()?;
         let mut sums = Sums::new(of_kernels, &self.kernels, times, self.space.nodes.len());
         // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
@@ -147,14 +146,14 @@ impl<const S: usize> InSpace<S> {
             let state = self.state(t, &mut history, &sums);
             let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
             if n > 0 {
-                let own = weights.at(times, n, n);
+                let weight = weights.at(times, n, n);
                 let [zeta, zeta_error] = sizes.before();
-                let zeta = zeta + own * state.norm;
-                let past = self.past(&sums, &state, Accumulated { own, zeta, zeta_error });
+                let zeta = zeta + weight * state.norm;
+                let past = self.past(&sums, &state, Accumulated { weight, zeta, zeta_error });
                 let level = self.level(t, &state, &past)?;
                 let norm = inner(&self.space, &level.strain, &level.strain).sqrt();
                 let along = inner(&self.space, &state.strain, &level.strain) / state.norm;
-                // Where ε vanishes the norm of its neighbour is the error's own.
+                // If ε vanishes, the norm of the discrete strain is that of the error.
                 of_norm = if state.norm > VANISHING * norm { along } else { norm };
                 if norm.is_nan() {
                     return Err(NoConstant::Singular { t });
@@ -185,7 +184,7 @@ impl<const S: usize> InSpace<S> {
         let strain: Vec<Mandel<S>> = strains(&self.space, &u);
         let remembered = |term: usize| {
             let [mut discrete, _] = sums.before(term);
-            axpy(sums.own(term), &u, &mut discrete);
+            axpy(sums.current_weight(term), &u, &mut discrete);
             strains(&self.space, &history.remembered(term, &discrete))
         };
         let memory = (0..self.kernels.len()).map(remembered).collect();
@@ -196,28 +195,27 @@ impl<const S: usize> InSpace<S> {
     }
 
     fn past(&self, sums: &Sums, state: &State<S>, accumulated: Accumulated) -> Past<S> {
-        let (mut memory, mut memory_error, mut own_memory) = (vec![], vec![], vec![]);
+        let (mut memory, mut memory_error, mut current_memory) = (vec![], vec![], vec![]);
         for term in 0..self.kernels.len() {
-            let ([mut exact, error], own) = (sums.before(term), sums.own(term));
-            axpy(own, &state.u, &mut exact);
-            own_memory.push(own);
+            let ([mut exact, error], weight) = (sums.before(term), sums.current_weight(term));
+            axpy(weight, &state.u, &mut exact);
+            current_memory.push(weight);
             memory.push(strains(&self.space, &exact));
             memory_error.push(strains(&self.space, &error));
         }
-        Past { memory, memory_error, own_memory, accumulated }
+        Past { memory, memory_error, current_memory, accumulated }
     }
 
     /// e_n from the linearised step
     ///
-    /// ```text
-    /// (D ε(e), ε(v)) + ∫ ∂²j e_ν v_ν + (r, ε(v)) w (ε_n, ε(e))/‖ε_n‖ = -(ρ + past, ε(v)),   r = ∂σ/∂κ κ'
+    /// ```text (D ε(e), ε(v)) + ∫ ∂²j e_ν v_ν + (r, ε(v)) w (ε_n, ε(e))/‖ε_n‖ = -(ρ + past, ε(v)), r = ∂σ/∂κ κ'
     /// ```
     ///
     /// with ρ the stress of the discrete history less that of the exact one.
     fn level(&self, t: f64, state: &State<S>, past: &Past<S>) -> Result<Level<S>, NoConstant> {
         let space = &self.space;
         let kappa = self.exact.data.kappa;
-        let (exact_kappa, own_kappa) = (
+        let (exact_kappa, scheme_kappa) = (
             self.at_zeta(kappa, state.zeta, f64::INFINITY),
             self.at_zeta(kappa, past.accumulated.zeta, f64::INFINITY),
         );
@@ -228,14 +226,14 @@ impl<const S: usize> InSpace<S> {
         let mut responses = Vec::with_capacity(state.strain.len());
         for at in space.points() {
             let strain = &state.strain[at.index];
-            let own = self.response(&at, state, past, [exact_kappa, own_kappa, slope]);
-            let by_zeta = own.by_zeta;
-            add_force(&at, &own.source, &mut right);
-            add_stiffness(space, &at, &own.tangent, &mut values);
-            responses.push(own);
+            let response = self.response(&at, state, past, [exact_kappa, scheme_kappa, slope]);
+            let by_zeta = response.by_zeta;
+            add_force(&at, &response.source, &mut right);
+            add_stiffness(space, &at, &response.tangent, &mut values);
+            responses.push(response);
             if self.slope.is_some() && state.norm > 0.0 {
                 add_force(&at, &by_zeta, &mut column);
-                add_force(&at, &strain.map(|e| past.accumulated.own * e / state.norm), &mut row);
+                add_force(&at, &strain.map(|e| past.accumulated.weight * e / state.norm), &mut row);
             }
         }
         let answers = self.answers(state);
@@ -247,13 +245,13 @@ impl<const S: usize> InSpace<S> {
         }
         let error = low_rank::solve(space, t, &values, right, &terms)?;
         let strain: Vec<Mandel<S>> = strains(space, &error);
-        // The change of ζ that the level itself makes.
+        // The level's contribution to the change of ζ.
         let share = match self.slope.is_some() && state.norm > 0.0 {
-            true => past.accumulated.own * inner(space, &state.strain, &strain) / state.norm,
+            true => past.accumulated.weight * inner(space, &state.strain, &strain) / state.norm,
             false => 0.0,
         };
         let stress: Vec<Mandel<S>> =
-            responses.iter().zip(&strain).map(|(own, e)| own.stress(e, share)).collect();
+            responses.iter().zip(&strain).map(|(response, e)| response.stress(e, share)).collect();
         let balance = balancing(space, &stress);
         let pressure = answers.iter().enumerate().map(|(i, answer)| match answer {
             None => 0.0,
@@ -265,13 +263,13 @@ impl<const S: usize> InSpace<S> {
         Ok(Level { error, strain, stress, pressure })
     }
 
-    /// How the stress at a point answers, with κ at the exact ζ and at that of the scheme, and κ' there.
+    /// Response of the stress at a point, with κ at the exact ζ and at that of the scheme, and κ' there.
     fn response(
         &self,
         at: &StrainPoint<'_>,
         state: &State<S>,
         past: &Past<S>,
-        [exact_kappa, own_kappa, slope]: [f64; 3],
+        [exact_kappa, scheme_kappa, slope]: [f64; 3],
     ) -> Response<S> {
         let strain = &state.strain[at.index];
         let material = self.exact.material_in(self.regions[at.cell]);
@@ -279,18 +277,18 @@ impl<const S: usize> InSpace<S> {
             terms.iter().map(|term| term[at.index]).collect()
         };
         let before = stress_of(material, strain, &here(&state.memory), exact_kappa);
-        let after = stress_of(material, strain, &here(&past.memory), own_kappa);
-        let mut tangent = by_strain(material, strain, own_kappa);
+        let after = stress_of(material, strain, &here(&past.memory), scheme_kappa);
+        let mut tangent = by_strain(material, strain, scheme_kappa);
         let mut remembered = [0.0; S];
         for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
             let part = isotropic(lambda, mu, &past.memory_error[term][at.index]);
             (0..S).for_each(|i| remembered[i] += part[i]);
             for (i, line) in tangent.iter_mut().enumerate() {
                 let memory = isotropic(lambda, mu, &unit::<S>(i));
-                (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
+                (0..S).for_each(|j| line[j] += past.current_memory[term] * memory[j]);
             }
         }
-        let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
+        let by_zeta = by_kappa(material, strain, scheme_kappa).map(|value| slope * value);
         let source = std::array::from_fn(|i| {
             before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
         });
@@ -298,7 +296,7 @@ impl<const S: usize> InSpace<S> {
     }
 }
 
-/// Numbers multiplied in the sums over the past of one grid: some seconds.
+/// Limit of multiplications in the sums over the past of one grid: some seconds.
 const MOST_PRODUCTS: f64 = 1e10;
-/// Shares below this are zero but for rounding.
+/// Smaller shares are zero up to rounding.
 const VANISHING: f64 = 1e-9;

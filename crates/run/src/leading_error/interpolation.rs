@@ -17,9 +17,9 @@ use formula::{Bound, Program, Variable};
 use scene::Shape;
 use scene::setup::Setup;
 
-/// Cells of the integral of second derivatives, in each coordinate, in the plane and in space, and Gauss points a
-/// cell. Moving zones leave jumps in third derivatives of the profile, which are second derivatives of u: the sum over
-/// 128 points meets them within 1 %. Smooth fields need fewer.
+/// Cells per coordinate for the integral of second derivatives, in the plane and in space, and Gauss points per cell.
+/// Moving zones cause jumps in third derivatives of the profile, which are second derivatives of u: 128 points resolve
+/// them within 1 %. Smooth fields need fewer.
 const CELLS: [usize; 2] = [64, 8];
 const POINTS: usize = 2;
 
@@ -79,8 +79,8 @@ fn constant_in<const D: usize>(exact: &Exact, size: &[f64], t: f64) -> f64 {
 }
 
 /// Simplices of the structured family in a unit square or cube: the paths from the origin to the opposite corner along
-/// the axes in cyclic order. In the plane these are both; in space the other three are these reflected at the centre, with
-/// the same values.
+/// the axes in cyclic order. In the plane these are both; in space the other three are their reflections at the centre,
+/// with equal values.
 fn simplices_of_a_cube<const D: usize>() -> Vec<QuadraticError<D>> {
     let path = |start: usize| {
         let mut corner = [0.0; D];
@@ -94,7 +94,6 @@ fn simplices_of_a_cube<const D: usize>() -> Vec<QuadraticError<D>> {
     (0..D).map(path).collect()
 }
 
-/// ‖ε(u(t) - I_h u(t))‖ on one mesh.
 pub struct InterpolationError<'a> {
     space: &'a Discretization,
     /// u at the vertices, and midpoints that have nodes.
@@ -105,8 +104,8 @@ pub struct InterpolationError<'a> {
 }
 
 impl<'a> InterpolationError<'a> {
-    /// Binds u to the nodes of a mesh, ε(u) to the points of a rule of degree 4 or 5 a cell: the square of what linear
-    /// interpolation leaves of a quadratic's strain is of degree 2, quadratic of a cubic's 4.
+    /// Binds u to the nodes of a mesh, ε(u) to the points of a rule of degree 4 or 5 per cell: the squared strain error
+    /// of linear interpolation has degree 2 for a quadratic, that of quadratic interpolation degree 4 for a cubic.
     pub fn new(exact: &Exact, space: &'a Discretization) -> Self {
         let (mesh, mut graph) = (&space.mesh, exact.data.graph.clone());
         let horizon = exact.data.horizon;
@@ -121,7 +120,6 @@ impl<'a> InterpolationError<'a> {
         Self { space, nodal, strain, rule }
     }
 
-    /// The error at time t.
     pub fn at(&mut self, t: f64) -> f64 {
         match self.space.mesh.dimension {
             2 => self.at_in::<2>(t),
@@ -140,13 +138,13 @@ impl<'a> InterpolationError<'a> {
             let edges = edges_of::<D>(&self.space.mesh, c);
             let measure = measure(&edges);
             let at = |b: &[f64]| strain_of_interpolant(self.space, (c, b), &edges, &nodal);
-            // The strain of a linear function is the same everywhere.
+            // The strain of a linear function is constant.
             let constant = (self.space.element == Element::P1).then(|| at(&self.rule.points[0]));
             for (q, (b, weight)) in cell_points.clone().enumerate() {
                 let p = c * self.rule.weights.len() + q;
                 let interpolant: Tensor<D> = constant.unwrap_or_else(|| at(b));
-                let own: Tensor<D> = full(|k| strain[k][p]);
-                let pairs = own.as_flattened().iter().zip(interpolant.as_flattened());
+                let exact: Tensor<D> = full(|k| strain[k][p]);
+                let pairs = exact.as_flattened().iter().zip(interpolant.as_flattened());
                 sum += weight * measure * pairs.map(|(e, i)| (e - i).powi(2)).sum::<f64>();
             }
         }
@@ -154,14 +152,13 @@ impl<'a> InterpolationError<'a> {
     }
 }
 
-/// The edges of a cell from its first corner.
 fn edges_of<const D: usize>(mesh: &Mesh, c: usize) -> [[f64; D]; D] {
     let cell = mesh.cell(c);
     let corner = |a: usize| mesh.vertex(cell[a]);
     std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]))
 }
 
-/// ε at barycentric coordinates of a cell of the function of the element with these nodal values.
+/// ε at barycentric coordinates of a cell, for the element's function with these nodal values.
 fn strain_of_interpolant<const D: usize>(
     space: &Discretization,
     (c, b): (usize, &[f64]),
@@ -176,11 +173,11 @@ fn strain_of_interpolant<const D: usize>(
     std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (gradient[i][j] + gradient[j][i])))
 }
 
-/// Corners between which the midpoints of a tetrahedron lie, in their order; those of a triangle are the first three.
+/// End points of the midpoint nodes of a tetrahedron, in order; those of a triangle come first.
 const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
-/// The derivative of a function by barycentric coordinate `a`, the others being held. A quadratic one is
-/// Σ v_a b_a (2 b_a - 1) + 4 Σ v_ij b_i b_j, one of Crouzeix and Raviart Σ v_ij (2 b_i + 2 b_j - 1).
+/// The derivative by barycentric coordinate `a`, the others held. A quadratic function is Σ v_a b_a (2 b_a - 1) + 4 Σ
+/// v_ij b_i b_j, a Crouzeix–Raviart one Σ v_ij (2 b_i + 2 b_j - 1).
 fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) -> f64 {
     match element {
         Element::P1 => value(a),
@@ -200,7 +197,6 @@ fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) ->
     }
 }
 
-/// The measure of a positively oriented simplex by its edges from one corner.
 fn measure<const D: usize>(edges: &[[f64; D]; D]) -> f64 {
     let minor = |p: &[f64; D], q: &[f64; D], i: usize, j: usize| p[i] * q[j] - p[j] * q[i];
     if D == 2 {
@@ -211,13 +207,13 @@ fn measure<const D: usize>(edges: &[[f64; D]; D]) -> f64 {
     (0..D).map(axis).sum::<f64>() / 6.0
 }
 
-/// Up to this n all times of the grid are tried. A front that moves through the cells makes the largest error depend
-/// on where it stands in them, less so on finer meshes.
+/// Up to this n all times of the grid are tried: the error depends on where moving fronts are in the cells, less so on
+/// finer meshes.
 const ALL_TIMES: u32 = 32;
-/// On finer meshes the times with the largest errors of the next coarser one are tried, so many of them.
+/// Times tried on finer meshes: those of the largest errors on the next coarser one.
 const TRIED: usize = 3;
 
-/// The largest interpolation errors of ε or, where `of_stress`, of σ over the grids of the cases.
+/// The largest interpolation errors over the grids of the cases, of ε or, if `of_stress`, of σ.
 pub(super) fn over_cases(
     setup: &Setup,
     exact: &Arc<Exact>,
@@ -248,14 +244,14 @@ pub(super) fn over_cases(
                 tried.iter().map(|&t| (t, strain.at(t))).collect()
             }
         };
-        // A NaN comes first and stays.
+        // NaN sorts first and is kept.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let Some(&(_, error)) = worst.first() else { continue };
         let (h, k) = (Some(space.mesh.h()), largest_step(&grid));
         points.push(LeadingError { case, h, k, error });
     }
     let domain = &setup.body.domain;
-    // The integral of second derivatives is over a rectangle or box, and the limit of linear interpolation.
+    // The limit is computed for rectangles and boxes, and linear interpolation.
     let linear = setup.body.element == Element::P1;
     let at = worst.first().filter(|_| domain.shape == Shape::Box && !of_stress && linear);
     let limit = at.map(|&(t, _)| interpolation_constant(exact, &domain.size, t));

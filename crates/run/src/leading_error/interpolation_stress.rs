@@ -1,7 +1,7 @@
 //! The space error of the stress: ‖σ(u) - σ(I_h u)‖ on a mesh.
 //!
-//! I_h u is superclose to u_h, so σ_h is the stress of I_h u with its own memory, but for higher orders. ζ is that of u
-//! in both: with f = ε(u)/‖ε(u)‖, integration by parts makes (f, ε(u - I_h u)) an O(h²).
+//! I_h u is superclose to u_h, so σ_h is the stress of I_h u with its memory, up to higher orders. Both use ζ of u:
+//! with f = ε(u)/‖ε(u)‖, integration by parts gives (f, ε(u - I_h u)) = O(h²).
 
 use std::sync::Arc;
 
@@ -13,7 +13,6 @@ use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::{Rule, tetrahedron_degree_5, triangle_degree_4};
 use formula::Bound;
 
-/// ‖σ(u(t)) - σ(I_h u(t))‖ on one mesh.
 pub struct StressInterpolationError {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
@@ -22,12 +21,10 @@ pub struct StressInterpolationError {
     /// ε(u) and its histories at the points of the cells.
     fields: Bound,
     rule: Rule,
-    /// The region of each cell.
     regions: Vec<usize>,
 }
 
 impl StressInterpolationError {
-    /// Binds the exact solution to the vertices of the mesh of `space` and to points in its cells.
     pub(crate) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
         let mesh = &space.mesh;
         let rule = if mesh.dimension == 2 { triangle_degree_4() } else { tetrahedron_degree_5() };
@@ -36,7 +33,7 @@ impl StressInterpolationError {
             .collect();
         let fields = exact.interior.bind(&points);
         let regions = exact.cell_regions(mesh);
-        // The rule matters to loads alone.
+        // The rule affects loads only.
         let interpolant =
             InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
         Self { exact, space, interpolant, fields, rule, regions }
@@ -44,8 +41,7 @@ impl StressInterpolationError {
 
     /// The error at time t.
     ///
-    /// # Errors
-    /// A formula that is not finite at a vertex.
+    /// # Errors A formula that is not finite at a vertex.
     pub(crate) fn at(&mut self, t: f64) -> Result<f64, LoadError> {
         match self.space.mesh.dimension {
             2 => self.at_in::<2, 3>(t),
@@ -64,8 +60,8 @@ impl StressInterpolationError {
         let (mut sum, mut remembered): (f64, Vec<Tensor<D>>) = (0.0, Vec::new());
         for c in 0..self.space.mesh.cell_count() {
             let material = self.exact.material_in(self.regions[c]);
-            let own: Vec<Mandel<S>> = histories.iter().map(|history| history[c]).collect();
-            let of_interpolant = stress_of(material, &strain[c], &own, kappa);
+            let memory: Vec<Mandel<S>> = histories.iter().map(|history| history[c]).collect();
+            let of_interpolant = stress_of(material, &strain[c], &memory, kappa);
             for (q, weight) in self.rule.weights.iter().enumerate() {
                 let p = c * self.rule.weights.len() + q;
                 let present: Tensor<D> = self.exact.tensors(|k| out[k][p], &mut remembered);

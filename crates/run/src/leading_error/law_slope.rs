@@ -1,8 +1,7 @@
-//! How ξ ∈ ∂j_ν(r) answers to a small change of r.
+//! Response of ξ ∈ ∂j_ν(r) to small changes of r.
 
 use exact::{FrictionBound, LawNumbers, Sliding};
 
-/// The answer of one point of the contact side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Answer {
     /// ξ changes by this slope times the change of r.
@@ -11,7 +10,6 @@ pub(super) enum Answer {
     Held,
 }
 
-/// The answer where r, ξ and λ are given.
 pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> Answer {
     if lambda.abs() > 0.0 {
         return Answer::Held;
@@ -20,7 +18,7 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
     let curve = law.curve.map_or(0.0, |curve| curve.slope(r));
     let [first, .., last] = law.points[..] else { return Answer::Slope(outer(law, r) + curve) };
     let pairs = || law.points.windows(2).map(|pair| (pair[0], pair[1]));
-    // At a jump ξ strictly inside keeps r where it is.
+    // Strictly inside a jump ξ keeps r fixed.
     let jump = pairs().any(|([from, low], [to, high])| {
         from == to && (r - from).abs() <= ROUNDING * from.abs().max(1.0) && xi > low && xi < high
     });
@@ -37,37 +35,37 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
     Answer::Slope(graph + curve)
 }
 
-/// The answer of s ∈ S ∂|u_τ| along the slip where s, u_τ and S are given: a vertex sticks below the bound.
-fn sliding_answer(bound: &FrictionBound, own: &Sliding) -> Answer {
-    if own.sticks() {
+/// Response of s ∈ S ∂|u_τ| along the slip; a vertex below the bound sticks.
+fn sliding_answer(bound: &FrictionBound, sliding: &Sliding) -> Answer {
+    if sliding.sticks() {
         return Answer::Held;
     }
     match bound {
-        // By u_τ; what a bound that follows the normal law answers to u_ν is no part of a symmetric matrix.
+        // Response to u_τ only; that to u_ν of a bound that follows the normal law is nonsymmetric.
         FrictionBound::Given(_) | FrictionBound::Coulomb(_) => Answer::Slope(0.0),
         FrictionBound::Slip(points) => {
             let pairs = points.windows(2).map(|pair| (pair[0], pair[1]));
             let mut pieces =
-                pairs.filter(|([from, _], [to, _])| (*from..*to).contains(&own.slipped()));
+                pairs.filter(|([from, _], [to, _])| (*from..*to).contains(&sliding.slipped()));
             let piece = pieces.next();
             Answer::Slope(piece.map_or(0.0, |([from, low], [to, high])| (high - low) / (to - from)))
         }
     }
 }
 
-/// w ∂s/∂u_τ by components at a vertex with the weight w, which a stiffness holds where it sticks.
+/// w ∂s/∂u_τ by components at a vertex of weight w; `held` is the stiffness while it sticks.
 pub(super) fn sliding_block(
     bound: &FrictionBound,
-    own: &Sliding,
+    sliding: &Sliding,
     [weight, held]: [f64; 2],
 ) -> [[f64; 3]; 3] {
-    let along = match sliding_answer(bound, own) {
-        Answer::Slope(slope) => turning(own, slope).map(|row| row.map(|k| weight * k)),
+    let along = match sliding_answer(bound, sliding) {
+        Answer::Slope(slope) => turning(sliding, slope).map(|row| row.map(|k| weight * k)),
         Answer::Held => [[held, 0.0], [0.0, held]],
     };
     let mut block = [[0.0; 3]; 3];
-    for (p, row) in own.tangents.iter().zip(&along) {
-        for (q, answer) in own.tangents.iter().zip(row) {
+    for (p, row) in sliding.tangents.iter().zip(&along) {
+        for (q, answer) in sliding.tangents.iter().zip(row) {
             for (line, p) in block.iter_mut().zip(p) {
                 line.iter_mut().zip(q).for_each(|(sum, q)| *sum += answer * p * q);
             }
@@ -76,19 +74,19 @@ pub(super) fn sliding_block(
     block
 }
 
-/// ∂s/∂u_τ along the tangents where the vertex slips and S has this slope: the slope along the slip, S/|u_τ| across it. At
-/// the bound without a slip it is the former on all sides: across there is no derivative.
-fn turning(own: &Sliding, slope: f64) -> [[f64; 2]; 2] {
-    let (slip, [a, b]) = (own.slipped(), own.slip);
-    if slip == 0.0 || b == 0.0 && own.tangents[1] == [0.0; 3] {
+/// ∂s/∂u_τ along the tangents of a slipping vertex: the slope of S along the slip, S/|u_τ| across it. At the bound
+/// without slip the derivative across does not exist, and the slope is used on all sides.
+fn turning(sliding: &Sliding, slope: f64) -> [[f64; 2]; 2] {
+    let (slip, [a, b]) = (sliding.slipped(), sliding.slip);
+    if slip == 0.0 || b == 0.0 && sliding.tangents[1] == [0.0; 3] {
         return [[slope, 0.0], [0.0, slope]];
     }
-    let ([a, b], across) = ([a / slip, b / slip], own.bound / slip);
+    let ([a, b], across) = ([a / slip, b / slip], sliding.bound / slip);
     let mixed = (slope - across) * a * b;
     [[slope * a * a + across * b * b, mixed], [mixed, slope * b * b + across * a * a]]
 }
 
-/// Rounding of a formula that is to stay at a jump.
+/// Rounding of a formula that is meant to stay at a jump.
 const ROUNDING: f64 = 1e-12;
 
 fn outer(law: &LawNumbers, r: f64) -> f64 {
@@ -105,19 +103,19 @@ mod tests {
 
     #[test]
     fn friction_holds_below_its_bound_and_follows_it_beyond() {
-        let sliding_answer = |bound: &FrictionBound, own: [f64; 3]| {
+        let sliding_answer = |bound: &FrictionBound, values: [f64; 3]| {
             let plane = [[1.0, 0.0, 0.0], [0.0; 3]];
-            super::sliding_answer(bound, &Sliding::new(plane, 2, |i| own[i]))
+            super::sliding_answer(bound, &Sliding::new(plane, 2, |i| values[i]))
         };
         let given = FrictionBound::Given(formula::Graph::new().constant(0.3));
         assert_eq!(sliding_answer(&given, [0.2, 0.0, 0.3]), Answer::Held);
         assert_eq!(sliding_answer(&given, [-0.3, -0.1, 0.3]), Answer::Slope(0.0));
         let falling = FrictionBound::Slip(vec![[0.0, 0.3], [0.5, 0.2]]);
         for (u_tau, slope) in [(0.1, -0.2), (-0.1, -0.2), (0.6, 0.0)] {
-            let Answer::Slope(own) = sliding_answer(&falling, [0.28, u_tau, 0.28]) else {
+            let Answer::Slope(found) = sliding_answer(&falling, [0.28, u_tau, 0.28]) else {
                 panic!("held at {u_tau}");
             };
-            assert!((own - slope).abs() < 1e-12, "{u_tau}: {own}");
+            assert!((found - slope).abs() < 1e-12, "{u_tau}: {found}");
         }
     }
 

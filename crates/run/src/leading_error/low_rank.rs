@@ -1,5 +1,5 @@
-//! Linearised steps whose matrix is a sparse symmetric one and a few terms a bᵀ: ζ has one, friction whose bound follows
-//! the normal law one for each vertex that slips.
+//! Linearised steps with a sparse symmetric matrix plus a few terms a bᵀ: one for ζ, one per slipping vertex for
+//! friction whose bound follows the normal law.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,13 +13,12 @@ pub(super) struct RankOne {
     pub row: Vec<f64>,
 }
 
-/// Pivots below this are zero but for rounding.
+/// Smaller pivots are zero up to rounding.
 const VANISHING: f64 = 1e-9;
 
-/// (K + Σ a_i b_iᵀ)⁻¹ `right`, over all nodes, by the formula of Sherman, Morrison and Woodbury; `values` are K's.
+/// (K + Σ a_i b_iᵀ)⁻¹ `right`, over all nodes, by the Sherman–Morrison–Woodbury formula; `values` are K's.
 ///
-/// # Errors
-/// [`NoConstant::Singular`]; a K that cannot be factorized.
+/// # Errors [`NoConstant::Singular`]; a K that cannot be factorized.
 pub(super) fn solve(
     space: &Discretization,
     t: f64,
@@ -38,7 +37,7 @@ pub(super) fn solve(
         x
     };
     let mut error = solved(&right);
-    // Without terms the system of their shares has no rows, which nalgebra does not solve.
+    // nalgebra does not solve systems without rows.
     if terms.is_empty() {
         right.fill(0.0);
         right[..dofs].copy_from_slice(&error);

@@ -1,4 +1,4 @@
-//! Norms of the leading error in time, of functions of the element and of tensors at its strain points.
+//! Norms of the leading error in time: of functions of the element, and of tensors at its strain points.
 
 use super::cells::{Mandel, add_force, inner};
 use algebra::linalg::larger;
@@ -6,7 +6,6 @@ use fem::contact::Discretization;
 use fem::space::Element;
 use scene::Norm;
 
-/// The leading error at one level.
 pub(super) struct Level<const S: usize> {
     /// e as a nodal vector.
     pub(super) error: Vec<f64>,
@@ -14,11 +13,10 @@ pub(super) struct Level<const S: usize> {
     pub(super) strain: Vec<Mandel<S>>,
     /// The leading part of σ^k - σ there.
     pub(super) stress: Vec<Mandel<S>>,
-    /// The error of the pressure, (ξ + λ)^k - (ξ + λ), at the points of the trace.
+    /// (ξ + λ)^k - (ξ + λ) at the points of the trace.
     pub(super) pressure: Vec<f64>,
 }
 
-/// Maxima over the levels of one grid.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Largest {
     v: f64,
@@ -29,7 +27,7 @@ pub(super) struct Largest {
 }
 
 impl Largest {
-    /// Takes a level in; a NaN stays.
+    /// Includes a level; NaN is kept.
     pub(super) fn raise<const S: usize>(&mut self, space: &Discretization, level: &Level<S>) {
         let of_cells = |field: &[Mandel<S>]| inner(space, field, field).sqrt();
         let trace: Vec<f64> =
@@ -45,7 +43,7 @@ impl Largest {
         }
     }
 
-    /// The one of a norm that has a leading error in time.
+    /// None for norms without a leading error in time.
     pub(super) fn of(&self, norm: Norm) -> Option<f64> {
         match norm {
             Norm::VMax | Norm::VTimeMax => Some(self.v),
@@ -74,7 +72,7 @@ pub(super) fn normal(space: &Discretization, i: usize, nodal: &[f64]) -> f64 {
     (0..d).map(|j| point.normal[j] * nodal[d * point.node as usize + j]).sum()
 }
 
-/// Mean of f² over a simplex of N corners, f linear: (Σ f_a² + (Σ f_a)²)/(N(N+1)); of quadratic f by their mass.
+/// Mean of f² over a simplex of N corners, f linear: (Σ f_a² + (Σ f_a)²)/(N(N+1)); for quadratic f by the mass matrix.
 fn mean_square(element: Element, corners: usize, nodes: &[f64]) -> f64 {
     if element != Element::P1 {
         let values: Vec<[f64; 1]> = nodes.iter().map(|&value| [value]).collect();
@@ -86,7 +84,6 @@ fn mean_square(element: Element, corners: usize, nodes: &[f64]) -> f64 {
     (squares + total * total) / (count * (count + 1.0))
 }
 
-/// ‖v‖ in L²(Ω) of a nodal vector.
 fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
     let d = space.mesh.dimension;
     let component = |c: usize, i: usize| {
@@ -101,8 +98,8 @@ fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
 /// ‖f‖ in L²(Γ3) of values at the points of the trace.
 fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
     let facet = |(f, measure): (usize, &f64)| {
-        let own: Vec<f64> = space.trace.facet(f).iter().map(|&i| values[i as usize]).collect();
-        measure * mean_square(space.element, space.mesh.dimension, &own)
+        let at_facet: Vec<f64> = space.trace.facet(f).iter().map(|&i| values[i as usize]).collect();
+        measure * mean_square(space.element, space.mesh.dimension, &at_facet)
     };
     space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
 }
@@ -112,7 +109,7 @@ mod tests {
     use super::*;
     use fem::mesh::{Family, rectangle};
 
-    /// A level that has no number in one norm is not passed over for those that have.
+    /// A NaN in one norm must not affect the others.
     #[test]
     fn no_number_stays_in_its_norm() {
         let mesh = rectangle([1.0, 1.0], 1, Family::Structured);

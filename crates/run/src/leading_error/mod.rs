@@ -1,21 +1,20 @@
-//! The error that a sound scheme has on a case, to leading order, from the exact solution alone.
+//! Leading-order error of a sound scheme on a case, from the exact solution alone.
 //!
 //! In space it is the interpolation error ‖ε(u - I_h u)‖ (`interpolation`): on meshes of translated simplices I_h u is
-//! closer to u_h than either is to u, by linear and by quadratic elements. In time it solves the linearised scheme with what the rule misses of
-//! the exact history as its source (`in_space` on V^h, `finite` in ℝ^m):
+//! closer to u_h than either is to u, for linear and quadratic elements. In time it solves the linearised scheme with
+//! the quadrature error of the exact history as source (`in_space` on V^h, `finite` in ℝ^m):
 //!
-//! ```text
-//! A'(u_n) e_n + N_y(Σ' w_nj q(t_n,t_j) e_j) = N(S_n u, u_n) - N(S_n^k u, u_n)
+//! ```text A'(u_n) e_n + N_y(Σ' w_nj q(t_n,t_j) e_j) = N(S_n u, u_n) - N(S_n^k u, u_n)
 //! ```
 //!
-//! For smooth data its leading term is k² E(t) by the trapezoidal rule, driven by (1/12)[∂_s(q(t,s) u(s))]_0^t, and k E(t)
-//! by the left-endpoint one, driven by (1/2)[q(t,s) u(s)]_0^t; the source is taken whole, so
-//! that other grids, kernels like (t-s)^a, kinks and jumps are covered by the same lines.
+//! For smooth data its leading term is k² E(t) by the trapezoidal rule, driven by (1/12)[∂_s(q(t,s) u(s))]_0^t, and k
+//! E(t) by the left-endpoint one, driven by (1/2)[q(t,s) u(s)]_0^t; the full source also covers other grids, kernels
+//! like (t-s)^a, kinks and jumps.
 //!
-//! Independence: numbers of the scene, formulas, the manufactured side's stress, and linear algebra. Its histories are
-//! integrated here once more (`adaptive`): where those of the truth are wrong, the error is off its prediction.
-//! Nothing is taken from the solver's model, laws, time weights, assembly or march, so that a wrong one among them does
-//! not move the prediction; `tests/commands/house.rs` holds the list of what is shared.
+//! Independence: only numbers and formulas of the scene, the manufactured side's stress and linear algebra are used.
+//! Histories are integrated anew (`adaptive`), so that wrong histories of the exact solution show. The solver's model,
+//! laws, time weights, assembly and march are not used, so that mistakes in them do not move the prediction;
+//! `tests/commands/house.rs` lists what is shared.
 
 mod adaptive;
 mod cells;
@@ -48,78 +47,68 @@ use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Data, Direction, Hypothesis, MeshFamily, Norm};
 
-/// One case, by its mesh and number of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Case {
     /// Cells per unit length; none in ℝ^m.
     pub n: Option<u32>,
-    /// Number of steps.
     pub steps: u32,
 }
 
-/// The leading error of one case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeadingError {
-    /// The case.
     pub case: Case,
     /// h = 1/n.
     pub h: Option<f64>,
-    /// The largest step.
     pub k: f64,
-    /// Maximum over the grid.
     pub error: f64,
 }
 
-/// Leading errors in one norm, and what they tend to over the step.
+/// Leading errors in one norm, and their limit over the step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadingErrors {
-    /// One per case, in the order of the cases.
     pub points: Vec<LeadingError>,
-    /// lim ‖ε(u - I_h u)‖/h at the time at which the finest mesh has its largest error; in space alone.
+    /// lim ‖ε(u - I_h u)‖/h at the time of the largest error on the finest mesh; in space only.
     pub limit: Option<f64>,
-    /// The share by which a sound scheme's error may differ on the finest of these cases.
+    /// Allowed relative difference of a sound scheme's error on the finest case.
     pub tolerance: f64,
 }
 
-/// Linearisation leaves a share of the size of the error itself over that of the solution: 1e-5 on the finest steps of
-/// the shipped scenes, with a factor 10 in hand. Where a state of contact changes within the error the share does not fall
-/// with k, and the scene has to say so.
+/// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
+/// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
+/// scene has to state it.
 const IN_TIME: f64 = 1e-4;
-/// I_h u is superclose: ‖ε(I_h u - u_h)‖ is O(h^(3/2)) at worst, so by orthogonality the squares of ‖ε(u - u_h)‖ and of
-/// ‖ε(u - I_h u)‖ differ by a share of O(h), and so does a time error along I_h u in place of u_h. Of h over the length of
-/// the body that share is 0.13 at most on the finest meshes of the shipped scenes; a third leaves a factor 2.5.
+/// I_h u is superclose: ‖ε(I_h u - u_h)‖ is O(h^(3/2)) at worst, so by orthogonality the squares of ‖ε(u - u_h)‖ and
+/// ‖ε(u - I_h u)‖ differ by a share O(h), and so does a time error along I_h u in place of u_h. That share, over h by
+/// the length of the body, is at most 0.13 on the finest meshes of the shipped scenes; a third leaves a factor 2.5.
 const SUPERCLOSE: f64 = 1.0 / 3.0;
-/// On coarser meshes than 1/16 the next terms count, and the scene has to say how much.
+/// On meshes coarser than 1/16 the next terms count, and the scene has to state how much.
 const COARSEST: f64 = 0.02;
 
-/// The share by which an error on the mesh size h may differ from that of the interpolant.
+/// Allowed relative difference of an error on mesh size h from that of the interpolant.
 fn along_the_interpolant(setup: &Setup, h: f64) -> f64 {
     let domain = &setup.body.domain;
     let length = domain.measure().powf(1.0 / setup.scene.dimension as f64);
     (SUPERCLOSE * h / length).min(COARSEST)
 }
-/// Steps beyond which a direct sum over the past costs more than it tells: the error is long asymptotic.
+/// Steps beyond which direct sums are not worth their cost: the error is long asymptotic.
 const MOST_STEPS: u32 = 1024;
 
-/// What is measured, and how a run with more steps stands for the truth.
+/// What is measured, and against which reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// The norm.
     pub norm: Norm,
-    /// What is refined.
     pub variable: Direction,
-    /// The order that is predicted in it.
+    /// The predicted order in it.
     pub order: f64,
-    /// The reference of the time error has so many times the steps of the case.
+    /// Steps of the reference for time errors, as a multiple of the case's.
     pub time_reference: u32,
 }
 
-/// Errors in time that have been computed: they are those of all norms, and the predictions of a scene ask for the same
-/// cases.
+/// Computed time errors, shared by the norms and predictions of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct InTime(Vec<OfMesh>);
 
-/// The cases of one mesh, whether u(t) had to be in V^h, and the largest step and errors of each case that has them.
+/// The cases of one mesh, whether u(t) had to be in V^h, and the largest step and errors of each computed case.
 #[derive(Debug)]
 struct OfMesh {
     cases: Vec<Case>,
@@ -127,10 +116,7 @@ struct OfMesh {
     errors: Vec<(Case, f64, Largest)>,
 }
 
-/// The leading errors of `cases` of a scene.
-///
-/// # Errors
-/// Why this scene, norm or direction has none.
+/// The leading errors of `cases` of a scene, or why there are none.
 pub fn leading_errors(
     subject: &Subject,
     measured: &Measured,
@@ -139,10 +125,7 @@ pub fn leading_errors(
     leading_errors_beside(subject, measured, cases, &mut InTime::default())
 }
 
-/// [`leading_errors`], with what has been computed for other norms of the scene.
-///
-/// # Errors
-/// As [`leading_errors`].
+/// [`leading_errors`], reusing what has been computed for other norms of the scene.
 pub(crate) fn leading_errors_beside(
     subject: &Subject,
     measured: &Measured,
@@ -151,7 +134,7 @@ pub(crate) fn leading_errors_beside(
 ) -> Result<LeadingErrors, NoConstant> {
     match subject {
         Subject::Abstract(setup) => of_abstract(setup, cases),
-        // Jumps, and what they make of the load, are of the order of the interpolation error itself.
+        // Jumps, and their effect on the load, are of the order of the interpolation error itself.
         Subject::Contact(setup) if !setup.body.element.is_conforming() => {
             Err(NoConstant::Nonconforming { element: setup.body.element.name() })
         }
@@ -180,7 +163,8 @@ fn in_space_direction(
 ) -> Result<LeadingErrors, NoConstant> {
     let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    // ‖u - u_h‖ is as small as ‖u - I_h u‖, and no more than that: neither L² norm of u has a leading error here.
+    // ‖u - u_h‖ is of the order of ‖u - I_h u‖ but not equal to leading order, so L² norms of u have no leading error
+    // here.
     let of_stress = match measured.norm {
         Norm::VMax => false,
         Norm::StressL2Max => true,
@@ -206,7 +190,7 @@ fn in_time_direction(
 ) -> Result<LeadingErrors, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
     let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    // The reference of M times the steps has M^-order of the error.
+    // A reference of M times the steps has M^-order of the error.
     let share = match measured.norm {
         Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => {
             1.0
@@ -224,9 +208,9 @@ fn in_time_direction(
     };
     let in_space = measured.norm != Norm::VTimeMax && !interpolated;
     for n in ns {
-        let own: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
+        let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
         let h = Some(1.0 / f64::from(n));
-        for &(case, k, errors) in known.of_mesh(setup, exact, own, in_space)? {
+        for &(case, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
             let norm = measured.norm;
             let error = errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
             points.push(LeadingError { case, h, k, error: share * error });
@@ -236,7 +220,7 @@ fn in_time_direction(
 }
 
 impl InTime {
-    /// The errors of the cases of one mesh; where `in_space`, u(t) must be in V^h.
+    /// The errors of the cases of one mesh; with `in_space`, u(t) must be in V^h.
     fn of_mesh(
         &mut self,
         setup: &Setup,
@@ -263,7 +247,6 @@ impl InTime {
     }
 }
 
-/// The leading time errors of the cases of one mesh with the largest step of each.
 fn time_errors<const S: usize>(
     setup: &Setup,
     exact: &Arc<Exact>,
@@ -283,7 +266,7 @@ fn time_errors<const S: usize>(
     of_few_steps(cases, body.most_steps()).map(error).collect()
 }
 
-/// The cases of up to `most` steps; where all have more, those of the fewest.
+/// The cases of up to `most` steps; if all have more, those of the fewest.
 fn of_few_steps(cases: &[Case], most: u32) -> impl Iterator<Item = &Case> {
     let fewest = cases.iter().map(|case| case.steps).min().unwrap_or(0);
     cases.iter().filter(move |case| case.steps <= most.max(fewest))

@@ -1,5 +1,5 @@
-//! The exact histories of I_h u as the prediction takes them: integrated here, so that an error of those of the truth
-//! moves the ratio of the two.
+//! Exact histories of I_h u for the prediction, integrated independently, so that errors in the histories of the exact
+//! solution show.
 
 use super::adaptive::{cuts, integral, integral_against};
 use super::cells::{Mandel, inner, strains};
@@ -8,20 +8,19 @@ use exact::Exact;
 use fem::contact::Discretization;
 use formula::{Bound, Program};
 
-/// ∫_0^t b_i(t-s) u(s) ds at the nodes, and ζ(t) = ∫_0^t ‖ε(I_h u(s))‖ ds, from one time to the next.
+/// ∫_0^t b_i(t-s) u(s) ds at the nodes, and ζ(t) = ∫_0^t ‖ε(I_h u(s))‖ ds, advanced from one time to the next.
 pub(super) struct OwnHistory<'a, const S: usize> {
     space: &'a Discretization,
-    /// u at the nodes.
     u: Bound,
     kernels: &'a [Kernel],
     t: f64,
-    /// ∫_0^t exp(-c (t-s)) u(s) ds of all exponentials in turn, then ζ if it is wanted.
+    /// ∫_0^t exp(-c (t-s)) u(s) ds of all exponentials in turn, then ζ if needed.
     carried: Vec<f64>,
     rates: Vec<f64>,
     with_zeta: bool,
-    /// What decides branches of u at the nodes, where kernels have no recursion, and its values at t.
+    /// For kernels without recursion: guards of u at the nodes, and their values at t.
     guards: Option<(Bound, Vec<Vec<f64>>)>,
-    /// The ends of steps in which one of these changes its sign.
+    /// The ends of steps in which one of these changes sign.
     kinked: Vec<f64>,
 }
 
@@ -52,12 +51,10 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         Self { space, u, kernels, t: 0.0, carried, rates, with_zeta, guards, kinked }
     }
 
-    /// I_h u at time t.
     pub(super) fn displacement(&mut self, t: f64) -> Vec<f64> {
         nodal(&mut self.u, self.space, t)
     }
 
-    /// On to a later time.
     pub(super) fn advance(&mut self, to: f64) {
         let Self { space, u, rates, carried, with_zeta, t: from, guards, kinked, .. } = self;
         if let Some((bound, before)) = guards {
@@ -99,7 +96,7 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         *from = to;
     }
 
-    /// ∫_0^t b(t-s) u(s) ds of one kernel; `discrete` is the sum in its place.
+    /// ∫_0^t b(t-s) u(s) ds of one kernel; `discrete` is the corresponding sum.
     pub(super) fn remembered(&mut self, term: usize, discrete: &[f64]) -> Vec<f64> {
         let (t, length) = (self.t, self.space.nodes.len());
         if t == 0.0 {
@@ -126,20 +123,23 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         sum
     }
 
-    /// ζ(t); 0 if it was not wanted.
+    /// ζ(t); 0 if not needed.
     pub(super) fn zeta(&self) -> f64 {
         self.carried.last().copied().filter(|_| self.with_zeta).unwrap_or(0.0)
     }
 }
 
-/// u at the nodes, component by component.
 fn nodal(bound: &mut Bound, space: &Discretization, t: f64) -> Vec<f64> {
     let d = space.mesh.dimension;
     let mut fields = vec![Vec::new(); d];
     bound.evaluate(t, 0.0, &mut fields);
     let mut all = vec![0.0; space.nodes.len()];
     for (i, field) in fields.iter().enumerate() {
-        all[i..].iter_mut().step_by(d).zip(field).for_each(|(own, value)| *own = *value);
+        all[i..]
+            .iter_mut()
+            .step_by(d)
+            .zip(field)
+            .for_each(|(component, value)| *component = *value);
     }
     all
 }

@@ -1,11 +1,11 @@
-//! What linear interpolation leaves of the strain of a quadratic field on one simplex.
+//! Strain error of linear interpolation of a quadratic field on one simplex.
 
 use exact::linear::gradient_of;
 
 /// A simplex, prepared for many fields.
 ///
-/// With corners v_a relative to the centroid c, q - Iq has the gradient m + H(x - c), where
-/// m = -½ Σ_a (v_aᵀ H v_a) ∇λ_a, and the mean of (x - c)(x - c)ᵀ is Σ_a v_a v_aᵀ/((D + 1)(D + 2)).
+/// With corners v_a relative to the centroid c, q - Iq has the gradient m + H(x - c), where m = -½ Σ_a (v_aᵀ H v_a)
+/// ∇λ_a, and the mean of (x - c)(x - c)ᵀ is Σ_a v_a v_aᵀ/((D + 1)(D + 2)).
 pub struct QuadraticError<const D: usize> {
     corners: Vec<[f64; D]>,
     gradients: Vec<[f64; D]>,
@@ -13,7 +13,6 @@ pub struct QuadraticError<const D: usize> {
 }
 
 impl<const D: usize> QuadraticError<D> {
-    /// The simplex with D + 1 corners.
     pub(crate) fn new(corners: &[[f64; D]]) -> Self {
         let count = corners.len() as f64;
         let centre: [f64; D] =
@@ -63,7 +62,6 @@ impl<const D: usize> QuadraticError<D> {
     }
 }
 
-/// vᵀ M v.
 fn form<const D: usize>(matrix: &[[f64; D]; D], v: &[f64; D]) -> f64 {
     let row = |i: usize| (0..D).map(|j| matrix[i][j] * v[j]).sum::<f64>();
     (0..D).map(|i| v[i] * row(i)).sum()
@@ -73,8 +71,8 @@ fn form<const D: usize>(matrix: &[[f64; D]; D], v: &[f64; D]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Hand calculation on the triangle (0,0), (1,0), (1,1) for u = (x²/2, 0): ∇(q - Iq) = (x - ½, 0), whose square has
-    /// the mean ½ - ⅔ + ¼ = 1/12.
+    /// By hand on the triangle (0,0), (1,0), (1,1) for u = (x²/2, 0): ∇(q - Iq) = (x - ½, 0), whose square has the mean
+    /// ½ - ⅔ + ¼ = 1/12.
     #[test]
     fn one_second_derivative_in_the_plane() {
         let triangle = QuadraticError::new(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
@@ -88,9 +86,9 @@ mod tests {
         assert!((turned.mean_square(&field) - triangle.mean_square(&field)).abs() < 1e-15);
     }
 
-    /// The tetrahedron 1 ≥ x ≥ y ≥ z ≥ 0 and u = (x²/2, 0, 0): again x - ½, with x of density 3x²:
-    /// 3/5 - 3/4 + 1/4 = 1/10. For u = (0, 0, xz): Iq = z, so ∇(q - Iq) = (z, 0, x - 1) and
-    /// |ε|² = ½z² + (x - 1)², where z has the density 3(1 - z)²: ½·1/10 + 1/10.
+    /// The tetrahedron 1 ≥ x ≥ y ≥ z ≥ 0 and u = (x²/2, 0, 0): again x - ½, with x of density 3x²: 3/5 - 3/4 + 1/4 =
+    /// 1/10. For u = (0, 0, xz): Iq = z, so ∇(q - Iq) = (z, 0, x - 1) and |ε|² = ½z² + (x - 1)², where z has the
+    /// density 3(1 - z)²: ½·1/10 + 1/10.
     #[test]
     fn one_second_derivative_in_space() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0]];

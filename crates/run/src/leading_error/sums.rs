@@ -3,9 +3,9 @@
 use super::time::Weights;
 use formula::{Bound, Graph, Node, Program, Variable};
 
-/// b of one term of the memory, as the sums need it.
+/// The kernel b of one term of the memory.
 pub(super) enum Kernel {
-    /// The list (a, c) of b(t) = Σ a exp(-c t).
+    /// The pairs (a, c) of b(t) = Σ a exp(-c t).
     Exponentials(Vec<(f64, f64)>),
     /// b(t - x).
     Any(Program),
@@ -14,7 +14,6 @@ pub(super) enum Kernel {
 }
 
 impl Kernel {
-    /// Prepares a formula in t.
     pub(super) fn new(graph: &mut Graph, kernel: Node, horizon: f64) -> Self {
         if let Some(terms) = graph.exponential_sum(kernel) {
             return Self::Exponentials(terms);
@@ -22,12 +21,11 @@ impl Kernel {
         Self::Any(of_lag(graph, kernel, horizon))
     }
 
-    /// Prepares t^{-a} times a formula in t.
     pub(super) fn singular(graph: &mut Graph, a: f64, factor: Node, horizon: f64) -> Self {
         Self::Singular(a, of_lag(graph, factor, horizon))
     }
 
-    /// a, 0 but for singular kernels.
+    /// a; 0 except for singular kernels.
     pub(super) fn power(&self) -> f64 {
         match self {
             Self::Singular(a, _) => *a,
@@ -35,7 +33,7 @@ impl Kernel {
         }
     }
 
-    /// The list (a, c), empty where there is none.
+    /// The pairs (a, c), or empty.
     pub(super) fn exponentials(&self) -> &[(f64, f64)] {
         match self {
             Self::Exponentials(terms) => terms,
@@ -59,7 +57,7 @@ impl Kernel {
         }
     }
 
-    /// Whether its sums go over all earlier levels anew.
+    /// Whether sums are recomputed over all earlier levels.
     pub(super) fn is_direct(&self) -> bool {
         matches!(self, Self::Any(_) | Self::Singular(..))
     }
@@ -73,26 +71,25 @@ fn of_lag(graph: &mut Graph, formula: Node, horizon: f64) -> Program {
     Program::compile(graph, &[of_lag], horizon)
 }
 
-/// Vectors summed side by side: values and errors.
+/// Values and errors, summed in parallel.
 pub(super) type Pair<T> = [T; 2];
 
-/// Of each kernel, Σ_{j<n} w_nj b(t_n - t_j) v_j for a pair of sequences v_0, …, v_{n-1}.
+/// For each kernel, Σ_{j<n} w_nj b(t_n - t_j) v_j for a pair of sequences v_0, …, v_{n-1}.
 ///
-/// For b(t) = Σ a exp(-c t) each term is carried on: with P_n its sum,
+/// For b(t) = Σ a exp(-c t) with weights of v_n that are equal in all later sums, each term P_n is updated by
 ///
-/// ```text
-/// P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
+/// ```text P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
 /// ```
 ///
-/// where the weight of v_n is the same in all later sums; else all of them are summed anew.
+/// Other sums are recomputed.
 pub(super) struct Sums<'a> {
     /// One per kernel.
     weights: Vec<Weights>,
     times: &'a [f64],
-    /// The level n at which the sums are.
+    /// The current level n.
     level: usize,
     kernels: Vec<Sum>,
-    /// v_0, …, v_{n-1}, if a kernel asks for them.
+    /// v_0, …, v_{n-1}, if a kernel needs them.
     past: Vec<Pair<Vec<f64>>>,
     length: usize,
 }
@@ -142,8 +139,8 @@ impl<'a> Sums<'a> {
         sums
     }
 
-    /// The weights with which the level itself would enter: w_nn b(0).
-    pub(super) fn own(&self, kernel: usize) -> f64 {
+    /// The weight of the current level: w_nn b(0).
+    pub(super) fn current_weight(&self, kernel: usize) -> f64 {
         let at_zero = match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().map(|term| term.a).sum(),
             Sum::Anew(terms) => terms.iter().map(|(a, _)| a).sum(),
@@ -152,7 +149,7 @@ impl<'a> Sums<'a> {
         self.weights[kernel].at(self.times, self.level, self.level) * at_zero
     }
 
-    /// The sums over the levels before this one.
+    /// The sums over earlier levels.
     pub(super) fn before(&self, kernel: usize) -> Pair<Vec<f64>> {
         let mut out = [vec![0.0; self.length], vec![0.0; self.length]];
         let weights = self.weights[kernel];
@@ -176,7 +173,7 @@ impl<'a> Sums<'a> {
         out
     }
 
-    /// On to the next level, with the vectors of this one.
+    /// Advances to the next level, with the vectors of this one.
     pub(super) fn advance(&mut self, vectors: Pair<Vec<f64>>) {
         let n = self.level;
         let Some(next) = self.times.get(n + 1) else { return };
@@ -197,7 +194,7 @@ impl<'a> Sums<'a> {
         self.evaluate();
     }
 
-    /// Kernels at the lags of this level; of later times they are not used.
+    /// Evaluates kernels at the lags of this level.
     fn evaluate(&mut self) {
         for kernel in &mut self.kernels {
             if let Sum::Direct(bound, values) = kernel {
@@ -216,17 +213,15 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Empty sums at t_0.
     pub(super) fn new(weights: Weights) -> Self {
         Self { weights, sums: [0.0; 2], past: Vec::new() }
     }
 
-    /// The sums up to the next level.
     pub(super) fn before(&self) -> Pair<f64> {
         self.sums
     }
 
-    /// On from level n < N to the next, with the numbers of this one.
+    /// Advances from level n < N, with its numbers.
     pub(super) fn advance(&mut self, times: &[f64], n: usize, numbers: Pair<f64>) {
         let first = if self.weights.are_fixed() { n } else { 0 };
         if first == 0 {
@@ -254,7 +249,7 @@ mod tests {
 
     const FOUR: TimeRule = TimeRule::Gregory { order: 4 };
 
-    /// Sums of both kinds against the plain definition, on a grid of steps that differ much.
+    /// Sums of all kinds against the definition, on a grid of very different steps.
     #[test]
     fn sums_are_those_of_the_definition() {
         let times = [0.0, 0.02, 0.5, 0.6, 0.61, 1.3];
@@ -285,8 +280,8 @@ mod tests {
             let mut sums = Sums::new(vec![rule; 4], &prepared, &times, 2);
             for n in 0..times.len() {
                 for (i, (text, b, _)) in kernels.iter().enumerate() {
-                    let own = rule.at(&times, n, n) * b(0.0);
-                    assert!((sums.own(i) - own).abs() < 1e-15, "{text}: {own}");
+                    let current = rule.at(&times, n, n) * b(0.0);
+                    assert!((sums.current_weight(i) - current).abs() < 1e-15, "{text}: {current}");
                     let before = sums.before(i);
                     for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                         let term = |j: usize| {

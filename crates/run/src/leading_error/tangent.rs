@@ -6,12 +6,10 @@ use super::cells::{Mandel, product};
 use exact::MaterialNumbers;
 use exact::constitutive::{Tensor, stress};
 
-/// Space dimension of tensors with S numbers.
 const fn dimension(numbers: usize) -> usize {
     if numbers == 3 { 2 } else { 3 }
 }
 
-/// The trace as a Mandel vector.
 fn trace<const S: usize>() -> Mandel<S> {
     std::array::from_fn(|i| f64::from(u8::from(i < dimension(S))))
 }
@@ -21,7 +19,6 @@ pub(super) fn unit<const S: usize>(i: usize) -> Mandel<S> {
     std::array::from_fn(|j| f64::from(u8::from(i == j)))
 }
 
-/// 2 μ τ + λ tr τ I.
 pub(super) fn isotropic<const S: usize>(lambda: f64, mu: f64, tensor: &Mandel<S>) -> Mandel<S> {
     let trace = trace::<S>();
     let volume = lambda * product(&trace, tensor);
@@ -146,11 +143,11 @@ mod tests {
                 assert!(size(std::array::from_fn(|i| column[i] - tangent[i][j])) < 1e-8, "{kappa}");
             }
             let column = slope(at(&strain, kappa + 1e-6), at(&strain, kappa - 1e-6));
-            let own = by_kappa(&material, &strain, kappa);
-            assert!(size(std::array::from_fn(|i| column[i] - own[i])) < 1e-8, "{kappa}");
+            let by_limit = by_kappa(&material, &strain, kappa);
+            assert!(size(std::array::from_fn(|i| column[i] - by_limit[i])) < 1e-8, "{kappa}");
             let memory = stress_of(&material, &[0.0; S], &[strain], kappa);
-            let own = isotropic(0.25, 0.4, &strain);
-            assert!(size(std::array::from_fn(|i| memory[i] - own[i])) < 1e-15);
+            let elastic = isotropic(0.25, 0.4, &strain);
+            assert!(size(std::array::from_fn(|i| memory[i] - elastic[i])) < 1e-15);
         }
     }
 

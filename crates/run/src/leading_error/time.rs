@@ -1,4 +1,4 @@
-//! Times of a scene's grid, and the weights of its rule, written apart from those of the solver.
+//! Times of a scene's grid, and weights of its rule, independent of those of the solver.
 
 use super::NoConstant;
 use scene::{Time, TimeGrid, TimeRule};
@@ -16,25 +16,23 @@ pub(super) fn times(time: &Time, steps: u32) -> Vec<f64> {
     }
 }
 
-/// max_j (t_j - t_{j-1}).
 pub(super) fn largest_step(times: &[f64]) -> f64 {
     times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
 }
 
-/// The weights of a rule.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Weights {
     /// Half of each adjacent step.
     Trapezoid,
     /// The step after t_j.
     Left,
-    /// The table of Gregory's rule of this order, on equal steps.
+    /// Gregory's rule of this order, on equal steps.
     Gregory(&'static Table),
     /// The weights of v interpolated linearly and integrated against (t - s)^{-a}.
     Power(f64),
 }
 
-/// A table of weights in units of the step.
+/// Weights in units of the step.
 #[derive(Debug)]
 pub(super) struct Table {
     /// Of sums over 1, 2, … steps, as (numerator, denominator).
@@ -56,7 +54,7 @@ const FOUR: Table = Table {
 };
 
 impl Table {
-    /// The weight of t_j in a sum over n steps of the size one.
+    /// The weight of t_j in a sum over n unit steps.
     fn at(&self, n: usize, j: usize) -> f64 {
         if n == 0 {
             return 0.0;
@@ -71,10 +69,9 @@ impl Table {
 }
 
 impl Weights {
-    /// The weights of a rule that does not depend on the kernel.
+    /// The weights of a rule, if independent of the kernel.
     ///
-    /// # Errors
-    /// [`NoConstant::Rule`].
+    /// # Errors [`NoConstant::Rule`].
     pub(super) fn of(rule: TimeRule) -> Result<Self, NoConstant> {
         match rule {
             TimeRule::Trapezoid => Ok(Self::Trapezoid),
@@ -85,10 +82,9 @@ impl Weights {
         }
     }
 
-    /// The weights under a kernel (t - s)^{-a} b(t, s), for the values of b v.
+    /// The weights for the values of b v under a kernel (t - s)^{-a} b(t, s).
     ///
-    /// # Errors
-    /// [`NoConstant::Rule`] where they depend on b.
+    /// # Errors [`NoConstant::Rule`] if they depend on b.
     pub(super) fn of_kernel(rule: TimeRule, a: f64) -> Result<Self, NoConstant> {
         match rule {
             TimeRule::ProductIntegration if a > 0.0 => Ok(Self::Power(a)),
@@ -96,10 +92,6 @@ impl Weights {
         }
     }
 
-    /// The weights of an integrand without a kernel.
-    ///
-    /// # Errors
-    /// [`NoConstant::Rule`].
     pub(super) fn of_plain(rule: TimeRule) -> Result<Self, NoConstant> {
         match rule {
             TimeRule::ProductIntegration => Ok(Self::Trapezoid),
@@ -121,14 +113,14 @@ impl Weights {
         }
     }
 
-    /// Whether the weight of t_j, j < n, is the same in the sums up to all t_n.
+    /// Whether the weight of t_j, j < n, is equal in the sums up to all t_n.
     pub(super) fn are_fixed(self) -> bool {
         !matches!(self, Self::Gregory(_) | Self::Power(_))
     }
 }
 
-/// ∫ (t_n - s)^{-a} φ_j(s) ds as the second difference of Φ(λ) = λ^{2-a}/((1-a)(2-a)): it keeps 8 digits on the grids of
-/// scenes, and a prediction asks for 4.
+/// ∫ (t_n - s)^{-a} φ_j(s) ds as the second difference of Φ(λ) = λ^{2-a}/((1-a)(2-a)): 8 digits on the grids of scenes,
+/// where a prediction needs 4.
 fn by_power(a: f64, times: &[f64], n: usize, j: usize) -> f64 {
     let lag = |i: usize| times[n] - times[i];
     let bend = |i: usize| lag(i).powf(2.0 - a) / ((1.0 - a) * (2.0 - a));
@@ -136,7 +128,7 @@ fn by_power(a: f64, times: &[f64], n: usize, j: usize) -> f64 {
     if n == 0 {
         return 0.0;
     }
-    // φ_0 has no rising side, φ_n no falling one: there Φ' = λ^{1-a}/(1-a) and 0 are in place of the slope.
+    // φ_0 has no rising side, φ_n no falling one: there Φ' = λ^{1-a}/(1-a) and 0 replace the slope.
     let after = if j < n { slope(j) } else { 0.0 };
     let before = if j > 0 { slope(j - 1) } else { -lag(0).powf(1.0 - a) / (1.0 - a) };
     after - before

@@ -8,7 +8,7 @@ use scene::Norm;
 use scene::setup::AbstractSetup;
 use vhi::Newton;
 
-/// Runs a case; a failure is recorded with its reason, and never carries an error.
+/// Runs a case; a failure is recorded with its reason and without errors.
 pub fn run_abstract_case(setup: &AbstractSetup, case: &CasePlan) -> CaseRecord {
     let start = Instant::now();
     let grid = setup.grid(case.steps);

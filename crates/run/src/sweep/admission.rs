@@ -1,4 +1,4 @@
-//! What commands beside a sweep take of the memory, before any of their runs begins.
+//! Memory checks of commands other than a sweep, before any of their runs.
 
 use super::cost::{Cost, PROGRAM, PlanCost, kept_by_mesh, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
@@ -9,22 +9,19 @@ use fem::contact::Discretization;
 use scene::Scene;
 use scene::setup::Setup;
 
-/// A command would take more memory than there may be.
+/// A command would exceed the memory limit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{what}: {source}")]
 pub struct Refused {
-    /// The run at fault.
     pub what: String,
-    /// Its bytes.
     pub source: TooLarge,
 }
 
-/// Bytes that a command holds beside a run with so many steps on a mesh.
+/// Bytes held beside a run with so many steps on a mesh.
 pub type Beside<'a> = dyn Fn(&Discretization, u32) -> f64 + 'a;
 
-/// Runs of a body that a command makes one after another.
+/// Consecutive runs of a body.
 pub struct Runs<'a> {
-    /// The body.
     pub setup: &'a Setup,
     /// n and N of each.
     pub grid: Vec<(u32, u32)>,
@@ -33,10 +30,9 @@ pub struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// Refuses all if one takes more than the limit: before a mesh is made if that is clear by then.
+    /// Refuses all runs if one exceeds the limit, if possible before its mesh is made.
     ///
-    /// # Errors
-    /// [`Refused`], of the run that takes most.
+    /// # Errors [`Refused`], of the largest run.
     pub fn admit(&self, limit: &MemoryLimit) -> Result<(), Refused> {
         let setup = self.setup;
         let mut grid = self.grid.clone();
@@ -46,12 +42,12 @@ impl Runs<'_> {
         early(setup, name, grid.iter().map(|&(n, steps)| (Some(n), steps)).collect(), limit)?;
         let mut dearest: Option<((u32, u32), f64)> = None;
         for of_mesh in grid.chunk_by(|a, b| a.0 == b.0) {
-            // What is wrong with a mesh is said by the run that makes it.
+            // The run that makes the mesh reports its errors.
             let Ok(space) = setup.space(of_mesh[0].0) else { continue };
             for &(n, steps) in of_mesh {
                 let run = run_cost(setup, &space, steps).memory_bytes;
                 let bytes = run + (self.beside)(&space, steps);
-                // What is no number is above all.
+                // NaN counts as the largest.
                 let above = |known: f64| !known.is_nan() && (bytes.is_nan() || bytes > known);
                 if dearest.is_none_or(|(_, known)| above(known)) {
                     dearest = Some(((n, steps), bytes));
@@ -65,10 +61,8 @@ impl Runs<'_> {
     }
 }
 
-/// Refuses a plan whose cases are measured `jobs` at a time, all meshes and what they keep being held until the last of
-/// them; `beside` is what else is held then.
-///
-/// # Errors
+/// Refuses a plan whose cases are measured `jobs` at a time while all meshes and what they keep are held; `beside` is
+/// what else is held.
 /// [`Refused`].
 pub fn admit_plan(
     plan: &ScenePlan,
@@ -77,10 +71,11 @@ pub fn admit_plan(
     beside: impl Fn(&[(&CasePlan, &Cost)]) -> f64,
 ) -> Result<(), Refused> {
     let name = &plan.scene().name;
-    let reference = plan.reference.map(|own| (Some(own.n as u32), own.steps as u32));
+    let reference =
+        plan.reference.map(|reference| (Some(reference.n as u32), reference.steps as u32));
     let runs = plan.runs().into_iter().map(|(n, steps)| (Some(n), steps));
     early(problem(&plan.subject), name, runs.chain(reference).collect(), limit)?;
-    // What is wrong with a mesh is said by the case that makes it.
+    // The case that makes the mesh reports its errors.
     let Ok(PlanCost { cases, .. }) = plan.costs() else { return Ok(()) };
     let cases: Vec<(&CasePlan, &Cost)> = plan.cases.iter().zip(&cases).collect();
     let bytes = PROGRAM + together(&cases, jobs) + beside(&cases);
@@ -91,7 +86,7 @@ pub fn admit_plan(
         .map_err(|source| Refused { what: in_words(name, case.n, case.steps), source })
 }
 
-/// Bytes of the dearest `jobs` cases, and of what all meshes keep.
+/// Bytes of the most expensive `jobs` cases, and of what all meshes keep.
 fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
     let mut working: Vec<f64> =
         cases.iter().map(|(_, cost)| cost.memory_bytes - PROGRAM - cost.kept_bytes).collect();
@@ -100,17 +95,15 @@ fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
     working.iter().take(jobs).sum::<f64>() + kept.values().sum::<f64>()
 }
 
-/// Refuses a scene whose trace constants do not fit, before it is set up: they decide on (2.9) and on the step size where
-/// the law falls, and a command may want them of `any` scene with contact.
-///
-/// # Errors
+/// Refuses a scene whose trace constants do not fit, before it is set up: they enter (2.9) and the step bound if the
+/// law falls, and a command may need them for `any` scene with contact.
 /// [`Refused`].
 pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<(), Refused> {
     let Some(body) = scene.as_contact() else { return Ok(()) };
     let law = body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     let friction = body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
     let falls = law.is_some_and(|law| law.alpha() > 0.0)
-        || friction.is_some_and(|own| own.alpha() > 0.0 || own.coefficient() > 0.0);
+        || friction.is_some_and(|friction| friction.alpha() > 0.0 || friction.coefficient() > 0.0);
     if body.domain.contact.is_empty() || !(any || falls) {
         return Ok(());
     }
@@ -162,7 +155,7 @@ mod tests {
         }
     }
 
-    /// The least limit that is kept, in bytes.
+    /// The smallest limit in bytes that is admitted.
     fn least(admitted: impl Fn(&MemoryLimit) -> bool) -> f64 {
         let (mut low, mut high) = (0.0, 1e12);
         for _ in 0..60 {
@@ -194,13 +187,13 @@ mod tests {
         assert!(near(of(&[(8, 4)], 1e9), small + 1e9));
         let said = runs(&[(8, 4), (16, 8)], 0.0).admit(&MemoryLimit::of_bytes(small)).unwrap_err();
         assert!(said.to_string().starts_with("signorini n = 16, N = 8: about "), "{said}");
-        // What is no number is above any limit that is one.
+        // NaN exceeds any finite limit.
         let whatever = MemoryLimit::of_bytes(1e300);
         let unknown = |steps: u32| if steps == 4 { f64::NAN } else { 0.0 };
         let beside: Box<Beside<'_>> = Box::new(move |_, steps| unknown(steps));
         let mixed = Runs { setup, grid: vec![(8, 2), (8, 4), (16, 8)], beside };
         assert!(mixed.admit(&whatever).unwrap_err().source.bytes.is_nan());
-        // A mesh that no machine holds is not made.
+        // A mesh that fits no machine is not made.
         let said = runs(&[(8, 4), (4096, 4)], 0.0).admit(&MemoryLimit::of_bytes(1e9)).unwrap_err();
         assert!(said.to_string().contains("n = 4096") && said.source.at_least, "{said}");
     }
@@ -227,7 +220,7 @@ mod tests {
         assert!(kept <= large_kept);
         let plan = plan(&[8], &[4]);
         let beside = |cases: &[(&CasePlan, &Cost)]| 1e9 * cases.len() as f64;
-        let own = least(|limit| admit_plan(&plan, 1, limit, beside).is_ok());
-        near(own, small + 1e9);
+        let smallest = least(|limit| admit_plan(&plan, 1, limit, beside).is_ok());
+        near(smallest, small + 1e9);
     }
 }

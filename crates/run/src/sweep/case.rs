@@ -11,7 +11,7 @@ use judge::record::{CaseRecord, NormError, Status};
 use scene::setup::{MeshData, Setup};
 use scene::{Norm, Reference};
 
-/// Runs a case; a failure is recorded with its reason, and never carries an error.
+/// Runs a case; a failure is recorded with its reason and without errors.
 pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
     let start = Instant::now();
     let mut maxima = Maxima::new(case);
@@ -106,7 +106,7 @@ fn measure(
     Ok((info, data.rule_check(setup)?.floors.plus(by_rule.times(ERROR_RULE))))
 }
 
-/// Errors by the next rule are compared at a few levels; between them they may differ by more.
+/// Factor for error quadrature, which is compared at a few levels only.
 pub(super) const ERROR_RULE: f64 = 2.0;
 
 /// The norms of one level that have a floor.
@@ -115,7 +115,7 @@ pub fn as_floors(errors: &StepErrors) -> Floors {
     Floors { v, l2, stress, trace, pressure }
 }
 
-/// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on the same mesh.
+/// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on one mesh.
 fn time_error(data: &MeshData, finer: &Trajectory, view: &StepView<'_>) -> Result<f64, CaseError> {
     let Some(reference) = finer.at(view.t) else {
         let reason = format!("the finer run has no step at t = {}", view.t);
@@ -124,7 +124,7 @@ fn time_error(data: &MeshData, finer: &Trajectory, view: &StepView<'_>) -> Resul
     Ok(strain_distance(&data.space, view.u, reference))
 }
 
-/// Maxima over time; a NaN stays a NaN, a norm that was never raised stays absent.
+/// Maxima over time; NaN is kept, a norm that was never raised stays absent.
 struct Maxima {
     values: Vec<(Norm, Option<f64>)>,
 }
@@ -135,7 +135,7 @@ impl Maxima {
     }
 
     fn raise(&mut self, norm: Norm, value: f64) {
-        if let Some((_, known)) = self.values.iter_mut().find(|(own, _)| *own == norm) {
+        if let Some((_, known)) = self.values.iter_mut().find(|(stored, _)| *stored == norm) {
             *known = Some(match *known {
                 Some(before) if before.is_nan() || before >= value => before,
                 _ => value,
@@ -143,7 +143,6 @@ impl Maxima {
         }
     }
 
-    /// Raises the norms of the states that occur at this level.
     fn raise_by_state(&mut self, errors: &StateErrors) {
         for (i, state) in ContactState::ALL.into_iter().enumerate() {
             if errors.measure[i] > 0.0 {
@@ -166,20 +165,20 @@ impl Maxima {
     }
 }
 
-/// What is not the discretisation in the errors of a case.
+/// The part of the errors of a case that is not discretisation.
 struct CaseFloors {
-    /// Of the accepted residuals and of rounding.
+    /// Accepted residuals and rounding.
     solver: Floors,
-    /// Of the quadrature of loads and errors.
+    /// Quadrature of loads and errors.
     quadrature: Floors,
-    /// The share of an error that the reference run may take away.
+    /// Share of an error that the reference run may hide.
     share: f64,
 }
 
 impl CaseFloors {
     fn of(&self, norm: Norm, error: f64) -> f64 {
         match norm {
-            // Two runs on one mesh under the same loads: no quadrature, and no finer mesh.
+            // Two runs on one mesh under equal loads: no quadrature, and no finer mesh.
             Norm::VTimeMax => 2.0 * self.solver.v + time_reference_floor(error),
             Norm::ContactSetMax | Norm::ContactMeasureMax => 0.0,
             _ => {
@@ -189,7 +188,7 @@ impl CaseFloors {
     }
 }
 
-/// The floor of a norm; that of contact sets is not known.
+/// The floor of a norm; unknown for contact sets.
 pub fn floor_in(floors: &Floors, norm: Norm) -> f64 {
     match norm {
         Norm::VMax | Norm::VTimeMax | Norm::VProjectionMax => floors.v,
@@ -201,28 +200,25 @@ pub fn floor_in(floors: &Floors, norm: Norm) -> f64 {
     }
 }
 
-/// The reference run of a scene without exact solution.
 pub(super) fn scene_reference(setup: &Setup) -> Option<Reference> {
     let sweep = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
     sweep.and_then(|sweep| sweep.reference)
 }
 
-/// The error of the run with 8N steps in an error against it: 1/64 of the time error of the case at
-/// order 2 (3.17), so 1/63 of what is measured. It is the same part of every point of a line: it
-/// moves the constant C_k, not the order.
+/// Error of the run with 8N steps, from an error against it: 1/64 of the time error of the case at order 2 (3.17), so
+/// 1/63 of what is measured. It is the same share at every point of a line: it moves C_k, not the order.
 pub(super) fn time_reference_floor(error: f64) -> f64 {
     let ratio = f64::from(TIME_REFERENCE * TIME_REFERENCE);
     error / (ratio - 1.0)
 }
 
-/// Least order in h of a reference run: where conditions change on a straight side or a convex
-/// corner, u behaves like r^(1/2) at worst.
+/// Least order in h of a reference run: where conditions change on a straight side or a convex corner, u behaves like
+/// r^(1/2) at worst.
 const REFERENCE_ORDER: f64 = 0.5;
 
-/// The part of a measured error that the reference's own error may take away, if the reference has
-/// the given mesh and steps. In space the discrete solutions of nested meshes are nearly orthogonal,
-/// e² = C²(h^2p - h_ref^2p); in time the error is C(k² - k_ref²). What the two have in common (the
-/// same n, or the same N) does not show in e at all.
+/// Share of a measured error that the reference's error may hide, for a reference of the given mesh and steps. In space
+/// the discrete solutions of nested meshes are nearly orthogonal, e² = C²(h^2p - h_ref^2p); in time the error is C(k² -
+/// k_ref²). What both have in common (equal n, or equal N) does not show in e.
 pub(super) fn reference_share(reference: Reference, n: u32, steps: u32) -> f64 {
     let (cells, times) =
         (reference.n as f64 / f64::from(n), reference.steps as f64 / f64::from(steps));

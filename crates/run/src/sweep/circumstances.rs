@@ -1,48 +1,40 @@
-//! What made a set of records, beside program version and scenes: nothing in the records depends on it.
+//! Circumstances of a set of records, beside program version and scenes; no record depends on them.
 
 use serde::{Deserialize, Serialize};
 
-/// What a program was built from, and how: a program tells a library.
+/// Build of a program, passed to the library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Build {
-    /// The commit, "unknown" outside of a clone, "development build" without optimisation for release.
+    /// The commit, "unknown" outside of a clone, "development build" without release optimisation.
     pub commit: &'static str,
-    /// Version of the compiler.
     pub compiler: &'static str,
-    /// What it compiled for.
     pub target: &'static str,
-    /// Its optimisation level.
     pub optimisation: &'static str,
 }
 
 impl Build {
-    /// The build of a program that does not tell it.
+    /// The build of a program that does not state it.
     pub const UNKNOWN: Self =
         Self { commit: "unknown", compiler: "unknown", target: "unknown", optimisation: "unknown" };
 }
 
-/// Commit, compiler, processor, threads and options of a run. Without paths: they say nothing elsewhere.
+/// Commit, compiler, processor, threads and options of a run. Paths are omitted, since they mean nothing elsewhere.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Circumstances {
-    /// The commit that the program was built at, "unknown" outside of a clone, "development build" without optimisation
-    /// for release.
+    /// See [`Build::commit`].
     pub commit: String,
-    /// Version of the compiler.
     pub compiler: String,
-    /// What it compiled for.
     pub target: String,
-    /// Its optimisation level.
     pub optimisation: String,
-    /// Name of the processor, "unknown" where the system does not say it.
+    /// "unknown" if the system does not tell.
     pub processor: String,
-    /// Cases at a time.
+    /// Cases in parallel.
     pub threads: usize,
-    /// Options of the command, but for paths; empty where all was left as it is.
+    /// Non-default options of the command, without paths.
     pub options: String,
 }
 
 impl Circumstances {
-    /// The circumstances of a program on this machine.
     pub fn new(build: &Build, threads: usize, options: &str) -> Self {
         let processor = std::fs::read_to_string("/proc/cpuinfo");
         Self {

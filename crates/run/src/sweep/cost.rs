@@ -1,6 +1,6 @@
-//! What a case costs before it is run. Bytes are counted from the symbolic factor, the formulas and the number of
-//! levels; they decide what is begun beside what, and what is refused. Seconds are coarse: unknowns, cells and levels
-//! times rates of one core. They decide which case begins first, which cases share a job, and what fits a budget.
+//! Predicted cost of cases. Bytes are counted from the symbolic factor, the formulas and the number of levels; they
+//! decide what runs in parallel and what is refused. Seconds are coarse: unknowns, cells and levels times rates of one
+//! core. They decide the order of cases, the bundling into jobs, and what fits a budget.
 
 mod truth;
 
@@ -13,58 +13,56 @@ use fem::contact::{Discretization, LinearSolver, Plan};
 use scene::setup::{Setup, SetupError};
 use scene::{Norm, Reference, TimeRule};
 
-/// Newton iterations per level, where a level is solved in the volume.
+/// Newton iterations per level, if solved in the volume.
 const ITERATIONS: f64 = 5.0;
-/// Seconds a cell and iteration in assembly and vectors, and a cell and level in residuals and errors.
+/// Seconds per cell and iteration in assembly and vectors, and per cell and level in residuals and errors.
 const CELL: f64 = 70e-9;
-/// What the 12 × 12 matrices of a tetrahedron take over the 6 × 6 ones of a triangle, in assembly.
+/// Cost of the 12 × 12 matrices of a tetrahedron over the 6 × 6 ones of a triangle, in assembly.
 const TETRAHEDRON: f64 = 4.0;
-/// Seconds an entry of the factor in triangular solves, and an entry of the matrix in conjugate gradients with
+/// Seconds per entry of the factor in triangular solves, and per entry of the matrix in conjugate gradients with
 /// multigrid.
 const SOLVE: f64 = 2e-9;
 const MULTIGRID: f64 = 100e-9;
-/// Seconds of a factorization an entry of the factor and a multiplication.
+/// Seconds of a factorization per entry of the factor and per multiplication.
 const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
 
-/// Seconds of a weight in the direct sum over the past, by values of the kernel and by its integrals; and an unknown of
-/// the vector that it multiplies.
+/// Seconds per weight in the direct sum over the past, by values of the kernel and by its integrals; and per unknown of
+/// the vector.
 const WEIGHT: [f64; 2] = [0.2e-6, 1.5e-6];
 const TERM: f64 = 1e-9;
 
 /// Bytes of the program itself with its report.
 pub(super) const PROGRAM: f64 = 16e6;
-/// Bytes an entry of the matrix in mesh, pattern and analysis, which the cases on a mesh share.
+/// Bytes per entry of the matrix in mesh, pattern and analysis, shared by the cases on a mesh.
 const SPACE: f64 = 16.0;
-/// Bytes an entry of the matrix in the levels of multigrid: all in single precision, coarse ones in double precision
-/// with index.
+/// Bytes per entry of the matrix in multigrid levels: all in single precision, coarse ones in double precision with
+/// index.
 const MULTIGRID_BYTES: f64 = 8.0;
-/// From this order on Newton's method keeps factors in single precision, see `linalg`.
+/// Order from which factors are in single precision, see `linalg`.
 const SINGLE_FROM: usize = 4000;
 
 /// The prediction for one case or reference run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Unknowns.
     pub dofs: usize,
-    /// How the levels are solved on this mesh.
+    /// How levels are solved on this mesh.
     pub plan: Plan,
-    /// The solver of the linear systems.
     pub linear_solver: LinearSolver,
-    /// Factorizations and solves of the march; `None` where the run decides.
+    /// Factorizations and solves of the march; None if unknown in advance.
     pub work: Option<[u32; 2]>,
-    /// CPU seconds in a process that runs this case alone, without its reference run.
+    /// CPU seconds in a separate process, without the reference run.
     pub seconds: f64,
-    /// Peak memory of a process that runs this case alone, with its reference run if it has one. In a sweep the cases
-    /// of a mesh share mesh and truth, and the meshes of a scene are held together.
+    /// Peak memory of a separate process, with its reference run if it has one. In a sweep the cases of a mesh share
+    /// mesh and exact solution, and the meshes of a scene are held together.
     pub memory_bytes: f64,
-    /// What stays of them at its end for the other cases on the mesh; of a reference run, for the cases of its scene.
+    /// What remains at its end for other cases on the mesh; of a reference run, for the cases of its scene.
     pub kept_bytes: f64,
-    /// What the longer cases of a sweep leave on the mesh beyond that: the truth at times that are not those of this case.
+    /// What longer cases of a sweep leave on the mesh beyond that: the exact solution at times that this case lacks.
     pub left_bytes: f64,
 }
 
 impl Cost {
-    /// Of a case whose mesh cannot be made, which says so when it is run.
+    /// For a mesh that cannot be made; running the case reports why.
     pub(crate) const UNKNOWN: Self = Self {
         dofs: 0,
         plan: Plan::Newton,
@@ -77,22 +75,19 @@ impl Cost {
     };
 }
 
-/// The costs of a plan.
 pub struct PlanCost {
     /// One per case, in the plan's order.
     pub cases: Vec<Cost>,
-    /// The reference run.
     pub reference: Option<Cost>,
 }
 
 impl PlanCost {
-    /// CPU seconds of the reference run, zero without one.
     pub(crate) fn reference_seconds(&self) -> f64 {
         self.reference.map_or(0.0, |cost| cost.seconds)
     }
 }
 
-/// Bytes that each mesh keeps for its cases when the last of them runs.
+/// Bytes that each mesh keeps when its last case runs.
 pub(super) fn kept_by_mesh<'a, K: Ord>(
     cases: impl Iterator<Item = (K, &'a Cost)>,
 ) -> BTreeMap<K, f64> {
@@ -104,14 +99,15 @@ pub(super) fn kept_by_mesh<'a, K: Ord>(
     kept
 }
 
-/// Predicts cases of a body; one mesh at a time is made and analysed, nothing is solved. Of the reference run every `kept_steps`-th part of the horizon is kept.
+/// Predicts cases of a body; one mesh at a time is made and analysed, nothing is solved. Every `kept_steps`-th part of
+/// the reference run is kept.
 pub(super) fn contact_costs(
     setup: &Setup,
     cases: &[CasePlan],
     reference: Option<Reference>,
     kept_steps: u32,
 ) -> Result<PlanCost, SetupError> {
-    let reference = reference.map(|own| reference_cost(setup, own, kept_steps)).transpose()?;
+    let reference = reference.map(|run| reference_cost(setup, run, kept_steps)).transpose()?;
     let mut order: Vec<usize> = (0..cases.len()).collect();
     order.sort_by_key(|&c| cases[c].n);
     let mut costs = vec![Cost::UNKNOWN; cases.len()];
@@ -128,8 +124,8 @@ pub(super) fn contact_costs(
     Ok(PlanCost { cases: costs, reference })
 }
 
-/// What cases on a mesh find there of longer ones, which begin first: `a_time` bytes for each time of those alone. A case
-/// with errors in time alone keeps more, about as much as it leaves.
+/// Adds what cases find on their mesh from longer ones, which begin first: `a_time` bytes for each time of those alone.
+/// A case with only time errors keeps more, about as much as it leaves.
 fn leave(setup: &Setup, a_time: f64, of_mesh: &[usize], cases: &[CasePlan], costs: &mut [Cost]) {
     let mut longest_first = of_mesh.to_vec();
     longest_first.sort_by(|&a, &b| costs[b].seconds.total_cmp(&costs[a].seconds));
@@ -148,7 +144,7 @@ fn case_cost(setup: &Setup, space: &Discretization, truth: &TruthCost, case: &Ca
     let mut kept = truth.once + truth.a_time * levels;
     if case.norms.contains(&Norm::VTimeMax) {
         let finer = march(setup, space, TIME_REFERENCE * case.steps);
-        // One march after the other; displacements and exact loads of the finer one stay.
+        // The marches are consecutive; displacements and exact loads of the finer one remain.
         cost.seconds += finer.seconds;
         cost.memory_bytes = cost.memory_bytes.max(finer.memory_bytes);
         kept += 8.0 * dofs * levels;
@@ -158,23 +154,27 @@ fn case_cost(setup: &Setup, space: &Discretization, truth: &TruthCost, case: &Ca
     }
     cost.seconds += truth.seconds(levels);
     cost.memory_bytes += PROGRAM + kept + truth.checked;
-    // With the factor that serves all grids in time.
+    // Including the factor that serves all grids in time.
     cost.kept_bytes += kept + SPACE * space.pattern.entries() as f64;
     cost
 }
 
-fn reference_cost(setup: &Setup, own: Reference, kept_steps: u32) -> Result<Cost, SetupError> {
-    let space = setup.space(own.n as u32)?;
-    let run = march(setup, &space, own.steps as u32);
-    // u and σ of the levels that cases look at.
+fn reference_cost(
+    setup: &Setup,
+    reference: Reference,
+    kept_steps: u32,
+) -> Result<Cost, SetupError> {
+    let space = setup.space(reference.n as u32)?;
+    let run = march(setup, &space, reference.steps as u32);
+    // u and σ of the levels that cases use.
     let tensors = truth::tensor_numbers(&space) * space.mesh.cell_count();
-    let kept = f64::from(kept_steps.min(own.steps as u32)) + 1.0;
+    let kept = f64::from(kept_steps.min(reference.steps as u32)) + 1.0;
     let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
     let kept_bytes = levels + SPACE * space.pattern.entries() as f64;
     Ok(Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, kept_bytes, ..run })
 }
 
-/// One march without its truth.
+/// One march without its exact solution.
 fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let model = &setup.model;
     let linear_solver = LinearSolver::of(space, model, steps as usize);
@@ -188,11 +188,11 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let changes = Plan::changes_factor(model);
     let work = matrices.filter(|_| linear_solver == LinearSolver::Direct);
     let iterations = if newton { ITERATIONS } else { 1.0 };
-    // As many cells of linear elements, whose matrices have one point and the corners.
+    // Equivalent number of linear cells, which have one point and only corner nodes.
     let nodes = space.nodes.a_cell as f64 / (space.mesh.dimension + 1) as f64;
     let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
     let pattern = space.pattern.entries() as f64;
-    // Not asked for where there are no factors.
+    // Skipped without factors.
     let [factor, multiplications] = match linear_solver {
         LinearSolver::Direct => space.factor_size(),
         LinearSolver::Multigrid => [0.0; 2],
@@ -201,13 +201,13 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
         LinearSolver::Direct => {
             let seconds = FACTOR[0] * factor + FACTOR[1] * multiplications;
             let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
-            // The factor and scratch of half its size.
+            // The factor, and scratch of half its size.
             (SOLVE * factor, seconds, 1.5 * number * factor)
         }
         LinearSolver::Multigrid => (MULTIGRID * pattern, 0.0, MULTIGRID_BYTES * pattern),
     };
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
-    // One matrix serves all levels, and eight of them have their passes together.
+    // One matrix serves all levels, and eight of them share their passes.
     let one_factor =
         work.is_some() && matches!(plan, Plan::Recursion | Plan::Condensed) && !changes;
     // Five matrices with their index; some thirty vectors, and two for each level of a pass.
@@ -231,7 +231,7 @@ fn history_bytes(setup: &Setup, dofs: usize, steps: u32) -> f64 {
     (setup.history_vectors(steps) * dofs * 8) as f64
 }
 
-/// The direct sums over the past: of recursions and interpolated kernels there are few vectors.
+/// Direct sums over the past; recursions and interpolated kernels have few vectors.
 fn past_seconds(setup: &Setup, dofs: usize, steps: u32) -> f64 {
     let levels = f64::from(steps) + 1.0;
     let sums = (setup.history_vectors(steps) as f64 / levels).floor();
@@ -239,22 +239,21 @@ fn past_seconds(setup: &Setup, dofs: usize, steps: u32) -> f64 {
     sums * 0.5 * levels.powi(2) * (weight + TERM * dofs as f64)
 }
 
-/// What one run takes without measuring its error.
+/// The cost of one run without measuring its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunCost {
     /// CPU seconds of loads and march, without mesh and analysis.
     pub seconds: f64,
-    /// Peak memory of a process that does this run alone.
+    /// Peak memory of a process with this run alone.
     pub memory_bytes: f64,
-    /// What the march has of it: factor, matrices, vectors and history.
+    /// Factor, matrices, vectors and history.
     pub march_bytes: f64,
-    /// What the history has of that.
+    /// The history's share of that.
     pub history_bytes: f64,
-    /// What loads keep beside it.
     pub load_bytes: f64,
 }
 
-/// The cost of one run, mesh, loads and march, as `sweep solve` does it.
+/// The cost of mesh, loads and march of one run, as `sweep solve` does it.
 pub fn run_cost(setup: &Setup, space: &Discretization, steps: u32) -> RunCost {
     let run = march(setup, space, steps);
     let load_bytes = load_bytes(setup, space);
@@ -267,12 +266,11 @@ pub fn run_cost(setup: &Setup, space: &Discretization, steps: u32) -> RunCost {
     }
 }
 
-/// Vectors of an iteration for an eigenvalue, which keeps all of its iterates and their images: as many as it is given on a
-/// long domain, where many eigenvalues lie close to the largest.
+/// Vectors kept by an eigenvalue iteration: all iterates and images. The limit is reached on long domains, where many
+/// eigenvalues are close to the largest.
 const ITERATES: f64 = 1200.0;
 
-/// The memory of a process that computes a constant of the trace on a mesh: its stiffness matrix with a factor in double
-/// precision, and the iterates.
+/// Memory for computing a trace constant on a mesh: stiffness matrix, factor in double precision, and iterates.
 pub(super) fn eigenvalue_bytes(space: &Discretization) -> f64 {
     let (entries, [factor, _]) = (space.pattern.entries() as f64, space.factor_size());
     PROGRAM + 12.0 * factor + 40.0 * entries + 8.0 * ITERATES * space.dofs() as f64

@@ -1,4 +1,4 @@
-//! Cases beyond a scene's grid, where a verdict names those that would decide it.
+//! Cases beyond a scene's grid, added where a verdict names those that would decide it.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,51 +6,39 @@ use super::ScenePlan;
 use judge::verdict::{Decision, NextCase, Verdict};
 use scene::setup::SetupError;
 
-/// Rounds of extension in one directory: each refines once, and an order that three refinements do
-/// not settle wants another scene.
+/// Rounds of extension per directory. Each refines once; an order that three refinements do not settle needs another
+/// scene.
 pub const ROUNDS: u32 = 3;
 
-/// A case that was added, with the verdict that asked for it. Kept with the records, so that they
-/// are resumed and judged as they were made.
+/// An added case with the verdict that asked for it; kept with the records, for resuming and judging.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AddedCase {
-    /// The case.
     #[serde(flatten)]
     pub case: NextCase,
     /// 1, 2, …
     pub round: u32,
-    /// The verdict that was open, and why.
+    /// The open verdict, and why it was open.
     pub why: String,
 }
 
-/// What one round does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// The case is added to the plan of its scene.
     Add {
-        /// Name of the scene.
         scene: String,
-        /// The case.
         case: NextCase,
-        /// Predicted CPU seconds.
         seconds: f64,
         /// The verdict that asks for it.
         why: String,
     },
     /// Nothing is run.
-    Leave {
-        /// Name of the scene.
-        scene: String,
-        /// Why not.
-        why: String,
-    },
+    Leave { scene: String, why: String },
 }
 
-/// Adds to `plans` the cases that open verdicts ask for, as far as the predicted cost of all added
-/// cases stays below `budget` (CPU seconds). Says of every open verdict what is done.
+/// Adds to `plans` the cases that open verdicts ask for, while the predicted cost of all added cases stays below
+/// `budget` (CPU seconds). Returns a step for every open verdict.
 ///
-/// # Errors
-/// A mesh whose cost cannot be predicted.
+/// # Errors A mesh whose cost cannot be predicted.
 pub fn extend(
     plans: &mut [ScenePlan],
     verdicts: &[Verdict],
@@ -72,7 +60,7 @@ pub fn extend(
         };
         let Some(plan) = plans.iter_mut().find(|plan| plan.scene().name == scene) else { continue };
         let has = |case: &NextCase, plan: &ScenePlan| {
-            plan.cases.iter().any(|own| own.n == case.n && own.steps == case.steps)
+            plan.cases.iter().any(|known| known.n == case.n && known.steps == case.steps)
         };
         let new: Vec<NextCase> =
             verdict.next.iter().copied().filter(|case| !has(case, plan)).collect();
@@ -116,7 +104,6 @@ pub fn extend(
     Ok(steps)
 }
 
-/// A case in words: `n = 64, steps = 16`.
 pub fn words(case: &NextCase) -> String {
     match case.n {
         Some(n) => format!("n = {n}, steps = {}", case.steps),
@@ -128,10 +115,10 @@ fn added_seconds(plan: &ScenePlan) -> Result<f64, SetupError> {
     plan.added.iter().map(|added| case_seconds(plan, &added.case)).sum()
 }
 
-/// Predicted CPU seconds of one case of a plan; a reference run, which no record keeps, is run again.
+/// Predicted CPU seconds of one case of a plan, including its reference run, which no record keeps.
 fn case_seconds(plan: &ScenePlan, case: &NextCase) -> Result<f64, SetupError> {
     let costs = plan.costs()?;
-    let own = plan.cases.iter().zip(&costs.cases);
-    let own = own.filter(|(own, _)| own.n == case.n && own.steps == case.steps);
-    Ok(costs.reference_seconds() + own.map(|(_, cost)| cost.seconds).sum::<f64>())
+    let of_case = plan.cases.iter().zip(&costs.cases);
+    let of_case = of_case.filter(|(of_case, _)| of_case.n == case.n && of_case.steps == case.steps);
+    Ok(costs.reference_seconds() + of_case.map(|(_, cost)| cost.seconds).sum::<f64>())
 }

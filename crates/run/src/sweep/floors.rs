@@ -1,6 +1,6 @@
-//! Floors measured: how far an error moves when one of the things that are not the discretisation is
-//! done better. The solver goes on to 1/100 of its tolerance, the recursion gives way to the direct
-//! sum, loads and errors are integrated by the next rule, the reference is another one.
+//! Measured floors: the change of an error when something other than the discretisation is improved. The solver goes on
+//! to 1/100 of its tolerance, the recursion is replaced by the direct sum, loads and errors use the next rule, the
+//! reference is changed.
 
 use std::sync::Arc;
 
@@ -19,23 +19,19 @@ use scene::{Data, Norm, Reference};
 use vhi::finite::{FiniteError, march};
 use vhi::{Newton, Polished, StepSolver};
 
-/// What a floor comes from.
+/// The source of a floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FloorPart {
     /// The accepted residual of the solver.
     Solver,
     /// The recursion of the history against the direct sum.
     History,
-    /// The quadrature of the loads.
     Load,
-    /// The quadrature of the error norm.
     Error,
-    /// The error of the reference run.
     Reference,
 }
 
 impl FloorPart {
-    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Solver => "solver",
@@ -47,44 +43,37 @@ impl FloorPart {
     }
 }
 
-/// One part of the floor of one norm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorRow {
-    /// The norm.
     pub norm: Norm,
-    /// Where it comes from.
     pub part: FloorPart,
     /// The error of the case in this norm.
     pub error: f64,
-    /// What was measured.
     pub measured: f64,
-    /// What the floor of the case holds for this part, rounding included. Solver and history share
-    /// theirs, and so do the two quadratures.
+    /// The estimate in the case's floor for this part, including rounding. Solver and history share one, and so do the
+    /// two quadratures.
     pub estimated: f64,
 }
 
-/// The norms whose floors are distances of two discrete solutions or of two errors.
+/// Norms whose floors are distances of two discrete solutions or of two errors.
 const NORMS: [Norm; 5] =
     [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
 
-/// The scene with the direct sum in place of a recursion; none where there is no recursion.
+/// The scene with the direct sum in place of a recursion; None without a recursion.
 pub fn direct_history(setup: Setup) -> Option<Setup> {
     let trapezoidal = setup.model.time_rule.is_trapezoidal();
     let recursive = setup.model.memory.iter().any(|term| term.kernel.exponentials().is_some());
     (trapezoidal && recursive).then(|| setup.with_history(None))
 }
 
-/// Why no floor was measured.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub enum FloorError {
-    /// A run of a body.
     Setup(#[from] SetupError),
-    /// A run of an abstract problem.
     Finite(#[from] FiniteError),
 }
 
-/// The floors of a case of a body, the scene with the direct sum being set up where it has a recursion.
+/// Floors of a case, with the direct-sum scene set up if needed.
 pub(super) fn contact_floors_of_case(
     setup: &Setup,
     case: &CasePlan,
@@ -94,12 +83,10 @@ pub(super) fn contact_floors_of_case(
     Ok(contact_floors(setup, direct.as_ref(), n, case.steps, &case.norms)?)
 }
 
-/// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of
-/// [`direct_history`], `norms` what the sweep measures there. Costs four to six marches, more where
-/// a reference has to be run again.
+/// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of [`direct_history`], `norms`
+/// those of the sweep. Costs four to six marches, more if a reference has to be repeated.
 ///
-/// # Errors
-/// A run that fails.
+/// # Errors A run that fails.
 pub fn contact_floors(
     setup: &Setup,
     direct: Option<&Setup>,
@@ -124,7 +111,7 @@ pub fn contact_floors(
     let polished = levels(setup, &data, steps)?;
     let apart = |other: &[LevelFields]| distance(&data, &polished, other);
     let solver = measured.info.floors;
-    // What the marches that are compared round is in every part.
+    // Rounding of the compared marches is in every part.
     let load = data.rule_check(setup).map_err(CaseError::from)?.floors.plus(solver);
     let quadrature = load.plus(measured.at_times.times(ERROR_RULE));
     let reloaded = measure_errors(setup, &stronger, &data, steps)?;
@@ -137,7 +124,7 @@ pub fn contact_floors(
         parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
     }
     if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
-        // Nothing is integrated: the fields are those of V^h.
+        // Nothing is integrated: the fields are in V^h.
         parts.retain(|(part, ..)| !matches!(part, FloorPart::Load | FloorPart::Error));
     }
     if let Some(half) = reference.and_then(|reference| halved(reference, n, steps)) {
@@ -165,9 +152,9 @@ pub fn contact_floors(
     Ok(rows)
 }
 
-/// Bytes beside the dearest of these cases in [`contact_floors`]: the truth by stronger rules, of about twice the points,
-/// its own check by yet stronger ones, u and σ at the levels of three marches, and of one of them the whole past. There
-/// are about as many cells as unknowns in the plane, twice as many in space.
+/// Bytes held beside the largest of these cases in [`contact_floors`]: the exact solution by stronger rules, of about
+/// twice the points, and its check by yet stronger ones, u and σ at the levels of three marches, and the whole past of
+/// one. There are about as many cells as unknowns in the plane, twice as many in space.
 pub fn floors_beside(dimension: usize, cases: &[(&CasePlan, &Cost)]) -> f64 {
     let stresses = if dimension == 2 { 3.0 } else { 12.0 };
     let of = |&(case, cost): &(&CasePlan, &Cost)| {
@@ -177,17 +164,17 @@ pub fn floors_beside(dimension: usize, cases: &[(&CasePlan, &Cost)]) -> f64 {
     cases.iter().map(of).fold(0.0, f64::max)
 }
 
-/// A reference of half the cells and steps, if it is still finer than the case.
+/// A reference of half the cells and steps, if still finer than the case.
 fn halved(reference: Reference, n: u32, steps: u32) -> Option<Reference> {
     let half = Reference { n: reference.n / 2, steps: reference.steps / 2 };
-    let finer = |half: usize, whole: usize, own: u32| {
-        2 * half == whole && half.is_multiple_of(own as usize) && half > own as usize
+    let finer = |half: usize, whole: usize, of_case: u32| {
+        2 * half == whole && half.is_multiple_of(of_case as usize) && half > of_case as usize
     };
     let serves = finer(half.n, reference.n, n) && finer(half.steps, reference.steps, steps);
     serves.then_some(half)
 }
 
-/// The scheme under test, and its errors by the rules of `data` and by those of `stronger`.
+/// Errors of the scheme by the rules of `data` and by those of `stronger`.
 struct Measured {
     levels: Vec<LevelFields>,
     /// Largest errors, by the rule of each.
@@ -212,12 +199,12 @@ fn measure_errors(
             let moments = data.truth.moments(view.t)?;
             Ok(as_floors(&step_errors(&data.space, &setup.model, view, &moments)))
         };
-        let (own, other) = (by(data)?, by(stronger)?);
-        errors = errors.max(own);
-        by_other = by_other.max(other);
-        moved = moved.max(own.minus(other));
+        let (by_rule, by_stronger) = (by(data)?, by(stronger)?);
+        errors = errors.max(by_rule);
+        by_other = by_other.max(by_stronger);
+        moved = moved.max(by_rule.minus(by_stronger));
         if data.rule_check(setup)?.moments(view.t).is_some() {
-            at_times = at_times.max(own.minus(other));
+            at_times = at_times.max(by_rule.minus(by_stronger));
         }
         levels.push(LevelFields::of(&data.space, &setup.model, view));
         Ok(())
@@ -225,7 +212,6 @@ fn measure_errors(
     Ok(Measured { levels, errors, by_other, moved, at_times, info })
 }
 
-/// The levels of a polished march.
 fn levels(setup: &Setup, data: &MeshData, steps: u32) -> Result<Vec<LevelFields>, CaseError> {
     let mut levels = Vec::new();
     data.march(setup, steps, &Polished::default(), &mut |view| {
@@ -240,7 +226,7 @@ fn distance(data: &MeshData, a: &[LevelFields], b: &[LevelFields]) -> Floors {
     pairs.fold(Floors::default(), Floors::max)
 }
 
-/// The error of the run with 8N steps against one with 16N, which lacks a quarter of it.
+/// Error of the run with 8N steps against one with 16N, which misses a quarter of it.
 fn time_reference(
     setup: &Setup,
     data: &MeshData,
@@ -250,22 +236,21 @@ fn time_reference(
     let run = |factor: u32| data.trajectory(setup, factor * steps, steps);
     let (finer, finest) = (run(TIME_REFERENCE)?, run(2 * TIME_REFERENCE)?);
     let apart = |a: &[f64], b: &[f64]| strain_distance(&data.space, a, b);
-    let own = levels.iter().zip(&finer.displacements).map(|(level, u)| apart(&level.u, u));
-    let error = own.fold(0.0, f64::max);
+    let distances = levels.iter().zip(&finer.displacements).map(|(level, u)| apart(&level.u, u));
+    let error = distances.fold(0.0, f64::max);
     let pairs = finer.displacements.iter().zip(&finest.displacements);
     let measured = pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
     let estimated = time_reference_floor(error);
     Ok(FloorRow { norm: Norm::VTimeMax, part: FloorPart::Reference, error, measured, estimated })
 }
 
-/// The floor of a case of an abstract scene: its histories are direct sums, its truth is exact.
+/// The floor of a case of an abstract scene: its histories are direct sums and its solution is exact.
 ///
-/// # Errors
-/// A run that fails.
+/// # Errors A run that fails.
 pub fn abstract_floors(setup: &AbstractSetup, steps: u32) -> Result<Vec<FloorRow>, FiniteError> {
-    let (own, error, estimated) = abstract_levels(setup, steps, &Newton::default())?;
+    let (standard, error, estimated) = abstract_levels(setup, steps, &Newton::default())?;
     let (polished, ..) = abstract_levels(setup, steps, &Polished::default())?;
-    let apart = own.iter().zip(&polished).map(|(a, b)| setup.model.norm(&(a - b)));
+    let apart = standard.iter().zip(&polished).map(|(a, b)| setup.model.norm(&(a - b)));
     let measured = apart.fold(0.0, f64::max);
     let (norm, part) = (Norm::VMax, FloorPart::Solver);
     Ok(vec![FloorRow { norm, part, error, measured, estimated }])

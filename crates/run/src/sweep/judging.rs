@@ -10,8 +10,7 @@ use judge::verdict::{
 use scene::setup::Subject;
 use scene::{Data, Direction, Expectation, Hypothesis, LoadForm, Prediction, Scene};
 
-/// The verdicts of a scene; none if it is not judged. `foreseen` holds what is known beforehand of constants, of this
-/// scene and others.
+/// The verdicts of a scene; none if it is not judged. `foreseen` has predicted constants, of this scene and others.
 pub fn judge_scene(
     scene: &Scene,
     records: &[CaseRecord],
@@ -39,7 +38,7 @@ pub fn judge_scene(
     scene.predicts.iter().map(one).collect()
 }
 
-/// What is known beforehand of the constants of a judged scene, on the cases that its predictions rest on.
+/// The predicted constants of a judged scene, on the recorded cases of its predictions.
 pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstant> {
     let (scene, mut known) = (subject.scene(), InTime::default());
     let one = |written: &Prediction| {
@@ -57,7 +56,7 @@ pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstan
     judged.map(one).collect()
 }
 
-/// What is known beforehand of the constants of a scene, on the cases of a plan: before anything is solved.
+/// The predicted constants of a scene, on the cases of a plan, before anything is solved.
 pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
     let (scene, mut known) = (plan.scene(), InTime::default());
     let one = |written: &Prediction| {
@@ -74,7 +73,6 @@ pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
     scene.predicts.iter().map(one).collect()
 }
 
-/// The cases of a plan that a prediction rests on.
 pub(super) fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&'a CasePlan> {
     let prediction = prediction(plan.scene(), written);
     let inside = |window: Option<[u32; 2]>, value: u32| {
@@ -96,7 +94,6 @@ pub(super) fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&
     cases.into_iter().filter(on_line).collect()
 }
 
-/// What is known beforehand of the constant of one prediction on the given cases.
 fn foreseen(
     subject: &Subject,
     written: &Prediction,
@@ -133,8 +130,8 @@ fn foreseen(
     }
 }
 
-/// What the floors of a scene's errors come from: nothing is integrated of what is exact in V^h or in ℝ^m, and a
-/// reference run is no better than its own error.
+/// The source of a scene's floors: nothing is integrated of exact fields in V^h or in ℝ^m, and a reference run has an
+/// error.
 fn floor_source(scene: &Scene) -> FloorSource {
     match scene.as_contact().map(|body| &body.data) {
         None | Some(Data::Exact { interpolated: true, .. }) => FloorSource::Solver,

@@ -1,58 +1,52 @@
-//! How much memory a program may take: what the user allows, or what the machine has left.
+//! Memory limit: what the user allows, or what the machine has available.
 
 use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
-/// The most bytes that cases may be predicted to take together.
+/// The predicted bytes that cases may take together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MemoryLimit {
-    /// ∞ where nothing is known of the machine.
+    /// ∞ if unknown.
     bytes: f64,
-    /// Given by the user, in place of what the machine has.
+    /// Given by the user.
     given: bool,
 }
 
-/// A case is predicted to take more memory than there is.
+/// A case is predicted to exceed the limit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "{} {} of memory predicted, above the limit of {} ({source_of_limit}): not started; take a smaller n or fewer steps, or raise --memory-limit",
     if *.at_least { "at least" } else { "about" }, in_words(*.bytes), in_words(*.limit)
 )]
 pub struct TooLarge {
-    /// Predicted.
     pub bytes: f64,
-    /// A lower bound, by a coarser mesh; the mesh itself would not fit.
+    /// `bytes` is a lower bound from a coarser mesh; the mesh itself would not fit.
     pub at_least: bool,
-    /// The limit.
     pub limit: f64,
-    /// Where it comes from.
+    /// The origin of the limit, in words.
     pub source_of_limit: &'static str,
 }
 
 impl MemoryLimit {
-    /// No limit.
     pub const NONE: Self = Self { bytes: f64::INFINITY, given: false };
 
-    /// A limit as a user gives it.
     pub fn of_bytes(bytes: f64) -> Self {
         Self { bytes, given: true }
     }
 
-    /// What this machine has available, the limits of control groups included; none where the system does not say.
+    /// Available memory, respecting control groups; none if unknown.
     pub fn of_machine() -> Self {
         available(Path::new("/")).map_or(Self::NONE, |bytes| Self { bytes, given: false })
     }
 
-    /// The limit in bytes.
     pub fn bytes(&self) -> f64 {
         self.bytes
     }
 
-    /// Refuses what is above the limit. A number that is none is above any.
+    /// Refuses more than the limit; NaN exceeds any limit.
     ///
-    /// # Errors
-    /// [`TooLarge`].
+    /// # Errors [`TooLarge`].
     pub fn admit(&self, bytes: f64, at_least: bool) -> Result<(), TooLarge> {
         if bytes <= self.bytes {
             return Ok(());
@@ -98,7 +92,7 @@ fn in_words(bytes: f64) -> String {
     format!("{value:.digits$} {unit}")
 }
 
-/// Bytes that the system below `root` has available: MemAvailable, and what the control groups of this process leave.
+/// Available bytes of the system below `root`: MemAvailable, limited by the control groups of this process.
 fn available(root: &Path) -> Option<f64> {
     let memory = fs::read_to_string(root.join("proc/meminfo")).ok()?;
     let line = memory.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
@@ -115,7 +109,7 @@ fn left_to_groups(root: &Path) -> f64 {
         let (Some(controllers), Some(group)) = (fields.next(), fields.next()) else { continue };
         let (folder, names) = match controllers {
             "" => ("sys/fs/cgroup", ["memory.max", "memory.current", "inactive_file "]),
-            _ if controllers.split(',').any(|own| own == "memory") => (
+            _ if controllers.split(',').any(|controller| controller == "memory") => (
                 "sys/fs/cgroup/memory",
                 ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file "],
             ),
@@ -123,19 +117,19 @@ fn left_to_groups(root: &Path) -> f64 {
         };
         let top = root.join(folder);
         // A group is bound by those above it as well.
-        for own in Path::new(group.trim_start_matches('/')).ancestors() {
-            left = left.min(left_to_group(&top.join(own), names));
+        for ancestor in Path::new(group.trim_start_matches('/')).ancestors() {
+            left = left.min(left_to_group(&top.join(ancestor), names));
         }
     }
     left
 }
 
-/// The limit of a group less what it uses; files that the system may forget are not counted as used.
+/// The limit of a group less its use; reclaimable file cache does not count.
 fn left_to_group(folder: &Path, [limit, used, forgettable]: [&str; 3]) -> f64 {
     let number = |name: &str| -> Option<f64> {
         fs::read_to_string(folder.join(name)).ok()?.trim().parse().ok()
     };
-    // Version 2 writes `max` where there is no limit, version 1 a number beyond any memory.
+    // Version 2 writes `max` for no limit, version 1 a number beyond any memory.
     let Some(limit) = number(limit) else { return f64::INFINITY };
     let statistics = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
     let files = statistics.lines().find_map(|line| line.strip_prefix(forgettable)?.parse().ok());
@@ -182,14 +176,13 @@ mod tests {
         assert_eq!(available(&root), None);
         write("proc/meminfo", "MemTotal:  9000 kB\nMemAvailable:    8000 kB\n");
         assert_eq!(available(&root), Some(8_192_000.0));
-        // Version 2: the group above binds, and its cache of files does not count.
+        // Version 2: the group above binds, and its file cache does not count.
         write("proc/self/cgroup", "0::/outer/inner\n");
         write("sys/fs/cgroup/outer/inner/memory.max", "max\n");
         write("sys/fs/cgroup/outer/memory.max", "5000000\n");
         write("sys/fs/cgroup/outer/memory.current", "2000000\n");
         write("sys/fs/cgroup/outer/memory.stat", "anon 1500000\ninactive_file 500000\n");
         assert_eq!(available(&root), Some(3_500_000.0));
-        // Version 1.
         write("proc/self/cgroup", "4:cpu:/\n7:memory,other:/job\n");
         write("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "3000000\n");
         write("sys/fs/cgroup/memory/job/memory.usage_in_bytes", "1000000\n");

@@ -1,4 +1,4 @@
-//! Refinement sweeps: which cases, in which order, on how many threads, and what is kept.
+//! Refinement sweeps: the cases, their order and parallel execution, and their records.
 
 mod abstract_case;
 mod admission;

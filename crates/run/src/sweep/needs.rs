@@ -1,4 +1,4 @@
-//! What the cases of a sweep ask of the machine, and which of them ask for more than there is.
+//! Memory needs of the cases of a sweep, and refusal of those that exceed the limit.
 
 use super::cost::{Cost, PlanCost, eigenvalue_bytes, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
@@ -8,20 +8,20 @@ use fem::contact::Discretization;
 use scene::ContactScene;
 use scene::setup::{Setup, SetupError, side_numbers, trace_levels};
 
-/// What a plan takes: the reference run, and some of its cases in their order. An error is the reason of a refusal.
+/// Costs of a plan: of the reference run, and of some cases in order. An error is the reason of a refusal.
 pub(super) struct Needs {
     pub(super) reference: Option<Result<Cost, TooLarge>>,
     pub(super) cases: Vec<Result<Cost, TooLarge>>,
 }
 
-/// Cells per unit length, in the plane and in space, of the mesh by which others are judged before they are made.
+/// Cells per unit length, in the plane and in space, of the coarse mesh for estimates.
 const COARSE: [u32; 2] = [16, 8];
-/// A mesh with no more cells is made in a moment.
+/// Meshes with at most so many cells are made at once.
 const MOMENT: [f64; 2] = [8_192.0, 196_608.0];
-/// Bytes a cell, where the coarsest mesh of all has more than that: less than its matrices take without a factor.
+/// Bytes per cell if even the coarsest mesh has more cells than that: less than its matrices take without a factor.
 const CELL: f64 = 400.0;
-/// The part of the bytes a coarse mesh would take, scaled by the number of cells, that a finer one surely takes: its
-/// factor is the larger one, but large boxes have multigrid in place of a factor.
+/// Share of the bytes of a coarse mesh, scaled by the number of cells, that is a lower bound: factors grow faster, but
+/// large boxes use multigrid.
 const SURELY: f64 = 0.5;
 
 /// The needs of `cases` of `plan`, computed before any of them begins.
@@ -30,7 +30,7 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
     // A mesh that would not fit is not made.
     let early = |n: Option<u32>, steps: u32| limit.admit(problem.least_bytes(n, steps), true);
     let too_large =
-        plan.reference.and_then(|own| early(Some(own.n as u32), own.steps as u32).err());
+        plan.reference.and_then(|run| early(Some(run.n as u32), run.steps as u32).err());
     if let Some(reason) = too_large {
         let cases = cases.iter().map(|_| Err(reason.clone())).collect();
         return Needs { reference: Some(Err(reason)), cases };
@@ -43,7 +43,7 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
         let costs = problem.costs(&open, plan.reference, plan.kept_steps());
         costs.map_err(|error| error.to_string())
     });
-    // What is wrong with a mesh is said by the case that makes it.
+    // The case that makes the mesh reports its errors.
     let PlanCost { cases: costs, reference } = predicted.unwrap_or_else(|_| PlanCost {
         cases: vec![Cost::UNKNOWN; open.len()],
         reference: plan.reference.map(|_| Cost::UNKNOWN),
@@ -64,10 +64,7 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
     Needs { reference: reference.map(admit), cases }
 }
 
-/// Refuses a single run, without measuring of errors, that would take more than the limit: before the mesh is made
-/// if that is clear by then.
-///
-/// # Errors
+/// Refuses a single run, without measuring errors, that would exceed the limit; if possible before the mesh is made.
 /// [`TooLarge`].
 pub fn admit_run(
     setup: &Setup,
@@ -81,7 +78,7 @@ pub fn admit_run(
     }
 }
 
-/// A lower bound for the bytes of a run on the mesh n: those on a coarse mesh times the ratio of cells, and less.
+/// A lower bound for the bytes of a run on mesh n: those on a coarse mesh times the ratio of cells, reduced.
 pub(super) fn least_bytes(setup: &Setup, n: u32, steps: u32) -> f64 {
     let (domain, place) = (&setup.body.domain, usize::from(setup.scene.dimension == 3));
     let cells = domain.cells(n);
@@ -94,23 +91,22 @@ pub(super) fn least_bytes(setup: &Setup, n: u32, steps: u32) -> f64 {
         let space = setup.space(coarse)?;
         Ok(run_cost(setup, &space, steps).march_bytes)
     };
-    // A coarse mesh that cannot be made says nothing of a finer one.
+    // If the coarse mesh cannot be made there is no bound.
     SURELY * cells / domain.cells(coarse) * bytes().unwrap_or(0.0)
 }
 
-/// Bytes of the trace constants that a scene is judged by, before its model is made: a lower bound of them if they are
-/// above the limit by that.
+/// Bytes for the trace constants of a scene, before its model is made; a lower bound if that already exceeds the limit.
 pub(super) fn constants_bytes(body: &ContactScene, limit: &MemoryLimit) -> Result<f64, TooLarge> {
     let domain = &body.domain;
     let Some(&finest) = trace_levels(domain).last() else { return Ok(0.0) };
     let cells = domain.cells(finest);
-    // Of small meshes as of small runs.
+    // Small meshes are made at once, as for runs.
     if cells <= MOMENT[0] {
         return Ok(0.0);
     }
     limit.admit(CELL * cells, true)?;
     let sides = [&domain.clamped, &domain.contact].map(|sides| side_numbers(sides));
-    // What is wrong with a mesh is said by what makes it.
+    // What makes the mesh reports its errors.
     let space = Discretization::new(domain.mesh(finest), &sides[0], &sides[1]);
     Ok(eigenvalue_bytes(&space))
 }

@@ -1,4 +1,4 @@
-//! The directory of a sweep, held by one process at a time.
+//! The directory of a sweep, locked by one process.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -6,13 +6,10 @@ use std::path::{Path, PathBuf};
 
 use files::make_directory;
 
-/// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The file system refused.
     #[error("{}: {source}; choose another directory with --out", path.display())]
     Io { path: PathBuf, source: io::Error },
-    /// Another process holds it.
     #[error(
         "{}: {holder} writes here; wait for its end, or choose another directory with --out",
         path.display()
@@ -20,27 +17,25 @@ pub enum OutputError {
     Held { path: PathBuf, holder: String },
 }
 
-/// A directory that no other sweep writes to as long as this value lives. The system gives the lock back when the
-/// process ends, however it ends.
+/// A locked directory. The system releases the lock when the process ends, however it ends.
 #[derive(Debug)]
 pub struct OutputDirectory {
     path: PathBuf,
     _lock: File,
 }
 
-/// Name of the file that is locked; it holds the process number for the message of the other.
+/// The locked file; it contains the process number, for the message of another process.
 const LOCK: &str = ".lock";
 
 impl OutputDirectory {
-    /// Makes the directory if it is not there, and takes it.
+    /// Creates the directory if necessary, and locks it.
     ///
-    /// # Errors
-    /// [`OutputError`]. On a file system without locks the directory is taken all the same.
+    /// # Errors [`OutputError`]. A file system without locks is accepted.
     pub fn take(path: &Path) -> Result<Self, OutputError> {
         let refused = |source| OutputError::Io { path: path.to_owned(), source };
         make_directory(path).map_err(refused)?;
         let file = path.join(LOCK);
-        // What a link in its place names is no file of ours.
+        // The target of a link is not ours.
         if fs::symlink_metadata(&file).is_ok_and(|known| known.is_symlink()) {
             fs::remove_file(&file).map_err(refused)?;
         }
@@ -66,7 +61,6 @@ impl OutputDirectory {
         Ok(Self { path: path.to_owned(), _lock: lock })
     }
 
-    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }

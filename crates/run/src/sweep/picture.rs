@@ -7,23 +7,20 @@ use formula::{Node, Point, Program};
 use report::{Ink, ReportError, Sketch, Stroke};
 use scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
 
-/// Points along an edge that is moved, and along a curve over t.
+/// Points along a deformed edge, and along a curve over t.
 const ALONG: u32 = 8;
 const CURVE: u32 = 64;
-/// The largest displacement drawn, as a part of the body's extent.
+/// Largest displacement drawn, relative to the body's extent.
 const REACH: f64 = 0.12;
-/// The widest gap drawn, likewise.
+/// Widest gap drawn, likewise.
 const GAP_REACH: f64 = 0.25;
-/// Meshes tried for the cells of a region, until none is cut; lines of a mesh are drawn on one of these.
+/// Meshes tried until none of a region's cells is cut; mesh lines are drawn on one of these.
 const MESHES: [u32; 6] = [1, 2, 3, 4, 6, 8];
 
-/// Cells beyond which a picture shows none: they would be smaller than a line is wide.
+/// Cells beyond which none are drawn: they would be smaller than a line.
 const MOST_CELLS: f64 = 65_536.0;
 
 /// The picture of a scene as SVG.
-///
-/// # Errors
-/// [`ReportError::Drawing`].
 pub fn scene_picture(scene: &Scene) -> Result<String, ReportError> {
     let sketch = match &scene.body {
         Body::Abstract(problem) => over_time(scene, &problem.u),
@@ -33,7 +30,6 @@ pub fn scene_picture(scene: &Scene) -> Result<String, ReportError> {
     sketch.svg()
 }
 
-/// The components of u over [0, T].
 fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
     let horizon = scene.time.horizon;
     let mut sketch = Sketch { stretched: true, ..Sketch::default() };
@@ -59,7 +55,6 @@ fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
     sketch
 }
 
-/// A plane body.
 fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
     let (domain, mut sketch) = (&body.domain, Sketch::default());
     let whole = match &domain.shape {
@@ -80,7 +75,7 @@ fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
             let flat = |[x, y, _]: [f64; 3]| (x, y);
             let mut path: Vec<(f64, f64)> = face.points(1).into_iter().map(flat).collect();
             let (dx, dy) = (path[1].0 - path[0].0, path[1].1 - path[0].1);
-            // Hatches stand on the left of a line.
+            // Hatches are drawn on the left of a line.
             if -dy * face.normal[0] + dx * face.normal[1] < 0.0 {
                 path.reverse();
             }
@@ -103,7 +98,7 @@ fn divides(scene: &Scene, n: u32) -> bool {
     scene.check_cells(n).is_ok() && scene.as_contact().is_none_or(few)
 }
 
-/// Γ3 above Γ2, Γ1 last, as far as there are any, with their entries in the legend.
+/// Γ3, Γ2, then Γ1, as far as they exist, with their legend.
 fn parts(body: &ContactScene) -> impl Iterator<Item = (Ink, &[Side])> {
     let domain = &body.domain;
     let all = [
@@ -179,8 +174,8 @@ fn contains(scene: &Scene, mesh: &Mesh, c: usize, place: Place) -> bool {
     }
 }
 
-/// The sides moved by u(T) and the obstacle at the distance g from the contact sides, both in one scale of one digit,
-/// and the entries of the legend.
+/// The sides moved by u(T) and the obstacle at distance g from the contact sides, in one scale of one digit, with the
+/// legend.
 fn moved(
     scene: &Scene,
     body: &ContactScene,
@@ -201,8 +196,9 @@ fn moved(
     });
     let widest = largest(gaps.iter().flatten().flatten().copied());
     let seen = |size: f64| size > 1e-12 * extent;
-    // Whichever of them is drawn larger is still beside the body.
-    let reaches = [(farthest, REACH), (widest, GAP_REACH)].into_iter().filter(|own| seen(own.0));
+    // Whichever is drawn larger stays beside the body.
+    let reaches =
+        [(farthest, REACH), (widest, GAP_REACH)].into_iter().filter(|reach| seen(reach.0));
     let factor = reaches.map(|(size, reach)| reach * extent / size).fold(f64::INFINITY, f64::min);
     if !factor.is_finite() {
         return;
@@ -247,16 +243,15 @@ fn displaced(
     lines.iter().map(of_line).collect()
 }
 
-/// The largest size of finite numbers.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
-/// The largest number of one digit below.
+/// Rounds down to one digit.
 fn one_digit(value: f64) -> f64 {
     let decade = 10f64.powf(value.log10().floor());
     let digits = (value / decade).floor();
-    // 0.30000000000000004 is no number of one digit.
+    // Avoids 0.30000000000000004.
     if decade < 1.0 { digits / (1.0 / decade).round() } else { digits * decade }
 }
 
@@ -272,7 +267,7 @@ fn polygons(body: &ContactScene, side: Side) -> Vec<(Vec<[f64; 3]>, [f64; 3])> {
     body.domain.faces(side).into_iter().map(corners).collect()
 }
 
-/// True for meshes that come from a file.
+/// Whether the mesh comes from a file.
 fn is_imported(body: &ContactScene) -> bool {
     matches!(body.domain.shape, Shape::Refined(CoarseMesh::Space(_)))
 }

@@ -14,40 +14,33 @@ use scene::{Norm, Prediction, Reference, Scene};
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
-    /// Cells per unit length.
     pub n: Option<Vec<u32>>,
-    /// Numbers of steps.
     pub steps: Option<Vec<u32>>,
 }
 
-/// One case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CasePlan {
     /// Cells per unit length; none in an abstract scene.
     pub n: Option<u32>,
-    /// Number of steps N.
     pub steps: u32,
-    /// What is measured.
     pub norms: Vec<Norm>,
 }
 
-/// The cases of one scene.
 pub struct ScenePlan {
-    /// The scene with its model.
     pub subject: Subject,
-    /// The cases, by n and steps; those added come last.
+    /// By n and steps; added cases come last.
     pub cases: Vec<CasePlan>,
-    /// Which of them are no cases of the scene's own grid.
+    /// Cases that are not on the scene's default grid.
     pub added: Vec<AddedCase>,
-    /// The finer run that is the truth, if the scene has no exact solution.
+    /// The finer run used as reference, if the scene has no exact solution.
     pub reference: Option<Reference>,
 }
 
-/// A run against which the time error is measured has this many times the steps of the case.
+/// Steps of the reference run for time errors, as a multiple of the case's.
 pub const TIME_REFERENCE: u32 = 8;
 
 impl ScenePlan {
-    /// The plan of a scene, with the grids of `overrides` where given.
+    /// The plan of a scene; `overrides` replace its grids.
     pub fn new(subject: Subject, overrides: &Overrides) -> Self {
         let cases = scene_cases(subject.scene(), overrides);
         let reference = subject.scene().sweep.as_ref().and_then(|sweep| sweep.reference);
@@ -55,8 +48,8 @@ impl ScenePlan {
         Self { cases, added: Vec::new(), reference, subject }
     }
 
-    /// The record of a case: that of `run`, or of a failed case with the reason. A solver under test may
-    /// panic, which is a failed case too and not the end of the others.
+    /// The record of a case: that of `run`, or of a failed case with the reason. A panic of a solver is a failed case
+    /// and does not end the others.
     pub fn record(
         &self,
         case: &CasePlan,
@@ -79,7 +72,6 @@ impl ScenePlan {
         }
     }
 
-    /// Adds a case, unless it is there.
     pub fn add(&mut self, added: AddedCase) {
         let NextCase { n, steps } = added.case;
         if !self.cases.iter().any(|case| case.n == n && case.steps == steps) {
@@ -88,18 +80,15 @@ impl ScenePlan {
         }
     }
 
-    /// Takes an added case back.
     pub(crate) fn remove(&mut self, case: &NextCase) {
         self.added.retain(|added| added.case != *case);
-        self.cases.retain(|own| own.n != case.n || own.steps != case.steps);
+        self.cases.retain(|planned| planned.n != case.n || planned.steps != case.steps);
     }
 
-    /// The scene.
     pub fn scene(&self) -> &Scene {
         self.subject.scene()
     }
 
-    /// The keys of all cases.
     pub fn keys(&self) -> Vec<Key> {
         let scene = &self.scene().name;
         self.cases
@@ -108,16 +97,15 @@ impl ScenePlan {
             .collect()
     }
 
-    /// What (3.4) says of the step sizes of the cases.
+    /// The remark of (3.4) on the step sizes of the cases.
     ///
-    /// # Errors
-    /// A step size that is refused.
+    /// # Errors A step size that is refused.
     pub fn step_remark(&self) -> Result<Option<StepRemark>, SetupError> {
         let steps: Vec<u32> = self.cases.iter().map(|case| case.steps).collect();
         check_step_sizes(&self.subject, &steps)
     }
 
-    /// n and steps of all runs on the meshes of the cases: those of the cases, and those that time errors are against.
+    /// n and steps of all runs on the meshes of the cases, including references for time errors.
     pub fn runs(&self) -> Vec<(u32, u32)> {
         let of = |case: &CasePlan| {
             let finer = case.norms.contains(&Norm::VTimeMax).then_some(TIME_REFERENCE * case.steps);
@@ -128,10 +116,9 @@ impl ScenePlan {
         self.cases.iter().flat_map(of).collect()
     }
 
-    /// What the cases and the reference run are predicted to cost; meshes are made and analysed, nothing is solved.
+    /// Predicted costs of the cases and the reference run; meshes are made and analysed, nothing is solved.
     ///
-    /// # Errors
-    /// A cell that the boundary of a region cuts.
+    /// # Errors A cell that the boundary of a region cuts.
     pub fn costs(&self) -> Result<PlanCost, SetupError> {
         self.costs_of(&self.cases)
     }
@@ -141,21 +128,20 @@ impl ScenePlan {
         problem(&self.subject).costs(cases, self.reference, self.kept_steps())
     }
 
-    /// Every part of the floor of a case, measured: four to six marches, more where a reference has to be run again.
+    /// Measures every part of the floor of a case: four to six marches, more if a reference has to be repeated.
     ///
-    /// # Errors
-    /// A run that fails.
+    /// # Errors A run that fails.
     pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
         problem(&self.subject).floors(case)
     }
 
-    /// How often reference levels are kept so that all cases find theirs.
+    /// Interval of kept reference levels at which all cases find theirs.
     pub(crate) fn kept_steps(&self) -> u32 {
         self.cases.iter().map(|case| case.steps).fold(1, lowest_common_multiple)
     }
 }
 
-/// The cases of a scene, on the grids of `overrides` where given.
+/// The cases of a scene; `overrides` replace its grids.
 pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan> {
     let listed = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<_>>();
     let sweep = scene.sweep.as_ref();
@@ -177,7 +163,7 @@ pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan>
     places.into_iter().map(case).collect()
 }
 
-/// What `run` says; a panic is an error with its text.
+/// Runs `run`; a panic becomes an error with its message.
 pub fn without_panic<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -186,7 +172,7 @@ pub fn without_panic<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, St
     })
 }
 
-/// The fewest steps of a grid that has the times of both; the largest number there is where those are more.
+/// The fewest steps of a grid with the times of both; `u32::MAX` on overflow.
 pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
     let (mut x, mut y) = (a, b);
     while y > 0 {
@@ -195,9 +181,8 @@ pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
     (a / x.max(1)).saturating_mul(b)
 }
 
-/// The norms of a case on mesh n: all that cost next to nothing, and those of the scene's list or
-/// predictions (the time error costs further runs, so it is measured inside its window only); those by contact
-/// state where the scene asks for them.
+/// The norms of a case on mesh n: all cheap ones, and those of the scene's list or predictions (the time error needs
+/// further runs, so it is measured inside its window only); those by contact state if the scene asks for them.
 pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     let listed = scene.sweep.as_ref().and_then(|sweep| sweep.norms.as_ref());
     let by_state = scene.sweep.as_ref().is_some_and(|sweep| sweep.by_state);
@@ -218,7 +203,7 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
         .collect()
 }
 
-/// Whether a prediction uses the mesh n.
+/// Whether a prediction uses mesh n.
 fn serves(scene: &Scene, prediction: &Prediction, n: Option<u32>) -> bool {
     let window = prediction.window_n.or(scene.window_n);
     window.zip(n).is_none_or(|([first, last], n)| (first..=last).contains(&(n as usize)))

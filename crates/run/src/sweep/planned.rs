@@ -1,4 +1,4 @@
-//! The cases that a directory of records was to hold: what its provenance says of them.
+//! The planned cases of a directory of records, by its provenance.
 
 use std::collections::BTreeMap;
 
@@ -9,33 +9,32 @@ use super::provenance::Provenance;
 use judge::record::{CaseRecord, Key, Status};
 use scene::{Norm, Scene};
 
-/// Cases of a scene that are not its own grid: every n of a list with every number of steps of another.
+/// Cases of a scene off its default grid: every n with every number of steps.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
     /// Cells per unit length; empty in an abstract scene.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<u32>,
-    /// Numbers of steps.
     pub steps: Vec<u32>,
-    /// Names of the norms, where they are not those that the scene asks for.
+    /// Names of the norms, unless they are those of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub norms: Option<Vec<String>>,
 }
 
-/// A mesh, and the names of the norms that are measured on it where they are not the scene's.
+/// A mesh, and the names of its norms unless they are those of the scene.
 type Measured = (Option<u32>, Option<Vec<String>>);
 
-/// The cases of a plan without the added ones; none where they are those of the scene's own grid.
+/// The cases of a plan without the added ones; None if they are the scene's default grid.
 pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
     let added = |case: &CasePlan| {
         plan.added.iter().any(|added| added.case.n == case.n && added.case.steps == case.steps)
     };
     let cases: Vec<&CasePlan> = plan.cases.iter().filter(|case| !added(case)).collect();
-    let own = scene_cases(plan.scene(), &Overrides::default());
-    if cases.iter().copied().eq(&own) {
+    let default_cases = scene_cases(plan.scene(), &Overrides::default());
+    if cases.iter().copied().eq(&default_cases) {
         return None;
     }
-    // By mesh, and meshes with the same steps and norms together.
+    // By mesh; meshes with equal steps and norms together.
     let mut of_mesh: BTreeMap<Measured, Vec<u32>> = BTreeMap::new();
     for case in cases {
         let names = || case.norms.iter().map(|norm| norm.name().to_owned()).collect();
@@ -55,7 +54,7 @@ pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
     Some(blocks)
 }
 
-/// The cases of a scene by its provenance: those of its own grid or of the blocks that are kept, and the added ones.
+/// The cases of a scene by its provenance: its default grid or the stored blocks, and the added ones.
 pub fn planned(scene: &Scene, known: &Provenance) -> Vec<CasePlan> {
     let mut cases = match known.cases.get(&scene.name) {
         None => scene_cases(scene, &Overrides::default()),
@@ -88,16 +87,16 @@ fn of_block(scene: &Scene, block: &Block) -> Vec<CasePlan> {
     ns.iter().flat_map(of_mesh).collect()
 }
 
-/// Whether a record holds all that was asked of its case: it was run, and no row of it is lost. A case that failed was run.
+/// Whether a record is complete: the case was run (possibly failed), and no row is lost.
 pub fn is_complete(record: &CaseRecord, norms: &[Norm]) -> bool {
     record.status != Status::Skipped && norms.iter().all(|norm| record.norm(norm.name()).is_some())
 }
 
-/// The planned cases of a scene that have no complete record.
+/// The planned cases of a scene without a complete record.
 pub fn missing_cases(scene: &str, planned: &[CasePlan], records: &[CaseRecord]) -> Vec<Key> {
-    let own = records.iter().filter(|record| record.scene == scene);
+    let of_scene = records.iter().filter(|record| record.scene == scene);
     let known: BTreeMap<(Option<u32>, u32), &CaseRecord> =
-        own.map(|record| ((record.n, record.steps), record)).collect();
+        of_scene.map(|record| ((record.n, record.steps), record)).collect();
     let open = |case: &&CasePlan| {
         let record = known.get(&(case.n, case.steps));
         !record.is_some_and(|record| is_complete(record, &case.norms))

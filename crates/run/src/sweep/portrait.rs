@@ -1,21 +1,21 @@
-//! A scene as a report shows it: its equations, the data of its file, and what a reader has to know.
+//! A scene as a report shows it: equations, data and remarks.
 
 use super::picture::scene_picture;
 use report::{Group, SceneSummary, StepLimits, Terms, equations};
 use scene::setup::{Subject, subject_bounds};
 use scene::{Body, Data, Expectation, Scene};
 
-/// Parts of a scene file that a report says elsewhere.
+/// Parts of a scene file that a report shows elsewhere.
 const SAID_ELSEWHERE: [&str; 2] = ["scene", "predicts"];
 
-/// What a report says of a scene; without the subject that was made of it, nothing of its step size.
+/// A scene's summary for a report; without a subject, the step size is omitted.
 pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
     SceneSummary {
         name: scene.name.clone(),
         question: scene.question.clone(),
         group: Group::of(terms(scene), is_about_a_hypothesis(scene)),
         remarks: remarks(scene),
-        // A body that cannot be drawn goes without a picture: its numbers are none the worse.
+        // If the body cannot be drawn, the picture is omitted.
         picture: scene_picture(scene).ok(),
         equations: equations(terms(scene)),
         data: data(&scene.source.text),
@@ -24,8 +24,8 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
     }
 }
 
-/// Whether a scene breaks a hypothesis, or goes to its limit: those of docs/BROKEN-HYPOTHESES.md that stop there have the
-/// name of the others, and are read beside them.
+/// Whether a scene breaks a hypothesis or reaches its limit: the limiting scenes of docs/BROKEN-HYPOTHESES.md are named
+/// after the others and read beside them.
 fn is_about_a_hypothesis(scene: &Scene) -> bool {
     !scene.violates.is_empty() || scene.name.starts_with("broken-")
 }
@@ -87,9 +87,9 @@ fn remarks(scene: &Scene) -> Vec<String> {
     remarks
 }
 
-/// The keys of a scene file in their order, with their values as written there.
+/// The keys of a scene file in order, with their values as written.
 fn data(text: &str) -> Vec<[String; 3]> {
-    // It was read and validated before.
+    // Parsed and validated before.
     let Ok(table) = text.parse::<toml::Table>() else { return Vec::new() };
     let mut rows = Vec::new();
     for (part, value) in &table {
@@ -100,14 +100,14 @@ fn data(text: &str) -> Vec<[String; 3]> {
     rows
 }
 
-/// Tables become parts `a.b`; what has no keys of its own is a value.
+/// Tables become parts `a.b`; everything else is a value.
 fn collect(part: &str, value: &toml::Value, rows: &mut Vec<[String; 3]>) {
     match value {
         toml::Value::Table(table) => {
-            let (nested, own): (Vec<_>, Vec<_>) =
+            let (nested, values): (Vec<_>, Vec<_>) =
                 table.iter().partition(|(_, value)| is_part(value));
             rows.extend(
-                own.iter().map(|(key, value)| [part.into(), (*key).clone(), written(value)]),
+                values.iter().map(|(key, value)| [part.into(), (*key).clone(), written(value)]),
             );
             nested.iter().for_each(|(key, value)| collect(&format!("{part}.{key}"), value, rows));
         }
@@ -120,7 +120,7 @@ fn collect(part: &str, value: &toml::Value, rows: &mut Vec<[String; 3]>) {
     }
 }
 
-/// A table with more than a few keys, and a list of tables; a small table stands on one line in scene files too.
+/// A table with more than a few keys, or a list of tables; small tables stay on one line.
 fn is_part(value: &toml::Value) -> bool {
     match value {
         toml::Value::Table(table) => !table.contains_key("kind"),

@@ -1,4 +1,4 @@
-//! What a sweep asks of a scene, whether it has a body and a mesh or is a problem in ℝ^m.
+//! Common interface of scenes with a body and of problems in ℝ^m.
 
 use super::case::run_contact_case;
 use super::cost::{Cost, PROGRAM, PlanCost, contact_costs};
@@ -12,12 +12,11 @@ use judge::record::CaseRecord;
 use scene::Reference;
 use scene::setup::{AbstractSetup, Setup, SetupError, Subject};
 
-/// A scene that is made computable, as a sweep sees it.
+/// A computable scene, as a sweep sees it.
 pub(crate) trait Problem: Sync {
     /// Predicts cases and a reference run, of which every `kept_steps`-th part of the horizon is kept.
     ///
-    /// # Errors
-    /// A cell that the boundary of a region cuts.
+    /// # Errors A cell that the boundary of a region cuts.
     fn costs(
         &self,
         cases: &[CasePlan],
@@ -31,17 +30,15 @@ pub(crate) trait Problem: Sync {
     /// Runs a case, with what the cases of the scene share.
     fn run(&self, case: &CasePlan, shared: &Shared<'_>) -> Result<CaseRecord, String>;
 
-    /// Makes the reference run of the scene, if it has one. Its failure is that of each case.
+    /// Makes the reference run of the scene, if it has one. Its failure becomes that of each case.
     fn refer(&self, shared: &Shared<'_>);
 
-    /// Every part of the floor of a case, measured.
+    /// Measures every part of the floor of a case.
     ///
-    /// # Errors
-    /// A run that fails.
+    /// # Errors A run that fails.
     fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError>;
 }
 
-/// The problem of a scene.
 pub(crate) fn problem(subject: &Subject) -> &dyn Problem {
     match subject {
         Subject::Contact(setup) => &**setup,
@@ -77,7 +74,7 @@ impl Problem for Setup {
     }
 }
 
-/// Seconds a level of an abstract scene, and a pair of levels and kernel in its direct sums.
+/// Seconds per level of an abstract scene, and per pair of levels and kernel in its direct sums.
 const LEVEL: [f64; 2] = [2e-4, 5e-8];
 
 impl Problem for AbstractSetup {
@@ -97,7 +94,7 @@ impl Problem for AbstractSetup {
                 linear_solver: LinearSolver::Direct,
                 work: None,
                 seconds: LEVEL[0] * levels + LEVEL[1] * levels * levels * kernels,
-                // All states are kept; a kernel value for each pair of times is computed.
+                // All states are kept; a kernel value is computed for each pair of times.
                 memory_bytes: PROGRAM + 8.0 * 4.0 * levels * dofs as f64,
                 kept_bytes: 0.0,
                 left_bytes: 0.0,

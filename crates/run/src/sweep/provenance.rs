@@ -1,4 +1,4 @@
-//! Where records come from: program, machine, scenes with their texts and the hashes of these.
+//! Provenance of records: program, machine, and scenes with their texts and hashes.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,40 +9,36 @@ use super::{AddedCase, Block, Circumstances, Machine, ScenePlan, blocks};
 use files::{read_text, replace_file};
 use scene::{Scene, SceneError, Source};
 
-/// What a directory of records was made with. No dates: equal runs give equal files.
+/// Provenance of a directory of records. No dates: equal runs give equal files.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// Version of this program.
     pub version: String,
-    /// Operating system and processor architecture.
     pub platform: String,
-    /// Hash of each scene's text, its mesh file included.
+    /// Hash of each scene's text, including its mesh file.
     pub scenes: BTreeMap<String, String>,
-    /// Each scene's text: the records can be judged by it wherever its file is.
+    /// Each scene's text, so that records can be judged without its file.
     #[serde(default)]
     pub texts: BTreeMap<String, String>,
-    /// The text of each mesh file that a scene names, for the same reason.
+    /// The text of each mesh file, likewise.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub meshes: BTreeMap<String, String>,
-    /// What is to be known of a scene's step sizes, where (3.4) does not cover them.
+    /// Remarks on step sizes that (3.4) does not cover.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub step_sizes: BTreeMap<String, String>,
     /// Cases beyond the grid of a scene, with the verdicts that asked for them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub added_cases: BTreeMap<String, Vec<AddedCase>>,
-    /// The cases of scenes that were asked for on another grid than their own.
+    /// Requested cases of scenes that are not on their default grid.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cases: BTreeMap<String, Vec<Block>>,
-    /// What else made them; alone of all keys it differs between runs with equal records.
+    /// The only key that may differ between runs with equal records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<Circumstances>,
 }
 
-/// Name of the file in the output directory.
 pub const FILE: &str = "provenance.json";
 
 impl Provenance {
-    /// The provenance of records of these scenes.
     pub fn new<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Self {
         let named = scenes.map(|scene| (scene.name.clone(), &scene.source));
         let sources: BTreeMap<String, &Source> = named.collect();
@@ -64,7 +60,7 @@ impl Provenance {
         }
     }
 
-    /// The provenance of a run of `plans`, with what (3.4) says of their step sizes.
+    /// The provenance of a run of `plans`, with remarks on their step sizes by (3.4).
     pub fn of_run(plans: &[ScenePlan], machine: &Machine) -> Self {
         let remark = |plan: &ScenePlan| {
             let remark = plan.step_remark().ok().flatten()?;
@@ -86,10 +82,9 @@ impl Provenance {
         }
     }
 
-    /// The scene that the records in `dir` were made with; `None` if its text is not kept there.
+    /// The scene of the records in `dir`; None if its text is not kept there.
     ///
-    /// # Errors
-    /// The text is at fault, or not the one that its hash was taken of.
+    /// # Errors The text is invalid, or does not match its hash.
     pub fn scene(&self, dir: &Path, name: &str) -> Result<Option<Scene>, SceneError> {
         let Some(text) = self.texts.get(name) else {
             return Ok(None);
@@ -108,7 +103,7 @@ impl Provenance {
         Ok(Some(scene))
     }
 
-    /// As JSON, for `verdict.json`: without the texts.
+    /// As JSON without the texts, for `verdict.json`.
     pub fn json(&self) -> serde_json::Value {
         let mut document = serde_json::json!({
             "program": "gronwall",
@@ -128,10 +123,9 @@ impl Provenance {
         document
     }
 
-    /// Reads the provenance of a directory; `None` if it has none.
+    /// Reads the provenance of a directory; None if it has none.
     ///
-    /// # Errors
-    /// The file system's, or a file that is no provenance.
+    /// # Errors Those of the file system, or an invalid file.
     pub fn read(dir: &Path) -> Result<Option<Self>, (PathBuf, String)> {
         let path = dir.join(FILE);
         match read_text(&path) {
@@ -144,9 +138,6 @@ impl Provenance {
     }
 
     /// Writes the provenance into a directory.
-    ///
-    /// # Errors
-    /// The file system's.
     pub fn write(&self, dir: &Path) -> Result<(), (PathBuf, String)> {
         let path = dir.join(FILE);
         let text = serde_json::to_string_pretty(self).map_err(|e| (path.clone(), e.to_string()))?;

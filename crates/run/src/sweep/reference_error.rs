@@ -1,22 +1,22 @@
-//! What the reference run of a scene with given loads hides in its V errors.
+//! Error of the reference run of a scene with given loads, in V errors.
 
 use super::plan::ScenePlan;
 use judge::fit::{AgainstReference, against_reference};
 use judge::record::{CaseRecord, V_MAX};
 
-/// The order of `V_max` in h without the error of the reference, on the three finest meshes at the most steps. None
-/// for scenes with an exact solution, or where three meshes with one ratio are missing.
+/// The order of `V_max` in h corrected for the reference, on the three finest meshes at the most steps. None for scenes
+/// with an exact solution, or without three meshes of one ratio.
 pub fn reference_error(plan: &ScenePlan, records: &[CaseRecord]) -> Option<AgainstReference> {
     let reference = plan.reference?;
     let steps = plan.cases.iter().map(|case| case.steps).max()?;
-    let own = |record: &&CaseRecord| {
+    let on_line = |record: &&CaseRecord| {
         record.scene == plan.scene().name
             && record.steps == steps
             && record.n.is_some_and(|n| (n as usize) < reference.n)
     };
     let mut points: Vec<(f64, f64)> = records
         .iter()
-        .filter(own)
+        .filter(on_line)
         .filter_map(|record| {
             let entry = record.errors.iter().find(|entry| entry.norm == V_MAX)?;
             Some((1.0 / f64::from(record.n?), entry.error?))
@@ -27,7 +27,6 @@ pub fn reference_error(plan: &ScenePlan, records: &[CaseRecord]) -> Option<Again
     against_reference(*last, 1.0 / reference.n as f64)
 }
 
-/// One line for the terminal.
 pub fn reference_in_words(scene: &str, found: &AgainstReference) -> String {
     let AgainstReference { order, measured_order, reference_error, finest: [measured, whole] } =
         found;

@@ -1,17 +1,14 @@
-//! What an interrupted sweep left: complete cases are kept, all others run again.
+//! Resuming an interrupted sweep: complete cases are kept, all others run again.
 
 use std::path::{Path, PathBuf};
 
 use super::{Provenance, ScenePlan, is_complete};
 use judge::record::{CaseRecord, RecordError, Table, read_table};
 
-/// Why a directory cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
-    /// The records are unreadable.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The provenance is unreadable.
     #[error("{}: {reason}", path.display())]
     Provenance { path: PathBuf, reason: String },
     /// The records belong to something else.
@@ -19,23 +16,20 @@ pub enum ResumeError {
     Different { dir: PathBuf, what: String },
 }
 
-/// What is kept of earlier records.
 #[derive(Debug, Default)]
 pub struct Resumed {
-    /// Complete cases.
     pub records: Vec<CaseRecord>,
-    /// Why others that were there are run again, where it is more than that they are not complete.
+    /// Why other records are discarded, if they are not only incomplete.
     pub doubts: Vec<String>,
 }
 
-/// Lines that are named before the rest is counted.
+/// Lines named before the rest is counted.
 const NAMED: usize = 10;
 
-/// The complete cases in `dir` that belong to `plans`. An empty or missing directory has none. Rows that are not as they
-/// were written, or hold what no measurement gives, are not kept.
+/// The complete cases in `dir` that belong to `plans`; none for an empty or missing directory. Rows that fail their
+/// checksum, or hold impossible values, are dropped.
 ///
-/// # Errors
-/// Records of another version or of another text of a scene, unreadable files.
+/// # Errors Records of another version or of another text of a scene, unreadable files.
 pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
     let path = dir.join("cases.csv");
     if !path.exists() {
@@ -45,14 +39,14 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
     let known = Provenance::read(dir)
         .map_err(|(path, reason)| ResumeError::Provenance { path, reason })?
         .ok_or_else(|| different("records without provenance.json".into()))?;
-    let own = Provenance::new(plans.iter().map(|plan| plan.scene()));
-    if known.version != own.version {
+    let current = Provenance::new(plans.iter().map(|plan| plan.scene()));
+    if known.version != current.version {
         return Err(different(format!(
             "the records are of version {}, this is {}",
-            known.version, own.version
+            known.version, current.version
         )));
     }
-    for (scene, hash) in &own.scenes {
+    for (scene, hash) in &current.scenes {
         if known.scenes.get(scene).is_some_and(|other| other != hash) {
             return Err(different(format!("the scene `{scene}` has changed since")));
         }
@@ -63,10 +57,10 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
     };
     let table = read_table(&path)?;
     let mut resumed = Resumed { doubts: doubts(&path, &table), ..Resumed::default() };
-    // Nobody knows whether rows without a checksum are those that were written.
+    // Rows without a checksum cannot be trusted.
     let cases = if table.checked { table.cases } else { Vec::new() };
     for record in cases {
-        // The table is written anew from what is returned here: a case outside the plan would be lost.
+        // The table is rewritten from the returned records: a case outside the plan would be lost.
         let Some(case) = case_of(&record) else {
             let key = record.key();
             return Err(different(format!("`{}` {key} is no case of this sweep", key.scene)));

@@ -1,4 +1,4 @@
-//! Runs the cases of many scenes on a few threads, longest first and within memory, and records each as it ends.
+//! Runs the cases of many scenes in parallel, longest first and within memory, and records each as it ends.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -17,65 +17,58 @@ use files::counted;
 use judge::record::{CaseRecord, Journal, RecordError};
 use report::{ReportError, remove_earlier};
 
-/// Why a sweep ended without records.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// The records cannot be written or read.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The old records cannot be resumed.
     #[error(transparent)]
     Resume(#[from] ResumeError),
-    /// A file of the directory cannot be written or removed.
     #[error("{}: {reason}", path.display())]
     Directory { path: PathBuf, reason: String },
-    /// What an earlier report left cannot be removed.
+    /// Files of an earlier report cannot be removed.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// The threads could not be started.
     #[error("starting {}: {reason}", counted(*jobs, "thread"))]
     Threads { jobs: usize, reason: String },
 }
 
-/// What of the machine a sweep may take, and how it was asked to.
+/// Resources and circumstances of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
-    /// Cases at a time.
+    /// Cases in parallel.
     pub jobs: usize,
     /// Memory that cases may be predicted to take together.
     pub memory: MemoryLimit,
-    /// What the program was built from, and options of the command, for the provenance.
+    /// Build and command options, for the provenance.
     pub build: Build,
     pub options: String,
 }
 
 impl Machine {
-    /// So many cases at a time, whatever memory they take.
+    /// So many cases in parallel, without a memory limit.
     pub fn with_jobs(jobs: usize) -> Self {
         let build = Build::UNKNOWN;
         Self { jobs, memory: MemoryLimit::NONE, build, options: String::new() }
     }
 }
 
-/// Hears of the sweep while it runs.
+/// Observer of a running sweep.
 pub trait Progress: Sync {
     /// The sweep begins, with `total` cases of which `done` are already recorded.
     fn begin(&self, total: usize, done: usize);
-    /// Records of an earlier sweep are not trusted, and their cases are run again.
+    /// Records of an earlier sweep are discarded, and their cases run again.
     fn doubted(&self, why: &str);
-    /// A case or reference run starts.
     fn started(&self, what: &str);
-    /// It ended.
     fn finished(&self, what: &str, record: Option<&CaseRecord>);
-    /// This share of the predicted seconds of all work is done.
+    /// The done share of the predicted seconds of all work.
     fn advanced(&self, _share: f64) {}
-    /// Whether no further case is to begin.
+    /// Whether no further case shall begin.
     fn stopped(&self) -> bool {
         false
     }
 }
 
-/// Nobody listens.
+/// Ignores everything.
 impl Progress for () {
     fn begin(&self, _: usize, _: usize) {}
     fn doubted(&self, _: &str) {}
@@ -83,7 +76,6 @@ impl Progress for () {
     fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
 }
 
-/// A piece of work.
 enum Job {
     /// The reference run of a scene.
     Reference(usize),
@@ -91,11 +83,10 @@ enum Job {
     Case(usize, usize),
 }
 
-/// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again.
-/// Returns all records, sorted by scene, n and steps.
+/// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again. Returns all records, sorted by
+/// scene, n and steps.
 ///
-/// # Errors
-/// Files only: a case that fails is a record. Where a record cannot be written no further case begins.
+/// # Errors Files only: a case that fails is a record. If a record cannot be written no further case begins.
 pub fn run_sweep(
     plans: &[ScenePlan],
     out: &OutputDirectory,
@@ -111,10 +102,7 @@ pub fn run_sweep(
     run_more(plans, records, out, machine, progress)
 }
 
-/// Runs the cases of `plans` that `known` does not hold. Returns all records, sorted likewise.
-///
-/// # Errors
-/// As [`run_sweep`].
+/// Runs the cases of `plans` missing in `known`. Returns all records, sorted likewise.
 pub fn run_more(
     plans: &[ScenePlan],
     known: Vec<CaseRecord>,
@@ -146,7 +134,7 @@ pub fn run_more(
     pool.scope(|scope| {
         for _ in 0..jobs {
             scope.spawn(|_| {
-                // What cannot be recorded need not be computed.
+                // Cases that cannot be recorded need not be computed.
                 while let Some(start) = schedule.begin(|| sweep.failed() || progress.stopped()) {
                     start.dropped.into_iter().for_each(|(s, n)| shared[s].let_go(n));
                     sweep.execute(&work[start.task]);
@@ -168,7 +156,7 @@ pub fn run_more(
     Ok(records)
 }
 
-/// Writes the provenance, and the journal with the records that are kept.
+/// Writes the provenance, and the journal with the kept records.
 fn prepare(
     plans: &[ScenePlan],
     out: &OutputDirectory,
@@ -178,9 +166,8 @@ fn prepare(
     let out = out.path();
     let refused = |(path, reason)| SweepError::Directory { path, reason };
     let table = out.join("cases.csv");
-    // Killed at any point, the directory must hold no table without its provenance, and nothing of
-    // an old table beside a new one: page, pictures, verdicts and the old table go first, the new
-    // one comes last.
+    // If killed at any point, the directory must have no table without its provenance, and no mixture of old and new
+    // files: pages, pictures, verdicts and the old table are removed first, the new table comes last.
     remove_earlier(out)?;
     let old = [Some(out.join("verdict.json")), known.is_empty().then(|| table.clone())];
     for path in old.into_iter().flatten().filter(|path| path.exists()) {
@@ -200,8 +187,8 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// The cases that are not recorded, with the reference runs that they need. A case that asks for more memory than
-    /// there may be is recorded as failed, and is none of them.
+    /// The unrecorded cases, with the reference runs that they need. A case that exceeds the memory limit is recorded
+    /// as failed.
     fn work(&self, limit: &MemoryLimit) -> (Vec<Job>, Vec<Task>) {
         let open: Vec<Vec<usize>> = self.shared.iter().map(|shared| self.open(shared)).collect();
         let needs: Vec<_> = self
@@ -234,8 +221,8 @@ impl Sweep<'_> {
                 tasks.len() - 1
             });
             for (c, need) in cases {
-                let own = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept_bytes));
-                let shares = shares.iter().copied().chain(own).collect();
+                let of_mesh = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept_bytes));
+                let shares = shares.iter().copied().chain(of_mesh).collect();
                 work.push(Job::Case(s, c));
                 tasks.push(Task { after, shares, ..task(need, need.seconds) });
             }
@@ -243,7 +230,6 @@ impl Sweep<'_> {
         (work, tasks)
     }
 
-    /// Indices of the cases of a scene that are not recorded.
     fn open(&self, shared: &Shared<'_>) -> Vec<usize> {
         let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         let (plan, cases) = (shared.plan, &shared.plan.cases);
@@ -277,14 +263,13 @@ impl Sweep<'_> {
         }
     }
 
-    /// A record could not be written.
     fn failed(&self) -> bool {
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
     fn keep(&self, record: CaseRecord) {
         let mut journal = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
-        // The failed write may have left half a line: a line after it would make the table unreadable.
+        // The failed write may have left half a line; a line after it would make the table unreadable.
         if self.failed() {
             return;
         }
@@ -295,12 +280,10 @@ impl Sweep<'_> {
     }
 }
 
-/// A task by what it is predicted to take.
 fn task(need: Cost, rank: f64) -> Task {
     Task { rank, seconds: need.seconds, bytes: need.memory_bytes, ..Task::default() }
 }
 
-/// A case in words.
 fn in_words(plan: &ScenePlan, case: &CasePlan) -> String {
     let name = &plan.scene().name;
     match case.n {

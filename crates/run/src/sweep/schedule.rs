@@ -1,35 +1,33 @@
-//! Which task begins next: the longest that is ready, as long as the predicted bytes of all that run, and of what is
-//! kept for later, stay below the limit.
+//! Schedule: the longest ready task begins next, while the predicted bytes of running tasks and kept data stay below
+//! the limit.
 
 use std::collections::BTreeMap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// What several tasks of a scene share: its reference run (no n) or the truth on a mesh.
+/// Shared by several tasks of a scene: its reference run (no n) or the exact solution on a mesh.
 pub(super) type Kept = (usize, Option<u32>);
 
-/// A task as the schedule sees it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Task {
-    /// Predicted seconds, of what waits for it as well.
+    /// Predicted seconds, including what waits for it.
     pub(super) rank: f64,
     /// Predicted seconds of the task alone.
     pub(super) seconds: f64,
-    /// Predicted peak bytes while it runs, what it shares included.
+    /// Predicted peak bytes while it runs, including what it shares.
     pub(super) bytes: f64,
     /// The task that must have ended before.
     pub(super) after: Option<usize>,
-    /// What it shares with others, and the bytes of each while it is kept for them.
+    /// What it shares with others, and the bytes of each while kept.
     pub(super) shares: Vec<(Kept, f64)>,
 }
 
-/// A task that may begin, and what has to go before.
+/// A task that may begin, and what has to be dropped before.
 #[derive(Debug, PartialEq)]
 pub(super) struct Start {
     pub(super) task: usize,
     pub(super) dropped: Vec<Kept>,
 }
 
-/// Tasks in the order of their rank, and the bytes of those that run.
 pub(super) struct Schedule {
     tasks: Vec<Task>,
     limit: f64,
@@ -42,14 +40,14 @@ struct State {
     waiting: Vec<usize>,
     running: Vec<usize>,
     ended: Vec<bool>,
-    /// Kept for tasks that have not begun, and its bytes.
+    /// Kept for tasks that have not begun, with its bytes.
     held: BTreeMap<Kept, f64>,
-    /// How many tasks have not ended, of those that share it.
+    /// Number of unfinished tasks that share it.
     users: BTreeMap<Kept, usize>,
 }
 
 impl Schedule {
-    /// The schedule of tasks, each of which fits below the limit alone, where nothing is kept.
+    /// The schedule of tasks; each fits below the limit alone.
     pub(super) fn new(tasks: Vec<Task>, limit: f64) -> Self {
         let mut waiting: Vec<usize> = (0..tasks.len()).collect();
         waiting.sort_by(|&a, &b| tasks[b].rank.total_cmp(&tasks[a].rank));
@@ -80,7 +78,7 @@ impl Schedule {
             let fits = |task: &usize| ready(task) && self.bytes(&state, *task) <= self.limit;
             let mut at = state.waiting.iter().position(fits);
             if at.is_none() && state.running.is_empty() {
-                // Nothing runs whose end could make room: what is kept for later goes, and is made again then.
+                // Nothing runs whose end could free memory: kept data are dropped, to be made again later.
                 at = state.waiting.iter().position(ready);
                 dropped = state.held.keys().copied().collect();
                 state.held.clear();
@@ -94,10 +92,10 @@ impl Schedule {
         }
     }
 
-    /// The task has ended. What nobody needs any more has to go, and is returned.
+    /// Ends a task; returns what is no longer needed and has to be dropped.
     pub(super) fn end(&self, task: usize) -> Vec<Kept> {
         let mut state = self.lock();
-        state.running.retain(|&own| own != task);
+        state.running.retain(|&running| running != task);
         state.ended[task] = true;
         let mut dropped = Vec::new();
         for &(kept, bytes) in &self.tasks[task].shares {
@@ -107,7 +105,7 @@ impl Schedule {
                 state.held.remove(&kept);
                 dropped.push(kept);
             } else {
-                // What a shorter case has found there is not forgotten when a longer one ends after it.
+                // A shorter case that ends later does not reduce what a longer one keeps.
                 let held = state.held.entry(kept).or_insert(0.0);
                 *held = held.max(bytes);
             }
@@ -117,14 +115,14 @@ impl Schedule {
         dropped
     }
 
-    /// Bytes with `task` beside what runs. What is kept and used by one of them is in its own bytes.
+    /// Bytes with `task` beside the running ones; kept data that one of them uses are in its bytes.
     fn bytes(&self, state: &State, task: usize) -> f64 {
         let active = || state.running.iter().copied().chain([task]);
         let used = |kept: &Kept| {
-            active().any(|own| self.tasks[own].shares.iter().any(|(other, _)| other == kept))
+            active().any(|index| self.tasks[index].shares.iter().any(|(other, _)| other == kept))
         };
         let idle = state.held.iter().filter(|(kept, _)| !used(kept)).map(|(_, bytes)| bytes);
-        active().map(|own| self.tasks[own].bytes).sum::<f64>() + idle.sum::<f64>()
+        active().map(|index| self.tasks[index].bytes).sum::<f64>() + idle.sum::<f64>()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -184,7 +182,7 @@ mod tests {
         for ends in [[0, 1], [1, 0]] {
             let schedule = Schedule::new(tasks(), 10.0);
             assert_eq!([next(&schedule), next(&schedule)], [Some(0), Some(1)]);
-            ends.into_iter().for_each(|own| assert_eq!(schedule.end(own), []));
+            ends.into_iter().for_each(|task| assert_eq!(schedule.end(task), []));
             // 4 are kept, and 7 + 4 are above 10: the last task on the mesh passes.
             assert_eq!(next(&schedule), Some(3), "{ends:?}");
         }
@@ -198,17 +196,17 @@ mod tests {
         let schedule = Schedule::new(tasks, 6.0);
         assert_eq!(next(&schedule), Some(0));
         assert_eq!(schedule.end(0), []);
-        // 2 bytes are kept for task 2: task 1 fits beside them, and frees its own at its end.
+        // 2 bytes are kept for task 2: task 1 fits beside them, and frees its data at its end.
         assert_eq!(next(&schedule), Some(1));
         assert_eq!(schedule.end(1), [other]);
         assert_eq!(next(&schedule), Some(2));
         assert_eq!(schedule.end(2), [mesh]);
-        // With a limit of 5 they have to go, for nothing else could make room.
+        // With a limit of 5 they are dropped, since nothing else could free memory.
         let tasks = vec![on(mesh, 4.0, 5.0), on(other, 3.0, 4.0), on(mesh, 2.0, 5.0)];
         let tight = Schedule::new(tasks, 5.0);
         assert_eq!(next(&tight), Some(0));
         tight.end(0);
-        // The other task on the mesh needs nothing beyond its own bytes.
+        // The other task on the mesh needs no more than its bytes.
         assert_eq!(tight.begin(|| false), Some(Start { task: 2, dropped: vec![] }));
         tight.end(2);
         let tasks = vec![

@@ -1,4 +1,4 @@
-//! What the cases of one scene share: its reference run, and a mesh with its truth for each n.
+//! Data shared by the cases of one scene: its reference run, and a mesh with its exact solution for each n.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -8,10 +8,9 @@ use fem::norms::ReferenceRun;
 use judge::record::CaseRecord;
 use scene::setup::{MeshData, Setup, reference_run};
 
-/// Made when it is first asked for, and let go when the last one that needs it has ended.
+/// Made at first use, dropped after the last one.
 type Slot<T> = Mutex<Arc<OnceLock<Result<T, String>>>>;
 
-/// What the cases of one scene share.
 pub(crate) struct Shared<'a> {
     pub(super) plan: &'a ScenePlan,
     reference: Slot<Arc<ReferenceRun>>,
@@ -27,12 +26,10 @@ impl<'a> Shared<'a> {
         Self { plan, reference: Slot::default(), meshes }
     }
 
-    /// The record of a case, whatever becomes of it.
     pub(super) fn record(&self, case: &CasePlan) -> CaseRecord {
         self.plan.record(case, || problem(&self.plan.subject).run(case, self))
     }
 
-    /// The reference run of a body with given loads.
     pub(super) fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {
         let run = || {
             let Some(reference) = self.plan.reference else {
@@ -49,14 +46,14 @@ impl<'a> Shared<'a> {
         content(&self.reference).get_or_init(run).clone()
     }
 
-    /// What `run` makes of the mesh n with its truth.
+    /// Applies `run` to mesh n with its exact solution.
     pub(super) fn on_mesh<T>(
         &self,
         setup: &Setup,
         n: u32,
         run: impl FnOnce(&MeshData) -> T,
     ) -> Result<T, String> {
-        let Some((_, slot)) = self.meshes.iter().find(|(own, _)| *own == n) else {
+        let Some((_, slot)) = self.meshes.iter().find(|(mesh, _)| *mesh == n) else {
             return Err(format!("no mesh n = {n} in the plan"));
         };
         let cell = content(slot);
@@ -70,18 +67,18 @@ impl<'a> Shared<'a> {
         data.as_ref().map(run).map_err(Clone::clone)
     }
 
-    /// Lets go of the mesh n, or of the reference run.
+    /// Drops mesh n, or the reference run.
     pub(super) fn let_go(&self, n: Option<u32>) {
         match n {
             None => empty(&self.reference),
             Some(n) => {
-                self.meshes.iter().filter(|(own, _)| *own == n).for_each(|(_, slot)| empty(slot))
+                self.meshes.iter().filter(|(mesh, _)| *mesh == n).for_each(|(_, slot)| empty(slot))
             }
         }
     }
 }
 
-/// What is in a slot now, made or not.
+/// The present content of a slot, made or not.
 fn content<T>(slot: &Slot<T>) -> Arc<OnceLock<Result<T, String>>> {
     slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }

@@ -1,4 +1,4 @@
-//! Sweeps that end when their claims are settled: cheapest cases first, and one more for each claim that is open.
+//! Sweeps that end when their claims are settled: cheapest cases first, and one more for each open claim.
 
 use super::judging::line_cases;
 use super::plan::{CasePlan, ScenePlan};
@@ -13,9 +13,8 @@ pub struct Stepwise {
     scenes: Vec<Waiting>,
 }
 
-/// One scene.
 struct Waiting {
-    /// Every case in the order of the plan; and of each claim its cases, from the cheapest on.
+    /// Every case in the order of the plan; and for each claim its cases, cheapest first.
     all: Vec<CasePlan>,
     claims: Vec<Claim>,
     /// Why nothing is held back.
@@ -25,23 +24,19 @@ struct Waiting {
 #[derive(Clone)]
 struct Claim {
     cases: Vec<NextCase>,
-    /// The verdict before the last cases were added, and the decision by which it was settled.
+    /// The verdict before the last cases were added, and the decision that settled it.
     before: Option<Verdict>,
     settled: Option<Decision>,
 }
 
-/// Cases of a scene that were not run.
 pub struct NotRun {
-    /// Name of the scene.
     pub scene: String,
-    /// The cases.
     pub cases: Vec<NextCase>,
-    /// Predicted CPU seconds of them together.
+    /// Their predicted CPU seconds in total.
     pub seconds: f64,
 }
 
 impl NotRun {
-    /// The keys of the cases.
     pub fn keys(&self) -> impl Iterator<Item = Key> {
         let key = |case: &NextCase| Key { scene: self.scene.clone(), n: case.n, steps: case.steps };
         self.cases.iter().map(key)
@@ -49,8 +44,7 @@ impl NotRun {
 }
 
 impl Stepwise {
-    /// Leaves each plan the three cheapest cases of every claim, and those for which `recorded` says that they have been
-    /// asked for already.
+    /// Leaves each plan the three cheapest cases of every claim, and those `recorded` as asked for already.
     pub fn hold(plans: &mut [ScenePlan], recorded: impl Fn(&str, &NextCase) -> bool) -> Self {
         let hold = |plan: &mut ScenePlan| {
             let waiting = Waiting::of(plan);
@@ -67,8 +61,8 @@ impl Stepwise {
         Self { scenes: plans.iter_mut().map(hold).collect() }
     }
 
-    /// Brings the claims to where they were when the last of these records was asked for: a failure that an earlier run
-    /// has confirmed needs no further case. `judged` gives the verdicts of a plan on the records of its cases.
+    /// Brings the claims to their state when the last of these records was asked for: a failure confirmed by an earlier
+    /// run needs no further case. `judged` gives the verdicts of a plan on the records of its cases.
     pub fn replay(
         &mut self,
         plans: &mut [ScenePlan],
@@ -78,42 +72,42 @@ impl Stepwise {
         for (waiting, plan) in self.scenes.iter_mut().zip(plans) {
             waiting.replay(plan, |plan| {
                 let keys = plan.keys();
-                let own = records.iter().filter(|own| keys.contains(&own.key()));
-                judged(plan, &own.cloned().collect::<Vec<_>>())
+                let record = records.iter().filter(|record| keys.contains(&record.key()));
+                judged(plan, &record.cloned().collect::<Vec<_>>())
             });
         }
     }
 
-    /// Gives the plans the next case of every claim that is open. Says for which plans there is one: the others need not
-    /// be judged again. `verdicts` are those of all plans, in their order.
+    /// Adds the next case of every open claim to the plans. Returns which plans got one: the others need not be judged
+    /// again. `verdicts` are those of all plans, in their order.
     pub fn go_on(&mut self, plans: &mut [ScenePlan], verdicts: &[Verdict]) -> Vec<bool> {
         let of_scene = |(waiting, plan): (&mut Waiting, &mut ScenePlan)| {
             if waiting.whole.is_some() {
                 return false;
             }
-            let own = verdicts.iter().filter(|own| own.scene == plan.scene().name);
-            let next = waiting.next(own, &plan.cases);
-            // In the order of the whole plan; what was added to it stays behind.
-            let among = |cases: &[CasePlan], own: &CasePlan| {
-                cases.iter().any(|case| place(case) == place(own))
+            let verdict = verdicts.iter().filter(|verdict| verdict.scene == plan.scene().name);
+            let next = waiting.next(verdict, &plan.cases);
+            // In the order of the whole plan; additions come last.
+            let among = |cases: &[CasePlan], wanted: &CasePlan| {
+                cases.iter().any(|case| place(case) == place(wanted))
             };
             let asked = |case: &&CasePlan| next.contains(&place(case)) || among(&plan.cases, case);
-            let own = waiting.all.iter().filter(asked);
+            let kept = waiting.all.iter().filter(asked);
             let added = plan.cases.iter().filter(|case| !among(&waiting.all, case));
-            plan.cases = own.chain(added).cloned().collect();
+            plan.cases = kept.chain(added).cloned().collect();
             !next.is_empty()
         };
         self.scenes.iter_mut().zip(plans).map(of_scene).collect()
     }
 
-    /// What no claim has asked for.
+    /// Cases that no claim has asked for.
     ///
-    /// # Errors
-    /// A mesh whose cost cannot be predicted.
+    /// # Errors A mesh whose cost cannot be predicted.
     pub fn not_run(&self, plans: &[ScenePlan]) -> Result<Vec<NotRun>, SetupError> {
         let mut found = Vec::new();
         for (waiting, plan) in self.scenes.iter().zip(plans) {
-            let held = |case: &&CasePlan| !plan.cases.iter().any(|own| place(own) == place(case));
+            let held =
+                |case: &&CasePlan| !plan.cases.iter().any(|planned| place(planned) == place(case));
             let held: Vec<CasePlan> = waiting.all.iter().filter(held).cloned().collect();
             if !held.is_empty() {
                 let scene = plan.scene().name.clone();
@@ -124,7 +118,7 @@ impl Stepwise {
         Ok(found)
     }
 
-    /// Scenes that are run whole, each with the reason.
+    /// Scenes that are run whole, with the reason.
     pub fn whole<'a>(
         &'a self,
         plans: &'a [ScenePlan],
@@ -141,10 +135,14 @@ impl Waiting {
         let scene = plan.scene();
         let whole = match scene.expect {
             _ if !scene.judge || scene.predicts.is_empty() => Some("nothing is judged"),
-            // It is the dearest run, and would be made again with every case that is added.
+            // The most expensive run would be repeated with every added case.
             _ if plan.reference.is_some() => Some("its truth is a reference run"),
             Expectation::Unresolved => Some("it has to stay open with all of them"),
-            _ if scene.predicts.iter().any(|own| own.variable == Direction::Joint) => {
+            _ if scene
+                .predicts
+                .iter()
+                .any(|prediction| prediction.variable == Direction::Joint) =>
+            {
                 Some("a claim rests on the whole grid")
             }
             Expectation::Pass | Expectation::Fail => None,
@@ -158,12 +156,12 @@ impl Waiting {
         Self { all: plan.cases.clone(), claims: scene.predicts.iter().map(claim).collect(), whole }
     }
 
-    /// The cheapest cases of every claim, without which nothing is judged.
+    /// The cheapest cases of every claim, needed for any verdict.
     fn first(&self) -> Vec<NextCase> {
         self.claims.iter().flat_map(|claim| claim.cases.iter().copied().take(FEWEST)).collect()
     }
 
-    /// The next case of every claim that is open.
+    /// The next case of every open claim.
     fn next<'a>(
         &mut self,
         verdicts: impl Iterator<Item = &'a Verdict>,
@@ -173,7 +171,7 @@ impl Waiting {
         claims.filter_map(|(claim, verdict)| claim.next(verdict, asked)).collect()
     }
 
-    /// From the first cases on, as long as what the claims ask for is in the plan already.
+    /// Replays from the first cases, as long as the plan has what the claims ask for.
     fn replay(&mut self, plan: &mut ScenePlan, judged: impl Fn(&ScenePlan) -> Vec<Verdict>) {
         if self.whole.is_some() {
             return;
@@ -184,17 +182,17 @@ impl Waiting {
         while plan.cases.len() < known.len() {
             let claims = self.claims.clone();
             let next = self.next(judged(plan).iter(), &plan.cases);
-            if !next.iter().all(|case| known.iter().any(|own| place(own) == *case)) {
-                // Asked anew, with the rest of the plan.
+            if !next.iter().all(|case| known.iter().any(|case_plan| place(case_plan) == *case)) {
+                // Asked for again, with the rest of the plan.
                 self.claims = claims;
                 break;
             }
             if next.is_empty() {
                 break;
             }
-            let asked = |own: &&CasePlan| {
-                next.contains(&place(own))
-                    || plan.cases.iter().any(|case| place(case) == place(own))
+            let asked = |case_plan: &&CasePlan| {
+                next.contains(&place(case_plan))
+                    || plan.cases.iter().any(|case| place(case) == place(case_plan))
             };
             plan.cases = known.iter().filter(asked).cloned().collect();
         }
@@ -203,14 +201,14 @@ impl Waiting {
 }
 
 impl Claim {
-    /// The next case that the claim needs, if it is open by its new verdict.
+    /// The next case that the claim needs, if its new verdict is open.
     fn next(&mut self, verdict: &Verdict, asked: &[CasePlan]) -> Option<NextCase> {
         let settled = verdict.settled(self.before.as_ref());
         // Other claims may have added a case since: a decision that it does not change stays settled.
         let settled = settled || self.settled == Some(verdict.decision);
         self.settled = settled.then_some(verdict.decision);
         self.before = Some(verdict.clone());
-        let open = |case: &&NextCase| !asked.iter().any(|own| place(own) == **case);
+        let open = |case: &&NextCase| !asked.iter().any(|case_plan| place(case_plan) == **case);
         self.cases.iter().find(open).copied().filter(|_| !settled)
     }
 }

@@ -1,28 +1,28 @@
-//! How far the body reaches from a plane side along its normal.
+//! Extent of the body along the normal of a plane side.
 
 use fem::mesh::{BoundaryEdge, Coarse};
 
-/// Lengths below this part of the side are rounding.
+/// Shorter lengths, relative to the side, are rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The longest line from the side into the body at right angles, if the side is one straight line and
-/// all these lines end on sides for which `clamped` holds.
+/// The longest normal line from the side within the body, if the side is one straight line and all these lines end on
+/// sides accepted by `clamped`.
 ///
-/// Between the feet of the other vertices the edge that a line meets first is one and the same, and the
-/// length is affine: one line in the middle tells the edge, those at both ends the lengths.
+/// Between the feet of the other vertices the first edge met is constant, and the length affine: one line in the middle
+/// gives the edge, those at both ends the lengths.
 pub(super) fn under(coarse: &Coarse, side: u32, clamped: impl Fn(u32) -> bool) -> Option<f64> {
-    let own: Vec<&BoundaryEdge> = coarse.edges.iter().filter(|edge| edge.side == side).collect();
-    let (first, normal) = coarse.segment(own.first()?);
+    let edges: Vec<&BoundaryEdge> = coarse.edges.iter().filter(|edge| edge.side == side).collect();
+    let (first, normal) = coarse.segment(edges.first()?);
     let along = [-normal[1], normal[0]];
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    // Places along the side and heights into the body.
+    // Position along the side and height into the body.
     let local = |p: [f64; 2]| {
         let away = [p[0] - first[0][0], p[1] - first[0][1]];
         [dot(away, along), -dot(away, normal)]
     };
     let length = coarse.longest_edge();
     let mut deepest = 0.0f64;
-    for edge in own {
+    for edge in edges {
         let ends = coarse.segment(edge).0.map(local);
         if ends.iter().any(|end| end[1].abs() > ROUNDING * length) {
             return None;
@@ -79,11 +79,11 @@ mod tests {
     fn depths_of_known_shapes() {
         let turn = |[x, y]: [f64; 2]| [0.6 * x - 0.8 * y + 2.0, 0.8 * x + 0.6 * y];
         let trapezium = [[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.5, 0.8]].map(turn);
-        // Over the bottom the lines end on the right, top and left edges: the deepest at (1.5, 1).
+        // The lines from the bottom end on the right, top and left edges: the deepest at (1.5, 1).
         let depth = under(&polygon(&trapezium), 0, |_| true).unwrap();
         assert!((depth - 1.0).abs() < 1e-12, "{depth}");
         assert_eq!(under(&polygon(&trapezium), 0, |side| side == 2), None);
-        // From the top down: all lines end on the bottom.
+        // From the top down all lines end on the bottom.
         assert!(under(&polygon(&trapezium), 2, |side| side == 0).is_some());
         let notch = [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [2.0, 2.0], [2.0, 0.5], [1.0, 0.5]];
         let notch: Vec<[f64; 2]> =

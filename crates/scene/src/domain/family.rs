@@ -7,22 +7,19 @@ use crate::reading::Reading;
 use crate::written;
 use fem::mesh::{CoarseMesh, Family, vertex_at};
 
-/// How the domain is cut into simplices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeshFamily {
-    /// n squares a unit length, each cut by the diagonal from lower left to upper right; of other
-    /// shapes each coarse triangle cut into n² congruent ones.
+    /// n squares per unit length, each cut by the diagonal from lower left to upper right; for other shapes each coarse
+    /// triangle is cut into n² congruent ones.
     Structured,
-    /// The structured mesh with its inner vertices moved by up to `amplitude`·h along each of the `axes`;
-    /// of other shapes by that part of the smallest altitude around.
+    /// The structured mesh with its inner vertices moved by up to `amplitude`·h along each of the `axes`; for other
+    /// shapes, by that part of the smallest adjacent altitude.
     Perturbed { amplitude: f64, seed: u64, axes: [bool; 3] },
-    /// Distances s from the corner, as parts of the square or the coarse triangles there, become
-    /// s^exponent.
+    /// Distances s from the corner, as parts of the adjacent square or coarse triangles, become s^exponent.
     Graded { corner: [f64; 2], exponent: f64 },
 }
 
 impl MeshFamily {
-    /// The family as the mesh generators name it.
     pub(super) fn of_mesh(self) -> Family {
         match self {
             MeshFamily::Structured => Family::Structured,
@@ -33,13 +30,13 @@ impl MeshFamily {
         }
     }
 
-    /// True if the mesh m refines the mesh n wherever n divides m.
+    /// Whether mesh m refines mesh n if n divides m.
     pub(crate) fn nests(self) -> bool {
         self == MeshFamily::Structured
     }
 }
 
-/// Exponents from here on leave cells at the corner of less than rounding.
+/// Larger exponents give cells at the corner below rounding.
 const STEEPEST: f64 = 8.0;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -108,7 +105,7 @@ fn perturbed(
     Ok(MeshFamily::Perturbed { amplitude, seed, axes })
 }
 
-/// The axes along which vertices move: all, unless some are named.
+/// The axes along which vertices move: by default all.
 fn axes(
     reading: &Reading,
     words: Option<&[String]>,

@@ -11,10 +11,10 @@ use crate::written;
 use fem::mesh::{CoarseMesh, read_gmsh};
 use files::read_file_up_to;
 
-/// Largest mesh file that is read, in bytes (64 MiB): a coarse mesh has a few thousand cells.
+/// Largest mesh file, 64 MiB; a coarse mesh has a few thousand cells.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// The source with the text of the mesh file that its domain names; a text that is there already stays.
+/// Adds the text of the mesh file that the domain names, unless present.
 pub(crate) fn with_mesh(
     source: Source,
     spans: &Spans,
@@ -43,7 +43,6 @@ fn path_of(source: &Source, file: &str) -> PathBuf {
     source.path.parent().unwrap_or(Path::new("")).join(file)
 }
 
-/// The coarse mesh in the file of the source.
 pub(super) fn mesh_file(
     reading: &Reading,
     file: &str,

@@ -1,4 +1,4 @@
-//! How many contact conditions may meet at a vertex.
+//! Limit of contact conditions at a vertex.
 
 use super::{Domain, Shape, place};
 use crate::diagnostic::SceneError;
@@ -6,17 +6,16 @@ use crate::reading::Reading;
 use fem::mesh::{CoarseMesh, Solid};
 use formula::Point;
 
-/// |det| of unit normals below which they depend on each other: as the frames of the unknowns have it.
+/// |det| of unit normals below which they count as dependent, as in the frames of the unknowns.
 const DEPENDENT: f64 = 1e-6;
 
-/// A condition u_ν ≤ g takes an unknown of its vertex: three at most, along independent normals. In the plane two edges
-/// meet and nothing can go wrong; a bent contact side of tetrahedra has a normal per face.
+/// Each condition u_ν ≤ g takes an unknown of its vertex: at most three, along independent normals. In the plane two
+/// edges meet, which is always possible; a bent contact side of tetrahedra has a normal per face.
 ///
-/// # Errors
-/// The first vertex of Γ3 off Γ1 with too many normals.
+/// # Errors The first vertex of Γ3 off Γ1 with too many normals.
 pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
     let Shape::Refined(CoarseMesh::Space(solid)) = &domain.shape else { return Ok(()) };
-    let on = |sides: &[super::Side], side: u32| sides.iter().any(|own| own.0 == side);
+    let on = |sides: &[super::Side], side: u32| sides.iter().any(|listed| listed.0 == side);
     let mut normals: Vec<Vec<[f64; 3]>> = vec![Vec::new(); solid.vertices.len()];
     let mut clamped = vec![false; solid.vertices.len()];
     for face in &solid.faces {
@@ -43,7 +42,7 @@ fn refusal(reading: &Reading, solid: &Solid, v: usize, count: usize) -> SceneErr
     reading.error("domain.contact", message, hint)
 }
 
-/// True if unit vectors are linearly independent, by Gram's determinant.
+/// Linear independence of unit vectors, by Gram's determinant.
 fn independent(normals: &[[f64; 3]]) -> bool {
     let dot = |p: [f64; 3], q: [f64; 3]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
     match *normals {

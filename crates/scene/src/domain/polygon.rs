@@ -5,7 +5,6 @@ use crate::reading::Reading;
 use crate::written;
 use fem::mesh::{BoundaryEdge, Coarse, PolygonError, WHOLE, triangulate};
 
-/// The coarse triangulation of the polygon as written.
 pub(super) fn polygon(
     reading: &Reading,
     written: &written::Domain,
@@ -24,10 +23,10 @@ pub(super) fn polygon(
                 return Err(reading.key_error("domain.points", message, hint));
             }
         },
-        Some(own) => {
+        Some(triangles) => {
             let inner = written.points.as_deref().unwrap_or_default();
             vertices.extend(places(reading, "domain.points", inner)?);
-            numbered(reading, own, vertices.len())?
+            numbered(reading, triangles, vertices.len())?
         }
     };
     let (sides, of_edge) = names(reading, written.sides.as_deref(), boundary.len())?;
@@ -47,7 +46,7 @@ pub(super) fn polygon(
     })
 }
 
-/// Areas of polygons in this range are doubles, and of their cells on any mesh of this program.
+/// Range in which areas of polygons and of all their cells are doubles.
 const EXTENTS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
 
 fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError> {
@@ -58,7 +57,7 @@ fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError
         ends[1] - ends[0]
     };
     let extent = range(0).max(range(1));
-    // Points that coincide, or fewer than three, are refused with better words below.
+    // Coinciding or too few points get better messages below.
     if extent <= 0.0 || EXTENTS.contains(&extent) {
         return Ok(());
     }
@@ -67,7 +66,6 @@ fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError
     Err(reading.error("domain.vertices", message, hint))
 }
 
-/// Points of the plane.
 fn places(reading: &Reading, key: &str, written: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
     written
         .iter()
@@ -85,7 +83,7 @@ pub(super) fn point(reading: &Reading, key: &str, place: &[f64]) -> Result<[f64;
     Ok([reading.finite(&format!("{key}.0"), x)?, reading.finite(&format!("{key}.1"), y)?])
 }
 
-/// Triangles of the file, their numbers checked.
+/// Triangles of the file, with checked vertex numbers.
 fn numbered(
     reading: &Reading,
     written: &[Vec<i64>],
@@ -97,9 +95,9 @@ fn numbered(
             let key = format!("domain.triangles.{t}");
             return Err(reading.error(&key, message, "write [i, j, k]"));
         }
-        let mut own = [0; 3];
+        let mut triangle_vertices = [0; 3];
         for (a, &value) in triangle.iter().enumerate() {
-            own[a] = match u32::try_from(value) {
+            triangle_vertices[a] = match u32::try_from(value) {
                 Ok(v) if (v as usize) < count => v,
                 _ => {
                     let message =
@@ -113,7 +111,7 @@ fn numbered(
                 }
             };
         }
-        Ok(own)
+        Ok(triangle_vertices)
     };
     written.iter().enumerate().map(one).collect()
 }
@@ -124,18 +122,18 @@ fn names(
     written: Option<&[String]>,
     count: usize,
 ) -> Result<(Vec<String>, Vec<u32>), SceneError> {
-    let own: Vec<String> = match written {
+    let names: Vec<String> = match written {
         Some(names) => names.to_vec(),
         None => (1..=count).map(|i| format!("s{i}")).collect(),
     };
-    if own.len() != count {
-        let message = format!("{} names for {count} edges", own.len());
+    if names.len() != count {
+        let message = format!("{} names for {count} edges", names.len());
         let hint = "give one name per edge; edge i goes from vertex i to the next, and several may share a name";
         return Err(reading.error("domain.sides", message, hint));
     }
     let mut sides: Vec<String> = Vec::new();
     let mut of_edge = Vec::new();
-    for (i, name) in own.into_iter().enumerate() {
+    for (i, name) in names.into_iter().enumerate() {
         if name.trim().is_empty() {
             let hint = "give the side a name: sides = [\"bottom\", ...]";
             return Err(reading.error(&format!("domain.sides.{i}"), "a side without name", hint));
@@ -170,6 +168,6 @@ fn refused(reading: &Reading, error: &PolygonError) -> SceneError {
             "widen the polygon, or give triangles = [[i, j, k], ...]",
         ),
     };
-    // Vertices in messages count as in `triangles`, from 0.
+    // Vertices in messages count from 0, as in `triangles`.
     reading.error(&key, error.to_string(), hint)
 }

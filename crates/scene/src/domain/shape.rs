@@ -1,4 +1,4 @@
-//! `[domain] shape`: which keys belong to it, and what it is.
+//! `[domain] shape`: its keys and its meaning.
 
 use super::{Shape, mesh_file, polygon, side};
 use crate::diagnostic::SceneError;
@@ -6,7 +6,6 @@ use crate::reading::Reading;
 use crate::written;
 use fem::mesh::CoarseMesh;
 
-/// Shape, extent and names of the sides.
 type Parts = (Shape, Vec<f64>, Vec<String>);
 
 pub(super) fn shape(

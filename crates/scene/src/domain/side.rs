@@ -20,13 +20,12 @@ impl Side {
     /// z = size\[2\].
     pub const BACK: Side = Side(5);
 
-    /// Its position.
     pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// The names of the sides of a rectangle, the first four, and of a box.
+/// Names of the sides of a box; a rectangle has the first four.
 pub(super) const OF_A_BOX: [&str; 6] = ["left", "right", "bottom", "top", "front", "back"];
 
 /// A plane piece of a side: a segment, a rectangle of a box, or a triangle.
@@ -34,16 +33,14 @@ pub(super) const OF_A_BOX: [&str; 6] = ["left", "right", "bottom", "top", "front
 pub struct Face {
     /// Outward unit normal, padded with zeros.
     pub normal: [f64; 3],
-    /// A corner.
     pub corner: [f64; 3],
-    /// The edges that leave the corner, one or two; of a rectangle at right angles.
+    /// The one or two edges from the corner; at right angles for a rectangle.
     pub edges: Vec<[f64; 3]>,
-    /// True for the half of the parallelogram that the edges span.
+    /// Whether it is half of the parallelogram spanned by the edges.
     pub triangle: bool,
 }
 
 impl Face {
-    /// The face of a side of a box.
     pub(super) fn of_box(size: &[f64], side: Side) -> Self {
         let (axis, far) = (side.index() / 2, side.index() % 2 == 1);
         let (mut normal, mut corner) = ([0.0; 3], [0.0; 3]);
@@ -58,7 +55,6 @@ impl Face {
         Self { normal, corner, edges, triangle: false }
     }
 
-    /// A boundary edge or face of coarse simplices.
     pub(super) fn simplex(piece: &Piece) -> Self {
         let (corner, others) = (piece.corners[0], &piece.corners[1..]);
         let edges: Vec<[f64; 3]> =
@@ -66,12 +62,11 @@ impl Face {
         Self { normal: piece.normal, corner, triangle: edges.len() == 2, edges }
     }
 
-    /// The lengths of the edges.
     pub(crate) fn lengths(&self) -> Vec<f64> {
         self.edges.iter().map(|&edge| length(edge)).collect()
     }
 
-    /// The longest edge, that across a triangle included.
+    /// The longest edge, including that across a triangle.
     pub(crate) fn longest(&self) -> f64 {
         let across = match (&self.edges[..], self.triangle) {
             ([a, b], true) => length([0, 1, 2].map(|i| a[i] - b[i])),
@@ -80,7 +75,6 @@ impl Face {
         self.lengths().into_iter().fold(across, f64::max)
     }
 
-    /// Length or area.
     pub fn measure(&self) -> f64 {
         match (&self.edges[..], self.triangle) {
             ([a, b], true) => {
@@ -92,8 +86,8 @@ impl Face {
         }
     }
 
-    /// Unit vectors in the piece, one along each axis of a segment or rectangle; of a triangle one along its first
-    /// edge and one across it.
+    /// Unit vectors in the piece: along each axis of a segment or rectangle; for a triangle along its first edge and
+    /// across it.
     pub fn tangents(&self) -> Vec<[f64; 3]> {
         let unit = |edge: [f64; 3]| edge.map(|e| e / length(edge));
         let mut tangents: Vec<[f64; 3]> = self.edges.iter().map(|&edge| unit(edge)).collect();
@@ -105,8 +99,8 @@ impl Face {
         tangents
     }
 
-    /// The points of a grid with `intervals` steps along each edge, ends included; the first edge
-    /// varies fastest, and a triangle has those with i + j ≤ `intervals`.
+    /// A grid with `intervals` steps along each edge, ends included; the first edge varies fastest, and a triangle has
+    /// the points with i + j ≤ `intervals`.
     pub fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
         self.grid(intervals).into_iter().map(|(_, point)| point).collect()
     }

@@ -1,6 +1,5 @@
-//! Constants of an abstract problem (docs/THEORY.md, section 1), with respect to ‖·‖_X and its dual norm.
-//!
-//! Forces, and with them the values of S, are measured in X*: ‖y‖² = y·G⁻¹y.
+//! Constants of an abstract problem (docs/THEORY.md, section 1), with respect to ‖·‖_X and its dual norm. Forces and
+//! values of S are measured in X*: ‖y‖² = y·G⁻¹y.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -16,7 +15,7 @@ use vhi::{SingularSlot, StepBounds, monotonicity};
 pub struct AbstractConstants {
     /// m_A, of strong monotonicity.
     pub m_a: f64,
-    /// L_A, Lipschitz.
+    /// Lipschitz constant of A.
     pub l_a: f64,
     /// α_φ of (2.7b).
     pub alpha_phi: f64,
@@ -30,11 +29,12 @@ pub struct AbstractConstants {
     pub m0: f64,
     /// ‖R‖ on X*.
     pub r_norm: f64,
-    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, sampled; but for the terms that are infinite at s = t.
+    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, sampled; without the terms that are infinite at s =
+    /// t.
     pub q_norm: f64,
-    /// ‖q(t, t)‖, the largest over t, sampled.
+    /// max ‖q(t, t)‖ over t, sampled.
     pub q_norm_now: f64,
-    /// a of these terms (t - s)^{-a} b(t, s); 0 without one.
+    /// a of the terms (t - s)^{-a} b(t, s); 0 without one.
     pub power: f64,
     /// ‖b‖ and ‖b(t, t)‖ likewise.
     pub b_norm: f64,
@@ -42,8 +42,8 @@ pub struct AbstractConstants {
 }
 
 impl AbstractConstants {
-    /// The bounds on the step size. The last slot may act in any direction, so all of it
-    /// counts against the monotonicity of a step.
+    /// The bounds on the step size. The last slot may act in any direction, so all of it counts against the
+    /// monotonicity of a step.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
         StepBounds {
@@ -74,8 +74,7 @@ const REACH: f64 = 10.0;
 
 /// The constants of an abstract problem.
 ///
-/// # Errors
-/// An inner product that is not positive definite.
+/// # Errors An inner product that is not positive definite.
 pub(crate) fn abstract_constants(
     scene: &Scene,
     problem: &AbstractScene,
@@ -93,7 +92,7 @@ pub(crate) fn abstract_constants(
         &gram.eigenvectors * scaled * gram.eigenvectors.transpose()
     };
     let (half, inverse_half) = (root(0.5), root(-0.5));
-    // Operators X → X* and X* → X* as matrices between orthonormal coordinates.
+    // Operators X → X* and X* → X* as matrices in orthonormal coordinates.
     let to_dual = |a: &DMatrix<f64>| &inverse_half * a * &inverse_half;
     let (low, high) = slopes(&model.nonlinear, |law, y, r| law.by_r(y, r));
     let m = model.dimension();
@@ -143,7 +142,7 @@ pub(crate) fn abstract_constants(
     })
 }
 
-/// The norm of Σ_l b_l(t, s) Q_l: X → X* at its largest, over s ≤ t and over s = t, of the terms with (t - s)^{-power} b_l.
+/// The largest norms of Σ_l b_l(t, s) Q_l: X → X* over s ≤ t and over s = t, for the terms with (t - s)^{-power} b_l.
 fn kernel_norms(
     horizon: f64,
     model: &FiniteModel,
@@ -177,8 +176,8 @@ fn singular_norms(
 ) -> (f64, f64, f64) {
     let all = model.kernels.iter().map(|term| term.kernel.power());
     let sum = |(_, all, now): (f64, f64, f64), (power, scale): (f64, f64)| {
-        let own = kernel_norms(horizon, model, power, &to_dual);
-        (power, all + scale * own.0, now + scale * own.1)
+        let of_power = kernel_norms(horizon, model, power, &to_dual);
+        (power, all + scale * of_power.0, now + scale * of_power.1)
     };
     in_the_largest(all, horizon).into_iter().fold((0.0, 0.0, 0.0), sum)
 }
@@ -210,7 +209,6 @@ fn padded(values: &[f64], m: usize) -> DVector<f64> {
     DVector::from_fn(m, |i, _| values.get(i).copied().unwrap_or(0.0))
 }
 
-/// The largest singular value.
 fn norm(a: &DMatrix<f64>) -> f64 {
     a.singular_values().max()
 }

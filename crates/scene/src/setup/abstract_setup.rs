@@ -1,4 +1,4 @@
-//! An abstract scene made computable: model, exact solution, and what must hold before a solve.
+//! An abstract scene made computable: model, exact solution, and checks before a solve.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,17 +20,11 @@ use vhi::finite::{
 use vhi::history::TimeGrid;
 use vhi::law::HistoryKernel;
 
-/// An abstract scene with its model and exact solution.
 pub struct AbstractSetup {
-    /// The scene as validated.
     pub scene: Scene,
-    /// Its problem.
     pub problem: AbstractScene,
-    /// Its model.
     pub model: FiniteModel,
-    /// Its exact solution.
     pub exact: FiniteExact,
-    /// Its constants.
     pub constants: AbstractConstants,
     /// States at times already asked for: grids share their common times.
     states: Mutex<HashMap<u64, Arc<FiniteState>>>,
@@ -39,8 +33,7 @@ pub struct AbstractSetup {
 impl AbstractSetup {
     /// Builds model and exact solution, and checks the contact state and (2.9).
     ///
-    /// # Errors
-    /// The first violated condition, at the key of the scene that states it.
+    /// # Errors The first violated condition, at its key in the scene.
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
         let Body::Abstract(problem) = scene.body.clone() else {
             let message = "a body in contact is no abstract problem";
@@ -59,7 +52,6 @@ impl AbstractSetup {
         Ok(setup)
     }
 
-    /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
         time_grid(&self.scene.time, steps)
     }
@@ -75,9 +67,6 @@ impl AbstractSetup {
     }
 
     /// Solves the scene with `steps` steps and measures it against the exact solution.
-    ///
-    /// # Errors
-    /// The solver's.
     pub fn run<S: StepSolver>(&self, steps: u32, solver: &S) -> Result<AbstractRun, FiniteError> {
         let mut run = AbstractRun::default();
         let mut observe = |view: &FiniteView<'_>| {
@@ -85,7 +74,7 @@ impl AbstractSetup {
             let exact = DVector::from_column_slice(&self.state(view.t).u);
             run.seconds_truth += begin.elapsed().as_secs_f64();
             let error = self.model.norm(&(exact - view.u));
-            // A NaN stays: no later error is larger.
+            // NaN is kept: no later error is larger.
             if !run.error.is_nan() && (error.is_nan() || error > run.error) {
                 run.error = error;
             }
@@ -98,7 +87,7 @@ impl AbstractSetup {
         Ok(AbstractRun { info, ..run })
     }
 
-    /// l ≤ a·u ≤ g, λ on the bound alone and of its sign, ξ ∈ ∂j(a·u); m0 > 0.
+    /// l ≤ a·u ≤ g, λ on the bound only and of its sign, ξ ∈ ∂j(a·u); m0 > 0.
     fn admissible(&self) -> Result<(), SetupError> {
         let m0 = self.constants.m0;
         if m0 <= 0.0 && !self.scene.violates.contains(&Hypothesis::Smallness) {
@@ -111,12 +100,12 @@ impl AbstractSetup {
             return Err(self.scene.error("operator.matrix", message, hint).into());
         }
         let times = (0..=TIMES).map(|n| self.scene.time.horizon * f64::from(n) / f64::from(TIMES));
-        // What rounding is relative to: the largest a_i·u and ξ_i at any time.
+        // Scale of rounding: the largest a_i·u and ξ_i at any time.
         let mut sizes = vec![[0.0f64; 2]; self.problem.traces.len()];
         for t in times.clone() {
             let state = self.state(t);
-            let own = state.traces.iter().zip(&state.selection);
-            for (size, (r, xi)) in sizes.iter_mut().zip(own) {
+            let traces = state.traces.iter().zip(&state.selection);
+            for (size, (r, xi)) in sizes.iter_mut().zip(traces) {
                 *size = [size[0].max(r.abs()), size[1].max(xi.abs())];
             }
         }
@@ -163,13 +152,12 @@ impl AbstractSetup {
 
 /// Times at which the exact state is checked.
 const TIMES: u32 = 64;
-/// Rounding of formulas, relative to the size of the numbers compared.
+/// Rounding of formulas, relative to the numbers compared.
 const ROUNDING: f64 = 1e-9;
 
-/// What a run of an abstract scene gave.
+/// The result of a run of an abstract scene.
 #[derive(Debug, Clone, Default)]
 pub struct AbstractRun {
-    /// Counters and floor.
     pub info: FiniteInfo,
     /// max_n ‖u(t_n) - u_n^k‖_X.
     pub error: f64,
@@ -177,9 +165,9 @@ pub struct AbstractRun {
     pub u: Vec<f64>,
     /// S_N^k u.
     pub history: Vec<f64>,
-    /// ξ_i + λ_i at t_N, one a functional.
+    /// ξ_i + λ_i at t_N per functional.
     pub pressure: Vec<f64>,
-    /// Seconds in exact states.
+    /// Seconds spent on exact states.
     pub seconds_truth: f64,
 }
 
@@ -198,7 +186,6 @@ impl FiniteLoad for AbstractLoad<'_> {
     }
 }
 
-/// A formula in y and r with its derivatives.
 struct FormulaComponent {
     graph: Arc<Graph>,
     value: Node,
@@ -260,7 +247,6 @@ impl HistoryKernel for FormulaKernel {
     }
 }
 
-/// A matrix from its rows.
 pub(super) fn dense(rows: &[Vec<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
 }

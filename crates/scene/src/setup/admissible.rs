@@ -1,5 +1,4 @@
-//! What a scene must satisfy before anything is solved, beyond what its text shows: the exact
-//! solution meets its own conditions, and the smallness condition (2.9) holds.
+//! Checks before a solve, beyond the text of a scene: the exact solution satisfies its conditions, and (2.9) holds.
 
 use super::regularity::contact_claims;
 use super::{Setup, SetupError, constants};
@@ -12,13 +11,12 @@ use vhi::law::Potential;
 const ALONG: u32 = 64;
 const ON_FACE: u32 = 16;
 const TIMES: u32 = 32;
-/// Rounding of formulas, relative to the size of the numbers compared.
+/// Rounding of formulas, relative to the numbers compared.
 const ROUNDING: f64 = 1e-9;
 
 /// Checks exact data, (2.9), and that what the scene claims to violate is violated.
 ///
-/// # Errors
-/// The first violated condition, at the key of the scene that states it.
+/// # Errors The first violated condition, at its key in the scene.
 pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
     representable(setup)?;
     smallness(setup)?;
@@ -33,12 +31,12 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
     contact_claims(setup)
 }
 
-/// |Ω| whose parts on any mesh of this program are doubles, with 1e-7 to spare at either end.
+/// Range of |Ω| in which measures of cells on all meshes are doubles, with 1e-7 to spare at either end.
 const MEASURES: std::ops::RangeInclusive<f64> = 1e-301..=1e301;
-/// Moduli whose products with strains of any unit are.
+/// Range of moduli whose products with strains in any unit are doubles.
 const MODULI: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
 
-/// Measures and moduli are doubles with their products: lengths within 1e±150 in the plane, 1e±100 in space.
+/// Checks measures and moduli: lengths within 1e±150 in the plane, 1e±100 in space.
 fn representable(setup: &Setup) -> Result<(), SetupError> {
     let (scene, domain) = (&setup.scene, &setup.body.domain);
     let measure = domain.measure();
@@ -73,9 +71,9 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
     if constants.m0 > 0.0 {
         return Ok(());
     }
-    if let Some(own) = &constants.coulomb {
+    if let Some(coulomb) = &constants.coulomb {
         let (c_nu, c_tau) = (constants.c_j_squared, constants.c_tau_squared);
-        let [normal, tangential] = own.coefficients(constants.alpha_nu, c_nu, c_tau);
+        let [normal, tangential] = coulomb.coefficients(constants.alpha_nu, c_nu, c_tau);
         let message = format!(
             "the smallness condition (2.9) fails: A c_nu^2 + B c_tau^2 = {normal:.4} * {c_nu:.4} + {tangential:.4} * {c_tau:.4} = {:.4} is not below m_A = {:.4}",
             constants.concave(),
@@ -218,10 +216,10 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
     let (points, horizon) = (face.points(samples_along(setup)), setup.scene.time.horizon);
     let d = setup.scene.dimension;
     visit(&friction.program, Sliding::numbers(d), &points, horizon, |at, values| {
-        let own = Sliding::new(friction.tangents, d, |i| values[i]);
+        let sliding = Sliding::new(friction.tangents, d, |i| values[i]);
         // In the plane with its sign.
-        let sign = if d == 2 { own.s[0].signum() } else { 1.0 };
-        let (scene, s, bound) = (&setup.scene, sign * own.size(), own.bound);
+        let sign = if d == 2 { sliding.s[0].signum() } else { 1.0 };
+        let (scene, s, bound) = (&setup.scene, sign * sliding.size(), sliding.bound);
         let slack = ROUNDING * bound.abs().max(f64::MIN_POSITIVE);
         if s.is_nan() || bound.is_nan() || s.abs() > bound + slack {
             let message = format!(
@@ -231,8 +229,8 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
             let hint = "state exact.friction with |s| <= S on every contact side";
             return Err(scene.error("exact.friction", message, hint).into());
         }
-        let u_tau = if d == 2 { own.slip[0] } else { own.slipped() };
-        if own.unaligned() > ROUNDING * bound * u_tau.abs().max(ROUNDING) {
+        let u_tau = if d == 2 { sliding.slip[0] } else { sliding.slipped() };
+        if sliding.unaligned() > ROUNDING * bound * u_tau.abs().max(ROUNDING) {
             let message = format!(
                 "the friction stress is {s:.6} where u_tau = {u_tau:.3e} slips and the bound is {bound:.6}, {}",
                 place(setup, at)
@@ -249,7 +247,7 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
     })
 }
 
-/// ξ ∈ ∂j_ν(u_ν - s), where the scene states ξ.
+/// ξ ∈ ∂j_ν(u_ν - s), if the scene states ξ.
 fn selection(setup: &Setup, at: &Point, u_nu: f64, xi: f64) -> Result<(), SceneError> {
     let Some(boundary) = &setup.model.boundary else { return Ok(()) };
     let x = [at.x, at.y, at.z];

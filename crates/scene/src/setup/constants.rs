@@ -1,4 +1,4 @@
-//! Constants of the contact problem (section 5 of the paper) that its step size depends on.
+//! Constants of the contact problem (section 5 of the paper) for its step size.
 
 use super::trace_family::{TraceFamily, tangential_trace_family, trace_family};
 use super::{Setup, SetupError, elasticity, memory_tensor};
@@ -10,7 +10,7 @@ use vhi::history::TimeRule;
 use vhi::law::TensorField;
 use vhi::{SingularSlot, StepBounds, monotonicity};
 
-/// Constants that the step-size bound and the smallness condition need.
+/// Constants of the step-size bound and the smallness condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constants {
     /// m_𝒜, smallest eigenvalue of 𝒜 on S^d (a stress).
@@ -19,19 +19,19 @@ pub struct Constants {
     pub m_a: f64,
     /// L_A = largest eigenvalue of 𝒜, plus μ.
     pub l_a: f64,
-    /// α_φ = μ, the part of the projection: [`Self::alpha_phi_as_printed`] is that of all of φ.
+    /// α_φ = μ, from the projection only; [`Self::alpha_phi_as_printed`] includes all of φ.
     pub alpha_phi: f64,
     /// α_ν of (2.8c) (a stiffness).
     pub alpha_nu: f64,
-    /// c_j² (a length): extrapolated from meshes, no bound.
+    /// c_j² (a length): extrapolated from meshes, not a bound.
     pub c_j_squared: f64,
     /// A proved upper bound of c_j²: the distance of Γ3 from a clamped parallel side.
     pub c_j_squared_bound: Option<f64>,
     /// α_τ of friction whose bound falls with the slip (a stiffness).
     pub alpha_tau: f64,
-    /// Friction whose bound follows the normal law; none for others.
+    /// Friction whose bound follows the normal law.
     pub coulomb: Option<Coulomb>,
-    /// c_τ² (a length), the same for u_τ: extrapolated from meshes, no bound; 0 where it was not asked for.
+    /// c_τ² (a length), likewise for u_τ: extrapolated from meshes, not a bound; 0 if not computed.
     pub c_tau_squared: f64,
     /// m0 = m_𝒜 - [`Self::concave`] with the extrapolated c_j² and c_τ².
     pub m0: f64,
@@ -43,9 +43,9 @@ pub struct Constants {
     pub yielding: f64,
     /// β_φ = max(μ L_κ √|Ω|, 1).
     pub beta_phi: f64,
-    /// ℬ(t) on [0, T], but for its terms that are infinite at t = 0.
+    /// ℬ(t) on [0, T], without its terms that are infinite at t = 0.
     pub memory: MemoryNorms,
-    /// a, and C(t) of these terms t^{-a} C(t).
+    /// a, and C(t) of the terms t^{-a} C(t).
     pub singular: (f64, MemoryNorms),
 }
 
@@ -59,11 +59,11 @@ pub struct Coulomb {
 }
 
 impl Coulomb {
-    /// A and B with which normal law and friction together take A‖v_ν‖² + B‖v_τ‖² at most.
+    /// A and B such that normal law and friction together take at most A‖v_ν‖² + B‖v_τ‖².
     ///
     /// For two states with differences a of u_ν and b of u_τ, p differs by q a with -α_ν ≤ q ≤ L, and the two terms by
-    /// q a² - μ_f |q||a||b| at least. Where q > 0 that is -μ_f² q b²/4 or more, else -(α_ν + θ/2) a² - μ_f² α_ν² b²/(2θ) for
-    /// any θ > 0: this θ makes the sum least.
+    /// at least q a² - μ_f |q||a||b|. For q > 0 that is at least -μ_f² q b²/4, else at least -(α_ν + θ/2) a² - μ_f²
+    /// α_ν² b²/(2θ) for any θ > 0: this θ minimises the sum.
     pub fn coefficients(&self, alpha_nu: f64, c_j_squared: f64, c_tau_squared: f64) -> [f64; 2] {
         let square = self.coefficient.powi(2);
         let rising = 0.25 * square * self.rise;
@@ -83,7 +83,6 @@ impl Coulomb {
     }
 }
 
-/// Norms of the relaxation tensor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MemoryNorms {
     /// max over [0, T] of the operator norm of ℬ(t) on S^d.
@@ -92,7 +91,7 @@ pub struct MemoryNorms {
     pub entries: f64,
     /// Operator norm of ℬ(0).
     pub at_zero: f64,
-    /// Smallest eigenvalue of ℬ(0) on S^d, and the largest.
+    /// Smallest and largest eigenvalue of ℬ(0) on S^d.
     pub spectrum_at_zero: (f64, f64),
 }
 
@@ -102,18 +101,20 @@ impl Constants {
         self.alpha_nu * self.c_j_squared + self.alpha_tau * self.c_tau_squared
     }
 
-    /// α_ν c_j² + α_τ c_τ², what laws that fall take from the monotonicity of the elasticity; with friction that follows
-    /// the normal law A c_j² + B c_τ² of [`Coulomb::coefficients`] in its place, which bounds λ_max(A M_ν + B M_τ).
+    /// α_ν c_j² + α_τ c_τ², the part of the monotonicity taken by falling laws; with friction that follows the normal
+    /// law A c_j² + B c_τ² of [`Coulomb::coefficients`], which bounds λ_max(A M_ν + B M_τ).
     pub fn concave(&self) -> f64 {
         let [normal, tangential] = match &self.coulomb {
             None => [self.alpha_nu, self.alpha_tau],
-            Some(own) => own.coefficients(self.alpha_nu, self.c_j_squared, self.c_tau_squared),
+            Some(coulomb) => {
+                coulomb.coefficients(self.alpha_nu, self.c_j_squared, self.c_tau_squared)
+            }
         };
         normal * self.c_j_squared + tangential * self.c_tau_squared
     }
 
-    /// α_φ of (2.7b) for all of φ: μ, and μ_f L_p c_j c_τ of friction that follows the normal law, with the extrapolated
-    /// c_j and c_τ.
+    /// α_φ of (2.7b) for all of φ: μ, and μ_f L_p c_j c_τ of friction that follows the normal law, with the
+    /// extrapolated c_j and c_τ.
     pub fn alpha_phi_as_printed(&self) -> f64 {
         self.alpha_phi + self.of_coulomb()
     }
@@ -121,10 +122,10 @@ impl Constants {
     /// μ_f L_p c_j c_τ.
     fn of_coulomb(&self) -> f64 {
         let product = (self.c_j_squared * self.c_tau_squared).sqrt();
-        self.coulomb.map_or(0.0, |own| own.largest_slope(self.alpha_nu) * product)
+        self.coulomb.map_or(0.0, |coulomb| coulomb.largest_slope(self.alpha_nu) * product)
     }
 
-    /// α_ν c_j² + μ_f L_p c_j c_τ: the same as (2.9) has it with this α_φ, never smaller.
+    /// α_ν c_j² + μ_f L_p c_j c_τ: the form of (2.9) with this α_φ, never smaller.
     pub fn concave_as_printed(&self) -> f64 {
         self.falls() + self.of_coulomb()
     }
@@ -136,7 +137,6 @@ impl Constants {
         Self { m0: monotonicity(with.m_elastic, with.concave()), ..with }
     }
 
-    /// The bounds on the step size that follow.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         StepBounds {
             m0: self.m0,
@@ -158,18 +158,17 @@ impl Constants {
     }
 }
 
-/// The finest mesh on which c_j² is computed before extrapolation, in the plane and in space, where the cost of a level is
-/// that of a plane one four times as fine.
+/// The finest mesh for c_j² before extrapolation, in the plane and in space, where a level costs as much as a plane one
+/// four times as fine.
 const FINEST: [u32; 2] = [32, 8];
-/// More cells than this it has not, where a coarser one does: some 60 MB with its factor, and the iterates of an eigenvalue beside them.
+/// Limit of its cells, if a coarser mesh satisfies it: some 60 MB with factor and iterates.
 const MOST_CELLS: [f64; 2] = [65_536.0, 32_768.0];
 /// Samples of the kernel on [0, T].
 const KERNEL_SAMPLES: u32 = 512;
 
 /// The constants of a scene.
 ///
-/// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
+/// # Errors A mesh whose stiffness matrix cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let domain = &setup.body.domain;
     let c_j_squared =
@@ -182,10 +181,9 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     })
 }
 
-/// The constants that decide on a step size: c_j² is computed only if the law falls somewhere.
+/// The constants for the step size: c_j² is computed only if the law falls somewhere.
 ///
-/// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
+/// # Errors A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
     let follows = coulomb(setup).is_some();
     let c_j_squared = match alpha_nu(setup) == 0.0 && !follows {
@@ -200,7 +198,7 @@ pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
     Ok(found.step_bounds(setup.model.time_rule.as_ref()))
 }
 
-/// The constants of a scene with a given c_j²; friction that falls takes [`Constants::with_friction`] besides.
+/// The constants of a scene for a given c_j²; falling friction also needs [`Constants::with_friction`].
 pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     let scene = &setup.scene;
     let material = &setup.body.material;
@@ -254,25 +252,27 @@ pub(super) fn coulomb(setup: &Setup) -> Option<Coulomb> {
 fn of_power(setup: &Setup, a: f64) -> Vec<(Node, TensorField)> {
     let factor = |memory: &Memory| match memory.singular {
         None => (a == 0.0).then_some(memory.kernel),
-        Some(own) => (a == own.power).then_some(own.factor),
+        Some(singular) => (a == singular.power).then_some(singular.factor),
     };
     let memory = setup.body.material.memory.iter();
-    memory.filter_map(|own| Some((factor(own)?, memory_tensor(own)))).collect()
+    memory
+        .filter_map(|memory_term| Some((factor(memory_term)?, memory_tensor(memory_term))))
+        .collect()
 }
 
 /// The largest power a, and the norms of all terms that are infinite at t = 0 as terms t^{-a} C(t).
 fn singular_norms(setup: &Setup) -> (f64, MemoryNorms) {
-    let terms = setup.body.material.memory.iter().filter_map(|own| own.singular);
-    let powers = in_the_largest(terms.map(|own| own.power), setup.scene.time.horizon);
+    let terms = setup.body.material.memory.iter().filter_map(|term| term.singular);
+    let powers = in_the_largest(terms.map(|singular| singular.power), setup.scene.time.horizon);
     let (mut most, mut sum) = (0.0, MemoryNorms::default());
     for (power, scale) in powers {
-        let own = memory_norms(setup, &of_power(setup, power));
+        let norms = memory_norms(setup, &of_power(setup, power));
         most = power;
-        sum.operator += scale * own.operator;
-        sum.entries += scale * own.entries;
-        sum.at_zero += scale * own.at_zero;
-        sum.spectrum_at_zero.0 += scale * own.spectrum_at_zero.0.min(0.0);
-        sum.spectrum_at_zero.1 += scale * own.spectrum_at_zero.1.max(0.0);
+        sum.operator += scale * norms.operator;
+        sum.entries += scale * norms.entries;
+        sum.at_zero += scale * norms.at_zero;
+        sum.spectrum_at_zero.0 += scale * norms.spectrum_at_zero.0.min(0.0);
+        sum.spectrum_at_zero.1 += scale * norms.spectrum_at_zero.1.max(0.0);
     }
     (most, sum)
 }
@@ -303,18 +303,18 @@ fn memory_norms(setup: &Setup, terms: &[(Node, TensorField)]) -> MemoryNorms {
     }
 }
 
-/// If the lines from Γ3, one plane piece, into the body end on a clamped side after at most H, then for
-/// v = 0 there |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
+/// If the lines from Γ3, one plane piece, into the body end on a clamped side after at most H, then for v = 0 there
+/// |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
 ///
-/// On the structured mesh of a rectangle the vertex rule obeys it too: ∂_y v_y is constant on the vertical edges,
-/// each triangle has one of them (a tetrahedron as well), and h times the sum over edges with the vertex weights is the
+/// On the structured mesh of a rectangle this holds for the vertex rule too: ∂_y v_y is constant on vertical edges,
+/// each triangle (or tetrahedron) has one of them, and h times the sum over edges with the vertex weights is the
 /// integral over Ω.
 fn proved_bound(setup: &Setup) -> Option<f64> {
     setup.body.domain.depth_under_contact()
 }
 
-/// The meshes of the extrapolated c_j², each twice as fine as the one before: three of them, or fewer on a domain of so
-/// many cells that the coarsest mesh of all is not far below `MOST_CELLS`.
+/// The meshes for extrapolating c_j², each twice as fine as the one before: three, or fewer if even the coarsest mesh
+/// is not far below `MOST_CELLS`.
 pub fn trace_levels(domain: &Domain) -> Vec<u32> {
     let place = usize::from(domain.dimension() == 3);
     let mut finest = FINEST[place];

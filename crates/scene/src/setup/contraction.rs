@@ -1,17 +1,15 @@
-//! The contraction factor of the decomposition of Remark 3, bounded from the scene's constants.
+//! Bound of the contraction factor of the decomposition of Remark 3, from the scene's constants.
 
 use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
 use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
 use vhi::law::TensorField;
 
 /// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), less what
-/// friction that follows the normal law adds to α_ν c_j² in (2.9), (A - α_ν) c_j² + B c_τ²; c_j² and c_τ²
-/// by the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
-/// where m ≤ 0, 0 for convex potentials. w is the largest weight of the last slot, k/2 by the
-/// trapezoidal rule.
+/// friction that follows the normal law adds to α_ν c_j² in (2.9), (A - α_ν) c_j² + B c_τ²; c_j² and c_τ² by the lumped
+/// trace mass. Below one if and only if the step satisfies (2.9) with these constants. Infinite for m ≤ 0, 0 for convex
+/// potentials. w is the largest weight of the last slot, k/2 for the trapezoidal rule.
 ///
-/// # Errors
-/// [`SetupError::Constant`].
+/// # Errors [`SetupError::Constant`].
 pub fn decomposition_bound(
     setup: &Setup,
     space: &Discretization,

@@ -12,7 +12,6 @@ pub struct KernelFormula {
 }
 
 impl KernelFormula {
-    /// The kernel that `node` of `graph` states.
     pub(crate) fn new(graph: Arc<Graph>, node: Node) -> Self {
         Self { graph, node }
     }
@@ -32,7 +31,6 @@ pub struct YieldFormula {
 }
 
 impl YieldFormula {
-    /// The limit that `node` of `graph` states.
     pub fn new(graph: &Graph, node: Node) -> Self {
         let mut graph = graph.clone();
         let slope = graph.derivative(node, Variable::Zeta);
@@ -50,7 +48,7 @@ impl YieldLimit for YieldFormula {
     }
 }
 
-/// g or s on Γ3 by a formula in x, with the value where there is none.
+/// g or s on Γ3 by a formula in x, with a default value.
 pub struct GapFormula {
     graph: Arc<Graph>,
     node: Option<Node>,
@@ -58,12 +56,11 @@ pub struct GapFormula {
 }
 
 impl GapFormula {
-    /// The function that `node` states, or the constant `absent`.
+    /// The function of `node`, or the constant `absent`.
     pub(crate) fn new(graph: Arc<Graph>, node: Option<Node>, absent: f64) -> Self {
         Self { graph, node, absent }
     }
 
-    /// As the model holds it.
     pub(crate) fn boxed(self) -> Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> {
         Box::new(move |[x, y, z]| match self.node {
             Some(node) => self.graph.evaluate(node, &Point { x, y, z, ..Point::default() }),
@@ -72,7 +69,7 @@ impl GapFormula {
     }
 }
 
-/// A factor on Γ3 × [0, T] by a formula in x and t, 1 without one.
+/// A factor on Γ3 × [0, T] by a formula in x and t; 1 without one.
 pub(super) fn boxed_in_time(
     graph: Arc<Graph>,
     node: Option<Node>,

@@ -1,4 +1,4 @@
-//! Loads given as formulas f0, f2, and the reference run that stands for their solution.
+//! Loads given as formulas f0, f2, and the reference run that replaces their solution.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -13,8 +13,7 @@ use formula::{Bound, Graph, Node, Point, Program};
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
 ///
-/// Formulas that separate give few vectors F_i, assembled once; a formula that does not is
-/// assembled at each time.
+/// Separable formulas give few vectors F_i, assembled once; others are assembled at each time.
 pub struct GivenLoad {
     graph: Graph,
     horizon: f64,
@@ -26,7 +25,6 @@ pub struct GivenLoad {
     rules: TruthRules,
 }
 
-/// Where a load acts.
 #[derive(Clone, Copy)]
 enum Part {
     Body,
@@ -115,7 +113,7 @@ impl GivenLoad {
         }
     }
 
-    /// How many F_i the load of these formulas has on any mesh; `None` where one does not separate.
+    /// The number of F_i on any mesh; None if a formula does not separate.
     pub(crate) fn parts(graph: &Graph, formulas: impl Iterator<Item = Node>) -> Option<usize> {
         let (mut graph, mut factors) = (graph.clone(), HashSet::new());
         for formula in formulas {
@@ -126,7 +124,6 @@ impl GivenLoad {
         Some(factors.len())
     }
 
-    /// The values a_i(t).
     pub(crate) fn factors_at(&self, t: f64, out: &mut [f64]) {
         let at = Point { t, ..Point::default() };
         for (value, &factor) in out.iter_mut().zip(&self.factors) {
@@ -134,7 +131,7 @@ impl GivenLoad {
         }
     }
 
-    /// The vectors F_i over all nodes, if nothing else is left.
+    /// The vectors F_i over all nodes, if every formula separates.
     pub(crate) fn basis(&self) -> Option<&[Vec<f64>]> {
         self.rest.is_empty().then_some(self.basis.as_slice())
     }
@@ -172,7 +169,7 @@ struct Term {
     part: Part,
     component: usize,
     program: Program,
-    /// The formula at the points of the rule.
+    /// The formula bound to the points of the rule.
     bound: OnceLock<Mutex<Bound>>,
 }
 
@@ -184,7 +181,9 @@ impl Term {
         let bind = || {
             let points: Vec<[f64; 3]> = simplices
                 .iter()
-                .flat_map(|own| rule.points.iter().map(|b| space.mesh.point(own.corners, b)))
+                .flat_map(|simplex| {
+                    rule.points.iter().map(|b| space.mesh.point(simplex.corners, b))
+                })
                 .collect();
             Mutex::new(self.program.bind(&points))
         };
@@ -203,19 +202,19 @@ impl Term {
     }
 }
 
-/// Given loads on one mesh, with a reference run as truth.
+/// Given loads on one mesh, with a reference run in place of the exact solution.
 pub struct ReferenceTruth {
     space: Arc<Discretization>,
     load: GivenLoad,
     basis: Option<Vec<Vec<f64>>>,
     reference: Option<Arc<ReferenceRun>>,
-    /// Where the mesh of the reference lies in this one.
+    /// Position of the reference mesh within this one.
     refinement: OnceLock<Result<Refinement, ReferenceError>>,
     moments: Mutex<HashMap<u64, Arc<Moments>>>,
 }
 
 impl ReferenceTruth {
-    /// Loads of `load`, errors against `reference` (none: the run cannot be measured).
+    /// Loads of `load`, errors against `reference` (None: the run cannot be measured).
     pub(crate) fn new(
         space: Arc<Discretization>,
         load: GivenLoad,

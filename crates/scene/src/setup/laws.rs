@@ -8,8 +8,7 @@ use fem::contact::{Friction, OnContactInTime};
 use formula::{Graph, Node};
 use vhi::law::{Curve, Curved, NoPotential, PiecewiseLinear, Potential};
 
-/// The law of a scene, without its factor; its points were validated, so a refusal here cannot happen
-/// and would mean no law.
+/// The law of a scene, without its factor. Its points were validated, so the fallback to no law does not occur.
 pub(super) fn potential(law: Option<&crate::Law>) -> Arc<dyn Potential> {
     let graph = law.and_then(|law| {
         let points = law.points.iter().map(|&[r, p]| (r, p)).collect();
@@ -33,11 +32,11 @@ fn solver_curve(curve: crate::Curve) -> Curve {
     }
 }
 
-/// Friction for the solver: S = c(x, t) S_0(|u_τ|) with S_0 = 1 where the bound is given, c = 1 where it depends on the slip;
-/// S = c p(u_ν) where it follows the normal law.
-pub(super) fn friction(own: &crate::Friction, graph: &Arc<Graph>) -> Friction {
+/// Friction for the solver: S = c(x, t) S_0(|u_τ|) with S_0 = 1 for a given bound, c = 1 for one that depends on the
+/// slip; S = c p(u_ν) if it follows the normal law.
+pub(super) fn friction(written: &crate::Friction, graph: &Arc<Graph>) -> Friction {
     let unit = vec![[0.0, 1.0]];
-    let (factor, points) = match &own.bound {
+    let (factor, points) = match &written.bound {
         crate::FrictionBound::Given(bound) => (boxed_in_time(graph.clone(), Some(*bound)), &unit),
         crate::FrictionBound::Slip(points) => (boxed_in_time(graph.clone(), None), points),
         crate::FrictionBound::Coulomb(coefficient) => {
@@ -52,16 +51,16 @@ pub(super) fn friction(own: &crate::Friction, graph: &Arc<Graph>) -> Friction {
         Ok(graph) => Arc::new(graph),
         Err(_) => Arc::new(NoPotential),
     };
-    let follows_pressure = matches!(own.bound, crate::FrictionBound::Coulomb(_));
+    let follows_pressure = matches!(written.bound, crate::FrictionBound::Coulomb(_));
     Friction { factor, graph: potential, follows_pressure }
 }
 
 /// Friction for the manufactured side, with the scene's s.
 pub(super) fn friction_formulas(
-    own: &crate::Friction,
+    written: &crate::Friction,
     multiplier: Option<Vec<Node>>,
 ) -> FrictionFormulas {
-    let bound = match &own.bound {
+    let bound = match &written.bound {
         crate::FrictionBound::Given(bound) => exact::FrictionBound::Given(*bound),
         crate::FrictionBound::Slip(points) => exact::FrictionBound::Slip(points.clone()),
         crate::FrictionBound::Coulomb(coefficient) => exact::FrictionBound::Coulomb(*coefficient),
@@ -69,7 +68,6 @@ pub(super) fn friction_formulas(
     FrictionFormulas { bound, multiplier }
 }
 
-/// The numbers of a scene's law, without its factor.
 pub fn law_numbers(law: &crate::Law) -> LawNumbers {
     let curve = law.curve.map(|curve| match curve {
         crate::Curve::Rational { stiffness: c, length } => CurveNumbers::Rational { c, r0: length },

@@ -1,8 +1,8 @@
-//! Total force and first moments of a load against an independent integral: a load that is not that of its formulas
-//! drives a sound solver to a wrong answer, and no order need move.
+//! Checks total force and first moments of a load against an independent integral: a wrong load drives a sound solver
+//! to a wrong answer without changing an order.
 //!
-//! The sums are Σ F_i m(x_i) over the unknowns, for each component and m = 1, x, y, z: total force, and among the first
-//! moments the moment. On P1 functions that is F(v) of v = m where nodes are free and 0 on Γ1.
+//! The sums are Σ F_i m(x_i) over the unknowns, for each component and m = 1, x, y, z: total force, and first moments
+//! including the moment. For P1 that is F(v) of v = m at free nodes and 0 on Γ1.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -18,21 +18,20 @@ use fem::space::quadrature::{
 };
 use formula::{Node, Program};
 
-/// Shares of [0, T] at which a load is checked: the middle, and the end.
+/// Shares of [0, T] at which a load is checked.
 const TIMES: [f64; 2] = [0.5, 1.0];
 /// Sums of up to a million terms of both signs, each good to a few units of rounding.
 const ROUNDING: f64 = 1e-11;
-/// The sound sum differs from the integral by what its own rule misses, and that is what the two rules of the integral
-/// differ by; twice that leaves room for rounding alone.
+/// A sound sum differs from the integral by its quadrature error, which is the difference of the two rules of the
+/// integral; twice that allows for rounding.
 const BY_RULES: f64 = 2.0;
-/// σ and Div σ are other integrands: what the next rules change is the size of what both miss, not a bound of it.
+/// σ and Div σ are different integrands: the change by the next rules estimates both errors without bounding them.
 const BY_FORMS: f64 = 10.0;
 
-/// Compares the loads of `truth` with the formulas of the scene. Loads of an exact solution in the weak form have no
-/// second form that is cheaper than they are, and are measured by the orders.
+/// Compares the loads of `truth` with the formulas of the scene. Weak-form loads of an exact solution have no cheaper
+/// second form; the orders check them.
 ///
-/// # Errors
-/// [`LoadError::Resultant`]; a formula that is not finite.
+/// # Errors [`LoadError::Resultant`]; a formula that is not finite.
 pub(super) fn check(
     setup: &Setup,
     space: &Arc<Discretization>,
@@ -58,7 +57,7 @@ pub(super) fn check(
     }
 }
 
-/// ∫ f0·v + ∫ f2·v + ∫ h3·v against ∫ σ:ε(v) + ∫ (ξ + λ) v_ν: nothing of the sides but the pressure, no derivative of σ.
+/// ∫ f0·v + ∫ f2·v + ∫ h3·v against ∫ σ:ε(v) + ∫ (ξ + λ) v_ν: which uses no traction, and no derivative of σ.
 fn of_forms(
     setup: &Setup,
     exact: &Arc<Exact>,
@@ -72,8 +71,8 @@ fn of_forms(
         let exact = exact.time_by_time();
         times.iter().map(|&t| Ok(Sums::of(space, &exact.load(t)?))).collect()
     };
-    // By the usual rules, and by the next. Those in the strong form are the scene's own loads: what is wrong in `truth`
-    // must not widen what it may be off by.
+    // By the usual rules, and by the next. The strong form uses the scene's loads, since errors in `truth` must not
+    // widen the tolerance.
     let by_both = |form| -> Result<[Vec<Sums>; 2], LoadError> {
         let (element, d) = (space.element, space.mesh.dimension);
         let next = by(form, TruthRules::stronger_for(element, d))?;
@@ -91,11 +90,11 @@ fn of_forms(
 /// Σ F_i m(x_i), component by component, m = 1, x, y, z.
 struct Sums {
     values: Vec<f64>,
-    /// Σ |F_i m(x_i)|, the largest.
+    /// Largest Σ |F_i m(x_i)|.
     size: f64,
 }
 
-/// 1 and the coordinates of a place.
+/// 1 and the coordinates of a point.
 fn moments(x: &[f64]) -> impl Iterator<Item = f64> + '_ {
     std::iter::once(1.0).chain(x.iter().copied())
 }
@@ -112,9 +111,9 @@ impl Sums {
     fn of(space: &Discretization, force: &[f64]) -> Self {
         let d = space.mesh.dimension;
         let mut sums = Self::zero(d);
-        for (node, own) in force.chunks_exact(d).enumerate() {
+        for (node, of_node) in force.chunks_exact(d).enumerate() {
             let place = space.mesh.vertex(space.nodes.vertex[node]);
-            for (i, f) in own.iter().enumerate() {
+            for (i, f) in of_node.iter().enumerate() {
                 for (m, value) in moments(place).enumerate() {
                     sums.0[(d + 1) * i + m] += f * value;
                     sums.1[(d + 1) * i + m] += (f * value).abs();
@@ -136,7 +135,7 @@ impl Sums {
             self.values.iter().zip(&integral.values).enumerate()
         {
             let off = (assembled - integrated).abs();
-            // Written so that a NaN is refused.
+            // NaN is refused.
             if off <= allowed {
                 continue;
             }
@@ -167,7 +166,7 @@ struct Acting {
     rules: [Rule; 2],
 }
 
-/// ∫ f0·v + ∫ f2·v of the formulas, by simplices that are found from the cells alone.
+/// ∫ f0·v + ∫ f2·v of the formulas; simplices are derived from the cells only.
 struct Integrals<'a> {
     space: &'a Discretization,
     acting: Vec<Acting>,
@@ -181,10 +180,10 @@ impl<'a> Integrals<'a> {
         space: &'a Discretization,
     ) -> Self {
         let (mesh, mut graph) = (&space.mesh, scene.formulas.clone());
-        let own = TruthRules::for_element(space.element, mesh.dimension);
+        let rules = TruthRules::for_element(space.element, mesh.dimension);
         let (inside, outside) = match mesh.dimension {
-            2 => ([own.load, triangle_product(5)], [own.traction, edge(7)]),
-            _ => ([own.load, tetrahedron_product(4)], [own.traction, triangle_degree_8()]),
+            2 => ([rules.load, triangle_product(5)], [rules.traction, edge(7)]),
+            _ => ([rules.load, tetrahedron_product(4)], [rules.traction, triangle_degree_8()]),
         };
         let mut acting = Vec::new();
         let middles = middles(space);
@@ -231,19 +230,20 @@ impl<'a> Integrals<'a> {
         let space = self.space;
         let simplices = acting.simplices.iter();
         let points: Vec<[f64; 3]> = simplices
-            .flat_map(|own| rule.points.iter().map(|b| space.mesh.point(&own.corners, b)))
+            .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(&simplex.corners, b)))
             .collect();
-        // Not those of the space, by which the loads are assembled.
+        // Independent of the shape functions that assemble the loads.
         let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
         let measures: Vec<f64> =
-            acting.simplices.iter().map(|own| measure(space, &own.corners)).collect();
+            acting.simplices.iter().map(|simplex| measure(space, &simplex.corners)).collect();
         let mut formula = acting.formula.bind(&points);
         let mut values = vec![Vec::new()];
         for (t, sums) in times.into_iter().zip(sums) {
             formula.evaluate(t, 0.0, &mut values);
             let of_simplices = values[0].chunks_exact(rule.points.len());
-            for ((own, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices) {
-                for (a, &vertex) in own.nodes.iter().enumerate() {
+            for ((simplex, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices)
+            {
+                for (a, &vertex) in simplex.nodes.iter().enumerate() {
                     // v vanishes on Γ1.
                     if space.nodes.of_vertex[vertex as usize] as usize >= space.nodes.free {
                         continue;
@@ -275,7 +275,7 @@ impl<'a> Integrals<'a> {
     }
 }
 
-/// The vertices between two corners where the element has nodes there, from the nodes of cells.
+/// The midpoint vertices of elements with such nodes, by their end points, from the nodes of cells.
 fn middles(space: &Discretization) -> HashMap<[u32; 2], u32> {
     let mut found = HashMap::new();
     for c in 0..space.mesh.cell_count() {
@@ -288,14 +288,14 @@ fn middles(space: &Discretization) -> HashMap<[u32; 2], u32> {
                 ends.zip(place).all(|((p, q), x)| 0.5 * p + 0.5 * q == *x)
             };
             let pairs = corners.iter().flat_map(|&p| corners.iter().map(move |&q| [p, q]));
-            let own = pairs.filter(|[p, q]| p < q && is_between(*p, *q));
-            found.extend(own.map(|pair| (pair, vertex)));
+            let ends_of_edge = pairs.filter(|[p, q]| p < q && is_between(*p, *q));
+            found.extend(ends_of_edge.map(|pair| (pair, vertex)));
         }
     }
     found
 }
 
-/// The corners of an edge or triangle that have nodes, then those between them, in the order of shape functions.
+/// The corners of an edge or triangle that have nodes, then the midpoints, in the order of shape functions.
 fn nodes_of(space: &Discretization, middles: &HashMap<[u32; 2], u32>, corners: &[u32]) -> Vec<u32> {
     let has_node = |&&corner: &&u32| space.nodes.of_vertex[corner as usize] != Nodes::NONE;
     let mut nodes: Vec<u32> = corners.iter().filter(has_node).copied().collect();
@@ -306,13 +306,13 @@ fn nodes_of(space: &Discretization, middles: &HashMap<[u32; 2], u32>, corners: &
     nodes
 }
 
-/// The faces of cells that belong to one cell alone, by side.
+/// The faces of single cells, by side.
 fn boundary_faces(space: &Discretization) -> HashMap<u32, Vec<Vec<u32>>> {
     let mesh = &space.mesh;
     let sorted = |simplex: &[u32]| {
-        let mut own = simplex.to_vec();
-        own.sort_unstable();
-        own
+        let mut vertices = simplex.to_vec();
+        vertices.sort_unstable();
+        vertices
     };
     let mut count: HashMap<Vec<u32>, u32> = HashMap::new();
     for c in 0..mesh.cell_count() {
@@ -334,8 +334,8 @@ fn boundary_faces(space: &Discretization) -> HashMap<u32, Vec<Vec<u32>>> {
     faces
 }
 
-/// Length, area or volume by the determinant of edges (Gram's for a side), in units of the longest: squares of lengths far
-/// from one would leave the range of numbers.
+/// Length, area or volume by the determinant of edges (Gram's for a side), in units of the longest, against over- and
+/// underflow.
 fn measure(space: &Discretization, simplex: &[u32]) -> f64 {
     let d = space.mesh.dimension;
     let corner = |i: usize| space.mesh.vertex(simplex[i]);

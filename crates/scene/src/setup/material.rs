@@ -1,5 +1,4 @@
-//! The material of a scene: for the solver as laws, for the manufactured side as numbers; and the
-//! region of every cell.
+//! The material of a scene: laws for the solver, numbers for the manufactured side, and the region of every cell.
 
 use std::sync::Arc;
 
@@ -24,14 +23,16 @@ pub fn memory_tensor(memory: &Memory) -> TensorField {
     TensorField::new(Isotropic { lambda, mu }.into(), others)
 }
 
-/// The terms of ℬ as the solver has them: recursion where a kernel is a sum of exponentials.
+/// The terms of ℬ for the solver: recursion for sums of exponentials.
 pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<MemoryTerm> {
     let formula = |node| Box::new(KernelFormula::new(formulas.clone(), node));
     let kernel = |memory: &Memory| match (&memory.exponentials, memory.singular) {
         (Some(terms), _) => {
             Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>
         }
-        (None, Some(own)) => Box::new(Singular { power: own.power, factor: formula(own.factor) }),
+        (None, Some(singular)) => {
+            Box::new(Singular { power: singular.power, factor: formula(singular.factor) })
+        }
         (None, None) => formula(memory.kernel),
     };
     let term = |memory| MemoryTerm { kernel: kernel(memory), tensor: memory_tensor(memory) };
@@ -54,21 +55,19 @@ pub(super) fn numbers(
     };
     let base = material.memory.iter().map(|memory| (memory.lambda, memory.mu)).collect();
     let regions = material.regions.iter().enumerate().map(|(r, region)| {
-        let own = material.memory.iter().map(|memory| memory.regions[r].into()).collect();
+        let memory = material.memory.iter().map(|memory| memory.regions[r].into()).collect();
         let condition = region.place.condition(graph, shape);
-        RegionNumbers { condition, material: of(&region.elastic, own) }
+        RegionNumbers { condition, material: of(&region.elastic, memory) }
     });
     (of(&material.elastic, base), regions.collect())
 }
 
-/// A vertex is on an interface if the condition is so small there, relative to its largest value on
-/// the mesh: rounding of a formula.
+/// Rounding of a condition, relative to its largest value on the mesh, within which a vertex is on an interface.
 const ON_INTERFACE: f64 = 1e-9;
 
-/// The region of every cell, that of its centroid; empty without regions.
+/// The region of every cell, by its centroid; empty without regions.
 ///
-/// # Errors
-/// A cell that an interface cuts, or that two regions claim.
+/// # Errors A cell that an interface cuts, or that two regions claim.
 pub(super) fn cell_regions(
     scene: &Scene,
     material: &Material,
@@ -82,9 +81,9 @@ pub(super) fn cell_regions(
         let condition = match region.place {
             Place::Where(condition) => condition,
             Place::Physical(group) => {
-                for (c, own) in regions.iter_mut().enumerate() {
+                for (c, region_of_cell) in regions.iter_mut().enumerate() {
                     if mesh.cell_region[c] == group {
-                        claim(scene, material, (index, "physical"), own, || {
+                        claim(scene, material, (index, "physical"), region_of_cell, || {
                             format!("the cell {c} of the mesh n = {n}")
                         })?;
                     }
@@ -97,7 +96,7 @@ pub(super) fn cell_regions(
             (0..mesh.vertices() as u32).map(|v| value(mesh.point(&[v], &[1.0]))).collect();
         let size = vertices.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         let key = format!("material.region.{index}.where");
-        for (c, own) in regions.iter_mut().enumerate() {
+        for (c, region_of_cell) in regions.iter_mut().enumerate() {
             let ends = mesh.cell(c).iter().map(|&v| vertices[v as usize]);
             let (low, high) = ends
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -110,7 +109,7 @@ pub(super) fn cell_regions(
             };
             let middle = value([x, y, z]);
             let name = &region.name;
-            // Written so that a NaN is cut.
+            // NaN counts as cut.
             if !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size) || middle.is_nan() {
                 let message = format!(
                     "on the mesh n = {n} the boundary of region `{name}` cuts the cell at {place}: the condition goes from {low:.4} to {high:.4} in it"
@@ -121,7 +120,7 @@ pub(super) fn cell_regions(
             if middle <= 0.0 {
                 continue;
             }
-            claim(scene, material, (index, "where"), own, || {
+            claim(scene, material, (index, "where"), region_of_cell, || {
                 format!("the cell at {place} of the mesh n = {n}")
             })?;
         }
@@ -131,17 +130,16 @@ pub(super) fn cell_regions(
 
 /// Gives a cell to a region.
 ///
-/// # Errors
-/// Another region has it.
+/// # Errors Another region has it.
 fn claim(
     scene: &Scene,
     material: &Material,
     (index, key): (usize, &str),
-    own: &mut u8,
+    region_of_cell: &mut u8,
     cell: impl Fn() -> String,
 ) -> Result<(), SceneError> {
-    if *own != 0 {
-        let other = &material.regions[usize::from(*own) - 1].name;
+    if *region_of_cell != 0 {
+        let other = &material.regions[usize::from(*region_of_cell) - 1].name;
         let message = format!(
             "{} is in the regions `{other}` and `{}`",
             cell(),
@@ -150,7 +148,7 @@ fn claim(
         let key = format!("material.region.{index}.{key}");
         return Err(scene.error(&key, message, "regions must not overlap"));
     }
-    *own = index as u8 + 1;
+    *region_of_cell = index as u8 + 1;
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! What all cases on one mesh share: space, truth, reference trajectories, the A-projection.
+//! Data shared by all cases on one mesh: space, exact solution, reference trajectories, A-projection.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -14,24 +14,23 @@ use fem::norms::{ReferenceRun, Trajectory};
 use fem::space::quadrature::TruthRules;
 use vhi::StepSolver;
 
-/// Cells in which it is asked whether hereditary integrals lack anything.
+/// Cells in which the accuracy of hereditary integrals is checked.
 const CELLS_ASKED: usize = 16;
 
-/// A scene on one mesh.
 pub struct MeshData {
     /// V^h.
     pub space: Arc<Discretization>,
     /// Loads and exact fields.
     pub truth: Arc<dyn Truth>,
-    /// Loads and exact fields by the rules of the scene, whatever stands in `truth`.
-    own: Option<Arc<dyn Truth>>,
+    /// As `truth` by the rules of the scene, even if `truth` has been replaced.
+    by_scene_rules: Option<Arc<dyn Truth>>,
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
     rule_check: OnceLock<Result<RuleCheck, LoadError>>,
     load_check: OnceLock<Result<(), LoadError>>,
 }
 
-/// The load of a truth as the solver wants it.
+/// Adapts the load of a truth to the solver.
 pub struct TruthLoad<'a>(pub &'a dyn Truth);
 
 impl Load for TruthLoad<'_> {
@@ -50,10 +49,9 @@ impl Load for TruthLoad<'_> {
 }
 
 impl MeshData {
-    /// The scene on the mesh n; `reference` is the finer run of a scene without exact solution.
+    /// The scene on mesh n; `reference` is the finer run of a scene without exact solution.
     ///
-    /// # Errors
-    /// A cell that the boundary of a region cuts.
+    /// # Errors A cell that the boundary of a region cuts.
     pub fn new(
         setup: &Setup,
         n: u32,
@@ -63,14 +61,13 @@ impl MeshData {
         let space = setup.space(n)?;
         let truth = truth(setup, setup.exact.as_ref(), &space, reference, &rules, true)?;
         let mut data = Self::with_truth(space, truth);
-        data.own = Some(data.truth.clone());
+        data.by_scene_rules = Some(data.truth.clone());
         Ok(data)
     }
 
-    /// A mesh whose loads and moments are integrated by other rules.
+    /// A mesh whose loads and moments use other rules.
     ///
-    /// # Errors
-    /// A cell that the boundary of a region cuts.
+    /// # Errors A cell that the boundary of a region cuts.
     pub fn with_rules(
         setup: &Setup,
         n: u32,
@@ -82,18 +79,17 @@ impl MeshData {
         Ok(Self::with_truth(space, truth))
     }
 
-    /// A space with the truth that drives and measures the runs on it.
+    /// A space with a given truth.
     pub fn with_truth(space: Arc<Discretization>, truth: Arc<dyn Truth>) -> Self {
         let (trajectories, rule_check) = (Mutex::default(), OnceLock::new());
         let load_check = OnceLock::new();
-        Self { space, truth, own: None, trajectories, rule_check, load_check }
+        Self { space, truth, by_scene_rules: None, trajectories, rule_check, load_check }
     }
 
-    /// What the next rules say of loads and errors on this mesh: nothing where u lives in V^h. Computed
-    /// once, from the scene alone: a truth put in its place has no say in it.
+    /// Compares the next rules for loads and errors on this mesh; trivial if u is in V^h. Computed once, independently
+    /// of a replaced `truth`.
     ///
-    /// # Errors
-    /// A load that is not finite.
+    /// # Errors A load that is not finite.
     pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
         let known = self.rule_check.get_or_init(|| {
             let remainders = self.with_remainders(setup);
@@ -106,23 +102,23 @@ impl MeshData {
                 truth(setup, exact, &self.space, None, rules, false)
                     .map_err(|error| LoadError::Reference { reason: error.to_string() })
             };
-            rule_check(setup, &self.space, self.own.clone(), by)
+            rule_check(setup, &self.space, self.by_scene_rules.clone(), by)
         });
         known.as_ref().map_err(Clone::clone)
     }
 
-    /// What `solve` gives, a solver outside this program; beside it the rules are compared, which no answer changes.
+    /// Runs an external `solve` and compares the rules in parallel.
     pub fn comparing_beside<T>(&self, setup: &Setup, solve: impl FnOnce() -> T) -> T {
         std::thread::scope(|scope| {
             let compared = scope.spawn(|| self.rule_check(setup).is_ok());
             let solved = solve();
-            // What went wrong there is met again, and said, by whoever asks for the comparison.
+            // Errors of the comparison are reported to whoever asks for it.
             drop(compared.join());
             solved
         })
     }
 
-    /// The exact solution with what its hereditary integrals may lack, where that is anything in some cells.
+    /// The exact solution with error estimates of its hereditary integrals, if nonzero in some cells.
     fn with_remainders(&self, setup: &Setup) -> Option<Arc<Exact>> {
         let mesh = &self.space.mesh;
         let centroid = vec![1.0 / (mesh.dimension + 1) as f64; mesh.dimension + 1];
@@ -135,11 +131,10 @@ impl MeshData {
         setup.exact.as_ref()?.with_remainders(&points, &times).map(Arc::new)
     }
 
-    /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`. The first time, total
-    /// force and moments of given loads and of those in the strong form are compared with independent integrals.
+    /// Solves the scene with `steps` steps on its time grid and shows every level to `observe`. The first time, total
+    /// force and moments of given or strong-form loads are checked.
     ///
-    /// # Errors
-    /// The solver's; [`LoadError::Resultant`].
+    /// # Errors The solver's; [`LoadError::Resultant`].
     pub fn march<S: StepSolver>(
         &self,
         setup: &Setup,
@@ -155,11 +150,8 @@ impl MeshData {
         Ok(CaseInfo { paths: info.paths.union(of_scene(setup, self, &grid)), ..info })
     }
 
-    /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps;
-    /// solved once and shared.
-    ///
-    /// # Errors
-    /// The solver's.
+    /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps; solved once and
+    /// shared.
     pub fn trajectory(
         &self,
         setup: &Setup,
@@ -184,8 +176,8 @@ impl MeshData {
     }
 }
 
-/// Loads and exact fields of a scene on a mesh, by the given rules; those that separate are taken `in_parts`, which
-/// pays at more than a few times.
+/// Loads and exact fields of a scene on a mesh by the given rules; separable ones are split `in_parts`, which pays for
+/// more than a few times.
 fn truth(
     setup: &Setup,
     exact: Option<&Arc<Exact>>,
@@ -215,15 +207,13 @@ fn truth(
     })
 }
 
-/// Numbers of sides in the meshes of a scene.
 pub fn side_numbers(sides: &[Side]) -> Vec<u32> {
     sides.iter().map(|side| side.0).collect()
 }
 
-/// The finer run that stands for the truth of a scene without exact solution.
+/// The finer run that replaces the exact solution.
 ///
-/// # Errors
-/// The solver's, and those of the mesh.
+/// # Errors The solver's, and those of the mesh.
 pub fn reference_run(
     setup: &Setup,
     n: u32,
@@ -238,7 +228,7 @@ pub fn reference_run(
         }
         Ok(())
     })?;
-    // The mesh stays for as long as there are cases, and nothing is solved on it again.
+    // The mesh is kept for the cases, but nothing is solved on it again.
     data.space.forget_factors();
     Ok(run)
 }

@@ -1,4 +1,4 @@
-//! A validated scene made computable: the model with its laws, the spaces, the truth.
+//! A validated scene made computable: the model with its laws, spaces and exact solution.
 
 mod abstract_constants;
 mod abstract_setup;
@@ -54,49 +54,40 @@ use vhi::history::{
 };
 use vhi::law::{Summed, VonMises};
 
-/// The model of a scene.
 pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
 
-/// Why a scene could not be set up or run.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
-    /// The scene file is at fault.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A constant of the mesh could not be computed.
     #[error("mesh n = {n}: {source}")]
     Constant { n: u32, source: EigenError },
-    /// A solve failed.
     #[error("reference run: {0}")]
     Reference(#[from] CaseError),
-    /// The scene has no truth to measure errors against.
+    /// There is nothing to measure errors against.
     #[error("scene `{scene}` has neither an exact solution nor a reference run")]
     NoTruth { scene: String },
 }
 
-/// A scene with its model and exact solution.
 pub struct Setup {
-    /// The scene as validated.
     pub scene: Scene,
-    /// Its body, domain and material.
     pub body: ContactScene,
-    /// Its model.
     pub model: SceneModel,
-    /// Its exact solution, if it has one.
+    /// If the scene has one.
     pub exact: Option<Arc<Exact>>,
-    /// The solver that is measured; [`NewtonMarch`] unless another takes its place.
+    /// The solver under test; by default [`NewtonMarch`].
     pub scheme: Arc<dyn Scheme>,
-    /// The linear solver of its runs, where it is not left to [`LinearSolver::of`].
+    /// Overrides [`LinearSolver::of`].
     pub linear_solver: Option<LinearSolver>,
-    /// The precision of factors that serve several Jacobians, where it is not left to their size.
+    /// Overrides the precision of factors that serve several Jacobians.
     pub precision: Option<Precision>,
 }
 
 impl Setup {
     /// Builds model and exact solution, and checks what needs them: λ ≥ 0, u_ν ≤ g, (2.9), ….
     ///
-    /// # Errors
-    /// What [`admissible`] refuses.
+    /// # Errors Those of [`admissible`].
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
         let Body::Contact(body) = &scene.body else {
             let message = "an abstract problem has no body, mesh or contact";
@@ -116,16 +107,14 @@ impl Setup {
 
     /// V^h on the mesh with n cells per unit length, with the regions of its cells.
     ///
-    /// # Errors
-    /// A cell that the boundary of a region cuts.
+    /// # Errors A cell that the boundary of a region cuts.
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
 
-    /// V^h of linear elements, for constants of the problem itself.
+    /// V^h of linear elements, for constants of the problem.
     ///
-    /// # Errors
-    /// As [`Self::space`].
+    /// # Errors As [`Self::space`].
     pub(crate) fn linear_space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
         self.with_regions(self.plain_space(n), n)
     }
@@ -140,7 +129,7 @@ impl Setup {
         Ok(Arc::new(space))
     }
 
-    /// Linear elements without regions, for what depends on neither material nor element.
+    /// Linear elements without regions, independent of material and element.
     pub(crate) fn plain_space(&self, n: u32) -> Discretization {
         self.space_of(Element::P1, n)
     }
@@ -155,10 +144,9 @@ impl Setup {
         space
     }
 
-    /// Whether the mesh lines of this mesh follow the boundaries of all regions.
+    /// Whether the lines of this mesh follow the boundaries of all regions.
     ///
-    /// # Errors
-    /// A cell that is cut, or that two regions claim.
+    /// # Errors A cell that is cut, or that two regions claim.
     pub fn check_regions(&self, n: u32) -> Result<(), SceneError> {
         let material = &self.body.material;
         if material.regions.is_empty() {
@@ -167,18 +155,16 @@ impl Setup {
         material::cell_regions(&self.scene, material, &self.body.domain.mesh(n), n).map(drop)
     }
 
-    /// The model that the scene states, built anew: [`Self::model`] may hold other components.
+    /// The model that the scene states; [`Self::model`] may hold other components.
     pub fn scene_model(&self) -> SceneModel {
         model(&self.scene, &self.body)
     }
 
-    /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
         time_grid(&self.scene.time, steps)
     }
 
-    /// The scene with kernels that are no sums of exponentials interpolated to an error; without one, the scene
-    /// with direct sums over the past for all kernels.
+    /// The scene with non-exponential kernels interpolated to an error; for None, with direct sums for all kernels.
     pub fn with_history(mut self, interpolated_to: Option<f64>) -> Self {
         let by_sums = |term: MemoryTerm| match (term.kernel.exponentials(), interpolated_to) {
             (Some(_), Some(_)) => term,
@@ -192,15 +178,14 @@ impl Setup {
         self
     }
 
-    /// Vectors F_i of the load Σ a_i(t) F_i; `None` where it does not separate, or is that of an exact solution.
+    /// Number of vectors F_i of the load Σ a_i(t) F_i; None if it does not separate, or is that of an exact solution.
     pub fn load_parts(&self) -> Option<usize> {
         let Data::Loads { body, traction } = &self.body.data else { return None };
         let sides = traction.iter().flat_map(|(_, formulas)| formulas);
         GivenLoad::parts(&self.scene.formulas, body.iter().chain(sides).copied())
     }
 
-    /// Vectors of unknowns held for the history after N steps; of interpolated kernels with as many nodes as
-    /// smooth ones need.
+    /// Vectors of unknowns held for the history after N steps; interpolated kernels are assumed to be smooth.
     pub fn history_vectors(&self, steps: u32) -> usize {
         let steps = steps as usize;
         let of_term = |term: &MemoryTerm| {
@@ -217,12 +202,12 @@ impl Setup {
         self.model.memory.iter().map(of_term).sum()
     }
 
-    /// Where the compliance term is integrated; without contact the rule does not matter.
+    /// Quadrature of the compliance term; irrelevant without contact.
     pub fn rule(&self) -> BoundaryRule {
         self.model.boundary.as_ref().map_or(BoundaryRule::Vertex, |boundary| boundary.rule)
     }
 
-    /// The boundary rule as the manufactured side names it.
+    /// The boundary rule for the manufactured side.
     pub fn compliance_rule(&self) -> ComplianceRule {
         match self.rule() {
             BoundaryRule::Vertex => ComplianceRule::Vertex,
@@ -231,7 +216,7 @@ impl Setup {
         }
     }
 
-    /// μ of the projection, 0 without.
+    /// μ of the projection, or 0.
     pub fn projection_mu(&self) -> f64 {
         self.body.material.projection.as_ref().map_or(0.0, |projection| projection.mu)
     }
@@ -246,7 +231,6 @@ pub fn time_grid(time: &crate::Time, steps: u32) -> TimeGrid {
     }
 }
 
-/// The rule of a scene.
 fn time_rule(time: &crate::Time) -> Box<dyn TimeRule> {
     match time.rule {
         crate::TimeRule::Trapezoid => Box::new(Trapezoid),
@@ -286,7 +270,7 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
         );
     let friction = body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
     Model {
-        friction: friction.map(|own| laws::friction(own, &formulas)),
+        friction: friction.map(|written| laws::friction(written, &formulas)),
         elasticity: elasticity(material),
         memory: material::memory_terms(material, &formulas),
         projection,
@@ -305,7 +289,10 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
         multiplier: *multiplier,
         selection: *selection,
-        friction: contact.friction.as_ref().map(|own| friction_formulas(own, friction.clone())),
+        friction: contact
+            .friction
+            .as_ref()
+            .map(|written| friction_formulas(written, friction.clone())),
     });
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
     let mut graph = scene.formulas.clone();
@@ -331,7 +318,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
     }))
 }
 
-/// The form of the loads as the manufactured side names it.
+/// The form of the loads for the manufactured side.
 pub fn load_form(form: crate::LoadForm) -> LoadForm {
     match form {
         crate::LoadForm::Weak => LoadForm::Weak,

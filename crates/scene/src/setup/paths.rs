@@ -1,20 +1,20 @@
-//! The ways that a scene takes before it is marched: its rule in time, its loads, its rule on Γ3.
+//! Code paths that a scene takes: its time rule, its loads, its rule on Γ3.
 
 use super::{MeshData, Setup};
 use crate::{Data, LoadForm, TimeRule};
 use fem::contact::{BoundaryRule, Path, Paths, by_grid};
 use vhi::history::TimeGrid;
 
-/// The paths of code that a run of `setup` takes on a mesh with a grid.
+/// The code paths of a run of `setup` on a mesh and grid.
 pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths {
     let mut paths = Paths::default();
     let in_plane = setup.scene.dimension == 2;
-    // Without memory and ζ no rule is walked.
+    // Without memory and ζ no time rule is used.
     if !setup.model.memory.is_empty() || setup.model.projection.is_some() {
         let pair = match setup.scene.time.rule {
             TimeRule::Trapezoid => [Path::Trapezoid, Path::TrapezoidGraded],
             TimeRule::Left => [Path::Left, Path::LeftGraded],
-            // On equal steps alone.
+            // On equal steps only.
             TimeRule::Gregory { order: 3 } => [Path::GregoryThree; 2],
             TimeRule::Gregory { .. } => [Path::GregoryFour; 2],
             TimeRule::CorrectedEnd { .. } => [Path::CorrectedEnd, Path::CorrectedEndGraded],

@@ -1,4 +1,4 @@
-//! Hypotheses of regularity: measured, and a scene that claims to violate one must do so.
+//! Regularity hypotheses: measured, and compared with what a scene claims to violate.
 
 use super::{AbstractSetup, Setup, SetupError};
 use crate::{AbstractScene, ContactScene, Face, Hypothesis, Scene, Shape, Side};
@@ -7,24 +7,24 @@ use exact::{
 };
 use formula::{Node, Point};
 
-/// The sides of a scene's rectangle or box; none of another shape.
+/// The sides of a scene's rectangle or box; empty for other shapes.
 pub fn sides(body: &ContactScene) -> Vec<SideOfBox> {
     let of = |side: Side| {
-        let own = move |face: Face| SideOfBox {
+        let side_of_box = move |face: Face| SideOfBox {
             normal: face.normal,
             clamped: body.domain.clamped.contains(&side),
             contact: body.domain.contact.contains(&side),
         };
-        body.domain.faces(side).into_iter().map(own)
+        body.domain.faces(side).into_iter().map(side_of_box)
     };
     match body.domain.shape {
         Shape::Box => body.domain.all_sides().flat_map(of).collect(),
-        // The exact solution knows the triangles and their sides itself.
+        // The exact solution knows the triangles and their sides.
         Shape::Refined(_) => Vec::new(),
     }
 }
 
-/// The regularity in time that Theorem 7 asks of an abstract scene: u_i on [0, T], and q_l(T, ·).
+/// The regularity in time that Theorem 7 requires of an abstract scene: u_i on [0, T], and q_l(T, ·).
 pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Finding> {
     let (graph, horizon) = (&scene.formulas, scene.time.horizon);
     let component = |(i, &node): (usize, &Node)| {
@@ -45,20 +45,18 @@ pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Findin
     findings
 }
 
-/// What an abstract scene claims to violate.
+/// Checks what an abstract scene claims to violate.
 ///
-/// # Errors
-/// A claim that no finding bears out.
+/// # Errors A claim without a supporting finding.
 pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<(), SetupError> {
     let scene = &setup.scene;
     claim(scene, Hypothesis::RegularInSpace, Vec::new)?;
     claim(scene, Hypothesis::RegularInTime, || abstract_regularity(scene, &setup.problem))
 }
 
-/// What a scene of the contact problem with an exact solution claims to violate.
+/// Checks what a contact scene with an exact solution claims to violate.
 ///
-/// # Errors
-/// A claim that no finding bears out.
+/// # Errors A claim without a supporting finding.
 pub(super) fn contact_claims(setup: &Setup) -> Result<(), SetupError> {
     let Some(exact) = &setup.exact else { return Ok(()) };
     let sides = sides(&setup.body);

@@ -1,5 +1,4 @@
-//! What the quadrature of loads and errors contributes to the errors on a mesh: both are done again by
-//! the next rule, at a few times.
+//! Quadrature error of loads and errors on a mesh, by comparison with the next rule at a few times.
 
 use std::sync::Arc;
 
@@ -12,34 +11,33 @@ use fem::space::StrainPoint;
 use fem::space::quadrature::TruthRules;
 use vhi::law::TensorField;
 
-/// `SAFETY` times the largest answer of A = 𝒜 + μ to a difference of loads stands for all times. The
-/// answer bounds what an error moves by; errors move less, as they are nearly orthogonal to V^h
-/// (`sweep floors` measures it).
+/// Factor of the largest response of A = 𝒜 + μ to a difference of loads, for all times. The response bounds the change
+/// of an error, which is smaller, since errors are nearly orthogonal to V^h (`sweep floors` measures it).
 const SAFETY: f64 = 1.5;
 
-/// Parts of [0, T] at whose ends rules are compared: once fronts are on their way, once at the end,
-/// where some scenes have no front left.
+/// Parts of [0, T] at whose ends rules are compared: once with moving fronts, once at the end, where some scenes have
+/// none.
 const TIMES: u32 = 2;
-/// Times that are checked on meshes of few cells: a front passes through few of them, and two times may both miss it.
+/// Times on meshes of few cells, where two times may miss a front.
 const TIMES_ON_FEW: u32 = 4;
 const FEW: usize = 4096;
 
-/// Two times are the same within rounding.
+/// Relative rounding of equal times.
 const SAME_TIME: f64 = 1e-9;
 
-/// Loads and moments by the next rules.
+/// Comparison of loads and moments with the next rules.
 #[derive(Debug, Default)]
 pub struct RuleCheck {
-    /// What the quadrature of the loads contributes to each norm.
+    /// Contribution of the load quadrature to each norm.
     pub floors: Floors,
     /// Moments of the exact fields by the next rule, with their times.
     moments: Vec<(f64, Arc<Moments>)>,
 }
 
 impl RuleCheck {
-    /// The moments by the next rule, if t is one of the times at which they are compared.
+    /// The moments by the next rule, if t is one of the compared times.
     pub fn moments(&self, t: f64) -> Option<&Moments> {
-        let close = |(own, _): &&(f64, Arc<Moments>)| (own - t).abs() <= SAME_TIME * t.abs();
+        let close = |(time, _): &&(f64, Arc<Moments>)| (time - t).abs() <= SAME_TIME * t.abs();
         self.moments.iter().find(close).map(|(_, moments)| &**moments)
     }
 }
@@ -52,16 +50,15 @@ pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
     (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect()
 }
 
-/// Compares the rules; `own` are loads and fields by the rules of the scene, if they are at hand, and
-/// `truth` makes them by given rules, the next ones with what hereditary integrals may lack. Fields by the next rules are not kept: their formulas take more
-/// memory than the case.
+/// Compares the rules; `usual` are loads and fields by the scene's rules, if available, and `truth` makes them by given
+/// rules, the next ones with error estimates of hereditary integrals. Fields by the next rules are not kept: their
+/// formulas take more memory than the case.
 ///
-/// # Errors
-/// A load or field that is not finite, a mesh on which A cannot be factorized.
+/// # Errors A load or field that is not finite, a mesh on which A cannot be factorized.
 pub(super) fn rule_check(
     setup: &Setup,
     space: &Discretization,
-    own: Option<Arc<dyn Truth>>,
+    usual: Option<Arc<dyn Truth>>,
     truth: impl Fn(&TruthRules, bool) -> Result<Arc<dyn Truth>, LoadError>,
 ) -> Result<RuleCheck, LoadError> {
     let times = check_times(setup, space.mesh.cell_count());
@@ -69,7 +66,7 @@ pub(super) fn rule_check(
         times.iter().map(|&t| truth.load(t)).collect()
     };
     let (element, d) = (space.element, setup.scene.dimension);
-    let own = own.map_or_else(|| truth(&TruthRules::for_element(element, d), false), Ok)?;
+    let usual = usual.map_or_else(|| truth(&TruthRules::for_element(element, d), false), Ok)?;
     let next = || truth(&TruthRules::stronger_for(element, d), true);
     let mut stronger = next()?;
     let moments = match setup.exact.is_some() {
@@ -81,30 +78,30 @@ pub(super) fn rule_check(
         }
     };
     if matches!(setup.body.data, Data::Exact { form: LoadForm::Strong, .. }) {
-        // Points of the moments are let go before those of the loads are made; in the weak form they are the same.
+        // Frees the points of the moments before those of the loads are made; in the weak form they are shared.
         stronger = next()?;
     }
-    let pairs = [loads(&*own)?, loads(&*stronger)?];
+    let pairs = [loads(&*usual)?, loads(&*stronger)?];
     let elastic = elasticity(&setup.body.material);
     let floors = load_floors(space, &pairs, &elastic, setup.projection_mu())?;
     Ok(RuleCheck { floors, moments })
 }
 
-/// Floors from load vectors at the same times by two rules; `elasticity` and `mu` are the scene's.
+/// Floors from load vectors at equal times by two rules; `elasticity` and `mu` are the scene's.
 fn load_floors(
     space: &Discretization,
-    [own, stronger]: &[Vec<Arc<Vec<f64>>>; 2],
+    [usual, stronger]: &[Vec<Arc<Vec<f64>>>; 2],
     elasticity: &TensorField,
     mu: f64,
 ) -> Result<Floors, LoadError> {
     let mut operator = ElasticProjection::new(space, elasticity, mu)
         .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
     let still = LevelFields { u: vec![0.0; space.nodes.len()], ..LevelFields::default() };
-    // Stresses follow strains by the stiffest modulus, on Γ3 those of the cells there.
+    // Stresses follow strains by the largest modulus; on Γ3 strains are those of its cells.
     let largest = elasticity.eigenvalues(space.mesh.dimension).1;
     let mut floors = Floors::default();
-    for (own, stronger) in own.iter().zip(stronger) {
-        let difference: Vec<f64> = stronger.iter().zip(&**own).map(|(a, b)| a - b).collect();
+    for (usual, stronger) in usual.iter().zip(stronger) {
+        let difference: Vec<f64> = stronger.iter().zip(&**usual).map(|(a, b)| a - b).collect();
         let u = operator.response(&difference);
         let pressure = largest * strain_on_contact(space, &u);
         let moved = LevelFields { u, ..LevelFields::default() }.distance(&still, space);
@@ -113,8 +110,8 @@ fn load_floors(
     Ok(floors.times(SAFETY))
 }
 
-/// ‖ε(v)‖ on Γ3, from the cells with a side on it: a cell of measure m has about 2m/h of Γ3. In the
-/// plane; in space the norm in the body stands for it.
+/// ‖ε(v)‖ on Γ3, from the cells with a side on it: a cell of measure m has about 2m/h of Γ3. In space the norm in the
+/// body is used.
 fn strain_on_contact(space: &Discretization, v: &[f64]) -> f64 {
     if space.mesh.dimension != 2 {
         return strain_norm(space, v);

@@ -1,4 +1,4 @@
-//! The solver under test: whatever marches a scene through the levels of a time grid.
+//! The solver under test: marches a scene through the levels of a time grid.
 
 use super::{MeshData, Setup};
 use crate::{Scene, SceneError};
@@ -7,19 +7,16 @@ use vhi::Newton;
 
 /// A solver of Problem 14 on a given mesh and time grid. A sweep measures and judges what it shows.
 pub trait Scheme: Send + Sync {
-    /// Refuses scenes with a term that this solver cannot have; none unless it says so.
+    /// Refuses scenes with an unsupported term; by default none.
     ///
-    /// # Errors
-    /// At the key of the term.
+    /// # Errors At the key of the term.
     fn takes(&self, _scene: &Scene) -> Result<(), SceneError> {
         Ok(())
     }
 
-    /// Solves the scene with `steps` steps on its own grid and shows every level, n = 0 first, to
-    /// `observe`.
+    /// Solves the scene with `steps` steps on its time grid and shows every level, n = 0 first, to `observe`.
     ///
-    /// # Errors
-    /// A level that has no solution or was not found; errors of `observe` are passed on.
+    /// # Errors A level that has no solution or was not found; errors of `observe` are passed on.
     fn march(
         &self,
         setup: &Setup,

@@ -1,25 +1,24 @@
-//! Step sizes against (3.4): what is refused, and what is said of the rest.
+//! Step sizes against (3.4): refusals and remarks.
 
 use super::{SetupError, Subject, constants::step_bounds};
 use crate::Hypothesis;
 use vhi::{StepBounds, StepPlace};
 
-/// No hint proposes more steps than this.
+/// Largest number of steps that a hint proposes.
 const MOST_STEPS: u32 = 1 << 20;
 
-/// What is to be said of the step sizes of a run.
+/// A remark on the step sizes of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepRemark {
-    /// True for a warning, false for a note.
+    /// Warning or note.
     pub warning: bool,
-    /// The label of the run in reports, one sentence.
+    /// One sentence, used in reports.
     pub text: String,
 }
 
-/// The constants of a scene that decide on its step size.
+/// The constants of a scene for its step size.
 ///
-/// # Errors
-/// As [`step_bounds`].
+/// # Errors As [`step_bounds`].
 pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
     match subject {
         Subject::Contact(setup) => step_bounds(setup),
@@ -27,12 +26,11 @@ pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
     }
 }
 
-/// Compares the grids with these numbers of steps with (3.4) and with the bound below which each step
-/// is strongly monotone.
+/// Compares the grids with these numbers of steps with (3.4) and with the bound below which each step is strongly
+/// monotone.
 ///
-/// # Errors
-/// A step size at or beyond the latter, unless the scene says `violates = ["3.4"]`, or violates (2.9)
-/// or (5.1), without which there is no bound to compare with.
+/// # Errors A step size at or beyond the latter, unless the scene says `violates = ["3.4"]`, or violates (2.9) or
+/// (5.1), without which there is no bound.
 pub fn check_step_sizes(
     subject: &Subject,
     steps: &[u32],
@@ -92,7 +90,7 @@ fn refusal(subject: &Subject, steps: u32, k: f64, bounds: &StepBounds) -> SetupE
     subject.scene().error("time", message, hint).into()
 }
 
-/// A number of steps that brings k below `limit` while one step less does not.
+/// The smallest number of steps that brings k below `limit`.
 fn sufficient(subject: &Subject, limit: f64) -> Option<u32> {
     let size = |steps: u32| subject.grid(steps).largest_step();
     let (mut too_few, mut enough) = (0, 1);

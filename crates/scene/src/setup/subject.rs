@@ -1,10 +1,9 @@
-//! What a scene asks to be solved, of either kind.
+//! A computable scene of either kind.
 
 use super::{AbstractSetup, Setup, SetupError};
 use crate::Scene;
 use vhi::history::TimeGrid;
 
-/// A scene made computable.
 pub enum Subject {
     /// Problem 12, a body in contact.
     Contact(Box<Setup>),
@@ -15,8 +14,7 @@ pub enum Subject {
 impl Subject {
     /// Sets a scene up and checks what needs its model.
     ///
-    /// # Errors
-    /// The first violated condition, at the key of the scene that states it.
+    /// # Errors The first violated condition, at its key in the scene.
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
         match scene.as_contact() {
             Some(_) => Ok(Self::Contact(Box::new(Setup::new(scene)?))),
@@ -24,7 +22,6 @@ impl Subject {
         }
     }
 
-    /// The scene.
     pub fn scene(&self) -> &Scene {
         match self {
             Self::Contact(setup) => &setup.scene,
@@ -32,7 +29,6 @@ impl Subject {
         }
     }
 
-    /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
         match self {
             Self::Contact(setup) => setup.grid(steps),
@@ -40,7 +36,7 @@ impl Subject {
         }
     }
 
-    /// Whether the exact solution is known, so that no reference run is needed.
+    /// Whether the exact solution is known; otherwise a reference run is needed.
     pub fn has_exact(&self) -> bool {
         match self {
             Self::Contact(setup) => setup.exact.is_some(),

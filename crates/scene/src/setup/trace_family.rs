@@ -1,4 +1,4 @@
-//! Trace constants on a family of meshes, and what their sequence tends to.
+//! Trace constants on a family of meshes, and their limit.
 
 use std::sync::Arc;
 
@@ -13,14 +13,13 @@ pub struct TraceFamily {
     pub values: Vec<(u32, f64)>,
     /// The extrapolated limit.
     pub limit: f64,
-    /// How much the limit still moves when the finest mesh is left out; NaN if that cannot be said.
+    /// Change of the limit if the finest mesh is left out; NaN if unknown.
     pub uncertainty: f64,
 }
 
 /// The trace constants of `tensor` on the meshes `levels` (each twice as fine as the one before).
 ///
-/// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
+/// # Errors A mesh whose stiffness matrix cannot be factorized.
 pub fn trace_family(
     setup: &Setup,
     tensor: &TensorField,
@@ -40,10 +39,9 @@ pub fn trace_family(
     Ok(TraceFamily::new(values))
 }
 
-/// sup ‖v_τ‖²/‖ε(v)‖² on the same meshes, in the plane.
+/// sup ‖v_τ‖²/‖ε(v)‖² on these meshes, in the plane.
 ///
-/// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
+/// # Errors A mesh whose stiffness matrix cannot be factorized.
 pub fn tangential_trace_family(
     setup: &Setup,
     mass: TraceMass,
@@ -58,14 +56,13 @@ pub fn tangential_trace_family(
 }
 
 impl TraceFamily {
-    /// Extrapolates: errors that shrink by a constant factor from mesh to mesh vanish from the limit
-    /// (Aitken), so the order of convergence need not be known.
+    /// Aitken extrapolation: removes errors that shrink by a constant factor from mesh to mesh, of unknown order.
     pub(crate) fn new(values: Vec<(u32, f64)>) -> Self {
         let sequence: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
         let limit = aitken(&sequence);
         let uncertainty = match sequence.len() {
             0..=2 => f64::NAN,
-            // Without a second extrapolation: the whole step that Aitken takes.
+            // Without a second extrapolation: the whole Aitken step.
             3 => (limit - sequence[2]).abs(),
             count => (limit - aitken(&sequence[..count - 1])).abs(),
         };

@@ -1,4 +1,4 @@
-//! What a scene may also say: other grids and laws, numbers as formulas, violations on purpose.
+//! Valid scenes: other grids and laws, numbers as formulas, violations on purpose.
 
 use super::good::{EXACT, LOADED};
 use crate::{

@@ -1,8 +1,8 @@
-//! Two good texts, from which the malformed ones are made.
+//! Valid texts, from which the malformed ones are made.
 
 use crate::{Diagnosis, Scene, SceneError, Source};
 
-/// A good scene with loads; cases count its lines.
+/// A valid scene with loads; tests count its lines.
 pub(super) const LOADED: &str = r#"[scene]
 name = "block"
 question = "Is this text refused where it should be?"
@@ -46,7 +46,7 @@ order = 1.0
 why = "(5.26)"
 "#;
 
-/// A good scene in space; cases count its lines.
+/// A valid scene in space; tests count its lines.
 pub(super) const BOX: &str = r#"[scene]
 name = "box"
 question = "Is this text refused where it should be?"
@@ -72,7 +72,7 @@ body = ["0", "-3*t*x*z", "0"]
 traction = { front = ["0", "0", "x*t"] }
 "#;
 
-/// A good scene with an exact solution; cases count its lines.
+/// A valid scene with an exact solution; tests count its lines.
 pub(super) const EXACT: &str = r#"[scene]
 name = "exact"
 question = "Is this text refused where it should be?"
@@ -110,7 +110,6 @@ order = 2.0
 why = "(5.26)"
 "#;
 
-/// The fault that is found in a text.
 pub(super) fn refused(text: &str) -> Diagnosis {
     match Scene::from_source(Source::from_text("block.toml", text)) {
         Ok(_) => panic!("accepted:\n{text}"),

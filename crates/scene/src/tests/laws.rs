@@ -1,9 +1,9 @@
-//! The kinds of law: what each takes, and what is said of a wrong one, with its place.
+//! The kinds of law: their keys, and the messages for wrong ones.
 
 use super::good::{LOADED, refused};
 use crate::{Curve, Law, Scene, Source};
 
-/// The good text with another law, on line 28.
+/// The valid text with another law, on line 28.
 fn with_law(law: &str) -> String {
     let start = LOADED.find("law = {").expect("a law");
     let end = start + LOADED[start..].find('\n').expect("an end");

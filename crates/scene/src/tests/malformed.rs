@@ -1,11 +1,11 @@
-//! Scenes that must be refused: where the message points, and what it says.
+//! Scenes that must be refused, with the position and content of the message.
 //!
-//! Each case edits one place of a good text and names the line and column (from 1) and a phrase.
+//! Each case edits one place of a valid text and names the line and column (from 1) and a phrase.
 
 use super::good::{BOX, EXACT, LOADED, refused};
 use crate::{Scene, Source};
 
-/// One edit of a good text, and the message that it must give.
+/// One edit of a valid text, and its message.
 struct Case<'a> {
     from: &'static str,
     to: &'a str,

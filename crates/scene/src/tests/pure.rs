@@ -1,11 +1,11 @@
-//! The manufactured contact states, checked against the law at points of the bottom, by an independent quadrature:
-//! -σ_ν = p(u_ν) + λ and σ_τ = 0 on Γ3 (pure scenes), u = 0 on Γ1, u_ν ≤ g, λ ≥ 0, λ (u_ν - g) = 0.
+//! The manufactured contact states at points of the bottom, checked with an independent quadrature: -σ_ν = p(u_ν) + λ
+//! and σ_τ = 0 on Γ3 (pure scenes), u = 0 on Γ1, u_ν ≤ g, λ ≥ 0, λ (u_ν - g) = 0.
 
 use super::shipped::shipped;
 use crate::{Data, Scene};
 use formula::{Node, Point, Variable};
 
-/// The data of a pure scene that the checks need; λ_L = μ_L = 1 and ℬ = -exp(-t)(0.5 ε + 0.25 tr ε I).
+/// Data of a pure scene; λ_L = μ_L = 1 and ℬ = -exp(-t)(0.5 ε + 0.25 tr ε I).
 struct Pure {
     scene: Scene,
     u: Vec<Node>,
@@ -100,7 +100,7 @@ impl Pure {
     }
 }
 
-/// Which of open, compliant and locked occur, as the headers of the files say.
+/// The occurring states are those stated in the headers of the files.
 #[test]
 fn contact_states_are_the_ones_promised() {
     assert_eq!(Pure::of("steady").check(true), [false, true, true]);

@@ -1,4 +1,4 @@
-//! Polygons, mesh files and graded meshes: what is taken, and what is refused with which words.
+//! Polygons, mesh files and graded meshes: valid ones, and messages for others.
 
 use super::good::{EXACT, LOADED, refused};
 use crate::{MeshFamily, Place, Scene, Shape, Side, Source};
@@ -8,7 +8,6 @@ const RECTANGLE: &str = "shape = \"rectangle\"\nsize = [1.0, 0.5]";
 const CORNERS: &str = "vertices = [[0, 0], [2, 0], [2, 1], [0, 1]]";
 const NAMES: &str = "sides = [\"bottom\", \"right\", \"top\", \"left\"]";
 
-/// The good scene with another shape.
 fn shaped(shape: &str) -> String {
     assert!(LOADED.contains(RECTANGLE));
     LOADED.replace(RECTANGLE, shape)
@@ -38,7 +37,7 @@ fn a_polygon_has_its_sides_and_meshes() {
     assert_eq!((mesh.cell_count(), mesh.h()), (32, 5f64.sqrt() / 4.0));
     assert_eq!(domain.h(4), mesh.h());
     assert_eq!(mesh.sides, domain.sides);
-    // Without names, s1, s2, …; several edges may share one.
+    // Default names are s1, s2, …; several edges may share a name.
     let unnamed = polygon(CORNERS, "").replace("\"bottom\"", "\"s1\"").replace("\"top\"", "\"s3\"");
     accepted(&unnamed.replace("\"left\", \"right\"", "\"s2\", \"s4\"").replace("left =", "s4 ="));
     let walls = polygon(CORNERS, "sides = [\"bottom\", \"left\", \"top\", \"left\"]");
@@ -146,7 +145,6 @@ fn graded_meshes_name_a_corner() {
     assert!(said(&reference).contains("meshes that do not nest"));
 }
 
-/// The shipped frustum, read from the root of the repository.
 fn frustum(change: impl Fn(&str) -> String) -> String {
     let text = include_str!("../../../../manufactured/frustum.toml");
     change(&text.replace("\"frustum.msh\"", "\"../../manufactured/frustum.msh\""))
@@ -202,7 +200,7 @@ fn what_tetrahedra_cannot_be_is_refused() {
             "gap = \"0.08 + 0.1*(z - 0.5)^2\"",
             "the gap is not concave on the side foot",
         ),
-        // A kink that only second differences see.
+        // A kink that only second differences detect.
         (
             "gap = \"0.08\"",
             "gap = \"0.08 + abs(z - 0.4999)\"",

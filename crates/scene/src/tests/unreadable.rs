@@ -1,4 +1,4 @@
-//! Where messages point inside formulas; files that hold no scene; texts broken at random.
+//! Positions of messages inside formulas; files that hold no scene; randomly damaged texts.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ fn files_that_hold_no_scene() {
     assert!(directory.contains("cannot read"), "{directory}");
 }
 
-/// No prefix of a good scene, and no scene with one byte replaced, makes the reader panic.
+/// No prefix of a valid scene, and no scene with one byte replaced, makes the reader panic.
 #[test]
 fn nothing_panics() {
     for good in [LOADED, EXACT] {

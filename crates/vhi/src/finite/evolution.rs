@@ -1,7 +1,7 @@
 //! Problem 9 in ℝ^m as a [`HistoryInequality`].
 //!
-//! The unknowns are w with u = C w, in which the functionals a_i are coordinates, so that K is a box
-//! and every graph sits on one unknown; forces are Cᵀ F.
+//! The unknowns are w with u = C w, in which the functionals a_i are coordinates: K is a box and every graph acts on
+//! one unknown; forces are Cᵀ F.
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
@@ -10,7 +10,6 @@ use crate::history::TimeGrid;
 use crate::{BoundaryGraph, Coordinate, HistoryInequality, StepInequality, StepState};
 use algebra::linalg::FactorError;
 
-/// The problem with its committed history.
 pub struct FiniteEvolution<'a> {
     model: &'a FiniteModel,
     grid: &'a TimeGrid,
@@ -24,9 +23,9 @@ pub struct FiniteEvolution<'a> {
     past: Vec<DVector<f64>>,
     /// f_n.
     load: DVector<f64>,
-    /// R(Σ_{j<n} … + a_S), with the frozen last slot where there is one.
+    /// R(Σ_{j<n} … + a_S), including the last slot while it is frozen.
     y_past: DVector<f64>,
-    /// R Σ_l W^l_nn Q_l, and whether F sees it.
+    /// R Σ_l W^l_nn Q_l.
     pub(super) last_slot: DMatrix<f64>,
     implicit: bool,
     y_before: DVector<f64>,
@@ -35,15 +34,14 @@ pub struct FiniteEvolution<'a> {
     jacobian: DMatrix<f64>,
     factor: Option<LU<f64, Dyn, Dyn>>,
     prescribed: Vec<Option<f64>>,
-    /// DΛ and its adjoint in X at the state they were prepared for, in w.
+    /// DΛ and its adjoint in X, in the coordinates w.
     pub(super) frozen: Option<[DMatrix<f64>; 2]>,
 }
 
 impl<'a> FiniteEvolution<'a> {
-    /// Before the first level.
+    /// The problem before the first level.
     ///
-    /// # Errors
-    /// [`FiniteError::Dependent`] if the functionals are linearly dependent.
+    /// # Errors [`FiniteError::Dependent`] if the functionals are linearly dependent.
     pub fn new(
         model: &'a FiniteModel,
         grid: &'a TimeGrid,
@@ -60,7 +58,7 @@ impl<'a> FiniteEvolution<'a> {
             floor: functional.lower,
             law: i as u32,
             shift: 0.0,
-            // γ α_i below one is what makes z one to one along the graph: half of what (2.9) allows.
+            // γ α_i < 1 makes z one to one along the graph; here half of what (2.9) allows.
             gamma: 0.5 * functional.weight / stiffness[(i, i)].abs().max(f64::MIN_POSITIVE),
             span: 1,
         });
@@ -89,7 +87,7 @@ impl<'a> FiniteEvolution<'a> {
         })
     }
 
-    /// Gives the last slot of the open level its weight w of a step k: R Σ_l w q_l(t_n, t_n) Q_l.
+    /// Sets the weight w of the last slot for a step k: R Σ_l w q_l(t_n, t_n) Q_l.
     pub(super) fn set_last_slot(&mut self, k: f64) {
         let (model, t) = (self.model, self.grid.time(self.past.len()));
         self.last_slot.fill(0.0);
@@ -99,17 +97,16 @@ impl<'a> FiniteEvolution<'a> {
         }
     }
 
-    /// u = C w.
     pub(crate) fn displacement(&self, w: &[f64]) -> DVector<f64> {
         &self.coordinates * DVector::from_column_slice(w)
     }
 
-    /// J⁻¹ rhs with the last factor, in w; nothing where no factor was needed yet.
+    /// J⁻¹ rhs with the last factor, in w; None before the first factor.
     pub(crate) fn correction(&self, rhs: &[f64]) -> Option<DVector<f64>> {
         self.factor.as_ref()?.solve(&DVector::from_column_slice(rhs))
     }
 
-    /// Cᵀ ∂N/∂y (last slot) C at the last evaluated u: how F depends on the last slot.
+    /// Cᵀ ∂N/∂y (last slot) C at the last evaluated u: the dependence of F on the last slot.
     pub(super) fn force_by_history(&self) -> DMatrix<f64> {
         let mut slope = self.last_slot.clone();
         let y = self.history();

@@ -8,35 +8,29 @@ use crate::law::graph_distance;
 use crate::{FailedStep, HistoryInequality, StepInequality, StepSolver, Stepper};
 use algebra::linalg::{larger, largest};
 
-/// Why a case has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FiniteError {
-    /// A step failed.
     #[error(transparent)]
     Step(#[from] FailedStep),
     /// The functionals of j and K do not determine coordinates.
     #[error("the functionals of [[trace]] are linearly dependent: state each direction once")]
     Dependent,
-    /// The load is not finite.
     #[error("component {component} of the load is {value} at t = {t}")]
     Load { component: usize, value: f64, t: f64 },
-    /// The separate evaluation of the inequality disagrees with the solver.
+    /// The independent evaluation of the inequality disagrees with the solver.
     #[error(
         "step {n} (t = {t}): residual {residual:.3e} by separate evaluation exceeds {allowed:.1e}"
     )]
     Kkt { n: usize, t: f64, residual: f64, allowed: f64 },
 }
 
-/// f(t).
 pub trait FiniteLoad {
     /// f(t) as a vector of ℝ^m.
     ///
-    /// # Errors
-    /// [`FiniteError::Load`] if it is not finite.
+    /// # Errors [`FiniteError::Load`] if it is not finite.
     fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError>;
 }
 
-/// One level as an observer sees it.
 pub struct FiniteView<'a> {
     /// n.
     pub n: usize,
@@ -46,41 +40,37 @@ pub struct FiniteView<'a> {
     pub u: &'a DVector<f64>,
     /// S_n^k u.
     pub history: &'a DVector<f64>,
-    /// ξ_i + λ_i, one a functional.
+    /// ξ_i + λ_i per functional.
     pub pressure: &'a [f64],
 }
 
-/// What one case took.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FiniteInfo {
     /// Newton iterations over all steps; each is a factorization.
     pub newton_iterations: u32,
-    /// Applications of Λ, 0 for other solvers.
+    /// Applications of Λ; 0 for other solvers.
     pub fixed_point_iterations: u32,
-    /// Convex problems of the decomposition over all steps, 0 for other solvers.
+    /// Convex problems of the decomposition; 0 for other solvers.
     pub convex_problems: u32,
     /// Largest quotient of successive changes of the decomposition.
     pub contraction: f64,
-    /// Changes of the active set over all steps.
     pub active_set_changes: u32,
-    /// What unresolved residual and rounding contribute to ‖u_n - u_n^k‖_X.
+    /// Contribution of unresolved residual and rounding to ‖u_n - u_n^k‖_X.
     pub floor: f64,
-    /// Largest relative residual by separate evaluation.
+    /// Largest relative residual of the independent evaluation.
     pub kkt_residual: f64,
-    /// Memory held by the history.
     pub peak_history_bytes: usize,
 }
 
-/// A relative residual above this is a failure: solves end at 16 units of rounding of the forces.
+/// Largest accepted relative residual: solves end at 16 units of rounding of the forces.
 const ALLOWED: f64 = 1e-12;
 
-/// History adds up the rounding of all levels, the correction is that of one.
+/// The history sums the rounding of all levels; the correction is that of one.
 const SAFETY: f64 = 4.0;
 
-/// Solves all steps and shows each to `observe`.
+/// Solves all steps and passes each to `observe`.
 ///
-/// # Errors
-/// A step that does not converge, a load that is not finite, a residual above 1e-12.
+/// # Errors A step that does not converge, a load that is not finite, a residual above 1e-12.
 pub fn march<S: StepSolver>(
     model: &FiniteModel,
     grid: &TimeGrid,
@@ -108,14 +98,14 @@ pub fn march<S: StepSolver>(
         }
         info.kkt_residual = info.kkt_residual.max(residual);
         size = size.max(model.norm(&u));
-        // The level that was solved worst: what one more solve would change there.
+        // The worst level, and the change that one more solve would make there.
         if step.residual > worst {
             worst = step.residual;
             let one_more = evolution.correction(stepper.scratch.unbalanced());
-            let own = one_more.map_or(0.0, |w| evolution.norm(w.as_slice()));
+            let change = one_more.map_or(0.0, |w| evolution.norm(w.as_slice()));
             // A residual far below its tolerance is rounding that cancels.
             let allowed = SAFETY * (step.tolerance / step.residual).max(1.0);
-            correction = correction.max(allowed * own);
+            correction = correction.max(allowed * change);
         }
         let pressure = &stepper.state.pressure;
         observe(&FiniteView { n, t, u: &u, history: &history, pressure });
@@ -137,15 +127,15 @@ fn residual(evolution: &mut FiniteEvolution<'_>, w: &[f64], pressure: &[f64]) ->
         let potential = &*graph.potentials[i];
         let stiffness = at.weight / at.gamma;
         let missed = graph_distance(potential, [value, pressure[i]], at.weight, stiffness);
-        // Pressure beyond the law's needs a bound: the smaller of it and the distance to the bound,
-        // as the force that the stiffness answers it with, is what is violated.
+        // Pressure beyond the law's needs a bound: the violation is the smaller of the excess and of the distance to
+        // the bound, the latter as the force the stiffness answers with.
         let above = pressure[i] > potential.subdifferential(value).1;
         let bound = if above { at.gap } else { at.floor };
         worst = worst.max(missed.min((bound - value).abs() * stiffness));
         let outside = (value - at.gap).max(at.floor - value).max(0.0);
         worst = worst.max(outside * stiffness);
     }
-    // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
+    // Every unknown and pressure enters the balance, so any NaN shows in it.
     let worst = larger(worst, largest(&balance));
     let scale = evolution.force_scale(w);
     if scale > 0.0 { worst / scale } else { worst }

@@ -1,4 +1,4 @@
-//! Problem 9 in X = ℝ^m: an instance of [`crate`] with no mesh and no error in space.
+//! Problem 9 in X = ℝ^m: an instance of [`crate`] without mesh or error in space.
 
 mod evolution;
 mod frozen;

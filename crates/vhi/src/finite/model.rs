@@ -7,13 +7,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::history::TimeRule;
 use crate::law::{HistoryKernel, Potential};
 
-/// A function of y = (Su)_i and r = u_i.
 pub trait ComponentLaw: Send + Sync {
-    /// Its value.
     fn value(&self, y: f64, r: f64) -> f64;
-    /// Its derivative in y.
     fn by_y(&self, y: f64, r: f64) -> f64;
-    /// Its derivative in r.
     fn by_r(&self, y: f64, r: f64) -> f64;
 }
 
@@ -33,9 +29,9 @@ pub struct Functional {
     pub weight: f64,
     /// ∂j_i.
     pub potential: Arc<dyn Potential>,
-    /// a_i·u ≤ upper, ∞ without.
+    /// a_i·u ≤ upper, or ∞.
     pub upper: f64,
-    /// a_i·u ≥ lower, -∞ without.
+    /// a_i·u ≥ lower, or -∞.
     pub lower: f64,
 }
 
@@ -52,34 +48,30 @@ pub struct FiniteModel {
     pub inner_product: DMatrix<f64>,
     /// M.
     pub matrix: DMatrix<f64>,
-    /// g_i(r), one a component; empty where A is linear.
+    /// g_i(r) per component; empty for linear A.
     pub nonlinear: Vec<Box<dyn ComponentLaw>>,
-    /// Terms of the history; empty where there is none.
+    /// Terms of the history; may be empty.
     pub kernels: Vec<FiniteKernel>,
     /// R.
     pub r: DMatrix<f64>,
     /// a_S.
     pub a_s: DVector<f64>,
-    /// N_i(y, r), one a component; empty where N(y, u) = y.
+    /// N_i(y, r) per component; empty for N(y, u) = y.
     pub force: Vec<Box<dyn ComponentLaw>>,
-    /// The functionals.
     pub functionals: Vec<Functional>,
     /// Quadrature in time.
     pub time_rule: Box<dyn TimeRule>,
 }
 
 impl FiniteModel {
-    /// m.
     pub fn dimension(&self) -> usize {
         self.matrix.nrows()
     }
 
-    /// ‖v‖_X.
     pub fn norm(&self, v: &DVector<f64>) -> f64 {
         v.dot(&(&self.inner_product * v)).max(0.0).sqrt()
     }
 
-    /// N(y, u).
     pub fn force_of(&self, y: &DVector<f64>, u: &DVector<f64>) -> DVector<f64> {
         if self.force.is_empty() {
             return y.clone();
@@ -87,7 +79,6 @@ impl FiniteModel {
         DVector::from_fn(u.len(), |i, _| self.force[i].value(y[i], u[i]))
     }
 
-    /// A u.
     pub fn operator(&self, u: &DVector<f64>) -> DVector<f64> {
         let mut out = &self.matrix * u;
         for (i, g) in self.nonlinear.iter().enumerate() {
@@ -96,19 +87,18 @@ impl FiniteModel {
         out
     }
 
-    /// Coordinates in which the functionals are the first ones: C with a_i·(C w) = w_i, the rest
-    /// orthonormal. The identity up to order where the functionals are unit vectors. `None` if the
-    /// functionals are linearly dependent.
+    /// Coordinates in which the functionals come first: C with a_i·(C w) = w_i, the rest orthonormal. A permutation of
+    /// the identity if the functionals are unit vectors, None if they are linearly dependent.
     pub(crate) fn coordinates(&self) -> Option<DMatrix<f64>> {
         let (m, p) = (self.dimension(), self.functionals.len());
         let mut rows = DMatrix::zeros(m, m);
         for (i, functional) in self.functionals.iter().enumerate() {
             rows.set_row(i, &functional.a.transpose());
         }
-        // Complete by the unit vectors that lie farthest from the span of the rows so far.
+        // Completed by the unit vectors farthest from the span of the rows so far.
         let mut basis: Vec<DVector<f64>> = Vec::new();
         let residue = |basis: &[DVector<f64>], v: &DVector<f64>| {
-            // Twice: the second pass removes what rounding left of the first.
+            // Twice: the second pass removes the rounding of the first.
             let once = |v: DVector<f64>| {
                 basis.iter().fold(v, |v, b| {
                     let along = b.dot(&v);
@@ -138,6 +128,5 @@ impl FiniteModel {
     }
 }
 
-/// A functional closer to the span of the others than this, relatively, loses 8 digits in the change
-/// of coordinates: it is refused as dependent.
+/// A functional closer to the span of the others than this (relative) would lose 8 digits in the change of coordinates.
 const INDEPENDENT: f64 = 1e-8;

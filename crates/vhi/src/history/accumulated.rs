@@ -1,9 +1,7 @@
-//! ζ_n = Σ' ‖ε(u_j)‖, the accumulated strain of (5.11), with the sum of the past kept apart from
-//! the implicit last term.
+//! ζ_n = Σ' ‖ε(u_j)‖, the accumulated strain of (5.11); the sum of the past is kept apart from the implicit last term.
 
 use super::{TimeGrid, TimeRule};
 
-/// Committed norms of the past and the sums over them.
 #[derive(Debug, Clone, Default)]
 pub struct Accumulated {
     values: Vec<f64>,
@@ -33,7 +31,6 @@ impl Accumulated {
         self.values.iter().enumerate().map(|(j, z)| rule.weight(grid, n, j) * z).sum()
     }
 
-    /// Appends z_n.
     pub fn commit(&mut self, grid: &TimeGrid, value: f64) {
         let n = self.values.len();
         if n > 0 {
@@ -48,7 +45,7 @@ mod tests {
     use super::super::Trapezoid;
     use super::*;
 
-    /// The trapezoidal weights under a name that does not promise them: the sum in full.
+    /// The trapezoidal weights without [`TimeRule::is_trapezoidal`]: the full sum is taken.
     struct Written;
     impl TimeRule for Written {
         fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {

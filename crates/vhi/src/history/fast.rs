@@ -1,15 +1,15 @@
-//! The sum Σ_{j<n} w_j b(t_n - t_j) u_j of a kernel that is smooth away from zero lag, in O(1) vector
-//! operations per step and O(log N) vectors of memory.
+//! Σ_{j<n} w_j b(t_n - t_j) u_j for a kernel that is smooth away from lag zero, in O(1) vector operations per step and
+//! O(log N) vectors of memory.
 //!
-//! Times are gathered in clusters of consecutive levels, clusters of two in larger ones. Between two clusters
-//! of one size that do not touch, b(t - s) is interpolated at r Chebyshev nodes in t and in s,
+//! Levels form clusters, two of which form a larger one. Between separated clusters of one size, b(t - s) is
+//! interpolated at r Chebyshev nodes in t and in s,
 //!
 //!   b(t - s) ≈ Σ_pq L_p(t) b(τ_p - σ_q) L_q(s),
 //!
-//! so that the past acts through moments Σ_j L_q(t_j) w_j u_j; those of a cluster follow from those of its halves,
-//! and what acts on a cluster acts on its halves. Neighbours are summed directly. This is the fast multipole
-//! method of L. Greengard and V. Rokhlin, J. Comput. Phys. 73 (1987), on a line that is known up to now only.
-//! The error of the interpolation is measured on every pair of clusters before the first step.
+//! so that the past acts through moments Σ_j L_q(t_j) w_j u_j. Moments of a cluster follow from those of its halves,
+//! and what acts on a cluster acts on its halves. Neighbours are summed directly. This is the fast multipole method of
+//! L. Greengard and V. Rokhlin, J. Comput. Phys. 73 (1987), in one dimension and causal. The interpolation error is
+//! measured on every pair of clusters before the first step.
 
 use std::ops::Range;
 
@@ -17,21 +17,21 @@ use super::{TimeGrid, TimeRule, Trapezoid};
 use crate::law::MemoryKernel;
 use algebra::linalg::{axpy, dot, larger};
 
-/// Nodes a cluster that are tried. A singularity at zero lag lies three half widths from the middle of the
-/// nearest cluster: the error falls by 3 + √8 a node, 24 nodes are rounding for any such kernel.
+/// Candidate numbers of nodes. A singularity at lag zero is three half widths from the middle of the nearest cluster:
+/// the error falls by 3 + √8 per node, and 24 nodes reach rounding.
 const NODES: [usize; 7] = [4, 6, 8, 12, 16, 20, MOST];
 const MOST: usize = 24;
-/// Of the nodes that the rate asks for so many suffice where a kernel is smooth: 16 for 1e-13.
+/// Share of the nodes by rate that suffices for smooth kernels: 16 for 1e-13.
 const SMOOTH: f64 = 0.92;
-/// The ratio for kernels without a singularity anywhere, whose error falls faster: 12 for 1e-13.
+/// Share for entire kernels, whose error falls faster: 12 for 1e-13.
 const ENTIRE: f64 = 0.65;
-/// Direct sums of N steps are N/2 vectors per step in the mean; interpolation by r nodes is some 10 r.
+/// Direct sums of N steps take N/2 vectors per step on average, interpolation by r nodes about 10 r.
 const PAYS_FROM: usize = 21;
-/// Levels of a smallest cluster over nodes: direct sums over neighbours then cost what the rest does.
+/// Levels of a smallest cluster per node: direct sums over neighbours then cost as much as the rest.
 const LEAF: usize = 2;
 /// Clusters of one size that are held: the open one and three before it.
 const HELD: usize = 4;
-/// Places in each variable at which a pair of clusters is checked: between the nodes and at the ends.
+/// Check points per variable for a pair of clusters: between the nodes and at the ends.
 const CHECKS: usize = 5;
 
 /// History of coefficient vectors by interpolated kernels.
@@ -41,21 +41,19 @@ pub struct FastConvolution {
     steps: usize,
     nodes: usize,
     leaf: usize,
-    /// Moments, by size and number modulo [`HELD`]: r vectors each; and what acts on the open cluster.
+    /// Moments (r vectors each) by size and number modulo [`HELD`], and what acts on the open cluster.
     sizes: Vec<Size>,
     /// u_j of the open smallest cluster and the one before it, by j modulo twice its length.
     near: Vec<Vec<f64>>,
     committed: usize,
-    /// Smallest clusters that have been prepared.
     prepared: usize,
     shapes: Shapes,
     /// b(τ_p - σ_q) of a pair, row by row.
     between: Vec<f64>,
-    /// Largest error of the interpolated kernel, over the largest kernel value.
+    /// Largest interpolation error relative to the largest kernel value.
     pub error: f64,
 }
 
-/// All clusters of one size.
 #[derive(Clone)]
 struct Size {
     moments: [Vec<f64>; HELD],
@@ -63,8 +61,8 @@ struct Size {
 }
 
 impl FastConvolution {
-    /// Prepares N steps of `grid` with a relative error of the kernel of at most `tolerance`; `None` where
-    /// no number of nodes gives that.
+    /// Prepares N steps of `grid` with a relative kernel error of at most `tolerance`; None if no number of nodes
+    /// reaches it.
     pub(crate) fn new(
         kernel: &dyn MemoryKernel,
         grid: &TimeGrid,
@@ -72,10 +70,10 @@ impl FastConvolution {
         tolerance: f64,
     ) -> Option<Self> {
         candidates(tolerance).find_map(|nodes| {
-            // Vectors come after the check: it needs none.
+            // Vectors are allocated after the check.
             let mut plan = Self::with_nodes(nodes, grid, 0);
             plan.error = plan.largest_error(kernel, grid);
-            // Written so that a NaN is refused.
+            // NaN is refused.
             (plan.error <= tolerance)
                 .then(|| Self { error: plan.error, ..Self::with_nodes(nodes, grid, dofs) })
         })
@@ -84,7 +82,7 @@ impl FastConvolution {
     fn with_nodes(nodes: usize, grid: &TimeGrid, dofs: usize) -> Self {
         let leaf = LEAF * nodes;
         let leaves = grid.steps() / leaf + 1;
-        // A size with three clusters at most has no pair that does not touch but (0, 2).
+        // A size with at most three clusters has no separated pair but (0, 2).
         let count = (0..).take_while(|&l| (leaves - 1) >> l >= 2).count();
         let empty = || vec![0.0; nodes * dofs];
         let size = || Size { moments: std::array::from_fn(|_| empty()), acting: empty() };
@@ -103,40 +101,37 @@ impl FastConvolution {
         }
     }
 
-    /// Number of committed steps.
     pub(crate) fn committed(&self) -> usize {
         self.committed
     }
 
-    /// Steps from which on interpolation to `tolerance` may cost less than direct sums.
+    /// Steps from which interpolation to `tolerance` may pay.
     pub(crate) fn least_steps(tolerance: f64) -> usize {
         PAYS_FROM * candidates(tolerance).next().unwrap_or(MOST)
     }
 
-    /// Whether it does on this grid, by the nodes that it took.
     pub(crate) fn pays(&self) -> bool {
         self.steps >= PAYS_FROM * self.nodes
     }
 
-    /// Vectors held over N steps for a smooth kernel; none where direct sums are taken.
+    /// Vectors held over N steps for a smooth kernel; none if direct sums are taken.
     pub fn foreseen_vectors(steps: usize, tolerance: f64) -> Option<usize> {
         let nodes = foreseen_nodes(tolerance);
         (steps >= PAYS_FROM * nodes).then(|| Self::vectors(steps, nodes))
     }
 
-    /// Steps from which on smooth kernels are interpolated to `tolerance`.
+    /// Steps from which smooth kernels are interpolated to `tolerance`.
     pub fn foreseen_from(tolerance: f64) -> usize {
         PAYS_FROM * foreseen_nodes(tolerance)
     }
 
-    /// Vectors held over N steps with so many nodes a cluster.
+    /// Vectors held over N steps with so many nodes per cluster.
     pub(crate) fn vectors(steps: usize, nodes: usize) -> usize {
         let leaves = steps / (LEAF * nodes) + 1;
         let count = (0..).take_while(|&l| (leaves - 1) >> l >= 2).count();
         count * (HELD + 1) * nodes + 2 * LEAF * nodes
     }
 
-    /// Numbers held.
     pub(crate) fn numbers(&self) -> usize {
         (self.sizes.len() * (HELD + 1) * self.nodes + self.near.len()) * self.dofs
     }
@@ -157,7 +152,7 @@ impl FastConvolution {
         if c < 2 { 0..0 } else { 2 * parent.max(1) - 2..c - 1 }
     }
 
-    /// Largest error of the interpolated kernel on all pairs of clusters, over the largest value.
+    /// Largest interpolation error on all pairs of clusters, relative to the largest kernel value.
     fn largest_error(&mut self, kernel: &dyn MemoryKernel, grid: &TimeGrid) -> f64 {
         let leaves = grid.steps() / self.leaf;
         let at_zero = kernel.value(0.0).abs();
@@ -173,13 +168,13 @@ impl FastConvolution {
             .collect();
         for l in 0..self.sizes.len() {
             for c in 0..=leaves >> l {
-                let own = self.interval(grid, l, c);
+                let interval = self.interval(grid, l, c);
                 for partner in Self::partners(c) {
                     let other = self.interval(grid, l, partner);
-                    interpolate(kernel, own, other, &mut self.between, self.nodes);
+                    interpolate(kernel, interval, other, &mut self.between, self.nodes);
                     for (x, shape_t) in &shapes {
                         for (y, shape_s) in &shapes {
-                            let value = kernel.value(place(own, *x) - place(other, *y));
+                            let value = kernel.value(place(interval, *x) - place(other, *y));
                             let rows = self.between.chunks_exact(self.nodes).zip(shape_t);
                             let found: f64 = rows.map(|(row, s)| s * dot(row, shape_s)).sum();
                             worst = larger(worst, (found - value).abs());
@@ -192,20 +187,20 @@ impl FastConvolution {
         if largest > 0.0 { worst / largest } else { worst }
     }
 
-    /// What acts on the clusters that begin with level n, the large ones first.
+    /// Collects what acts on the clusters that begin with level n, large ones first.
     fn prepare(&mut self, kernel: &dyn MemoryKernel, grid: &TimeGrid, n: usize) {
         let (dofs, nodes) = (self.dofs, self.nodes);
         let leaf = n / self.leaf;
         for l in (0..self.sizes.len()).rev().filter(|l| leaf.is_multiple_of(1 << l)) {
             let c = leaf >> l;
-            let own = self.interval(grid, l, c);
+            let interval = self.interval(grid, l, c);
             let parent = self.interval(grid, l + 1, c / 2);
             let (small, large) = self.sizes.split_at_mut(l + 1);
             let size = &mut small[l];
             size.acting.fill(0.0);
             if let Some(large) = large.first() {
                 for p in 0..nodes {
-                    let weights = self.shapes.at(inverse(parent, place(own, node(nodes, p))));
+                    let weights = self.shapes.at(inverse(parent, place(interval, node(nodes, p))));
                     let out = &mut size.acting[dofs * p..dofs * (p + 1)];
                     for (weight, from) in weights.iter().zip(large.acting.chunks_exact(dofs)) {
                         axpy(*weight, from, out);
@@ -214,7 +209,7 @@ impl FastConvolution {
             }
             for partner in Self::partners(c) {
                 let other = self.interval(grid, l, partner);
-                interpolate(kernel, own, other, &mut self.between, nodes);
+                interpolate(kernel, interval, other, &mut self.between, nodes);
                 let size = &mut self.sizes[l];
                 let moments = &size.moments[partner % HELD];
                 let rows = self.between.chunks_exact(nodes);
@@ -249,7 +244,6 @@ impl FastConvolution {
         }
     }
 
-    /// Appends u_n.
     pub(crate) fn commit(&mut self, grid: &TimeGrid, u: &[f64]) {
         let (n, dofs) = (self.committed, self.dofs);
         self.near[n % (2 * self.leaf)].copy_from_slice(u);
@@ -262,11 +256,11 @@ impl FastConvolution {
         // The weight of t_n in all later sums.
         let weight = Trapezoid.weight(grid, n + 1, n);
         let shapes = self.shapes.at(x);
-        let own = &mut self.sizes[0].moments[leaf % HELD];
+        let moments = &mut self.sizes[0].moments[leaf % HELD];
         if n.is_multiple_of(self.leaf) {
-            own.fill(0.0);
+            moments.fill(0.0);
         }
-        for (shape, moment) in shapes.iter().zip(own.chunks_exact_mut(dofs)) {
+        for (shape, moment) in shapes.iter().zip(moments.chunks_exact_mut(dofs)) {
             axpy(weight * shape, u, moment);
         }
         if (n + 1).is_multiple_of(self.leaf) {
@@ -274,7 +268,7 @@ impl FastConvolution {
         }
     }
 
-    /// Adds the moments of clusters that end with the smallest one of this number to those of their parents.
+    /// Adds the moments of clusters that end with smallest cluster `leaf` to those of their parents.
     fn gather(&mut self, grid: &TimeGrid, leaf: usize) {
         let (dofs, nodes) = (self.dofs, self.nodes);
         for l in 0..self.sizes.len().saturating_sub(1) {
@@ -282,14 +276,14 @@ impl FastConvolution {
                 break;
             }
             let c = leaf >> l;
-            let (own, parent) = (self.interval(grid, l, c), self.interval(grid, l + 1, c / 2));
+            let (interval, parent) = (self.interval(grid, l, c), self.interval(grid, l + 1, c / 2));
             let (small, large) = self.sizes.split_at_mut(l + 1);
             let target = &mut large[0].moments[(c / 2) % HELD];
             if c.is_multiple_of(2) {
                 target.fill(0.0);
             }
             for (p, from) in small[l].moments[c % HELD].chunks_exact(dofs).enumerate() {
-                let weights = self.shapes.at(inverse(parent, place(own, node(nodes, p))));
+                let weights = self.shapes.at(inverse(parent, place(interval, node(nodes, p))));
                 for (weight, out) in weights.iter().zip(target.chunks_exact_mut(dofs)) {
                     axpy(*weight, from, out);
                 }
@@ -298,7 +292,7 @@ impl FastConvolution {
     }
 }
 
-/// Nodes that are tried for a tolerance: few are no use for a strict one.
+/// Candidate numbers of nodes for a tolerance.
 fn candidates(tolerance: f64) -> impl Iterator<Item = usize> {
     let least = ENTIRE * nodes_by_rate(tolerance);
     NODES.into_iter().filter(move |&nodes| nodes as f64 >= least || nodes == MOST)
@@ -309,18 +303,16 @@ fn nodes_by_rate(tolerance: f64) -> f64 {
     -tolerance.ln() / (3.0 + 8f64.sqrt()).ln()
 }
 
-/// Nodes that smooth kernels need.
 fn foreseen_nodes(tolerance: f64) -> usize {
     let least = SMOOTH * nodes_by_rate(tolerance);
     NODES.into_iter().find(|&nodes| nodes as f64 >= least).unwrap_or(MOST)
 }
 
-/// Chebyshev node i of r on [-1, 1].
 fn node(nodes: usize, i: usize) -> f64 {
     (std::f64::consts::PI * (2 * i + 1) as f64 / (2 * nodes) as f64).cos()
 }
 
-/// The time at x ∈ [-1, 1] of an interval, and back.
+/// The time at x ∈ [-1, 1] of an interval.
 fn place((from, to): (f64, f64), x: f64) -> f64 {
     0.5 * (from + to) + 0.5 * (to - from) * x
 }
@@ -332,18 +324,18 @@ fn inverse((from, to): (f64, f64), t: f64) -> f64 {
 /// b(τ_p - σ_q) between the nodes of two intervals, row by row.
 fn interpolate(
     kernel: &dyn MemoryKernel,
-    own: (f64, f64),
+    interval: (f64, f64),
     other: (f64, f64),
     out: &mut [f64],
     nodes: usize,
 ) {
     let at = |interval, i| place(interval, node(nodes, i));
     for (pq, value) in out.iter_mut().enumerate() {
-        *value = kernel.value(at(own, pq / nodes) - at(other, pq % nodes));
+        *value = kernel.value(at(interval, pq / nodes) - at(other, pq % nodes));
     }
 }
 
-/// Lagrange's polynomials of the nodes, L_i(x) = (2/r) Σ' T_m(x_i) T_m(x), the term m = 0 halved.
+/// Lagrange polynomials of the nodes, L_i(x) = (2/r) Σ' T_m(x_i) T_m(x), the term m = 0 halved.
 struct Shapes {
     nodes: usize,
     /// T_m(x_i).
@@ -359,8 +351,8 @@ impl Shapes {
     fn at(&self, x: f64) -> [f64; MOST] {
         let at = chebyshev(x);
         let mut values = [0.0; MOST];
-        for (value, own) in values.iter_mut().zip(&self.table) {
-            let sum = dot(&own[1..self.nodes], &at[1..self.nodes]);
+        for (value, at_node) in values.iter_mut().zip(&self.table) {
+            let sum = dot(&at_node[1..self.nodes], &at[1..self.nodes]);
             *value = (1.0 + 2.0 * sum) / self.nodes as f64;
         }
         values

@@ -1,31 +1,29 @@
-//! Gregory's rules: the trapezoidal rule with corrections by differences at both ends, on equal steps.
+//! Gregory's rules: the trapezoidal rule with difference corrections at both ends, on equal steps.
 
 use super::{TimeGrid, TimeRule, Trapezoid};
 
-/// Order of a rule of Gregory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GregoryOrder {
-    /// First differences; it misses (k³/24)(F''(t) + F''(0)), F(s) = q(t, s) u(s).
+    /// First differences; error (k³/24)(F''(t) + F''(0)), F(s) = q(t, s) u(s).
     Three,
-    /// Second differences too; it misses (19/720) k⁴ [F''']_0^t, and at t_1 what the trapezoidal rule misses.
+    /// Second differences too; error (19/720) k⁴ [F''']_0^t, and that of the trapezoidal rule at t_1.
     Four,
 }
 
-/// The trapezoidal weights with k/12 moved from each end to its neighbour, and by order four k/24 of (−1, 2, −1) on the
-/// three points at each end as well. Corrections that overlap are added: Simpson's rule at t_2, the 3/8 rule at t_3.
+/// The trapezoidal weights with k/12 moved from each end to its neighbour; for order four also k/24 of (−1, 2, −1) on
+/// the three points at each end. Overlapping corrections are added: Simpson's rule at t_2, the 3/8 rule at t_3.
 ///
-/// At t_1 two points carry the trapezoidal rule, which misses k³ F''(0)/12: order four in the maximum over all t_n needs
-/// F''(0) = 0. Weights are positive. On unequal steps the corrections mean nothing, and scenes refuse them.
+/// At t_1 only the trapezoidal rule is possible, with error k³ F''(0)/12: order four in the maximum over t_n needs
+/// F''(0) = 0. Weights are positive. The corrections assume equal steps; scenes refuse others.
 ///
-/// Source: H. Brunner and P. J. van der Houwen, The Numerical Solution of Volterra Equations, North-Holland (1986).
+/// H. Brunner and P. J. van der Houwen, The Numerical Solution of Volterra Equations, North-Holland (1986).
 #[derive(Debug, Clone, Copy)]
 pub struct Gregory {
-    /// Three or four.
     pub order: GregoryOrder,
 }
 
 impl Gregory {
-    /// What is added at a distance of `i` steps from an end of a sum over n steps, in units of the step.
+    /// Correction `i` steps from an end of a sum over n steps, in units of the step.
     fn correction(self, n: usize, i: usize) -> f64 {
         let first = [-1.0 / 12.0, 1.0 / 12.0].get(i).filter(|_| n >= 1);
         let second = [-1.0 / 24.0, 2.0 / 24.0, -1.0 / 24.0].get(i);
@@ -56,7 +54,7 @@ mod tests {
         (0..=n).map(|j| rule.weight(&grid, n, j)).collect()
     }
 
-    /// The closed rules of Newton and Cotes at the start, Gregory's own patterns from n = 3 and n = 5 on.
+    /// Newton–Cotes rules at the start, Gregory's patterns from n = 3 and n = 5 on.
     #[test]
     fn weights_are_those_of_the_tables() {
         let tables: [(Gregory, &[f64]); 8] = [
@@ -70,18 +68,22 @@ mod tests {
             (FOUR, &[0.375, 7.0 / 6.0, 23.0 / 24.0, 23.0 / 24.0, 7.0 / 6.0, 0.375]),
         ];
         for (rule, table) in tables {
-            let own = weights(rule, table.len() - 1);
-            assert!(own.iter().zip(table).all(|(a, b)| (a - b).abs() < 1e-15), "{own:?} {table:?}");
+            let found = weights(rule, table.len() - 1);
+            assert!(
+                found.iter().zip(table).all(|(a, b)| (a - b).abs() < 1e-15),
+                "{found:?} {table:?}"
+            );
         }
     }
 
-    /// What is left of ∫_0^t s^m ds is (k³/24)(F''(t) + F''(0)) for m = 3 by order three, (19/720) k⁴ [F''']_0^t for m = 4
-    /// by order four, to leading order; straight lines are exact by both, parabolas and cubics by order four from n = 2 on.
+    /// Errors for ∫_0^t s^m ds: (k³/24)(F''(t) + F''(0)) for m = 3 by order three, (19/720) k⁴ [F''']_0^t for m = 4 by
+    /// order four, to leading order; straight lines are exact by both, parabolas and cubics by order four from n = 2
+    /// on.
     #[test]
     fn powers_are_missed_by_the_leading_terms() {
         let missed = |rule: Gregory, n: usize, power: i32| -> f64 {
-            let own = weights(rule, n);
-            let sum: f64 = own.iter().enumerate().map(|(j, w)| w * (j as f64).powi(power)).sum();
+            let found = weights(rule, n);
+            let sum: f64 = found.iter().enumerate().map(|(j, w)| w * (j as f64).powi(power)).sum();
             (n as f64).powi(power + 1) / f64::from(power + 1) - sum
         };
         for n in 1..12 {

@@ -3,12 +3,11 @@
 use crate::law::HistoryKernel;
 use algebra::linalg::signed_unit;
 
-/// A time grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeGrid {
     times: Vec<f64>,
-    /// T/N where all steps are the same but for the rounding of their ends: weights that ought to be equal are, and a
-    /// matrix that depends on them is factorized once.
+    /// T/N if all steps are equal up to rounding of their ends: equal weights are then bitwise equal, and a matrix that
+    /// depends on them is factorized once.
     equal: Option<f64>,
 }
 
@@ -48,28 +47,24 @@ impl TimeGrid {
         Self::of(times)
     }
 
-    /// Any increasing times that start at 0; `None` otherwise.
+    /// Any increasing times that start at 0; None otherwise.
     pub fn new(times: Vec<f64>) -> Option<Self> {
         let increasing = times.windows(2).all(|pair| pair[0] < pair[1]);
         (times.first() == Some(&0.0) && increasing).then(|| Self::of(times))
     }
 
-    /// The grid t_0, …, t_last.
     pub fn up_to(&self, last: usize) -> Self {
         Self { times: self.times[..=last].to_vec(), equal: self.equal }
     }
 
-    /// Number of steps N.
     pub fn steps(&self) -> usize {
         self.times.len() - 1
     }
 
-    /// t_n.
     pub fn time(&self, n: usize) -> f64 {
         self.times[n]
     }
 
-    /// All times t_0, …, t_N.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
@@ -84,12 +79,11 @@ impl TimeGrid {
         self.equal.map_or(self.times[n] - self.times[j], |k| (n - j) as f64 * k)
     }
 
-    /// Whether all steps are the same but for the rounding of their ends.
+    /// Whether all steps are equal up to rounding of their ends.
     pub fn is_uniform(&self) -> bool {
         self.equal.is_some()
     }
 
-    /// k, the largest step.
     pub fn largest_step(&self) -> f64 {
         (1..self.times.len()).map(|n| self.step(n)).fold(0.0, f64::max)
     }
@@ -100,8 +94,8 @@ pub trait TimeRule: Send + Sync {
     /// w_{nj}, 0 ≤ j ≤ n; all zero for n = 0.
     fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64;
 
-    /// The weight of v(t_j) in ∫_0^{t_n} q(t_n, s) v(s) ds: w_{nj} q(t_n, t_j), unless the rule
-    /// integrates the kernel in another way.
+    /// The weight of v(t_j) in ∫_0^{t_n} q(t_n, s) v(s) ds: w_{nj} q(t_n, t_j), unless the rule integrates the kernel
+    /// otherwise.
     fn kernel_weight(
         &self,
         kernel: &dyn HistoryKernel,
@@ -110,28 +104,28 @@ pub trait TimeRule: Send + Sync {
         j: usize,
     ) -> f64 {
         match self.weight(grid, n, j) {
-            // A kernel may be infinite where it is not asked for.
+            // A kernel may be infinite where it has no weight.
             0.0 => 0.0,
             weight => weight * kernel.at(grid.time(n), grid.time(j)),
         }
     }
 
-    /// The weights of v(t_0), …, v(t_n) in the same integral.
+    /// The weights of v(t_0), …, v(t_n) in this integral.
     fn kernel_row(&self, kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize) -> Vec<f64> {
         (0..=n).map(|j| self.kernel_weight(kernel, grid, n, j)).collect()
     }
 
-    /// The largest w_nn over the step before t_n: what of a step enters (3.4) and the bounds on the last slot.
+    /// The largest w_nn over the step before t_n, which enters (3.4) and the bounds on the last slot.
     fn last_share(&self) -> f64 {
         0.5
     }
 
-    /// The weight w_nn of a last step k under a kernel (t - s)^{-a} b(t, s) over b(t, t).
+    /// The weight w_nn of a last step k for a kernel (t - s)^{-a} b(t, s), over b(t, t).
     fn last_weight(&self, _power: f64, k: f64) -> f64 {
         self.last_share() * k
     }
 
-    /// True if the weights are those of [`Trapezoid`], so that recursions may replace sums.
+    /// Whether the weights are those of [`Trapezoid`], so that recursions may replace sums.
     fn is_trapezoidal(&self) -> bool {
         false
     }
@@ -195,7 +189,7 @@ mod tests {
         assert_eq!(grid.up_to(2).times(), [0.0, 0.25, 1.0]);
     }
 
-    /// The differences of n/6 have three values.
+    /// The differences of n/6 take three floating-point values.
     #[test]
     fn equal_steps_are_equal_to_the_last_digit() {
         let grid = TimeGrid::uniform(1.0, 6);
@@ -220,7 +214,7 @@ mod tests {
         assert!((grid.time(200) - 3.0).abs() < 1e-14);
     }
 
-    /// q(t, s) = s - 2 with a pole at t = 0, where no rule may ask for it.
+    /// q(t, s) = s - 2 with a pole at t = 0, where no rule may evaluate it.
     struct Pole;
     impl HistoryKernel for Pole {
         fn at(&self, t: f64, s: f64) -> f64 {

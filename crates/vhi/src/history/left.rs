@@ -1,9 +1,9 @@
-//! The left-endpoint rule: the history at t_n is made of earlier levels alone.
+//! The left-endpoint rule: the history at t_n uses earlier levels only.
 
 use super::{TimeGrid, TimeRule};
 
-/// w_nj = k_{j+1} for j < n, w_nn = 0, on any grid. It misses (k/2)[q(t, s) u(s)]_0^t: order 1. The last slot has no
-/// weight, so that no step size is too large for one solution per step.
+/// w_nj = k_{j+1} for j < n, w_nn = 0, on any grid; error (k/2)[q(t, s) u(s)]_0^t: order 1. The last slot has no
+/// weight, so every step size has one solution per step.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Left;
 
@@ -21,7 +21,7 @@ impl TimeRule for Left {
 mod tests {
     use super::*;
 
-    /// Σ w_nj v(t_j) is a sum of lower rectangles: exact for constants, short of t²/2 by Σ k_j²/2 for v(s) = s.
+    /// Lower rectangles: exact for constants, short of t²/2 by Σ k_j²/2 for v(s) = s.
     #[test]
     fn constants_are_integrated_and_straight_lines_by_what_the_rectangles_miss() {
         for grid in [TimeGrid::uniform(2.0, 7), TimeGrid::graded(2.0, 9, 1.7)] {

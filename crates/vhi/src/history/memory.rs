@@ -1,7 +1,7 @@
 //! The linear part of the history, Σ' b(t_n - t_j) u_j, on coefficient vectors.
 //!
-//! ℬ₀ε(·) is linear, so the history tensor of a cell is ℬ₀ of the strain of one history vector: a
-//! vector of unknowns is kept a step (direct sum) or an exponential (recursion), not a tensor per cell.
+//! ℬ₀ε(·) is linear, so the history tensor of a cell is ℬ₀ of the strain of one history vector: one vector of unknowns
+//! is kept per step (direct sum) or exponential (recursion), not a tensor per cell.
 
 use super::{FastConvolution, TimeGrid, TimeRule};
 use crate::law::{Convolution, MemoryKernel};
@@ -14,8 +14,8 @@ pub enum Memory {
         /// u_0, …, u_{n-1}.
         past: Vec<Vec<f64>>,
     },
-    /// One state a term a·exp(-c t): I_n = ∫_0^{t_n} exp(-c(t_n - s)) u(s) ds by the trapezoidal
-    /// rule, advanced exactly: I_n = e^{-c k_n}(I_{n-1} + k_n/2 u_{n-1}) + k_n/2 u_n.
+    /// One state per term a·exp(-c t): I_n = ∫_0^{t_n} exp(-c(t_n - s)) u(s) ds by the trapezoidal rule, advanced
+    /// exactly: I_n = e^{-c k_n}(I_{n-1} + k_n/2 u_{n-1}) + k_n/2 u_n.
     Recursive {
         /// (a_i, c_i).
         terms: Vec<(f64, f64)>,
@@ -23,27 +23,21 @@ pub enum Memory {
         states: Vec<Vec<f64>>,
         /// u_{n-1}.
         last: Vec<f64>,
-        /// n.
         committed: usize,
     },
-    /// The kernel interpolated between clusters of levels.
     Fast(Box<FastConvolution>),
 }
 
-/// How a [`Memory`] keeps the past.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Storage {
-    /// [`Memory::Direct`].
     Direct,
-    /// [`Memory::Recursive`].
     Recursive,
-    /// [`Memory::Fast`].
     Fast,
 }
 
 impl Memory {
-    /// Recursion where the kernel is a sum of exponentials, interpolation for other kernels on long grids where it
-    /// reaches the error that they allow, both with the trapezoidal rule; else the direct sum.
+    /// For the trapezoidal rule: recursion for sums of exponentials, interpolation for other kernels on long grids if
+    /// it meets their tolerance. Otherwise the direct sum.
     pub fn new(
         kernel: &dyn MemoryKernel,
         rule: &dyn TimeRule,
@@ -59,7 +53,7 @@ impl Memory {
             },
             None if rule.is_trapezoidal() => {
                 let fast = kernel.interpolated_to().and_then(|error| {
-                    // Also the fewest nodes pay from here on alone: nothing is tried before.
+                    // Even the fewest nodes pay only from here on.
                     let long = grid.steps() >= FastConvolution::least_steps(error);
                     let fast = long.then(|| FastConvolution::new(kernel, grid, dofs, error));
                     fast.flatten().filter(FastConvolution::pays)
@@ -75,7 +69,6 @@ impl Memory {
         Self::Direct { past: Vec::new() }
     }
 
-    /// How it keeps the past.
     pub fn storage(&self) -> Storage {
         match self {
             Self::Direct { .. } => Storage::Direct,
@@ -84,7 +77,7 @@ impl Memory {
         }
     }
 
-    /// Number of committed steps: the index n of the next one.
+    /// The index n of the next step.
     pub(crate) fn committed(&self) -> usize {
         match self {
             Self::Direct { past } => past.len(),
@@ -124,7 +117,6 @@ impl Memory {
         }
     }
 
-    /// Appends u_n.
     pub fn commit(&mut self, grid: &TimeGrid, u: &[f64]) {
         match self {
             Self::Direct { past } => past.push(u.to_vec()),
@@ -145,7 +137,6 @@ impl Memory {
         }
     }
 
-    /// Bytes held for the history.
     pub fn bytes(&self) -> usize {
         let vectors = match self {
             Self::Direct { past } => past.iter().map(Vec::len).sum(),
@@ -164,7 +155,7 @@ mod tests {
     use super::*;
     use crate::law::ExponentialSum;
 
-    /// Direct sum and recursion on one grid; the largest relative difference over all steps.
+    /// Largest relative difference of direct sum and recursion over all steps of a grid.
     fn difference(grid: &TimeGrid, kernel: &ExponentialSum) -> f64 {
         let mut direct = Memory::direct();
         let mut recursive = Memory::new(kernel, &Trapezoid, grid, 2);
@@ -194,7 +185,7 @@ mod tests {
         assert!(difference(&TimeGrid::graded(3.0, 300, 2.0), &kernel) < 1e-13);
     }
 
-    /// A recursion that forgets half of the first weight is seen by the comparison above.
+    /// The comparison above detects a recursion that forgets half of the first weight.
     #[test]
     fn a_wrong_first_weight_is_seen() {
         struct NoFirstTerm;
@@ -231,7 +222,7 @@ mod tests {
         }
     }
 
-    /// What the vector held before is not part of the sum, not even at n = 0.
+    /// Previous contents of the output are overwritten, even at n = 0.
     #[test]
     fn the_past_overwrites_what_was_there() {
         let grid = TimeGrid::uniform(1.0, 4);

@@ -2,11 +2,11 @@
 
 use super::rules::GAUSS;
 
-/// ∫ λ^{-a} φ(λ) over the lags near < λ < near + step, for the hat functions φ of the far end and of the near end of the
-/// step, 0 ≤ a < 1.
+/// ∫ λ^{-a} φ(λ) over the lags near < λ < near + step, for the hat functions φ of the far and the near end of the step,
+/// 0 ≤ a < 1.
 ///
-/// Differences of powers lose (near/step)² roundings: 4e-8 of a weight on t_j = T (j/N)^4 with N = 1024. Where the
-/// step is no longer than its distance from lag zero, Gauss's rule with 10 points leaves out (3 + √8)^{-20}, which is
+/// Differences of powers lose (near/step)² roundings: 4e-8 of a weight on t_j = T (j/N)^4 with N = 1024. If the step is
+/// no longer than its distance from lag zero, Gauss's rule with 10 points is used; its error (3 + √8)^{-20} is
 /// rounding.
 pub(super) fn moments(a: f64, near: f64, step: f64) -> (f64, f64) {
     let (one, two) = (1.0 - a, 2.0 - a);
@@ -19,7 +19,7 @@ pub(super) fn moments(a: f64, near: f64, step: f64) -> (f64, f64) {
             let value = weight * step * (near + step * x).powf(-a);
             (value * x, value * (1.0 - x))
         });
-        return parts.fold((0.0, 0.0), |sums, (far, own)| (sums.0 + far, sums.1 + own));
+        return parts.fold((0.0, 0.0), |sums, (far, near_end)| (sums.0 + far, sums.1 + near_end));
     }
     let far = near + step;
     let zeroth = (far.powf(one) - near.powf(one)) / one;
@@ -42,7 +42,7 @@ mod tests {
         ProductIntegration.kernel_row(&Convolution(&Singular { power: a, factor }), grid, n)
     }
 
-    /// Hat functions add up to 1, and weighed by the times to s: t^{1-a}/(1-a), t^{2-a}/((1-a)(2-a)).
+    /// Hat functions sum to 1, and weighted by the times to s: t^{1-a}/(1-a), t^{2-a}/((1-a)(2-a)).
     #[test]
     fn straight_lines_are_integrated_exactly_on_any_grid() {
         let grids = [
@@ -68,7 +68,7 @@ mod tests {
         }
     }
 
-    /// ∫ φ_j(s) (t_n - s)^{-a} ds by the series of the power about t_j, where both steps beside it are short.
+    /// ∫ φ_j(s) (t_n - s)^{-a} ds by the series of the power about t_j, if both adjacent steps are short.
     fn by_series(a: f64, grid: &TimeGrid, n: usize, j: usize) -> f64 {
         let (before, after) = (grid.step(j), grid.step(j + 1));
         let lag = grid.lag(n, j);
@@ -83,7 +83,7 @@ mod tests {
         sum
     }
 
-    /// Each weight to rounding where the second difference of powers has lost nine digits.
+    /// Each weight to rounding, where the second difference of powers loses nine digits.
     #[test]
     fn weights_of_short_steps_far_away_keep_their_digits() {
         let grid = TimeGrid::graded(1.0, 1024, 4.0);
@@ -105,7 +105,7 @@ mod tests {
         }
     }
 
-    /// The three ways to a moment meet: beside lag zero, at the length that changes from one to the other.
+    /// The three formulas agree at their limits: beside lag zero, and at the length where they switch.
     #[test]
     fn the_three_ways_agree_where_they_meet() {
         for a in POWERS {
@@ -118,14 +118,14 @@ mod tests {
         }
     }
 
-    /// w_nn = k^{1-a}/((1-a)(2-a)) times the factor at lag zero, which (3.4) takes, half a step for a = 0.
+    /// w_nn = k^{1-a}/((1-a)(2-a)) times the factor at lag zero, as in (3.4); half a step for a = 0.
     #[test]
     fn the_last_weight_is_the_one_of_the_step_bound() {
         let grid = TimeGrid::graded(1.0, 16, 2.0);
         for a in POWERS {
             for n in 1..=16 {
-                let own = ProductIntegration.last_weight(a, grid.step(n));
-                assert!((row(a, &grid, n)[n] / own - 1.0).abs() < 1e-15);
+                let last_weight = ProductIntegration.last_weight(a, grid.step(n));
+                assert!((row(a, &grid, n)[n] / last_weight - 1.0).abs() < 1e-15);
             }
         }
         assert_eq!(ProductIntegration.last_weight(0.0, 0.25), 0.125);

@@ -1,24 +1,23 @@
-//! Time rules for kernels that are not C² or infinite at s = t: a corrected end weight, and product integration.
+//! Time rules for kernels that are not C², or infinite at s = t: a corrected end weight, and product integration.
 
 use super::{TimeGrid, TimeRule, Trapezoid, powers};
 use crate::law::HistoryKernel;
 
-/// The trapezoidal rule with another weight at s = t_n for kernels
-/// q(t, s) ≈ q(t, t) + c(t) (t - s)^a near s = t, 0 < a < 1.
+/// The trapezoidal rule with a corrected weight at s = t_n for kernels q(t, s) ≈ q(t, t) + c(t) (t - s)^a near s = t, 0
+/// < a < 1.
 ///
-/// With v(s) = v(t_n) + O(t_n - s) only c (t_n - s)^a v(t_n) has an unbounded derivative. The rule
-/// misses ζ_R(-a) c k^{1+a} v(t_n) of it in the long run (Riemann's zeta function; I. Navot,
-/// J. Math. Phys. 40 (1961) 271-276) and another multiple of k^{1+a} while t_n is a few steps. The
-/// weight at t_n takes up exactly what is missed, c (t_n^{1+a}/(1+a) - Σ' (t_n - t_j)^a): order 2 at
-/// every n, on any grid.
+/// With v(s) = v(t_n) + O(t_n - s) only c (t_n - s)^a v(t_n) has an unbounded derivative. Its error is ζ_R(-a) c
+/// k^{1+a} v(t_n) for large n (Riemann's zeta function; I. Navot, J. Math. Phys. 40 (1961) 271-276) and another
+/// multiple of k^{1+a} for small n. The weight at t_n absorbs it exactly, c (t_n^{1+a}/(1+a) - Σ' (t_n - t_j)^a): order
+/// 2 at every n, on any grid.
 #[derive(Debug, Clone, Copy)]
 pub struct CorrectedEnd {
     /// a.
     pub exponent: f64,
 }
 
-/// c(t) is read off q at this share of a step before t: a part of q that is differentiable at s = t
-/// then changes c by this share of a step to the power 1 - a, which is of higher order in k.
+/// Share of a step before t at which c(t) is read off q: a part of q that is differentiable at s = t changes c by this
+/// share of a step to the power 1 - a, of higher order in k.
 const NEAR: f64 = 1e-6;
 
 impl CorrectedEnd {
@@ -54,14 +53,14 @@ impl TimeRule for CorrectedEnd {
     }
 }
 
-/// Product integration with the hat functions φ_j of the times. For a kernel that is finite v is interpolated linearly and the
-/// kernel is integrated, W_nj = ∫ q(t_n, s) φ_j(s) ds. For (t - s)^{-a} b(t, s) the product b v is interpolated and the power is
-/// integrated, W_nj = b(t_n, t_j) ∫ (t_n - s)^{-a} φ_j(s) ds: as accurate, with three powers a weight.
+/// Product integration with the hat functions φ_j of the times. For finite kernels v is interpolated and the kernel
+/// integrated, W_nj = ∫ q(t_n, s) φ_j(s) ds. For (t - s)^{-a} b(t, s) the product b v is interpolated and the power
+/// integrated, W_nj = b(t_n, t_j) ∫ (t_n - s)^{-a} φ_j(s) ds: as accurate, with three powers per weight.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ProductIntegration;
 
 impl ProductIntegration {
-    /// The weights at both ends of the step that ends at t_i: of v, or of b v.
+    /// The weights (of v, or of b v) at both ends of the step that ends at t_i.
     fn step(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, i: usize) -> (f64, f64) {
         match kernel.power() {
             0.0 => Self::whole(kernel, grid, n, i),
@@ -76,8 +75,8 @@ impl ProductIntegration {
 
     /// ∫ q(t_n, s) over the step that ends at t_i, against the hat functions of its two ends.
     ///
-    /// Places are graded towards t_n as x⁴, which makes (t_n - s)^a a polynomial for a = ¼, ½, ¾ and
-    /// smooth enough for 14 digits for other a > 0; steps away from t_n are smooth anyway.
+    /// Nodes are graded towards t_n as x⁴, which makes (t_n - s)^a a polynomial for a = ¼, ½, ¾ and smooth enough for
+    /// 14 digits for other a > 0; steps away from t_n are smooth anyway.
     fn whole(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, i: usize) -> (f64, f64) {
         let (t, from, k) = (grid.time(n), grid.time(i - 1), grid.step(i));
         let mut sums = (0.0, 0.0);
@@ -94,7 +93,7 @@ impl ProductIntegration {
 }
 
 impl TimeRule for ProductIntegration {
-    /// Of a smooth integrand without kernel (ζ): the trapezoidal weights.
+    /// For a smooth integrand without kernel (ζ): the trapezoidal weights.
     fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
         Trapezoid.weight(grid, n, j)
     }
@@ -124,7 +123,6 @@ impl TimeRule for ProductIntegration {
         row
     }
 
-    /// k^{1-a}/((1-a)(2-a)).
     fn last_weight(&self, power: f64, k: f64) -> f64 {
         powers::moments(power, 0.0, k).1
     }
@@ -164,16 +162,16 @@ mod tests {
         (sum - 3.0 / two - 6.0 / (two * (a + 3.0))).abs()
     }
 
-    /// -ζ_R(-½) k^{3/2} in the long run; tables have ζ_R(-½) = -0.2078862….
+    /// -ζ_R(-½) k^{3/2} for large n, with ζ_R(-½) = -0.2078862….
     #[test]
     fn the_end_weight_tends_to_the_value_of_zeta() {
         let grid = TimeGrid::uniform(1.0, 4096);
         let missed = CorrectedEnd { exponent: 0.5 }.missed(&grid, 4096) * 4096f64.powf(1.5);
-        // The far end takes k^{1/2}/24 away.
+        // The far end contributes -k^{1/2}/24.
         assert!((missed - 0.207_886_2 + 1.0 / (24.0 * 64.0)).abs() < 1e-5, "{missed}");
     }
 
-    /// A weight asked for alone is that of its row, the last one among them, also where the grid goes on.
+    /// Single weights equal those of their row, also if the grid goes on.
     #[test]
     fn weights_are_those_of_their_row() {
         let grid = TimeGrid::graded(1.0, 8, 2.0);
@@ -181,13 +179,13 @@ mod tests {
             let row = ProductIntegration.kernel_row(&Power(0.5), &grid, n);
             let weight = |j: usize| ProductIntegration.kernel_weight(&Power(0.5), &grid, n, j);
             let alone: Vec<f64> = (0..=n).map(weight).collect();
-            // The same two integrals a weight, added in the other order.
+            // The two integrals of a weight, added in another order.
             let pairs = row.iter().zip(&alone).map(|(a, b)| (a - b).abs());
             assert!(row.len() == n + 1 && pairs.fold(0.0, f64::max) < 1e-15, "{row:?} {alone:?}");
         }
     }
 
-    /// The error at its largest over all n, for v(0) ≠ 0: near t = 0 the long run is not reached.
+    /// The largest error over all n, for v(0) ≠ 0: near t = 0 the asymptotic correction does not hold.
     #[test]
     fn order_two_holds_from_the_first_step_on() {
         let exact = |t: f64| 2.0 * t.powf(1.5) + 0.8 * t.powf(2.5);
@@ -208,7 +206,7 @@ mod tests {
             assert!((order(&end, grid) - 2.0).abs() < 0.05, "{}", order(&end, grid));
             assert!(order(&Trapezoid, grid) < 1.55);
         }
-        /// The correction of the long run alone.
+        /// The asymptotic correction alone.
         struct LongRun;
         impl TimeRule for LongRun {
             fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
@@ -280,7 +278,6 @@ mod tests {
         }
     }
 
-    /// Affine functions against any kernel: product integration is exact.
     #[test]
     fn product_integration_is_exact_for_affine_functions() {
         let grid = TimeGrid::graded(1.0, 6, 2.0);
@@ -290,7 +287,7 @@ mod tests {
         assert!((sum - 2.8).abs() < 1e-10, "{sum}");
     }
 
-    /// Both rules are the trapezoidal one where there is no kernel, and nothing at n = 0.
+    /// Without a kernel both rules are trapezoidal; all weights are zero at n = 0.
     #[test]
     fn without_a_kernel_and_at_the_start_the_rules_are_plain() {
         let grid = TimeGrid::graded(2.0, 5, 1.5);

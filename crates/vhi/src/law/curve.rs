@@ -4,16 +4,15 @@ use super::{PiecewiseLinear, Potential};
 
 /// The smooth part of a compliance law, p(r) for r > 0; p = 0 for r ≤ 0. All constants are positive.
 ///
-/// With q = r/r0, for every r, s (the mean value theorem turns bounds of p' into (2.8c), because p is
-/// continuous and differentiable but for finitely many points):
+/// With q = r/r0. By the mean value theorem bounds of p' give (2.8c), since p is continuous and differentiable except
+/// at finitely many points:
 ///
-/// - *rational*, p = c r/(1 + q²): p' = c (1 - q²)/(1 + q²)². Its derivative in q² =: x has the sign of
-///   x - 3, so p' ≥ -c/8, with equality at q = √3: α = c/8. p ≤ c r0/2, attained at q = 1: c1 = 0,
-///   c0 = c r0/2.
-/// - *exponential*, p = c r e^{-q}: p' = c (1 - q) e^{-q}, whose derivative has the sign of q - 2, so
-///   p' ≥ -c e⁻², with equality at q = 2: α = c e⁻². p ≤ c r0/e, attained at q = 1: c1 = 0, c0 = c r0/e.
-/// - *power*, p = c r^m up to r1 and its tangent beyond, m ≥ 1: p' ≥ 0, so α = 0. p is convex with
-///   p(0) = 0 and final slope c1 = c m r1^{m-1}, so p ≤ c1 r and c0 = 0; no smaller c1 bounds the tangent.
+/// - *rational*, p = c r/(1 + q²): p' = c (1 - q²)/(1 + q²)². Its derivative in x = q² has the sign of x - 3, so p' ≥
+///   -c/8, attained at q = √3: α = c/8. p ≤ c r0/2, attained at q = 1: c1 = 0, c0 = c r0/2.
+/// - *exponential*, p = c r e^{-q}: p' = c (1 - q) e^{-q}, whose derivative has the sign of q - 2, so p' ≥ -c e⁻²,
+///   attained at q = 2: α = c e⁻². p ≤ c r0/e, attained at q = 1: c1 = 0, c0 = c r0/e.
+/// - *power*, p = c r^m up to r1 and its tangent beyond, m ≥ 1: p' ≥ 0, so α = 0. p is convex with p(0) = 0 and final
+///   slope c1 = c m r1^{m-1}, so p ≤ c1 r and c0 = 0; no smaller c1 bounds the tangent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Curve {
     /// c r/(1 + (r/r0)²).
@@ -30,7 +29,7 @@ pub enum Curve {
         /// r0 (a length).
         length: f64,
     },
-    /// c r^m for r ≤ r1, c r1^m + c m r1^{m-1} (r - r1) beyond: linear growth, which (2.8b) asks for.
+    /// c r^m for r ≤ r1, c r1^m + c m r1^{m-1} (r - r1) beyond: linear growth, as (2.8b) requires.
     Power {
         /// c (a pressure over a length to the m).
         coefficient: f64,
@@ -44,7 +43,7 @@ pub enum Curve {
 impl Curve {
     /// p(r) and p'(r); at r = 0 the slope from the left.
     pub(crate) fn value_and_slope(&self, r: f64) -> (f64, f64) {
-        // A NaN goes on: it is no place before the law sets in.
+        // NaN is passed on.
         if r <= 0.0 {
             return (0.0, 0.0);
         }
@@ -66,7 +65,7 @@ impl Curve {
         }
     }
 
-    /// α of (2.8c) (a stiffness), proved above.
+    /// α of (2.8c) (a stiffness), see [`Curve`].
     pub(crate) fn alpha(&self) -> f64 {
         match *self {
             Self::Rational { stiffness, .. } => stiffness / 8.0,
@@ -75,7 +74,7 @@ impl Curve {
         }
     }
 
-    /// (c0, c1) of (2.8b), proved above.
+    /// (c0, c1) of (2.8b), see [`Curve`].
     pub(crate) fn growth(&self) -> (f64, f64) {
         match *self {
             Self::Rational { stiffness, length } => (0.5 * stiffness * length, 0.0),
@@ -86,7 +85,6 @@ impl Curve {
         }
     }
 
-    /// Where p is not smooth.
     fn kinks(&self) -> Vec<f64> {
         match *self {
             Self::Rational { .. } | Self::Exponential { .. } => vec![0.0],
@@ -96,10 +94,10 @@ impl Curve {
 
     /// [`Potential::resolution`].
     ///
-    /// *Rational*: an interval of length r0/2 has its half as unit, and the poles ± i r0 at a distance
-    /// of 4 of them or more, on an ellipse with sum of semiaxes 4 + √17 > 8; 8 points leave 8⁻¹⁶ = 4e-15.
-    /// *Exponential*: entire; on an interval of length r0 the remainder is below 1e-20.
-    /// *Power*: a polynomial of degree m + 1 ≤ 15 if m is whole (other m have no exact rule).
+    /// *Rational*: on an interval of length r0/2, with its half as unit, the poles ± i r0 are at a distance of at least
+    /// 4, on an ellipse with sum of semiaxes 4 + √17 > 8; 8 points leave 8⁻¹⁶ = 4e-15. *Exponential*: entire; on an
+    /// interval of length r0 the remainder is below 1e-20. *Power*: a polynomial of degree m + 1 ≤ 15 for integer m (no
+    /// exact rule otherwise).
     fn resolution(&self) -> f64 {
         match *self {
             Self::Rational { length, .. } => 0.5 * length,
@@ -109,10 +107,10 @@ impl Curve {
     }
 }
 
-/// A curved law after an optional piecewise linear one: ∂j_ν(r) = G(r) + p(r).
+/// A curved law plus an optional piecewise linear one: ∂j_ν(r) = G(r) + p(r).
 ///
-/// α, c0 and c1 are the sums of the two, which suffices for any G. They are the least possible where G is a
-/// jump at r = 0, as scenes state it: G adds nothing to quotients within r > 0 and p0 to every value there.
+/// α, c0 and c1 are the sums of both, which is sufficient for any G. They are optimal if G is a jump at r = 0, as
+/// scenes state it: then G adds nothing to quotients within r > 0, and p0 to every value there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curved {
     graph: PiecewiseLinear,
@@ -121,7 +119,6 @@ pub struct Curved {
 }
 
 impl Curved {
-    /// The sum of `graph` and `curve`.
     pub fn new(graph: PiecewiseLinear, curve: Curve) -> Self {
         let mut kinks = curve.kinks();
         kinks.extend(graph.kinks());
@@ -198,7 +195,7 @@ mod tests {
         assert!(jump.abs() < 1e-13);
     }
 
-    /// The steepest descent and the largest value lie where the proof says, and nowhere are they exceeded.
+    /// The constants are attained where the proof says, and not exceeded elsewhere.
     #[test]
     fn constants_hold_on_samples_and_are_attained() {
         for curve in curves() {
@@ -237,7 +234,6 @@ mod tests {
         let law = Curved::new(graph.clone(), curves()[2]);
         let p = |r: f64| 4.0 * r.powf(2.5);
         let close = |(a, b): (f64, f64), (c, d): (f64, f64)| {
-            // Sums of numbers below 10.
             assert!((a - c).abs() < 1e-14 && (b - d).abs() < 1e-14, "({a}, {b}) ({c}, {d})");
         };
         close(law.subdifferential(0.1), (0.2 + p(0.1), 0.5 + p(0.1)));
@@ -245,13 +241,13 @@ mod tests {
         close(law.value_and_slope(0.3), (0.3 + p(0.3), -1.0 + 10.0 * 0.3f64.powf(1.5)));
         assert_eq!(law.jumps(), &[0.1]);
         assert_eq!(law.kinks(), &[0.0, 0.1, 0.6]);
-        let (own, more) = (graph.growth(), curves()[2].growth());
-        assert!(own.0 > 0.0 && own.1 > 0.0 && more.1 > 0.0);
-        close(law.growth(), (own.0 + more.0, own.1 + more.1));
+        let (by_graph, more) = (graph.growth(), curves()[2].growth());
+        assert!(by_graph.0 > 0.0 && by_graph.1 > 0.0 && more.1 > 0.0);
+        close(law.growth(), (by_graph.0 + more.0, by_graph.1 + more.1));
         assert_eq!(law.alpha(), graph.alpha());
     }
 
-    /// The lengths that the docs of [`Curve::resolution`] name.
+    /// The lengths in the docs of [`Curve::resolution`].
     #[test]
     fn edges_are_cut_where_a_rule_resolves_the_curve() {
         let lengths = curves().map(|curve| {

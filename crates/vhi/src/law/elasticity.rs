@@ -2,17 +2,14 @@
 
 use algebra::tensor::{Symmetric, dimension, trace};
 
-/// An isotropic fourth-order tensor, by its Lamé numbers (a stress each).
+/// An isotropic fourth-order tensor; Lamé numbers are stresses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Isotropic {
-    /// First Lamé number λ.
     pub lambda: f64,
-    /// Second Lamé number μ_L.
     pub mu: f64,
 }
 
 impl Isotropic {
-    /// 𝒜ε.
     #[inline]
     pub(crate) fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
         let volumetric = self.lambda * trace(strain);
@@ -23,7 +20,6 @@ impl Isotropic {
         stress
     }
 
-    /// The S×S matrix of 𝒜 in Mandel notation.
     pub fn matrix<const S: usize>(&self) -> [[f64; S]; S] {
         let mut matrix = [[0.0; S]; S];
         for (i, row) in matrix.iter_mut().enumerate() {
@@ -50,7 +46,7 @@ impl Isotropic {
         d * normal + pairs * (self.lambda.abs() + 2.0 * self.mu.abs())
     }
 
-    /// β with `self` = β·`other`, if there is one (to rounding).
+    /// β with `self` = β·`other` up to rounding, if there is one.
     pub(crate) fn multiple_of(&self, other: &Isotropic) -> Option<f64> {
         let beta = self.mu / other.mu;
         let matches = (self.lambda - beta * other.lambda).abs()
@@ -111,7 +107,7 @@ mod tests {
         close(Isotropic { lambda: -0.3, mu: 0.7 }.eigenvalues(2), (0.8, 1.4));
     }
 
-    /// μ ≠ 1, so that products and quotients differ; a last digit is forgiven, 1e-13 is not.
+    /// μ ≠ 1, so that products and quotients differ; the last digit is within tolerance, 1e-13 is not.
     #[test]
     fn a_multiple_is_one_to_rounding() {
         let other = Isotropic { lambda: 1e-3, mu: 0.4 };

@@ -2,7 +2,6 @@
 
 /// A scalar kernel q(t, s) of the history operator (2.11), 0 ≤ s ≤ t (1/time).
 pub trait HistoryKernel {
-    /// q(t, s).
     fn at(&self, t: f64, s: f64) -> f64;
 
     /// q(t, s_j) for several s_j.
@@ -15,13 +14,12 @@ pub trait HistoryKernel {
         0.0
     }
 
-    /// b(t, s); to be given where a > 0.
+    /// b(t, s); required for a > 0.
     fn factor(&self, t: f64, s: f64) -> f64 {
         self.at(t, s)
     }
 }
 
-/// q(t, s) = b(t - s).
 pub struct Convolution<'a>(pub &'a dyn MemoryKernel);
 
 impl HistoryKernel for Convolution<'_> {
@@ -48,7 +46,6 @@ pub trait MemoryKernel: Send + Sync {
         0.0
     }
 
-    /// c at a lag; to be given where a > 0.
     fn factor(&self, lag: f64) -> f64 {
         self.value(lag)
     }
@@ -58,8 +55,8 @@ pub trait MemoryKernel: Send + Sync {
         None
     }
 
-    /// Relative to its largest value, the error to which sums over the past may interpolate a kernel that is no sum of
-    /// exponentials; none where they are to be direct.
+    /// Error, relative to its largest value, to which sums over the past may interpolate a kernel that is not a sum of
+    /// exponentials; None for direct sums.
     fn interpolated_to(&self) -> Option<f64> {
         Some(INTERPOLATED_TO)
     }
@@ -68,11 +65,9 @@ pub trait MemoryKernel: Send + Sync {
 /// Far below the floors of solvers, 1e-12 and more.
 pub const INTERPOLATED_TO: f64 = 1e-13;
 
-/// A kernel without its exponentials: sums over the past are direct, or interpolate it to another error.
+/// A kernel with its exponentials hidden: sums over the past are direct, or interpolated to another error.
 pub struct Summed {
-    /// b.
     pub kernel: Box<dyn MemoryKernel>,
-    /// See [`MemoryKernel::interpolated_to`].
     pub interpolated_to: Option<f64>,
 }
 
@@ -86,11 +81,10 @@ impl MemoryKernel for Summed {
     }
 }
 
-/// b(t) = t^{-a} c(t), infinite at t = 0 where c(0) ≠ 0.
+/// b(t) = t^{-a} c(t), infinite at t = 0 if c(0) ≠ 0.
 pub struct Singular {
     /// 0 < a < 1.
     pub power: f64,
-    /// c.
     pub factor: Box<dyn MemoryKernel>,
 }
 
@@ -111,7 +105,6 @@ impl MemoryKernel for Singular {
 /// b(t) = Σ a_i exp(-c_i t): Maxwell elements, also called a Prony series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExponentialSum {
-    /// The pairs (a_i, c_i).
     pub terms: Vec<(f64, f64)>,
 }
 
@@ -143,15 +136,14 @@ mod tests {
         assert_eq!(kernel.row(5.0, &[1.0, 4.0, 5.0]), [2.0, 1.0, 0.0]);
     }
 
-    /// The power comes out of the kernel, whose factor stays finite.
     #[test]
     fn a_singular_kernel_is_its_power_times_its_factor() {
         let kernel =
             Singular { power: 0.5, factor: Box::new(ExponentialSum { terms: vec![(3.0, 0.0)] }) };
-        let own = Convolution(&kernel);
-        assert_eq!((kernel.value(4.0), own.at(5.0, 1.0)), (1.5, 1.5));
+        let convolution = Convolution(&kernel);
+        assert_eq!((kernel.value(4.0), convolution.at(5.0, 1.0)), (1.5, 1.5));
         assert_eq!(
-            (own.power(), own.factor(5.0, 5.0), own.at(5.0, 5.0)),
+            (convolution.power(), convolution.factor(5.0, 5.0), convolution.at(5.0, 5.0)),
             (0.5, 3.0, f64::INFINITY)
         );
         assert_eq!(kernel.exponentials(), None);
@@ -159,7 +151,6 @@ mod tests {
         assert_eq!((plain.power(), plain.factor(5.0, 1.0)), (0.0, 2.0));
     }
 
-    /// Recursion replaces the sum only where the kernel says that it is a sum of exponentials.
     #[test]
     fn only_sums_of_exponentials_have_exponentials() {
         assert_eq!(Root.exponentials(), None);

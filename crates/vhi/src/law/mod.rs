@@ -1,6 +1,5 @@
-//! Pointwise laws: elasticity, von Mises projection, memory kernel, contact potential.
-//!
-//! Each is a small trait, so that a test can pass a wrong component in its place.
+//! Pointwise laws: elasticity, von Mises projection, memory kernel, contact potential. Each is a small trait, so that
+//! tests can pass a wrong component.
 
 mod curve;
 mod elasticity;

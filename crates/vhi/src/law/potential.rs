@@ -2,13 +2,13 @@
 
 /// A normal compliance law by its Clarke subdifferential.
 ///
-/// Between jumps ∂j_ν(r) is one number with a slope; at a jump r_k it is an interval [lo, hi].
-/// Relaxed monotonicity (2.8c): (∂j_ν(r) - ∂j_ν(s))(r - s) ≥ -α_ν |r - s|².
+/// Between jumps ∂j_ν(r) is one number with a slope; at a jump r_k it is an interval [lo, hi]. Relaxed monotonicity
+/// (2.8c): (∂j_ν(r) - ∂j_ν(s))(r - s) ≥ -α_ν |r - s|².
 pub trait Potential: Send + Sync {
     /// The interval ∂j_ν(r) = [lo, hi] (a pressure); lo = hi away from jumps.
     fn subdifferential(&self, r: f64) -> (f64, f64);
 
-    /// Value and an element of the generalized derivative at r, which is no jump.
+    /// Value and an element of the generalized derivative at r, which is not a jump.
     fn value_and_slope(&self, r: f64) -> (f64, f64);
 
     /// Abscissae of the upward jumps, increasing.
@@ -20,25 +20,25 @@ pub trait Potential: Send + Sync {
     /// α_ν of (2.8c) (a stiffness): the steepest descent slope.
     fn alpha(&self) -> f64;
 
-    /// (c0, c1) with |ξ| ≤ c0 + c1 |r| for all ξ ∈ ∂j_ν(r) (a pressure and a stiffness): c1 the least
-    /// possible, and c0 the least for it.
+    /// (c0, c1) with |ξ| ≤ c0 + c1 |r| for all ξ ∈ ∂j_ν(r) (a pressure and a stiffness): c1 the least possible, and c0
+    /// the least for it.
     fn growth(&self) -> (f64, f64);
 
-    /// Lengths of r on which, between kinks, 8 Gauss points integrate ∂j_ν times a linear function to
-    /// rounding; infinite where 2 do, which is for a piecewise linear law.
+    /// Length in r on which, between kinks, 8 Gauss points integrate ∂j_ν times a linear function to rounding; infinite
+    /// for piecewise linear laws, where 2 points do.
     fn resolution(&self) -> f64 {
         f64::INFINITY
     }
 
-    /// True if ∂j_ν vanishes everywhere, so that nothing need be computed.
+    /// Whether ∂j_ν vanishes everywhere and need not be computed.
     fn is_absent(&self) -> bool {
         false
     }
 }
 
-/// Distance of (r, ξ) from the graph of ∂j_ν as a force: what `stiffness` answers to a displacement
-/// error, `weight` to a pressure error, whichever is larger, at the nearest of the points (r, ·) and of
-/// the jumps. Rounding that puts r beside a jump counts as that much displacement, not as the jump.
+/// Distance of (r, ξ) from the graph of ∂j_ν as a force: `stiffness` times a displacement error or `weight` times a
+/// pressure error, whichever is larger, to the nearest of the points (r, ·) and of the jumps. Rounding that puts r
+/// beside a jump counts as that much displacement, not as the jump.
 pub fn graph_distance(
     potential: &dyn Potential,
     [r, xi]: [f64; 2],
@@ -53,7 +53,6 @@ pub fn graph_distance(
     jumps.map(|&at| missed(at).max((r - at).abs() * stiffness)).fold(missed(r), f64::min)
 }
 
-/// j_ν ≡ 0.
 #[derive(Debug, Clone, Copy)]
 pub struct NoPotential;
 
@@ -87,33 +86,25 @@ impl Potential for NoPotential {
     }
 }
 
-/// What a piecewise linear graph must not be.
+/// Why points do not define a piecewise linear graph.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PotentialError {
-    /// Abscissae must not decrease.
     #[error("the points of the law must be sorted: {0} comes after {1}")]
     Unsorted(f64, f64),
     /// A downward jump violates (2.8c) for every α_ν.
     #[error("downward jump of ∂j_ν from {from} to {to} at {at}: (2.8c) fails for every α_ν")]
-    DownwardJump {
-        /// The abscissa.
-        at: f64,
-        /// The value before the jump.
-        from: f64,
-        /// The value after it.
-        to: f64,
-    },
+    DownwardJump { at: f64, from: f64, to: f64 },
     /// At least one point is needed, all of them finite.
     #[error("the law needs at least one point, and finite numbers only")]
     Empty,
 }
 
-/// A piecewise linear graph through points (r, p), with slopes before the first and after the last
-/// point; a repeated abscissa is an upward jump.
+/// A piecewise linear graph through points (r, p), with slopes before the first and after the last point; a repeated
+/// abscissa is an upward jump.
 ///
-/// α_ν is the steepest descent slope: between neighbouring points the difference quotient is at
-/// least the smallest slope, across an upward jump it only grows, and quotients over several pieces
-/// are weighted means of those of the pieces; so (∂j_ν(r) - ∂j_ν(s))(r - s) ≥ min(slope)·|r - s|².
+/// α_ν is the steepest descent slope: between neighbouring points the difference quotient is at least the smallest
+/// slope, across an upward jump it only grows, and quotients over several pieces are weighted means of those of the
+/// pieces; so (∂j_ν(r) - ∂j_ν(s))(r - s) ≥ min(slope)·|r - s|².
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewiseLinear {
     points: Vec<(f64, f64)>,
@@ -125,8 +116,7 @@ pub struct PiecewiseLinear {
 }
 
 impl PiecewiseLinear {
-    /// The graph through `points`.
-    ///
+    /// # Errors
     /// # Errors
     /// Unsorted points, no points, numbers that are not finite, a downward jump.
     pub fn new(
@@ -222,13 +212,11 @@ mod tests {
         PiecewiseLinear::new(points, 0.0, 0.0).unwrap()
     }
 
-    /// A law of pieces needs no cut but its kinks, the empty one none at all.
     #[test]
     fn pieces_are_resolved_by_any_rule() {
         assert_eq!(law().resolution(), f64::INFINITY);
         assert_eq!(NoPotential.resolution(), f64::INFINITY);
         assert!(NoPotential.jumps().is_empty() && NoPotential.kinks().is_empty());
-        // At a kink the slope is that of the piece before it.
         assert_eq!(law().value_and_slope(0.04).1, 2.0);
     }
 
@@ -325,7 +313,7 @@ mod tests {
         close(law.value_and_slope(0.2), (2.0, 0.0));
         close(law.value_and_slope(0.8), (1.0, -2.0));
         assert_eq!(law.subdifferential(0.1), (1.0, 2.0));
-        // A point that is given twice is no jump.
+        // A point given twice is not a jump.
         assert_eq!((law.jumps(), law.kinks()), (&[0.1][..], &[0.1, 0.3][..]));
         assert_eq!(law.alpha(), 2.0);
         let rising = PiecewiseLinear::new(vec![(0.0, 0.0), (1.0, 2.0)], 1.0, 3.0).unwrap();

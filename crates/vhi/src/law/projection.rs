@@ -13,9 +13,8 @@ pub struct Response<const S: usize> {
     pub by_limit: Symmetric<S>,
 }
 
-/// The yield limit κ(ζ) ≥ 0 as a function of the accumulated strain ζ.
+/// The yield limit κ(ζ) ≥ 0 (a strain) as a function of the accumulated strain ζ.
 pub trait YieldLimit: Send + Sync {
-    /// κ(ζ) (a strain).
     fn value(&self, zeta: f64) -> f64;
     /// κ'(ζ), one-sided at a kink.
     fn slope(&self, zeta: f64) -> f64;
@@ -23,13 +22,13 @@ pub trait YieldLimit: Send + Sync {
 
 /// The extra stress of strains beyond the yield limit.
 pub trait Projection: Send + Sync {
-    /// The stress at `strain` for the limit `kappa`, or `None` where it vanishes (below the limit).
+    /// The stress at `strain` for the limit `kappa`; None below the limit, where it vanishes.
     fn stress<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Symmetric<S>>;
 
-    /// Stress and derivatives, or `None` below the limit, where all of them vanish.
+    /// Stress and derivatives; None below the limit, where all vanish.
     fn response<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Response<S>>;
 
-    /// κ as a function of ζ; `None` if the scene has no projection at all.
+    /// κ as a function of ζ; None without projection.
     fn limit(&self) -> Option<&dyn YieldLimit>;
 }
 
@@ -67,16 +66,13 @@ impl<Q: Projection> Projection for Option<Q> {
     }
 }
 
-/// Projection onto the von Mises ball of radius κ(ζ).
 pub struct VonMises<L> {
     /// μ > 0 (a stress).
     pub mu: f64,
-    /// κ(ζ).
     pub limit: L,
 }
 
 impl<L: YieldLimit> Projection for VonMises<L> {
-    /// μ (1 - κ/‖ε^D‖)_+ ε^D.
     #[inline]
     fn stress<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Symmetric<S>> {
         let e = deviator(strain);
@@ -201,10 +197,10 @@ mod tests {
         assert!(NoProjection.limit().is_none() && NoProjection.stress(&strain, 0.1).is_none());
         assert!(NoProjection.response(&strain, 0.1).is_none());
         let law = VonMises { mu: 1.7, limit: Constant };
-        let own = law.stress(&strain, 0.1);
+        let stress = law.stress(&strain, 0.1);
         let law = Some(law);
-        assert_eq!(law.stress(&strain, 0.1), own);
-        assert_eq!(law.response(&strain, 0.1).map(|response| response.stress), own);
+        assert_eq!(law.stress(&strain, 0.1), stress);
+        assert_eq!(law.response(&strain, 0.1).map(|response| response.stress), stress);
         assert_eq!(law.limit().map(|limit| limit.value(0.0)), Some(0.1));
     }
 }

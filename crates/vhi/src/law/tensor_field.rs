@@ -1,5 +1,4 @@
-//! Symmetric fourth-order tensors, constant on each region of the body: 𝒜, and the ℬ_i of
-//! ℬ(t) = Σ b_i(t) ℬ_i.
+//! Symmetric fourth-order tensors, constant on each region of the body: 𝒜, and the ℬ_i of ℬ(t) = Σ b_i(t) ℬ_i.
 
 use nalgebra::DMatrix;
 
@@ -9,7 +8,6 @@ use algebra::tensor::Symmetric;
 /// A symmetric fourth-order tensor on S^d (a stress).
 #[derive(Debug, PartialEq)]
 pub enum FourthOrder {
-    /// An isotropic tensor by its Lamé numbers.
     Isotropic(Isotropic),
     /// By its symmetric S×S matrix in Mandel notation, the leading block of this one.
     Full(Box<[[f64; 6]; 6]>),
@@ -23,17 +21,16 @@ impl Clone for FourthOrder {
         }
     }
 
-    /// In the memory that is there, as [`TensorField`] is.
+    /// Reuses memory, as [`TensorField`] does.
     fn clone_from(&mut self, other: &Self) {
         match (self, other) {
-            (Self::Full(own), Self::Full(other)) => own.clone_from(other),
-            (own, other) => *own = other.clone(),
+            (Self::Full(target), Self::Full(other)) => target.clone_from(other),
+            (target, other) => *target = other.clone(),
         }
     }
 }
 
 impl FourthOrder {
-    /// 𝒜ε.
     #[inline]
     pub fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
         match self {
@@ -44,7 +41,6 @@ impl FourthOrder {
         }
     }
 
-    /// The S×S matrix in Mandel notation.
     pub fn matrix<const S: usize>(&self) -> [[f64; S]; S] {
         match self {
             Self::Isotropic(law) => law.matrix(),
@@ -58,8 +54,8 @@ impl FourthOrder {
         match (self, d) {
             (Self::Full(matrix), _) => block = **matrix,
             (Self::Isotropic(law), 2) => {
-                for (row, own) in block.iter_mut().zip(law.matrix::<3>()) {
-                    row[..3].copy_from_slice(&own);
+                for (row, values) in block.iter_mut().zip(law.matrix::<3>()) {
+                    row[..3].copy_from_slice(&values);
                 }
             }
             (Self::Isotropic(law), _) => block = law.matrix::<6>(),
@@ -67,7 +63,6 @@ impl FourthOrder {
         block
     }
 
-    /// Smallest and largest eigenvalue on S^d.
     pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
         let matrix = match self {
             Self::Isotropic(law) => return law.eigenvalues(d),
@@ -75,21 +70,21 @@ impl FourthOrder {
         };
         let order = d * (d + 1) / 2;
         let dense = DMatrix::from_fn(order, order, |i, j| matrix[i][j]);
-        // Fixed order of the minimum and maximum: NaN in the matrix leaves (∞, -∞), which no check accepts.
+        // NaN in the matrix leaves (∞, -∞), which no check accepts.
         let values = dense.symmetric_eigenvalues();
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
             (low.min(value), high.max(value))
         })
     }
 
-    /// Its mean on deviators, 2μ where it is isotropic: the stiffness against shear, which is linear in the tensor.
+    /// The mean on deviators, 2μ if isotropic: the shear stiffness, linear in the tensor.
     pub fn shear(&self, d: usize) -> f64 {
         let matrix = match self {
             Self::Isotropic(law) => return 2.0 * law.mu,
             Self::Full(matrix) => matrix,
         };
         let order = d * (d + 1) / 2;
-        // Differences of normal strains, pair by pair: what is on spheres cancels in each.
+        // Differences of normal strains, pair by pair: the spherical part cancels in each.
         let pairs = (0..d).flat_map(|i| (0..i).map(move |j| (i, j)));
         let pair = |(i, j): (usize, usize)| matrix[i][i] + matrix[j][j] - 2.0 * matrix[i][j];
         let normal: f64 = pairs.map(pair).sum::<f64>() / d as f64;
@@ -111,7 +106,6 @@ impl FourthOrder {
         (0..order * order).map(entry).sum()
     }
 
-    /// factor·self.
     fn scaled(&self, factor: f64) -> Self {
         match self {
             Self::Isotropic(law) => {
@@ -135,18 +129,18 @@ impl FourthOrder {
         sum
     }
 
-    /// `self` ← self + scale·other on S^d; a full one in the memory that is there.
+    /// `self` ← self + scale·other on S^d; a full tensor keeps its memory.
     fn add(&mut self, scale: f64, other: &Self, d: usize) {
         let Self::Full(matrix) = self else {
             *self = self.plus(scale, other, d);
             return;
         };
-        for (row, own) in matrix.iter_mut().zip(other.block(d)) {
-            row.iter_mut().zip(own).for_each(|(value, own)| *value += scale * own);
+        for (row, other_row) in matrix.iter_mut().zip(other.block(d)) {
+            row.iter_mut().zip(other_row).for_each(|(value, entry)| *value += scale * entry);
         }
     }
 
-    /// β with `self` = β·`other`, both isotropic, if there is one (to rounding).
+    /// β with `self` = β·`other` up to rounding, both isotropic, if there is one.
     fn multiple_of(&self, other: &Self) -> Option<f64> {
         match (self, other) {
             (Self::Isotropic(a), Self::Isotropic(b)) => a.multiple_of(b),
@@ -161,10 +155,10 @@ impl From<Isotropic> for FourthOrder {
     }
 }
 
-/// A tensor per region; region 0 is what belongs to no other one.
+/// A tensor per region; region 0 is the rest of the body.
 #[derive(Debug, PartialEq)]
 pub struct TensorField {
-    /// One where the body is homogeneous.
+    /// One entry for a homogeneous body.
     regions: Vec<FourthOrder>,
 }
 
@@ -173,7 +167,7 @@ impl Clone for TensorField {
         Self { regions: self.regions.clone() }
     }
 
-    /// In the memory that is there: a grid that is not uniform has another tensor at every level.
+    /// Reuses memory: a non-uniform grid has another tensor at every level.
     fn clone_from(&mut self, other: &Self) {
         self.regions.clone_from(&other.regions);
     }
@@ -186,7 +180,7 @@ impl<T: Into<FourthOrder>> From<T> for TensorField {
 }
 
 impl TensorField {
-    /// `base` on region 0 and `others` on the next ones.
+    /// `base` on region 0, `others` on the following ones.
     pub fn new(base: FourthOrder, others: impl IntoIterator<Item = FourthOrder>) -> Self {
         Self { regions: std::iter::once(base).chain(others).collect() }
     }
@@ -197,12 +191,10 @@ impl TensorField {
         Isotropic { lambda: 0.0, mu: 0.5 }.into()
     }
 
-    /// True if it is the same on all regions.
     pub fn is_uniform(&self) -> bool {
         self.regions.len() == 1
     }
 
-    /// The tensor on a region.
     #[inline]
     pub fn on(&self, region: usize) -> &FourthOrder {
         match &self.regions[..] {
@@ -211,12 +203,10 @@ impl TensorField {
         }
     }
 
-    /// The tensors, region 0 first; one where the body is homogeneous.
     pub fn regions(&self) -> &[FourthOrder] {
         &self.regions
     }
 
-    /// Smallest and largest eigenvalue on S^d over all regions.
     pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
         let each = self.regions.iter().map(|tensor| tensor.eigenvalues(d));
         each.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (a, b)| {
@@ -224,30 +214,29 @@ impl TensorField {
         })
     }
 
-    /// The largest operator norm on S^d of a region.
+    /// The largest operator norm on S^d over all regions.
     pub fn norm(&self, d: usize) -> f64 {
         let (low, high) = self.eigenvalues(d);
         low.abs().max(high.abs())
     }
 
-    /// The largest Σ |E_ijkl| of a region.
+    /// The largest Σ |E_ijkl| over all regions.
     pub fn entry_sum(&self, d: usize) -> f64 {
         self.regions.iter().map(|tensor| tensor.entry_sum(d)).fold(0.0, f64::max)
     }
 
-    /// factor·self.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { regions: self.regions.iter().map(|tensor| tensor.scaled(factor)).collect() }
     }
 
-    /// `self` ← self + scale·other on S^d, in the memory that is there where `self` is as full and as divided as `other`.
+    /// `self` ← self + scale·other on S^d, without allocation if `self` has the form of `other`.
     pub fn add(&mut self, scale: f64, other: &Self, d: usize) {
         if self.regions.len() < other.regions.len() {
             *self = self.plus(scale, other, d);
             return;
         }
-        for (region, own) in self.regions.iter_mut().enumerate() {
-            own.add(scale, other.on(region), d);
+        for (region, tensor) in self.regions.iter_mut().enumerate() {
+            tensor.add(scale, other.on(region), d);
         }
     }
 
@@ -258,19 +247,20 @@ impl TensorField {
         Self { regions: (0..count).map(sum).collect() }
     }
 
-    /// β with `self` = β·`other` on every region, if there is one (to rounding).
+    /// β with `self` = β·`other` on every region up to rounding, if there is one.
     pub fn multiple_of(&self, other: &Self) -> Option<f64> {
         let count = self.regions.len().max(other.regions.len());
         let beta = self.on(0).multiple_of(other.on(0))?;
-        // The next regions may round β otherwise: a last digit, as within one tensor.
+        // Other regions may round β differently in the last digit.
         let same = |region| {
-            let own = self.on(region).multiple_of(other.on(region));
-            own.is_some_and(|own| (own - beta).abs() <= 4.0 * f64::EPSILON * beta.abs())
+            let of_region = self.on(region).multiple_of(other.on(region));
+            of_region.is_some_and(|of_region| {
+                (of_region - beta).abs() <= 4.0 * f64::EPSILON * beta.abs()
+            })
         };
         (1..count).all(same).then_some(beta)
     }
 
-    /// This field with `change` applied to every isotropic tensor.
     pub fn map(&self, change: impl Fn(Isotropic) -> Isotropic) -> Self {
         let each = self.regions.iter().map(|tensor| match tensor {
             FourthOrder::Isotropic(law) => FourthOrder::Isotropic(change(*law)),

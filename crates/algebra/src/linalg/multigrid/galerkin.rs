@@ -3,11 +3,11 @@
 use super::transfer::{Transfer, Turns};
 use crate::linalg::BlockPattern;
 
-/// A block, row-major with rows of three, also in the plane.
+/// A row-major block with rows of three, also in the plane.
 type Block = [f64; 9];
 
-/// `coarse` ← PᵀAP of the matrix `fine` (pattern and lower-triangle values). A coarse unknown that no free fine
-/// one feels gets the diagonal entry 1, and drops out.
+/// `coarse` ← PᵀAP of the matrix `fine` (pattern and lower-triangle values). A coarse unknown that no free fine one
+/// depends on gets the diagonal entry 1.
 pub(super) fn galerkin(
     fine: (&BlockPattern, &[f64]),
     transfer: &Transfer,
@@ -28,11 +28,11 @@ fn galerkin_in<const D: usize>(
 ) {
     out.fill(0.0);
     for node in 0..fine.nodes() {
-        let (own, own_weight) = transfer.parents(node);
+        let (parents, node_weight) = transfer.parents(node);
         let block = turned::<D>(&diagonal::<D>(fine, values, node), turns, node, node);
-        for p in own.clone() {
-            for q in own.clone().filter(|&q| q <= p) {
-                add::<D>(coarse, out, [p, q], own_weight * own_weight, &block);
+        for p in parents.clone() {
+            for q in parents.clone().filter(|&q| q <= p) {
+                add::<D>(coarse, out, [p, q], node_weight * node_weight, &block);
             }
         }
         for (slot, &other) in fine.larger_neighbours(node).iter().enumerate() {
@@ -40,8 +40,8 @@ fn galerkin_in<const D: usize>(
             let block = turned::<D>(&block, turns, other as usize, node);
             let (rows, weight) = transfer.parents(other as usize);
             for q in rows {
-                for p in own.clone() {
-                    let weight = weight * own_weight;
+                for p in parents.clone() {
+                    let weight = weight * node_weight;
                     if q > p {
                         add::<D>(coarse, out, [q, p], weight, &block);
                     } else {
@@ -55,14 +55,13 @@ fn galerkin_in<const D: usize>(
         }
     }
     for dof in 0..coarse.order() {
-        let own = &mut out[coarse.diagonal(dof)];
-        if *own == 0.0 {
-            *own = 1.0;
+        let diagonal_entry = &mut out[coarse.diagonal(dof)];
+        if *diagonal_entry == 0.0 {
+            *diagonal_entry = 1.0;
         }
     }
 }
 
-/// The diagonal block of a node.
 #[inline]
 pub(super) fn diagonal<const D: usize>(
     pattern: &BlockPattern,

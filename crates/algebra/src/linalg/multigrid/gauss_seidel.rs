@@ -1,7 +1,7 @@
-//! Gauss–Seidel sweeps over nodes, from zero and forward before the coarse correction, backward after it.
+//! Gauss–Seidel sweeps over nodes: forward from zero before the coarse correction, backward after it.
 //!
-//! With A = L + D + Lᵀ by blocks of nodes, the forward sweep is x = (L + D)⁻¹b, the backward one
-//! x ← x + (D + Lᵀ)⁻¹(b - Ax): transposes of each other. Only blocks below the diagonal are stored.
+//! With A = L + D + Lᵀ by blocks of nodes, the forward sweep is x = (L + D)⁻¹b, the backward one x ← x + (D + Lᵀ)⁻¹(b -
+//! Ax): transposes of each other. Only blocks below the diagonal are stored.
 
 use super::galerkin::{below, diagonal};
 use crate::linalg::BlockPattern;
@@ -19,7 +19,7 @@ impl Sweeps {
         Self { below: vec![0.0; d * d * pairs], inverse: vec![0.0; d * d * nodes] }
     }
 
-    /// Takes the matrix; an unknown whose diagonal block is not positive definite is the error.
+    /// Takes the matrix; fails with the unknown whose diagonal block is not positive definite.
     pub(super) fn set(
         &mut self,
         pattern: &BlockPattern,
@@ -40,16 +40,16 @@ impl Sweeps {
     ) -> Result<(), usize> {
         let mut blocks = self.below.chunks_exact_mut(D * D);
         for (node, inverse) in self.inverse.chunks_exact_mut(D * D).enumerate() {
-            let own = inverted::<D>(&diagonal::<D>(pattern, values, node));
-            let own = own.map_err(|component| D * node + component)?;
+            let inverted_block = inverted::<D>(&diagonal::<D>(pattern, values, node));
+            let inverted_block = inverted_block.map_err(|component| D * node + component)?;
             for (at, target) in inverse.iter_mut().enumerate() {
-                *target = (own[at / D][at % D] * scale) as f32;
+                *target = (inverted_block[at / D][at % D] * scale) as f32;
             }
             for slot in 0..pattern.larger_neighbours(node).len() {
-                let own = below::<D>(pattern, values, node, slot);
+                let neighbour_block = below::<D>(pattern, values, node, slot);
                 let Some(block) = blocks.next() else { continue };
                 for (at, target) in block.iter_mut().enumerate() {
-                    *target = (own[3 * (at / D) + at % D] / scale) as f32;
+                    *target = (neighbour_block[3 * (at / D) + at % D] / scale) as f32;
                 }
             }
         }
@@ -81,13 +81,13 @@ impl Sweeps {
         rest.as_flattened_mut().copy_from_slice(right);
         let mut blocks = self.below.chunks_exact(D * D);
         for (node, inverse) in self.inverse.chunks_exact(D * D).enumerate() {
-            let own = times(inverse, &rest[node]);
-            x[node] = own;
+            let at_node = times(inverse, &rest[node]);
+            x[node] = at_node;
             for (&other, block) in pattern.larger_neighbours(node).iter().zip(&mut blocks) {
-                subtract(&mut rest[other as usize], times(block, &own));
+                subtract(&mut rest[other as usize], times(block, &at_node));
             }
         }
-        // right - Lx - Dx = 0, so what is left is -Lᵀx.
+        // right - Lx - Dx = 0, so -Lᵀx is left.
         let mut blocks = self.below.chunks_exact(D * D);
         for (node, rest) in rest.iter_mut().enumerate() {
             *rest = [0.0; D];
@@ -121,18 +121,18 @@ impl Sweeps {
         let (x, rest) = (x.as_chunks_mut::<D>().0, rest.as_chunks_mut::<D>().0);
         rest.as_flattened_mut().copy_from_slice(right);
         let mut blocks = self.below.chunks_exact(D * D);
-        for (node, own) in x.iter().enumerate() {
+        for (node, at_node) in x.iter().enumerate() {
             for (&other, block) in pattern.larger_neighbours(node).iter().zip(&mut blocks) {
-                subtract(&mut rest[other as usize], times(block, own));
+                subtract(&mut rest[other as usize], times(block, at_node));
             }
         }
         let mut blocks = self.below.chunks_exact(D * D).rev();
         for (node, inverse) in self.inverse.chunks_exact(D * D).enumerate().rev() {
-            let mut own = rest[node];
+            let mut remaining = rest[node];
             for (&other, block) in pattern.larger_neighbours(node).iter().rev().zip(&mut blocks) {
-                subtract(&mut own, transposed_times(block, &x[other as usize]));
+                subtract(&mut remaining, transposed_times(block, &x[other as usize]));
             }
-            x[node] = times(inverse, &own);
+            x[node] = times(inverse, &remaining);
         }
     }
 }
@@ -152,8 +152,7 @@ fn subtract<const D: usize>(target: &mut [f32; D], value: [f32; D]) {
     target.iter_mut().zip(value).for_each(|(target, value)| *target -= value);
 }
 
-/// The inverse of a symmetric block (rows of three) by its Cholesky factor, or the component whose pivot is not
-/// positive.
+/// The inverse of a symmetric block (rows of three) by Cholesky, or the component whose pivot is not positive.
 fn inverted<const D: usize>(block: &[f64; 9]) -> Result<[[f64; D]; D], usize> {
     let mut factor = [[0.0; D]; D];
     for i in 0..D {

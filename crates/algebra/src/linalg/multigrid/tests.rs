@@ -1,5 +1,5 @@
-//! Elasticity on Kuhn's tetrahedra of a box, clamped at the top, assembled here: along a path of edges the gradient
-//! of a P1 function is its differences.
+//! Elasticity on Kuhn's tetrahedra of a box clamped at the top: along a path of edges the gradient of a P1 function is
+//! its differences.
 
 use super::super::conjugate_gradient::{Directions, conjugate_gradients};
 use super::super::gmres::Preconditioned;
@@ -9,7 +9,7 @@ use super::*;
 
 const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
 
-/// A box of counts cubes of unit side; nodes are free ones first, as vertices come.
+/// A box of counts cubes of unit side; nodes are numbered as vertices, free ones first.
 struct Body {
     counts: [usize; 3],
     of_vertex: Vec<u32>,
@@ -28,7 +28,6 @@ fn lattice(counts: [usize; 3]) -> Vec<[usize; 3]> {
 }
 
 impl Body {
-    /// With μ_L = 1.
     fn new(counts: [usize; 3], lambda: f64) -> Self {
         let points = lattice(counts);
         let clamped = |at: &[usize; 3]| at[1] == counts[1];
@@ -83,7 +82,7 @@ impl Body {
         self.of_vertex[vertex(self.counts, at)] as usize
     }
 
-    /// Holds the normal unknown of the vertices at the bottom that `chosen` names.
+    /// Holds the normal unknown of the bottom vertices that `chosen` selects.
     fn hold(&mut self, chosen: impl Fn([usize; 3]) -> bool) -> Vec<usize> {
         let bottom = lattice(self.counts).into_iter().filter(|at| at[1] == 0 && chosen(*at));
         let held: Vec<usize> = bottom.map(|at| 3 * self.free(at) + 1).collect();
@@ -159,7 +158,7 @@ fn trial<C: Parts>(
 
 /// Products of some thousand numbers of single precision, each rounded to 6e-8.
 const SYMMETRIC: f64 = 1e-5;
-/// Conjugate gradients with V(1,1) take a digit in two iterations, on any mesh.
+/// V(1,1) gains a digit in two iterations, on any mesh.
 const FEW: u32 = 18;
 
 fn cube(n: usize) -> (Body, Levels) {
@@ -188,14 +187,14 @@ fn axes_that_do_not_divide_stay() {
     assert!(outcome.unwrap() <= FEW && skew < SYMMETRIC);
 }
 
-/// No sweep after the correction.
+/// No post-smoothing.
 struct OneSided;
 
 impl Parts for OneSided {
     fn after(&self, _: &Sweeps, _: &BlockPattern, _: &mut Vectors) {}
 }
 
-/// The values at coarse vertices in place of Pᵀ.
+/// Injection in place of Pᵀ.
 struct Injected;
 
 impl Parts for Injected {
@@ -226,7 +225,7 @@ fn a_wrong_weight_costs_iterations() {
 fn held_unknowns_are_on_no_coarse_level() {
     let (mut body, levels) = cube(8);
     let held = body.hold(|[i, _, _]| i < 5);
-    // Their equations say nothing to others: coarse matrices must not know of them.
+    // Held equations are decoupled: coarse matrices must not depend on them.
     let coarse = |factor: f64, named: &[usize]| {
         let mut values = body.values.clone();
         held.iter().for_each(|&dof| values[body.pattern.diagonal(dof)] *= factor);
@@ -246,7 +245,7 @@ fn held_unknowns_are_on_no_coarse_level() {
         let exact = right / body.values[body.pattern.diagonal(dof)];
         assert!((x[dof] - exact).abs() <= 1e-6 * exact.abs());
     }
-    // Coarse levels that leave out free unknowns as well are worse.
+    // Leaving free unknowns out of coarse levels as well is worse.
     let more: Vec<usize> = (0..body.pattern.order()).filter(|dof| dof % 3 == 1).collect();
     assert!(trial(&body, &levels, &more, Symmetric).0.map_or(true, |count| count > FEW));
 }

@@ -1,36 +1,33 @@
-//! Interpolation between two meshes, and what the fine unknowns make of it.
+//! Interpolation between two meshes.
 
 use crate::linalg::BlockPattern;
 
-/// The unknowns w = N u of a node that has its own.
+/// The unknowns w = N u of a node with rotated coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeFrame {
-    /// The node.
     pub node: usize,
     /// N by rows.
     pub rows: Vec<f64>,
 }
 
-/// No node: a clamped one.
+/// A clamped node.
 const NONE: u32 = u32::MAX;
 
-/// P₀: the mean of two coarse nodes, of which clamped ones are zero.
+/// P₀: the mean of two coarse nodes; clamped ones are zero.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Transfer {
     /// Coarse nodes of each fine node: the same twice, or two ends of an edge.
     parents: Vec<[u32; 2]>,
-    /// The fine node at the place of each coarse node.
+    /// The fine node at each coarse node.
     pub(super) twins: Vec<u32>,
-    /// Weight of each of two coarse nodes.
     pub(super) weight: f64,
 }
 
-/// Weight of each end of an edge at its midpoint.
 const MIDPOINT: f64 = 0.5;
 
 impl Transfer {
-    /// From coarse vertices of fine vertices and the nodes of those, of which the first `free` are not clamped;
-    /// returns the coarse nodes by vertices as well. Coarse vertices are clamped where their twins are.
+    /// From coarse vertices of fine vertices and the nodes of those, of which the first `free` are not clamped; also
+    /// returns the coarse nodes by vertex. Coarse vertices are clamped where their twins are.
     pub(super) fn new(parents: &[[u32; 2]], nodes: &[u32], free: usize) -> (Self, Vec<u32>) {
         let coarse_vertices = parents.iter().flatten().max().map_or(0, |&v| v as usize + 1);
         let (mut coarse_nodes, mut twins) = (vec![NONE; coarse_vertices], Vec::new());
@@ -47,7 +44,6 @@ impl Transfer {
         (Self { parents: of_node, twins, weight: MIDPOINT }, coarse_nodes)
     }
 
-    /// Coarse nodes that a fine node takes from, and the weight of each.
     #[inline]
     pub(super) fn parents(&self, node: usize) -> (impl Iterator<Item = u32> + Clone + use<>, f64) {
         let [first, second] = self.parents[node];
@@ -67,8 +63,8 @@ impl Transfer {
             }
         };
         for node in 0..fine.nodes() {
-            let (own, _) = self.parents(node);
-            for p in own {
+            let (parents, _) = self.parents(node);
+            for p in parents {
                 for &other in fine.larger_neighbours(node).iter().chain(&[node as u32]) {
                     self.parents(other as usize).0.for_each(|q| couple(p, q));
                 }
@@ -87,16 +83,17 @@ impl Transfer {
 
     fn restrict_by<const D: usize>(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
         out.fill(0.0);
-        for (node, own) in v.as_chunks::<D>().0.iter().enumerate() {
-            let mut own = *own;
+        for (node, values) in v.as_chunks::<D>().0.iter().enumerate() {
+            let mut values = *values;
             if let Some(turn) = turns.of(node) {
-                own =
-                    std::array::from_fn(|j| (0..D).map(|i| turn[3 * i + j] as f32 * own[i]).sum());
+                values = std::array::from_fn(|j| {
+                    (0..D).map(|i| turn[3 * i + j] as f32 * values[i]).sum()
+                });
             }
             let (parents, weight) = self.parents(node);
             for parent in parents {
                 let out = &mut out[D * parent as usize..D * (parent as usize + 1)];
-                out.iter_mut().zip(own).for_each(|(out, v)| *out += weight as f32 * v);
+                out.iter_mut().zip(values).for_each(|(out, v)| *out += weight as f32 * v);
             }
         }
     }
@@ -113,16 +110,20 @@ impl Transfer {
         let (values, out) = (v.as_chunks::<D>().0, out.as_chunks_mut::<D>().0);
         for (node, out) in out.iter_mut().enumerate() {
             let (parents, weight) = self.parents(node);
-            let mut own = [0.0f32; D];
+            let mut interpolated = [0.0f32; D];
             for parent in parents {
                 let parent = &values[parent as usize];
-                own.iter_mut().zip(parent).for_each(|(own, v)| *own += weight as f32 * v);
+                interpolated
+                    .iter_mut()
+                    .zip(parent)
+                    .for_each(|(interpolated, v)| *interpolated += weight as f32 * v);
             }
             if let Some(turn) = turns.of(node) {
-                own =
-                    std::array::from_fn(|i| (0..D).map(|j| turn[3 * i + j] as f32 * own[j]).sum());
+                interpolated = std::array::from_fn(|i| {
+                    (0..D).map(|j| turn[3 * i + j] as f32 * interpolated[j]).sum()
+                });
             }
-            out.iter_mut().zip(own).for_each(|(out, v)| *out += v);
+            out.iter_mut().zip(interpolated).for_each(|(out, v)| *out += v);
         }
     }
 }
@@ -136,7 +137,7 @@ pub(crate) struct Turns {
 }
 
 impl Turns {
-    /// Takes the frames of a mesh and the unknowns that are held, in the memory that is there.
+    /// Takes the frames of a mesh and the held unknowns, in existing memory.
     pub(super) fn set(&mut self, d: usize, nodes: usize, frames: &[NodeFrame], held: &[usize]) {
         self.of_node.clear();
         self.matrices.clear();
@@ -145,9 +146,9 @@ impl Turns {
         }
         self.of_node.resize(nodes, NONE);
         for frame in frames.iter().filter(|frame| frame.node < nodes) {
-            let own = self.at(frame.node);
+            let turn = self.at(frame.node);
             for (i, row) in frame.rows.chunks_exact(d).enumerate() {
-                own[3 * i..3 * i + d].copy_from_slice(row);
+                turn[3 * i..3 * i + d].copy_from_slice(row);
             }
         }
         for &dof in held {

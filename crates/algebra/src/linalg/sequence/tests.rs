@@ -1,4 +1,4 @@
-//! Factors in both precisions, entries without a mirror image, and matrices that are not definite.
+//! Factors in both precisions, nonsymmetric entries, and indefinite matrices.
 
 use super::super::nested_dissection;
 use super::*;
@@ -47,7 +47,7 @@ fn single_precision_factors_give_double_precision_solutions_in_any_unit() {
     }
 }
 
-/// K + a bᵀ + C and its transpose, by a factor of K: C as large as K's entries, and no factor more than one.
+/// K + a bᵀ + C and its transpose with a factor of K: C is as large as K's entries, and one factor suffices.
 #[test]
 fn entries_without_a_mirror_image_are_solved_for() {
     let (pattern, values, coordinates) = chain(2.05);

@@ -61,37 +61,37 @@ fn polytope(exact: &Exact) -> &Polytope {
 fn loads_agree_and_a_wrong_force_or_normal_is_seen() {
     let u = ["t*sin(x)*y^2", "x*exp(-t)*cos(y)"];
     for vertices in [&TRIANGLE[..], &L_SHAPE] {
-        let mut own = exact(vertices, u, false);
-        assert_eq!(loads(&own, polytope(&own)).status, Status::Verified);
+        let mut solution = exact(vertices, u, false);
+        assert_eq!(loads(&solution, polytope(&solution)).status, Status::Verified);
         let other = exact(vertices, ["1.001*t*sin(x)*y^2", u[1]], false);
-        own.forces = other.forces;
-        assert_eq!(loads(&own, polytope(&own)).status, Status::Failed);
+        solution.forces = other.forces;
+        assert_eq!(loads(&solution, polytope(&solution)).status, Status::Failed);
     }
-    // Edges that run the other way have their normals turned around.
-    let mut own = exact(&L_SHAPE, u, false);
-    let CoarseMesh::Plane(coarse) = &mut own.data.polytope.as_mut().unwrap().coarse else {
+    // Edges of the opposite direction have reversed normals.
+    let mut solution = exact(&L_SHAPE, u, false);
+    let CoarseMesh::Plane(coarse) = &mut solution.data.polytope.as_mut().unwrap().coarse else {
         panic!("a plane domain");
     };
     Arc::make_mut(coarse).edges[1].ends.swap(0, 1);
-    assert_eq!(loads(&own, polytope(&own)).status, Status::Failed);
+    assert_eq!(loads(&solution, polytope(&solution)).status, Status::Failed);
 }
 
 #[test]
 fn zeta_over_a_triangle_is_the_closed_form() {
     // ε = t (1, 0, 0), so ‖ε‖ = t √|Ω| and ζ(t) = t² √|Ω| / 2.
-    let own = exact(&TRIANGLE, ["t*x", "0"], true);
+    let solution = exact(&TRIANGLE, ["t*x", "0"], true);
     let area = 0.5 * (2.0 * 2.0 - 0.5 * 0.5);
-    assert!((own.data.measure() - area).abs() < 1e-15);
+    assert!((solution.data.measure() - area).abs() < 1e-15);
     let expected = 0.5 * 0.64 * area.sqrt();
     // The integral in time is adaptive, to 1e-12.
-    assert!((own.zeta.at(0.8) - expected).abs() < 1e-12);
+    assert!((solution.zeta.at(0.8) - expected).abs() < 1e-12);
     let status = |u: [&str; 2]| {
-        let own = exact(&L_SHAPE, u, true);
-        zeta(&own, polytope(&own)).unwrap().status
+        let solution = exact(&L_SHAPE, u, true);
+        zeta(&solution, polytope(&solution)).unwrap().status
     };
     assert_eq!(status(["t*sin(3*x)*y", "t*x*cos(4*y)"]), Status::Verified);
     assert_eq!(status(["t*abs(x - 0.37)", "0"]), Status::Verified, "|eps| is constant");
-    // Strips are cut along y, where a kink is; not along a slanted line.
+    // Strips are cut along y at kinks, but not along slanted lines.
     assert_eq!(status(["t*max(x - 0.37, 0)", "t*max(y - 0.21, 0)"]), Status::Verified);
     assert_eq!(status(["t*max(x + y/3 - 0.37, 0)", "0"]), Status::Weak);
     let without = exact(&L_SHAPE, ["t*x", "0"], false);
@@ -101,8 +101,8 @@ fn zeta_over_a_triangle_is_the_closed_form() {
 #[test]
 fn a_corner_singularity_is_told_from_a_smooth_field() {
     let status = |u: [&str; 2]| {
-        let own = exact(&L_SHAPE, u, false);
-        let findings = check(&own, &[]);
+        let solution = exact(&L_SHAPE, u, false);
+        let findings = check(&solution, &[]);
         let find = |subject: &str| {
             findings.iter().find(|f| f.subject.starts_with(subject)).unwrap().status
         };

@@ -4,7 +4,7 @@ use super::*;
 use crate::{ContactFormulas, ExactData, MaterialNumbers, Status};
 use formula::{Graph, Scope, Variable};
 
-/// u = (0, a(t) p(x) (1 - y)) on (0,1)², contact below. T is no power of two: t_n rounds.
+/// u = (0, a(t) p(x) (1 - y)) on (0,1)², contact below. T is not a power of two: t_n rounds.
 fn exact(amplitude: &str, profile: &str) -> Exact {
     let mut graph = Graph::new();
     let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
@@ -34,13 +34,13 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
     })
 }
 
-/// What is found, by the first word or words of its subject.
+/// Findings, by the first words of their subjects.
 fn statuses(amplitude: &str, profile: &str) -> [Status; 3] {
     let bottom = SideOfBox { normal: [0.0, -1.0, 0.0], clamped: false, contact: true };
     let findings = regularity(&exact(amplitude, profile), &[bottom]);
     ["u in W2,inf", "eps(u')", "u_nu in H2"].map(|subject| {
-        let own = findings.iter().find(|finding| finding.subject.starts_with(subject));
-        own.unwrap_or_else(|| panic!("no finding on {subject}")).status
+        let found = findings.iter().find(|finding| finding.subject.starts_with(subject));
+        found.unwrap_or_else(|| panic!("no finding on {subject}")).status
     })
 }
 
@@ -79,7 +79,7 @@ fn it_is_the_floor_that_tells_rounding_from_growth() {
     assert!(found.value > floor / 1e3, "the floor is not orders above what it covers");
 }
 
-/// u = (0, t² p(x) q(z) (1 - y), 0) on a box: a kink is seen along either direction of Γ3, and in the gradient.
+/// u = (0, t² p(x) q(z) (1 - y), 0) on a box: a kink is detected along either direction of Γ3, and in the gradient.
 #[test]
 fn both_directions_of_a_face_are_looked_at() {
     let found = |profile: &str| {
@@ -105,8 +105,8 @@ fn both_directions_of_a_face_are_looked_at() {
         let bottom = SideOfBox { normal: [0.0, -1.0, 0.0], clamped: false, contact: true };
         let findings = regularity(&Exact::new(data), &[bottom]);
         ["u in H2", "u_nu in H2"].map(|subject| {
-            let own = findings.iter().find(|finding| finding.subject.starts_with(subject));
-            own.expect("a finding").status
+            let found = findings.iter().find(|finding| finding.subject.starts_with(subject));
+            found.expect("a finding").status
         })
     };
     assert_eq!(found("1 + x^2*z^2"), [YES; 2]);

@@ -1,5 +1,3 @@
-//! The procedure on values whose limit is known.
-
 use super::*;
 
 fn values(steps: &[f64], value: impl Fn(f64) -> f64) -> Vec<ValueSample> {
@@ -8,7 +6,7 @@ fn values(steps: &[f64], value: impl Fn(f64) -> f64) -> Vec<ValueSample> {
 
 const STEPS: [f64; 5] = [0.4, 0.25, 0.2, 0.1, 0.08];
 
-/// Golden section on σ, which is zero at the minimum with a corner: p to 1e-9, limits to 1e-8.
+/// Golden section on σ, whose minimum is a corner at zero: p to 1e-9, limits to 1e-8.
 #[test]
 fn an_exact_power_gives_its_limit_and_the_small_factor() {
     for order in [0.6, 1.0, 1.01, 1.7, 2.0 - 1e-6] {
@@ -23,7 +21,7 @@ fn an_exact_power_gives_its_limit_and_the_small_factor() {
     }
 }
 
-/// p = 3 is too good to be believed: the second-order term is fitted, the factor is 3.
+/// p = 3 is not trusted: the second-order term is fitted with factor 3.
 #[test]
 fn orders_beyond_two_fall_back_to_two() {
     let samples = values(&STEPS, |h| 3.0 - h.powi(3));
@@ -52,22 +50,20 @@ fn slow_values_take_the_mixed_expansion() {
     assert!((found.observed_order.unwrap() - 0.3).abs() < 1e-6);
 }
 
-/// A line by hand: φ = 0, 1, 2, 1 on h = 4, 3, 2, 1 has p without optimum; the linear fit has
-/// slope −0.4, value 1.6 at h = 1, residuals (−0.4, 0.2, 0.8, −0.6): σ² = 1.2/2.
+/// By hand: φ = 0, 1, 2, 1 on h = 4, 3, 2, 1 has no optimal p; the linear fit has slope −0.4, value 1.6 at h = 1,
+/// residuals (−0.4, 0.2, 0.8, −0.6): σ² = 1.2/2.
 #[test]
 fn a_linear_fit_by_hand() {
     let samples: Vec<ValueSample> = [(4.0, 0.0), (3.0, 1.0), (2.0, 2.0), (1.0, 1.0)]
         .map(|(step, value)| ValueSample { step, value })
         .to_vec();
     let fit = expansion_fit(&samples, Expansion::First, false).unwrap();
-    // A few roundings of numbers of size 4.
     assert!((fit.deviation - 0.6f64.sqrt()).abs() < 1e-14, "{fit:?}");
     assert!((fit.error + 0.4).abs() < 1e-14 && (fit.limit - 2.0).abs() < 1e-14, "{fit:?}");
     assert!((fit.distance - 0.6).abs() < 1e-14);
 }
 
-/// Weighted by 1/h, normalised to mean 1: on h = 2, 1, 1/2, 1/4 the weights are 4 (½, 1, 2, 4)/7.5.
-/// Values 0, 0, 0, 1 and the term h: normal equations by hand.
+/// Weights 1/h normalised to mean 1: on h = 2, 1, 1/2, 1/4 they are 4 (½, 1, 2, 4)/7.5. Values 0, 0, 0, 1, by hand.
 #[test]
 fn weights_are_the_inverse_steps() {
     let steps = [2.0, 1.0, 0.5, 0.25];
@@ -87,7 +83,7 @@ fn weights_are_the_inverse_steps() {
     assert!((fit.deviation - (squares / 2.0).sqrt()).abs() < 1e-13);
 }
 
-/// Scatter larger than the data range: the other formula of the uncertainty.
+/// Scatter beyond the data range takes the other formula of the uncertainty.
 #[test]
 fn scatter_is_not_believed() {
     let samples = values(&[0.4, 0.3, 0.2, 0.1], |h| if h == 0.3 || h == 0.1 { 1.0 } else { -1.0 });
@@ -96,7 +92,6 @@ fn scatter_is_not_believed() {
     assert!(found.uncertainty > 2.0, "{found:?}");
 }
 
-/// Orders are sought up to 8: an optimum beyond is none.
 #[test]
 fn an_order_beyond_reach_is_none() {
     let found = eca_hoekstra(&values(&STEPS, |h| 1.0 + (h / 0.08).powi(9))).unwrap();
@@ -106,18 +101,17 @@ fn an_order_beyond_reach_is_none() {
 #[test]
 fn three_grids_and_constant_values() {
     assert_eq!(eca_hoekstra(&values(&STEPS[..2], |h| h)), None);
-    // Three grids determine φ₀, α and p, and leave no deviation: the uncertainty is 1.25 times the error.
     let exact = eca_hoekstra(&values(&STEPS[..3], |h| 1.0 + h.powf(1.5))).unwrap();
     let error = STEPS[2].powf(1.5);
-    // Golden section finds the order to the root of the rounding.
+    // Golden section finds the order to the root of rounding.
     assert!((exact.limit - 1.0).abs() < 1e-6 && exact.deviation < 1e-7, "{exact:?}");
     assert!((exact.uncertainty / (1.25 * error) - 1.0).abs() < 1e-4, "{exact:?}");
     let still = eca_hoekstra(&values(&STEPS, |_| 5.0)).unwrap();
     assert_eq!((still.limit, still.uncertainty, still.data_range), (5.0, 0.0, 0.0));
 }
 
-/// Values on h = 1.6, 0.8, 0.4, 0.2, 0.1 with what a program of our own in NumPy says of them, by its least squares and a
-/// bounded scalar minimisation of σ(p), both in ten digits: [limit, σ, Δφ, uncertainty].
+/// Values on h = 1.6, 0.8, 0.4, 0.2, 0.1 with the results of a separate NumPy program (least squares and bounded scalar
+/// minimisation of σ(p)), to ten digits: [limit, σ, Δφ, uncertainty].
 #[test]
 fn every_branch_has_the_numbers_of_another_program() {
     use Expansion::{Mixed, Power, Second};
@@ -150,17 +144,17 @@ fn every_branch_has_the_numbers_of_another_program() {
         let found = eca_hoekstra(&samples.collect::<Vec<_>>()).expect("five grids");
         match (found.expansion, expansion) {
             // A flat optimum: σ to ten digits is p to five.
-            (Power(own), Power(other)) => assert!((own - other).abs() < 1e-5, "{found:?}"),
-            (own, other) => assert_eq!(own, other),
+            (Power(fitted), Power(other)) => assert!((fitted - other).abs() < 1e-5, "{found:?}"),
+            (fitted, other) => assert_eq!(fitted, other),
         }
         assert_eq!((found.weighted, found.safety), (weighted, safety));
-        if let (Some(own), Some(other)) = (found.observed_order, order) {
-            assert!((own - other).abs() < 1e-5, "{found:?}");
+        if let (Some(fitted), Some(other)) = (found.observed_order, order) {
+            assert!((fitted - other).abs() < 1e-5, "{found:?}");
         }
-        let own = [found.limit, found.deviation, found.data_range, found.uncertainty];
-        for (own, other) in own.iter().zip(numbers) {
-            // σ and the rest move by the square and the first power of what p is off.
-            assert!((own - other).abs() < 1e-6 * other.abs(), "{found:?}");
+        let numbers_found = [found.limit, found.deviation, found.data_range, found.uncertainty];
+        for (fitted, other) in numbers_found.iter().zip(numbers) {
+            // σ and the rest change with the square and the first power of the error in p.
+            assert!((fitted - other).abs() < 1e-6 * other.abs(), "{found:?}");
         }
     }
 }

@@ -3,64 +3,51 @@
 use super::{FEWEST, Mixture, Posterior};
 use crate::fit::Decision;
 
-/// How far an order may lie from the claim unless the claim says otherwise.
+/// Default distance of an order from the claim.
 pub const TOLERANCE: f64 = 0.15;
-/// The tolerance is at most this share of the order.
+/// Upper bound of the tolerance, as a share of the order.
 const SHARE: f64 = 0.4;
-/// An order that misses the claim by less is no refutation.
+/// A miss by less than this is no refutation.
 const CLEAR_MISS: f64 = 0.05;
-/// Probability of a miss that refutes.
 const REFUTED: f64 = 0.975;
-/// Probability of a hit that confirms; less with three levels, which have to agree instead.
+/// Probability of a hit that confirms; lower with three levels, whose slopes have to agree instead.
 const CONFIRMED: f64 = 0.80;
 const CONFIRMED_BY_THREE: f64 = 0.70;
-/// Beyond this a hit counts where the median lies within half the tolerance of the claim.
+/// Above this, a hit counts if the median is within half the tolerance of the claim.
 const CERTAIN: f64 = 0.95;
-/// The two slopes of three levels may differ by this share of the order.
+/// Allowed difference of the two slopes of three levels, as a share of the order.
 const AGREEMENT: f64 = 0.15;
-/// Below this probability a floor is not considered; above the other, it is the likelier reading.
+/// Below the first probability a floor is ignored; above the second it is the likelier reading.
 const FLOOR: [f64; 2] = [0.05, 0.5];
 
-/// What somebody claims of an order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Claim {
-    /// The order p*.
     pub order: f64,
-    /// It is a lower bound.
     pub at_least: bool,
     /// A higher order refutes it as well.
     pub exact: bool,
-    /// How far the order may lie from it.
+    /// How far the order may lie from p*.
     pub tolerance: f64,
     /// Power M of a factor |log h|^M.
     pub log: f64,
 }
 
-/// A claim that cannot be judged.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClaimError {
-    /// Not a finite number.
     #[error("the order {0} is no finite number; 1, 1.5 and 2 are")]
     Order(f64),
-    /// Not a positive number.
     #[error("the tolerance {0} is no positive number; 0.15 is")]
     Tolerance(f64),
 }
 
 impl Claim {
-    /// Order `order`, within 0.15, neither a lower bound nor refuted by higher orders.
-    ///
-    /// # Errors
-    /// [`ClaimError::Order`].
+    /// Order `order` within the default tolerance, two-sided; higher orders do not refute it.
     pub fn new(order: f64) -> Result<Self, ClaimError> {
         let claim = Self { order, at_least: false, exact: false, tolerance: TOLERANCE, log: 0.0 };
         claim.checked()
     }
 
-    /// The claim itself, if it can be judged.
-    ///
-    /// # Errors
-    /// [`ClaimError`].
+    /// The claim, if it can be judged.
     pub fn checked(self) -> Result<Self, ClaimError> {
         if !self.order.is_finite() {
             return Err(ClaimError::Order(self.order));
@@ -71,7 +58,7 @@ impl Claim {
         Ok(self)
     }
 
-    /// The tolerance, less for small orders: 0.5 is not told from 0.35 by 0.15.
+    /// The tolerance, reduced for small orders: 0.15 cannot tell 0.5 from 0.35.
     fn reach(&self) -> f64 {
         match self.order > 0.0 {
             true => self.tolerance.min(SHARE * self.order),
@@ -80,20 +67,16 @@ impl Claim {
     }
 }
 
-/// A decision with its reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ruling {
-    /// Pass, fail or unresolved.
     pub decision: Decision,
-    /// One sentence.
     pub reason: String,
-    /// Probability that the order is within the tolerance of the claim; of a lower bound, that it is not below.
+    /// Probability that the order is within the tolerance; for a lower bound, that it is not below.
     pub probability: f64,
-    /// The order is settled, above the claim.
+    /// The order is settled above the claim.
     pub too_high: bool,
 }
 
-/// What a mixture says of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Answer {
     Confirmed,
@@ -103,7 +86,7 @@ enum Answer {
 }
 
 impl Posterior {
-    /// Judges a claim; unresolved where the table does not tell.
+    /// Judges a claim; unresolved where the data do not decide.
     pub fn decide(&self, claim: &Claim) -> Ruling {
         let answer = self.answer(claim);
         let decision = match answer {
@@ -117,7 +100,7 @@ impl Posterior {
         Ruling { decision, reason, probability, too_high: answer == Answer::TooHigh }
     }
 
-    /// The answer of all readings; open where those with and without a floor disagree.
+    /// The answer over all readings; open if those with and without a floor disagree.
     fn answer(&self, claim: &Claim) -> Answer {
         let of = |mixture: &Mixture| self.answer_of(mixture, claim);
         if self.floor < FLOOR[0] {
@@ -151,12 +134,12 @@ impl Posterior {
         }
     }
 
-    /// Three levels have two slopes, a grid none.
+    /// Three levels give two slopes, a grid none.
     fn needed(&self) -> f64 {
         if self.slopes.len() < FEWEST { CONFIRMED_BY_THREE } else { CONFIRMED }
     }
 
-    /// Whether the slopes of three levels are one; more levels have no such rule.
+    /// Whether the slopes of three levels agree; more levels need no such check.
     fn two_slopes_agree(&self, claim: &Claim) -> bool {
         match self.slopes[..] {
             [first, last] => (last - first).abs() <= AGREEMENT * claim.order.abs(),
@@ -164,8 +147,8 @@ impl Posterior {
         }
     }
 
-    /// Whether the slopes of three levels rise fast enough to reach an order: where what is missing halves with every
-    /// level, it is the last change; twice that may be on its way.
+    /// Whether the slopes of three levels may still reach `order`. If the gap halves at each level, the remainder
+    /// equals the last change; twice that is allowed.
     fn rises_to(&self, order: f64) -> bool {
         let [first, last] = self.slopes[..] else { return false };
         last > first && last + 2.0 * (last - first) >= order
@@ -192,7 +175,6 @@ impl Posterior {
         }
     }
 
-    /// Why a claim stays open.
     fn open_reason(&self, claim: &Claim, probability: f64) -> String {
         if let Some(step) = self.floor_from {
             return format!(
@@ -219,7 +201,6 @@ impl Posterior {
     }
 }
 
-/// Probability that the claim holds.
 fn probability(mixture: &Mixture, claim: &Claim) -> f64 {
     let reach = claim.reach();
     let not_below = 1.0 - mixture.below(claim.order - reach);
@@ -229,7 +210,7 @@ fn probability(mixture: &Mixture, claim: &Claim) -> f64 {
     }
 }
 
-/// In whole percent, never 0 or 100 where it is not.
+/// In whole percent, but 0 and 100 only if exact.
 fn percent(probability: f64) -> String {
     match 100.0 * probability {
         p if p > 99.0 => "above 99 %".to_owned(),

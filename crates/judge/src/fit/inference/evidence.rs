@@ -4,29 +4,26 @@
 //! mean, with weights 1/τ². Then the covariance is s² diag(τ²) + v vᵀ + u uᵀ, and every product aᵀ Σ⁻¹ b is one of the Gram
 //! matrix of (x, y, v, u), by Woodbury's formula with a 2 × 2 matrix: the sums over the levels are made once for all s.
 
-/// A level as all readings see it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Observed {
-    /// log h, log e, each less its mean over the levels that are read.
+    /// log h, log e, each less its weighted mean.
     pub(super) x: f64,
     pub(super) y: f64,
-    /// 1/τ².
     pub(super) weight: f64,
 }
 
-/// What is the same for all next terms over the same levels.
+/// What all next terms over the same levels share.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Base {
-    /// Sum of weights, and Σ w x².
+    /// Σ weights and Σ w x².
     weight: f64,
     x_x: f64,
     /// n log 2π + Σ log τ² + log Σ w.
     log: f64,
-    /// Number of levels.
     count: f64,
 }
 
-/// One noise with what its evidence has before any level is looked at.
+/// One noise with the part of its evidence that needs no data.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Noise {
     variance: f64,
@@ -45,24 +42,22 @@ pub(super) struct Gram {
     nuisance: [f64; 3],
 }
 
-/// What one reading with one noise says of the order.
+/// Posterior of the order for one reading and one noise.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Component {
-    /// Logarithm of the evidence, up to a constant that all readings share.
+    /// Up to a constant that all readings share.
     pub(super) log_evidence: f64,
-    /// Mean of the order.
     pub(super) mean: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the order.
     pub(super) deviation: f64,
 }
 
 impl Base {
-    /// Levels with x = log h, y = log e and scales τ of their noise, and what they share.
     pub(super) fn new(x: &[f64], y: &[f64], scales: &[f64]) -> (Vec<Observed>, Self) {
         let weights: Vec<f64> = scales.iter().map(|scale| 1.0 / (scale * scale)).collect();
         let weight: f64 = weights.iter().sum();
         let mean = |values: &[f64]| {
-            values.iter().zip(&weights).map(|(value, own)| value * own).sum::<f64>() / weight
+            values.iter().zip(&weights).map(|(value, w)| value * w).sum::<f64>() / weight
         };
         let centre = [mean(x), mean(y)];
         let observed: Vec<Observed> = (0..x.len())
@@ -71,33 +66,31 @@ impl Base {
         let count = x.len() as f64;
         let scales: f64 = scales.iter().map(|scale| 2.0 * scale.ln()).sum();
         let log = count * std::f64::consts::TAU.ln() + scales + weight.ln();
-        let x_x = observed.iter().map(|own| own.weight * own.x * own.x).sum();
+        let x_x = observed.iter().map(|level| level.weight * level.x * level.x).sum();
         (observed, Self { weight, x_x, log, count })
     }
 
-    /// The noise `s` with the logarithm of its prior.
     pub(super) fn noise(&self, s: f64, log_prior: f64) -> Noise {
         let variance = s * s;
-        // Of s^(2 (n − 1)) of the levels s⁴ is in the determinant of v and u.
+        // Of s^(2 (n − 1)), s⁴ is contained in the determinant of v and u.
         let log = log_prior - 0.5 * (self.log + (self.count - 3.0) * variance.ln());
         Noise { variance, precision: 1.0 / variance, log }
     }
 
-    /// Products of the levels with the rows g, v, u of a next term.
     pub(super) fn gram(&self, levels: impl Iterator<Item = (Observed, [f64; 3])>) -> Gram {
         let (mut sums, mut x, mut y, mut nuisance) = ([0.0; 3], [0.0; 2], [0.0; 2], [0.0; 3]);
         let (mut x_y, mut y_y) = (0.0, 0.0);
         for (level, [g, v, u]) in levels {
-            let own = level.y - g;
-            let [wx, wy, wv, wu] = [level.x, own, v, u].map(|value| level.weight * value);
+            let residual = level.y - g;
+            let [wx, wy, wv, wu] = [level.x, residual, v, u].map(|value| level.weight * value);
             sums = [sums[0] + wy, sums[1] + wv, sums[2] + wu];
             x = [x[0] + wx * v, x[1] + wx * u];
             y = [y[0] + wy * v, y[1] + wy * u];
             nuisance = [nuisance[0] + wv * v, nuisance[1] + wv * u, nuisance[2] + wu * u];
-            x_y += wx * own;
-            y_y += wy * own;
+            x_y += wx * residual;
+            y_y += wy * residual;
         }
-        // x has no mean.
+        // x has mean zero.
         let [of_y, v, u] = sums.map(|sum| sum / self.weight);
         Gram {
             x,
@@ -112,8 +105,7 @@ impl Base {
         }
     }
 
-    /// Evidence and order under one noise and the order's prior mean and standard deviation; none where the evidence,
-    /// on logarithms, is below `least`.
+    /// Evidence and order for one noise and a normal prior of the order; none if the log evidence is below `least`.
     pub(super) fn component(
         &self,
         gram: &Gram,
@@ -131,12 +123,12 @@ impl Base {
         let x_x = (self.x_x - reduced(gram.x, gram.x)) * noise.precision;
         let x_y = (gram.x_y - reduced(gram.x, gram.y)) * noise.precision;
         let y_y = (gram.y_y - reduced(gram.y, gram.y)) * noise.precision;
-        // p has the precision of the data and that of its prior.
+        // The precision of p is that of the data plus that of its prior.
         let prior_precision = 1.0 / (spread * spread);
         let precision = x_x + prior_precision;
         let mean = (x_y + prior_precision * order) / precision;
         let residual = y_y + prior_precision * order * order - precision * mean * mean;
-        // Determinants of the covariance and of the two precisions; one logarithm for all.
+        // One logarithm for the covariance and both precisions.
         let determinants = determinant * precision * spread * spread;
         if noise.log - 0.5 * (below_log(determinants) + residual) < least {
             return None;
@@ -150,7 +142,7 @@ impl Base {
     }
 }
 
-/// At most log x, by less than log 2: the exponent of x. Most readings need no more to be left out.
+/// Lower bound of log x, off by less than log 2, from the exponent of x; mostly enough to drop a reading.
 fn below_log(x: f64) -> f64 {
     let exponent = (x.to_bits() >> 52) as f64 - 1023.0;
     exponent * std::f64::consts::LN_2
@@ -169,7 +161,7 @@ mod tests {
         }
     }
 
-    /// The same numbers by dense matrices: Σ inverted, c and p integrated as one normal with a very wide prior of c.
+    /// Reference: dense matrices with Σ inverted, c and p integrated as one normal with a very wide prior of c.
     #[test]
     fn closed_forms_agree_with_dense_matrices() {
         let rows = [
@@ -208,14 +200,13 @@ mod tests {
             let found = base.component(&gram, &base.noise(s, 0.0), prior, f64::NEG_INFINITY);
             let found = found.expect("an evidence");
             let (log, mean, deviation) = dense(s, prior);
-            // The width 1e3 of c leaves 1e-6 of the noise; the covariance has the condition 1e10.
+            // A prior of width 1e3 leaves 1e-6 of the noise; the covariance has condition 1e10.
             assert!((found.mean - mean).abs() < 1e-3, "{found:?} {mean}");
             assert!((found.deviation - deviation).abs() < 1e-3, "{found:?} {deviation}");
             differences.push(found.log_evidence - log);
         }
-        // Equal up to the constant that all readings share.
         assert!(
-            differences.iter().all(|own| (own - differences[0]).abs() < 1e-2),
+            differences.iter().all(|difference| (difference - differences[0]).abs() < 1e-2),
             "{differences:?}"
         );
     }

@@ -1,8 +1,8 @@
 //! Both orders of a grid of meshes and time steps by the same inference.
 //!
-//! E = C_h h^p (1 + D_h h^r) + C_k k^q (1 + D_k k^s), or the same of E² where space and time errors are orthogonal.
-//! Divided by the observed E the model is linear in C_h, C_h D_h, C_k and C_k D_k: the evidence of every pair (p, q) is
-//! closed. The pairs are a grid of distance 0.05; what is said of one order is the sum over the other.
+//! E = C_h h^p (1 + D_h h^r) + C_k k^q (1 + D_k k^s), or this form for E² if space and time errors are orthogonal.
+//! Divided by the observed E the model is linear in C_h, C_h D_h, C_k and C_k D_k, so the evidence of each pair (p, q)
+//! is closed. Pairs lie on a grid of spacing 0.05; one order is the marginal over the other.
 
 mod pairs;
 
@@ -12,25 +12,21 @@ use crate::fit::identifiable::check_grid;
 use crate::fit::{NotIdentifiable, Point, screen};
 use pairs::{Model, ORDERS, STEP, order};
 
-/// Relative noise of E with its weights.
+/// Relative noise of E, with weights.
 const NOISE: [(f64, f64); 4] = [(0.001, 0.35), (0.003, 0.3), (0.01, 0.25), (0.03, 0.1)];
-/// Prior of errors that add as numbers, and as squares.
+/// Priors of errors that add, and of squares that add.
 const MODELS: [(i32, f64); 2] = [(1, 0.7), (2, 0.3)];
-/// C_h, C_k and both orders.
 const PARAMETERS: usize = 4;
-/// A uniform distribution over one step has this standard deviation times the step.
+/// Standard deviation of a uniform distribution over one step, in steps.
 const UNIFORM: f64 = 0.289;
 
-/// What a grid says of its two orders.
 #[derive(Debug, Clone)]
 pub struct GridPosterior {
-    /// The order p in h.
     pub order_h: Posterior,
-    /// The order q in k.
     pub order_k: Posterior,
 }
 
-/// Weighs all pairs of orders. `noise` is the relative standard deviation of the errors where it is known.
+/// Posterior over all pairs of orders. `noise`: relative standard deviation of the errors, if known.
 ///
 /// # Errors
 /// [`NotIdentifiable`] where the points do not determine two orders.
@@ -91,14 +87,13 @@ mod tests {
         [on(&found.order_h, p), on(&found.order_k, q)]
     }
 
-    /// E = 0.6 h (1 − h) + 16 k² / 16, on 3 × 3 levels: what a table cannot tell is left open.
+    /// E = 0.6 h (1 − h) + 16 k² / 16 on 3 × 3 levels: what the table cannot tell stays open.
     #[test]
     fn the_smallest_grids_have_no_false_fail() {
         for (bend, share) in [(-1.0, 1.0), (1.0, 1.0), (0.0, 0.3), (-1.0, 4.0), (1.0, 0.1)] {
             let points = grid(3, |h, k| 0.6 * h * (1.0 + bend * h) + share * k * k);
             let found = decide(&points, 1.0, 2.0);
             assert!(!found.contains(&Decision::Fail), "{bend} {share}: {found:?}");
-            // Orders that are wrong by one fail.
             assert_eq!(decide(&points, 2.0, 2.0)[0], Decision::Fail, "{bend} {share}");
             assert_eq!(decide(&points, 1.0, 3.0)[1], Decision::Fail, "{bend} {share}");
         }

@@ -5,44 +5,40 @@ use std::sync::LazyLock;
 use rustc_hash::FxHashMap;
 use statrs::function::erf::erf;
 
-/// One reading of a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
-    /// Posterior weight, relative to others.
+    /// Posterior weight, unnormalised.
     pub(super) weight: f64,
-    /// Mean and standard deviation of the order.
     pub(super) mean: f64,
     pub(super) deviation: f64,
-    /// It has a floor, or leaves out fine levels.
+    /// It has a floor, or drops fine levels.
     pub(super) floored: bool,
-    /// Coarse levels that it leaves out.
     pub(super) coarse: usize,
 }
 
-/// Weighted normal distributions.
 #[derive(Debug, Clone)]
 pub(super) struct Mixture {
-    /// Sum of all weights, 0 for none.
+    /// Sum of all weights, 0 without parts.
     pub(super) weight: f64,
     /// Share, mean, standard deviation.
     parts: Vec<[f64; 3]>,
 }
 
-/// Deviations within this ratio, and means within this share of a deviation, are one: no probability moves by 2e-3.
+/// Parts with deviations within this ratio and means within this share of a deviation merge: no probability changes by
+/// 2e-3.
 const RATIO: f64 = 1.3;
 const SHARE: f64 = 0.2;
 
-/// Beyond so many standard deviations a normal distribution has nothing.
+/// Tail cut-off in standard deviations.
 const FAR: f64 = 6.0;
-/// Quantiles are known to a tenth of what is printed.
+/// Accuracy of quantiles: a tenth of what is printed.
 const QUANTILE: f64 = 1e-5;
 
-/// Widths of the cells in which parts are merged, from the narrowest, 4e-10, to the widest, 30.
 static WIDTHS: LazyLock<Vec<f64>> =
     LazyLock::new(|| (NARROWEST..NARROWEST + 96).map(|size| SHARE * RATIO.powi(size)).collect());
 const NARROWEST: i32 = -76;
 
-/// The cell of a part: that of its deviation, and of its mean in widths of it.
+/// Cell of a part by its deviation and its mean in units of the cell width.
 fn cell(part: &Part) -> u64 {
     let size = ((part.deviation.ln() / RATIO.ln()).floor() as i32 - NARROWEST).max(0);
     let at = (size as usize).min(WIDTHS.len() - 1);
@@ -51,7 +47,7 @@ fn cell(part: &Part) -> u64 {
 }
 
 impl Mixture {
-    /// Of the parts that `serve`; close ones are merged, so that a probability costs little.
+    /// Mixture of the parts that `serve`, close ones merged.
     pub(super) fn of(parts: &[Part], serves: impl Fn(&Part) -> bool) -> Self {
         let mut weight = 0.0;
         let mut cells: FxHashMap<u64, [f64; 3]> = FxHashMap::default();
@@ -62,19 +58,18 @@ impl Mixture {
             sums[1] += part.weight * part.mean;
             sums[2] += part.weight * part.deviation;
         }
-        // Sorted, so that sums have one order.
+        // Sorted for a fixed order of summation.
         let mut cells: Vec<_> = cells.into_iter().collect();
         cells.sort_unstable_by_key(|(cell, _)| *cell);
         let parts = cells.into_iter();
         Self { weight, parts: parts.map(|(_, [w, m, d])| [w / weight, m / w, d / w]).collect() }
     }
 
-    /// Of shares, means and deviations; shares sum to one.
+    /// From (share, mean, deviation); shares sum to one.
     pub(super) fn from_parts(parts: Vec<[f64; 3]>) -> Self {
         Self { weight: parts.iter().map(|[share, ..]| share).sum(), parts }
     }
 
-    /// All of two.
     pub(super) fn union(&self, other: &Self) -> Self {
         let weight = self.weight + other.weight;
         let share = |of: &Self| {
@@ -89,7 +84,7 @@ impl Mixture {
         self.at(p)[0]
     }
 
-    /// Probability of at most p, and its density there, which is good to four digits.
+    /// Probability of at most p, and the density there to four digits.
     fn at(&self, p: f64) -> [f64; 2] {
         let table = &*NORMAL;
         self.parts.iter().fold([0.0; 2], |[below, density], [share, mean, deviation]| {
@@ -99,13 +94,12 @@ impl Mixture {
         })
     }
 
-    /// The p with `probability` below it.
     pub(super) fn quantile(&self, probability: f64) -> f64 {
         let reach = |sign: f64| self.parts.iter().map(move |[_, m, d]| m + sign * 8.0 * d);
         let mut lo = reach(-1.0).fold(f64::INFINITY, f64::min);
         let mut hi = reach(1.0).fold(f64::NEG_INFINITY, f64::max);
         let mut p = 0.5 * (lo + hi);
-        // Newton's steps where they stay in the bracket and it halves; its middle else.
+        // Newton's steps if they stay in the bracket and halve it, else bisection.
         let mut last = hi - lo;
         while hi - lo > QUANTILE {
             let [below, density] = self.at(p);
@@ -139,8 +133,8 @@ static NORMAL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 });
 const PER_UNIT: f64 = 64.0;
 
-/// Φ(t), 0 and 1 beyond six standard deviations, by Hermite's cubic in the table: off by 64^−4 / 384 of the fourth
-/// derivative at most, 2e-10. And φ, linear in it: off by 3e-5.
+/// Φ(t), cut off at six standard deviations, by Hermite's cubic in the table: error at most 64^−4 / 384 of the fourth
+/// derivative, 2e-10. φ is linear in it: error 3e-5.
 fn normal(table: &[[f64; 2]], t: f64) -> [f64; 2] {
     if t.is_nan() || t.abs() >= FAR {
         return [if t > 0.0 { 1.0 } else { 0.0 }, 0.0];
@@ -169,7 +163,7 @@ mod tests {
             let t = 0.009 * f64::from(i);
             let exact = 0.5 * (1.0 + erf(t / std::f64::consts::SQRT_2));
             let [all, density] = normal(&NORMAL, t);
-            // What the cubic leaves, and 1e-9 beyond six deviations.
+            // Error of the cubic, and 1e-9 beyond six deviations.
             assert!((all - exact).abs() < 1.2e-9, "{t}: {all} {exact}");
             let slope = (-0.5 * t * t).exp() / std::f64::consts::TAU.sqrt();
             assert!((density - slope).abs() < 4e-5, "{t}: {density} {slope}");

@@ -1,10 +1,9 @@
-//! The order of a table by inference: every reading of its levels is weighed by its evidence.
+//! Bayesian inference of the order of a table: all readings of its levels, weighed by their evidence.
 //!
-//! Model: log e = c + p log h + g(h) + noise, where g is a next term of unknown size and power ([`next_term`]). Coarse
-//! levels leave one by one where the rest explains itself better without them. A level that leaves costs as much as one
-//! that is explained with a density of 1/3 per unit of log e. Fine levels leave only where the slopes break
-//! downwards, as into a floor. Every reading gives a normal distribution of p in closed form ([`evidence`]); the
-//! posterior is their mixture. Nothing is random: equal tables have equal answers.
+//! Model: log e = c + p log h + g(h) + noise, g a next term of unknown size and power ([`next_term`]). Coarse levels
+//! may be dropped one by one; a dropped level costs as much as one explained with density 1/3 per unit of log e. Fine
+//! levels are dropped only where the slopes break downwards, as into a floor. Each reading gives a normal distribution
+//! of p in closed form ([`evidence`]); the posterior is their mixture. Deterministic: equal tables have equal answers.
 
 mod claim;
 mod evidence;
@@ -23,51 +22,46 @@ mod tests;
 pub use claim::{Claim, ClaimError, Ruling, TOLERANCE};
 pub use grid::{GridPosterior, infer_grid};
 
-/// An order needs so many levels.
 pub const FEWEST: usize = 3;
-/// Noise of log e, with its weights, where it is not known.
+/// Noise of log e if unknown, with weights.
 const NOISE: [(f64, f64); 6] =
     [(0.0005, 0.25), (0.001, 0.25), (0.003, 0.25), (0.01, 0.2), (0.03, 0.04), (0.1, 0.01)];
-/// The least noise that is believed.
 const LEAST_NOISE: f64 = 0.0005;
-/// Prior of leaving out so many coarse levels; halved for each further one.
+/// Prior of dropping so many coarse levels; halved for each further one.
 const COARSE: [f64; 6] = [0.6, 0.2, 0.1, 0.05, 0.03, 0.02];
-/// Prior of leaving out so many fine levels.
+/// Prior of dropping so many fine levels.
 const FINE: [f64; 4] = [1.0, 0.03, 0.015, 0.008];
-/// Density per unit of log e of a level that is left out.
+/// Density per unit of log e of a dropped level.
 const LEFT: f64 = 1.0 / 3.0;
-/// A reading with a floor needs more levels than orders have parameters.
+/// A reading with a floor needs more levels than an order has parameters.
 const FLOOR_LEVELS: usize = 4;
-/// Readings whose evidence is smaller by more than exp(-16) are dropped.
+/// Readings below exp(-16) of the likeliest are dropped.
 const LEAST: f64 = 16.0;
-/// Readings of long tables: the coarsest levels beyond so many leave without being asked.
+/// Levels of a long table beyond which the coarsest are dropped at once.
 const LONGEST: usize = 12;
 
-/// One level of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
     /// h or k.
     pub size: f64,
-    /// Error.
     pub error: f64,
-    /// What of it is no discretisation error, at most; 0 where nothing is known.
+    /// Upper bound of the part of the error that is not discretisation; 0 if unknown.
     pub floor: f64,
-    /// Relative standard deviation of the error, where it is known.
+    /// Relative standard deviation of the error, if known.
     pub sigma: Option<f64>,
 }
 
 impl Level {
-    /// A level of which step and error are known.
     pub fn new(size: f64, error: f64) -> Self {
         Self { size, error, floor: 0.0, sigma: None }
     }
 
-    /// The level of a point in one direction, with the relative standard deviation of its error where that is known.
+    /// A point in one direction; `sigma` is the relative standard deviation of its error.
     pub fn of(point: &Point, direction: Direction, sigma: Option<f64>) -> Self {
         Self { size: direction.step(point), error: point.error, floor: point.floor, sigma }
     }
 
-    /// Errors near their floors say nothing of the order; what is no error or no floor is refused, not left out.
+    /// Errors near their floors carry no order; invalid errors and floors are kept, to be refused later.
     fn is_above_floor(&self) -> bool {
         let Self { size, error, floor, .. } = *self;
         let screened = screen(&Point { h: size, k: f64::NAN, error, floor });
@@ -75,47 +69,41 @@ impl Level {
     }
 }
 
-/// What a table says of its order.
 #[derive(Debug, Clone)]
 pub struct Posterior {
-    /// Median.
     pub order: f64,
-    /// 95 % interval, of equal tails.
+    /// 95 % interval with equal tails.
     pub interval: Interval,
-    /// Coarse levels that carry less than half of the evidence, from the coarsest on.
+    /// Coarse levels, from the coarsest, that carry less than half of the evidence.
     pub coarse_left_out: usize,
-    /// Where a floor begins that no one has told: the largest step that it bends, if a floor is likelier than not.
+    /// Largest step affected by an unstated floor, if a floor is likelier than not.
     pub floor_from: Option<f64>,
-    /// Slopes of log e between neighbouring levels, from coarse to fine; none of a grid.
+    /// Slopes of log e between neighbouring levels, coarse to fine; empty for a grid.
     pub slopes: Vec<f64>,
-    /// All readings; those without a floor; those with one.
+    /// All readings, those without a floor, those with one.
     all: Mixture,
     sound: Mixture,
     floored: Mixture,
-    /// Probability of a floor.
     floor: f64,
 }
 
-/// The order of a table of steps h and errors e.
-///
-/// # Errors
-/// As [`infer`], which takes floors, a known noise and a logarithm as well.
+/// Order of a table of steps h and errors e.
 pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
     let levels: Vec<Level> = table.iter().map(|&(h, error)| Level::new(h, error)).collect();
     infer(&levels, None, 0.0)
 }
 
-/// Weighs all readings of a table; its levels in any order, each once, with positive errors. Levels near their floors
-/// leave. `noise` is the relative
-/// standard deviation of the errors where it is known; `log` is the power M of a factor |log h|^M.
+/// Posterior of the order. Levels in any order, each once, with positive errors; levels near their floors are dropped.
+/// `noise`: relative standard deviation of the errors, if known; `log`: power M of a factor |log h|^M.
 ///
 /// # Errors
-/// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::NoError`] for what is no positive
-/// number, [`FitError::NoDeviation`] for what is no deviation, [`FitError::NoLogarithm`] with a factor |log h|^M.
+/// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::NoError`] for an error that is not
+/// a positive number, [`FitError::NoDeviation`], [`FitError::NoLogarithm`] with a factor |log h|^M.
 pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior, FitError> {
     let table = Table::new(levels, noise, log)?;
     let parts = table.parts();
-    let [sound, floored] = [false, true].map(|own| Mixture::of(&parts, |part| part.floored == own));
+    let [sound, floored] =
+        [false, true].map(|with_floor| Mixture::of(&parts, |part| part.floored == with_floor));
     let all = sound.union(&floored);
     let floor = floored.weight / all.weight;
     let mut leaving = vec![0.0; levels.len()];
@@ -136,7 +124,7 @@ pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior
 }
 
 impl Posterior {
-    /// `, without the 2 coarsest levels` behind a sentence; nothing where all of them serve.
+    /// `, without the 2 coarsest levels`, to follow a sentence; empty if none is dropped.
     pub fn left_out_in_words(&self) -> String {
         match self.coarse_left_out {
             0 => String::new(),
@@ -145,26 +133,21 @@ impl Posterior {
         }
     }
 
-    /// Probability that the order is at most p.
     pub fn below(&self, p: f64) -> f64 {
         self.all.below(p)
     }
 
-    /// Probability that the order is within `tolerance` of p.
     pub fn within(&self, p: f64, tolerance: f64) -> f64 {
         self.all.below(p + tolerance) - self.all.below(p - tolerance)
     }
 }
 
-/// Logarithms of a table, from the coarsest level to the finest.
 struct Table {
     sizes: Vec<f64>,
-    /// log h and log e.
     x: Vec<f64>,
     y: Vec<f64>,
-    /// Scales of the noise.
     scales: Vec<f64>,
-    /// Noises with their weights, times these scales.
+    /// Noises relative to these scales, with weights.
     noise: Vec<(f64, f64)>,
 }
 
@@ -193,7 +176,7 @@ impl Table {
         }
         let levels = &levels[levels.len().saturating_sub(LONGEST)..];
         let factor = |size: f64| if log == 0.0 { 0.0 } else { log * size.ln().abs().ln() };
-        // One noise for all levels: unknown, as given, or of each level as it says.
+        // One noise for all levels (unknown or given), or one per level.
         let given = |level: &Level| level.sigma.or(noise).map(|sigma| sigma.max(LEAST_NOISE));
         let known: Option<Vec<f64>> = levels.iter().map(given).collect();
         Ok(Self {
@@ -210,8 +193,8 @@ impl Table {
         (1..self.x.len()).map(slope).collect()
     }
 
-    /// Whether the slopes fall where the finest `fine` levels begin, and break downwards from there on: a floor bends
-    /// its first level less than those behind it.
+    /// Whether the slopes fall at the finest `fine` levels and from there break downwards: a floor bends its first
+    /// level less than the later ones.
     fn breaks(&self, fine: usize) -> bool {
         let slopes = self.slopes();
         let (before, left) = slopes.split_at(slopes.len() - fine);
@@ -228,7 +211,6 @@ impl Table {
         self.sizes[steepest + 1]
     }
 
-    /// All readings, their weights relative to the likeliest.
     fn parts(&self) -> Vec<Part> {
         let levels = self.x.len();
         let mut found = Readings { parts: Vec::new(), largest: f64::NEG_INFINITY };
@@ -245,13 +227,13 @@ impl Table {
             }
         }
         let Readings { mut parts, largest } = found;
-        // What is dropped has together less than a thousandth of the likeliest reading.
+        // Those dropped sum to less than a thousandth of the likeliest.
         parts.retain(|part| part.weight > largest - LEAST);
         parts.iter_mut().for_each(|part| part.weight = (part.weight - largest).exp());
         parts
     }
 
-    /// The readings of the levels that stay; their weights as logarithms.
+    /// Readings of the remaining levels, with log weights.
     fn read(&self, coarse: usize, fine: usize, log_prior: f64, found: &mut Readings) {
         let kept = coarse..self.x.len() - fine;
         let (coarsest, finest) = (self.sizes[kept.start], self.sizes[kept.end - 1]);
@@ -259,7 +241,7 @@ impl Table {
         let (observed, base) = Base::new(&of(&self.x), &of(&self.y), &of(&self.scales));
         let noise = self.noise.iter().map(|(s, share)| base.noise(*s, log_prior + share.ln()));
         let noise: Vec<Noise> = noise.collect();
-        // Neighbouring nodes have one power: powers of the steps are taken once for all of them.
+        // Neighbouring nodes share their power, so powers are computed once for them.
         let mut terms: Vec<[f64; 2]> = Vec::new();
         let mut power = None;
         for node in NODES.iter() {
@@ -276,13 +258,13 @@ impl Table {
             let gram = base.gram(observed.iter().copied().zip(nexts));
             for noise in &noise {
                 let least = found.largest - LEAST - node.log_prior;
-                if let Some(own) = base.component(&gram, noise, node.order(), least) {
-                    let weight = node.log_prior + own.log_evidence;
+                if let Some(component) = base.component(&gram, noise, node.order(), least) {
+                    let weight = node.log_prior + component.log_evidence;
                     found.largest = found.largest.max(weight);
                     found.parts.push(Part {
                         weight,
-                        mean: own.mean,
-                        deviation: own.deviation,
+                        mean: component.mean,
+                        deviation: component.deviation,
                         floored: floored || fine > 0,
                         coarse,
                     });
@@ -292,7 +274,7 @@ impl Table {
     }
 }
 
-/// Readings that may count, and the largest of their weights, on logarithms.
+/// Readings that may count, and the largest log weight.
 struct Readings {
     parts: Vec<Part>,
     largest: f64,

@@ -1,18 +1,17 @@
-//! What may follow the leading term of an error: families of next terms, each with its prior, on a grid of nodes.
+//! Next terms of an error expansion: families with priors, on a grid of nodes.
 //!
-//! log e = c + p log h + g(z), z = h / (largest h kept); D is the size of the next term there, r its power:
+//! log e = c + p log h + g(z), z = h / (largest h kept); D is the size of the next term at z = 1, r its power:
 //!
 //! | family | g | reads |
 //! |---|---|---|
 //! | bend | log(1 + D z^r) | a further term of the expansion, of either sign |
 //! | plateau | −log(1 + D z^r) | coarse meshes that do not resolve the solution yet |
-//! | floor | log(1 + D (h/h_fine)^−r), r ≈ p | errors that end in a floor nobody has told |
+//! | floor | log(1 + D (h/h_fine)^−r), r ≈ p | errors that end in an unstated floor |
 //!
-//! The nodes of D are close enough for their distance to be a normal uncertainty, see [`Node::smoothing`].
+//! Nodes of D are so close that their spacing acts as a normal uncertainty, see [`Node::smoothing`].
 
 use std::sync::LazyLock;
 
-/// How a next term enters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Family {
     /// 1 + D z^r as a factor.
@@ -23,31 +22,26 @@ pub(super) enum Family {
     Floor,
 }
 
-/// One reading of a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
     pub(super) family: Family,
-    /// Power r.
     pub(super) power: f64,
-    /// Size D at z = 1; of a floor at the finest h.
+    /// D at z = 1; for a floor, at the finest h.
     size: f64,
-    /// Distance to the next node, in D.
     spacing: f64,
-    /// Logarithm of the prior weight.
     pub(super) log_prior: f64,
 }
 
-/// Powers of a next term relative to the first, with their weights: theories have halves and whole numbers.
+/// Powers relative to the first term, with weights; theory gives halves and integers.
 const BENDS: [(f64, f64); 6] =
     [(0.25, 0.02), (0.5, 0.14), (1.0, 0.42), (1.5, 0.08), (2.0, 0.22), (3.0, 0.04)];
 const PLATEAUS: [(f64, f64); 5] = [(0.5, 0.02), (1.0, 0.02), (1.5, 0.01), (2.0, 0.02), (3.0, 0.01)];
-/// All floors together.
 const FLOORS: f64 = 0.03;
 const FLOOR_POWERS: [f64; 21] = [
     0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0, 4.5, 5.0,
     5.5, 6.0, 7.0, 8.0,
 ];
-/// Sizes of bends: most are below one fifth at the coarsest level that is kept.
+/// Scale of bends: most are below one fifth at the coarsest level kept.
 const BEND_SCALE: f64 = 0.2;
 const BEND_RANGE: [f64; 2] = [-0.95, 60.0];
 const BEND_NODES: usize = 33;
@@ -57,17 +51,16 @@ const PLATEAU_CENTRE: f64 = 1.5;
 const PLATEAU_SPREAD: f64 = 1.8;
 const FLOOR_RANGE: [f64; 2] = [0.03, 10.0];
 const FLOOR_NODES: usize = 9;
-/// Standard deviation of a uniform distribution over one spacing is 0.29 of it; nodes overlap by as much again.
+/// Standard deviation in spacings: 0.29 for a uniform distribution, and as much again for overlap.
 const SMOOTHING: f64 = 0.55;
-/// What follows the next term, at most this share of it.
+/// Bound of the term after the next, as a share of the next.
 const AFTER: f64 = 0.3;
 const AFTER_FLOOR: f64 = 0.1;
-/// A floor is flat: p − r has this standard deviation.
+/// Standard deviation of p − r for a floor.
 const FLATNESS: f64 = 0.15;
-/// An order before anything is measured.
+/// Prior of the order: mean and standard deviation.
 const ORDER: [f64; 2] = [1.5, 2.5];
 
-/// All readings.
 pub(super) static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
     let mut nodes = Vec::new();
     // Uniform in asinh(10 D): fine around zero, wide in the tails.
@@ -99,7 +92,7 @@ pub(super) static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
     nodes
 });
 
-/// Sizes D with their spacing in D and their share of the prior: `at` gives D, dD/dt and a density at t.
+/// Sizes D with spacing and prior share; `at` gives D, dD/dt and a density at t.
 fn grid(
     [first, last]: [f64; 2],
     count: usize,
@@ -112,7 +105,7 @@ fn grid(
 }
 
 impl Node {
-    /// The next term for D = 1 at z = h/h_coarsest and y = h/h_fine, and what follows it for |D| = 1.
+    /// For |D| = 1: the next term and the one after it, at z = h/h_coarsest and y = h/h_fine.
     pub(super) fn powers(&self, z: f64, y: f64) -> [f64; 2] {
         match self.family {
             Family::Floor => [y.powf(-self.power), AFTER_FLOOR * z],
@@ -123,7 +116,7 @@ impl Node {
         }
     }
 
-    /// g, its uncertainty from the distance of the nodes, and the next term but one, of [`Node::powers`].
+    /// g, its uncertainty from the node spacing, and the term after the next, from [`Node::powers`].
     pub(super) fn terms(&self, [term, after]: [f64; 2]) -> [f64; 3] {
         let factor = 1.0 + self.size * term;
         let smoothing = SMOOTHING * self.spacing * term / factor;
@@ -134,7 +127,7 @@ impl Node {
         }
     }
 
-    /// Mean and standard deviation of the order under this reading, before anything is measured.
+    /// Prior mean and standard deviation of the order under this reading.
     pub(super) fn order(&self) -> [f64; 2] {
         match self.family {
             Family::Floor => [self.power, FLATNESS],
@@ -169,7 +162,6 @@ mod tests {
         }
     }
 
-    /// The smoothing is the change of g over 0.55 of a spacing.
     #[test]
     fn smoothing_is_a_derivative_by_size() {
         for node in NODES.iter().step_by(17) {
@@ -178,7 +170,7 @@ mod tests {
             let [.., smoothing, _] = node.terms(node.powers(0.5, 2.0));
             let change = (at(node.size + by) - at(node.size - by)) / (2.0 * by);
             let expected = (SMOOTHING * node.spacing * change).abs();
-            // Central differences: truncation 1e-12 of the size, rounding 1e-10.
+            // Central differences: truncation 1e-12 relative, rounding 1e-10.
             assert!((smoothing.abs() - expected).abs() < 1e-5 * expected.max(1e-6));
         }
     }

@@ -1,7 +1,7 @@
-//! Tables of known order against the judge: how often it passes, fails and leaves open, beside two rules in use.
+//! Pass, fail and unresolved rates on tables of known order, compared with two common rules.
 //!
-//! The classes hold what the model knows (one next term, noise) and what it does not (two terms, other knees, a wild
-//! coarsest level). Their seeds are not those by which priors were chosen.
+//! Some classes match the model (one next term, noise), others do not (two terms, other knees, a wild coarsest level).
+//! The priors were chosen with other seeds.
 
 use super::{Claim, Level, TOLERANCE, infer};
 use crate::fit::Decision;
@@ -9,7 +9,6 @@ use crate::fit::{FitError, student_quantile};
 
 mod stopping;
 
-/// xorshift64*, uniform and normal numbers.
 struct Random(u64);
 
 impl Random {
@@ -40,28 +39,22 @@ impl Random {
     }
 }
 
-/// A class of tables of order p: errors at steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Class {
-    /// No next term, no noise.
     Exact,
     /// One next term and up to 1 % of noise.
     Smooth,
-    /// Coarse meshes that do not resolve: the order is lost at the first two or three levels of eight.
     Plateau,
     /// The first levels converge faster.
     Superconvergent,
     /// Ratios of 1.3 to 2.5, constants that oscillate by 1 %.
     Irregular,
-    /// Two next terms of either sign.
     TwoTerms,
-    /// The coarsest level has nothing to do with the rest.
+    /// The coarsest level is unrelated to the rest.
     Wild,
-    /// 3 % of noise.
     Noisy,
-    /// A floor below the finest levels.
     Floor,
-    /// A next term that may be twice the first.
+    /// A next term of up to twice the first.
     Bent,
 }
 
@@ -105,14 +98,14 @@ fn table(class: Class, p: f64, levels: usize, random: &mut Random) -> Vec<Level>
     sizes.iter().enumerate().map(error).collect()
 }
 
-/// The last slope within 0.1.
+/// Common rule: the last slope within 0.1.
 fn last_pair(table: &[Level], order: f64) -> Decision {
     let [.., a, b] = table else { return Decision::Unresolved };
     let slope = (a.error / b.error).ln() / (a.size / b.size).ln();
     if (slope - order).abs() <= 0.1 { Decision::Pass } else { Decision::Fail }
 }
 
-/// Student's interval of a straight line holds the order and is narrower than 0.15 to either side.
+/// Common rule: Student's interval of a straight line contains the order and is narrower than ±0.15.
 fn student(table: &[Level], order: f64) -> Decision {
     let n = table.len() as f64;
     let mean = |f: fn(&Level) -> f64| table.iter().map(f).sum::<f64>() / n;
@@ -135,7 +128,7 @@ fn judge(table: &[Level], order: f64) -> Decision {
     posterior.decide(&Claim::new(order).expect("a claim")).decision
 }
 
-/// Shares of pass and fail over tables of a class, for a claim that is off by `offset`.
+/// Shares of pass and fail for a claim that is off by `offset`.
 fn shares(
     rule: fn(&[Level], f64) -> Decision,
     (class, levels, offset): (Class, usize, f64),
@@ -168,11 +161,9 @@ const CLASSES: [Class; 10] = [
     Class::Bent,
 ];
 
-/// A rule of decision.
 type Rule = fn(&[Level], f64) -> Decision;
 
-/// What a judge must show: tables of some classes with some numbers of levels, a claim that is off by so much, and the
-/// bounds in percent of what passes and of what fails.
+/// A requirement: classes and numbers of levels, the offset of the claim, bounds in percent of pass and fail.
 struct Demand {
     classes: &'static [Class],
     levels: std::ops::RangeInclusive<usize>,
@@ -182,7 +173,7 @@ struct Demand {
 }
 
 const ANY: [f64; 2] = [0.0, 100.0];
-/// Classes whose order a table of a few levels shows.
+/// Classes whose order shows in a few levels.
 const CLEAN: &[Class] = &[Class::Exact, Class::Smooth, Class::Irregular, Class::TwoTerms];
 const COARSE_START: &[Class] = &[Class::Plateau, Class::Superconvergent];
 
@@ -209,10 +200,10 @@ fn demands() -> Vec<Demand> {
     demands
 }
 
-/// Seeds that are used for the demands alone, one per table of a class and a number of levels.
+/// Seeds reserved for the requirements, one per table of a class and number of levels.
 const SEEDS: std::ops::Range<u64> = 90_000..90_100;
 
-/// Those that a rule does not meet, each asked of a table per seed, class and number of levels.
+/// Requirements that a rule misses.
 fn unmet(rule: Rule, demands: Vec<Demand>, seeds: std::ops::Range<u64>) -> Vec<String> {
     let met = |[lo, hi]: [f64; 2], share: f64| lo <= share && share <= hi;
     let mut unmet = Vec::new();
@@ -238,13 +229,13 @@ fn levels_near_their_floors_leave() {
         let error = 0.25f64.powi(i);
         Level { floor: 1e-3, ..Level::new(0.5f64.powi(i), error + 1e-3) }
     };
-    // 4^-3 is 16 floors, and 20 are needed.
+    // 4^-3 is 16 floors; 20 are needed.
     let told: Vec<Level> = (0..6).map(level).collect();
     let found = infer(&told, None, 0.0).expect("an order");
     assert_eq!(found.slopes.len(), 2, "{:?}", found.slopes);
     let too_few = infer(&told[1..], None, 0.0).expect_err("two levels");
     assert_eq!(too_few, FitError::TooFew { found: 2, needed: 3 });
-    // What is no error is not taken for one below its floor.
+    // An invalid error is not taken for one below its floor.
     let mut broken = told.clone();
     broken[5].error = f64::NAN;
     assert!(matches!(infer(&broken, None, 0.0), Err(FitError::NoError { .. })));
@@ -255,15 +246,14 @@ fn the_judge_meets_its_demands() {
     assert_eq!(unmet(judge, demands(), SEEDS), Vec::<String>::new());
 }
 
-/// A thousand tables per class and number of levels that nothing was chosen or tested by.
+/// A thousand fresh tables per class and number of levels.
 #[test]
 #[ignore = "minutes"]
 fn long_the_judge_meets_them_on_fresh_tables() {
     assert_eq!(unmet(judge, demands(), 700_000..701_000), Vec::<String>::new());
 }
 
-/// A judge that takes the median for the order, whatever its uncertainty, does not meet them, and neither do the
-/// rules in use.
+/// Neither the median alone nor the two common rules meet the requirements.
 #[test]
 fn other_rules_do_not_meet_them() {
     fn median(table: &[Level], order: f64) -> Decision {
@@ -276,7 +266,7 @@ fn other_rules_do_not_meet_them() {
     }
 }
 
-/// Halvings from 1/4 on with these local orders, against a claim.
+/// Halvings from 1/4 with these local orders, against a claim.
 fn of_slopes(slopes: &[f64], order: f64) -> Decision {
     let mut table = vec![Level::new(0.25, 0.3)];
     for slope in slopes {
@@ -339,8 +329,8 @@ fn what_is_no_table_is_refused() {
     let broken = Level { error: f64::NAN, ..c };
     assert!(matches!(refused(&[a, b, broken], None, 0.0), FitError::NoError { .. }));
     for sigma in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        let own = Level { sigma: Some(sigma), ..c };
-        assert!(matches!(refused(&[a, b, own], None, 0.0), FitError::NoDeviation { .. }));
+        let level = Level { sigma: Some(sigma), ..c };
+        assert!(matches!(refused(&[a, b, level], None, 0.0), FitError::NoDeviation { .. }));
         assert!(matches!(refused(&[a, b, c], Some(sigma), 0.0), FitError::NoDeviation { .. }));
     }
     let one = Level::new(1.0, 1.0);
@@ -350,7 +340,6 @@ fn what_is_no_table_is_refused() {
     }
 }
 
-/// h |log h| read with its factor has order 1, and not without.
 #[test]
 fn a_logarithm_that_is_named_is_divided_out() {
     let table: Vec<Level> =

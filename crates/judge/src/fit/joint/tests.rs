@@ -1,5 +1,3 @@
-//! Joint fits on grids whose orders are known.
-
 use super::*;
 
 fn grid(levels: i32, error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
@@ -37,7 +35,7 @@ fn bias_of_the_space_error_is_covered() {
 #[test]
 fn a_floor_is_fitted_on_request() {
     let fits = joint_fits(&grid(5, |h, k| 1e-3 + 0.3 * h + 4.0 * k * k), true).unwrap();
-    // The floor is a tenth of the smallest error, its digits suffer accordingly.
+    // The floor is a tenth of the smallest error.
     assert!((fits.best.floor.unwrap() - 1e-3).abs() < 1e-7);
 }
 
@@ -49,17 +47,16 @@ fn constants_under_given_orders() {
     assert!(fit_constants(&points[..2], Model::Sum, (1.0, 2.0)).is_err());
 }
 
-/// A model that misses the table has no say in the interval; one that fits it as well has.
+/// A misfitting model has no influence on the interval; one that fits as well has.
 #[test]
 fn the_other_model_counts_where_it_fits_as_well() {
-    // Noise of 1e-4 leaves no doubt about the sum.
+    // Noise of 1e-4 decides for the sum.
     let noise = |h: f64, k: f64| 1.0 + 1e-4 * (1e3 * h + 7e3 * k).sin();
     let sum = grid(5, |h, k| (0.3 * h + 4.0 * k * k) * noise(h, k));
     for estimate in fit_constants(&sum, Model::Sum, (1.0, 2.0)).unwrap() {
         let Estimate { value, interval } = estimate;
         assert!(interval.half_width() < 0.01 * value, "{estimate:?}");
     }
-    // The truth is the sum, and the model asked for the other: its own residual is larger, so the sum has its say.
     let asked = fit_constants(&sum, Model::RootSumSquare, (1.0, 2.0)).unwrap();
     for (estimate, truth) in asked.iter().zip([0.3, 4.0]) {
         assert!(estimate.interval.contains(truth), "{truth}: {estimate:?}");
@@ -87,7 +84,7 @@ fn estimate(value: f64, radius: f64) -> Estimate {
     Estimate { value, interval: Interval::around(value, radius) }
 }
 
-/// Full order 1: a clip at 1.25 reaches to 1.25 ± 0.5, bends at 1.25 to 1.25 ± 0.125.
+/// Order 1: a clip at 1.25 reaches 1.25 ± 0.5, bends at 1.25 reach 1.25 ± 0.125.
 #[test]
 fn parts_reach_by_the_change_they_make() {
     let full = estimate(1.0, 0.01);
@@ -104,21 +101,19 @@ fn parts_reach_by_the_change_they_make() {
     assert_eq!(time, Estimate { value: 1.0, interval: Interval { lo: 0.75, hi: 1.25 } });
 }
 
-/// A fit is the function it was fitted with, and its weights are the shares of the terms.
 #[test]
 fn a_fit_evaluates_its_model() {
     let fits = joint_fits(&grid(5, |h, k| 1e-3 + 0.3 * h + 4.0 * k * k), true).unwrap();
     let (h, k) = (0.05, 0.02);
     let [space, time] = [0.3 * h, 4.0 * k * k];
     let error = 1e-3 + space + time;
-    // The digits of a floor that is a tenth of the smallest error.
+    // The floor is a tenth of the smallest error.
     assert!((fits.best.error(h, k) / error - 1.0).abs() < 1e-5);
     let weights = fits.best.weights(h, k);
     assert!((weights[0] - space / error).abs() < 1e-5);
     assert!((weights[1] - time / error).abs() < 1e-5);
 }
 
-/// Points without a step or an error take no part, and the orders are those of the rest.
 #[test]
 fn broken_points_take_no_part() {
     let mut points = grid(3, |h, k| 0.3 * h + 4.0 * k * k);
@@ -130,7 +125,7 @@ fn broken_points_take_no_part() {
     assert!((best.order_h.value - 1.0).abs() < 1e-8 && (best.order_k.value - 2.0).abs() < 1e-8);
 }
 
-/// With the next terms fitted C_h is free of the bias D h: 3 % here without, at D = 2.
+/// The bias D h is 3 % here at D = 2 without next terms.
 #[test]
 fn constants_of_a_grid_are_extrapolated() {
     let points = grid(4, |h, k| 0.3 * h * (1.0 + 2.0 * h) + 4.0 * k * k);

@@ -95,7 +95,7 @@ fn a_short_last_line_is_torn_and_one_before_it_is_an_error() {
     assert!(matches!(read(&path), Err(RecordError::Changed { line: 2, .. })));
     let found = read_table(&path).unwrap();
     assert!(found.cases.is_empty() && found.changed == [2] && found.checked && !found.torn);
-    // A table without checksums is read as it stands, and not added to.
+    // Without checksums a table is read, but not appended to.
     let bare: String =
         good.lines().map(|row| row.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
     fs::write(&path, &bare).unwrap();

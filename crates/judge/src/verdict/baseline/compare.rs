@@ -6,43 +6,38 @@ use super::{Baseline, Owing, Recorded, RecordedCase};
 use crate::record::{CaseRecord, Key, Status};
 use crate::verdict::{Decision, Variable};
 
-/// Two runs of one program differ by this share of an error at most, on any machine: last digits of
-/// elementary functions and fused products enter at 1e-16 and leave amplified by the condition of the
-/// system, 1e5 on the finest meshes here, and by cancellation in errors of 1e-5 of the solution.
+/// Relative difference of an error between machines: elementary functions and fused products differ by 1e-16, amplified
+/// by the condition of the system (1e5 on the finest meshes) and by cancellation in errors of 1e-5 of the solution.
 pub const REPEATED_WITHIN: f64 = 1e-6;
-/// Near its floor an error is known to a few floors, two runs with one each and a factor of safety …
+/// Floors by which two runs may differ near the floor: one each, and a factor of safety …
 const FLOORS_APART: f64 = 4.0;
-/// … but never so loosely that a deviation of one percent passes.
+/// … but a deviation of one percent never passes.
 const LOOSEST: f64 = 5e-3;
 
-/// Work may grow by this share, or by this number, before it counts: an iteration more or less in a
-/// few steps is rounding at the tolerance of the solver.
+/// Share or number by which work may grow: an iteration more in a few steps is rounding.
 const WORK_SHARE: f64 = 0.10;
 const WORK_NUMBER: u64 = 2;
 
-/// The relative deviation allowed of an error with its floor.
 pub(super) fn allowed(error: f64, floor: f64) -> f64 {
     (FLOORS_APART * floor / error).clamp(REPEATED_WITHIN, LOOSEST)
 }
 
-/// What deviates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DeviationKind {
-    /// An error differs from its recorded value, or is no number.
     Error,
-    /// A recorded case or norm was not measured.
+    /// A recorded case or norm is missing.
     Missing,
-    /// The case takes more iterations or factorizations than recorded.
+    /// More iterations or factorizations than recorded.
     Cost,
-    /// The scene file changed after it was recorded: nothing can be compared.
+    /// The scene file has changed since: nothing can be compared.
     Stale,
-    /// A verdict or a compared constant is owed and is not there, or there and not owed.
+    /// A verdict or compared constant is owed and missing, or present and not owed.
     Owed,
 }
 
 impl DeviationKind {
-    /// A changed scene leaves the question open; everything else fails.
+    /// A changed scene is unresolved; everything else fails.
     pub(crate) fn decision(self) -> Decision {
         match self {
             DeviationKind::Stale => Decision::Unresolved,
@@ -54,70 +49,51 @@ impl DeviationKind {
     }
 }
 
-/// One deviation from the baseline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Deviation {
-    /// Name of the scene.
     pub scene: String,
-    /// Mesh cells per unit length, where a case deviates.
     pub n: Option<u32>,
-    /// Number of time steps, where a case deviates.
     pub steps: Option<u32>,
-    /// The norm, or the counter.
     pub norm: Option<String>,
-    /// What is refined, of a verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variable: Option<Variable>,
-    /// What deviates.
     pub kind: DeviationKind,
-    /// The recorded value.
     pub recorded: Option<f64>,
-    /// As found; absent if it is no number.
+    /// None if NaN.
     pub found: Option<f64>,
-    /// Fail or unresolved.
     pub verdict: Decision,
-    /// The deviation in one sentence.
     pub reason: String,
 }
 
-/// One scene of a run.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Its name.
     pub scene: String,
-    /// Hash of its file.
     pub hash: String,
-    /// The cases that were planned.
     pub planned: Vec<Key>,
-    /// It ran on the grids of its file: every recorded case has to be there.
+    /// It ran on the default grids of its file: every recorded case has to be there.
     pub own_grids: bool,
 }
 
-/// What the comparison of a run found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Comparison {
-    /// Scenes that were compared, in the order of the run.
     pub scenes: Vec<String>,
-    /// Errors that were compared.
     pub compared: usize,
-    /// Scenes that the baseline does not have.
     pub not_recorded: Vec<String>,
-    /// What the compared scenes owe that ran on their own grids.
+    /// What the compared scenes owe on their default grids.
     pub owed: Owing,
-    /// Scenes for which the baseline does not say what they owe.
+    /// Scenes for which the baseline does not record what they owe.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub owed_not_said: Vec<String>,
-    /// What deviates.
     pub deviations: Vec<Deviation>,
 }
 
 impl Comparison {
-    /// 0 if nothing deviates, else 1.
+    /// 0 without deviations, else 1.
     pub fn exit_code(&self) -> u8 {
         u8::from(!self.deviations.is_empty())
     }
 
-    /// A line a deviation, what was not recorded, and the sum.
+    /// One line per deviation, the scenes not recorded, and a summary.
     pub fn lines(&self) -> Vec<String> {
         let line = |d: &Deviation| format!("baseline: {}: {}", d.verdict.name(), d.reason);
         let mut lines: Vec<String> = self.deviations.iter().map(line).collect();
@@ -141,7 +117,6 @@ impl Comparison {
     }
 }
 
-/// Compares the records of `runs` with a baseline.
 pub fn compare_with_baseline(
     baseline: &Baseline,
     runs: &[Run],
@@ -215,7 +190,6 @@ fn stale(scene: &str) -> Deviation {
     }
 }
 
-/// A recorded case.
 struct Place<'a> {
     scene: &'a str,
     case: &'a RecordedCase,
@@ -238,7 +212,7 @@ impl Place<'_> {
                 continue;
             };
             let change = error / recorded - 1.0;
-            // A NaN is no small change.
+            // A NaN is not a small change.
             if change.is_nan() || change.abs() > allowed {
                 let what = match error.is_finite() {
                     true => {
@@ -310,7 +284,7 @@ pub(super) fn case_name(n: Option<u32>, steps: u32) -> String {
     n.map_or(format!("steps = {steps}"), |n| format!("n = {n}, steps = {steps}"))
 }
 
-/// A relative change in words: `+1.2 %`, with enough digits to see it.
+/// A relative change in percent, with enough digits to show it.
 pub(super) fn in_percent(change: f64) -> String {
     let percent = 100.0 * change;
     if percent.abs() < 0.1 { format!("{percent:+.1e} %") } else { format!("{percent:+.1} %") }

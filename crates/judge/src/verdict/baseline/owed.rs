@@ -1,6 +1,5 @@
-//! What a scene owes: the verdicts that a run has to judge, and the constants that it has to compare.
-//!
-//! A gate that judges less than it should has nothing to object to. What it judged once is recorded, so that it shows.
+//! What a scene owes: verdicts that a run has to judge and constants that it has to compare. They are recorded, so that
+//! a gate which judges less than before fails.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,30 +9,24 @@ use crate::record::CaseRecord;
 use crate::verdict::{Variable, Verdict};
 use files::counted;
 
-/// A verdict that is owed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Owed {
-    /// Name of the norm.
     pub norm: String,
-    /// What is refined.
     pub variable: Variable,
-    /// The constants that are compared with their prediction.
+    /// Constants compared with their prediction.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constants: Vec<String>,
 }
 
-/// How much the compared scenes owe.
+/// Totals over the compared scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Owing {
-    /// Verdicts.
     pub verdicts: usize,
-    /// Constants that are compared with their prediction.
     pub constants: usize,
 }
 
 impl Owed {
-    /// What a verdict settles.
     fn of(verdict: &Verdict) -> Self {
         let compared = verdict.constants.iter().filter(|(_, constant)| constant.ratio.is_some());
         Self {
@@ -43,7 +36,7 @@ impl Owed {
         }
     }
 
-    /// What the verdicts of a scene settle, in their order.
+    /// What the verdicts of a scene settle.
     pub(crate) fn of_scene(scene: &str, verdicts: &[Verdict]) -> Vec<Self> {
         verdicts.iter().filter(|verdict| verdict.scene == scene).map(Self::of).collect()
     }
@@ -52,14 +45,13 @@ impl Owed {
         (&self.norm, self.variable) == (&other.norm, other.variable)
     }
 
-    /// `V_max in h`.
     fn name(&self) -> String {
         format!("{} in {}", self.norm, self.variable.name())
     }
 }
 
 impl Baseline {
-    /// The baseline with what its scenes owe: what these verdicts judged and compared.
+    /// Records what these verdicts settle as owed.
     #[must_use]
     pub fn owing(mut self, verdicts: &[Verdict]) -> Self {
         for (scene, recorded) in &mut self.scenes {
@@ -68,7 +60,6 @@ impl Baseline {
         self
     }
 
-    /// Compares runs of scenes with their records: errors and work, and what the verdicts leave owing.
     pub fn compare(
         &self,
         runs: &[Run],
@@ -81,8 +72,8 @@ impl Baseline {
     }
 }
 
-/// Adds to a comparison of `runs` what their verdicts leave owing. Scenes on other grids than their own owe nothing,
-/// nor do those that the comparison left out.
+/// Adds what `runs` still owe to a comparison. Scenes on other than their default grids, or left out of the comparison,
+/// owe nothing.
 pub fn compare_owed(
     baseline: &Baseline,
     runs: &[Run],
@@ -105,20 +96,20 @@ pub fn compare_owed(
     }
 }
 
-/// Every owed verdict once, whatever the order; what is judged beside them is said as well.
+/// Every item counts once, in any order; settled items that are not owed are reported as well.
 fn left_owing(scene: &str, owes: &[Owed], mut settled: Vec<Owed>) -> Vec<Deviation> {
     let mut found = Vec::new();
     let mut say = |owed: &Owed, what: String| found.push(deviation(scene, owed, &what));
     for owed in owes {
-        let Some(at) = settled.iter().position(|own| own.is_of(owed)) else {
+        let Some(at) = settled.iter().position(|other| other.is_of(owed)) else {
             say(owed, "the verdict is owed and was not judged".into());
             continue;
         };
-        let own = settled.remove(at);
-        for name in owed.constants.iter().filter(|name| !own.constants.contains(name)) {
+        let judged = settled.remove(at);
+        for name in owed.constants.iter().filter(|name| !judged.constants.contains(name)) {
             say(owed, format!("the constant {name} is owed and was not compared"));
         }
-        for name in own.constants.iter().filter(|name| !owed.constants.contains(name)) {
+        for name in judged.constants.iter().filter(|name| !owed.constants.contains(name)) {
             say(owed, format!("the constant {name} was compared and is not owed"));
         }
     }
@@ -144,7 +135,7 @@ fn deviation(scene: &str, owed: &Owed, what: &str) -> Deviation {
 }
 
 impl Comparison {
-    /// What was owed, and whether the baseline said it.
+    /// What was owed, and whether the baseline recorded it.
     pub(super) fn owed_in_words(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if !self.owed_not_said.is_empty() {
@@ -168,10 +159,10 @@ impl Comparison {
     }
 }
 
-/// What changes in what a scene owes, a line each.
+/// Changes in what a scene owes, a line each.
 pub(super) fn changes_of_owed(scene: &str, old: &Recorded, new: &Recorded) -> Vec<String> {
     let (Some(was), Some(is)) = (&old.owes, &new.owes) else {
-        // What an older baseline does not say has not changed.
+        // Absent in an older baseline is not a change.
         return Vec::new();
     };
     let mut lines = Vec::new();
@@ -181,12 +172,12 @@ pub(super) fn changes_of_owed(scene: &str, old: &Recorded, new: &Recorded) -> Ve
         _ => owed.constants.join(", "),
     };
     for owed in was {
-        match left.iter().position(|own| own.is_of(owed)) {
+        match left.iter().position(|other| other.is_of(owed)) {
             None => lines.push(format!("{scene}: {}: no longer owed", owed.name())),
             Some(at) => {
-                let own = left.remove(at);
-                if own != *owed {
-                    let (was, is) = (names(owed), names(&own));
+                let judged = left.remove(at);
+                if judged != *owed {
+                    let (was, is) = (names(owed), names(&judged));
                     lines.push(format!("{scene}: {}: owes {was} -> {is}", owed.name()));
                 }
             }

@@ -42,7 +42,7 @@ fn a_repeated_run_does_not_deviate() {
     let comparison = compared(&records(), "hash", true);
     assert!(comparison.deviations.is_empty() && comparison.compared == 2);
     assert_eq!(comparison.exit_code(), 0);
-    // Another machine: the last digits of errors, an iteration more.
+    // Another machine: other last digits, an iteration more.
     let mut other = records();
     other[0].errors[0].error = Some(1.23456789e-2 * (1.0 + 1e-8));
     other[1].newton_iterations = 42;
@@ -101,7 +101,7 @@ fn every_seeded_deviation_is_found() {
     );
 }
 
-/// What an older baseline does not hold is not compared.
+/// Counters missing in an older baseline are not compared.
 #[test]
 fn a_baseline_without_the_newer_counters_is_read() {
     let text = r#"{"scenes": {"block": {"hash": "hash", "cases": [
@@ -116,7 +116,6 @@ fn a_baseline_without_the_newer_counters_is_read() {
     );
 }
 
-/// More than two and more than a tenth.
 #[test]
 fn work_may_grow_a_little() {
     let grown = |recorded: u64, now: u64| {
@@ -167,7 +166,7 @@ fn a_scene_that_is_not_recorded_is_said() {
     assert!(comparison.lines()[0].contains("not recorded, hence not compared: new"));
 }
 
-/// Errors below 4 floors are not recorded; one near them is compared within 4 of them, but never beyond 0.5 %.
+/// Errors below 4 floors are not recorded; near that, 4 floors are allowed, but at most 0.5 %.
 #[test]
 fn floors_widen_what_is_allowed_but_not_to_a_percent() {
     let entry = |floor: f64| {
@@ -181,7 +180,7 @@ fn floors_widen_what_is_allowed_but_not_to_a_percent() {
     assert_eq!(entry(4e-8).allowed[V_MAX], 5e-3);
     assert!(entry(1e-14).allowed.is_empty());
     assert_eq!(entry(1e-14).errors[V_MAX], 1e-6);
-    // An error of zero has no relative deviation.
+    // A zero error has no relative deviation.
     let mut zero = record(4, 0.0);
     zero.errors[0].floor = Some(0.0);
     assert!(RecordedCase::of(&zero).errors.is_empty());
@@ -207,7 +206,6 @@ fn the_file_reads_back_and_keeps_its_order() {
     assert_eq!(read, Some(baseline()));
     assert!(broken.is_err());
     assert_eq!(Baseline::read(&path).ok(), Some(None));
-    // A directory is no baseline, and not the absence of one.
     assert!(Baseline::read(&std::env::temp_dir()).is_err());
     assert_eq!(text.lines().count(), 6, "{text}");
 }

@@ -1,4 +1,4 @@
-//! Constants of tables whose truth is known, against leading errors that are right or wrong.
+//! Constants of known tables against right and wrong leading errors.
 
 use super::*;
 use crate::fit::Point;
@@ -22,7 +22,7 @@ fn line(error: impl Fn(f64) -> f64) -> LeadingLine {
     LeadingLine { points: STEPS.iter().map(point).collect(), limit: None, tolerance: 0.01 }
 }
 
-/// Cases whose error is measured at k and recorded at k times `label`.
+/// Cases measured at k and recorded at k times `label`.
 fn cases(label: f64, error: impl Fn(f64) -> f64) -> Vec<Serving> {
     let serving = |&steps: &u32| {
         let k = 1.0 / f64::from(steps);
@@ -36,7 +36,7 @@ fn compared(used: &[Serving], line: &LeadingLine) -> Comparison {
     compare_constant(constant(), used, line, &prediction(), Direction::Time).expect("cases")
 }
 
-/// e = 5 k² (1 + 3 k²), and a leading error that knows both terms or the first alone.
+/// e = 5 k² (1 + 3 k²), with a leading error of both terms or the first.
 #[test]
 fn a_sound_scheme_passes() {
     let used = cases(1.0, |k| 5.0 * k * k * (1.0 + 3.0 * k * k));
@@ -49,12 +49,12 @@ fn a_sound_scheme_passes() {
     assert!((first.constant.predicted.expect("a constant") - 5.0).abs() < 1e-12);
     let known = compared(&used, &LeadingLine { limit: Some(5.5), ..line(|k| 5.0 * k * k) });
     assert_eq!(known.constant.limit, Some(5.5));
-    // One case has no line; its own error over k² is the constant.
+    // One case has no line; its error over k² is the constant.
     let one = compared(&used[1..2], &line(|k| 7.0 * k * k));
     assert!((one.constant.predicted.expect("a constant") - 7.0).abs() < 1e-12);
 }
 
-/// 1 + 3 k² is 1.012 at N = 16 and 1.047 at N = 8: above 1 %, and falling.
+/// 1 + 3 k² is 1.012 at N = 16 and 1.047 at N = 8: above 1 % and falling.
 #[test]
 fn a_ratio_that_drifts_towards_one_is_open() {
     let used = cases(1.0, |k| 5.0 * k * k * (1.0 + 3.0 * k * k));
@@ -64,7 +64,6 @@ fn a_ratio_that_drifts_towards_one_is_open() {
     assert!(found.sentence.contains(open), "{}", found.sentence);
 }
 
-/// An order that is wrong makes ratios that drift away.
 #[test]
 fn a_ratio_that_drifts_away_fails() {
     for power in [0.0, 1.0, 1.5, 3.0, 4.0] {
@@ -80,7 +79,7 @@ fn factors_fail_and_name_themselves() {
     let cases = [
         (cases(1.0, |k| 1.05 * error(k)), "1.0500"),
         (cases(1.0, |k| error(k) / 1.05), "0.9524"),
-        // k is recorded half as large as it was.
+        // k is recorded at half its value.
         (cases(0.5, error), "4.0000"),
         (cases(2.0, error), "0.2500"),
         (cases(1.0, |k| 2.0 * error(k)), "2.0000"),

@@ -1,5 +1,3 @@
-//! Verdicts on tables whose truth is known.
-
 use super::*;
 use crate::fit::Point;
 use crate::record::{NormError, Status, V_MAX};
@@ -61,7 +59,7 @@ fn bias_passes_and_divergence_fails() {
         let prediction = Prediction { at_least: order == 1.0, ..predict(Variable::H, order) };
         let apart = verdict(&table(&DOUBLING, &[4], |h, _| h.powi(-2)), &prediction);
         assert_eq!(apart.decision, Decision::Fail, "{}", apart.reason);
-        // The prior of an order moves the median of exact errors by less than the least noise, 5e-4.
+        // The prior moves the median of exact errors by less than the least noise, 5e-4.
         assert!((apart.observed.unwrap() + 2.0).abs() < 5e-3);
     }
 }
@@ -154,7 +152,7 @@ fn the_grid_gives_both_orders_and_the_path_gives_none() {
     assert_eq!(high.decision, Decision::Unresolved);
     assert!(high.reason.contains("order too high"), "{}", high.reason);
     assert!(!high.reason.contains("run n") && high.next.is_empty(), "{}", high.reason);
-    // An order in k is of no use to a line.
+    // A line cannot use an order in k.
     let line = verdict(&grid, &Prediction { order_k: Some(2.0), ..predict(Variable::H, 1.0) });
     assert_eq!(line.predicted_k, None);
     let path: Vec<CaseRecord> =
@@ -172,7 +170,7 @@ fn a_slope_bent_by_the_other_term_says_so() {
     let grid = table(&levels, &levels, |h, k| 0.3 * h + 4.0 * k * k);
     let time = verdict(&grid, &predict(Variable::K, 2.0));
     assert_ne!(time.decision, Decision::Pass);
-    // On the finest mesh and step: 0.3/64 of 0.3/64 + 4/64² is 83 %.
+    // On the finest grid: 0.3/64 of 0.3/64 + 4/64² is 83 %.
     let words = "the space term is 83 % of the error at n = 64, steps = 64";
     assert!(time.reason.contains(words), "{}", time.reason);
 }
@@ -190,7 +188,7 @@ fn intervals_are_wide_or_clear_and_say_why() {
         wide.reason
     );
     assert_eq!(wide.next, [NextCase { n: Some(512), steps: 4 }]);
-    // Six exact levels tell an order from one that is a tenth away.
+    // Six exact levels tell orders apart that differ by a tenth.
     let off = |order: f64| {
         let records = table(&DOUBLING, &[4], |h, _| h.powf(order));
         verdict(&records, &predict(Variable::H, 1.0)).decision
@@ -208,7 +206,7 @@ fn even_terms_alone_are_expected_of_order_two_in_time() {
     assert_eq!(of(2.0, Direction::Space), Correction::Linear);
 }
 
-/// Slopes that people fail, and slopes that they pass; the orders beside them.
+/// Slopes that a person would fail or pass, with claimed orders.
 #[test]
 fn tables_of_slopes_get_what_a_person_says() {
     let judged = |slopes: &[f64], order: f64| {
@@ -224,12 +222,12 @@ fn tables_of_slopes_get_what_a_person_says() {
     let below_two = [2.05, 1.95, 1.90, 1.88, 1.87, 1.86, 1.854];
     assert_eq!(judged(&below_two, 2.0), Decision::Fail);
     assert_ne!(judged(&[1.05, 1.00, 0.95, 0.90], 1.0), Decision::Pass);
-    // Coarse levels leave: a wild first slope before thirty sound ones, and a slow start.
+    // Coarse levels are dropped: a wild first slope before thirty sound ones, and a slow start.
     let mut wild = vec![0.1];
     wild.extend([1.0; 30]);
     assert_eq!(judged(&wild, 1.0), Decision::Pass);
     assert_eq!(judged(&[1.2, 1.7, 1.9, 1.97, 1.99, 2.0, 2.0], 2.0), Decision::Pass);
-    // A coarser mesh takes no pass away.
+    // An added coarser mesh keeps a pass.
     for slopes in [&[0.4, 1.0, 1.0, 1.0][..], &[1.6, 1.0, 1.0, 1.0]] {
         assert_eq!(judged(&slopes[1..], 1.0), Decision::Pass);
         assert_eq!(judged(slopes, 1.0), Decision::Pass, "{slopes:?}");
@@ -252,7 +250,7 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     };
     let sound = judged(5.0, &prediction);
     assert_eq!(sound.decision, Decision::Pass, "{}", sound.reason);
-    // An order that is claimed wrongly, where constants agree: the prediction is the suspect.
+    // A wrong claimed order with matching constants: the prediction is suspect.
     let wrong = judged(5.0, &Prediction { exact: true, ..predict(Variable::K, 1.5) });
     assert_eq!(wrong.decision, Decision::Fail);
     // The slope of 5 k² to rounding.
@@ -267,18 +265,17 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     assert_eq!(off.decision, Decision::Fail);
     assert!(off.reason.contains("C_k is 1.2500 times the predicted one"), "{}", off.reason);
     assert_eq!((off.constants["C_k"].ratio, off.contradicted_by), (Some(1.25), None));
-    // The document keeps what was known beforehand.
     let path = std::env::temp_dir().join(format!("gronwall-foreseen-{}.json", std::process::id()));
     write_json(&path, &serde_json::json!({}), std::slice::from_ref(&off), &records, None).unwrap();
     let known = read_foreseen(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
-    let own = ForeseenConstant {
+    let expected = ForeseenConstant {
         scene: "block".into(),
         norm: V_MAX.into(),
         variable: Variable::K,
         foreseen: off.foreseen.expect("a line"),
     };
-    assert_eq!(known, [own]);
+    assert_eq!(known, [expected]);
 }
 
 #[test]
@@ -302,9 +299,9 @@ fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
             reason.clear();
         }
     }
-    // A case of another scene with the same numbers is another case.
-    let others = listed.iter().map(|own| Failure { scene: "other".into(), ..own.clone() });
-    let others: Vec<Failure> = others.map(|own| Failure { reason: "x".into(), ..own }).collect();
+    let others = listed.iter().map(|failure| Failure { scene: "other".into(), ..failure.clone() });
+    let others: Vec<Failure> =
+        others.map(|failure| Failure { reason: "x".into(), ..failure }).collect();
     restore_reasons(&mut read, &[&others[..], &listed].concat());
     assert_eq!(read, records);
 }
@@ -322,7 +319,6 @@ fn a_row_names_what_is_refined() {
     assert_eq!(cells(&bound)[..3], ["≥ 1", "1.00 [0.99, 1.00]", "pass, expected fail"]);
     let both = Verdict { predicted_k: Some(2.0), interval: None, ..one.clone() };
     assert_eq!(cells(&both)[..2], ["1, 2", "-"]);
-    // What is no plain pass has its reason below the table, an expected failure as well.
     let failed = Verdict {
         decision: Decision::Fail,
         expect: Expect::Fail,

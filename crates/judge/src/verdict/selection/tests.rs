@@ -1,4 +1,4 @@
-//! Lines of tables, with what is missing, unmeasured, broken or outside.
+//! Lines with missing, unmeasured, broken and outside cases.
 
 use super::*;
 use crate::record::{NormError, V_MAX};
@@ -35,7 +35,7 @@ fn a_line_is_the_fullest_and_of_equals_the_finest() {
     let line = selected(&full, &predict(Variable::H));
     assert_eq!(used(&line), [(Some(8), 8), (Some(16), 8), (Some(32), 8)]);
     assert_eq!(used(&selected(&full, &predict(Variable::K))), [(Some(32), 4), (Some(32), 8)]);
-    // One more case in time makes no line of its own.
+    // One more case in time is not a line.
     let spare = [full[..].to_vec(), vec![case(32, 16)]].concat();
     assert_eq!(used(&selected(&spare, &predict(Variable::H))).len(), 3);
     assert!(used(&selected(&spare, &predict(Variable::H))).iter().all(|&(_, steps)| steps == 8));
@@ -51,7 +51,7 @@ fn a_level_without_the_norm_is_no_line_and_no_gap() {
     let line = selected(&records, &predict(Variable::H));
     assert_eq!(used(&line), [(Some(8), 4), (Some(16), 4), (Some(32), 4)]);
     assert_eq!(line.gaps, Vec::<String>::new());
-    // Beside the line one case may lack it, on the line none.
+    // Beside the line a case may lack the norm, on the line none may.
     let mut records = grid(&[8, 16, 32], &[4, 8]);
     records[0].errors.clear();
     assert!(selected(&records, &predict(Variable::H)).gaps.is_empty());
@@ -95,7 +95,6 @@ fn pictures_and_constants_take_the_same_line() {
     let mut records = grid(&[8, 16, 32], &[4, 8]);
     records[5].errors[0].floor = Some(1.0);
     let points = line_points("block", &records, V_MAX, Variable::H);
-    // The one below the floor is drawn as well, hollow.
     assert_eq!(points.iter().map(|point| point.h).collect::<Vec<_>>(), [0.125, 0.0625, 0.03125]);
     let keys = line_keys("block", &records, &predict(Variable::H));
     assert_eq!(keys, [records[1].key(), records[3].key()]);

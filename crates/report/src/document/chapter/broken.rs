@@ -1,4 +1,4 @@
-//! Broken hypotheses: the scenes that break one on purpose, with what is left of the order.
+//! Broken hypotheses: the scenes that break one on purpose, and the remaining order.
 
 use super::Pen;
 use crate::document::Run;
@@ -26,8 +26,8 @@ pub(super) fn write(pen: &mut Pen<'_>) {
             ),
             Run::plain(&*scene.name).to(target),
         ];
-        let own = report.verdicts.iter().filter(|verdict| verdict.scene == scene.name);
-        let judged: Vec<Vec<Run>> = own
+        let of_scene = report.verdicts.iter().filter(|verdict| verdict.scene == scene.name);
+        let judged: Vec<Vec<Run>> = of_scene
             .map(|verdict| {
                 let [_, norm, variable, predicted, observed, decision, _] = cell_texts(verdict);
                 let cells = [format!("{norm} in {variable}"), predicted, observed].map(Run::plain);
@@ -50,7 +50,7 @@ pub(super) fn write(pen: &mut Pen<'_>) {
     );
 }
 
-/// A hypothesis as scene files name it: a number of the paper, or a word.
+/// A hypothesis as named in scene files: a number of the paper, or a word.
 pub(in crate::document) fn numbered(name: &str) -> String {
     match name.starts_with(|c: char| c.is_ascii_digit()) {
         true => format!("({name})"),

@@ -1,7 +1,7 @@
-//! Chapters beside the orders: what the theory asks and gives, what accuracy costs, where numbers end.
+//! Chapters beside the orders: theory, cost of accuracy, extremes.
 //!
-//! Each is written from numbers that follow from the data of a scene, from the verdicts, and from the studies that other
-//! commands wrote into the directory; a study that is not there is not mentioned but for the command that makes one.
+//! They are written from the data of scenes, the verdicts, and the studies that other commands wrote into the
+//! directory; for a missing study only its command is named.
 
 mod broken;
 mod opening;
@@ -14,7 +14,6 @@ pub(super) use broken::numbered;
 use super::content::{Numbers, Report};
 use super::{Block, Chapter, Run, Section, StudyDocument, Table, Tone};
 
-/// All chapters in their order.
 pub(super) fn chapters(report: &Report<'_>, numbers: &mut Numbers) -> Vec<Section> {
     let mut pen = Pen { report, numbers, sections: Vec::new() };
     opening::bound(&mut pen);
@@ -33,7 +32,7 @@ pub(super) fn chapters(report: &Report<'_>, numbers: &mut Numbers) -> Vec<Sectio
     pen.sections
 }
 
-/// What the studies found that should not be: a sentence each, with the section that has the numbers.
+/// Failures found by the studies: a sentence each, with its section.
 pub(super) fn failures(studies: &[StudyDocument]) -> Vec<(String, String)> {
     let wrong = studies.iter().filter(|study| !study.holds);
     wrong.map(|study| (failure(study), format!("#{}", id(study)))).collect()
@@ -51,7 +50,6 @@ fn failure(study: &StudyDocument) -> String {
     format!("{what}, {}: not everything holds", study.scene.as_deref().unwrap_or("no scene"))
 }
 
-/// The section of a study.
 fn id(study: &StudyDocument) -> String {
     let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
     let name = study.chapter.name();
@@ -61,7 +59,6 @@ fn id(study: &StudyDocument) -> String {
     }
 }
 
-/// A document in writing.
 struct Pen<'a> {
     report: &'a Report<'a>,
     numbers: &'a mut Numbers,
@@ -92,7 +89,7 @@ impl Pen<'_> {
         self.text(vec![Run::plain(text)]);
     }
 
-    /// A table; heads that begin with `>` are those of numbers. Without rows there is none.
+    /// A table; heads that begin with `>` are numeric. Omitted without rows.
     fn table(&mut self, caption: &str, heads: &[&str], rows: Vec<Vec<Run>>) {
         if !rows.is_empty() {
             self.block(Block::Table(Table::new(caption, heads, rows)));
@@ -102,8 +99,8 @@ impl Pen<'_> {
     /// The studies of a chapter, a section each, or the command that makes one.
     fn studies(&mut self, chapter: Chapter) {
         let report = self.report;
-        let mut own = report.studies.iter().filter(|study| study.chapter == chapter).peekable();
-        if own.peek().is_none() {
+        let mut studies = report.studies.iter().filter(|study| study.chapter == chapter).peekable();
+        if studies.peek().is_none() {
             let what = match chapter {
                 Chapter::Bound => "There is no measured contraction factor",
                 Chapter::Ledger => "There is no ledger of claims, sharp or slack,",
@@ -111,14 +108,14 @@ impl Pen<'_> {
             };
             self.absent(what, chapter.command());
         }
-        for study in own {
+        for study in studies {
             self.section(&id(study), &study.title);
             self.of_this_text(study);
             study.blocks.iter().for_each(|block| self.block(block.clone()));
         }
     }
 
-    /// Where there is no study of a kind.
+    /// Names the command for a missing kind of study.
     fn absent(&mut self, what: &str, command: &str) {
         self.text(vec![
             Run::plain(format!("{what} in the directory of this report: ")),
@@ -129,12 +126,12 @@ impl Pen<'_> {
         ]);
     }
 
-    /// A study of another text of a scene that is in the records is no evidence for them.
+    /// Notes a study of another text of a scene, which is no evidence for these records.
     fn of_this_text(&mut self, study: &StudyDocument) {
         let Some(scene) = &study.scene else { return };
         let known = self.report.provenance.get("scenes").and_then(|scenes| scenes.get(scene));
         let known = known.and_then(serde_json::Value::as_str);
-        if known.is_some_and(|own| study.fingerprint.as_deref() != Some(own)) {
+        if known.is_some_and(|hash| study.fingerprint.as_deref() != Some(hash)) {
             let words = "This study was made with another text of the scene than the records.";
             self.text(vec![Run::of(words, Tone::Miss)]);
         }

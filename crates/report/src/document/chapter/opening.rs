@@ -1,4 +1,4 @@
-//! How each chapter begins: what is measured, with the inequality of the paper.
+//! Introductions of the chapters: what is measured, with the inequality of the paper.
 
 use super::{Pen, step_size};
 use crate::document::{Block, Equation};

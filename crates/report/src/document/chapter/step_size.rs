@@ -4,10 +4,9 @@ use super::{Pen, id};
 use crate::document::{Chapter, Equation, Run, StudyDocument, Tone, digits, number};
 use crate::{SceneSummary, StepLimits};
 
-/// Hypotheses without which there is no bound: (2.9) and κ Lipschitz, by their names in scene files.
+/// Hypotheses necessary for a bound: (2.9) and κ Lipschitz, by their names in scene files.
 const NEEDED: [&str; 2] = ["2.9", "5.1"];
 
-/// The bounds of every scene in one table.
 pub(super) fn write(pen: &mut Pen<'_>, studies: &[StudyDocument]) {
     pen.section("chapter-step-sizes", "Bounds of all scenes");
     let rows: Vec<Vec<Run>> =
@@ -46,15 +45,14 @@ pub(super) fn formulas() -> Vec<Equation> {
 }
 
 fn row(scene: &SceneSummary, pen: &Pen<'_>, studies: &[StudyDocument]) -> Vec<Run> {
-    let own = pen.report.records.iter().filter(|record| record.scene == scene.name);
-    let largest = own.map(|record| record.k).reduce(f64::max);
-    let study = |own: &&StudyDocument| {
-        own.chapter == Chapter::Bound && own.scene.as_ref() == Some(&scene.name)
+    let of_scene = pen.report.records.iter().filter(|record| record.scene == scene.name);
+    let largest = of_scene.map(|record| record.k).reduce(f64::max);
+    let study = |study: &&StudyDocument| {
+        study.chapter == Chapter::Bound && study.scene.as_ref() == Some(&scene.name)
     };
-    let measured = studies
-        .iter()
-        .find(study)
-        .and_then(|own| Some(Run::plain(own.threshold.as_ref()?).to(format!("#{}", id(own)))));
+    let measured = studies.iter().find(study).and_then(|study| {
+        Some(Run::plain(study.threshold.as_ref()?).to(format!("#{}", id(study))))
+    });
     let measured = measured.unwrap_or_else(|| Run::plain("–"));
     let link = |text: &str| Run::plain(text).to(format!("#{}", pen.report.stem(scene)));
     let Some(limits) = scene.step else {
@@ -85,13 +83,13 @@ fn row(scene: &SceneSummary, pen: &Pen<'_>, studies: &[StudyDocument]) -> Vec<Ru
     ]
 }
 
-/// Where the largest step of the records stands.
+/// Position of the largest step of the records.
 fn standing(limits: &StepLimits, largest: Option<f64>) -> Run {
     match largest {
         None => Run::plain("–"),
         Some(k) if k < limits.theorem => Run::plain("within (3.4)"),
         Some(k) if k < limits.solvable => Run::plain("beyond (3.4), one solution"),
-        // NaN limits end here as well.
+        // Includes NaN limits.
         Some(_) => Run::of("not guaranteed", Tone::Strong),
     }
 }

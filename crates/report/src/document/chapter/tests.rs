@@ -1,4 +1,4 @@
-//! Chapters from documents of studies: each is in every rendering, what does not hold is said on the first page too.
+//! Chapters from documents of studies: each appears in every rendering, failures on the first page too.
 
 use std::fs;
 use std::path::PathBuf;
@@ -25,28 +25,29 @@ const ALL: [Chapter; 6] = [
 /// A study of a chapter with a table, a picture and a verdict.
 fn study(chapter: Chapter, holds: bool) -> StudyDocument {
     let name = chapter.name();
-    let mut own = StudyDocument::new(chapter, format!("Study {name}"));
+    let mut study = StudyDocument::new(chapter, format!("Study {name}"));
     if !matches!(chapter, Chapter::Ledger | Chapter::Extremes) {
-        own = own.of_scene("s", "now");
+        study = study.of_scene("s", "now");
     }
-    own.verdict(holds, &format!("All of {name} holds."), vec![format!("{name}: 2 against 1")]);
+    study.verdict(holds, &format!("All of {name} holds."), vec![format!("{name}: 2 against 1")]);
     let rows = vec![vec![Run::plain("x"), Run::of("0.5", Tone::Code)], vec![Run::plain("y"); 2]];
-    own.table(format!("Numbers of {name}."), &["what", ">value"], rows);
-    own.table(format!("Other numbers of {name}."), &[">k"], vec![vec![Run::plain("0.25")]]);
-    own.figure(name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
-    own
+    study.table(format!("Numbers of {name}."), &["what", ">value"], rows);
+    study.table(format!("Other numbers of {name}."), &[">k"], vec![vec![Run::plain("0.25")]]);
+    study.figure(name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
+    study
 }
 
-/// A directory of the test's own.
+/// A fresh directory.
 fn directory() -> PathBuf {
     static COUNT: AtomicUsize = AtomicUsize::new(0);
-    let own = COUNT.fetch_add(1, Ordering::Relaxed);
-    let dir = std::env::temp_dir().join(format!("gronwall-chapters-{}-{own}", std::process::id()));
+    let number = COUNT.fetch_add(1, Ordering::Relaxed);
+    let dir =
+        std::env::temp_dir().join(format!("gronwall-chapters-{}-{number}", std::process::id()));
     fs::create_dir_all(&dir).unwrap();
     dir
 }
 
-/// The studies as a report finds them where their commands wrote them.
+/// The studies as a report reads them from their files.
 fn read(studies: &[StudyDocument]) -> Vec<StudyDocument> {
     let dir = directory();
     studies.iter().for_each(|study| study.write(&dir).unwrap());
@@ -55,7 +56,7 @@ fn read(studies: &[StudyDocument]) -> Vec<StudyDocument> {
     found
 }
 
-/// The document of a scene that breaks (5.25), with these studies beside it.
+/// The document of a scene that breaks (5.25), with these studies.
 fn composed(studies: &[StudyDocument], change: impl Fn(&mut SceneSummary)) -> Document {
     let mut scene = SceneSummary {
         name: "s".into(),
@@ -114,11 +115,11 @@ fn studies_are_chapters_of_every_rendering() {
     for chapter in ALL {
         let caption = format!("Other numbers of {}.", chapter.name());
         assert!([&page, &markdown, &latex].iter().all(|text| text.contains(&caption)), "{caption}");
-        // A cell of code is for the page: what LaTeX sets are numbers.
+        // Tables of code appear only on the page; LaTeX gets numbers.
         assert!(!latex.contains(&format!("Numbers of {}.", chapter.name())));
         assert!(page.contains(&format!("All of {} holds.", chapter.name())));
     }
-    // Numbers of tables and pictures go on from one study to the next.
+    // Numbers of tables and pictures continue from one study to the next.
     let numbers: Vec<usize> = document.tables().map(|table| table.number).collect();
     assert_eq!(numbers, (1..=numbers.len()).collect::<Vec<_>>());
     assert!(numbers.len() > 12 && page.contains("id=\"figure-6\""));
@@ -188,7 +189,6 @@ fn steps_beyond_the_bound_are_not_called_within_it() {
     assert!(at(&|scene| scene.step = None).contains("not computed"));
 }
 
-/// What a report says of a directory with this text in a file.
 fn refused(file: &str, text: &str) -> String {
     let dir = directory();
     fs::write(dir.join(file), text).unwrap();
@@ -215,7 +215,7 @@ fn a_torn_study_is_refused_with_its_line() {
         defect[key] = value;
         refused("s-bound.document.json", &defect.to_string())
     };
-    // A document of something else, one that lacks what decides, and a row that lacks a cell.
+    // A document of something else, one without the verdict, and a row that lacks a cell.
     assert!(refused("s-bound.document.json", "[1, 2]").contains("s-bound.document.json:1: "));
     assert!(changed("holds", json!(null)).contains("invalid type: null"));
     assert!(changed("chapter", json!("audit")).contains("not what its name says"));

@@ -1,7 +1,7 @@
-//! The numbers of one `DataArray`: text, base64 or raw bytes, plain or in blocks that zlib has packed.
+//! The numbers of one `DataArray`: text, base64 or raw bytes, plain or in zlib blocks.
 //!
-//! Source: VTK's description of its XML formats. In front of plain data stands their number of bytes; in front of packed
-//! ones the number of blocks, the size of a block, that of the last one (0: full), and the packed size of each.
+//! Source: VTK's description of its XML formats. Plain data are preceded by their number of bytes; packed ones by the
+//! number of blocks, the block size, the size of the last one (0: full), and the packed size of each.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -13,23 +13,21 @@ use roxmltree::Node;
 
 use super::VtuError;
 
-/// How the file writes binary data.
+/// Binary encoding of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Binary<'a> {
     /// Most significant byte first.
     pub big_endian: bool,
-    /// Bytes of a number in front of the data: 4 or 8.
+    /// Bytes of the numbers in headers: 4 or 8.
     pub header: usize,
-    /// Packed by zlib.
     pub packed: bool,
-    /// What follows the underscore of `AppendedData`, and whether it is base64.
+    /// The bytes after the underscore of `AppendedData`, and whether they are base64.
     pub appended: Option<(&'a [u8], bool)>,
 }
 
 /// `count` numbers of the array `node`.
 ///
-/// # Errors
-/// [`VtuError`]: another length or kind, or data that cannot be decoded.
+/// # Errors [`VtuError`]: another length or kind, or data that cannot be decoded.
 pub(crate) fn numbers(
     node: Node<'_, '_>,
     binary: &Binary<'_>,
@@ -95,19 +93,18 @@ fn from_text<'a>(texts: impl Iterator<Item = &'a str>, count: usize) -> Result<V
     }
 }
 
-/// Bytes that may still be base64.
 enum Encoded<'a> {
     Raw(&'a [u8]),
     Base64(Cow<'a, [u8]>),
 }
 
-/// Letters that `bytes` bytes take in base64.
+/// Length of `bytes` bytes in base64.
 fn letters(bytes: usize) -> Option<usize> {
     bytes.div_ceil(3).checked_mul(4)
 }
 
 impl Encoded<'_> {
-    /// `bytes` bytes that begin at `at`, and where they end: places count letters in base64.
+    /// `bytes` bytes from `at`, and their end; positions count letters in base64.
     fn get(&self, at: usize, bytes: usize) -> Result<(Cow<'_, [u8]>, usize), String> {
         let ended = || "the data end early".to_owned();
         let part = |all: &'_ [u8], length: Option<usize>| {
@@ -140,7 +137,7 @@ impl Encoded<'_> {
         if found != wanted as u64 {
             return Err(format!("{found} bytes where {wanted} are wanted"));
         }
-        // Writers encode the length by itself, which ends in a sign of filling, or together with the data.
+        // Writers encode the length separately, which ends in padding, or together with the data.
         match self {
             Self::Base64(all) if all[end - 1] != b'=' => {
                 let together = header.checked_add(wanted).ok_or("too many numbers")?;
@@ -153,7 +150,7 @@ impl Encoded<'_> {
     fn unpacked(&self, binary: &Binary<'_>, wanted: usize) -> Result<Vec<u8>, String> {
         let (first, _) = self.get(0, binary.header)?;
         let blocks = whole(&first, binary.big_endian);
-        // Each block holds a byte at least.
+        // Each block holds at least one byte.
         let blocks = usize::try_from(blocks).ok().filter(|&blocks| blocks <= wanted);
         let blocks = blocks.ok_or("more blocks than bytes are wanted")?;
         let header = blocks.checked_add(3).and_then(|words| words.checked_mul(binary.header));
@@ -189,7 +186,7 @@ impl Encoded<'_> {
     }
 }
 
-/// A whole number of 4 or 8 bytes.
+/// An integer of 4 or 8 bytes.
 fn whole(bytes: &[u8], big_endian: bool) -> u64 {
     let sum = |sum: u64, &byte: &u8| (sum << 8) | u64::from(byte);
     if big_endian { bytes.iter().fold(0, sum) } else { bytes.iter().rev().fold(0, sum) }

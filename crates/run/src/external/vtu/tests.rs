@@ -1,4 +1,4 @@
-//! Every way of writing numbers, made here by hand, and damage to each.
+//! All encodings, generated here, and damage to each.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use flate2::write::ZlibEncoder;
 use super::*;
 
 const POINTS: [f64; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
-/// One value holds the bytes `<` and `_`, which in raw data are no markup.
+/// A value with the bytes `<` and `_`, which are not markup in raw data.
 const ODD: f64 = f64::from_bits(0x3c3c_5f26_2d5d_0a3e);
 const U: [f64; 12] = [0.25, -0.5, 0.0, ODD, 1e-300, 0.0, -0.1, 0.0, 0.0, 7.0, 0.125, 0.0];
 
@@ -55,7 +55,7 @@ struct Form {
     header: usize,
     big_endian: bool,
     packed: bool,
-    /// The number of bytes encoded by itself.
+    /// The number of bytes is encoded separately.
     alone: bool,
 }
 
@@ -128,8 +128,8 @@ fn ascii() -> String {
 
 fn check(file: &[u8], form: &str) {
     let found = snapshot(file, 4, 2).unwrap_or_else(|error| panic!("{form}: {error}"));
-    let own: Vec<[f64; 3]> = POINTS.as_chunks().0.to_vec();
-    assert_eq!(found.points, own, "{form}");
+    let points: Vec<[f64; 3]> = POINTS.as_chunks().0.to_vec();
+    assert_eq!(found.points, points, "{form}");
     let flat: Vec<f64> = U.chunks(3).flat_map(|u| [u[0], u[1]]).collect();
     assert_eq!(found.u, flat, "{form}");
 }
@@ -146,7 +146,7 @@ fn every_way_of_writing_numbers_is_read() {
 fn a_length_or_block_that_is_wrong_is_refused_in_every_form() {
     for form in Form::all() {
         let file = form.file();
-        // Four points of which one is not there, or a fifth.
+        // Four points of which one is missing, or a fifth.
         for (count, wrong) in [(3, "\"3\""), (5, "\"5\"")] {
             let at = file.windows(3).position(|window| window == b"\"4\"").unwrap();
             let mut other = file.clone();
@@ -202,7 +202,7 @@ fn other_files_are_refused_with_the_way_out() {
 
 #[test]
 fn sizes_in_the_data_cost_nothing_until_they_are_known_to_be_right() {
-    // A block count and block lengths near the largest number there is.
+    // A block count and block lengths near the integer limit.
     let form = Form { place: Place::Raw, header: 8, big_endian: false, packed: true, alone: false };
     let file = form.file();
     let at = file.windows(4).position(|window| window == b"\n  _").unwrap() + 4;
@@ -213,7 +213,7 @@ fn sizes_in_the_data_cost_nothing_until_they_are_known_to_be_right() {
             assert!(matches!(snapshot(&other, 4, 2), Err(VtuError::Array { .. })), "{word}");
         }
     }
-    // A number of points near the largest number there is.
+    // A number of points near the integer limit.
     let many = ascii().replace("NumberOfPoints=\"4\"", "NumberOfPoints=\"18446744073709551615\"");
     assert!(said(&many, 2).contains("points where the mesh has 4 vertices"));
 }

@@ -1,4 +1,4 @@
-//! Predictions against each other; against the system's own account of memory they are tested beside the program.
+//! Predictions against each other; comparisons with measured memory are tested with the program.
 
 use super::*;
 use crate::sweep::{Overrides, ScenePlan};
@@ -27,7 +27,7 @@ fn cases_are_predicted_as_if_alone() {
     // Moments (12 numbers of a cell) and the exact loads (544 unknowns) at twelve more times.
     assert_eq!(long.kept_bytes - short.kept_bytes, 12.0 * 8.0 * (512.0 * 12.0 + 544.0));
     assert_eq!((short.dofs, together.reference), (544, None));
-    // The longer case begins first; of 3 steps two times are not among its own.
+    // The longer case begins first; two of the times for 3 steps are not among its times.
     assert_eq!([short.left_bytes, long.left_bytes], [long.kept_bytes - short.kept_bytes, 0.0]);
     let kept = |plan: &PlanCost| kept_by_mesh(plan.cases.iter().map(|cost| (16, cost)))[&16];
     assert_eq!(kept(&together), long.kept_bytes);
@@ -40,7 +40,7 @@ fn cases_are_predicted_as_if_alone() {
     assert!(states[1].memory_bytes < 1.01 * PROGRAM && states[1].kept_bytes == 0.0);
 }
 
-/// The factor of 𝒜 stays for the other grids in time where all of them have it, and only there.
+/// The factor of 𝒜 is kept for other grids in time only if all of them have it.
 #[test]
 fn a_factor_that_serves_all_grids_in_time_is_kept() {
     let factor = |scene: &str| {
@@ -49,7 +49,7 @@ fn a_factor_that_serves_all_grids_in_time_is_kept() {
         let space = setup.space(8).unwrap_or_else(|error| panic!("{error}"));
         march(setup, &space, 4).kept_bytes / space.factor_size()[0]
     };
-    // Eight bytes a number, and those of the matrix.
+    // Eight bytes per number, and those of the matrix.
     for scene in ["linear-punch", "elastic-punch"] {
         assert!(factor(scene) > 8.0 && factor(scene) < 16.0, "{scene}: {}", factor(scene));
     }
@@ -67,7 +67,7 @@ fn a_reference_run_costs_more_than_the_cases_it_serves() {
     assert!(cost.cases.iter().all(|case| case.memory_bytes > reference.memory_bytes));
 }
 
-/// Numbers of steps without a common divisor have no common grid of any use; a prediction is made all the same.
+/// Numbers of steps without a useful common grid still have a prediction.
 #[test]
 fn grids_without_a_common_one_are_predicted() {
     let plan = plan("elastic-punch", 8, &[1009, 1013, 1019, 1021]);
@@ -77,8 +77,8 @@ fn grids_without_a_common_one_are_predicted() {
     assert!(cost.reference.is_some_and(|reference| reference.kept_bytes > 0.0));
 }
 
-/// Measured on one core, with the truth of n = 2: 0.09 s, 0.11 s, 0.04 s, 0.07 s, and 4 ms by recursion; a prediction is to the
-/// order of magnitude. Sums over the past have the square of the steps.
+/// Measured on one core, with the exact solution of n = 2: 0.09 s, 0.11 s, 0.04 s, 0.07 s, and 4 ms by recursion;
+/// predictions hold to the order of magnitude. Sums over the past are quadratic in the steps.
 #[test]
 fn kernels_that_are_no_exponentials_are_dear() {
     let seconds = |scene: &str, steps: u32| costs(&plan(scene, 2, &[steps])).cases[0].seconds;

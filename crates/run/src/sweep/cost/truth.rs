@@ -1,4 +1,4 @@
-//! What loads and exact fields cost: formulas at quadrature points once a time, or once a mesh where they separate.
+//! Cost of loads and exact fields: formulas at quadrature points, per time, or once per mesh if they separate.
 
 use exact::Exact;
 use fem::contact::Discretization;
@@ -7,45 +7,43 @@ use fem::space::quadrature::TruthRules;
 use scene::setup::Setup;
 use scene::{Data, LoadForm};
 
-/// Seconds a point and time in the formulas of 8 fields: u, ε and its memory in the plane. In space they are 15.
+/// Seconds per point and time for the formulas of 8 fields: u, ε and its memory in the plane. In space there are 15.
 const POINT: f64 = 0.09e-6;
-/// Seconds an integral over the past by a kernel that is no exponential.
+/// Seconds per integral over the past for a non-exponential kernel.
 const FROM_ZERO: f64 = 20e-6;
-/// The part of a point where the strain is the same everywhere.
+/// Share of a point's cost if the strain is uniform.
 const SHORTER: f64 = 0.1;
 /// Rules are compared at two times, by one of about twice the points.
 const COMPARED: f64 = 4.0;
-/// Bytes a facet of Γ3 and time of what is not summed where fields separate.
+/// Bytes per facet of Γ3 and time of unsummed values, if fields separate.
 const FACET: f64 = 128.0;
 
-/// The points of a mesh and rule from which on values of formulas are not stored.
+/// Points of mesh and rule from which values of formulas are not stored.
 const MOST_STORED: f64 = 2_097_152.0;
 
-/// What the truth costs on a mesh.
+/// Cost of the exact solution on a mesh.
 #[derive(Default)]
 pub(super) struct TruthCost {
-    /// Bytes held whatever the times: by formulas bound to points, or by the parts of fields that separate.
+    /// Bytes independent of the times: formulas bound to points, or the parts of separated fields.
     pub once: f64,
-    /// Bytes a time, of loads and moments.
+    /// Bytes per time, of loads and moments.
     pub a_time: f64,
-    /// Bytes held by formulas at the points of the next rules, while these are compared.
+    /// Bytes of formulas at the points of the next rules, during their comparison.
     pub checked: f64,
     /// Seconds of the moments at one time, and of the load.
     moment: f64,
     load: f64,
-    /// Seconds at one time of integrals that begin at 0, whether fields separate or not.
+    /// Seconds per time of integrals from 0, whether fields separate or not.
     past: f64,
-    /// How often both are computed where fields separate: once a part, not once a time.
+    /// Number of parts, if fields separate: moments and loads are then computed per part, not per time.
     parts: Option<f64>,
 }
 
 impl TruthCost {
-    /// Seconds for loads and moments at so many times.
     pub(super) fn seconds(&self, times: f64) -> f64 {
         (self.moment + self.load) * (self.parts.unwrap_or(times) + COMPARED) + self.past * times
     }
 
-    /// Seconds for the loads alone.
     pub(super) fn load_seconds(&self, times: f64) -> f64 {
         // The weak form takes its loads from the moments.
         let load = if self.load > 0.0 { self.load } else { self.moment };
@@ -82,7 +80,6 @@ pub(super) fn truth(setup: &Setup, space: &Discretization) -> TruthCost {
     TruthCost { once, a_time, checked, moment, load, past, parts }
 }
 
-/// Bytes held for the loads of one run, beside those of its times.
 pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
     let exact = setup.exact.as_ref();
     if let Some(separation) = exact.and_then(|exact| exact.separation.as_ref()) {
@@ -94,7 +91,7 @@ pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
     shorter.unwrap_or_else(|| formulas(setup, load * space.mesh.cell_count() as f64))
 }
 
-/// Bytes held for the moments, where they take no points in the cells.
+/// Bytes held for the moments, if they need no points in the cells.
 fn shorter_way(setup: &Setup, exact: &Exact, space: &Discretization) -> Option<f64> {
     let (mesh, horizon) = (&space.mesh, setup.scene.time.horizon);
     if space.element != Element::P1 {
@@ -105,7 +102,7 @@ fn shorter_way(setup: &Setup, exact: &Exact, space: &Discretization) -> Option<f
     exact.is_uniform(&regions).then(bytes)
 }
 
-/// Bytes that the formulas of an exact solution keep for so many points.
+/// Bytes that the formulas of an exact solution keep at so many points.
 fn formulas(setup: &Setup, points: f64) -> f64 {
     match &setup.exact {
         Some(exact) if !is_interpolated(setup) && points <= MOST_STORED => {
@@ -115,24 +112,23 @@ fn formulas(setup: &Setup, points: f64) -> f64 {
     }
 }
 
-/// Numbers of a tensor.
 pub(super) fn tensor_numbers(space: &Discretization) -> usize {
     let d = space.mesh.dimension;
     d * (d + 1) / 2
 }
 
-/// Points a cell of the rules of loads and errors.
+/// Points per cell of the rules of loads and errors.
 fn points(setup: &Setup, rules: &TruthRules) -> [f64; 2] {
     let load = if is_shared(setup) { &rules.stress } else { &rules.load };
     [load, &rules.error].map(|rule| rule.weights.len() as f64)
 }
 
-/// Whether the moments have all that the loads need.
+/// Whether loads follow from the moments.
 fn is_shared(setup: &Setup) -> bool {
     matches!(setup.body.data, Data::Exact { form: LoadForm::Weak, .. })
 }
 
-/// Whether u lives in V^h, so that nothing is integrated.
+/// Whether u is in V^h, so that nothing is integrated.
 fn is_interpolated(setup: &Setup) -> bool {
     matches!(setup.body.data, Data::Exact { interpolated: true, .. })
 }

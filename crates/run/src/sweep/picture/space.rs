@@ -1,4 +1,4 @@
-//! A body in space from its left and a little above: faces tinted by their condition, edges where planes or conditions
+//! A body in space seen from the left and slightly above: faces tinted by condition, edges where planes or conditions
 //! meet.
 
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ const RIGHT: [f64; 3] = [0.819152, 0.0, 0.573576];
 const UP: [f64; 3] = [0.196175, 0.939693, -0.280166];
 const EYE: [f64; 3] = [-0.538985, 0.342020, 0.769751];
 
-/// Normals and places that differ by less are one.
+/// Tolerance for equal normals and positions.
 const SAME: f64 = 1e-6;
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -23,13 +23,13 @@ fn flat(x: [f64; 3]) -> (f64, f64) {
     (dot(x, RIGHT), dot(x, UP))
 }
 
-/// A plane piece at an edge: its normal and what holds there.
+/// A plane piece at an edge: its normal and condition.
 type Beside = ([f64; 3], Ink);
 
 /// The ends of an edge with the pieces that meet there.
 type Edge = ([[f64; 3]; 2], Vec<Beside>);
 
-/// A plane piece by its corners, the first once more at the end.
+/// A plane piece by its corners, the first repeated at the end.
 fn closed((mut corners, normal): Surface) -> Surface {
     corners.extend(corners.first().copied());
     (corners, normal)

@@ -4,7 +4,6 @@ use super::super::{Memory, Trapezoid};
 use super::*;
 use crate::law::Summed;
 
-/// A kernel by a function.
 struct By(fn(f64) -> f64);
 impl MemoryKernel for By {
     fn value(&self, lag: f64) -> f64 {
@@ -12,13 +11,13 @@ impl MemoryKernel for By {
     }
 }
 
-/// Largest difference to the direct sum, over the largest sum; `fast` marches with `own`.
-fn difference(fast: &mut FastConvolution, own: &By, kernel: &By, grid: &TimeGrid) -> f64 {
+/// Largest difference to the direct sum over the largest sum; `fast` uses `interpolated`, the direct sum `kernel`.
+fn difference(fast: &mut FastConvolution, interpolated: &By, kernel: &By, grid: &TimeGrid) -> f64 {
     let mut direct = Memory::direct();
     let (mut a, mut b, mut worst, mut size) = ([0.0; 2], [0.0; 2], 0f64, 0f64);
     for n in 0..=grid.steps() {
         direct.past(kernel, &Trapezoid, grid, &mut a);
-        fast.past(own, grid, &mut b);
+        fast.past(interpolated, grid, &mut b);
         for i in 0..2 {
             worst = larger(worst, (a[i] - b[i]).abs());
             size = size.max(a[i].abs());
@@ -57,7 +56,7 @@ fn interpolated_sums_are_the_direct_ones_on_any_grid() {
     }
 }
 
-/// What the check before the first step says bounds what happens, also where nodes are too few.
+/// The measured error bounds that of the sums, even with too few nodes.
 #[test]
 fn the_stated_error_is_that_of_the_sums() {
     let (kernel, grid) = (&KERNELS[1], TimeGrid::uniform(1.0, 1200));
@@ -65,7 +64,7 @@ fn the_stated_error_is_that_of_the_sums() {
     let stated = coarse.largest_error(kernel, &grid);
     let mut coarse = FastConvolution::with_nodes(6, &grid, 2);
     let off = difference(&mut coarse, kernel, kernel, &grid);
-    // Errors of either sign add up to less than the largest; the largest is met between checked places.
+    // Errors of either sign add up to less than the largest, which may lie between the check points.
     assert!(off < 2.0 * stated && off > 1e-3 * stated, "{off} {stated}");
     assert!(stated > 1e-8);
 }
@@ -81,7 +80,7 @@ fn steps_are_counted_as_they_are_committed() {
     }
 }
 
-/// The stated error is relative to the kernel: a thousand times the kernel has the same, no kernel none.
+/// The error is relative to the kernel: unchanged for a thousand times the kernel, zero for none.
 #[test]
 fn the_stated_error_has_no_unit() {
     let grid = TimeGrid::uniform(1.0, 1000);
@@ -94,7 +93,7 @@ fn the_stated_error_has_no_unit() {
     assert_eq!(stated(By(|_| 0.0)), 0.0);
 }
 
-/// A looser kernel has fewer nodes and an error that is really there, but not above what it states and was allowed.
+/// A looser tolerance takes fewer nodes and has a real error, within what is stated and allowed.
 #[test]
 fn looser_sums_are_as_loose_as_they_say_and_cheaper() {
     let grid = TimeGrid::uniform(1.0, 1000);
@@ -109,7 +108,7 @@ fn looser_sums_are_as_loose_as_they_say_and_cheaper() {
             // The largest sum has the largest kernel value times a part of the grid: a fifth for the fastest of them.
             let off = difference(&mut fast, kernel, kernel, &grid);
             assert!(off <= 20.0 * stated + 1e-12, "kernel {i}, {tolerance:e}: {off:e}");
-            // Some kernels have far less than 1e-9 by the nodes that this asks for.
+            // Some kernels are much better than 1e-9 with the nodes that this asks for.
             assert!(tolerance < 1e-8 || off > 1e-13, "kernel {i}, {tolerance:e}: {off:e}");
         }
         // Two numbers a vector.
@@ -117,7 +116,7 @@ fn looser_sums_are_as_loose_as_they_say_and_cheaper() {
     }
 }
 
-/// What a kernel allows is what its memory does; nothing allowed is the direct sum, however long the grid is.
+/// The kernel's tolerance decides; without one the sum is direct, however long the grid.
 #[test]
 fn a_kernel_says_how_its_past_is_summed() {
     let summed = |interpolated_to, steps| {
@@ -136,7 +135,7 @@ fn a_kernel_says_how_its_past_is_summed() {
     assert_eq!(summed(Some(1e-13), 300), None);
 }
 
-/// A kernel with a kink away from zero lag is not smooth there: it stays with the direct sum.
+/// A kernel with a kink away from lag zero stays with the direct sum.
 #[test]
 fn kernels_that_are_not_smooth_are_refused() {
     let kink = By(|lag| (lag - 0.37).abs());
@@ -148,7 +147,7 @@ fn kernels_that_are_not_smooth_are_refused() {
     assert!(matches!(Memory::new(&KERNELS[0], &Trapezoid, &grid, 1), Memory::Fast(_)));
 }
 
-/// Another kernel by 1e-9 is seen by the comparison above.
+/// The comparison above detects a kernel that is off by 1e-9.
 #[test]
 fn a_wrong_kernel_is_seen() {
     let wrong = By(|lag| lag.sqrt() * (1.0 + 1e-9));
@@ -165,7 +164,8 @@ fn memory_grows_with_the_logarithm_of_the_steps() {
     };
     assert_eq!([1024, 4096, 16384].map(bytes), [464, 624, 784]);
     assert_eq!(FastConvolution::vectors(4096, 16), 624);
-    // 64 smallest clusters of 32 levels: five sizes have more than three, of five vectors per node; 64 of the neighbours.
+    // 64 smallest clusters of 32 levels: five sizes have more than three, of five vectors per node; 64 of the
+    // neighbours.
     let grid = TimeGrid::uniform(1.0, 2016);
     assert_eq!(FastConvolution::with_nodes(16, &grid, 3).numbers() / 3, 5 * 5 * 16 + 64);
     assert_eq!(FastConvolution::vectors(2016, 16), 5 * 5 * 16 + 64);

@@ -6,7 +6,7 @@ fn full(d: usize) -> FourthOrder {
     FourthOrder::Full(Box::new(FourthOrder::from(LAW).block(d)))
 }
 
-/// An isotropic tensor written out in full is the same tensor, in both dimensions.
+/// An isotropic tensor equals its full matrix, in both dimensions.
 #[test]
 fn both_forms_of_an_isotropic_tensor_agree() {
     for d in [2, 3] {
@@ -23,7 +23,7 @@ fn both_forms_of_an_isotropic_tensor_agree() {
     assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15));
 }
 
-/// 𝒜 in Mandel notation by hand: λ + 2μ and λ on the block of normal strains, 2μ for shears.
+/// By hand: λ + 2μ and λ on the block of normal strains, 2μ for shears.
 #[test]
 fn matrices_are_those_of_lame_numbers() {
     let plane = [[2.7, 1.3, 0.0], [1.3, 2.7, 0.0], [0.0, 0.0, 1.4]];
@@ -41,7 +41,7 @@ fn matrices_are_those_of_lame_numbers() {
     let sum = 2.0 * (2.7 + 1.3) + 4.0 * 0.7;
     assert!((full(2).entry_sum(2) - sum).abs() < 1e-14);
     assert!((field.entry_sum(2) - sum).abs() < 1e-14);
-    // Eigenvalues 2(λ + μ) and 2μ in the plane; the largest of both regions is the norm.
+    // Eigenvalues 2(λ + μ) and 2μ in the plane; the larger region gives the norm.
     assert!((field.norm(2) - 4.0).abs() < 1e-14);
     assert!((field.scaled(-3.0).norm(2) - 12.0).abs() < 1e-13);
 }
@@ -50,14 +50,14 @@ fn matrices_are_those_of_lame_numbers() {
 fn a_factor_multiplies_every_number() {
     let soft = Isotropic { lambda: 0.1, mu: 0.2 };
     let field = TensorField::new(soft.into(), [full(3)]).scaled(3.0);
-    let FourthOrder::Isotropic(own) = field.on(0) else { panic!("isotropic") };
-    assert!((own.lambda - 0.3).abs() < 1e-15 && (own.mu - 0.6).abs() < 1e-15);
+    let FourthOrder::Isotropic(isotropic) = field.on(0) else { panic!("isotropic") };
+    assert!((isotropic.lambda - 0.3).abs() < 1e-15 && (isotropic.mu - 0.6).abs() < 1e-15);
     let strain = [0.1, -0.4, 0.25, 0.3, 0.2, -0.1];
     let (found, once) = (field.on(1).apply(&strain), LAW.apply(&strain));
     assert!(found.iter().zip(once).all(|(a, b)| (a - 3.0 * b).abs() < 1e-14));
 }
 
-/// In space a full matrix has all six eigenvalues: 3λ + 2μ once, 2μ five times, and one shear made stiffer.
+/// In space a full matrix has six eigenvalues: 3λ + 2μ once, 2μ five times, with one stiffer shear.
 #[test]
 fn eigenvalues_in_space_are_those_of_six_rows() {
     let FourthOrder::Full(mut matrix) = full(3) else { panic!("full") };
@@ -96,14 +96,13 @@ fn regions_keep_their_own_tensors() {
     assert!(twice.iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-14));
 }
 
-/// A multiple on one region only is none.
 #[test]
 fn a_multiple_is_one_on_every_region() {
     let twice = |law: Isotropic| Isotropic { lambda: 2.0 * law.lambda, mu: 2.0 * law.mu };
     let soft = Isotropic { lambda: 0.1, mu: 0.2 };
     let field = TensorField::new(LAW.into(), [soft.into()]);
     assert_eq!(field.map(twice).multiple_of(&field), Some(2.0));
-    // A last digit apart is the same: 7 · 0.3/0.3 is not 7 in doubles. A millionth is another number.
+    // The last digit may differ: 7 · 0.3/0.3 is not 7 in doubles; a millionth may not.
     let third = Isotropic { lambda: 0.6, mu: 0.3 };
     let large = |by: f64| {
         let stiff = |law: Isotropic| Isotropic { lambda: by * law.lambda, mu: by * law.mu };

@@ -1,41 +1,35 @@
 //! The evidence of every pair of orders of a grid, in closed form.
 //!
-//! Columns h^p, k^q and their next terms, divided by the observed errors, against one. The two terms are eliminated once a
-//! pair; what is left of the next terms is a matrix of two by two for each noise.
+//! Columns h^p, k^q and their next terms, divided by the observed errors, are fitted to one. The leading terms are
+//! eliminated once per pair; a 2 × 2 matrix of the next terms remains for each noise.
 
 use crate::fit::Point;
 
-/// Orders are multiples of this, up to the largest.
 pub(super) const STEP: f64 = 0.05;
 pub(super) const ORDERS: usize = 79;
-/// Powers of next terms in multiples of `STEP`, with their weights.
+/// Powers of next terms in multiples of `STEP`, with weights.
 const NEXT: [(usize, f64); 3] = [(10, 0.15), (20, 0.55), (40, 0.30)];
 /// Standard deviation of D.
 const BEND: f64 = 0.3;
-/// Readings whose evidence is smaller by more than exp(-30) are left out: all of them have less than 1e-7 together.
+/// Readings below exp(-30) of the largest are dropped; together they are less than 1e-7.
 const LEAST: f64 = 30.0;
-/// Every so many orders are looked at first, for what is likely.
+/// Stride of the coarse first scan over the orders.
 const STRIDE: usize = 4;
-/// The order with this index.
 pub(super) fn order(index: usize) -> f64 {
     STEP * (index + 1) as f64
 }
 
-/// Sums over the points for all powers of h and k that occur.
 pub(super) struct Model {
-    /// 1 for errors that add, 2 for squares.
+    /// 1 if errors add, 2 if squares do.
     exponent: usize,
     points: f64,
-    /// Column i of h against itself and against the columns of its next terms; the same of k.
-    own: [Vec<[f64; 4]>; 2],
+    /// Column i of h with itself and with its next terms; likewise for k.
+    with_next_terms: [Vec<[f64; 4]>; 2],
     next: [Vec<f64>; 2],
-    /// Columns against one.
     ones: [Vec<f64>; 2],
-    /// Columns of h against those of k.
     mixed: Vec<f64>,
 }
 
-/// Columns: the orders, and next terms beyond the last of them.
 const COLUMNS: usize = ORDERS + NEXT[2].0;
 
 impl Model {
@@ -49,7 +43,7 @@ impl Model {
         let columns = |which: usize| -> Vec<Vec<f64>> {
             let factors: Vec<f64> = rows.iter().map(|row| row[which].powf(STEP)).collect();
             let first = rows.iter().zip(&factors).map(|(row, factor)| factor / row[2]).collect();
-            // By products: 119 of them are off by 1e-14.
+            // By repeated products: 119 of them are off by 1e-14.
             let times = |column: &Vec<f64>| {
                 Some(column.iter().zip(&factors).map(|(value, factor)| value * factor).collect())
             };
@@ -58,7 +52,7 @@ impl Model {
         let of = [columns(0), columns(1)];
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         let shifts = NEXT.map(|(shift, _)| shift / exponent as usize);
-        let own = |columns: &[Vec<f64>]| -> Vec<[f64; 4]> {
+        let with_next_terms = |columns: &[Vec<f64>]| -> Vec<[f64; 4]> {
             let at = |i: usize, shift: usize| dot(&columns[i], &columns[i + shift]);
             (0..ORDERS)
                 .map(|i| [at(i, 0), at(i, shifts[0]), at(i, shifts[1]), at(i, shifts[2])])
@@ -70,27 +64,27 @@ impl Model {
         Self {
             exponent: exponent as usize,
             points: rows.len() as f64,
-            own: [own(&of[0]), own(&of[1])],
+            with_next_terms: [with_next_terms(&of[0]), with_next_terms(&of[1])],
             next: [next(&of[0]), next(&of[1])],
             ones: [ones(&of[0]), ones(&of[1])],
             mixed,
         }
     }
 
-    /// Adds exp(log prior) times the evidence of every pair, on logarithms.
+    /// Adds exp(log prior) times the evidence of every pair, in logarithms.
     pub(super) fn add(&self, log_prior: f64, noises: &[(f64, f64)], evidence: &mut [f64]) {
-        let noises: Vec<Noise> = noises.iter().map(|own| self.noise(*own, log_prior)).collect();
+        let noises: Vec<Noise> = noises.iter().map(|noise| self.noise(*noise, log_prior)).collect();
         let mut largest = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // The first pass has a sixteenth of the pairs, and says which readings of the second cannot count.
+        // The first pass takes a sixteenth of the pairs and bounds which readings of the second can count.
         for step in [STRIDE, 1] {
             for i in (step - 1..ORDERS).step_by(step) {
                 for j in (step - 1..ORDERS).step_by(step) {
                     let Some(pair) = self.pair(i, j) else { continue };
-                    let own = self.evidence(&pair, &noises, largest - LEAST);
-                    largest = largest.max(own);
+                    let pair_evidence = self.evidence(&pair, &noises, largest - LEAST);
+                    largest = largest.max(pair_evidence);
                     if step == 1 {
                         let entry = &mut evidence[i * ORDERS + j];
-                        *entry = log_sum(*entry, own);
+                        *entry = log_sum(*entry, pair_evidence);
                     }
                 }
             }
@@ -104,9 +98,13 @@ impl Model {
         Noise { variance, precision: 1.0 / variance, log, most: log - variance.ln() }
     }
 
-    /// A pair of orders without next terms; none unless both terms are positive.
+    /// Eliminates a pair of orders without next terms; none unless both terms are positive.
     fn pair(&self, i: usize, j: usize) -> Option<Pair> {
-        let (a, b, d) = (self.own[0][i][0], self.mixed[i * COLUMNS + j], self.own[1][j][0]);
+        let (a, b, d) = (
+            self.with_next_terms[0][i][0],
+            self.mixed[i * COLUMNS + j],
+            self.with_next_terms[1][j][0],
+        );
         let determinant = a * d - b * b;
         let inverse = [d, -b, a].map(|entry| entry / determinant);
         let (f, g) = (self.ones[0][i], self.ones[1][j]);
@@ -122,20 +120,20 @@ impl Model {
             sizes,
             explained: f * sizes[0] + g * sizes[1],
             ridges: bends.map(|bend| 1.0 / (bend * bend)),
-            // C is flat on its logarithm, C D normal with the standard deviation 0.3 C.
+            // C has a flat prior in log C, C D is normal with standard deviation 0.3 C.
             log: -bends.iter().chain(&sizes).map(|size| size.ln()).sum::<f64>(),
         })
     }
 
-    /// The column of a next term of h or k, less what the two terms of a pair have of it.
+    /// The column of a next term, orthogonal to the two leading terms.
     fn next(&self, pair: &Pair, which: usize, reading: usize) -> Next {
         let place = pair.at[which] + NEXT[reading].0 / self.exponent;
-        let own = self.own[which][pair.at[which]][reading + 1];
+        let with_itself = self.with_next_terms[which][pair.at[which]][reading + 1];
         let other = match which {
             0 => self.mixed[place * COLUMNS + pair.at[1]],
             _ => self.mixed[pair.at[0] * COLUMNS + place],
         };
-        let along = if which == 0 { [own, other] } else { [other, own] };
+        let along = if which == 0 { [with_itself, other] } else { [other, with_itself] };
         let by = [
             pair.inverse[0] * along[0] + pair.inverse[1] * along[1],
             pair.inverse[1] * along[0] + pair.inverse[2] * along[1],
@@ -149,10 +147,10 @@ impl Model {
         }
     }
 
-    /// The logarithm of the evidence of all readings of a pair that may be above `least`.
+    /// Log evidence of all readings of a pair that may exceed `least`.
     fn evidence(&self, pair: &Pair, noises: &[Noise], least: f64) -> f64 {
         let [of_h, of_k] = [0, 1].map(|which| [0, 1, 2].map(|r| self.next(pair, which, r)));
-        // Next terms have at least the determinant of their priors, noise⁴ / bends².
+        // Lower bound by the determinant of the priors, noise⁴ / bends².
         let most = -0.5 * pair.determinant.ln() - pair.sizes[0].ln() - pair.sizes[1].ln();
         let mut evidence = f64::NEG_INFINITY;
         for (h, (_, r_weight)) in of_h.iter().zip(&NEXT) {
@@ -162,7 +160,7 @@ impl Model {
                     - h.along[1] * k.by[1];
                 let two = Two { h: h.norm, cross, k: k.norm, ones: [h.one, k.one] };
                 let (explained, _) = two.solve([0.0; 2]);
-                // Rounding makes what is singular explain anything; what is explained without a prior is the most.
+                // A singular matrix would explain anything by rounding; bounded by the fit without priors.
                 let left =
                     if explained >= 0.0 { self.points - pair.explained - explained } else { 0.0 };
                 for noise in noises {
@@ -177,13 +175,12 @@ impl Model {
         evidence
     }
 
-    /// The logarithm of the evidence of one pair with one next term each and one noise.
     fn reading(&self, pair: &Pair, two: &Two, noise: &Noise) -> f64 {
         let (explained, determinant) = two.solve(pair.ridges.map(|ridge| ridge * noise.variance));
         let left = self.points - pair.explained - explained;
         let determinants = pair.determinant * determinant;
         if determinants > 0.0 {
-            // Four parameters are integrated: |M| of the precision M = gram / s² + prior is s⁻⁸ times the determinants.
+            // Four parameters are integrated: |M| of M = gram / s² + prior is s⁻⁸ times the determinants.
             noise.log + pair.log - 0.5 * (left * noise.precision + determinants.ln())
         } else {
             f64::NEG_INFINITY
@@ -191,30 +188,26 @@ impl Model {
     }
 }
 
-/// One noise.
 struct Noise {
     variance: f64,
     precision: f64,
-    /// What evidence has of it before any error is looked at; and at most, whatever the next terms are.
+    /// Evidence before any error is seen, and its maximum over all next terms.
     log: f64,
     most: f64,
 }
 
-/// A pair of orders.
 struct Pair {
     at: [usize; 2],
-    /// Of the Gram matrix of both terms: its inverse, and determinant.
     inverse: [f64; 3],
     determinant: f64,
-    /// C_h and C_k by least squares, and what they explain of the observations, which are all one.
+    /// C_h and C_k by least squares, and the share of the observations (all one) that they explain.
     sizes: [f64; 2],
     explained: f64,
-    /// Precisions of the priors of the next terms.
     ridges: [f64; 2],
     log: f64,
 }
 
-/// A next term: products of its column with those of the pair, these by the inverse, with itself and with one.
+/// Products of a next term's column with those of the pair (raw and by the inverse), itself and one.
 struct Next {
     place: usize,
     along: [f64; 2],
@@ -223,7 +216,6 @@ struct Next {
     one: f64,
 }
 
-/// The Gram matrix of two next terms, and their products with one.
 struct Two {
     h: f64,
     cross: f64,
@@ -232,7 +224,7 @@ struct Two {
 }
 
 impl Two {
-    /// What they explain with these precisions added, and the determinant.
+    /// What they explain with `ridges` added, and the determinant.
     fn solve(&self, ridges: [f64; 2]) -> (f64, f64) {
         let (a, b, d) = (self.h + ridges[0], self.cross, self.k + ridges[1]);
         let [f, g] = self.ones;
@@ -241,7 +233,6 @@ impl Two {
     }
 }
 
-/// log(exp a + exp b).
 fn log_sum(a: f64, b: f64) -> f64 {
     let (large, small) = (a.max(b), a.min(b));
     if small == f64::NEG_INFINITY { large } else { large + (small - large).exp().ln_1p() }
@@ -258,7 +249,7 @@ mod tests {
         pairs.map(|(h, k)| Point { h, k, error: error(h, k), floor: 0.0 }).collect()
     }
 
-    /// The evidence by four columns as they are defined and a dense factor, against the one by stored sums.
+    /// Reference: four explicit columns and a dense factor.
     #[test]
     fn closed_forms_agree_with_dense_matrices() {
         let points = grid(|h, k| h + k * k);
@@ -309,7 +300,6 @@ mod tests {
         }
     }
 
-    /// What is left out has no part in the answer.
     #[test]
     fn readings_that_are_left_out_do_not_count() {
         let points = grid(|h, k| (0.6 * h * (1.0 - h) + k * k) * (1.0 + 0.01 * (9.0 * h).sin()));

@@ -1,15 +1,13 @@
-//! Tables that end as soon as their claim is settled: how often they pass, fail and stay open then, and with how many levels.
+//! Sequential stopping: pass, fail and unresolved rates of tables that end once settled, and their lengths.
 
 use super::{CLASSES, Claim, Class, Random, infer, table};
 use crate::fit::{Decision, FEWEST, Posterior, settles};
 
-/// Levels of the longest tables.
 const MOST: usize = 8;
 
-/// A rule that says whether a table of so many levels may end: [`settles`] is one.
 type Rule = fn(usize, Decision, Option<f64>, Option<Decision>) -> bool;
 
-/// What the coarsest three, four, … levels of a table say, and its order.
+/// Decision and order from the coarsest three, four, … levels.
 struct Growing {
     order: f64,
     said: Vec<Posterior>,
@@ -24,7 +22,6 @@ impl Growing {
         Self { order, said: (FEWEST..=MOST).map(of).collect() }
     }
 
-    /// The decision that ends it, and its levels.
     fn stopped(&self, offset: f64, rule: Rule) -> (Decision, usize) {
         let claim = Claim::new(self.order + offset).expect("a claim");
         let mut before = None;
@@ -39,17 +36,17 @@ impl Growing {
     }
 }
 
-/// Percent that pass and that fail, and the mean number of levels.
+/// Percent of pass, of fail, and the mean number of levels.
 fn shares(tables: &[Growing], offset: f64, rule: Rule) -> [f64; 3] {
     let found: Vec<_> = tables.iter().map(|table| table.stopped(offset, rule)).collect();
-    let of = |own| found.iter().filter(|(decision, _)| *decision == own).count() as f64;
+    let of = |wanted| found.iter().filter(|(decision, _)| *decision == wanted).count() as f64;
     let levels = found.iter().map(|(_, levels)| *levels as f64).sum::<f64>();
     let count = found.len() as f64;
     [100.0 * of(Decision::Pass) / count, 100.0 * of(Decision::Fail) / count, levels / count]
 }
 
-/// What is not as it has to be: at most 1 % of a class passes an order that is off by ¼ or ½, and at most 1 % fails its
-/// own. The seeds are for this alone.
+/// Violations: at most 1 % of a class may pass an order off by ¼ or ½, and at most 1 % fail the true one. Reserved
+/// seeds.
 fn unmet(rule: Rule, classes: &[Class]) -> Vec<String> {
     let mut unmet = Vec::new();
     for class in classes {
@@ -72,11 +69,10 @@ fn unmet(rule: Rule, classes: &[Class]) -> Vec<String> {
 #[test]
 fn stopping_keeps_its_errors_below_one_percent() {
     assert_eq!(unmet(settles, &CLASSES), Vec::<String>::new());
-    // And it does end early: a table of an exact power has four levels.
+    // It does stop early: an exact power needs four levels.
     assert!(shares(&[Growing::new(Class::Exact, 1)], 0.0, settles)[2] < 4.01);
 }
 
-/// What ends at the first decision passes wrong orders and fails right ones.
 #[test]
 fn a_rule_that_ends_at_once_is_caught() {
     let at_once: Rule = |_, decision, _, _| decision != Decision::Unresolved;
