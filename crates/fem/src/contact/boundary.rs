@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Boundary, BoundaryRule, Discretization, Model, friction};
+use super::{Boundary, BoundaryRule, Discretization, Model, friction_graph};
 use vhi::law::{NoPotential, Potential, Projection};
 use vhi::{BoundaryGraph, Coordinate};
 
@@ -17,7 +17,7 @@ pub(crate) fn boundary_graph<P: Projection>(
         Some(boundary) => normal_graph(space, boundary, none, elastic),
         None => BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] },
     };
-    friction::append_graphs(space, model, elastic, &mut graph);
+    friction_graph::append_graphs(space, model, elastic, &mut graph);
     graph
 }
 

@@ -4,7 +4,7 @@
 use super::assembly::stress_force;
 use super::case::StepView;
 use super::kkt_compliance::{add_exact, add_gauss};
-use super::{BoundaryRule, Discretization, Model, friction};
+use super::{BoundaryRule, Discretization, Model, friction_force};
 use crate::space::StrainPoint;
 use algebra::linalg::{larger, largest};
 use vhi::law::{Projection, graph_distance};
@@ -105,7 +105,7 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     }
     if model.friction.is_some() {
         let stiffness = model.elasticity.eigenvalues(D).1;
-        worst = larger(worst, friction::violation(space, model, view, stiffness));
+        worst = larger(worst, friction_force::violation(space, model, view, stiffness));
         scale = scale.max(f64::MIN_POSITIVE);
     }
     // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
@@ -119,7 +119,7 @@ fn add_contact_forces<P: Projection>(
     view: &StepView<'_>,
     balance: &mut [f64],
 ) {
-    friction::add_force(space, view, balance);
+    friction_force::add_force(space, view, balance);
     let Some(boundary) = &model.boundary else { return };
     for (i, point) in space.trace.points.iter().enumerate() {
         let pressure = match boundary.rule {

@@ -6,7 +6,7 @@ use super::kkt::kkt_residual_in;
 use super::plan::Plan;
 use super::pressures::split_pressures;
 use super::{
-    Discretization, Evolution, Floors, Load, Model, Path, friction, linear, one_matrix, taken,
+    Discretization, Evolution, Floors, Load, Model, Path, friction_graph, linear, one_matrix, taken,
 };
 use vhi::history::TimeGrid;
 use vhi::law::Projection;
@@ -198,7 +198,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             state,
             [&mut self.compliance, &mut self.multiplier],
         );
-        friction::show(self.space, &state.pressure, &mut self.friction);
+        friction_graph::show(self.space, &state.pressure, &mut self.friction);
         let zeta = self.evolution.zeta();
         let history = self.evolution.history();
         let view = StepView {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::friction::Friction;
+use super::friction_law::Friction;
 use crate::space::Element;
 use vhi::history::TimeRule;
 use vhi::law::{MemoryKernel, Potential, Projection, Scaled, TensorField};

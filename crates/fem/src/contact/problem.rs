@@ -10,7 +10,7 @@ use std::time::Instant;
 use super::assembly::{ROOM, point_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
-use super::friction::Following;
+use super::friction_graph::Following;
 use super::last_slot::{LastSlot, TangentOf};
 use super::nodal_norms::strain_norm_from;
 use super::work::Work;
