@@ -95,7 +95,7 @@ fn paths(own: &str, text: &str, depth: usize) -> Vec<Vec<String>> {
 }
 
 /// The paths of `a::{b, c::d}` and the like, name by name.
-fn flat(text: &str) -> Vec<Vec<String>> {
+pub(crate) fn flat(text: &str) -> Vec<Vec<String>> {
     if let Some(list) = text.strip_prefix('{') {
         return members(list).iter().flat_map(|member| flat(member)).collect();
     }
@@ -136,7 +136,7 @@ fn members(list: &str) -> Vec<String> {
 }
 
 /// Statements of a text on one line each (an import may run over several), comments left out.
-fn without_comments(text: &str) -> Vec<String> {
+pub(crate) fn without_comments(text: &str) -> Vec<String> {
     let code: Vec<&str> = text.lines().map(|line| line.split("//").next().unwrap_or("")).collect();
     code.join(" ").split(';').map(str::to_owned).collect()
 }
@@ -200,16 +200,16 @@ fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
 }
 
 /// A file of a crate.
-struct Source {
-    path: String,
-    of: String,
-    module: String,
-    depth: usize,
-    text: String,
+pub(crate) struct Source {
+    pub(crate) path: String,
+    pub(crate) of: String,
+    pub(crate) module: String,
+    pub(crate) depth: usize,
+    pub(crate) text: String,
 }
 
 /// Sources of all crates, those of the program as the crate "src".
-fn sources() -> Vec<Source> {
+pub(crate) fn sources() -> Vec<Source> {
     let mut found = Vec::new();
     let crates =
         HOUSE.iter().map(|(name, ..)| (*name, root().join("crates").join(name).join("src")));

@@ -6,6 +6,7 @@ mod bad_input;
 mod baseline_command;
 mod bound_command;
 mod broken_hypotheses;
+mod circles;
 mod cli;
 mod diagnose_command;
 mod distributed;
