@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::trace::TracePoint;
 use super::{ContactProblem, Discretization, Model, StepView};
-use algebra::linalg::Coupling;
+use algebra::linalg::NonsymmetricEntry;
 use vhi::law::{Potential, Projection, Scaled, graph_distance};
 use vhi::{BoundaryGraph, Coordinate};
 
@@ -48,7 +48,7 @@ pub(super) struct Following {
     /// The pressures of all graphs on the pieces that were chosen last.
     pressures: Vec<f64>,
     /// Its part of the Jacobian.
-    entries: Vec<Coupling>,
+    entries: Vec<NonsymmetricEntry>,
 }
 
 impl Following {
@@ -201,7 +201,7 @@ impl<P: Projection> ContactProblem<'_, P> {
             let value = own.sign * normal.sign * own.weight * slope * s / p;
             match prescribed[i] {
                 Some(increment) => self.lifted.push((own.dof as usize, value * increment)),
-                None => self.following.entries.push(Coupling {
+                None => self.following.entries.push(NonsymmetricEntry {
                     row: own.dof as usize,
                     column: normal.dof as usize,
                     value,

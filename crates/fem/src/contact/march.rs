@@ -10,7 +10,7 @@ use super::{
 };
 use vhi::history::TimeGrid;
 use vhi::law::{Potential, Projection};
-use vhi::{BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper};
+use vhi::{BoundaryGraph, FailedStep, GraphPiece, StepInequality, StepSolver, StepState, Stepper};
 
 /// The solution at one time level, as an observer sees it.
 pub struct StepView<'a> {
@@ -362,7 +362,7 @@ pub(super) fn split_pressures<P: Projection>(
         next += 1;
         if boundary.rule == super::BoundaryRule::Vertex {
             compliance[i] = match piece {
-                Piece::Pinned { value, lo, .. } if value == at.gap => lo,
+                GraphPiece::Pinned { value, lo, .. } if value == at.gap => lo,
                 _ => pressure,
             };
             multiplier[i] = pressure - compliance[i];
