@@ -11,7 +11,7 @@ use std::time::Instant;
 use cpu_time::ThreadTime;
 use gronwall::contact::{Load, LoadError, kkt_residual, march, strain_norm};
 use gronwall::history::TimeGrid;
-use gronwall::linalg::{Analysis, Factor, Front, SIDES, Side};
+use gronwall::linalg::{Analysis, Factor, Front, RightSides, SIDES};
 use gronwall::scene::Scene;
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
@@ -100,7 +100,7 @@ fn passes(analysis: &Analysis, factor: &Factor, single: &Factor<f32>, size: usiz
         analysis.forward(single, size, &mut y, &mut front);
         analysis.backward(single, size, &mut y, &mut front);
     });
-    let mut block: Vec<Side> = vec![[1.0; SIDES]; size];
+    let mut block: Vec<RightSides> = vec![[1.0; SIDES]; size];
     let mut front = Front::default();
     let together = least(runs, || {
         block.fill([1.0; SIDES]);

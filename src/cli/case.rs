@@ -8,7 +8,7 @@ use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::{CliError, print_text};
 use files::{counted, quoted};
-use run::distributed::{CaseRow, PartRun, Plan, failed_in_words, run_part};
+use run::distributed::{CaseRow, PartRun, SweepPlan, failed_in_words, run_part};
 use run::sweep::Machine;
 
 /// `sweep case`.
@@ -35,7 +35,7 @@ pub(crate) struct CaseCommand {
 
 impl CaseCommand {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let plan = Plan::read(&self.plan).map_err(CliError::other)?;
+        let plan = SweepPlan::read(&self.plan).map_err(CliError::other)?;
         let rows = plan.rows(&self.plan, &self.ids, &self.job).map_err(CliError::other)?;
         on_interrupt(&self.out, &self.again())?;
         let progress = super::progress::Display::new();

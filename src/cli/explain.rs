@@ -12,7 +12,7 @@ use fem::contact::{LinearSolver, Plan};
 use judge::verdict::TABLE_WIDTH;
 use run::sweep::{CasePlan, Cost, Overrides, PlanCost, ScenePlan};
 use scene::setup::{Setup, Subject};
-use scene::{Data, Memory};
+use scene::{Data, RelaxationTerm};
 use studies::theory::corner::{Corner, corners};
 use vhi::history::FastConvolution;
 use vhi::law::INTERPOLATED_TO;
@@ -282,7 +282,7 @@ fn regions(setup: &Setup) -> Vec<(serde_json::Value, String)> {
 
 fn history(setup: &Setup) -> String {
     let trapezoidal = setup.model.time_rule.is_trapezoidal();
-    let of_term = |memory: &Memory| match &memory.exponentials {
+    let of_term = |memory: &RelaxationTerm| match &memory.exponentials {
         Some(terms) if trapezoidal => {
             format!("recursion, {} exponential(s), O(1) per step", terms.len())
         }

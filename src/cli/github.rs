@@ -7,7 +7,7 @@ use std::path::Path;
 use super::{CliError, print_as_it_is};
 use judge::record::CaseRecord;
 use judge::verdict::{Variable, Verdict};
-use report::{Place, annotations, step_summary};
+use report::{AnnotationPlace, annotations, step_summary};
 use run::sweep::ScenePlan;
 use scene::Direction;
 
@@ -35,7 +35,7 @@ pub(crate) fn annotate(
 }
 
 /// The file of a scene relative to here, and the line of a verdict's prediction, or of the scene's name.
-fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<Place> {
+fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<AnnotationPlace> {
     let scene = plans.iter().map(ScenePlan::scene).find(|scene| scene.name == name)?;
     let predicts = scene.predicts.iter().position(|prediction| {
         let variable = match prediction.variable {
@@ -56,5 +56,5 @@ fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<P
     let here = std::env::current_dir().ok();
     let path = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
     let file = path.display().to_string().replace('\\', "/");
-    Some(Place { file, line: 1 + before.matches('\n').count() })
+    Some(AnnotationPlace { file, line: 1 + before.matches('\n').count() })
 }

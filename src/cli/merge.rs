@@ -8,7 +8,7 @@ use super::{CliError, print_json, print_text, print_verdicts, verdict_table};
 use files::counted;
 use judge::verdict::{Baseline, Comparison, document, exit_code, write_json};
 use report::remove_earlier;
-use run::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
+use run::distributed::{AT_ONCE, Merged, Parts, SweepPlan, merge};
 use run::sweep::{Circumstances, OutputDirectory};
 
 /// Temporary sorted tables, below the output directory.
@@ -42,7 +42,8 @@ pub(crate) struct MergeCommand {
 
 impl MergeCommand {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let plan = self.plan.as_deref().map(Plan::read).transpose().map_err(CliError::other)?;
+        let plan =
+            self.plan.as_deref().map(SweepPlan::read).transpose().map_err(CliError::other)?;
         let baseline = self.baseline.as_deref().map(recorded).transpose()?;
         let parts = Parts::open(&self.parts, plan.as_ref()).map_err(CliError::other)?;
         let out = OutputDirectory::take(&self.out)?;

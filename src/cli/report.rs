@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
-use judge::record::{CaseRecord, Key, RecordError, Table, read_table};
+use judge::record::{CaseRecord, CaseTable, Key, RecordError, read_table};
 use judge::verdict::{exit_code, read_failures, read_foreseen, restore_reasons};
 #[cfg(feature = "pdf")]
 use report::pdf;
@@ -111,7 +111,7 @@ impl Report {
 
     fn records(&self) -> Result<Found, CliError> {
         let path = self.dir.join("cases.csv");
-        let Table { cases, changed, torn, .. } = read_table(&path).map_err(CliError::other)?;
+        let CaseTable { cases, changed, torn, .. } = read_table(&path).map_err(CliError::other)?;
         match changed.first() {
             Some(&line) => Err(CliError::other(RecordError::Changed { path, line })),
             None => Ok(Found { records: cases, torn }),

@@ -281,9 +281,9 @@ impl What {
         }
     }
 
-    fn runs(&self, plans: &[ScenePlan]) -> Vec<judge::verdict::Run> {
+    fn runs(&self, plans: &[ScenePlan]) -> Vec<judge::verdict::ComparedRun> {
         let own_grids = self.chosen.grid.is_own() && !self.extend;
-        let run = |plan: &ScenePlan| judge::verdict::Run {
+        let run = |plan: &ScenePlan| judge::verdict::ComparedRun {
             scene: plan.scene().name.clone(),
             hash: plan.scene().source.hash.clone(),
             planned: plan.keys(),

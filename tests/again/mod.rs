@@ -7,7 +7,7 @@
 #![allow(dead_code)]
 
 use gronwall::contact::StepView;
-use gronwall::formula::{Point, Program};
+use gronwall::formula::{EvaluationPoint, Program};
 use gronwall::manufactured::{Exact, MaterialNumbers};
 use gronwall::setup::MeshData;
 use gronwall::space::quadrature::gauss_legendre;
@@ -281,10 +281,9 @@ pub fn errors(exact: &Exact, data: &MeshData, levels: &[Kept]) -> Errors {
         cells.iter().map(cell).sum::<f64>().sqrt()
     };
     let zeta = levels.iter().zip(&weights).map(|(level, w)| w * norm(level)).sum();
-    let kappa = exact
-        .data
-        .kappa
-        .map_or(f64::INFINITY, |kappa| graph.evaluate(kappa, &Point { zeta, ..Point::default() }));
+    let kappa = exact.data.kappa.map_or(f64::INFINITY, |kappa| {
+        graph.evaluate(kappa, &EvaluationPoint { zeta, ..EvaluationPoint::default() })
+    });
     // Σ' b_i(t_n - t_j) u_j, one a term: strains of it are the histories.
     let past: Vec<Vec<f64>> = exact
         .data
@@ -293,7 +292,7 @@ pub fn errors(exact: &Exact, data: &MeshData, levels: &[Kept]) -> Errors {
         .map(|&kernel| {
             let mut sum = vec![0.0; now.u.len()];
             for (level, w) in levels.iter().zip(&weights).filter(|(_, w)| **w > 0.0) {
-                let lag = Point { t: now.t - level.t, ..Point::default() };
+                let lag = EvaluationPoint { t: now.t - level.t, ..EvaluationPoint::default() };
                 let factor = w * graph.evaluate(kernel, &lag);
                 sum.iter_mut().zip(&level.u).for_each(|(sum, u)| *sum += factor * u);
             }

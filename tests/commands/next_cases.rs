@@ -6,7 +6,7 @@
 use crate::program::{Folder, code, command, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use gronwall::report::{Place, annotations, step_summary};
+use gronwall::report::{AnnotationPlace, annotations, step_summary};
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::Subject;
 use gronwall::sweep::{AddedCase, Overrides, ScenePlan, Step, extend};
@@ -225,7 +225,7 @@ fn annotations_name_file_line_and_reason() {
     let missed = Verdict { expect: Expect::Fail, ..passed.clone() };
     let place = |scene: &str, verdict: Option<&Verdict>| {
         let line = if verdict.is_some() { 33 } else { 7 };
-        Some(Place { file: format!("manufactured/{scene}.toml"), line })
+        Some(AnnotationPlace { file: format!("manufactured/{scene}.toml"), line })
     };
     let mut records = table(&four, 0.0, |h, _| h);
     let verdicts = [passed, failed, open, expected, missed];

@@ -8,8 +8,8 @@ use crate::shipped::edited;
 use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use gronwall::setup::{NewtonMarch, Scheme};
 use gronwall::verdict::{
-    Baseline, Comparison, Constant, DeviationKind, Expect, Prediction, Run, Variable, Verdict,
-    compare_owed, compare_with_baseline, judge,
+    Baseline, ComparedRun, Comparison, DeviationKind, Expect, FittedConstant, Prediction, Variable,
+    Verdict, compare_owed, compare_with_baseline, judge,
 };
 
 /// affine with orders in time of V_max and of L2_max; both are 2.
@@ -102,7 +102,7 @@ fn record(error: f64, floor: f64) -> CaseRecord {
 fn deviating(floor: f64, factor: f64) -> Vec<DeviationKind> {
     let baseline = Baseline::of(&[record(1e-3, floor)], &[("block", "hash")]);
     let now = record(factor * 1e-3, floor);
-    let run = Run {
+    let run = ComparedRun {
         scene: "block".into(),
         hash: "hash".into(),
         planned: vec![now.key()],
@@ -266,7 +266,7 @@ fn verdict(scene: &str, norm: &str, compared: bool) -> Verdict {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     let mut verdict = judge(scene, &records, &keys, &prediction, Expect::Pass);
     for constant in verdict.constants.values_mut() {
-        *constant = Constant { ratio: compared.then_some(1.0), ..*constant };
+        *constant = FittedConstant { ratio: compared.then_some(1.0), ..*constant };
     }
     verdict
 }
@@ -275,13 +275,13 @@ fn verdict(scene: &str, norm: &str, compared: bool) -> Verdict {
 fn owing(scenes: &[&str], verdicts: &[Verdict]) -> Comparison {
     let all = [verdict("a", V_MAX, true), verdict("a", "L2_max", false), verdict("b", V_MAX, true)];
     let baseline = Baseline::of(&[], &[("a", "hash"), ("b", "hash")]).owing(&all);
-    let run = |scene: &&str| Run {
+    let run = |scene: &&str| ComparedRun {
         scene: (*scene).into(),
         hash: "hash".into(),
         planned: Vec::new(),
         own_grids: true,
     };
-    let runs: Vec<Run> = scenes.iter().map(run).collect();
+    let runs: Vec<ComparedRun> = scenes.iter().map(run).collect();
     let mut comparison = compare_with_baseline(&baseline, &runs, &[]);
     compare_owed(&baseline, &runs, verdicts, &mut comparison);
     comparison

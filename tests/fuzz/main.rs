@@ -16,14 +16,16 @@ use damage::fuzz;
 use gronwall::cli::fitted;
 use gronwall::external::{Wanted, decode, encode, read_displacements};
 use gronwall::fit::Direction;
-use gronwall::formula::{Graph, Point, Program, Scope, Variable};
+use gronwall::formula::{EvaluationPoint, Graph, Program, Scope, Variable};
 use gronwall::mesh::read_gmsh;
 use gronwall::record::{CaseRecord, Key, read};
 use gronwall::report::{convergence_svg, split_svg};
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::Subject;
 use gronwall::sweep::{Provenance, judge_scene, scene_summary};
-use gronwall::verdict::{Baseline, Run, compare_with_baseline, read_failures, read_foreseen};
+use gronwall::verdict::{
+    Baseline, ComparedRun, compare_with_baseline, read_failures, read_foreseen,
+};
 use program::{Folder, code, stderr, sweep};
 
 fn folder() -> PathBuf {
@@ -65,7 +67,7 @@ fn no_formula_breaks_parser_derivative_or_tape() {
         let Ok(node) = graph.parse(text, &scope) else { return false };
         let slope = graph.derivative(node, Variable::X);
         let rate = graph.derivative(slope, Variable::T);
-        let at = Point { x: 0.3, y: -0.2, z: 0.1, t: 0.4, zeta: 0.5 };
+        let at = EvaluationPoint { x: 0.3, y: -0.2, z: 0.1, t: 0.4, zeta: 0.5 };
         let mut out = vec![Vec::new(); 3];
         let bound = Program::compile(&mut graph, &[node, slope, rate], 1.0);
         bound.bind(&[[0.3, -0.2, 0.1], [0.0; 3]]).evaluate(0.4, 0.5, &mut out);
@@ -199,7 +201,7 @@ fn no_baseline_breaks_the_comparison() {
     let path = swept.folder.at("baseline.json");
     own.write(&path).expect("a baseline");
     let text = std::fs::read_to_string(&path).expect("a baseline");
-    let run = Run {
+    let run = ComparedRun {
         scene: scene.name.clone(),
         hash: scene.source.hash.clone(),
         planned: records.iter().map(CaseRecord::key).collect(),

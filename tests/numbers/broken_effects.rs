@@ -320,8 +320,9 @@ fn the_strain_of_broken_zeta_vanishes_at_a_third() {
     let mut graph: Graph = exact.data.graph.clone();
     for &u in &exact.data.u {
         let by_y = graph.derivative(u, Variable::Y);
-        let at =
-            |t: f64| graph.evaluate(by_y, &gronwall::formula::Point { t, ..Default::default() });
+        let at = |t: f64| {
+            graph.evaluate(by_y, &gronwall::formula::EvaluationPoint { t, ..Default::default() })
+        };
         assert!(at(1.0 / 3.0).abs() < 1e-15 && at(0.32) * at(0.35) < 0.0);
     }
 }

@@ -8,13 +8,13 @@ use gronwall::contact::MemoryTerm;
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::MemoryKernel;
 use gronwall::leading_error::{
-    Case, InterpolationError, Measured, interpolation_constant, leading_errors,
+    Case, InterpolationError, MeasuredNorm, interpolation_constant, leading_errors,
 };
 use gronwall::record::{CaseRecord, Key};
 use gronwall::scene::{Direction, Norm, Scene, Source};
 use gronwall::setup::{AbstractSetup, Setup, Subject};
 use gronwall::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
-use gronwall::verdict::{Constant, Decision, Foreseen, Verdict};
+use gronwall::verdict::{Decision, FittedConstant, Foreseen, Verdict};
 use nalgebra::DVector;
 
 fn records(setup: &Setup, ns: &[u32], steps: &[u32], norm: Norm) -> Vec<CaseRecord> {
@@ -39,7 +39,7 @@ fn verdicts(subject: &Subject, records: &[CaseRecord], norm: Norm) -> Vec<Verdic
     own
 }
 
-fn constant(verdict: &Verdict) -> Constant {
+fn constant(verdict: &Verdict) -> FittedConstant {
     *verdict.constants.values().next().unwrap_or_else(|| panic!("{}", verdict.reason))
 }
 
@@ -57,7 +57,7 @@ fn ratio_of_bodies(name: &str, ns: &[u32], steps: &[u32], norm: Norm) -> f64 {
 }
 
 fn shown(verdict: &Verdict) -> f64 {
-    let Constant { value, predicted, ratio, limit, .. } = constant(verdict);
+    let FittedConstant { value, predicted, ratio, limit, .. } = constant(verdict);
     let (predicted, ratio) = (predicted.unwrap_or(f64::NAN), ratio.unwrap_or(f64::NAN));
     let limit = limit.map_or(String::new(), |limit| format!(", limit {limit:.4}"));
     println!(
@@ -230,7 +230,7 @@ fn a_scene_may_opt_out() {
 fn a_past_too_long_for_direct_sums_is_left_out() {
     let subject = Subject::Contact(Box::new(setup("power-law")));
     let measured =
-        Measured { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 2 };
+        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 2 };
     let cases = [8, 1_000_000].map(|steps| Case { n: Some(4), steps });
     let told = leading_errors(&subject, &measured, &cases).unwrap_or_else(|e| panic!("{e}"));
     let steps: Vec<u32> = told.points.iter().map(|point| point.case.steps).collect();

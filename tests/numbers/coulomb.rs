@@ -6,7 +6,7 @@
 
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text, v_max};
 use gronwall::contact::{Evolution, Friction, StepView};
-use gronwall::leading_error::{Case, Measured, leading_errors};
+use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
 use gronwall::linalg::{FactorError, signed_unit};
 use gronwall::scene::{Direction, Norm, Scene, Source};
 use gronwall::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
@@ -205,8 +205,12 @@ fn with(change: impl Fn(Friction) -> Friction) -> Setup {
 
 /// The predicted error in time of a scene on n = 8 with 64 steps.
 fn foreseen(scene: &str) -> f64 {
-    let measured =
-        Measured { norm: Norm::VTimeMax, variable: Direction::K, order: 2.0, time_reference: 8 };
+    let measured = MeasuredNorm {
+        norm: Norm::VTimeMax,
+        variable: Direction::K,
+        order: 2.0,
+        time_reference: 8,
+    };
     let subject = Subject::Contact(Box::new(setup_of(scene.into())));
     let told = leading_errors(&subject, &measured, &[Case { n: Some(8), steps: 64 }]);
     told.unwrap_or_else(|error| panic!("{error}")).points[0].error

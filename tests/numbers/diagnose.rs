@@ -10,7 +10,7 @@ use gronwall::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observ
 use gronwall::diagnose::{
     Finding, Outcome, Question, Suspect, culprit, diagnose, examine, sentence,
 };
-use gronwall::formula::{Point, Variable};
+use gronwall::formula::{EvaluationPoint, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Isotropic, MemoryKernel, PiecewiseLinear, Potential, Singular, VonMises};
 use gronwall::scene::{Data, Extension, Registry, Scene, Source};
@@ -144,7 +144,11 @@ fn kappa(setup: &Setup, scale: f64, power_of_zeta: f64) -> YieldFormula {
     let bent = graph.pow(zeta, power);
     let seen = graph.mul(scale, bent);
     let wrong = graph.substitute(own, Variable::Zeta, seen);
-    assert!(graph.evaluate(wrong, &Point { zeta: 1.0, ..Point::default() }).is_finite());
+    assert!(
+        graph
+            .evaluate(wrong, &EvaluationPoint { zeta: 1.0, ..EvaluationPoint::default() })
+            .is_finite()
+    );
     YieldFormula::new(&graph, wrong)
 }
 

@@ -4,7 +4,7 @@
 //! Data: pure-strong at t = 1, three points at y = 0.15; ζ at t = 1/4, 1/2, 1. No mesh.
 
 use crate::shipped::{fixture, number, setup};
-use gronwall::formula::Point;
+use gronwall::formula::EvaluationPoint;
 use gronwall::manufactured::constitutive::{self, Tensor};
 use gronwall::manufactured::{Exact, MaterialNumbers};
 use serde_json::Value;
@@ -21,7 +21,8 @@ fn exact() -> std::sync::Arc<Exact> {
 
 /// [u, ε_xx, ε_yy, ε_xy, σ_xx, σ_yy, σ_xy, f0] by kind at one point at t = 1.
 fn fields(exact: &Exact, x: f64, y: f64) -> [Vec<f64>; 4] {
-    let at = Point { x, y, t: 1.0, zeta: exact.zeta.at(1.0), ..Point::default() };
+    let at =
+        EvaluationPoint { x, y, t: 1.0, zeta: exact.zeta.at(1.0), ..EvaluationPoint::default() };
     let values = |nodes: &[gronwall::formula::Node]| -> Vec<f64> {
         nodes.iter().map(|&node| exact.data.graph.evaluate(node, &at)).collect()
     };

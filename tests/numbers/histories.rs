@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::shipped::{edited, on_mesh, setup_of, text};
 use gronwall::contact::LoadError;
 use gronwall::formula::{Graph, Node, Program, Scope, Variable};
-use gronwall::leading_error::{Case, Measured, leading_errors};
+use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
 use gronwall::manufactured::Truth;
 use gronwall::norms::Moments;
 use gronwall::scene::{Direction, Norm};
@@ -199,7 +199,8 @@ fn measured(setup: &Setup, data: &MeshData, steps: u32) -> [f64; 2] {
 }
 
 fn predicted(setup: Setup, order: f64, list: &[u32]) -> Vec<f64> {
-    let measured = Measured { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
+    let measured =
+        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
     let cases: Vec<Case> = list.iter().map(|&steps| Case { n: Some(1), steps }).collect();
     let errors = leading_errors(&Subject::Contact(Box::new(setup)), &measured, &cases);
     let errors = errors.unwrap_or_else(|error| panic!("{error}"));

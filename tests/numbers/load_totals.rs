@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::shipped::{bodies, on_a_mesh, on_mesh, setup, setup_of, text};
 use gronwall::contact::{CaseError, Discretization, LoadError, facet_measure};
-use gronwall::formula::{Node, Point};
+use gronwall::formula::{EvaluationPoint, Node};
 use gronwall::manufactured::Truth;
 use gronwall::norms::Moments;
 use gronwall::scene::Data;
@@ -103,7 +103,7 @@ fn a_given_load_without_its_first_facet_is_refused() {
     let setup = setup("l-shape");
     let Data::Loads { traction, .. } = &setup.body.data else { panic!("l-shape has given loads") };
     let (side, formulas): &(_, Vec<Node>) = &traction[0];
-    let at = |&formula| setup.scene.formulas.evaluate(formula, &Point::default());
+    let at = |&formula| setup.scene.formulas.evaluate(formula, &EvaluationPoint::default());
     let f2: Vec<f64> = formulas.iter().map(at).collect();
     for n in [2, 16] {
         let data = on_mesh(&setup, n);

@@ -6,7 +6,7 @@
 
 use crate::shipped::{errors, on_mesh, relative, run, setup, v_max};
 use gronwall::contact::{Model, StepView};
-use gronwall::formula::{Node, Point, Variable};
+use gronwall::formula::{EvaluationPoint, Node, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, Projection, VonMises, YieldLimit};
 use gronwall::manufactured::Exact;
@@ -178,7 +178,7 @@ fn v_error(exact: &Exact, data: &MeshData, view: &StepView<'_>, count: usize, sh
                 let (a, b) = (0.5 + 0.5 * r, 0.5 + 0.5 * s);
                 let (a, b, weight) = (a, b * (1.0 - a), 0.25 * wr * ws * (1.0 - a) * area);
                 let (x, y) = (o[0] + a * p[0] + b * q[0], o[1] + a * p[1] + b * q[1]);
-                let at = Point { x, y, t: view.t, ..Point::default() };
+                let at = EvaluationPoint { x, y, t: view.t, ..EvaluationPoint::default() };
                 let [ux, vy, uy, vx] = parts.map(|part| graph.evaluate(part, &at));
                 let shear = 0.5 * (uy + vx) - 0.5 * (du[1] + dv[0]);
                 let square = (ux - du[0]).powi(2) + (vy - dv[1]).powi(2) + shears * shear * shear;

@@ -9,7 +9,7 @@ use gronwall::finite::march;
 use gronwall::guarantee::guarantee;
 use gronwall::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Convolution, ExponentialSum, HistoryKernel, Singular};
-use gronwall::leading_error::{Case, Measured, leading_errors};
+use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
 use gronwall::scene::{Direction, Extension, Norm, Scene, Source};
 use gronwall::setup::{AbstractLoad, AbstractSetup, Subject};
 use gronwall::theory::audit::SceneAudit;
@@ -125,7 +125,7 @@ const RULES: [(&str, Wrong); 6] = [
 /// Errors over their predictions, and the order between the last two.
 fn seen(errors: [f64; 2], subject: &Subject, n: Option<u32>, steps: [u32; 2]) -> (f64, f64) {
     let measured =
-        Measured { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 8 };
+        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 8 };
     let told = leading_errors(subject, &measured, &steps.map(|steps| Case { n, steps }));
     let told = told.unwrap_or_else(|error| panic!("{error}"));
     (errors[1] / told.points[1].error, (errors[0] / errors[1]).log2())

@@ -7,7 +7,7 @@
 use crate::shipped::{on_mesh, setup, v_max};
 use gronwall::contact::Model;
 use gronwall::history::{Gregory, GregoryOrder, Left, TimeGrid, TimeRule, Trapezoid};
-use gronwall::leading_error::{Case, Measured, leading_errors};
+use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
 use gronwall::scene::{Direction, Norm};
 use gronwall::setup::Subject;
 
@@ -35,7 +35,8 @@ fn measured(name: &str, steps: u32, order: f64, rule: Option<Box<dyn TimeRule>>)
     let time_rule = rule.unwrap_or(own.time_rule);
     let model = Model { time_rule, ..setup(name).model };
     let [coarse, fine] = [steps, 2 * steps].map(|steps| v_max(&sound, &model, &data, steps));
-    let wanted = Measured { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
+    let wanted =
+        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
     let case = Case { n: Some(2), steps: 2 * steps };
     let told = leading_errors(&Subject::Contact(Box::new(sound)), &wanted, &[case]);
     let told = told.unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -14,7 +14,7 @@ use gronwall::setup::{AbstractSetup, MeshData, NewtonMarch, Setup, Subject, refe
 use gronwall::sweep::{
     CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_abstract_case, run_contact_case,
 };
-use gronwall::verdict::{ForeseenConstant, Run, Verdict};
+use gronwall::verdict::{ComparedRun, ForeseenConstant, Verdict};
 
 use crate::catalogue::{Defect, LoadSeed, MomentSeed, site};
 use crate::shipped::{edited, text};
@@ -177,9 +177,9 @@ impl Trial {
     }
 
     /// What a run of the trial is to a baseline.
-    pub fn as_run(&self) -> Run {
+    pub fn as_run(&self) -> ComparedRun {
         let (scene, planned) = (self.scene.name.clone(), self.keys.clone());
-        Run { scene, hash: String::new(), planned, own_grids: true }
+        ComparedRun { scene, hash: String::new(), planned, own_grids: true }
     }
 
     /// Runs and judges the trial with a defect.

@@ -15,7 +15,7 @@ use super::separation::TimeFactors;
 use super::sign_changes::sign_changes;
 use super::zeta_domain::{Domain, Region, Shape};
 use fem::space::quadrature::gauss_legendre;
-use formula::{Bound, Graph, Node, Program, Variable};
+use formula::{BoundProgram, Graph, Node, Program, Variable};
 
 /// Gauss points per piece and direction, and pieces before cuts at guards, in the plane and in space. A quarter of the
 /// domain with 14 points resolves sin(4πx) squared to rounding, half of it with 8 points sin(πx) squared.
@@ -42,7 +42,7 @@ struct Integrand {
     parts: Option<(TimeFactors, Program)>,
     gram: OnceLock<Vec<f64>>,
     /// The strain at the points last used: without moving guards they are always the same.
-    bound: Mutex<Option<(Vec<[f64; 3]>, Bound)>>,
+    bound: Mutex<Option<(Vec<[f64; 3]>, BoundProgram)>>,
     guards: Program,
     guard_count: usize,
     /// Cuts of the height: uniform ones of a rectangle or box, and sign changes of guards that depend on y only.

@@ -6,7 +6,7 @@ use super::exact::{Exact, LawNumbers};
 use super::shapes::shapes;
 use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
-use formula::{Bound, Point};
+use formula::{BoundProgram, EvaluationPoint};
 
 /// Relative distance within which r counts as the place of a jump: formulas round.
 const AT_JUMP_WITHIN: f64 = 1e-9;
@@ -27,7 +27,7 @@ struct PartOfTrace {
     facets: Vec<usize>,
     /// s at the points.
     shift: Vec<f64>,
-    bound: Mutex<Bound>,
+    bound: Mutex<BoundProgram>,
 }
 
 impl StatePoints {
@@ -51,7 +51,8 @@ impl StatePoints {
                     places.iter().map(|b| mesh.point(facet, b)).collect::<Vec<_>>()
                 })
                 .collect();
-            let at = |&[x, y, z]: &[f64; 3]| Point { x, y, z, ..Point::default() };
+            let at =
+                |&[x, y, z]: &[f64; 3]| EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
             let value = |x: &[f64; 3]| shift.map_or(0.0, |s| exact.data.graph.evaluate(s, &at(x)));
             let bound = exact.boundary(&part.normal[..2]).program.bind(&points);
             let shift = points.iter().map(value).collect();

@@ -83,7 +83,7 @@ impl CurveNumbers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use formula::{Point, Variable};
+    use formula::{EvaluationPoint, Variable};
 
     /// By hand: 1/(1 + ¼) · 3 · 0.1, 3 · 0.1/√e, 2 · 0.1², and 2 · 0.2² + 0.8 · 0.1.
     #[test]
@@ -110,7 +110,9 @@ mod tests {
             let p = curve.formula(&mut graph, r);
             let slope = graph.derivative(p, Variable::X);
             for x in [-0.3, 0.01, 0.12, 0.29, 0.31, 1.4] {
-                let at = |node: Node| graph.evaluate(node, &Point { x, ..Point::default() });
+                let at = |node: Node| {
+                    graph.evaluate(node, &EvaluationPoint { x, ..EvaluationPoint::default() })
+                };
                 assert!((at(p) - curve.value(x)).abs() < 1e-14, "{curve:?} {x}");
                 assert!((at(slope) - curve.slope(x)).abs() < 1e-13, "{curve:?} {x}");
             }

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use fem::mesh::Mesh;
 use fem::space::quadrature::Rule;
-use formula::{Bound, Graph, Node, Program, Variable};
+use formula::{BoundProgram, Graph, Node, Program, Variable};
 
 const MOST_CORNERS: usize = 4;
 /// Guards below this share of their largest value at a vertex are zero: rounding of formulas.
@@ -32,7 +32,7 @@ struct Piece {
 pub(super) struct Cuts {
     guards: Vec<Program>,
     /// All guards at the vertices.
-    at_vertices: Mutex<Bound>,
+    at_vertices: Mutex<BoundProgram>,
     /// Vertices of the simplices, number of vertices per simplex, and the index of each among the evaluated vertices.
     vertices: Vec<u32>,
     corners: usize,

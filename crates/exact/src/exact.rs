@@ -253,7 +253,7 @@ impl Exact {
     /// κ(ζ(t)), infinite without projection.
     pub fn kappa(&self, t: f64) -> f64 {
         let Some(kappa) = self.data.kappa else { return f64::INFINITY };
-        let at = formula::Point { zeta: self.zeta.at(t), ..Default::default() };
+        let at = formula::EvaluationPoint { zeta: self.zeta.at(t), ..Default::default() };
         self.data.graph.evaluate(kappa, &at)
     }
 

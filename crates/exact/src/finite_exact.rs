@@ -8,7 +8,7 @@
 use super::double_exponential::against_power;
 use super::exact::{LawNumbers, law_formula, normal_component};
 use super::sign_changes::sign_changes;
-use formula::{Graph, Node, Point, Program, Variable};
+use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 
 /// Defining data; matrices by rows.
 pub struct FiniteData {
@@ -243,7 +243,7 @@ impl FiniteExact {
         let history = self.history(t);
         let mut load: Vec<f64> = data.matrix.iter().map(|row| dot(row, &u)).collect();
         for i in 0..m {
-            let at = Point { x: u[i], y: history[i], ..Point::default() };
+            let at = EvaluationPoint { x: u[i], y: history[i], ..EvaluationPoint::default() };
             if let Some(&g) = data.nonlinear.get(i) {
                 load[i] += data.graph.evaluate(g, &at);
             }

@@ -19,7 +19,7 @@ use super::sign_changes::sign_changes;
 use super::truth::{ByTime, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::norms::{ContactSamples, Moments, facet_samples, is_locked};
-use formula::{Bound, Node, Point, Program};
+use formula::{BoundProgram, EvaluationPoint, Node, Program};
 
 /// Intervals of the horizon in which guards are watched.
 const WATCHES: usize = 64;
@@ -30,7 +30,7 @@ pub struct InterpolatedOnMesh {
     /// The scheme's quadrature of ∂j_ν.
     rule: ComplianceRule,
     /// The components of u, then those of each H_i u, at the nodes.
-    bound: Mutex<Bound>,
+    bound: Mutex<BoundProgram>,
     /// Of each cell.
     regions: Vec<usize>,
     strains: NodalStrain,
@@ -120,7 +120,7 @@ impl InterpolatedOnMesh {
 
     fn kappa(&self, t: f64) -> Result<f64, LoadError> {
         let Some(kappa) = self.exact.data.kappa else { return Ok(f64::INFINITY) };
-        let at = Point { zeta: self.zeta(t)?, ..Point::default() };
+        let at = EvaluationPoint { zeta: self.zeta(t)?, ..EvaluationPoint::default() };
         Ok(self.exact.data.graph.evaluate(kappa, &at))
     }
 
@@ -214,7 +214,10 @@ impl InterpolatedOnMesh {
 
     fn on_facet(&self, node: Node, vertices: &[u32], barycentric: &[f64]) -> f64 {
         let [x, y, z] = self.space.mesh.point(vertices, barycentric);
-        self.exact.data.graph.evaluate(node, &Point { x, y, z, ..Point::default() })
+        self.exact
+            .data
+            .graph
+            .evaluate(node, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
     }
 
     /// ξ + λ at the points of the trace.

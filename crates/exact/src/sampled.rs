@@ -8,7 +8,7 @@ use super::symbolic::components;
 use fem::contact::LoadError;
 use fem::mesh::Mesh;
 use fem::space::quadrature::Rule;
-use formula::{Bound, Program};
+use formula::{BoundProgram, Program};
 use rustc_hash::FxHashMap;
 
 /// Limit of points whose formulas stay bound between times, some 100 bytes per point. Beyond (24 cells per unit length
@@ -27,7 +27,7 @@ pub(super) struct Sampled {
     /// Vertices of the simplices, and number of vertices per simplex.
     vertices: Vec<u32>,
     corners: usize,
-    bound: Mutex<Option<Bound>>,
+    bound: Mutex<Option<BoundProgram>>,
     kept: usize,
     block: usize,
 }
@@ -79,7 +79,7 @@ impl Sampled {
         mut visit: impl FnMut(Range<usize>, &[&[f64]]),
     ) -> Result<(), LoadError> {
         let (count, total) = (self.rule.points.len(), self.simplices());
-        let mut shown = |bound: &mut Bound, first: usize| {
+        let mut shown = |bound: &mut BoundProgram, first: usize| {
             bound.evaluate_in_blocks(t, zeta, count * self.together(), |points, values| {
                 let run = first + points.start / count..first + points.end / count;
                 finite(values, names, t, |p| {

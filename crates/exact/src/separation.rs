@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::exact::{ExactData, MaterialNumbers, RegionNumbers};
 use super::symbolic;
 use super::truth::ByTime;
-use formula::{Bound, Graph, Node, Program};
+use formula::{BoundProgram, Graph, Node, Program};
 
 /// Longer sums are evaluated at each time: a part costs as much as a time.
 const MOST_PARTS: usize = 8;
@@ -13,7 +13,7 @@ const MOST_PARTS: usize = 8;
 /// The a_m of formulas Σ_m a_m(t) S_m(x).
 pub struct TimeFactors {
     pub parts: usize,
-    bound: Mutex<Bound>,
+    bound: Mutex<BoundProgram>,
     known: ByTime<Vec<f64>>,
 }
 

@@ -9,7 +9,7 @@ use super::nodal_force::facet_measure;
 use super::shapes::facet_means;
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
-use formula::Bound;
+use formula::BoundProgram;
 
 /// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
 pub(super) struct SidePoints {
@@ -19,8 +19,8 @@ pub(super) struct SidePoints {
     pub(super) facets: Vec<usize>,
     /// ∫ φ over the side, of each member.
     pub(super) weights: Vec<f64>,
-    bound: Mutex<Bound>,
-    friction: Option<(Tangents, Mutex<Bound>)>,
+    bound: Mutex<BoundProgram>,
+    friction: Option<(Tangents, Mutex<BoundProgram>)>,
 }
 
 impl SidePoints {

@@ -7,11 +7,11 @@ use super::exact::Exact;
 use super::part_moments::{PartFamily, PartMoments};
 use super::parts::Parts;
 use fem::mesh::Mesh;
-use formula::Bound;
+use formula::BoundProgram;
 
 /// [u, ε, H_1, …] at the vertices of a mesh.
 pub(super) struct Uniform {
-    vertices: Mutex<Bound>,
+    vertices: Mutex<BoundProgram>,
 }
 
 impl Uniform {

@@ -17,7 +17,7 @@ use super::tape::{Register, Source};
 /// Values at (t, zeta) are independent of earlier evaluations and of the other points, to the last bit; except that
 /// integrals at thousands of values of a coordinate are interpolated, to 1e-13.
 #[derive(Clone, Debug)]
-pub struct Bound {
+pub struct BoundProgram {
     plan: Arc<EvaluationPlan>,
     points: usize,
     stages: Stages,
@@ -47,7 +47,7 @@ enum Output {
     Spread(usize, Vec<f64>),
 }
 
-impl Bound {
+impl BoundProgram {
     pub(super) fn new(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
         Self::of(plan, points, true)
     }

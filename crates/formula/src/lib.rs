@@ -2,7 +2,7 @@
 //! of times.
 //!
 //! A [`Graph`] holds expressions in x, y, z, t and zeta; equal subexpressions are one node. A [`Program`] is a set of
-//! nodes prepared for evaluation, a [`Bound`] a program with its points.
+//! nodes prepared for evaluation, a [`BoundProgram`] a program with its points.
 
 mod abscissae;
 mod block;
@@ -40,11 +40,11 @@ mod tape;
 mod vocabulary;
 mod weights;
 
-pub use bound::Bound;
+pub use bound::BoundProgram;
 pub use error::ParseError;
 pub use graph::{Graph, Node, Variable};
 pub use program::Program;
-pub use scalar::Point;
+pub use scalar::EvaluationPoint;
 pub use scope::Scope;
 pub use separate::Together;
 

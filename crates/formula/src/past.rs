@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use super::abscissae::{Abscissae, Nodes};
-use super::bound::Bound;
+use super::bound::BoundProgram;
 use super::breaks::{Breaks, Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
 use super::memory::PastPanels;
@@ -29,7 +29,7 @@ pub(super) struct Past {
     tuples: usize,
     /// Set if there are so many tuples that integrals are interpolated.
     abscissae: Option<Abscissae>,
-    nodes: Nodes<Bound>,
+    nodes: Nodes<BoundProgram>,
     /// For each edge the values of all members at all tuples.
     edges: Vec<Vec<f64>>,
     /// Error estimates of the edges; empty if zero.
@@ -191,9 +191,9 @@ impl Past {
         out.resize(members * self.tuples, 0.0);
         let bind = |places: &[f64]| {
             let points: Vec<[f64; 3]> = places.iter().map(|&x| abscissae.point(x)).collect();
-            Bound::one_by_one(Arc::clone(all.plan), &points)
+            BoundProgram::one_by_one(Arc::clone(all.plan), &points)
         };
-        let sample = |bound: &mut Bound| bound.integrals(self.group, t, all.zeta);
+        let sample = |bound: &mut BoundProgram| bound.integrals(self.group, t, all.zeta);
         abscissae.interpolate(members, &mut self.nodes, bind, sample, out)
     }
 

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashSet;
 
-use super::bound::Bound;
+use super::bound::BoundProgram;
 use super::graph::{Graph, Node, Op, Variable};
 use super::history::HistoryPlan;
 use super::stage::MASKS;
@@ -103,8 +103,8 @@ impl Program {
         general.map(|history| history.members.len() as f64 * lanes(history.mask)).sum()
     }
 
-    pub fn bind(&self, points: &[[f64; 3]]) -> Bound {
-        Bound::new(Arc::clone(&self.plan), points)
+    pub fn bind(&self, points: &[[f64; 3]]) -> BoundProgram {
+        BoundProgram::new(Arc::clone(&self.plan), points)
     }
 }
 

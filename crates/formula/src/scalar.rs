@@ -11,7 +11,7 @@ const WATCHES: usize = 6;
 const APART: f64 = 1e-14;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Point {
+pub struct EvaluationPoint {
     pub x: f64,
     pub y: f64,
     pub z: f64,
@@ -19,7 +19,7 @@ pub struct Point {
     pub zeta: f64,
 }
 
-impl Point {
+impl EvaluationPoint {
     fn value(&self, v: Variable) -> f64 {
         match v {
             Variable::X => self.x,
@@ -55,7 +55,7 @@ struct Scratch<'a> {
 impl Graph {
     /// The value of `f` at a point; with hereditary integrals accurate to about 1e-13 of the terms. Slow: for single
     /// values and checks.
-    pub fn evaluate(&self, f: Node, at: &Point) -> f64 {
+    pub fn evaluate(&self, f: Node, at: &EvaluationPoint) -> f64 {
         Scratch::new(self, &[f]).value(f, at)
     }
 }
@@ -68,7 +68,7 @@ impl<'a> Scratch<'a> {
         Self { graph, order, values }
     }
 
-    fn value(&mut self, f: Node, at: &Point) -> f64 {
+    fn value(&mut self, f: Node, at: &EvaluationPoint) -> f64 {
         for k in 0..self.order.len() {
             let node = self.order[k];
             let value = self.one_value(node, at);
@@ -81,7 +81,7 @@ impl<'a> Scratch<'a> {
         self.values.get(&n).copied().unwrap_or(f64::NAN)
     }
 
-    fn one_value(&self, node: Node, at: &Point) -> f64 {
+    fn one_value(&self, node: Node, at: &EvaluationPoint) -> f64 {
         match self.graph.op(node) {
             Op::Constant(bits) => f64::from_bits(bits),
             Op::Variable(v) => at.value(v),
@@ -108,7 +108,9 @@ impl<'a> Scratch<'a> {
             }
             Op::Convolve(kernel, f) => {
                 let mut b = Scratch::new(self.graph, &[kernel]);
-                integral(self.graph, f, at, |lag| b.value(kernel, &Point { t: lag, ..*at }))
+                integral(self.graph, f, at, |lag| {
+                    b.value(kernel, &EvaluationPoint { t: lag, ..*at })
+                })
             }
         }
     }
@@ -116,7 +118,12 @@ impl<'a> Scratch<'a> {
 
 /// Integral over 0 < s < t of kernel(t-s) f(s): composite Gauss quadrature, panels broken where a guard of f changes
 /// sign.
-fn integral(graph: &Graph, f: Node, at: &Point, mut kernel: impl FnMut(f64) -> f64) -> f64 {
+fn integral(
+    graph: &Graph,
+    f: Node,
+    at: &EvaluationPoint,
+    mut kernel: impl FnMut(f64) -> f64,
+) -> f64 {
     let guards: Vec<Node> = graph.guards(&[f]);
     let mut integrand = Scratch::new(graph, &[f]);
     let mut guards: Vec<(Node, Scratch)> = guards
@@ -129,7 +136,7 @@ fn integral(graph: &Graph, f: Node, at: &Point, mut kernel: impl FnMut(f64) -> f
     for panel in 0..PANELS {
         let mut cuts = vec![edge(panel * WATCHES), edge((panel + 1) * WATCHES)];
         for (guard, scratch) in &mut guards {
-            let mut sign = |s: f64| class(scratch.value(*guard, &Point { t: s, ..*at }));
+            let mut sign = |s: f64| class(scratch.value(*guard, &EvaluationPoint { t: s, ..*at }));
             for k in panel * WATCHES..(panel + 1) * WATCHES {
                 cuts.extend(change(&mut sign, edge(k), edge(k + 1)));
             }
@@ -147,7 +154,7 @@ fn integral(graph: &Graph, f: Node, at: &Point, mut kernel: impl FnMut(f64) -> f
             let width = piece[1] - piece[0];
             for (u, w) in GAUSS.abscissae.iter().zip(&GAUSS.weights) {
                 let s = piece[0] + width * u;
-                let value = integrand.value(f, &Point { t: s, ..*at });
+                let value = integrand.value(f, &EvaluationPoint { t: s, ..*at });
                 total += width * w * value * kernel(at.t - s);
             }
         }

@@ -62,7 +62,7 @@ pub struct Mark {
 
 /// The meaning of a sign that no series explains.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Key {
+pub enum LegendKey {
     /// Of an area.
     Band(String),
     /// Of hollow markers.
@@ -83,7 +83,7 @@ pub struct Chart {
     pub verticals: Vec<Mark>,
     pub horizontals: Vec<Mark>,
     pub labels: Vec<(Datum, String)>,
-    pub keys: Vec<Key>,
+    pub keys: Vec<LegendKey>,
     pub note: String,
     /// Writes names at the ends of lines, not in the legend.
     pub direct: bool,
@@ -292,9 +292,9 @@ impl Chart {
         }
         for key in &self.keys {
             let (sample, words) = match key {
-                Key::Band(words) => (Sample::Band, words),
-                Key::Hollow(words) => (Sample::Hollow, words),
-                Key::Dashed(words) => {
+                LegendKey::Band(words) => (Sample::Band, words),
+                LegendKey::Hollow(words) => (Sample::Hollow, words),
+                LegendKey::Dashed(words) => {
                     (Sample::Series { stroke: Some(Stroke::Broken(DASHES)), shape: None }, words)
                 }
             };

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::chart::{Axis, Chart, Datum, Key, Part, Series};
+use super::chart::{Axis, Chart, Datum, LegendKey, Part, Series};
 use super::curve::{Curve, curve, is_path, norms};
 use super::ruler::Scale;
 use super::{ReportError, SceneSummary};
@@ -118,17 +118,17 @@ fn fitted(curve: &Curve<'_>) -> Option<[Part; 3]> {
 }
 
 /// Explains the signs that occur.
-fn keys(series: &[Series]) -> Vec<Key> {
+fn keys(series: &[Series]) -> Vec<LegendKey> {
     let occurs = |part: fn(&Part) -> bool| series.iter().flat_map(|s| &s.parts).any(part);
     let mut keys = Vec::new();
     if occurs(|part| matches!(part, Part::Band(_))) {
-        keys.push(Key::Band("fitted line, its interval".into()));
+        keys.push(LegendKey::Band("fitted line, its interval".into()));
     }
     if occurs(|part| matches!(part, Part::Hollow(_))) {
-        keys.push(Key::Hollow("left out".into()));
+        keys.push(LegendKey::Hollow("left out".into()));
     }
     if occurs(|part| matches!(part, Part::Dashed(_))) {
-        keys.push(Key::Dashed("floor of the error".into()));
+        keys.push(LegendKey::Dashed("floor of the error".into()));
     }
     keys
 }

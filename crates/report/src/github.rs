@@ -6,7 +6,7 @@ use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Verdict, cell_texts};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct AnnotationPlace {
     /// Path of the scene file in the repository.
     pub file: String,
     /// Line, from 1.
@@ -18,7 +18,7 @@ pub struct Place {
 pub fn annotations(
     records: &[CaseRecord],
     verdicts: &[Verdict],
-    place: impl Fn(&str, Option<&Verdict>) -> Option<Place>,
+    place: impl Fn(&str, Option<&Verdict>) -> Option<AnnotationPlace>,
 ) -> String {
     let mut lines = Vec::new();
     for record in records {
@@ -67,7 +67,7 @@ fn count(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
     format!("{met} of {verdicts} as expected; {cases}, {} of them failed", failed.count())
 }
 
-fn command(level: &str, place: Option<Place>, title: &str, text: &str) -> String {
+fn command(level: &str, place: Option<AnnotationPlace>, title: &str, text: &str) -> String {
     let place = place.map_or(String::new(), |place| {
         format!("file={},line={},", property(&place.file), place.line)
     });
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn nothing_in_a_text_ends_a_command_early() {
-        let place = Place { file: "a,b:c%.toml".into(), line: 7 };
+        let place = AnnotationPlace { file: "a,b:c%.toml".into(), line: 7 };
         let line = command("error", Some(place), "x: y, z\n", "50 %\r\nof :: all, it");
         assert_eq!(
             line,

@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 
 pub use bars::{Bar, Bars};
 pub use body::{Arrow, Cell as BodyCell, Deformed};
-pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
+pub use chart::{Axis, Chart, Datum, LegendKey, Mark, Part, Series};
 pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
@@ -47,7 +47,7 @@ pub use document::{
     Chapter, Document, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held,
     number, precise, sides, text_table,
 };
-pub use github::{Place, annotations, step_summary};
+pub use github::{AnnotationPlace, annotations, step_summary};
 pub use group::Group;
 pub use junit::write_junit;
 pub use map::{Cell, Map, Shade};

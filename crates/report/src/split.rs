@@ -9,7 +9,7 @@ use super::palette::INK;
 use super::sheet::with_sheet;
 use super::ticks::step_label;
 use super::{ReportError, SceneSummary};
-use judge::fit::{JointFit, Model, Point, joint_fits, screen};
+use judge::fit::{Combination, JointFit, Point, joint_fits, screen};
 use judge::record::{CaseRecord, norm_label};
 
 /// The cells: left, top, right, row height. Text of 30 units is 7.5 pt at a picture width of 16 cm.
@@ -119,8 +119,8 @@ fn tint(of_k: f64) -> RGBColor {
 /// The share of E^m that the model attributes to the time step.
 fn share_of_k(fit: &JointFit, h: f64, k: f64) -> f64 {
     let m = match fit.model {
-        Model::Sum => 1.0,
-        Model::RootSumSquare => 2.0,
+        Combination::Sum => 1.0,
+        Combination::RootSumSquare => 2.0,
     };
     let space = (fit.constant_h * h.powf(fit.order_h.value)).powf(m);
     let time = (fit.constant_k * k.powf(fit.order_k.value)).powf(m);

@@ -4,7 +4,9 @@ use std::fs;
 
 use super::*;
 use judge::record::{Key, NormError, Status};
-use judge::verdict::{Baseline, Expect, Prediction, Run, Variable, compare_with_baseline, judge};
+use judge::verdict::{
+    Baseline, ComparedRun, Expect, Prediction, Variable, compare_with_baseline, judge,
+};
 
 /// Three norms on a grid of 5 meshes and 6 time grids; the trace error meets its floor.
 fn example(name: &str) -> Vec<CaseRecord> {
@@ -185,7 +187,7 @@ fn curves_name_their_mesh() {
 fn junit_carries_deviations_from_the_baseline() {
     let records = example("s");
     let baseline = Baseline::of(&records, &[("s", "then"), ("t", "same")]);
-    let run = |scene: &str, hash: &str| Run {
+    let run = |scene: &str, hash: &str| ComparedRun {
         scene: scene.into(),
         hash: hash.into(),
         planned: Vec::new(),

@@ -7,7 +7,7 @@
 //! j(γu) = Σ_i w_i j_i(a_i·u),            K = {l_i ≤ a_i·u ≤ g_i}
 //! ```
 
-use formula::{Node, Point, Variable};
+use formula::{EvaluationPoint, Node, Variable};
 
 use super::abstract_written::{AbstractFile, History as WrittenHistory, Trace as WrittenTrace};
 use super::definitions::definitions_in;
@@ -215,7 +215,10 @@ fn finite_at_the_end(
     horizon: f64,
 ) -> Result<(), SceneError> {
     let times = (1..=ENDS).map(|i| horizon * f64::from(i) / f64::from(ENDS));
-    match reading.first_not_finite(q, times.map(|t| Point { x: t, t, ..Point::default() })) {
+    match reading.first_not_finite(
+        q,
+        times.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() }),
+    ) {
         None => Ok(()),
         Some((point, value)) => {
             let message = format!("q(t, s) is {value} at s = t = {}", point.t);

@@ -1,6 +1,6 @@
 //! `[exact]` or `[loads]`: the data of a scene, and the solution to measure against.
 
-use formula::{Node, Point, Variable};
+use formula::{EvaluationPoint, Node, Variable};
 
 use super::contact::Contact;
 use super::definitions::definitions;
@@ -171,7 +171,7 @@ fn finite(
     reading: &Reading,
     key: &str,
     load: &[Node],
-    points: &[Point],
+    points: &[EvaluationPoint],
     domain: &Domain,
 ) -> Result<(), SceneError> {
     for (index, node) in load.iter().enumerate() {
@@ -191,18 +191,20 @@ fn finite(
     Ok(())
 }
 
-fn grid(domain: &Domain, time: &Time) -> Vec<Point> {
+fn grid(domain: &Domain, time: &Time) -> Vec<EvaluationPoint> {
     at_all_times(&domain.points(SAMPLES), time)
 }
 
-fn along(side: Side, domain: &Domain, time: &Time) -> Vec<Point> {
+fn along(side: Side, domain: &Domain, time: &Time) -> Vec<EvaluationPoint> {
     at_all_times(&domain.points_on(side, SAMPLES), time)
 }
 
-fn at_all_times(places: &[[f64; 3]], time: &Time) -> Vec<Point> {
+fn at_all_times(places: &[[f64; 3]], time: &Time) -> Vec<EvaluationPoint> {
     let times = evenly(0.0, time.horizon, SAMPLES);
     places
         .iter()
-        .flat_map(|&[x, y, z]| times.clone().map(move |t| Point { x, y, z, t, zeta: 0.0 }))
+        .flat_map(|&[x, y, z]| {
+            times.clone().map(move |t| EvaluationPoint { x, y, z, t, zeta: 0.0 })
+        })
         .collect()
 }

@@ -16,7 +16,7 @@ use super::source::Source;
 pub enum SceneError {
     /// A fault in the text, to be underlined.
     #[error("{0}")]
-    Text(Box<Diagnosis>),
+    Text(Box<TextFault>),
     #[error("cannot read {}: {reason}\n  = give the path of a TOML file or the name of a scene (`sweep list` prints them)", path.display())]
     Unreadable { path: PathBuf, reason: String },
     #[error(
@@ -46,7 +46,7 @@ impl SceneError {
         message: impl Into<String>,
         hint: impl Into<String>,
     ) -> SceneError {
-        SceneError::Text(Box::new(Diagnosis {
+        SceneError::Text(Box::new(TextFault {
             path: source.path.clone(),
             text: source.text.clone(),
             span: clamp(&source.text, span),
@@ -68,7 +68,7 @@ impl SceneError {
 
 /// One fault in the text of a scene; `Display` shows file:line:column, the text underlined, notes and hint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Diagnosis {
+pub struct TextFault {
     pub path: PathBuf,
     pub text: String,
     /// Bytes of `text` at fault, on character boundaries.
@@ -78,7 +78,7 @@ pub struct Diagnosis {
     pub hint: String,
 }
 
-impl Diagnosis {
+impl TextFault {
     /// Line of the fault, from 1.
     pub fn line(&self) -> usize {
         1 + self.text[..self.span.start].matches('\n').count()
@@ -91,7 +91,7 @@ impl Diagnosis {
     }
 }
 
-impl fmt::Display for Diagnosis {
+impl fmt::Display for TextFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let file = SimpleFile::new(self.path.display().to_string(), &self.text);
         let mut notes = self.notes.clone();

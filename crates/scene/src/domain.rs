@@ -13,13 +13,13 @@ pub(super) use mesh_file::with_mesh;
 pub use side::{Face, Side};
 
 use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, cuboid, rectangle};
-use formula::Point;
+use formula::EvaluationPoint;
 
 use super::diagnostic::SceneError;
 use super::reading::{Reading, evenly};
 use super::written;
 
-pub(super) fn place(point: &Point, dimension: usize) -> String {
+pub(super) fn place(point: &EvaluationPoint, dimension: usize) -> String {
     let named = [("x", point.x), ("y", point.y), ("z", point.z)];
     let parts: Vec<String> =
         named[..dimension].iter().map(|(name, value)| format!("{name} = {value}")).collect();

@@ -1,7 +1,7 @@
 //! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a bound S that is given as S(x, t), depends on the slip, or
 //! follows the normal law.
 
-use formula::{Node, Point, Variable};
+use formula::{EvaluationPoint, Node, Variable};
 
 use super::contact::ContactQuadrature;
 use super::data::AXES;
@@ -88,11 +88,11 @@ fn given(
     let scope = reading.scope(&variables);
     let node = reading.formula(key, formula, &scope)?;
     for side in &domain.contact {
-        let places: Vec<Point> =
+        let places: Vec<EvaluationPoint> =
             domain.faces(*side).iter().flat_map(|face| points(face, SAMPLES[d - 2])).collect();
         for t in evenly(0.0, time.horizon, TIMES) {
             for at in &places {
-                let value = reading.formulas.evaluate(node, &Point { t, ..*at });
+                let value = reading.formulas.evaluate(node, &EvaluationPoint { t, ..*at });
                 if value.is_finite() && value >= 0.0 {
                     continue;
                 }
@@ -121,7 +121,7 @@ fn coulomb(
     let formula = reading.needed(key, table.coefficient.as_ref(), &table.kind, line)?;
     let scope = reading.scope(&[]);
     let node = reading.formula(key, formula, &scope)?;
-    let coefficient = reading.formulas.evaluate(node, &Point::default());
+    let coefficient = reading.formulas.evaluate(node, &EvaluationPoint::default());
     let coefficient = reading.positive(key, coefficient)?;
     let refuse = |message: &str, hint: &str| {
         Err(reading.error("contact.friction.bound.kind", message, hint))
@@ -230,7 +230,7 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneE
             let held = || d == 2 && clamped.iter().any(|face_of_clamped| at(p, face_of_clamped));
             if contact[..i].iter().any(bends) && !held() {
                 let [x, y, z] = p;
-                let point = Point { x, y, z, ..Point::default() };
+                let point = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
                 let message = format!(
                     "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",
                     place(&point, d)

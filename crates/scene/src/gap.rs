@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use formula::{Node, Point};
+use formula::{EvaluationPoint, Node};
 
 use super::data::AXES;
 use super::diagnostic::SceneError;
@@ -82,7 +82,7 @@ fn concave(reading: &mut Reading, gap: Node, domain: &Domain) -> Result<(), Scen
 }
 
 /// The point with the largest bend; the first of several up to rounding.
-fn steeper(bends: impl Iterator<Item = (Point, f64)>) -> Option<(Point, f64)> {
+fn steeper(bends: impl Iterator<Item = (EvaluationPoint, f64)>) -> Option<(EvaluationPoint, f64)> {
     bends.reduce(|steepest, next| if next.1 > 1.001 * steepest.1 { next } else { steepest })
 }
 
@@ -93,9 +93,10 @@ fn steepest_bend(
     gap: Node,
     face: &Face,
     intervals: u32,
-) -> Option<(Point, f64)> {
-    let points: Vec<Point> = points(face, intervals).collect();
-    let value = |reading: &Reading, node: Node, at: &Point| reading.formulas.evaluate(node, at);
+) -> Option<(EvaluationPoint, f64)> {
+    let points: Vec<EvaluationPoint> = points(face, intervals).collect();
+    let value =
+        |reading: &Reading, node: Node, at: &EvaluationPoint| reading.formulas.evaluate(node, at);
     let values: Vec<f64> = points.iter().map(|point| value(reading, gap, point)).collect();
     let size = values.iter().fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()));
     let steps: Vec<[f64; 3]> =
@@ -103,7 +104,7 @@ fn steepest_bend(
     let length = |v: [f64; 3]| v.iter().map(|e| e * e).sum::<f64>().sqrt();
     let spacing = steps.iter().map(|&step| length(step)).fold(f64::INFINITY, f64::min);
     let bends = Bends::new(reading, gap, face);
-    let mut found: Vec<(Point, f64)> =
+    let mut found: Vec<(EvaluationPoint, f64)> =
         points.iter().map(|at| (*at, bends.largest(|node| value(reading, node, at)))).collect();
     // Neighbours on both sides of a sample, along the edges and across a face.
     let pairs: &[[i64; 2]] =
@@ -172,7 +173,7 @@ fn samples(domain: &Domain, faces: &[Face]) -> u32 {
     (whole / faces.len().max(1) as u32).max(8)
 }
 
-pub(super) fn points(face: &Face, intervals: u32) -> impl Iterator<Item = Point> {
-    let place = |[x, y, z]: [f64; 3]| Point { x, y, z, ..Point::default() };
+pub(super) fn points(face: &Face, intervals: u32) -> impl Iterator<Item = EvaluationPoint> {
+    let place = |[x, y, z]: [f64; 3]| EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
     face.points(intervals).into_iter().map(place)
 }

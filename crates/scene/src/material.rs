@@ -5,7 +5,7 @@ use vhi::law::FourthOrder;
 use super::diagnostic::SceneError;
 use super::domain::Domain;
 use super::elastic::{Given, elastic};
-use super::memory::{self, Memory, Part};
+use super::memory::{self, Part, RelaxationTerm};
 use super::projection::Projection;
 use super::reading::Reading;
 use super::region_place::{Place, place};
@@ -17,12 +17,12 @@ pub struct Material {
     /// 𝒜 outside all named regions, positive definite.
     pub elastic: FourthOrder,
     /// The terms of ℬ; empty without memory.
-    pub memory: Vec<Memory>,
+    pub memory: Vec<RelaxationTerm>,
     pub projection: Option<Projection>,
     pub regions: Vec<Region>,
 }
 
-/// A named part of the body with a separate elasticity; separate memory is in [`Memory::regions`].
+/// A named part of the body with a separate elasticity; separate memory is in [`RelaxationTerm::regions`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     pub name: String,

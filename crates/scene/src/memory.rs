@@ -1,6 +1,6 @@
 //! `[material.memory]`: the relaxation tensor ℬ(t).
 
-use formula::{Node, Point, Scope, Variable};
+use formula::{EvaluationPoint, Node, Scope, Variable};
 
 use super::diagnostic::SceneError;
 use super::kernel::formula_of;
@@ -12,11 +12,11 @@ const SAMPLES: u32 = 512;
 
 /// A term of ℬ(t)ε = Σ kernel(t) · (2 mu ε + lambda tr(ε) I).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Memory {
+pub struct RelaxationTerm {
     /// A formula in t, finite on (0, T], and at 0 unless singular.
     pub kernel: Node,
     /// Set if kernel = t^{-a} c(t).
-    pub singular: Option<Singular>,
+    pub singular: Option<SingularParts>,
     /// Pairs (a, c) with kernel = Σ a exp(-c t), if it has that form.
     pub exponentials: Option<Vec<(f64, f64)>>,
     /// Outside all named regions.
@@ -28,7 +28,7 @@ pub struct Memory {
 
 /// The parts of a kernel t^{-a} c(t).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Singular {
+pub struct SingularParts {
     /// a, between 0 and 1.
     pub power: f64,
     /// c, finite on [0, T].
@@ -44,7 +44,7 @@ pub(super) fn key(region: Option<usize>) -> String {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     kernel: Node,
-    singular: Option<Singular>,
+    singular: Option<SingularParts>,
     tensor: [f64; 2],
 }
 
@@ -109,7 +109,7 @@ impl Part {
         let (t, exponent) = (graph.variable(Variable::T), graph.constant(-power));
         let root = graph.pow(t, exponent);
         let kernel = graph.mul(root, factor);
-        Self { kernel, singular: Some(Singular { power, factor, region }), tensor }
+        Self { kernel, singular: Some(SingularParts { power, factor, region }), tensor }
     }
 }
 
@@ -122,7 +122,8 @@ fn validated(
 ) -> Result<Node, SceneError> {
     let formula = formula_of(reading, key, written)?;
     let kernel = reading.formula(key, &formula, &Scope::new(&[Variable::T]))?;
-    let times = evenly(0.0, horizon, SAMPLES).map(|t| Point { t, ..Point::default() });
+    let times =
+        evenly(0.0, horizon, SAMPLES).map(|t| EvaluationPoint { t, ..EvaluationPoint::default() });
     if let Some((point, value)) = reading.first_not_finite(kernel, times) {
         let message = format!("the memory kernel is {value} at t = {}", point.t);
         let hint = match point.t == 0.0 {
@@ -135,8 +136,12 @@ fn validated(
 }
 
 /// The terms of ℬ: equal kernels are merged, with a tensor per region.
-pub(super) fn terms(reading: &Reading, base: &[Part], regions: &[Vec<Part>]) -> Vec<Memory> {
-    let mut terms: Vec<Memory> = Vec::new();
+pub(super) fn terms(
+    reading: &Reading,
+    base: &[Part],
+    regions: &[Vec<Part>],
+) -> Vec<RelaxationTerm> {
+    let mut terms: Vec<RelaxationTerm> = Vec::new();
     for part in base.iter().chain(regions.iter().flatten()) {
         if terms.iter().any(|term| term.kernel == part.kernel) {
             continue;
@@ -151,7 +156,7 @@ pub(super) fn terms(reading: &Reading, base: &[Part], regions: &[Vec<Part>]) -> 
             None => reading.formulas.exponential_sum(part.kernel),
             Some(_) => None,
         };
-        terms.push(Memory {
+        terms.push(RelaxationTerm {
             kernel: part.kernel,
             singular: part.singular,
             exponentials,

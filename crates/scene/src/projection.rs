@@ -1,6 +1,6 @@
 //! `[material.projection]`: the projection on the von Mises convex.
 
-use formula::{Node, Point, Scope, Variable};
+use formula::{EvaluationPoint, Node, Scope, Variable};
 
 use super::diagnostic::SceneError;
 use super::heading::Hypothesis;
@@ -99,8 +99,10 @@ fn lipschitz(
 }
 
 /// ζ = 0, a geometric sequence towards 0, and even steps up to 100 T.
-fn samples(horizon: f64) -> impl Iterator<Item = Point> {
+fn samples(horizon: f64) -> impl Iterator<Item = EvaluationPoint> {
     let largest = LARGEST_MEAN_STRAIN * horizon;
     let crowded = (0..CROWDED_SAMPLES).map(move |i| largest * 0.5_f64.powi(i));
-    evenly(0.0, largest, EVEN_SAMPLES).chain(crowded).map(|zeta| Point { zeta, ..Point::default() })
+    evenly(0.0, largest, EVEN_SAMPLES)
+        .chain(crowded)
+        .map(|zeta| EvaluationPoint { zeta, ..EvaluationPoint::default() })
 }

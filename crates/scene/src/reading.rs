@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use formula::{Graph, Node, Point, Scope, Variable};
+use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 
 use super::diagnostic::SceneError;
 use super::heading::Hypothesis;
@@ -174,8 +174,8 @@ impl<'a> Reading<'a> {
     pub(crate) fn first_not_finite(
         &self,
         node: Node,
-        points: impl IntoIterator<Item = Point>,
-    ) -> Option<(Point, f64)> {
+        points: impl IntoIterator<Item = EvaluationPoint>,
+    ) -> Option<(EvaluationPoint, f64)> {
         points
             .into_iter()
             .map(|point| (point, self.formulas.evaluate(node, &point)))

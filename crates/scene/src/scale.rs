@@ -1,6 +1,6 @@
 //! The factor c(x) of a law that varies in space: c ∂j_ν, c > 0 on Γ3.
 
-use formula::{Node, Point};
+use formula::{EvaluationPoint, Node};
 
 use super::data::AXES;
 use super::diagnostic::SceneError;
@@ -77,7 +77,7 @@ fn refusal(
     reading: &Reading,
     key: &str,
     value: f64,
-    point: &Point,
+    point: &EvaluationPoint,
     side: &str,
     dimension: usize,
 ) -> SceneError {

@@ -32,7 +32,7 @@ pub struct Coordinate {
 
 /// The piece of a graph on which a coordinate lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Piece {
+pub enum GraphPiece {
     /// c is the (single) value of ∂j_ν.
     Free,
     /// u_ν is fixed at `value`, c lies in [lo, hi] (hi = ∞ at the bound, lo = -∞ at the lower one).
@@ -56,18 +56,18 @@ impl BoundaryGraph {
     }
 
     /// The piece that z = u_ν + γ c selects for coordinate i.
-    pub fn piece(&self, i: usize, z: f64) -> Piece {
+    pub fn piece(&self, i: usize, z: f64) -> GraphPiece {
         let (at, potential) = (&self.coordinates[i], self.potential(i));
         if at.gap.is_finite() {
             let lo = potential.subdifferential(at.gap - at.shift).0;
             if z >= at.gap + at.gamma * lo {
-                return Piece::Pinned { value: at.gap, lo, hi: f64::INFINITY };
+                return GraphPiece::Pinned { value: at.gap, lo, hi: f64::INFINITY };
             }
         }
         if at.floor.is_finite() {
             let hi = potential.subdifferential(at.floor - at.shift).1;
             if z <= at.floor + at.gamma * hi {
-                return Piece::Pinned { value: at.floor, lo: f64::NEG_INFINITY, hi };
+                return GraphPiece::Pinned { value: at.floor, lo: f64::NEG_INFINITY, hi };
             }
         }
         for &jump in potential.jumps() {
@@ -78,10 +78,10 @@ impl BoundaryGraph {
                 && z >= value + at.gamma * lo
                 && z <= value + at.gamma * hi
             {
-                return Piece::Pinned { value, lo, hi };
+                return GraphPiece::Pinned { value, lo, hi };
             }
         }
-        Piece::Free
+        GraphPiece::Free
     }
 
     /// Number of jumps below the free piece that z selects.
@@ -133,7 +133,7 @@ impl BoundaryGraph {
         let mut mixed = self.coordinates.len();
         for i in self.laws() {
             let (line, z) = self.line(i, &solution.u, &solution.pressure);
-            if self.piece(i, z) == Piece::Free {
+            if self.piece(i, z) == GraphPiece::Free {
                 let below = self.jumps_below(i, z);
                 self.set_slopes(i, (below, line), &solution.u, (&mut slopes, mixed));
                 prescribed[self.span(i)].fill(None);
@@ -177,14 +177,14 @@ mod tests {
     fn z_selects_the_piece_that_it_came_from() {
         let graph = graph();
         let gamma = 0.3;
-        assert_eq!(graph.piece(0, -0.2), Piece::Free);
-        let jump = Piece::Pinned { value: 0.1, lo: 0.0, hi: 1.0 };
+        assert_eq!(graph.piece(0, -0.2), GraphPiece::Free);
+        let jump = GraphPiece::Pinned { value: 0.1, lo: 0.0, hi: 1.0 };
         assert_eq!(graph.piece(0, 0.1 + gamma * 0.4), jump);
         let (pressure, _) = graph.value_and_slope(0, 1, 0.3);
-        assert_eq!(graph.piece(0, 0.3 + gamma * pressure), Piece::Free);
-        let floor = Piece::Pinned { value: -0.4, lo: f64::NEG_INFINITY, hi: 0.0 };
+        assert_eq!(graph.piece(0, 0.3 + gamma * pressure), GraphPiece::Free);
+        let floor = GraphPiece::Pinned { value: -0.4, lo: f64::NEG_INFINITY, hi: 0.0 };
         assert_eq!(graph.piece(0, -0.4 - gamma * 0.5), floor);
-        let bound = Piece::Pinned { value: 0.6, lo: 0.8, hi: f64::INFINITY };
+        let bound = GraphPiece::Pinned { value: 0.6, lo: 0.8, hi: f64::INFINITY };
         assert_eq!(graph.piece(0, 0.6 + gamma * 2.0), bound);
     }
 

@@ -22,7 +22,7 @@ pub use decomposition::Decomposition;
 pub use extrapolation::Extrapolation;
 pub use fixed_point::FixedPoint;
 pub use frozen_derivative::FrozenDerivative;
-pub use graph::{BoundaryGraph, Coordinate, Piece};
+pub use graph::{BoundaryGraph, Coordinate, GraphPiece};
 pub use history_inequality::{FailedStep, HistoryInequality};
 pub use newton::{Newton, Scratch, StepError, StepInfo};
 pub use polished::Polished;

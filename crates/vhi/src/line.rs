@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::{BoundaryGraph, Piece};
+use super::{BoundaryGraph, GraphPiece};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Line {
@@ -54,7 +54,7 @@ impl BoundaryGraph {
             return (Line::AXIS, 0.0);
         }
         let mut line = Line { along: [a / length, b / length], across: 0.0 };
-        if self.piece(i, length) != Piece::Free {
+        if self.piece(i, length) != GraphPiece::Free {
             return (line, length);
         }
         let below = self.jumps_below(i, length);
@@ -121,13 +121,13 @@ impl BoundaryGraph {
         let at = &self.coordinates[i];
         let (line, z) = self.line(i, u, pressure);
         match self.piece(i, z) {
-            Piece::Pinned { value, .. } if at.span == 1 => {
+            GraphPiece::Pinned { value, .. } if at.span == 1 => {
                 at.weight * (self.normal(i, u) - value).abs() / at.gamma
             }
-            Piece::Pinned { .. } => {
+            GraphPiece::Pinned { .. } => {
                 at.weight * self.normal(i, u).hypot(self.normal(i + 1, u)) / at.gamma
             }
-            Piece::Free => {
+            GraphPiece::Free => {
                 let place = self.place(i, &line, u);
                 let value = self.value_and_slope(i, self.jumps_below(i, z), place).0;
                 if at.span == 1 {

@@ -1,7 +1,7 @@
 //! Semismooth Newton method with primal-dual active set for one time level.
 
 use super::line::Line;
-use super::{Piece, StepInequality, StepState};
+use super::{GraphPiece, StepInequality, StepState};
 use algebra::linalg::{FactorError, root_of_squares};
 
 #[derive(Debug, Clone, Copy)]
@@ -189,15 +189,15 @@ impl Scratch {
             let turned =
                 self.lines[i].along[0] * line.along[0] + self.lines[i].along[1] * line.along[1];
             let chosen = match (graph.piece(i, z), self.pieces[i]) {
-                (Piece::Pinned { value, .. }, _) => Chosen::Pinned(value),
+                (GraphPiece::Pinned { value, .. }, _) => Chosen::Pinned(value),
                 // A vector that would reverse stops at 0 first, as a number does.
-                (Piece::Free, Some(Chosen::Free(_))) if turned < 0.0 => Chosen::Pinned(0.0),
+                (GraphPiece::Free, Some(Chosen::Free(_))) if turned < 0.0 => Chosen::Pinned(0.0),
                 // Crossing a jump stops at it first; otherwise iterates would alternate for ever if the solution is at
                 // the jump.
-                (Piece::Free, Some(Chosen::Free(before))) => {
+                (GraphPiece::Free, Some(Chosen::Free(before))) => {
                     graph.jump_across(i, before, z).map_or(Chosen::Free(before), Chosen::Pinned)
                 }
-                (Piece::Free, _) => Chosen::Free(graph.jumps_below(i, z)),
+                (GraphPiece::Free, _) => Chosen::Free(graph.jumps_below(i, z)),
             };
             self.lines[i] = line;
             if self.pieces[i] != Some(chosen) {

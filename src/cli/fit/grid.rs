@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use super::asked::{Answer, Asked};
 use super::{Part, gap_verdict, next_steps, step_name, verdict_text};
 use judge::fit::{
-    Direction, Estimate, GridPosterior, JointFit, JointFits, NotIdentifiable, Point, fit_constants,
-    infer_grid, joint_fits, same_level, student_quantile,
+    Direction, FittedValue, GridPosterior, JointFit, JointFits, NotIdentifiable, Point,
+    fit_constants, infer_grid, joint_fits, same_level, student_quantile,
 };
 use judge::table::Group;
 
@@ -92,7 +92,7 @@ fn both(joint: &Joint, (p, q): (f64, f64), asked: Asked) -> Answer {
 fn text(
     joint: &Joint,
     floor: Option<&JointFits>,
-    constants: Option<[Estimate; 2]>,
+    constants: Option<[FittedValue; 2]>,
     verdict: &str,
 ) -> String {
     let GridPosterior { order_h, order_k } = &joint.posterior;
@@ -116,7 +116,7 @@ fn text(
         )
     }));
     if let Some([h, k]) = constants {
-        let range = |c: Estimate| {
+        let range = |c: FittedValue| {
             format!("{:.4e} in [{:.4e}, {:.4e}]", c.value, c.interval.lo, c.interval.hi)
         };
         lines.push(format!("   under the predicted orders: C_h {}, C_k {}", range(h), range(k)));
@@ -150,7 +150,7 @@ fn floor_line(plain: &JointFit, with: &JointFit, points: usize) -> Option<String
 fn object(
     joint: &Result<Joint, NotIdentifiable>,
     floor: Option<&JointFits>,
-    constants: Option<[Estimate; 2]>,
+    constants: Option<[FittedValue; 2]>,
     asked: Asked,
     answer: Option<&Answer>,
 ) -> serde_json::Map<String, Value> {
@@ -160,7 +160,7 @@ fn object(
     let time = found.map(|joint| &joint.posterior.order_k);
     let all = fits.into_iter().chain(floor);
     let all = all.flat_map(|fits| [Some(&fits.best), fits.other.as_ref()]).flatten();
-    let constant = |c: Estimate, order: Option<f64>| json!({"value": c.value, "interval": [c.interval.lo, c.interval.hi], "order": order});
+    let constant = |c: FittedValue, order: Option<f64>| json!({"value": c.value, "interval": [c.interval.lo, c.interval.hi], "order": order});
     let reason = match (answer, joint) {
         (Some(answer), _) => answer.reason.clone(),
         (None, Err(refused)) => refused.to_string(),

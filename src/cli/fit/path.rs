@@ -4,12 +4,12 @@ use serde_json::json;
 
 use super::asked::{Answer, Asked};
 use super::{Part, gap_verdict, line, next_steps, verdict_text};
-use judge::fit::{Direction, FitError, Path, Posterior, samples};
+use judge::fit::{Direction, FitError, Posterior, RefinementPath, samples};
 use judge::table::Group;
 use judge::verdict::Decision;
 
 /// The order in h along the path, min(p, s q), and what it implies for p and q.
-pub(super) fn part(group: &Group, path: Path, asked: Asked) -> Part {
+pub(super) fn part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
     let read = line::order(&group.measurements(), Direction::Space, asked);
     let order = along(path, asked);
     let answer = order.map(|order| {
@@ -19,7 +19,7 @@ pub(super) fn part(group: &Group, path: Path, asked: Asked) -> Part {
             Err(error) => Answer::of(Decision::Unresolved, error.to_string()),
         })
     });
-    let Path { exponent, constant } = path;
+    let RefinementPath { exponent, constant } = path;
     let found = read.as_ref().ok();
     let mut json = super::map(json!({
         "variable": "path",
@@ -47,11 +47,11 @@ pub(super) fn part(group: &Group, path: Path, asked: Asked) -> Part {
 
 fn text(
     read: &Result<Posterior, FitError>,
-    path: Path,
+    path: RefinementPath,
     order: Option<f64>,
     verdict: Option<&(Decision, String)>,
 ) -> String {
-    let Path { exponent, constant } = path;
+    let RefinementPath { exponent, constant } = path;
     let head = format!("path k = {constant:.3} h^{exponent:.2}:");
     let tail = verdict_text(order.map(|order| format!("order {order} along it")), verdict);
     match read {
@@ -69,7 +69,7 @@ fn text(
 
 /// The predicted order along the path, without the rounding of its exponent; a missing p or q counts as the faster
 /// term.
-fn along(path: Path, asked: Asked) -> Option<f64> {
+fn along(path: RefinementPath, asked: Asked) -> Option<f64> {
     let order = match (asked.p, asked.q) {
         (Some(p), Some(q)) => path.order(p, q),
         (Some(p), None) => p,
@@ -79,7 +79,13 @@ fn along(path: Path, asked: Asked) -> Option<f64> {
     Some((1e6 * order).round() / 1e6)
 }
 
-fn decide(group: &Group, posterior: &Posterior, path: Path, asked: Asked, order: f64) -> Answer {
+fn decide(
+    group: &Group,
+    posterior: &Posterior,
+    path: RefinementPath,
+    asked: Asked,
+    order: f64,
+) -> Answer {
     let samples = samples(&group.points(), Direction::Space).unwrap_or_default();
     let steps: Vec<f64> = samples.iter().map(|sample| sample.step).collect();
     let mut answer = asked.answer(posterior, order, ("h", next_steps(&steps)));

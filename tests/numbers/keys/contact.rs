@@ -1,7 +1,7 @@
 //! `[contact]`: gap, shift and law at given displacements.
 
 use gronwall::contact::BoundaryRule;
-use gronwall::formula::Point;
+use gronwall::formula::EvaluationPoint;
 use gronwall::law::Potential;
 use gronwall::scene::ContactQuadrature;
 use gronwall::setup::Setup;
@@ -56,7 +56,7 @@ fn gap_and_shift() {
     near((boundary.gap)([0.25, 0.0, 0.0]), 0.35);
     near((boundary.shift)([0.25, 0.0, 0.0]), 0.005);
     let contact = setup.body.contact.as_ref().expect("a contact");
-    let at = Point { x: 0.25, ..ORIGIN };
+    let at = EvaluationPoint { x: 0.25, ..ORIGIN };
     near(value(&setup.scene, contact.gap.expect("a gap"), at), 0.35);
     near(value(&setup.scene, contact.shift.expect("a shift"), at), 0.005);
 }

@@ -1,6 +1,6 @@
 //! `[scene]`, `[time]`, `[loads]`, `[exact]`, `[sweep]` and `[[predicts]]`.
 
-use gronwall::formula::Point;
+use gronwall::formula::EvaluationPoint;
 use gronwall::record::{Key, V_MAX};
 use gronwall::scene::{
     Data, Direction, Expectation, Hypothesis, LoadForm, Norm, Reference, Scene, TimeRule,
@@ -123,7 +123,7 @@ fn loads() {
     )]);
     let body = read.as_contact().expect("a body");
     let Data::Loads { body: force, traction } = &body.data else { panic!("given loads") };
-    let at = Point { x: 0.3, y: 0.2, t: 0.7, ..ORIGIN };
+    let at = EvaluationPoint { x: 0.3, y: 0.2, t: 0.7, ..ORIGIN };
     near(value(&read, force[0], at), 0.3);
     near(value(&read, force[1], at), -0.7);
     assert_eq!((traction.len(), body.domain.name(traction[0].0)), (1, "right"));
@@ -154,7 +154,7 @@ fn exact() {
     let Data::Exact { u, multiplier, selection, friction, interpolated, form } = &body.data else {
         panic!("an exact solution")
     };
-    let at = Point { x: 0.3, y: 0.25, t: 0.7, ..ORIGIN };
+    let at = EvaluationPoint { x: 0.3, y: 0.25, t: 0.7, ..ORIGIN };
     near(value(&read, u[0], at), 0.0);
     near(value(&read, u[1], at), -0.05);
     near(value(&read, multiplier.expect("a multiplier"), at), 1.4);

@@ -1,6 +1,6 @@
 //! Abstract scenes: A, S, φ, j and K at given vectors of ℝ².
 
-use gronwall::formula::Point;
+use gronwall::formula::EvaluationPoint;
 
 use gronwall::scene::{AbstractScene, Body, Scene};
 use gronwall::setup::AbstractSetup;
@@ -158,7 +158,7 @@ fn traces() {
 
 fn exact() {
     let (read, problem) = read();
-    let at = Point { t: 0.7, ..ORIGIN };
+    let at = EvaluationPoint { t: 0.7, ..ORIGIN };
     near(value(&read, problem.u[0], at), 0.1);
     near(value(&read, problem.u[1], at), 0.21);
     near(value(&read, problem.multiplier.as_ref().expect("a multiplier")[0], at), 1.4);

@@ -135,8 +135,8 @@ fn remembered(setup: &Setup, region: usize, t: f64) -> [f64; 3] {
     sum
 }
 
-fn at(t: f64) -> gronwall::formula::Point {
-    gronwall::formula::Point { t, ..ORIGIN }
+fn at(t: f64) -> gronwall::formula::EvaluationPoint {
+    gronwall::formula::EvaluationPoint { t, ..ORIGIN }
 }
 
 #[track_caller]
@@ -198,7 +198,7 @@ fn projection() {
     near(setup.projection_mu(), 0.6);
     let written = setup.body.material.projection.as_ref().expect("a projection");
     near(written.mu, 0.6);
-    let at = gronwall::formula::Point { zeta: 2.0, ..ORIGIN };
+    let at = gronwall::formula::EvaluationPoint { zeta: 2.0, ..ORIGIN };
     near(value(&setup.scene, written.kappa, at), 0.2);
     near(written.lipschitz, 0.05);
 }

@@ -13,7 +13,7 @@ mod walk;
 
 use std::collections::BTreeSet;
 
-use gronwall::formula::{Node, Point};
+use gronwall::formula::{EvaluationPoint, Node};
 use gronwall::scene::{Scene, Source};
 
 /// Keys, and the check that ties them.
@@ -67,11 +67,11 @@ pub fn block(edits: &[(&str, &str)]) -> Scene {
 }
 
 /// A formula of a scene.
-pub fn value(scene: &Scene, node: Node, at: Point) -> f64 {
+pub fn value(scene: &Scene, node: Node, at: EvaluationPoint) -> f64 {
     scene.formulas.evaluate(node, &at)
 }
 
-pub const ORIGIN: Point = Point { x: 0.0, y: 0.0, z: 0.0, t: 0.0, zeta: 0.0 };
+pub const ORIGIN: EvaluationPoint = EvaluationPoint { x: 0.0, y: 0.0, z: 0.0, t: 0.0, zeta: 0.0 };
 
 /// Equal to rounding.
 #[track_caller]

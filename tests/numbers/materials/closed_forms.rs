@@ -161,7 +161,7 @@ fn kernels_by_name_are_their_formulas() {
     assert_eq!(rates(kernel("bulk-shear", 1).exponentials), [(0.1, 1.0), (-0.5, 4.0)]);
     assert!(kernel("power-law", 0).exponentials.is_none());
     let scene = setup("power-law").scene;
-    let at = gronwall::formula::Point { t: 0.75, ..Default::default() };
+    let at = gronwall::formula::EvaluationPoint { t: 0.75, ..Default::default() };
     let graph: &Graph = &scene.formulas;
     // -(1 + 3)^{-3/2}.
     assert!((graph.evaluate(kernel("power-law", 0).kernel, &at) + 0.125).abs() < 1e-15);

@@ -173,7 +173,7 @@ fn without_comparison(verdict: Verdict) -> Verdict {
 
 /// The verdict, where a compared constant of ratio r was refuted that this judge lets pass.
 fn forgiving(verdict: Verdict, passes: fn(f64) -> bool) -> Verdict {
-    let refuted = |constant: &gronwall::verdict::Constant| {
+    let refuted = |constant: &gronwall::verdict::FittedConstant| {
         let (ratio, tolerance) = (constant.ratio?, constant.tolerance?);
         ((ratio - 1.0).abs() > tolerance).then_some(ratio)
     };

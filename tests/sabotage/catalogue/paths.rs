@@ -7,7 +7,7 @@ use std::sync::Arc;
 use gronwall::contact::{
     CaseError, CaseInfo, Discretization, LoadError, MemoryTerm, Observer, StepView, march,
 };
-use gronwall::formula::Point;
+use gronwall::formula::EvaluationPoint;
 use gronwall::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{HistoryKernel, MemoryKernel};
 use gronwall::manufactured::{ExactOnMesh, Truth};
@@ -213,7 +213,7 @@ fn without(
             for (shapes, weight) in rule.points.iter().zip(&rule.weights) {
                 let [x, y, z] = mesh.point(simplex, shapes);
                 for (i, &formula) in formulas.iter().enumerate() {
-                    let at = Point { x, y, z, t, ..Point::default() };
+                    let at = EvaluationPoint { x, y, z, t, ..EvaluationPoint::default() };
                     let value = weight * measure * graph.evaluate(formula, &at);
                     for (&v, shape) in simplex.iter().zip(shapes) {
                         let node = space.nodes.of_vertex[v as usize] as usize;

@@ -10,7 +10,7 @@ use super::supernode::{COLUMNS, Supernode, supernode};
 /// Right sides per pass: two registers of four doubles.
 pub const SIDES: usize = 8;
 
-pub type Side = [f64; SIDES];
+pub type RightSides = [f64; SIDES];
 
 impl Analysis {
     /// Solves L y = x in place, as [`Self::forward`], for [`SIDES`] right sides.
@@ -18,8 +18,8 @@ impl Analysis {
         &self,
         factor: &Factor,
         cut: usize,
-        x: &mut [Side],
-        front: &mut Front<Side>,
+        x: &mut [RightSides],
+        front: &mut Front<RightSides>,
     ) {
         self.pass(factor, cut, x, front, true);
     }
@@ -30,8 +30,8 @@ impl Analysis {
         &self,
         factor: &Factor,
         cut: usize,
-        x: &mut [Side],
-        front: &mut Front<Side>,
+        x: &mut [RightSides],
+        front: &mut Front<RightSides>,
     ) {
         self.pass(factor, cut, x, front, false);
     }
@@ -40,8 +40,8 @@ impl Analysis {
         &self,
         factor: &Factor,
         cut: usize,
-        x: &mut [Side],
-        front: &mut Front<Side>,
+        x: &mut [RightSides],
+        front: &mut Front<RightSides>,
         forward: bool,
     ) {
         if let Some(symbolic) = self.supernodes() {
@@ -55,8 +55,8 @@ struct Pass<'a> {
     symbolic: &'a SymbolicSupernodalCholesky<u32>,
     factor: &'a Factor,
     cut: usize,
-    x: &'a mut [Side],
-    rows: &'a mut Vec<Side>,
+    x: &'a mut [RightSides],
+    rows: &'a mut Vec<RightSides>,
     forward: bool,
 }
 
@@ -86,7 +86,12 @@ impl pulp::WithSimd for Pass<'_> {
 }
 
 #[inline(always)]
-fn eliminate(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut Vec<Side>) {
+fn eliminate(
+    node: &Supernode<'_, f64>,
+    cut: usize,
+    x: &mut [RightSides],
+    rows: &mut Vec<RightSides>,
+) {
     let (start, width) = (node.start, node.width);
     rows.clear();
     rows.extend_from_slice(&x[start..start + width]);
@@ -128,7 +133,7 @@ fn eliminate(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut V
 
 /// x ← x - Σ_a w_a c_a.
 #[inline(always)]
-fn subtract<const C: usize>(c: [&[f64]; C], w: [Side; C], x: &mut [Side]) {
+fn subtract<const C: usize>(c: [&[f64]; C], w: [RightSides; C], x: &mut [RightSides]) {
     let c: [&[f64]; C] = std::array::from_fn(|a| &c[a][..x.len()]);
     for (i, row) in x.iter_mut().enumerate() {
         for a in 0..C {
@@ -141,7 +146,12 @@ fn subtract<const C: usize>(c: [&[f64]; C], w: [Side; C], x: &mut [Side]) {
 }
 
 #[inline(always)]
-fn substitute(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut Vec<Side>) {
+fn substitute(
+    node: &Supernode<'_, f64>,
+    cut: usize,
+    x: &mut [RightSides],
+    rows: &mut Vec<RightSides>,
+) {
     let (start, width) = (node.start, node.width);
     rows.clear();
     rows.extend_from_slice(&x[start..start + width]);
@@ -162,7 +172,7 @@ fn substitute(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut 
         j -= COLUMNS;
         node.reads_backward(j, COLUMNS);
         let (head, rest) = rows[j..].split_at_mut(COLUMNS);
-        let sums: [Side; COLUMNS] =
+        let sums: [RightSides; COLUMNS] =
             products(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), rest);
         for a in (0..COLUMNS).rev() {
             let column = node.column(j + a, j + a);
@@ -183,7 +193,7 @@ fn substitute(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut 
 
 /// Σ_i c_i x_i for several columns c.
 #[inline(always)]
-fn products<const C: usize>(c: [&[f64]; C], x: &[Side]) -> [Side; C] {
+fn products<const C: usize>(c: [&[f64]; C], x: &[RightSides]) -> [RightSides; C] {
     let c: [&[f64]; C] = std::array::from_fn(|a| &c[a][..x.len()]);
     let mut sums = [[0.0; SIDES]; C];
     for (i, row) in x.iter().enumerate() {
@@ -222,7 +232,7 @@ mod tests {
         analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
         let cut = 288 - last.len();
         let side = |l: usize| (0..288).map(move |i| ((3 * i + 7 * l) as f64).cos());
-        let mut sides: Vec<Side> = vec![[0.0; SIDES]; 288];
+        let mut sides: Vec<RightSides> = vec![[0.0; SIDES]; 288];
         for l in 0..SIDES {
             sides.iter_mut().zip(side(l)).for_each(|(row, value)| row[l] = value);
         }
@@ -233,7 +243,7 @@ mod tests {
             let [mut x, mut y] = [(); 2].map(|()| side(l).collect::<Vec<f64>>());
             analysis.forward(factor, cut, &mut x, &mut Front::default());
             analysis.backward(factor, cut, &mut y, &mut Front::default());
-            let off = |x: &[f64], block: &[Side]| {
+            let off = |x: &[f64], block: &[RightSides]| {
                 x.iter().zip(block).map(|(x, row)| (x - row[l]).abs()).fold(0.0, f64::max)
             };
             [off(&x, &forward), off(&y, &backward)]

@@ -17,7 +17,7 @@ mod substitution;
 mod supernode;
 mod tangent_solver;
 
-pub use block_substitution::{SIDES, Side};
+pub use block_substitution::{RightSides, SIDES};
 pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
 pub use conjugate_gradient::{Directions, conjugate_gradients};
 pub use dense::DenseCholesky;
@@ -28,7 +28,7 @@ pub use multigrid::{Levels, NodeFrame};
 pub use multigrid_sequence::MultigridSequence;
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
-pub use sequence::{Coupling, LinearWork, Precision, RankOne, SequenceSolver};
+pub use sequence::{LinearWork, NonsymmetricEntry, Precision, RankOne, SequenceSolver};
 pub use substitution::Front;
 pub use tangent_solver::TangentSolver;
 

@@ -22,7 +22,7 @@ pub struct RankOne {
 
 /// A nonsymmetric entry of the Jacobian.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coupling {
+pub struct NonsymmetricEntry {
     pub row: usize,
     pub column: usize,
     pub value: f64,
@@ -87,7 +87,7 @@ pub struct SequenceSolver<'a> {
     saved: Vec<f64>,
     values: Vec<f64>,
     rank_one: Option<RankOne>,
-    couplings: Vec<Coupling>,
+    couplings: Vec<NonsymmetricEntry>,
     pub work: LinearWork,
 }
 
@@ -129,7 +129,7 @@ impl<'a> SequenceSolver<'a> {
     }
 
     /// Sets C of the next Jacobians.
-    pub(crate) fn couple(&mut self, couplings: impl Iterator<Item = Coupling>) {
+    pub(crate) fn couple(&mut self, couplings: impl Iterator<Item = NonsymmetricEntry>) {
         self.couplings.clear();
         self.couplings.extend(couplings);
     }

@@ -2,7 +2,7 @@
 
 use super::cholesky::FactorError;
 use super::multigrid_sequence::MultigridSequence;
-use super::sequence::{Coupling, LinearWork, RankOne, SequenceSolver};
+use super::sequence::{LinearWork, NonsymmetricEntry, RankOne, SequenceSolver};
 
 /// Methods are those of [`SequenceSolver`].
 pub enum TangentSolver<'a> {
@@ -36,7 +36,7 @@ impl TangentSolver<'_> {
 
     /// Sets C of the next Jacobians. Multigrid ignores it: Newton steps then use the rest of the Jacobian, and more are
     /// needed.
-    pub fn couple(&mut self, couplings: impl Iterator<Item = Coupling>) {
+    pub fn couple(&mut self, couplings: impl Iterator<Item = NonsymmetricEntry>) {
         if let Self::Direct(solver) = self {
             solver.couple(couplings);
         }

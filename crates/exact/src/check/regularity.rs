@@ -5,7 +5,7 @@ use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_differen
 use super::{Finding, SideOfBox, polytope, times};
 use crate::Exact;
 use crate::symbolic::components;
-use formula::{Point, Program};
+use formula::{EvaluationPoint, Program};
 
 /// Lines across the direction of differences in time.
 const LINES: usize = 12;
@@ -274,7 +274,9 @@ impl TraceBends {
 /// max |b''| by second differences, of each term of the memory.
 fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
     exact.data.kernels.iter().map(|&node| {
-        let value = |t: f64| exact.data.graph.evaluate(node, &Point { t, ..Point::default() });
+        let value = |t: f64| {
+            exact.data.graph.evaluate(node, &EvaluationPoint { t, ..EvaluationPoint::default() })
+        };
         second_difference("B in C2[0,T]", "the kernel", exact.data.horizon, value)
     })
 }

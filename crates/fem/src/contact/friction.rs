@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::ContactProblem;
 use super::trace::TracePoint;
-use algebra::linalg::Coupling;
+use algebra::linalg::NonsymmetricEntry;
 use vhi::law::Projection;
 
 impl<P: Projection> ContactProblem<'_, P> {
@@ -55,7 +55,7 @@ impl<P: Projection> ContactProblem<'_, P> {
             let value = own.sign * normal.sign * own.weight * slope * s / p;
             match prescribed[i] {
                 Some(increment) => self.lifted.push((own.dof as usize, value * increment)),
-                None => self.following.entries.push(Coupling {
+                None => self.following.entries.push(NonsymmetricEntry {
                     row: own.dof as usize,
                     column: normal.dof as usize,
                     value,

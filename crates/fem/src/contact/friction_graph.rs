@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::tangents::Tangential;
 use super::{Discretization, Model};
-use algebra::linalg::Coupling;
+use algebra::linalg::NonsymmetricEntry;
 use vhi::law::Projection;
 use vhi::{BoundaryGraph, Coordinate};
 
@@ -20,7 +20,7 @@ pub(super) struct Following {
     /// The pressures of all graphs on the pieces that were chosen last.
     pub(super) pressures: Vec<f64>,
     /// Its part of the Jacobian.
-    pub(super) entries: Vec<Coupling>,
+    pub(super) entries: Vec<NonsymmetricEntry>,
 }
 
 impl Following {

@@ -2,7 +2,7 @@
 
 use super::{BoundaryRule, Discretization, Model};
 use vhi::law::{Potential, Projection};
-use vhi::{BoundaryGraph, Piece, StepState};
+use vhi::{BoundaryGraph, GraphPiece, StepState};
 
 /// c = ξ + λ: at the bound ξ is the least element of ∂j_ν(g) and λ the rest, elsewhere ξ is all.
 pub(super) fn split_pressures<P: Projection>(
@@ -25,7 +25,7 @@ pub(super) fn split_pressures<P: Projection>(
         next += 1;
         if boundary.rule == BoundaryRule::Vertex {
             compliance[i] = match piece {
-                Piece::Pinned { value, lo, .. } if value == at.gap => lo,
+                GraphPiece::Pinned { value, lo, .. } if value == at.gap => lo,
                 _ => pressure,
             };
             multiplier[i] = pressure - compliance[i];

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Discretization;
 use algebra::linalg::{
-    Analysis, Factor, FactorError, Front, MultigridSequence, SIDES, Side, Workspace, axpy, norm,
-    root_of_squares,
+    Analysis, Factor, FactorError, Front, MultigridSequence, RightSides, SIDES, Workspace, axpy,
+    norm, root_of_squares,
 };
 use vhi::Newton;
 
@@ -16,7 +16,7 @@ pub(super) enum Way<'a> {
         factor: Arc<Factor>,
         own: Option<Workspace>,
         front: Front<f64>,
-        sides: Front<Side>,
+        sides: Front<RightSides>,
     },
     Multigrid {
         sequence: Box<MultigridSequence<'a>>,

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::{Graph, Node, Point, Variable, assert_close, everything, node};
+use super::{EvaluationPoint, Graph, Node, Variable, assert_close, everything, node};
 use crate::Program;
 use crate::graph::Op;
 
@@ -64,7 +64,7 @@ fn reference_values_by_both_evaluators() {
     let program = Program::compile(&mut graph, &outputs, 1.0);
     let mut out = vec![Vec::new(); outputs.len()];
     for (component, x, y, expected) in REFERENCE {
-        let at = Point { x, y, t: 1.0, ..Point::default() };
+        let at = EvaluationPoint { x, y, t: 1.0, ..EvaluationPoint::default() };
         let plain = graph.evaluate(outputs[component], &at);
         assert_close(plain, expected, 2e-13, &format!("plain {component} at {x}"));
         program.bind(&[[x, y, 0.0]]).evaluate(1.0, 0.0, &mut out);

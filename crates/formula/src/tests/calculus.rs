@@ -3,7 +3,7 @@
 use num_dual::{DualNum, second_derivative};
 use proptest::prelude::*;
 
-use super::{Graph, Point, Variable, assert_close, everything, node, value};
+use super::{EvaluationPoint, Graph, Variable, assert_close, everything, node, value};
 
 #[derive(Clone, Debug)]
 enum Expr {
@@ -106,7 +106,7 @@ proptest! {
         let g = node(&mut graph, &everything(), &text);
         let dg = graph.derivative(g, Variable::X);
         let ddg = graph.derivative(dg, Variable::X);
-        let at = Point { x, y, ..Point::default() };
+        let at = EvaluationPoint { x, y, ..EvaluationPoint::default() };
         let size = 1.0 + f.abs() + slope.abs() + curvature.abs();
         for (ours, theirs) in [(g, f), (dg, slope), (ddg, curvature)] {
             let ours = graph.evaluate(ours, &at);
@@ -114,7 +114,7 @@ proptest! {
         }
         let h = 1e-5;
         let dy = graph.derivative(g, Variable::Y);
-        let at_y = |y: f64| graph.evaluate(g, &Point { x, y, ..Point::default() });
+        let at_y = |y: f64| graph.evaluate(g, &EvaluationPoint { x, y, ..EvaluationPoint::default() });
         let quotient = (at_y(y + h) - at_y(y - h)) / (2.0 * h);
         let exact = graph.evaluate(dy, &at);
         prop_assume!(exact.abs() < 1e2);

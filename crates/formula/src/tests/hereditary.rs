@@ -1,6 +1,6 @@
 //! Relaxation and convolution against closed forms.
 
-use super::{Graph, Node, Point, Variable, assert_close, everything, node, value};
+use super::{EvaluationPoint, Graph, Node, Variable, assert_close, everything, node, value};
 use crate::Program;
 use crate::graph::Op;
 
@@ -26,7 +26,7 @@ fn check_node(
         for (x, ours) in abscissae.into_iter().zip(&out[0]) {
             let expected = exact(x, t);
             assert_close(*ours, expected, tolerance, &format!("{text} at x={x} t={t}"));
-            let at = Point { x, y: 0.5, z: 0.2, t, zeta: 0.0 };
+            let at = EvaluationPoint { x, y: 0.5, z: 0.2, t, zeta: 0.0 };
             let plain = graph.evaluate(f, &at);
             assert_close(plain, expected, tolerance, &format!("plain {text} at x={x} t={t}"));
         }
@@ -206,7 +206,7 @@ fn an_instant_leaves_the_past_out() {
     let frozen = graph.instant(f, 0.5);
     assert!(!graph.depends_on(frozen, Variable::T));
     for t in [0.0, 0.3, 2.0] {
-        let at = Point { x: 3.0, t, ..Point::default() };
+        let at = EvaluationPoint { x: 3.0, t, ..EvaluationPoint::default() };
         assert_eq!(graph.evaluate(frozen, &at), 3.0 * 0.25 + 0.5);
     }
 }

@@ -113,7 +113,7 @@ fn sizes_are_limited() {
     let mut graph = Graph::new();
     let f = graph.parse(&long, &everything()).expect("a long sum");
     let slope = graph.derivative(f, Variable::X);
-    let at = super::Point { x: 1.0, t: 0.5, ..Default::default() };
+    let at = super::EvaluationPoint { x: 1.0, t: 0.5, ..Default::default() };
     assert_close(graph.evaluate(slope, &at), 8001.0, 1e-9, "slope of a long sum");
     let deep = format!("{}x{}", "(".repeat(199), ")".repeat(199));
     assert_close(value(&deep, AT), 0.3, 0.0, "deep");

@@ -7,7 +7,7 @@ mod language;
 mod recognition;
 mod tapes;
 
-use super::{Graph, Node, Point, Scope, Variable};
+use super::{EvaluationPoint, Graph, Node, Scope, Variable};
 
 fn everything() -> Scope {
     use Variable::{T, X, Y, Z, Zeta};
@@ -24,7 +24,7 @@ fn node(graph: &mut Graph, scope: &Scope, text: &str) -> Node {
 fn value(text: &str, [x, y, z, t]: [f64; 4]) -> f64 {
     let mut graph = Graph::new();
     let f = node(&mut graph, &everything(), text);
-    graph.evaluate(f, &Point { x, y, z, t, zeta: 0.0 })
+    graph.evaluate(f, &EvaluationPoint { x, y, z, t, zeta: 0.0 })
 }
 
 fn assert_close(a: f64, b: f64, tolerance: f64, what: &str) {

@@ -1,6 +1,6 @@
 //! Sums of exponentials, separation and guards.
 
-use super::{Graph, Node, Point, Variable, assert_close, everything, node};
+use super::{EvaluationPoint, Graph, Node, Variable, assert_close, everything, node};
 
 #[test]
 fn sums_of_exponentials() {
@@ -52,7 +52,7 @@ fn separation() {
         let f = node(&mut graph, &everything(), text);
         let sum = graph.separate(f).unwrap_or_else(|| panic!("{text} separates"));
         assert!(sum.len() <= most, "{text}: {} terms", sum.len());
-        let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
+        let at = EvaluationPoint { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
         let mut total = 0.0;
         for (a, g) in sum {
             assert!(!graph.depends_on(g, Variable::T), "{text}");
@@ -76,7 +76,7 @@ fn several_formulas_share_their_factors_in_time() {
     let formulas = texts.map(|text| node(&mut graph, &everything(), text));
     let together = graph.separate_together(&formulas).expect("sums of products");
     assert_eq!(together.factors.len(), 3, "t, cos t and 1");
-    let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
+    let at = EvaluationPoint { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
     for ((text, f), shapes) in texts.iter().zip(formulas).zip(&together.shapes) {
         let terms = shapes.iter().map(|&(m, shape)| {
             assert!(!graph.depends_on(shape, Variable::T), "{text}");
@@ -91,7 +91,7 @@ fn several_formulas_share_their_factors_in_time() {
 /// t, t + sin t and 2t - sin t need two factors; t + sin t and y need only the sum.
 #[test]
 fn sums_of_factors_of_others_are_none_of_their_own() {
-    let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
+    let at = EvaluationPoint { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
     for (texts, factors) in [
         (["t*x", "(t + sin(t))*y", "(2*t - sin(t))/3*z"], 2),
         (["(t + 1)*x", "(t - 1)*y", "(sin(t) + 2)*z + t"], 3),
@@ -120,7 +120,7 @@ fn guards_are_found() {
     let text = "max(x, t) + abs(y) + if(x<=y, 1, 2)*relax(1, sign(t-x)*t) + max(2, 3)";
     let f = node(&mut graph, &scope, text);
     let found = graph.guards(&[f]);
-    let at = Point { x: 0.25, y: 2.0, z: 0.0, t: 1.0, zeta: 0.0 };
+    let at = EvaluationPoint { x: 0.25, y: 2.0, z: 0.0, t: 1.0, zeta: 0.0 };
     let mut sizes: Vec<f64> = found.iter().map(|g| graph.evaluate(*g, &at).abs()).collect();
     sizes.sort_by(f64::total_cmp);
     assert_eq!(sizes, [0.75, 0.75, 1.75, 2.0]);

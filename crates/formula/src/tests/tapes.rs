@@ -1,7 +1,7 @@
 //! Bound programs against plain evaluation, and their repeatability.
 
-use super::{Graph, Node, Point, Scope, assert_close, everything, node};
-use crate::{Bound, Program};
+use super::{EvaluationPoint, Graph, Node, Scope, assert_close, everything, node};
+use crate::{BoundProgram, Program};
 
 const FORMULAS: [&str; 12] = [
     "3",
@@ -33,7 +33,7 @@ fn setup() -> (Graph, Vec<Node>, Vec<[f64; 3]>) {
     (graph, outputs, points.collect())
 }
 
-fn run(bound: &mut Bound, count: usize, t: f64, zeta: f64) -> Vec<Vec<f64>> {
+fn run(bound: &mut BoundProgram, count: usize, t: f64, zeta: f64) -> Vec<Vec<f64>> {
     let mut out = vec![Vec::new(); count];
     bound.evaluate(t, zeta, &mut out);
     out
@@ -53,7 +53,7 @@ fn tapes_agree_with_plain_evaluation() {
         for p in (0..points.len()).step_by(61) {
             let [x, y, z] = points[p];
             for (k, f) in outputs.iter().enumerate() {
-                let plain = graph.evaluate(*f, &Point { x, y, z, t, zeta });
+                let plain = graph.evaluate(*f, &EvaluationPoint { x, y, z, t, zeta });
                 let tolerance = 1e-13 * (1.0 + plain.abs());
                 assert_close(out[k][p], plain, tolerance, &format!("output {k} at {t}"));
             }
@@ -129,5 +129,5 @@ fn programs_can_be_shared() {
     fn shared<T: Send + Sync>() {}
     fn sent<T: Send>() {}
     shared::<Program>();
-    sent::<Bound>();
+    sent::<BoundProgram>();
 }

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::identifiable::check_bends;
 use super::levenberg_marquardt::minimise;
 use super::log_table::{LogTable, Shape};
-use super::{Estimate, Interval, Model, Point, student_quantile};
+use super::{Combination, FittedValue, Interval, Point, student_quantile};
 
 /// Start orders; all pairs are tried and the best minimum kept.
 const STARTS: [(f64, f64); 6] =
@@ -16,7 +16,7 @@ const SCOUTS: usize = 64;
 
 #[derive(Debug, Clone)]
 pub(super) struct GridFit {
-    pub(super) model: Model,
+    pub(super) model: Combination,
     pub(super) shape: Shape,
     /// ‖log E − log e‖, Euclidean over the points.
     pub(super) residual_norm: f64,
@@ -29,7 +29,7 @@ pub(super) struct GridFit {
 }
 
 impl GridFit {
-    pub(super) fn of(points: &[Point], model: Model, shape: Shape) -> Option<Self> {
+    pub(super) fn of(points: &[Point], model: Combination, shape: Shape) -> Option<Self> {
         let scouts = scouts(points);
         let table = LogTable::new(&scouts);
         let best = starts(&table, shape)
@@ -61,7 +61,7 @@ impl GridFit {
 
     fn from_start(
         table: &LogTable,
-        model: Model,
+        model: Combination,
         shape: Shape,
         start: DVector<f64>,
     ) -> Option<Self> {
@@ -82,14 +82,14 @@ impl GridFit {
     }
 
     /// Student estimates of both orders, or of both log C where the orders are given.
-    pub(super) fn estimates(&self) -> [Estimate; 2] {
+    pub(super) fn estimates(&self) -> [FittedValue; 2] {
         let (first, values) = match self.shape.orders {
             None => (2, [self.x[2], self.x[3]]),
             Some(_) => (0, self.log_constants()),
         };
         [0, 1].map(|i| {
             let radius = self.quantile * self.deviations[first + i];
-            Estimate { value: values[i], interval: Interval::around(values[i], radius) }
+            FittedValue { value: values[i], interval: Interval::around(values[i], radius) }
         })
     }
 
@@ -185,10 +185,10 @@ mod tests {
             })
             .collect();
         let shape = Shape { orders: None, floor: false, bends: false };
-        let found = GridFit::of(&points, Model::Sum, shape).unwrap();
+        let found = GridFit::of(&points, Combination::Sum, shape).unwrap();
         let table = LogTable::new(&points);
         let start = DVector::from_vec(vec![-3.0, -3.0, 1.1, 1.9]);
-        let other = GridFit::from_start(&table, Model::Sum, shape, start).unwrap();
+        let other = GridFit::from_start(&table, Combination::Sum, shape, start).unwrap();
         for (a, b) in found.estimates().into_iter().zip(other.estimates()) {
             assert!((a.value - b.value).abs() < 1e-7 && a.interval.contains(b.value));
             assert!((a.interval.half_width() - b.interval.half_width()).abs() < 1e-7);

@@ -134,7 +134,7 @@ fn correlation(points: &[Point]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Estimate, Interval, Model};
+    use crate::fit::{Combination, FittedValue, Interval};
 
     fn on(pairs: &[(f64, f64)]) -> Vec<Point> {
         pairs.iter().map(|&(h, k)| Point { h, k, error: 1.0, floor: 0.0 }).collect()
@@ -192,9 +192,9 @@ mod tests {
 
     fn fit(constant_h: f64, constant_k: f64, condition: f64) -> JointFit {
         let interval = Interval { lo: 1.0, hi: 1.0 };
-        let order = Estimate { value: 1.0, interval };
+        let order = FittedValue { value: 1.0, interval };
         JointFit {
-            model: Model::Sum,
+            model: Combination::Sum,
             order_h: order,
             order_k: order,
             student: [interval; 2],

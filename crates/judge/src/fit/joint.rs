@@ -3,7 +3,7 @@
 use super::grid_fit::GridFit;
 use super::identifiable::{check_clip, check_grid, check_terms, clipped};
 use super::log_table::Shape;
-use super::{FitError, Interval, Model, NotIdentifiable, Point, screen};
+use super::{Combination, FitError, Interval, NotIdentifiable, Point, screen};
 
 /// Residual ratio up to which the worse model is not refuted: 4 in squares is below the 95 % quantile of F up to 6 and
 /// 6 degrees of freedom.
@@ -15,7 +15,7 @@ pub const LARGEST_OTHER_SHARE: f64 = 0.053;
 
 /// A fitted value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct FittedValue {
     pub value: f64,
     pub interval: Interval,
 }
@@ -23,9 +23,9 @@ pub struct Estimate {
 /// One error model fitted to a grid, in logarithms.
 #[derive(Debug, Clone)]
 pub struct JointFit {
-    pub model: Model,
-    pub order_h: Estimate,
-    pub order_k: Estimate,
+    pub model: Combination,
+    pub order_h: FittedValue,
+    pub order_k: FittedValue,
     /// Student intervals of p and q, before widening.
     pub student: [Interval; 2],
     pub constant_h: f64,
@@ -73,7 +73,7 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
     let usable = usable(points);
     let shape = Shape { orders: None, floor: with_floor, bends: false };
     check_grid(&usable, shape.parameters())?;
-    let mut fits: Vec<GridFit> = [Model::Sum, Model::RootSumSquare]
+    let mut fits: Vec<GridFit> = [Combination::Sum, Combination::RootSumSquare]
         .into_iter()
         .filter_map(|model| GridFit::of(&usable, model, shape))
         .collect();
@@ -96,9 +96,9 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
 /// [`FitError::TooFew`] for fewer than three points, [`FitError::Singular`] without a minimum.
 pub fn fit_constants(
     points: &[Point],
-    model: Model,
+    model: Combination,
     orders: (f64, f64),
-) -> Result<[Estimate; 2], FitError> {
+) -> Result<[FittedValue; 2], FitError> {
     let usable = usable(points);
     let found = usable.len();
     let shape = Shape { orders: Some(orders), floor: false, bends: false };
@@ -108,8 +108,8 @@ pub fn fit_constants(
     let fit = |model| GridFit::of(&usable, model, shape);
     let full = fit(model).ok_or(FitError::Singular { points: found })?;
     let rival = match model {
-        Model::Sum => fit(Model::RootSumSquare),
-        Model::RootSumSquare => fit(Model::Sum),
+        Combination::Sum => fit(Combination::RootSumSquare),
+        Combination::RootSumSquare => fit(Combination::Sum),
     };
     let bent = full.bent(&usable);
     let logs = match &bent {
@@ -121,7 +121,7 @@ pub fn fit_constants(
             extrapolated(full.estimates(), bent.estimates(), comparable.map(|r| r.estimates()))
         }
     };
-    Ok(logs.map(|log| Estimate { value: log.value.exp(), interval: log.interval.exp() }))
+    Ok(logs.map(|log| FittedValue { value: log.value.exp(), interval: log.interval.exp() }))
 }
 
 fn usable(points: &[Point]) -> Vec<Point> {
@@ -130,7 +130,7 @@ fn usable(points: &[Point]) -> Vec<Point> {
     points.iter().filter(serves).copied().collect()
 }
 
-fn joint_fit(fit: &GridFit, [order_h, order_k]: [Estimate; 2]) -> JointFit {
+fn joint_fit(fit: &GridFit, [order_h, order_k]: [FittedValue; 2]) -> JointFit {
     let [constant_h, constant_k] = fit.log_constants().map(f64::exp);
     JointFit {
         model: fit.model,
@@ -146,7 +146,7 @@ fn joint_fit(fit: &GridFit, [order_h, order_k]: [Estimate; 2]) -> JointFit {
 }
 
 /// Estimates with intervals widened for the choice of grid, the next terms and the choice of model.
-fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [Estimate; 2] {
+fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [FittedValue; 2] {
     let estimates = full.estimates();
     let mut parts: Vec<[Interval; 2]> = Vec::new();
     let clips = clipped(points).into_iter().filter(|clip| check_clip(clip, full.shape).is_ok());
@@ -163,30 +163,30 @@ fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [Estimate; 2
     }
     [0, 1].map(|i| {
         let interval = parts.iter().fold(estimates[i].interval, |hull, part| hull.hull(part[i]));
-        Estimate { interval, ..estimates[i] }
+        FittedValue { interval, ..estimates[i] }
     })
 }
 
 fn extrapolated(
-    full: [Estimate; 2],
-    bent: [Estimate; 2],
-    rival: Option<[Estimate; 2]>,
-) -> [Estimate; 2] {
+    full: [FittedValue; 2],
+    bent: [FittedValue; 2],
+    rival: Option<[FittedValue; 2]>,
+) -> [FittedValue; 2] {
     [0, 1].map(|i| {
         let interval = corrected(full[i], bent[i]);
         let interval = rival.map_or(interval, |rival| interval.hull(rival[i].interval));
-        Estimate { interval, ..bent[i] }
+        FittedValue { interval, ..bent[i] }
     })
 }
 
 /// Student interval with next terms, and the order ± half of its change by them, for the terms after those. By
 /// simulation for |D| ≤ 4, h from 1/8, the interval of p covers 77-95 % of grids without the half and 96-100 % with it.
-fn corrected(full: Estimate, bent: Estimate) -> Interval {
+fn corrected(full: FittedValue, bent: FittedValue) -> Interval {
     bent.interval.hull(Interval::around(bent.value, 0.5 * (bent.value - full.value).abs()))
 }
 
 /// Order of the clipped grid ± 2 |change by clipping|.
-fn drift(full: Estimate, clip: Estimate) -> Interval {
+fn drift(full: FittedValue, clip: FittedValue) -> Interval {
     Interval::around(clip.value, 2.0 * (clip.value - full.value).abs())
 }
 

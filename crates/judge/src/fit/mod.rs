@@ -35,11 +35,11 @@ pub use inference::{
     infer_grid, order,
 };
 pub use interval::Interval;
-pub use joint::{Estimate, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
+pub use joint::{FittedValue, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
 pub use least_squares::{LinearFit, linear_fit, student_quantile};
 pub use local::{Correction, constant_under, local_slopes};
-pub use model::Model;
-pub use path::{Path, path};
+pub use model::Combination;
+pub use path::{RefinementPath, path};
 pub use power_law::{PowerLaw, power_law};
 pub use richardson::{Triple, ValueSample};
 pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen, value_samples};

@@ -11,13 +11,13 @@ const POINTS: usize = 3;
 
 /// k = c h^s on every point of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Path {
+pub struct RefinementPath {
     /// s: 1 for k proportional to h, ½ for the balanced path of E = O(h + k²).
     pub exponent: f64,
     pub constant: f64,
 }
 
-impl Path {
+impl RefinementPath {
     /// The order in h along the path of C_h h^p + C_k k^q: min(p, s q).
     pub fn order(self, p: f64, q: f64) -> f64 {
         p.min(self.exponent * q)
@@ -33,7 +33,7 @@ impl Path {
 }
 
 /// The path through all points with both steps, if h and k are refined together along one.
-pub fn path(points: &[Point]) -> Option<Path> {
+pub fn path(points: &[Point]) -> Option<RefinementPath> {
     let positive = |step: f64| step.is_finite() && step > 0.0;
     let both = points.iter().filter(|point| positive(point.h) && positive(point.k));
     let mut samples: Vec<Sample> =
@@ -48,7 +48,7 @@ pub fn path(points: &[Point]) -> Option<Path> {
     }
     let law = power_law(&samples).ok()?;
     let largest = law.residuals.iter().fold(0.0, |largest: f64, r| largest.max(r.abs()));
-    let found = Path { exponent: law.order, constant: law.constant };
+    let found = RefinementPath { exponent: law.order, constant: law.constant };
     (largest <= OFF_THE_PATH).then_some(found)
 }
 
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn a_path_tests_the_slower_term() {
-        let path = |exponent| Path { exponent, constant: 1.0 };
+        let path = |exponent| RefinementPath { exponent, constant: 1.0 };
         assert_eq!((path(1.0).order(1.0, 2.0), path(1.0).tests(1.0, 2.0)), (1.0, [true, false]));
         assert_eq!((path(0.5).order(1.0, 2.0), path(0.5).tests(1.0, 2.0)), (1.0, [true, true]));
         assert_eq!((path(0.25).order(1.0, 2.0), path(0.25).tests(1.0, 2.0)), (0.5, [false, true]));

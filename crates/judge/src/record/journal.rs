@@ -80,7 +80,7 @@ fn same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct CaseTable {
     /// In order of first appearance; of two entries of one case the later wins. Lost rows show in
     /// [`CaseRecord::norms`].
     pub cases: Vec<CaseRecord>,
@@ -95,7 +95,7 @@ pub struct Table {
 /// # Errors
 /// A torn, malformed or changed line anywhere else.
 pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
-    let Table { cases, changed, .. } = read_table(path)?;
+    let CaseTable { cases, changed, .. } = read_table(path)?;
     match changed.first() {
         Some(&line) => Err(RecordError::Changed { path: path.to_owned(), line }),
         None => Ok(cases),
@@ -106,7 +106,7 @@ pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
 ///
 /// # Errors
 /// A torn or malformed line that is not the last; no file.
-pub fn read_table(path: &Path) -> Result<Table, RecordError> {
+pub fn read_table(path: &Path) -> Result<CaseTable, RecordError> {
     let bytes =
         read_file(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
     let Scan { rows, intact, width } = scan(path, &bytes)?;
@@ -116,7 +116,7 @@ pub fn read_table(path: &Path) -> Result<Table, RecordError> {
         .into_iter()
         .partition(|(line, fields)| Row { path, line: *line, fields }.is_unchanged());
     let changed = lines_of(changed);
-    Ok(Table { cases: cases(path, &rows)?, changed, torn, checked })
+    Ok(CaseTable { cases: cases(path, &rows)?, changed, torn, checked })
 }
 
 fn lines_of(rows: Vec<Line>) -> Vec<u64> {

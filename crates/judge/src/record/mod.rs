@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use files::counted;
 
-pub use journal::{Journal, Table, read, read_table, write_sorted};
+pub use journal::{CaseTable, Journal, read, read_table, write_sorted};
 pub use norm::{
     CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
     TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-pub use compare::{Comparison, Deviation, DeviationKind, Run, compare_with_baseline};
+pub use compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_with_baseline};
 pub use owed::{Owed, Owing, compare_owed};
 
 use crate::record::{CaseRecord, Key, NormError};

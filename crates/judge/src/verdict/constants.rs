@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::judge::correction;
 use super::selection::Serving;
-use super::{Constant, Decision, Prediction, Variable};
+use super::{Decision, FittedConstant, Prediction, Variable};
 use crate::fit::{Direction, FEWEST, Sample, constant_under, local_slopes};
 
 /// Leading error of a sound scheme on one case.
@@ -44,7 +44,7 @@ pub struct ForeseenConstant {
 }
 
 pub(super) struct Comparison {
-    pub(super) constant: Constant,
+    pub(super) constant: FittedConstant,
     pub(super) decision: Decision,
     pub(super) sentence: String,
     /// If the three finest cases have the leading error: its order.
@@ -55,7 +55,7 @@ pub(super) struct Comparison {
 /// those of the record for measured errors and those of the leading point for leading errors, so that a mislabelled
 /// step shows. None if nothing is predicted or no used case has a leading error.
 pub(super) fn compare_constant(
-    fitted: Constant,
+    fitted: FittedConstant,
     used: &[Serving],
     line: &LeadingLine,
     prediction: &Prediction,
@@ -82,7 +82,7 @@ pub(super) fn compare_constant(
     let of_line =
         constant_under(order, &samples, correction(prediction, direction)).map(|(value, _)| value);
     let last = samples.last().map(|sample| sample.error / sample.step.powf(order));
-    let constant = Constant {
+    let constant = FittedConstant {
         predicted: of_line.or(last),
         limit: line.limit,
         ratio: Some(ratio),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::judge::{Finding, HIGHER_ORDER, claim, pair};
 use super::next::{NextCase, next_case};
 use super::selection::Selection;
-use super::{Constant, Decision, Prediction};
+use super::{Decision, FittedConstant, Prediction};
 use crate::fit::{
     Direction, GridPosterior, JointFit, Ruling, fit_constants, infer_grid, joint_fits,
 };
@@ -91,14 +91,14 @@ fn constants(
     selection: &Selection,
     best: &JointFit,
     orders: (f64, f64),
-) -> BTreeMap<&'static str, Constant> {
+) -> BTreeMap<&'static str, FittedConstant> {
     let Ok([space, time]) = fit_constants(&selection.points(), best.model, orders) else {
         return BTreeMap::new();
     };
     [("C_h", space, orders.0), ("C_k", time, orders.1)]
         .into_iter()
         .map(|(name, fitted, order)| {
-            (name, Constant::fitted(fitted.value, pair(fitted.interval), order))
+            (name, FittedConstant::fitted(fitted.value, pair(fitted.interval), order))
         })
         .collect()
 }

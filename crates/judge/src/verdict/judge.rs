@@ -6,7 +6,7 @@ use super::constants::{Comparison, Foreseen, LeadingLine, compare_constant};
 use super::joint::judge_grid;
 use super::next::{Next, NextCase, next_case};
 use super::selection::{Cases, Selection};
-use super::{Constant, Decision, Expect, Prediction, Variable, Verdict};
+use super::{Decision, Expect, FittedConstant, Prediction, Variable, Verdict};
 use crate::fit::{
     Claim, Correction, Direction, Interval, LARGEST_OTHER_SHARE, Level, Point, Posterior, Ruling,
     Sample, TOLERANCE, constant_under, infer, joint_fits, samples,
@@ -19,7 +19,7 @@ pub(super) struct Finding {
     pub(super) probability: Option<f64>,
     /// Order of the leading errors, if they agree with the measured ones and contradict the prediction.
     pub(super) contradicted_by: Option<f64>,
-    pub(super) constants: BTreeMap<&'static str, Constant>,
+    pub(super) constants: BTreeMap<&'static str, FittedConstant>,
     pub(super) decision: Decision,
     pub(super) reason: String,
     pub(super) next: Vec<NextCase>,
@@ -255,11 +255,11 @@ fn constants(
     samples: &[Sample],
     prediction: &Prediction,
     direction: Direction,
-) -> BTreeMap<&'static str, Constant> {
+) -> BTreeMap<&'static str, FittedConstant> {
     let name = constant_name(direction);
     let order = prediction.order;
     let fitted = constant_under(order, samples, correction(prediction, direction))
-        .map(|(value, interval)| (name, Constant::fitted(value, pair(interval), order)));
+        .map(|(value, interval)| (name, FittedConstant::fitted(value, pair(interval), order)));
     fitted.into_iter().collect()
 }
 

@@ -18,8 +18,8 @@ use crate::record::{CaseRecord, Status};
 
 pub use crate::fit::Decision;
 pub use baseline::{
-    Baseline, BaselineError, Comparison, Deviation, DeviationKind, Owed, Owing, Recorded,
-    RecordedCase, Run, compare_owed, compare_with_baseline,
+    Baseline, BaselineError, ComparedRun, Comparison, Deviation, DeviationKind, Owed, Owing,
+    Recorded, RecordedCase, compare_owed, compare_with_baseline,
 };
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
@@ -167,7 +167,7 @@ pub struct PointLeftOut {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Constant {
+pub struct FittedConstant {
     pub value: f64,
     pub interval: [f64; 2],
     pub order: f64,
@@ -185,7 +185,7 @@ pub struct Constant {
     pub tolerance: Option<f64>,
 }
 
-impl Constant {
+impl FittedConstant {
     pub(crate) fn fitted(value: f64, interval: [f64; 2], order: f64) -> Self {
         Self { value, interval, order, predicted: None, limit: None, ratio: None, tolerance: None }
     }
@@ -224,7 +224,7 @@ pub struct Verdict {
     pub points_used: Vec<PointUsed>,
     pub points_left_out: Vec<PointLeftOut>,
     /// `C_h` and `C_k`, as far as fitted.
-    pub constants: BTreeMap<&'static str, Constant>,
+    pub constants: BTreeMap<&'static str, FittedConstant>,
     /// The predicted constant: leading errors, or why there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foreseen: Option<Foreseen>,

@@ -1,6 +1,6 @@
 //! Sequential stopping of the verdicts of a growing sweep.
 
-use super::{Constant, Decision, Expect, Variable, Verdict};
+use super::{Decision, Expect, FittedConstant, Variable, Verdict};
 use crate::fit::{FEWEST, distinct, settles};
 
 impl Verdict {
@@ -32,7 +32,7 @@ impl Verdict {
 
     /// Whether constants are predicted, and all measured ones agree.
     fn constants_agree(&self) -> bool {
-        let known = |constant: &Constant| Some((constant.ratio?, constant.tolerance?));
+        let known = |constant: &FittedConstant| Some((constant.ratio?, constant.tolerance?));
         let known: Vec<_> = self.constants.values().filter_map(known).collect();
         !known.is_empty()
             && known.iter().all(|(ratio, tolerance)| (ratio - 1.0).abs() <= *tolerance)
@@ -92,10 +92,10 @@ mod tests {
     #[test]
     fn three_levels_are_enough_with_the_constant_that_was_predicted() {
         let with = |ratio| {
-            let constant = Constant {
+            let constant = FittedConstant {
                 ratio: Some(ratio),
                 tolerance: Some(1e-4),
-                ..Constant::fitted(1.0, [1.0, 1.0], 1.0)
+                ..FittedConstant::fitted(1.0, [1.0, 1.0], 1.0)
             };
             let constants = BTreeMap::from([("C_h", constant)]);
             Verdict { constants, ..on(3, 1.0, Expect::Pass) }

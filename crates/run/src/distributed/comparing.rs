@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use crate::sweep::ScenePlan;
 use judge::record::CaseRecord;
-use judge::verdict::{Baseline, Comparison, Run, Verdict};
+use judge::verdict::{Baseline, ComparedRun, Comparison, Verdict};
 
 pub(crate) struct Comparing<'a> {
     baseline: &'a Baseline,
-    runs: Vec<Run>,
+    runs: Vec<ComparedRun>,
     kept: Vec<CaseRecord>,
     /// Recorded cases of the current scene.
     recorded: BTreeSet<(Option<u32>, u32)>,
@@ -28,7 +28,7 @@ impl<'a> Comparing<'a> {
         let mut planned = plan.keys();
         planned.retain(|key| self.recorded.contains(&(key.n, key.steps)));
         let (scene, hash) = (scene.name.clone(), scene.source.hash.clone());
-        self.runs.push(Run { scene, hash, planned, own_grids });
+        self.runs.push(ComparedRun { scene, hash, planned, own_grids });
     }
 
     /// Keeps a case of the current scene, if it is recorded.
@@ -40,7 +40,7 @@ impl<'a> Comparing<'a> {
 
     /// The comparison of all scenes, in this order, including what their verdicts leave owing.
     pub(crate) fn found(mut self, order: &[&str], verdicts: &[Verdict]) -> Comparison {
-        let place = |run: &Run| order.iter().position(|&name| name == run.scene);
+        let place = |run: &ComparedRun| order.iter().position(|&name| name == run.scene);
         self.runs.sort_by_cached_key(place);
         self.baseline.compare(&self.runs, &self.kept, verdicts)
     }

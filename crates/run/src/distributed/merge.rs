@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::comparing::Comparing;
 use super::missing::{Missing, NAMED, WayOn, with_jobs};
 use super::parts::Parts;
-use super::plan::{Plan, PlanError, id};
+use super::plan::{PlanError, SweepPlan, id};
 use super::sorted::{SortedCases, agree};
 use crate::sweep::{
     CasePlan, Overrides, Provenance, ScenePlan, blocks, foresee, is_complete, judge_scene,
@@ -69,7 +69,7 @@ pub struct Merged {
 /// below `folder`. With `incomplete`, missing cases are recorded as skipped. Cases recorded in `baseline` are compared.
 pub fn merge(
     parts: &Parts,
-    plan: Option<(&Plan, &Path)>,
+    plan: Option<(&SweepPlan, &Path)>,
     (table, folder): (&Path, &Path),
     at_once: usize,
     incomplete: bool,
@@ -124,7 +124,7 @@ pub fn merge(
 
 struct Merging<'a> {
     parts: &'a Parts,
-    plan: Option<(&'a Plan, &'a Path)>,
+    plan: Option<(&'a SweepPlan, &'a Path)>,
     sorted: SortedCases,
     table: TableWriter,
     /// The first missing cases.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::plan::{CASES, Plan, PlanError, id, rows};
+use super::plan::{CASES, PlanError, SweepPlan, id, rows};
 use files::counted;
 use judge::record::Key;
 
@@ -60,7 +60,7 @@ impl std::fmt::Display for Missing {
 /// The ids of the first missing cases with their jobs.
 pub(crate) fn with_jobs(
     missing: &[Key],
-    plan: Option<(&Plan, &Path)>,
+    plan: Option<(&SweepPlan, &Path)>,
 ) -> Result<Vec<(String, Option<usize>)>, PlanError> {
     let mut named: Vec<(String, Option<usize>)> =
         missing.iter().map(|key| (id(key), None)).collect();

@@ -16,6 +16,6 @@ pub use merge::{MergeError, Merged, merge};
 pub use missing::{Missing, WayOn};
 pub use part::{PartError, PartRun, failed_in_words, run_part};
 pub use parts::Parts;
-pub use plan::{CaseRow, JobRow, Plan, PlanError, PlannedScene, id};
+pub use plan::{CaseRow, JobRow, PlanError, PlannedScene, SweepPlan, id};
 pub use planning::{Engine, PlannedCases, Planning, PlanningError};
 pub use sorted::AT_ONCE;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::plan::{CASES, CaseRow, PLAN, Plan, PlanError};
+use super::plan::{CASES, CaseRow, PLAN, PlanError, SweepPlan};
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, OutputError, Overrides, Progress, Provenance, Resumed,
     ScenePlan, SweepError, TooLarge, resume, run_sweep,
@@ -50,7 +50,7 @@ pub struct PartRun {
 ///
 /// # Errors A scene that has changed since the plan was made, or a row that is not a case of it.
 pub(crate) fn plans(
-    plan: &Plan,
+    plan: &SweepPlan,
     dir: &Path,
     rows: &[CaseRow],
 ) -> Result<Vec<ScenePlan>, PartError> {
@@ -81,7 +81,7 @@ pub(crate) fn plans(
 
 /// A small grid that contains the rows, since a plan may have a million cases and a job few; the scene's default grid
 /// (possibly a path) if the plan uses it.
-fn grid(plan: &Plan, rows: &[&CaseRow]) -> Overrides {
+fn grid(plan: &SweepPlan, rows: &[&CaseRow]) -> Overrides {
     let list = |values: &mut dyn Iterator<Item = u32>| {
         let mut list: Vec<u32> = values.collect();
         list.sort_unstable();
@@ -102,7 +102,7 @@ fn grid(plan: &Plan, rows: &[&CaseRow]) -> Overrides {
 ///
 /// # Errors [`PartError`]: nothing is published then. A case whose solver fails is a record.
 pub fn run_part(
-    plan: &Plan,
+    plan: &SweepPlan,
     dir: &Path,
     rows: &[CaseRow],
     out: &Path,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::merge::MergeError;
-use super::plan::Plan;
+use super::plan::SweepPlan;
 use crate::sweep::{AddedCase, Provenance};
 use judge::record::{CaseStream, Key};
 use judge::verdict::read_failures;
@@ -25,7 +25,7 @@ impl Parts {
     /// The parts below `given`: a directory with records, or else its subdirectories with records.
     ///
     /// # Errors No records below a directory; parts that do not belong together, or not to the plan.
-    pub fn open(given: &[PathBuf], plan: Option<&Plan>) -> Result<Self, MergeError> {
+    pub fn open(given: &[PathBuf], plan: Option<&SweepPlan>) -> Result<Self, MergeError> {
         let mut dirs = Vec::new();
         for dir in given {
             dirs.extend(with_records(dir)?);
@@ -41,7 +41,7 @@ impl Parts {
         Ok(parts)
     }
 
-    fn take(&mut self, dir: PathBuf, plan: Option<&Plan>) -> Result<(), MergeError> {
+    fn take(&mut self, dir: PathBuf, plan: Option<&SweepPlan>) -> Result<(), MergeError> {
         let different = |what: String| MergeError::Different { dir: dir.clone(), what };
         let known = Provenance::read(&dir)
             .map_err(|(path, reason)| MergeError::Unreadable { path, reason })?

@@ -58,7 +58,7 @@ pub struct PlannedScene {
 
 /// A sweep to be run in many processes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Plan {
+pub struct SweepPlan {
     pub version: String,
     /// Overrides the scenes' `n`.
     pub n: Option<Vec<u32>>,
@@ -164,7 +164,7 @@ impl PlannedScene {
     }
 }
 
-impl Plan {
+impl SweepPlan {
     /// Reads the plan in `dir`.
     ///
     /// # Errors [`PlanError`]; a plan of another version is refused.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::bundle::{Job, SceneCosts, bundle};
-use super::plan::{CaseRow, JobRow, PLAN, Plan, PlanError, PlannedScene, id};
+use super::plan::{CaseRow, JobRow, PLAN, PlanError, PlannedScene, SweepPlan, id};
 use super::slurm;
 use crate::sweep::{Overrides, ScenePlan};
 use files::{make_directory, replace_file};
@@ -48,7 +48,7 @@ impl PlannedCases {
 }
 
 pub struct Planning {
-    pub plan: Plan,
+    pub plan: SweepPlan,
     /// One row per job, the longest first.
     pub jobs: Vec<JobRow>,
     costs: Vec<SceneCosts>,
@@ -63,7 +63,7 @@ impl Planning {
         let bundles = bundle(&costs, seconds);
         let jobs: Vec<JobRow> =
             bundles.iter().enumerate().map(|(number, job)| request(number, job)).collect();
-        let plan = Plan {
+        let plan = SweepPlan {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             n: overrides.n,
             steps: overrides.steps,
@@ -79,7 +79,7 @@ impl Planning {
     pub fn write(&self, dir: &Path, engine: Engine) -> Result<(), PlanningError> {
         let io = |path: &Path, source| PlanError::Io { path: path.to_owned(), source };
         make_directory(dir).map_err(|source| io(dir, source))?;
-        if dir.join(PLAN).exists() && Plan::read(dir)? != self.plan {
+        if dir.join(PLAN).exists() && SweepPlan::read(dir)? != self.plan {
             return Err(PlanningError::Other { path: dir.join(PLAN) });
         }
         let put = |name: &str, text: &str| -> Result<(), PlanError> {

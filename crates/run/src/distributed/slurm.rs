@@ -15,7 +15,7 @@ const TIME_CLASS: f64 = 4.0;
 
 /// An array: its file of job numbers, one per line, and the request of each task.
 #[derive(Debug, PartialEq)]
-pub struct Array {
+pub struct JobArray {
     /// Relative to the directory of the plan.
     pub file: String,
     pub jobs: Vec<usize>,
@@ -26,7 +26,7 @@ pub struct Array {
 }
 
 /// The arrays of a plan, longest jobs first.
-pub(crate) fn arrays(jobs: &[JobRow]) -> Vec<Array> {
+pub(crate) fn arrays(jobs: &[JobRow]) -> Vec<JobArray> {
     let class = |value: u64, factor: f64| (value.max(1) as f64).log(factor).floor() as i64;
     let mut classes: BTreeMap<(i64, i64), Vec<&JobRow>> = BTreeMap::new();
     for job in jobs {
@@ -34,7 +34,7 @@ pub(crate) fn arrays(jobs: &[JobRow]) -> Vec<Array> {
         classes.entry(class_of_job).or_default().push(job);
     }
     let chunks = classes.values().flat_map(|jobs| jobs.chunks(LARGEST_ARRAY));
-    let array = |(number, jobs): (usize, &[&JobRow])| Array {
+    let array = |(number, jobs): (usize, &[&JobRow])| JobArray {
         file: format!("arrays/{number}.jobs"),
         jobs: jobs.iter().map(|job| job.job).collect(),
         mem_mb: jobs.iter().map(|job| job.mem_mb).max().unwrap_or_default(),
@@ -44,7 +44,7 @@ pub(crate) fn arrays(jobs: &[JobRow]) -> Vec<Array> {
 }
 
 /// The script that submits them.
-pub(crate) fn submit(arrays: &[Array]) -> String {
+pub(crate) fn submit(arrays: &[JobArray]) -> String {
     let mut text = String::from(
         "#!/usr/bin/env bash\n\
          # Written by `sweep plan --format slurm`: submits the jobs of this plan. SWEEP=/path/to/sweep names a program\n\
@@ -54,7 +54,7 @@ pub(crate) fn submit(arrays: &[Array]) -> String {
          cd \"$(dirname \"$0\")\"\n\
          mkdir -p log parts\n",
     );
-    for Array { file, jobs, mem_mb, runtime } in arrays {
+    for JobArray { file, jobs, mem_mb, runtime } in arrays {
         let last = jobs.len().saturating_sub(1);
         let _ = writeln!(
             text,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::bounded::{SizeLimit, Timed, Until, open_bounded};
 use super::npy::{NpyError, head, length, numbers};
 use super::series::{COLLECTION, SeriesError, each_level, indexed, numbered, read_levels};
-use super::vtu::VtuError;
+use super::vtu::VtuReadError;
 
 /// (N + 1) × vertices × d.
 pub const DISPLACEMENT: &str = "displacement.npy";
@@ -36,7 +36,7 @@ pub enum AnswerError {
     #[error("{}: {source}", path.display())]
     Series { path: PathBuf, source: SeriesError },
     #[error("{}: {source}", path.display())]
-    Vtu { path: PathBuf, source: VtuError },
+    Vtu { path: PathBuf, source: VtuReadError },
     #[error("{}, line {line}: {reason}", path.display())]
     Row { path: PathBuf, line: u64, reason: String },
 }

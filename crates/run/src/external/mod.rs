@@ -30,7 +30,7 @@ pub use self::npy::{Array, NpyError, decode, encode};
 pub use self::process::ProcessError;
 use self::series::numbered;
 pub use self::series::{COLLECTION, SeriesError};
-pub use self::vtu::VtuError;
+pub use self::vtu::VtuReadError;
 use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::vtu::VtuError;
+use super::vtu::VtuReadError;
 
 /// Matching distance relative to the largest coordinate: those written with six digits are off by 5e-6 of it.
 const NEAR: f64 = 1e-5;
@@ -31,19 +31,19 @@ impl<'a> Places<'a> {
 
     /// The vertex of each point; every vertex must occur once.
     ///
-    /// # Errors [`VtuError::Points`], [`VtuError::Elsewhere`], [`VtuError::Twice`].
-    pub(crate) fn of(&self, points: &[[f64; 3]]) -> Result<Vec<u32>, VtuError> {
+    /// # Errors [`VtuReadError::Points`], [`VtuReadError::Elsewhere`], [`VtuReadError::Twice`].
+    pub(crate) fn of(&self, points: &[[f64; 3]]) -> Result<Vec<u32>, VtuReadError> {
         let (found, wanted) = (points.len(), self.vertices.len());
         if found != wanted {
-            return Err(VtuError::Points { found, wanted });
+            return Err(VtuReadError::Points { found, wanted });
         }
         let mut taken = vec![usize::MAX; wanted];
         let vertex_of = |(point, &at): (usize, &[f64; 3])| {
             let near = self.near;
-            let vertex = self.nearest(at).ok_or(VtuError::Elsewhere { point, at, near })?;
+            let vertex = self.nearest(at).ok_or(VtuReadError::Elsewhere { point, at, near })?;
             match std::mem::replace(&mut taken[vertex as usize], point) {
                 usize::MAX => Ok(vertex),
-                first => Err(VtuError::Twice { first, point, vertex: vertex as usize }),
+                first => Err(VtuReadError::Twice { first, point, vertex: vertex as usize }),
             }
         };
         points.iter().enumerate().map(vertex_of).collect()

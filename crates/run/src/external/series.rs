@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::answer::{AnswerError, Wanted};
 use super::bounded::{SizeLimit, Until, is_below, read_bounded};
 use super::places::Places;
-use super::vtu::{Snapshot, VtuError, read_vtu, xml};
+use super::vtu::{Snapshot, VtuReadError, read_vtu, xml};
 
 /// ParaView's index of a series: time and file of each level.
 pub const COLLECTION: &str = "displacement.pvd";
@@ -20,7 +20,7 @@ const BYTES_A_LEVEL: SizeLimit = SizeLimit { first: 1 << 16, each: 1 << 12 };
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SeriesError {
     #[error("{0}")]
-    Index(VtuError),
+    Index(VtuReadError),
     /// An entry without time or file.
     #[error("DataSet {0} has no number as timestep, or no file")]
     Entry(usize),
@@ -46,9 +46,9 @@ pub(crate) fn indexed(
     until: Until,
 ) -> Result<Vec<PathBuf>, SeriesError> {
     let bytes = read_bounded(&dir.join(COLLECTION), BYTES_A_LEVEL.of(times.len()), until)
-        .map_err(|reason| SeriesError::Index(VtuError::Unreadable(reason)))?;
+        .map_err(|reason| SeriesError::Index(VtuReadError::Unreadable(reason)))?;
     let text = std::str::from_utf8(&bytes)
-        .map_err(|error| SeriesError::Index(VtuError::Xml(error.to_string())))?;
+        .map_err(|error| SeriesError::Index(VtuReadError::Xml(error.to_string())))?;
     let document = xml(text).map_err(SeriesError::Index)?;
     let entries = document.descendants().filter(|node| node.has_tag_name("DataSet"));
     let mut files = Vec::new();

@@ -18,7 +18,7 @@ use files::counted;
 const NAMES: [&str; 2] = ["displacement", "u"];
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum VtuError {
+pub enum VtuReadError {
     #[error("{0}")]
     Unreadable(String),
     #[error("no XML that can be read: {0}")]
@@ -87,22 +87,22 @@ pub(crate) fn read_vtu(
     path: &Path,
     [vertices, dimension]: [usize; 2],
     until: Until,
-) -> Result<Snapshot, VtuError> {
+) -> Result<Snapshot, VtuReadError> {
     let read = |path: &Path| {
-        let bytes =
-            read_bounded(path, BYTES_A_POINT.of(vertices), until).map_err(VtuError::Unreadable)?;
+        let bytes = read_bounded(path, BYTES_A_POINT.of(vertices), until)
+            .map_err(VtuReadError::Unreadable)?;
         snapshot(&bytes, vertices, dimension)
     };
     match read(path) {
-        Err(VtuError::Pieces(files)) => match &files[..] {
+        Err(VtuReadError::Pieces(files)) => match &files[..] {
             [only] if is_below(only) => read(&path.with_file_name(only)),
-            _ => Err(VtuError::Pieces(files)),
+            _ => Err(VtuReadError::Pieces(files)),
         },
         other => other,
     }
 }
 
-fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot, VtuError> {
+fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot, VtuReadError> {
     let (text, appended) = apart(bytes)?;
     let document = xml(&text)?;
     let root = document.root_element();
@@ -110,10 +110,10 @@ fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot,
     if kind == "PUnstructuredGrid" {
         let pieces = root.descendants().filter(|node| node.has_tag_name("Piece"));
         let files = pieces.filter_map(|piece| piece.attribute("Source")).map(str::to_owned);
-        return Err(VtuError::Pieces(files.collect()));
+        return Err(VtuReadError::Pieces(files.collect()));
     }
     if root.tag_name().name() != "VTKFile" || kind != "UnstructuredGrid" {
-        return Err(VtuError::Kind(format!("a file of type `{kind}`")));
+        return Err(VtuReadError::Kind(format!("a file of type `{kind}`")));
     }
     let binary = binary(root, appended)?;
     let pieces: Vec<(Node<'_, '_>, usize)> = root
@@ -122,17 +122,17 @@ fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot,
         .flat_map(|grid| grid.children().filter(|node| node.has_tag_name("Piece")))
         .map(|piece| {
             let count = piece.attribute("NumberOfPoints").and_then(|text| text.trim().parse().ok());
-            Ok((piece, count.ok_or_else(|| VtuError::Kind("a piece without points".into()))?))
+            Ok((piece, count.ok_or_else(|| VtuReadError::Kind("a piece without points".into()))?))
         })
-        .collect::<Result<_, VtuError>>()?;
+        .collect::<Result<_, VtuReadError>>()?;
     let found = pieces.iter().fold(0usize, |sum, &(_, count)| sum.saturating_add(count));
     if found != vertices {
-        return Err(VtuError::Points { found, wanted: vertices });
+        return Err(VtuReadError::Points { found, wanted: vertices });
     }
     let mut all = Snapshot { points: Vec::new(), u: Vec::new() };
     for (piece, count) in pieces.into_iter().filter(|&(_, count)| count > 0) {
         let points = child(piece, "Points").and_then(|points| child(points, "DataArray"));
-        let points = points.ok_or_else(|| VtuError::Kind("a piece without points".into()))?;
+        let points = points.ok_or_else(|| VtuReadError::Kind("a piece without points".into()))?;
         let coordinates = numbers(points, &binary, 3 * count)?;
         all.points.extend(coordinates.as_chunks::<3>().0);
         all.u.extend(displacement(piece, &binary, count, dimension)?);
@@ -141,13 +141,14 @@ fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot,
 }
 
 /// Splits the XML from the bytes after the underscore of `AppendedData`, which need not be text.
-fn apart(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&[u8]>), VtuError> {
-    let text = |part| std::str::from_utf8(part).map_err(|error| VtuError::Xml(error.to_string()));
+fn apart(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&[u8]>), VtuReadError> {
+    let text =
+        |part| std::str::from_utf8(part).map_err(|error| VtuReadError::Xml(error.to_string()));
     const TAG: &[u8] = b"<AppendedData";
     let Some(tag) = bytes.windows(TAG.len()).position(|window| window == TAG) else {
         return Ok((Cow::Borrowed(text(bytes)?), None));
     };
-    let early = || VtuError::Xml("the file ends early".into());
+    let early = || VtuReadError::Xml("the file ends early".into());
     let head = tag + bytes[tag..].iter().position(|&byte| byte == b'>').ok_or_else(early)? + 1;
     let underscore = bytes[head..].iter().position(|&byte| byte == b'_').ok_or_else(early)?;
     let document = format!("{}</AppendedData></VTKFile>", text(&bytes[..head])?);
@@ -155,17 +156,18 @@ fn apart(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&[u8]>), VtuError> {
 }
 
 /// Parses the XML.
-pub(super) fn xml(text: &str) -> Result<Document<'_>, VtuError> {
+pub(super) fn xml(text: &str) -> Result<Document<'_>, VtuReadError> {
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options).map_err(|error| VtuError::Xml(error.to_string()))
+    Document::parse_with_options(text, options)
+        .map_err(|error| VtuReadError::Xml(error.to_string()))
 }
 
-fn binary<'a>(root: Node<'_, '_>, appended: Option<&'a [u8]>) -> Result<Binary<'a>, VtuError> {
+fn binary<'a>(root: Node<'_, '_>, appended: Option<&'a [u8]>) -> Result<Binary<'a>, VtuReadError> {
     let stated = |name: &str, usual: &str, other: &'static str| {
         let found = root.attribute(name).unwrap_or(usual);
         if found != usual && found != other {
             let (name, found) = (name.to_owned(), found.to_owned());
-            return Err(VtuError::Form { name, found, known: other });
+            return Err(VtuReadError::Form { name, found, known: other });
         }
         Ok(found == other)
     };
@@ -188,7 +190,7 @@ fn displacement(
     binary: &Binary<'_>,
     count: usize,
     dimension: usize,
-) -> Result<Vec<f64>, VtuError> {
+) -> Result<Vec<f64>, VtuReadError> {
     let data = child(piece, "PointData");
     let named = |node: &Node<'_, '_>| node.attribute("Name").unwrap_or_default().to_owned();
     let arrays: Vec<(String, Node<'_, '_>)> = data
@@ -200,25 +202,25 @@ fn displacement(
     let Some((name, node)) = found else {
         let there: Vec<&str> = arrays.iter().map(|(name, _)| name.as_str()).collect();
         let there = if there.is_empty() { "none".to_owned() } else { there.join(", ") };
-        return Err(VtuError::NoArray(there));
+        return Err(VtuReadError::NoArray(there));
     };
     let stated =
         node.attribute("NumberOfComponents").map_or(Some(1), |text| text.trim().parse().ok());
     let components = stated.unwrap_or(0);
     if components != 3 && components != dimension {
         let wanted = if dimension == 2 { "2 or 3" } else { "3" };
-        return Err(VtuError::Components { name: name.clone(), found: components, wanted });
+        return Err(VtuReadError::Components { name: name.clone(), found: components, wanted });
     }
     if node.attribute("type") == Some("Float32") {
-        return Err(VtuError::Single(name.clone()));
+        return Err(VtuReadError::Single(name.clone()));
     }
     let values = numbers(*node, binary, components * count)?;
     if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-        return Err(VtuError::NotFinite { value: values[at], point: at / components });
+        return Err(VtuReadError::NotFinite { value: values[at], point: at / components });
     }
     for (point, u) in values.chunks_exact(components).enumerate() {
         if let Some(&value) = u[dimension..].iter().find(|&&value| value != 0.0) {
-            return Err(VtuError::OutOfPlane { value, point });
+            return Err(VtuReadError::OutOfPlane { value, point });
         }
     }
     Ok(values.chunks_exact(components).flat_map(|u| u[..dimension].iter().copied()).collect())

@@ -5,7 +5,7 @@ use super::in_space::{InSpace, State};
 use super::law_slope::{Answer, answer, sliding_block};
 use super::low_rank::RankOne;
 use exact::FrictionBound;
-use formula::{Node, Point};
+use formula::{EvaluationPoint, Node};
 
 /// Stiffness of a held vertex in units of the largest entry; reduces its motion to 1e-10.
 const HELD: f64 = 1e10;
@@ -106,7 +106,7 @@ impl<const S: usize> InSpace<S> {
     /// The value of a formula at a vertex; `absent` without a formula.
     fn at_vertex(&self, node: Option<Node>, absent: f64, vertex: u32) -> f64 {
         let [x, y, z] = self.space.mesh.point(&[vertex], &[1.0]);
-        let at = Point { x, y, z, ..Point::default() };
+        let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
         node.map_or(absent, |node| self.exact.data.graph.evaluate(node, &at))
     }
 }

@@ -7,7 +7,7 @@ use super::adaptive::{cuts, integral_against};
 use super::law_slope::{Answer, answer};
 use super::time::Weights;
 use exact::LawNumbers;
-use formula::{Bound, Graph, Node, Point, Program, Variable};
+use formula::{BoundProgram, EvaluationPoint, Graph, Node, Program, Variable};
 use scene::AbstractKernel;
 use scene::setup::AbstractSetup;
 
@@ -33,7 +33,8 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
     let mut errors: Vec<DVector<f64>> = Vec::with_capacity(times.len());
     let mut largest: f64 = 0.0;
     let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
-    let mut kernels: Vec<Bound> = problem.kernels.iter().map(|(q, _)| q.bind(&places)).collect();
+    let mut kernels: Vec<BoundProgram> =
+        problem.kernels.iter().map(|(q, _)| q.bind(&places)).collect();
     let mut row = vec![Vec::new()];
     let kinks = problem.kinks(times);
     for (n, &t) in times.iter().enumerate() {
@@ -147,7 +148,10 @@ impl<'a> Linearised<'a> {
     fn kinks(&self, times: &[f64]) -> Vec<f64> {
         let mut kinks = Vec::new();
         for guard in self.graph.guards(&self.setup.problem.u) {
-            let above = |t: f64| self.graph.evaluate(guard, &Point { t, ..Point::default() }) > 0.0;
+            let above = |t: f64| {
+                self.graph.evaluate(guard, &EvaluationPoint { t, ..EvaluationPoint::default() })
+                    > 0.0
+            };
             for ends in times.windows(2) {
                 let (mut low, mut high) = (ends[0], ends[1]);
                 let before = above(low);
@@ -192,7 +196,7 @@ impl<'a> Linearised<'a> {
     ) -> (DVector<f64>, DVector<f64>, DVector<f64>) {
         let m = u.len();
         let at = |node: Node, i: usize, y: f64| {
-            self.graph.evaluate(node, &Point { x: u[i], y, ..Point::default() })
+            self.graph.evaluate(node, &EvaluationPoint { x: u[i], y, ..EvaluationPoint::default() })
         };
         let source = DVector::from_fn(m, |i, _| match self.force.get(i) {
             Some(nodes) => at(nodes[0], i, exact[i]) - at(nodes[0], i, discrete[i]),

@@ -16,8 +16,8 @@ use algebra::linalg::axpy;
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
 use fem::space::StrainPoint;
-use formula::{Node, Point, Variable};
-use scene::{Memory, TimeRule};
+use formula::{EvaluationPoint, Node, Variable};
+use scene::{RelaxationTerm, TimeRule};
 
 pub(super) struct InSpace<const S: usize> {
     pub(super) exact: Arc<Exact>,
@@ -89,7 +89,7 @@ impl<const S: usize> InSpace<S> {
         exact: Arc<Exact>,
         space: Arc<Discretization>,
         rule: TimeRule,
-        memory: &[Memory],
+        memory: &[RelaxationTerm],
     ) -> Self {
         // The rule affects loads only, which are not used here.
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
@@ -101,7 +101,7 @@ impl<const S: usize> InSpace<S> {
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
         let horizon = exact.data.horizon;
-        let kernel = |term: &Memory| match term.singular {
+        let kernel = |term: &RelaxationTerm| match term.singular {
             None => Kernel::new(&mut graph, term.kernel, horizon),
             Some(parts) => Kernel::singular(&mut graph, parts.power, parts.factor, horizon),
         };
@@ -170,7 +170,7 @@ impl<const S: usize> InSpace<S> {
     }
 
     fn at_zeta(&self, node: Option<Node>, zeta: f64, absent: f64) -> f64 {
-        let at = Point { zeta, ..Point::default() };
+        let at = EvaluationPoint { zeta, ..EvaluationPoint::default() };
         node.map_or(absent, |node| self.graph.evaluate(node, &at))
     }
 

@@ -13,7 +13,7 @@ use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::space::Element;
 use fem::space::quadrature::{Rule, gauss_legendre, tetrahedron_degree_5, triangle_degree_4};
-use formula::{Bound, Program, Variable};
+use formula::{BoundProgram, Program, Variable};
 use scene::Shape;
 use scene::setup::Setup;
 
@@ -97,9 +97,9 @@ fn simplices_of_a_cube<const D: usize>() -> Vec<QuadraticError<D>> {
 pub struct InterpolationError<'a> {
     space: &'a Discretization,
     /// u at the vertices, and midpoints that have nodes.
-    nodal: Bound,
+    nodal: BoundProgram,
     /// ε(u) at the points of the cells.
-    strain: Bound,
+    strain: BoundProgram,
     rule: Rule,
 }
 

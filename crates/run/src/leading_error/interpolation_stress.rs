@@ -11,7 +11,7 @@ use exact::constitutive::{Tensor, mandel, stress};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh};
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::{Rule, tetrahedron_degree_5, triangle_degree_4};
-use formula::Bound;
+use formula::BoundProgram;
 
 pub struct StressInterpolationError {
     exact: Arc<Exact>,
@@ -19,7 +19,7 @@ pub struct StressInterpolationError {
     /// I_h u and its histories.
     interpolant: InterpolatedOnMesh,
     /// ε(u) and its histories at the points of the cells.
-    fields: Bound,
+    fields: BoundProgram,
     rule: Rule,
     regions: Vec<usize>,
 }

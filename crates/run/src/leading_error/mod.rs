@@ -95,7 +95,7 @@ const MOST_STEPS: u32 = 1024;
 
 /// What is measured, and against which reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured {
+pub struct MeasuredNorm {
     pub norm: Norm,
     pub variable: Direction,
     /// The predicted order in it.
@@ -119,7 +119,7 @@ struct OfMesh {
 /// The leading errors of `cases` of a scene, or why there are none.
 pub fn leading_errors(
     subject: &Subject,
-    measured: &Measured,
+    measured: &MeasuredNorm,
     cases: &[Case],
 ) -> Result<LeadingErrors, NoConstant> {
     leading_errors_beside(subject, measured, cases, &mut InTime::default())
@@ -128,7 +128,7 @@ pub fn leading_errors(
 /// [`leading_errors`], reusing what has been computed for other norms of the scene.
 pub(crate) fn leading_errors_beside(
     subject: &Subject,
-    measured: &Measured,
+    measured: &MeasuredNorm,
     cases: &[Case],
     known: &mut InTime,
 ) -> Result<LeadingErrors, NoConstant> {
@@ -158,7 +158,7 @@ fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingErrors, N
 
 fn in_space_direction(
     setup: &Setup,
-    measured: &Measured,
+    measured: &MeasuredNorm,
     cases: &[Case],
 ) -> Result<LeadingErrors, NoConstant> {
     let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
@@ -184,7 +184,7 @@ fn in_space_direction(
 
 fn in_time_direction(
     setup: &Setup,
-    measured: &Measured,
+    measured: &MeasuredNorm,
     cases: &[Case],
     known: &mut InTime,
 ) -> Result<LeadingErrors, NoConstant> {

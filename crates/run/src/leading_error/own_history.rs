@@ -6,12 +6,12 @@ use super::cells::{Mandel, inner, strains};
 use super::sums::Kernel;
 use exact::Exact;
 use fem::contact::Discretization;
-use formula::{Bound, Program};
+use formula::{BoundProgram, Program};
 
 /// ∫_0^t b_i(t-s) u(s) ds at the nodes, and ζ(t) = ∫_0^t ‖ε(I_h u(s))‖ ds, advanced from one time to the next.
 pub(super) struct OwnHistory<'a, const S: usize> {
     space: &'a Discretization,
-    u: Bound,
+    u: BoundProgram,
     kernels: &'a [Kernel],
     t: f64,
     /// ∫_0^t exp(-c (t-s)) u(s) ds of all exponentials in turn, then ζ if needed.
@@ -19,7 +19,7 @@ pub(super) struct OwnHistory<'a, const S: usize> {
     rates: Vec<f64>,
     with_zeta: bool,
     /// For kernels without recursion: guards of u at the nodes, and their values at t.
-    guards: Option<(Bound, Vec<Vec<f64>>)>,
+    guards: Option<(BoundProgram, Vec<Vec<f64>>)>,
     /// The ends of steps in which one of these changes sign.
     kinked: Vec<f64>,
 }
@@ -129,7 +129,7 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
     }
 }
 
-fn nodal(bound: &mut Bound, space: &Discretization, t: f64) -> Vec<f64> {
+fn nodal(bound: &mut BoundProgram, space: &Discretization, t: f64) -> Vec<f64> {
     let d = space.mesh.dimension;
     let mut fields = vec![Vec::new(); d];
     bound.evaluate(t, 0.0, &mut fields);

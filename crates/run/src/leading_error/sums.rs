@@ -1,7 +1,7 @@
 //! A rule's sums over the past of vectors, level by level.
 
 use super::time::Weights;
-use formula::{Bound, Graph, Node, Program, Variable};
+use formula::{BoundProgram, Graph, Node, Program, Variable};
 
 /// The kernel b of one term of the memory.
 pub(super) enum Kernel {
@@ -99,7 +99,7 @@ enum Sum {
     /// Exponentials whose weights differ from level to level.
     Anew(Vec<(f64, f64)>),
     /// The kernel bound to the times, and its values b(t_n - t_j).
-    Direct(Box<Bound>, Vec<Vec<f64>>),
+    Direct(Box<BoundProgram>, Vec<Vec<f64>>),
 }
 
 struct Carried {

@@ -1,7 +1,7 @@
 //! From a scene's predictions to verdicts on records.
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::leading_error::{Case, InTime, Measured, NoConstant, leading_errors_beside};
+use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors_beside};
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{
     self, Expect, FloorSource, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable,
@@ -100,7 +100,7 @@ fn foreseen(
     cases: &[Case],
     known: &mut InTime,
 ) -> Foreseen {
-    let measured = Measured {
+    let measured = MeasuredNorm {
         norm: written.norm,
         variable: written.variable,
         order: written.order,

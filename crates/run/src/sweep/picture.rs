@@ -3,7 +3,7 @@
 mod space;
 
 use fem::mesh::{CoarseMesh, Mesh};
-use formula::{Node, Point, Program};
+use formula::{EvaluationPoint, Node, Program};
 use report::{Ink, ReportError, Sketch, Stroke};
 use scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
 
@@ -37,7 +37,12 @@ fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
     for (i, &component) in u.iter().enumerate() {
         let at = |step: u32| {
             let t = horizon * f64::from(step) / f64::from(CURVE);
-            (t, scene.formulas.evaluate(component, &Point { t, ..Point::default() }))
+            (
+                t,
+                scene
+                    .formulas
+                    .evaluate(component, &EvaluationPoint { t, ..EvaluationPoint::default() }),
+            )
         };
         let path: Vec<(f64, f64)> = (0..=CURVE).map(at).filter(|p| p.1.is_finite()).collect();
         low = path.iter().fold(low, |low, p| low.min(p.1));
@@ -151,7 +156,7 @@ fn regions(scene: &Scene, body: &ContactScene, sketch: &mut Sketch) {
 }
 
 fn value(scene: &Scene, condition: Node, [x, y, z]: [f64; 3]) -> f64 {
-    scene.formulas.evaluate(condition, &Point { x, y, z, ..Point::default() })
+    scene.formulas.evaluate(condition, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
 }
 
 fn is_cut(scene: &Scene, mesh: &Mesh, place: Place) -> bool {

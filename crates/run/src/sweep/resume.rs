@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Provenance, ScenePlan, is_complete};
-use judge::record::{CaseRecord, RecordError, Table, read_table};
+use judge::record::{CaseRecord, CaseTable, RecordError, read_table};
 
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
@@ -78,7 +78,7 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
     Ok(resumed)
 }
 
-fn doubts(path: &Path, table: &Table) -> Vec<String> {
+fn doubts(path: &Path, table: &CaseTable) -> Vec<String> {
     let lines: Vec<String> = table.changed.iter().take(NAMED).map(u64::to_string).collect();
     let more = match table.changed.len().saturating_sub(NAMED) {
         0 => String::new(),

@@ -11,7 +11,7 @@ use super::regularity::abstract_claims;
 use super::{SetupError, law_numbers, potential, time_grid, time_rule};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
 use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, KernelFormulas};
-use formula::{Graph, Node, Point, Program, Variable};
+use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 use vhi::StepSolver;
 use vhi::finite::{
     ComponentLaw, FiniteError, FiniteInfo, FiniteKernel, FiniteLoad, FiniteModel, FiniteView,
@@ -195,7 +195,7 @@ struct FormulaComponent {
 
 impl FormulaComponent {
     fn evaluate(&self, node: Node, y: f64, r: f64) -> f64 {
-        self.graph.evaluate(node, &Point { x: r, y, ..Point::default() })
+        self.graph.evaluate(node, &EvaluationPoint { x: r, y, ..EvaluationPoint::default() })
     }
 }
 
@@ -243,7 +243,7 @@ impl HistoryKernel for FormulaKernel {
     }
 
     fn factor(&self, t: f64, s: f64) -> f64 {
-        self.graph.evaluate(self.node, &Point { x: s, t, ..Point::default() })
+        self.graph.evaluate(self.node, &EvaluationPoint { x: s, t, ..EvaluationPoint::default() })
     }
 }
 

@@ -4,7 +4,7 @@ use super::regularity::contact_claims;
 use super::{Setup, SetupError, constants};
 use crate::{Face, Hypothesis, SceneError, Side};
 use exact::{Exact, Sliding};
-use formula::{Point, Program};
+use formula::{EvaluationPoint, Program};
 use vhi::law::Potential;
 
 /// Samples along an edge, along each direction of a face, and in time.
@@ -120,7 +120,7 @@ fn visit(
     outputs: usize,
     points: &[[f64; 3]],
     horizon: f64,
-    mut visit: impl FnMut(&Point, &[f64]) -> Result<(), SetupError>,
+    mut visit: impl FnMut(&EvaluationPoint, &[f64]) -> Result<(), SetupError>,
 ) -> Result<(), SetupError> {
     let mut bound = program.bind(points);
     let mut values = vec![Vec::new(); outputs];
@@ -129,13 +129,13 @@ fn visit(
         bound.evaluate(t, 0.0, &mut values);
         for (p, &[x, y, z]) in points.iter().enumerate() {
             let at: Vec<f64> = values.iter().map(|field| field[p]).collect();
-            visit(&Point { x, y, z, t, zeta: 0.0 }, &at)?;
+            visit(&EvaluationPoint { x, y, z, t, zeta: 0.0 }, &at)?;
         }
     }
     Ok(())
 }
 
-fn place(setup: &Setup, at: &Point) -> String {
+fn place(setup: &Setup, at: &EvaluationPoint) -> String {
     let coordinates = [at.x, at.y, at.z].map(|x| format!("{x:.4}"));
     format!("at ({}), t = {:.4}", coordinates[..setup.scene.dimension].join(", "), at.t)
 }
@@ -248,7 +248,7 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
 }
 
 /// ξ ∈ ∂j_ν(u_ν - s), if the scene states ξ.
-fn selection(setup: &Setup, at: &Point, u_nu: f64, xi: f64) -> Result<(), SceneError> {
+fn selection(setup: &Setup, at: &EvaluationPoint, u_nu: f64, xi: f64) -> Result<(), SceneError> {
     let Some(boundary) = &setup.model.boundary else { return Ok(()) };
     let x = [at.x, at.y, at.z];
     let (lo, hi) = boundary.potential_at(x).subdifferential(u_nu - (boundary.shift)(x));

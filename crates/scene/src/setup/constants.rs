@@ -3,9 +3,9 @@
 use super::trace_family::{TraceFamily, tangential_trace_family, trace_family};
 use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::singular::in_the_largest;
-use crate::{Domain, Memory};
+use crate::{Domain, RelaxationTerm};
 use fem::contact::TraceMass;
-use formula::{Node, Point};
+use formula::{EvaluationPoint, Node};
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
 use vhi::{SingularSlot, StepBounds, monotonicity};
@@ -250,7 +250,7 @@ pub(super) fn coulomb(setup: &Setup) -> Option<Coulomb> {
 
 /// The terms of ℬ with t^{-a} in their kernels, without it.
 fn of_power(setup: &Setup, a: f64) -> Vec<(Node, TensorField)> {
-    let factor = |memory: &Memory| match memory.singular {
+    let factor = |memory: &RelaxationTerm| match memory.singular {
         None => (a == 0.0).then_some(memory.kernel),
         Some(singular) => (a == singular.power).then_some(singular.factor),
     };
@@ -282,7 +282,7 @@ fn memory_norms(setup: &Setup, terms: &[(Node, TensorField)]) -> MemoryNorms {
     let d = scene.dimension;
     // ℬ(t) = Σ b_i(t) ℬ_i.
     let relaxation = |t: f64| {
-        let at = Point { t, ..Point::default() };
+        let at = EvaluationPoint { t, ..EvaluationPoint::default() };
         let b = |kernel: Node| scene.formulas.evaluate(kernel, &at);
         let (first, others) = terms.split_first()?;
         let start = first.1.scaled(b(first.0));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use formula::{Graph, Node, Point, Variable};
+use formula::{EvaluationPoint, Graph, Node, Variable};
 use vhi::law::{MemoryKernel, YieldLimit};
 
 /// b(t) by a formula in t.
@@ -19,7 +19,7 @@ impl KernelFormula {
 
 impl MemoryKernel for KernelFormula {
     fn value(&self, lag: f64) -> f64 {
-        self.graph.evaluate(self.node, &Point { t: lag, ..Point::default() })
+        self.graph.evaluate(self.node, &EvaluationPoint { t: lag, ..EvaluationPoint::default() })
     }
 }
 
@@ -40,11 +40,11 @@ impl YieldFormula {
 
 impl YieldLimit for YieldFormula {
     fn value(&self, zeta: f64) -> f64 {
-        self.graph.evaluate(self.value, &Point { zeta, ..Point::default() })
+        self.graph.evaluate(self.value, &EvaluationPoint { zeta, ..EvaluationPoint::default() })
     }
 
     fn slope(&self, zeta: f64) -> f64 {
-        self.graph.evaluate(self.slope, &Point { zeta, ..Point::default() })
+        self.graph.evaluate(self.slope, &EvaluationPoint { zeta, ..EvaluationPoint::default() })
     }
 }
 
@@ -63,7 +63,9 @@ impl GapFormula {
 
     pub(crate) fn boxed(self) -> Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> {
         Box::new(move |[x, y, z]| match self.node {
-            Some(node) => self.graph.evaluate(node, &Point { x, y, z, ..Point::default() }),
+            Some(node) => self
+                .graph
+                .evaluate(node, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() }),
             None => self.absent,
         })
     }
@@ -75,7 +77,9 @@ pub(super) fn boxed_in_time(
     node: Option<Node>,
 ) -> Box<dyn Fn([f64; 3], f64) -> f64 + Send + Sync> {
     Box::new(move |[x, y, z], t| match node {
-        Some(node) => graph.evaluate(node, &Point { x, y, z, t, ..Point::default() }),
+        Some(node) => {
+            graph.evaluate(node, &EvaluationPoint { x, y, z, t, ..EvaluationPoint::default() })
+        }
         None => 1.0,
     })
 }

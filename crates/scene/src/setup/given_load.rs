@@ -9,7 +9,7 @@ use exact::Truth;
 use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
 use fem::space::quadrature::{Rule, TruthRules};
-use formula::{Bound, Graph, Node, Point, Program};
+use formula::{BoundProgram, EvaluationPoint, Graph, Node, Program};
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
 ///
@@ -125,7 +125,7 @@ impl GivenLoad {
     }
 
     pub(crate) fn factors_at(&self, t: f64, out: &mut [f64]) {
-        let at = Point { t, ..Point::default() };
+        let at = EvaluationPoint { t, ..EvaluationPoint::default() };
         for (value, &factor) in out.iter_mut().zip(&self.factors) {
             *value = self.graph.evaluate(factor, &at);
         }
@@ -170,7 +170,7 @@ struct Term {
     component: usize,
     program: Program,
     /// The formula bound to the points of the rule.
-    bound: OnceLock<Mutex<Bound>>,
+    bound: OnceLock<Mutex<BoundProgram>>,
 }
 
 impl Term {

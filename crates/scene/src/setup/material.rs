@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::KernelFormula;
-use crate::{Material, Memory, Place, Scene, SceneError, Shape};
+use crate::{Material, Place, RelaxationTerm, Scene, SceneError, Shape};
 use exact::{MaterialNumbers, RegionNumbers};
 use fem::contact::MemoryTerm;
 use fem::mesh::Mesh;
-use formula::{Graph, Node, Point};
+use formula::{EvaluationPoint, Graph, Node};
 use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, Singular, TensorField};
 
 /// 𝒜.
@@ -17,7 +17,7 @@ pub fn elasticity(material: &Material) -> TensorField {
 }
 
 /// ℬ_i of a term of the memory.
-pub fn memory_tensor(memory: &Memory) -> TensorField {
+pub fn memory_tensor(memory: &RelaxationTerm) -> TensorField {
     let (lambda, mu) = (memory.lambda, memory.mu);
     let others = memory.regions.iter().map(|&[lambda, mu]| Isotropic { lambda, mu }.into());
     TensorField::new(Isotropic { lambda, mu }.into(), others)
@@ -26,7 +26,7 @@ pub fn memory_tensor(memory: &Memory) -> TensorField {
 /// The terms of ℬ for the solver: recursion for sums of exponentials.
 pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<MemoryTerm> {
     let formula = |node| Box::new(KernelFormula::new(formulas.clone(), node));
-    let kernel = |memory: &Memory| match (&memory.exponentials, memory.singular) {
+    let kernel = |memory: &RelaxationTerm| match (&memory.exponentials, memory.singular) {
         (Some(terms), _) => {
             Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>
         }
@@ -153,5 +153,5 @@ fn claim(
 }
 
 fn at(scene: &Scene, condition: Node, [x, y, z]: [f64; 3]) -> f64 {
-    scene.formulas.evaluate(condition, &Point { x, y, z, ..Point::default() })
+    scene.formulas.evaluate(condition, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
 }

@@ -5,7 +5,7 @@ use crate::{AbstractScene, ContactScene, Face, Hypothesis, Scene, Shape, Side};
 use exact::{
     Finding, SideOfBox, Status, regularity_in_space, regularity_in_time, second_difference,
 };
-use formula::{Node, Point};
+use formula::{EvaluationPoint, Node};
 
 /// The sides of a scene's rectangle or box; empty for other shapes.
 pub fn sides(body: &ContactScene) -> Vec<SideOfBox> {
@@ -28,14 +28,18 @@ pub fn sides(body: &ContactScene) -> Vec<SideOfBox> {
 pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Finding> {
     let (graph, horizon) = (&scene.formulas, scene.time.horizon);
     let component = |(i, &node): (usize, &Node)| {
-        let value = |t: f64| graph.evaluate(node, &Point { t, ..Point::default() });
+        let value =
+            |t: f64| graph.evaluate(node, &EvaluationPoint { t, ..EvaluationPoint::default() });
         let subject = format!("u_{} in W2,inf (3.17)", i + 1);
         second_difference(&subject, "the component", horizon, value)
     };
     let mut findings: Vec<Finding> = problem.u.iter().enumerate().map(component).collect();
     findings.extend(problem.kernels.iter().enumerate().map(|(l, kernel)| {
         let value = |s: f64| {
-            let factor = graph.evaluate(kernel.q, &Point { x: s, t: horizon, ..Point::default() });
+            let factor = graph.evaluate(
+                kernel.q,
+                &EvaluationPoint { x: s, t: horizon, ..EvaluationPoint::default() },
+            );
             // 1 without a power, also at s = t.
             factor * (horizon - s).powf(-kernel.power)
         };

@@ -1,6 +1,6 @@
 //! Valid texts, from which the malformed ones are made.
 
-use crate::{Diagnosis, Scene, SceneError, Source};
+use crate::{Scene, SceneError, Source, TextFault};
 
 /// A valid scene with loads; tests count its lines.
 pub(super) const LOADED: &str = r#"[scene]
@@ -110,7 +110,7 @@ order = 2.0
 why = "(5.26)"
 "#;
 
-pub(super) fn refused(text: &str) -> Diagnosis {
+pub(super) fn refused(text: &str) -> TextFault {
     match Scene::from_source(Source::from_text("block.toml", text)) {
         Ok(_) => panic!("accepted:\n{text}"),
         Err(SceneError::Text(diagnosis)) => *diagnosis,

@@ -3,7 +3,7 @@
 
 use super::shipped::shipped;
 use crate::{Data, Scene};
-use formula::{Node, Point, Variable};
+use formula::{EvaluationPoint, Node, Variable};
 
 /// Data of a pure scene; λ_L = μ_L = 1 and ℬ = -exp(-t)(0.5 ε + 0.25 tr ε I).
 struct Pure {
@@ -29,7 +29,9 @@ impl Pure {
     }
 
     fn at(&self, node: Node, x: f64, y: f64, t: f64) -> f64 {
-        self.scene.formulas.evaluate(node, &Point { x, y, t, ..Point::default() })
+        self.scene
+            .formulas
+            .evaluate(node, &EvaluationPoint { x, y, t, ..EvaluationPoint::default() })
     }
 
     /// Elastic and remembered part of σ_yy and σ_xy; the projection adds nothing where ‖ε^D‖ ≤ κ.

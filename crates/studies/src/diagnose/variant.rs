@@ -4,10 +4,10 @@
 //! a sound manufactured scene, and whatever it shows is the solver's doing.
 
 use super::term::Terms;
-use formula::{Graph, Node, Point, Scope, Variable};
+use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 use scene::{
-    Body, ContactScene, Data, Direction, Domain, Expectation, Hypothesis, LoadForm, Memory, Norm,
-    Prediction, Projection, Scene, Sweep,
+    Body, ContactScene, Data, Direction, Domain, Expectation, Hypothesis, LoadForm, Norm,
+    Prediction, Projection, RelaxationTerm, Scene, Sweep,
 };
 use vhi::law::FourthOrder;
 
@@ -66,7 +66,7 @@ pub(super) fn with_terms(scene: &Scene, kept: Terms) -> Scene {
 
 /// κ at ζ = 0 for all ζ.
 fn frozen(graph: &mut Graph, projection: &Projection) -> Projection {
-    let at_start = graph.evaluate(projection.kappa, &Point::default());
+    let at_start = graph.evaluate(projection.kappa, &EvaluationPoint::default());
     Projection { mu: projection.mu, kappa: graph.constant(at_start), lipschitz: 0.0 }
 }
 
@@ -124,11 +124,11 @@ fn factor(graph: &mut Graph, course: Course, horizon: f64) -> Node {
 }
 
 /// Of the quarters of [0, T] the one at which u is largest on a few points.
-fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, points: &[Point]) -> f64 {
+fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, points: &[EvaluationPoint]) -> f64 {
     let quarters = [1.0, 0.75, 0.5, 0.25].map(|part| part * horizon);
     let extent = |graph: &mut Graph, t: f64| -> f64 {
         let state: Vec<Node> = u.iter().map(|&node| graph.instant(node, t)).collect();
-        let value = |point: &Point| -> f64 {
+        let value = |point: &EvaluationPoint| -> f64 {
             state.iter().map(|&node| graph.evaluate(node, point).abs()).sum()
         };
         points.iter().map(value).sum()
@@ -143,8 +143,8 @@ fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, points: &[Point]) 
     best.0
 }
 
-fn interior(domain: &Domain) -> Vec<Point> {
-    let at = |[x, y, z]: [f64; 3]| Point { x, y, z, ..Point::default() };
+fn interior(domain: &Domain) -> Vec<EvaluationPoint> {
+    let at = |[x, y, z]: [f64; 3]| EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
     domain.inner_points(SAMPLES).into_iter().map(at).collect()
 }
 
@@ -171,7 +171,8 @@ pub(super) fn with_memory(mut scene: Scene) -> Scene {
         let body = &mut body.material;
         let [lambda, mu] = share(&body.elastic);
         let regions = body.regions.iter().map(|region| share(&region.elastic)).collect();
-        body.memory = vec![Memory { kernel, singular: None, exponentials, lambda, mu, regions }];
+        body.memory =
+            vec![RelaxationTerm { kernel, singular: None, exponentials, lambda, mu, regions }];
     }
     scene.formulas = graph;
     scene
@@ -199,7 +200,7 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
 }
 
 /// Mean of |Du| at t = T, by its exact derivatives.
-fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, points: &[Point]) -> f64 {
+fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, points: &[EvaluationPoint]) -> f64 {
     let mut parts = Vec::new();
     for &component in u {
         for variable in [Variable::X, Variable::Y, Variable::Z] {
@@ -207,7 +208,7 @@ fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, points: &[Point]) -> f64
             parts.push(graph.derivative(state, variable));
         }
     }
-    let norm = |point: &Point| -> f64 {
+    let norm = |point: &EvaluationPoint| -> f64 {
         parts.iter().map(|&part| graph.evaluate(part, point).powi(2)).sum::<f64>().sqrt()
     };
     points.iter().map(norm).sum::<f64>() / points.len() as f64
@@ -265,7 +266,7 @@ pub(super) fn at_least(variable: Direction, order: f64, why: &str) -> Prediction
 }
 
 /// The rate c of a kernel a exp(-c t), where it is one.
-pub(super) fn single_rate(memory: &Memory) -> Option<f64> {
+pub(super) fn single_rate(memory: &RelaxationTerm) -> Option<f64> {
     match memory.exponentials.as_deref() {
         Some(&[(_, rate)]) => Some(rate),
         _ => None,
@@ -273,7 +274,7 @@ pub(super) fn single_rate(memory: &Memory) -> Option<f64> {
 }
 
 /// The rate c of a kernel t^{-a} b exp(-c t), where it is one.
-pub(super) fn factor_rate(formulas: &Graph, memory: &Memory) -> Option<f64> {
+pub(super) fn factor_rate(formulas: &Graph, memory: &RelaxationTerm) -> Option<f64> {
     let factor = memory.singular?.factor;
     match formulas.exponential_sum(factor)?[..] {
         [(_, rate)] => Some(rate),

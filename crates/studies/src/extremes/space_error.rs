@@ -16,7 +16,7 @@ use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
 use super::scene_text::SceneText;
 use fem::contact::StepView;
 use fem::norms::step_errors;
-use formula::Point;
+use formula::EvaluationPoint;
 use scene::setup::{MeshData, Setup};
 
 /// Loads come from a rule, not from exact integrals: what that may add to the ratio.
@@ -65,7 +65,7 @@ fn interpolant(setup: &Setup, data: &MeshData) -> Vec<f64> {
     let (space, mut values) = (&data.space, vec![0.0; data.space.nodes.len()]);
     for (node, &vertex) in space.nodes.vertex.iter().enumerate() {
         let [x, y, z] = space.mesh.point(&[vertex], &[1.0]);
-        let at = Point { x, y, z, ..Point::default() };
+        let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
         for (i, &component) in exact.data.u.iter().enumerate() {
             values[2 * node + i] = exact.data.graph.evaluate(component, &at);
         }

@@ -3,7 +3,7 @@
 
 use fem::contact::Discretization;
 use fem::space::quadrature::{Rule, edge, triangle_degree_8};
-use formula::{Bound, Graph, Node, Program};
+use formula::{BoundProgram, Graph, Node, Program};
 use scene::Data;
 use scene::setup::{Setup, side_numbers};
 use vhi::law::TensorField;
@@ -20,7 +20,7 @@ const ON_EDGES: usize = 8;
 pub(super) struct Densities {
     inside: Rule,
     outside: Rule,
-    body: Bound,
+    body: BoundProgram,
     sides: Vec<Side>,
 }
 
@@ -29,7 +29,7 @@ struct Side {
     /// Free edges, with their ends in the order of the points.
     edges: Vec<(u32, [u32; 2])>,
     normal: [f64; 2],
-    traction: Bound,
+    traction: BoundProgram,
     kind: Kind,
 }
 

@@ -6,13 +6,13 @@ use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::quadrature::{Rule, triangle_degree_8};
 use fem::space::strain_of;
-use formula::Bound;
+use formula::BoundProgram;
 use vhi::law::TensorField;
 
 /// ε of the exact solution at the points of a mesh.
 pub(super) struct Strains {
     rule: Rule,
-    fields: Bound,
+    fields: BoundProgram,
     outputs: usize,
 }
 

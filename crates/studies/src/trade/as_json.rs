@@ -1,6 +1,6 @@
 //! How values of other crates, and results, stand in the JSON of a trade.
 
-use judge::fit::{Estimate, Interval, Model};
+use judge::fit::{Combination, FittedValue, Interval};
 use scene::Norm;
 use serde::{Serialize, Serializer};
 
@@ -35,17 +35,17 @@ pub(super) fn some_ends<S: Serializer>(
 }
 
 /// An exponent of the cost with its interval.
-pub(super) fn exponent<S: Serializer>(found: &Estimate, to: S) -> Result<S::Ok, S::Error> {
+pub(super) fn exponent<S: Serializer>(found: &FittedValue, to: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct Exponent {
         exponent: f64,
         interval: [f64; 2],
     }
-    let Estimate { value, interval } = *found;
+    let FittedValue { value, interval } = *found;
     Exponent { exponent: value, interval: [interval.lo, interval.hi] }.serialize(to)
 }
 
-pub(super) fn model<S: Serializer>(model: &Model, serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn model<S: Serializer>(model: &Combination, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(model.name())
 }
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::as_json::exponent;
-use judge::fit::{Estimate, Interval, LinearFit, linear_fit, same_level};
+use judge::fit::{FittedValue, Interval, LinearFit, linear_fit, same_level};
 
 /// A measured run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,10 +27,10 @@ pub struct CostModel {
     /// a with its interval: the hull of the Student interval and of a' ± 2 |a' - a| with a' from the runs
     /// without the coarsest h, and without the coarsest k. What a power law leaves over is bias, as in `fit`.
     #[serde(serialize_with = "exponent")]
-    pub space: Estimate,
+    pub space: FittedValue,
     /// b, likewise.
     #[serde(serialize_with = "exponent")]
-    pub time: Estimate,
+    pub time: FittedValue,
     /// Largest |log t - log t(h, k)| of the runs.
     pub residual: f64,
 }
@@ -93,7 +93,7 @@ impl CostModel {
                 Interval::around(clipped, 2.0 * (clipped - value).abs())
             };
             let interval = clips.iter().map(drift).fold(student, Interval::hull);
-            Estimate { value, interval }
+            FittedValue { value, interval }
         };
         Ok(Self {
             base,

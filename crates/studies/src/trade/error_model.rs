@@ -2,8 +2,8 @@
 
 use super::as_json::{self, ends};
 use judge::fit::{
-    Direction, Interval, Level, Model, Point, Sample, infer, joint_fits, local_slopes, power_law,
-    same_level, samples,
+    Combination, Direction, Interval, Level, Point, Sample, infer, joint_fits, local_slopes,
+    power_law, same_level, samples,
 };
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ pub struct Term {
 pub struct ErrorModel {
     /// m = 1 or 2.
     #[serde(serialize_with = "as_json::model")]
-    pub model: Model,
+    pub model: Combination,
     /// The term of h; none where the error does not depend on it.
     pub space: Option<Term>,
     /// The term of k, likewise.
@@ -46,8 +46,8 @@ impl ErrorModel {
     /// m.
     pub(crate) fn exponent(&self) -> f64 {
         match self.model {
-            Model::Sum => 1.0,
-            Model::RootSumSquare => 2.0,
+            Combination::Sum => 1.0,
+            Combination::RootSumSquare => 2.0,
         }
     }
 
@@ -106,12 +106,12 @@ impl ErrorModel {
             let fitted = Self { model, space, time, source: source.clone(), residual: 0.0 };
             fitted.judged(points)
         };
-        let [sum, root] = [Model::Sum, Model::RootSumSquare].map(with);
+        let [sum, root] = [Combination::Sum, Combination::RootSumSquare].map(with);
         Ok(if sum.residual < root.residual { sum } else { root })
     }
 
     fn joint(fit: &judge::fit::JointFit, points: &[Point]) -> Self {
-        let term = |constant: f64, order: judge::fit::Estimate| {
+        let term = |constant: f64, order: judge::fit::FittedValue| {
             Some(Term { constant, order: order.value, interval: order.interval })
         };
         let found = Self {
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn both_terms_are_found_where_both_show() {
-        for (model, m) in [(Model::Sum, 1.0f64), (Model::RootSumSquare, 2.0)] {
+        for (model, m) in [(Combination::Sum, 1.0f64), (Combination::RootSumSquare, 2.0)] {
             let law = |h: f64, k: f64| ((0.5 * h).powf(m) + (2.0 * k * k).powf(m)).powf(1.0 / m);
             // The differences are not asked.
             let found = ErrorModel::fit(&grid(law), &differences(77.0), false).expect("a model");
@@ -228,7 +228,7 @@ mod tests {
         let term =
             |constant, order| Term { constant, order, interval: Interval::around(order, 0.0) };
         let found = ErrorModel {
-            model: Model::RootSumSquare,
+            model: Combination::RootSumSquare,
             space: Some(term(1.0, 1.0)),
             time: Some(term(1.0, 2.0)),
             source: String::new(),
@@ -237,7 +237,7 @@ mod tests {
         // 3-4-5.
         assert!((found.left_for_time(0.5, 0.3) - 0.4).abs() < 1e-15);
         assert_eq!(found.left_for_time(0.2, 0.3), 0.0);
-        let sum = ErrorModel { model: Model::Sum, ..found };
+        let sum = ErrorModel { model: Combination::Sum, ..found };
         assert!((sum.left_for_time(0.5, 0.3) - 0.2).abs() < 1e-15);
     }
 }

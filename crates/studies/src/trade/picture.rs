@@ -4,7 +4,7 @@ use super::pareto::{TIE, front};
 use super::{Answered, Knob, Resource, Study, Trial};
 use judge::record::norm_label;
 use report::digits;
-use report::{Axis, Chart, Datum, Key, Mark, Part, ReportError, Scale, Series};
+use report::{Axis, Chart, Datum, LegendKey, Mark, Part, ReportError, Scale, Series};
 
 impl Study {
     /// The picture; none without two runs.
@@ -81,7 +81,7 @@ impl Study {
         if !turned.is_empty() {
             let hollow = Series::new("", vec![Part::Hollow(turned)]);
             chart.series.push(Series { grey: true, ..hollow });
-            chart.keys.push(Key::Hollow("another knob turned".into()));
+            chart.keys.push(LegendKey::Hollow("another knob turned".into()));
         }
     }
 

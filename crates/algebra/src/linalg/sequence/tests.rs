@@ -56,7 +56,7 @@ fn entries_without_a_mirror_image_are_solved_for() {
     let exact: Vec<f64> = (0..pattern.order()).map(|i| ((i % 13) as f64) - 6.0).collect();
     for precision in [Precision::Double, Precision::Single] {
         let mut solver = SequenceSolver::new(&analysis, &pattern).in_precision(Some(precision));
-        let couplings = (0..20).map(|i| Coupling {
+        let couplings = (0..20).map(|i| NonsymmetricEntry {
             row: 2 * i,
             column: 2 * i + 1,
             value: 0.5 + 0.05 * i as f64,

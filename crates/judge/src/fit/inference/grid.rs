@@ -10,7 +10,7 @@ use super::mixture::Mixture;
 use super::{Interval, LEAST_NOISE, Posterior};
 use crate::fit::identifiable::check_grid;
 use crate::fit::{NotIdentifiable, Point, screen};
-use pairs::{Model, ORDERS, STEP, order};
+use pairs::{ORDERS, PairSums, STEP, order};
 
 /// Relative noise of E, with weights.
 const NOISE: [(f64, f64); 4] = [(0.001, 0.35), (0.003, 0.3), (0.01, 0.25), (0.03, 0.1)];
@@ -36,7 +36,7 @@ pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior,
     check_grid(&usable, PARAMETERS)?;
     let mut evidence = vec![f64::NEG_INFINITY; ORDERS * ORDERS];
     for (model, prior) in MODELS {
-        Model::new(&usable, model).add(prior.ln(), &noises, &mut evidence);
+        PairSums::new(&usable, model).add(prior.ln(), &noises, &mut evidence);
     }
     let largest = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {

@@ -66,7 +66,7 @@ pub struct Deviation {
 }
 
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct ComparedRun {
     pub scene: String,
     pub hash: String,
     pub planned: Vec<Key>,
@@ -119,7 +119,7 @@ impl Comparison {
 
 pub fn compare_with_baseline(
     baseline: &Baseline,
-    runs: &[Run],
+    runs: &[ComparedRun],
     records: &[CaseRecord],
 ) -> Comparison {
     let mut comparison = Comparison::default();
@@ -139,7 +139,7 @@ pub fn compare_with_baseline(
 }
 
 fn compare_scene(
-    run: &Run,
+    run: &ComparedRun,
     recorded: &Recorded,
     records: &[CaseRecord],
     comparison: &mut Comparison,

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::compare::{Comparison, Deviation, DeviationKind, Run, compare_with_baseline};
+use super::compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_with_baseline};
 use super::{Baseline, Recorded};
 use crate::record::CaseRecord;
 use crate::verdict::{Variable, Verdict};
@@ -62,7 +62,7 @@ impl Baseline {
 
     pub fn compare(
         &self,
-        runs: &[Run],
+        runs: &[ComparedRun],
         records: &[CaseRecord],
         verdicts: &[Verdict],
     ) -> Comparison {
@@ -76,7 +76,7 @@ impl Baseline {
 /// owe nothing.
 pub fn compare_owed(
     baseline: &Baseline,
-    runs: &[Run],
+    runs: &[ComparedRun],
     verdicts: &[Verdict],
     comparison: &mut Comparison,
 ) {

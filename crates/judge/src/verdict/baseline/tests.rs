@@ -27,7 +27,7 @@ fn baseline() -> Baseline {
 fn compared(records: &[CaseRecord], hash: &str, own_grids: bool) -> Comparison {
     let key = |steps| Key { scene: "block".into(), n: Some(8), steps };
     let planned = if own_grids { vec![key(4), key(8)] } else { vec![key(4)] };
-    let run = Run { scene: "block".into(), hash: hash.into(), planned, own_grids };
+    let run = ComparedRun { scene: "block".into(), hash: hash.into(), planned, own_grids };
     compare_with_baseline(&baseline(), &[run], records)
 }
 
@@ -109,7 +109,7 @@ fn a_baseline_without_the_newer_counters_is_read() {
     let old: Baseline = serde_json::from_str(text).expect("a baseline");
     let restless = CaseRecord { active_set_changes: 999, ..record(4, 1.23456789e-2) };
     let (scene, hash) = ("block".into(), "hash".into());
-    let run = Run { scene, hash, planned: vec![restless.key()], own_grids: true };
+    let run = ComparedRun { scene, hash, planned: vec![restless.key()], own_grids: true };
     assert!(compare_with_baseline(&old, &[run], &[restless]).deviations.is_empty());
     assert!(
         old.changes(&Baseline::of(&[record(4, 1.23456789e-2)], &[("block", "hash")])).is_empty()
@@ -120,7 +120,7 @@ fn a_baseline_without_the_newer_counters_is_read() {
 fn work_may_grow_a_little() {
     let grown = |recorded: u64, now: u64| {
         let counted = |count: u64| CaseRecord { factorizations: count, ..record(4, 1e-3) };
-        let run = Run {
+        let run = ComparedRun {
             scene: "block".into(),
             hash: "hash".into(),
             planned: vec![counted(now).key()],
@@ -159,8 +159,12 @@ fn other_grids_are_compared_where_they_meet() {
 
 #[test]
 fn a_scene_that_is_not_recorded_is_said() {
-    let run =
-        Run { scene: "new".into(), hash: "hash".into(), planned: Vec::new(), own_grids: true };
+    let run = ComparedRun {
+        scene: "new".into(),
+        hash: "hash".into(),
+        planned: Vec::new(),
+        own_grids: true,
+    };
     let comparison = compare_with_baseline(&baseline(), &[run], &records());
     assert_eq!((comparison.not_recorded.len(), comparison.exit_code()), (1, 0));
     assert!(comparison.lines()[0].contains("not recorded, hence not compared: new"));

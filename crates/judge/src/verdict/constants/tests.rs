@@ -4,8 +4,8 @@ use super::*;
 use crate::fit::Point;
 use crate::verdict::selection::Place;
 
-fn constant() -> Constant {
-    Constant::fitted(5.0, [4.9, 5.1], 2.0)
+fn constant() -> FittedConstant {
+    FittedConstant::fitted(5.0, [4.9, 5.1], 2.0)
 }
 
 fn prediction() -> Prediction {

@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use roxmltree::Node;
 
-use super::VtuError;
+use super::VtuReadError;
 
 /// Binary encoding of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,14 +27,14 @@ pub(crate) struct Binary<'a> {
 
 /// `count` numbers of the array `node`.
 ///
-/// # Errors [`VtuError`]: another length or kind, or data that cannot be decoded.
+/// # Errors [`VtuReadError`]: another length or kind, or data that cannot be decoded.
 pub(crate) fn numbers(
     node: Node<'_, '_>,
     binary: &Binary<'_>,
     count: usize,
-) -> Result<Vec<f64>, VtuError> {
+) -> Result<Vec<f64>, VtuReadError> {
     let name = node.attribute("Name").unwrap_or("Points");
-    let fault = |reason: String| VtuError::Array { name: name.to_owned(), reason };
+    let fault = |reason: String| VtuReadError::Array { name: name.to_owned(), reason };
     let kind = node.attribute("type").unwrap_or_default();
     let width = match kind {
         "Float64" => 8,

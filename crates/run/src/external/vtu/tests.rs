@@ -151,8 +151,14 @@ fn a_length_or_block_that_is_wrong_is_refused_in_every_form() {
             let at = file.windows(3).position(|window| window == b"\"4\"").unwrap();
             let mut other = file.clone();
             other[at..at + 3].copy_from_slice(wrong.as_bytes());
-            assert!(matches!(snapshot(&other, count, 2), Err(VtuError::Array { .. })), "{form:?}");
-            assert_eq!(snapshot(&other, 4, 2), Err(VtuError::Points { found: count, wanted: 4 }));
+            assert!(
+                matches!(snapshot(&other, count, 2), Err(VtuReadError::Array { .. })),
+                "{form:?}"
+            );
+            assert_eq!(
+                snapshot(&other, 4, 2),
+                Err(VtuReadError::Points { found: count, wanted: 4 })
+            );
         }
         let short = &file[..file.len() - 80];
         assert!(snapshot(short, 4, 2).is_err(), "{form:?}");
@@ -210,7 +216,7 @@ fn sizes_in_the_data_cost_nothing_until_they_are_known_to_be_right() {
         for value in [u64::MAX, u64::MAX / 8, 1 << 40] {
             let mut other = file.clone();
             other[at + 8 * word..at + 8 * word + 8].copy_from_slice(&value.to_le_bytes());
-            assert!(matches!(snapshot(&other, 4, 2), Err(VtuError::Array { .. })), "{word}");
+            assert!(matches!(snapshot(&other, 4, 2), Err(VtuReadError::Array { .. })), "{word}");
         }
     }
     // A number of points near the integer limit.

@@ -10,7 +10,7 @@ use exact::{ComplianceRule, Exact, InterpolatedOnMesh, LawNumbers};
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::edge;
 use fem::space::strain_of;
-use formula::{Node, Point};
+use formula::{EvaluationPoint, Node};
 
 /// The nodal interpolant of formulas as a truth.
 pub(crate) struct InSpaceFields {
@@ -124,7 +124,10 @@ impl Fields for InSpaceFields {
         let formula = |node: Option<Node>, absent: f64, e: usize, x: f64| {
             let Some(node) = node else { return absent };
             let [x, y, z] = mesh.point(&vertices(e), &[1.0 - x, x]);
-            self.exact.data.graph.evaluate(node, &Point { x, y, z, ..Point::default() })
+            self.exact
+                .data
+                .graph
+                .evaluate(node, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
         };
         let shift = |e: usize, x: f64| formula(shift_node, 0.0, e, x);
         let own: Vec<f64> = state.iter().map(|at| at[0]).collect();

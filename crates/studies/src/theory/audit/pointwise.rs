@@ -1,6 +1,6 @@
 //! Tensors of (5.8)-(5.10) at a point, in Mandel notation, apart from the solver's laws.
 
-use formula::{Graph, Node, Point};
+use formula::{EvaluationPoint, Graph, Node};
 use scene::setup::Setup;
 use vhi::law::FourthOrder;
 
@@ -85,13 +85,13 @@ impl Material {
 
     /// κ(ζ), infinite without projection.
     pub(crate) fn kappa(&self, zeta: f64) -> f64 {
-        let at = Point { zeta, ..Point::default() };
+        let at = EvaluationPoint { zeta, ..EvaluationPoint::default() };
         self.kappa.map_or(f64::INFINITY, |kappa| self.graph.evaluate(kappa, &at))
     }
 
     /// b(lag), 0 without memory.
     pub(crate) fn kernel(&self, lag: f64) -> f64 {
-        let at = Point { t: lag, ..Point::default() };
+        let at = EvaluationPoint { t: lag, ..EvaluationPoint::default() };
         self.kernel.map_or(0.0, |kernel| self.graph.evaluate(kernel, &at))
     }
 

@@ -5,7 +5,7 @@ use super::fields::sort_interior;
 use exact::{BoundaryFormulas, ContactFormulas, Exact, LawNumbers};
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
-use formula::{Node, Point, Program};
+use formula::{EvaluationPoint, Node, Program};
 
 /// The edges of one side.
 pub(crate) struct SideEdges {
@@ -153,7 +153,7 @@ impl SideEdges {
         self.points(space, places)
             .into_iter()
             .map(|[x, y, z]| {
-                let at = Point { x, y, z, ..Point::default() };
+                let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
                 exact.data.graph.evaluate(node, &at)
             })
             .collect()

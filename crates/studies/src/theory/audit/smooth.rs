@@ -8,7 +8,7 @@ use super::sides::SideEdges;
 use super::strips::CellPoints;
 use exact::{Exact, sign_changes};
 use fem::contact::{Discretization, LoadError};
-use formula::{Bound, Program, Variable};
+use formula::{BoundProgram, Program, Variable};
 use scene::setup::{Setup, side_numbers};
 
 /// Intervals of the domain's width in which vertical guards are watched.
@@ -28,12 +28,12 @@ pub(crate) struct SmoothFields {
     bent_count: usize,
     /// Points of all cells without cuts.
     plain: CellPoints,
-    interior: Bound,
-    forces: Bound,
+    interior: BoundProgram,
+    forces: BoundProgram,
     /// All other guards, such as ‖ε^D‖ - κ.
-    bent_at_points: Bound,
-    nodal: Bound,
-    remembered: (Vec<f64>, Bound),
+    bent_at_points: BoundProgram,
+    nodal: BoundProgram,
+    remembered: (Vec<f64>, BoundProgram),
     sides: Vec<SideEdges>,
 }
 
@@ -132,8 +132,8 @@ impl SmoothFields {
 fn values(
     at: CellPoints,
     outputs: usize,
-    interior: &mut Bound,
-    forces: &mut Bound,
+    interior: &mut BoundProgram,
+    forces: &mut BoundProgram,
     [t, zeta]: [f64; 2],
 ) -> CellValues {
     let mut out = vec![Vec::new(); outputs];
@@ -236,7 +236,7 @@ fn append(to: &mut CellValues, from: CellValues) {
 }
 
 /// Three points per cell, exact for degree 2: enough for the norm of a truncation error.
-fn fixed_points(exact: &Exact, space: &Discretization) -> (Vec<f64>, Bound) {
+fn fixed_points(exact: &Exact, space: &Discretization) -> (Vec<f64>, BoundProgram) {
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     let (near, far) = (2.0 / 3.0, 1.0 / 6.0);
     for c in 0..space.mesh.cell_count() {

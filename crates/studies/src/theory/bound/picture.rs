@@ -3,7 +3,7 @@
 use super::BoundStudy;
 use super::ladder::Rung;
 use super::threshold::Crossing;
-use report::{Axis, Chart, Key, Mark, Part, ReportError, Scale, Series};
+use report::{Axis, Chart, LegendKey, Mark, Part, ReportError, Scale, Series};
 
 impl BoundStudy {
     /// Factors of Λ against k with their bounds; none if no number can be drawn.
@@ -33,7 +33,7 @@ impl BoundStudy {
             Part::Hollow(norms(false)),
         ];
         if !norms(false).is_empty() {
-            chart.keys.push(Key::Hollow("no solution found: at the last one".into()));
+            chart.keys.push(LegendKey::Hollow("no solution found: at the last one".into()));
         }
         chart.series = vec![
             Series::new("measured: ‖DΛ‖, worst direction", norm),

@@ -19,7 +19,7 @@ pub(super) fn order(index: usize) -> f64 {
     STEP * (index + 1) as f64
 }
 
-pub(super) struct Model {
+pub(super) struct PairSums {
     /// 1 if errors add, 2 if squares do.
     exponent: usize,
     points: f64,
@@ -32,7 +32,7 @@ pub(super) struct Model {
 
 const COLUMNS: usize = ORDERS + NEXT[2].0;
 
-impl Model {
+impl PairSums {
     pub(super) fn new(points: &[Point], exponent: i32) -> Self {
         let largest = |f: fn(&Point) -> f64| points.iter().map(f).fold(0.0, f64::max);
         let scale = [largest(|p| p.h), largest(|p| p.k)];
@@ -254,7 +254,7 @@ mod tests {
     fn closed_forms_agree_with_dense_matrices() {
         let points = grid(|h, k| h + k * k);
         for exponent in [1, 2] {
-            let model = Model::new(&points, exponent);
+            let model = PairSums::new(&points, exponent);
             let (i, j, r, s) = (19, 38, 0, 2);
             let power = |base: f64, at: usize, shift: usize| {
                 base.powi(exponent).powf(order(at) + STEP * (shift / exponent as usize) as f64)
@@ -304,7 +304,7 @@ mod tests {
     fn readings_that_are_left_out_do_not_count() {
         let points = grid(|h, k| (0.6 * h * (1.0 - h) + k * k) * (1.0 + 0.01 * (9.0 * h).sin()));
         for exponent in [1, 2] {
-            let model = Model::new(&points, exponent);
+            let model = PairSums::new(&points, exponent);
             let mut found = vec![f64::NEG_INFINITY; ORDERS * ORDERS];
             model.add(0.0, &NOISE, &mut found);
             let noises = NOISE.map(|noise| model.noise(noise, 0.0));
