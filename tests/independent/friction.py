@@ -98,6 +98,16 @@ class BoxCoulomb(Box):
         return self.coefficient * pressure
 
 
+class BoxFalling(Box):
+    """In space the bound falls with the length of the slip."""
+
+    def pressure(self, u):
+        return 0.7 * u
+
+    def bound(self, p, t, pressure, slip):
+        return np.interp(slip, [0.0, 0.05], [0.1, 0.09])
+
+
 class BoxTime(Case):
     """A face that sticks, and then slips in a direction that turns with time, in a body that yields in part."""
 
@@ -121,6 +131,7 @@ CASES = {
     "falling": Falling(),
     "box": Box(),
     "box-coulomb": BoxCoulomb(),
+    "box-falling": BoxFalling(),
     "box-time": BoxTime(),
 }
 

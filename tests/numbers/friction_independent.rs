@@ -13,7 +13,7 @@ use gronwall::law::PiecewiseLinear;
 use gronwall::setup::Setup;
 use serde_json::Value;
 
-const CASES: [&str; 5] = ["coulomb", "falling", "box", "box-coulomb", "box-time"];
+const CASES: [&str; 6] = ["coulomb", "falling", "box", "box-coulomb", "box-falling", "box-time"];
 
 fn independent(name: &str) -> Setup {
     let path = format!("{}/tests/independent/friction-{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -94,7 +94,7 @@ fn another_program_finds_the_same() {
 /// The fixture has what it is to decide on: vertices that stick and that slip, in all directions in space.
 #[test]
 fn vertices_stick_and_slip() {
-    for name in ["coulomb", "falling", "box", "box-coulomb"] {
+    for name in ["coulomb", "falling", "box", "box-coulomb", "box-falling"] {
         let case = &fixture("friction")[name];
         let d = independent(name).scene.dimension;
         let moved = |row: &(Vec<f64>, Vec<f64>)| {
@@ -127,10 +127,12 @@ fn wrong_friction_is_not_what_another_program_finds() {
         ..own
     };
     // The bound of no slip at all slips.
-    let constant = |own: Friction| {
-        let points = vec![(0.0, -0.06), (0.0, 0.06)];
-        let graph = PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph");
-        Friction { graph: Arc::new(graph), ..own }
+    let constant = |bound: f64| {
+        move |own: Friction| {
+            let points = vec![(0.0, -bound), (0.0, bound)];
+            let graph = PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph");
+            Friction { graph: Arc::new(graph), ..own }
+        }
     };
     let late = |own: Friction| {
         let sound = own.factor;
@@ -140,7 +142,9 @@ fn wrong_friction_is_not_what_another_program_finds() {
         CASES.iter().flat_map(|name| [(*name, times(name, 0.5)), (*name, times(name, 1.001))]);
     let of_one = [
         ("coulomb", changed("coulomb", given)),
-        ("falling", changed("falling", constant)),
+        ("falling", changed("falling", constant(0.06))),
+        ("box-coulomb", changed("box-coulomb", given)),
+        ("box-falling", changed("box-falling", constant(0.1))),
         ("box", changed("box", late)),
     ];
     for (name, wrong) in of_all.chain(of_one) {

@@ -23,6 +23,7 @@ mod fixtures_punch;
 mod fixtures_pure_strong;
 mod floors;
 mod friction;
+mod friction_bounds;
 mod friction_independent;
 mod friction_space;
 mod gronwall;
