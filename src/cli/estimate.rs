@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{CliError, print_json, print_text};
 pub(super) use advice::Wanted;
-use judge::fit::Interval;
+use advice::bracketed;
 use report::digits;
 use scene::setup::Setup;
 use scene::{Extension, Norm};
@@ -77,10 +77,6 @@ fn print(found: &Companions, estimates: &[(Norm, Estimate)], quantities: &[Quant
     for quantity in quantities {
         print_text(&quantity_words(quantity));
     }
-}
-
-fn bracketed(interval: Interval) -> String {
-    format!("[{:.3e}, {:.3e}]", interval.lo, interval.hi)
 }
 
 fn part_words(part: &Part) -> String {

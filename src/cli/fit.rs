@@ -9,6 +9,7 @@ mod path;
 mod picture;
 mod values;
 mod window;
+mod wording;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -17,8 +18,9 @@ use clap::Args;
 
 use self::asked::Asked;
 use self::claims::Claims;
-use self::eoc::{Style, plain};
+use self::eoc::Style;
 use self::window::Window;
+use self::wording::Part;
 use super::output::write_user_file;
 use super::{CliError, print_json, print_text};
 use files::read_at_most;
@@ -93,14 +95,6 @@ pub(crate) struct Fit {
     /// Draw the errors into this file, with triangles of the predicted orders
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-}
-
-/// The result for one table in one direction.
-struct Part {
-    text: String,
-    json: serde_json::Map<String, serde_json::Value>,
-    /// Set if an order is predicted.
-    decision: Option<Decision>,
 }
 
 /// The norms of a table, for error messages.
@@ -271,51 +265,4 @@ fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'
     let lines: Vec<Part> = lines.collect();
     let grid = joint.map(|joint| grid::part(group, &joint, asked));
     Ok(lines.into_iter().chain(grid).collect())
-}
-
-/// The verdict for gaps: as in a sweep, a missing case is a failure.
-fn gap_verdict(group: &Group) -> Option<(Decision, String)> {
-    group.gaps_in_words().map(|gaps| (Decision::Fail, gaps))
-}
-
-/// `; predicted 1: pass, 1 lies in …`, to end a line.
-fn verdict_text(predicted: Option<String>, verdict: Option<&(Decision, String)>) -> String {
-    match (predicted, verdict) {
-        (Some(order), Some((decision, reason))) => {
-            format!("predicted {order}: {}, {reason}", decision.name())
-        }
-        (_, Some((_, reason))) => reason.clone(),
-        _ => String::new(),
-    }
-}
-
-/// The steps of the missing levels: one more in the ratio of the last two, or two after a single one.
-fn next_steps(steps: &[f64]) -> Vec<f64> {
-    match steps {
-        [.., previous, last] => vec![last * last / previous],
-        [only] => vec![only / 2.0, only / 4.0],
-        [] => Vec::new(),
-    }
-}
-
-fn run(name: &str, steps: &[f64]) -> String {
-    let each: Vec<String> = steps.iter().map(|step| format!("{name} = {}", plain(*step))).collect();
-    match each.is_empty() {
-        true => format!("run three values of {name}"),
-        false => format!("run {}", each.join(" and ")),
-    }
-}
-
-fn step_name(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Space => "h",
-        Direction::Time => "k",
-    }
-}
-
-fn map(object: serde_json::Value) -> serde_json::Map<String, serde_json::Value> {
-    match object {
-        serde_json::Value::Object(map) => map,
-        _ => serde_json::Map::new(),
-    }
 }

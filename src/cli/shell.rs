@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
-use super::{Arguments, CliError, create_dir, print_text};
+use super::{CliError, create_dir, print_text};
 use files::counted;
 
 const PROGRAM: &str = "sweep";
@@ -32,17 +32,18 @@ pub(crate) struct Man {
 }
 
 impl Completions {
-    pub(super) fn execute(&self) -> Result<u8, CliError> {
+    /// For the command line `program`.
+    pub(super) fn execute(&self, program: &mut Command) -> Result<u8, CliError> {
         let mut text = Vec::new();
-        clap_complete::generate(self.shell, &mut Arguments::command(), PROGRAM, &mut text);
+        clap_complete::generate(self.shell, program, PROGRAM, &mut text);
         print_text(String::from_utf8_lossy(&text).trim_end());
         Ok(0)
     }
 }
 
 impl Man {
-    pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let command = Arguments::command();
+    /// For the command line `command`.
+    pub(super) fn execute(&self, command: Command) -> Result<u8, CliError> {
         if let Some(out) = &self.out {
             create_dir(out)?;
             let pages = 1 + command.get_subcommands().count();

@@ -112,7 +112,9 @@ impl Tree {
                 Some(imported) => Some([imported, &parts[1..]].concat()),
                 None => self.full(module, &parts).filter(|_| parts.len() > 1),
             };
-            self.home(&full?, 0).filter(|home| home != module)
+            // A module around this one that is named alone, as in pub(in crate::m), gives nothing.
+            let full = full.filter(|full| !module.starts_with(full))?;
+            self.home(&full, 0).filter(|home| home != module)
         };
         words(code).filter_map(of).collect()
     }

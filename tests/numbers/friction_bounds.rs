@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::shipped::{on_mesh, run, setup, v_max};
 use gronwall::contact::{Evolution, Friction, Model};
 use gronwall::law::{PiecewiseLinear, Projection};
-use gronwall::leading_error::{Case, Measured, leading_errors};
+use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Direction, Norm};
 use gronwall::setup::{MeshData, Setup, Subject, TruthLoad};
@@ -190,7 +190,7 @@ fn found<P: Projection>(
 /// The leading error on n = 8, and the share by which a sound one may differ.
 fn foreseen(setup: Setup) -> (f64, f64) {
     let measured =
-        Measured { norm: Norm::VMax, variable: Direction::H, order: 1.0, time_reference: 8 };
+        MeasuredNorm { norm: Norm::VMax, variable: Direction::H, order: 1.0, time_reference: 8 };
     let subject = Subject::Contact(Box::new(setup));
     let told = leading_errors(&subject, &measured, &[Case { n: Some(8), steps: 2 }]);
     let told = told.unwrap_or_else(|error| panic!("{error}"));

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::super::target::Target;
 use super::super::{CliError, megabytes, print_text};
-use super::bracketed;
+use judge::fit::Interval;
 use run::sweep::MemoryLimit;
 use scene::Norm;
 use scene::setup::Setup;
@@ -147,4 +147,8 @@ fn advised_json(advised: &Advised) -> Value {
         "finer": advised.finer,
         "extrapolates": advised.extrapolates(),
     })
+}
+
+pub(super) fn bracketed(interval: Interval) -> String {
+    format!("[{:.3e}, {:.3e}]", interval.lo, interval.hi)
 }

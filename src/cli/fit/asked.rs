@@ -4,7 +4,7 @@ use judge::fit::{Claim, Direction, Posterior, Ruling, TOLERANCE};
 use judge::verdict::Decision;
 use serde_json::{Value, json};
 
-use super::run;
+use super::wording::{map, run};
 
 /// Predicted orders and their meaning.
 #[derive(Debug, Clone, Copy)]
@@ -87,7 +87,7 @@ impl Asked {
 
     /// The JSON entries of what was asked.
     pub(super) fn json(self) -> serde_json::Map<String, Value> {
-        super::map(json!({
+        map(json!({
             "at_least": self.at_least,
             "exact": self.exact,
             "tolerance": self.tolerance,

@@ -3,7 +3,7 @@
 use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level};
 use judge::table::{Group, Quantity};
 
-use super::step_name;
+use super::wording::{plain, step_name};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Style {
@@ -19,15 +19,6 @@ impl Style {
             Self::Text => 4,
             Self::Markdown | Self::Latex => usize::MAX,
         }
-    }
-}
-
-/// Four digits, but never 0.0000.
-pub(super) fn plain(number: f64) -> String {
-    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
-    match rounded.abs() {
-        size if size == 0.0 || (1e-3..1e5).contains(&size) => rounded.to_string(),
-        _ => format!("{rounded:e}"),
     }
 }
 

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::asked::{Answer, Asked};
-use super::{Part, gap_verdict, next_steps, step_name, verdict_text};
+use super::wording::{Part, gap_verdict, map, next_steps, step_name, verdict_text};
 use judge::fit::{
     Direction, FittedValue, GridPosterior, JointFit, JointFits, NotIdentifiable, Point,
     fit_constants, infer_grid, joint_fits, same_level, student_quantile,
@@ -166,7 +166,7 @@ fn object(
         (None, Err(refused)) => refused.to_string(),
         (None, Ok(_)) => String::new(),
     };
-    let mut object = super::map(json!({
+    let mut object = map(json!({
         "variable": "joint",
         "order": space.map(|posterior| posterior.order),
         "observed": space.map(|posterior| posterior.order),

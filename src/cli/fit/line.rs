@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::asked::{Answer, Asked};
 use super::grid::Joint;
-use super::{Part, gap_verdict, next_steps, plain, step_name, verdict_text};
+use super::wording::{Part, gap_verdict, map, next_steps, plain, run, step_name, verdict_text};
 use files::counted;
 use judge::fit::{
     Correction, Direction, FitError, Interval, LARGEST_OTHER_SHARE, Level, NotIdentifiable, Point,
@@ -89,7 +89,7 @@ impl<'a> Line<'a> {
                     _ => Vec::new(),
                 };
                 let help = match error {
-                    FitError::TooFew { .. } => format!(": {}", super::run(self.name(), &next)),
+                    FitError::TooFew { .. } => format!(": {}", run(self.name(), &next)),
                     _ => String::new(),
                 };
                 let reason = format!("{error}{}{help}", self.below_floor());
@@ -197,7 +197,7 @@ impl<'a> Line<'a> {
             "points_used": used.collect::<Vec<_>>(),
             "points_left_out": lost.chain(outside).collect::<Vec<_>>(),
         });
-        let mut object = super::map(object);
+        let mut object = map(object);
         object.extend(self.asked.json());
         object
     }

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::asked::{Answer, Asked};
-use super::{Part, gap_verdict, line, next_steps, verdict_text};
+use super::line;
+use super::wording::{Part, gap_verdict, map, next_steps, verdict_text};
 use judge::fit::{Direction, FitError, Posterior, RefinementPath, samples};
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -21,7 +22,7 @@ pub(super) fn part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
     });
     let RefinementPath { exponent, constant } = path;
     let found = read.as_ref().ok();
-    let mut json = super::map(json!({
+    let mut json = map(json!({
         "variable": "path",
         "exponent": exponent,
         "path_constant": constant,

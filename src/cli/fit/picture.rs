@@ -5,7 +5,8 @@ use judge::table::{Group, Quantity};
 use report::{Axis, Chart, Datum, Part, Scale, Series, Slope};
 
 use super::asked::Asked;
-use super::{eoc, step_name};
+use super::eoc;
+use super::wording::step_name;
 use crate::cli::CliError;
 
 /// One series per table, in the first refined direction of the file, with triangles of predicted orders.

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::asked::{Answer, Asked};
-use super::{Part, gap_verdict, next_steps, run, step_name, verdict_text};
+use super::wording::{Part, gap_verdict, map, next_steps, run, step_name, verdict_text};
 use files::counted;
 use judge::fit::{
     Direction, EcaHoekstra, Expansion, FitError, Point, Posterior, Triple, ValueSample,
@@ -183,7 +183,7 @@ fn object(
         (None, Err(error)) => error.to_string(),
         (None, Ok(_)) => String::new(),
     };
-    super::map(json!({
+    map(json!({
         "variable": name,
         "behaviour": triple.map(behaviour),
         "finest": found.and_then(|found| found.samples.last()).map(|sample| sample.value),

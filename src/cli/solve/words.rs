@@ -1,6 +1,6 @@
 //! The output of a solve on the terminal: the answer in a sentence, then each quantity with its unit.
 
-use super::super::width;
+use crate::cli::width;
 use report::digits;
 use serde_json::Value;
 
