@@ -6,9 +6,9 @@
 //!   the tables.
 
 use gronwall::fit::{
-    Claim, Combination, Correction, Decision, Interval, Level, Point, Posterior, Sample, Triple,
-    ValueSample, constant_under, eca_hoekstra, fit_constants, infer, infer_values, joint_fits,
-    power_law,
+    Claim, Correction, Decision, ErrorCombination, Interval, Level, Point, Posterior, Sample,
+    Triple, ValueSample, constant_under, eca_hoekstra, fit_constants, infer, infer_values,
+    joint_fits, power_law,
 };
 
 const TABLES: usize = 1000;
@@ -271,8 +271,8 @@ struct Grids {
 /// Fewer than for lines: a cell of 300 tells 95 % from 91 %.
 const GRIDS: usize = 300;
 
-fn grids(model: Combination, levels: usize, noise: f64) -> Grids {
-    let m = if model == Combination::Sum { 1.0 } else { 2.0 };
+fn grids(model: ErrorCombination, levels: usize, noise: f64) -> Grids {
+    let m = if model == ErrorCombination::Sum { 1.0 } else { 2.0 };
     let mut random = seed(levels, noise);
     let (mut orders, mut student, mut constants) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..GRIDS {
@@ -319,7 +319,7 @@ fn grids(model: Combination, levels: usize, noise: f64) -> Grids {
 fn grids_are_covered() {
     println!("| model | levels | noise | p | q | C_h | C_k |\n|---|---|---|---|---|---|---|");
     let mut lowest_student: f64 = 1.0;
-    for model in [Combination::Sum, Combination::RootSumSquare] {
+    for model in [ErrorCombination::Sum, ErrorCombination::RootSumSquare] {
         for levels in [4, 5] {
             for noise in NOISES {
                 let Grids { orders, student, constants, identified } = grids(model, levels, noise);

@@ -1,6 +1,7 @@
 //! The exact solution of Problem 1 in ℝ^m and its load
 //!
-//! ```text f(t) = M u + g(u) + N(S u, u) + Σ_i w_i (ξ_i + λ_i) a_i, S u = R(Σ_l Q_l ∫_0^t q_l(t,s) u(s) ds + a_S)
+//! ```text
+//! f(t) = M u + g(u) + N(S u, u) + Σ_i w_i (ξ_i + λ_i) a_i,   S u = R(Σ_l Q_l ∫_0^t q_l(t,s) u(s) ds + a_S)
 //! ```
 //!
 //! with histories by double exponential quadrature between the kinks of the integrands.

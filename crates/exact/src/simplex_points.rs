@@ -59,6 +59,7 @@ pub(super) fn parts(coarse: &CoarseMesh, simplices: usize) -> Mesh {
     coarse.refined((root - 1e-9).ceil().max(1.0) as u32, Family::Structured)
 }
 
+/// |K| of a simplex.
 pub(super) fn measure(mesh: &Mesh, c: usize) -> f64 {
     let corners = mesh.cell(c);
     let edge = |a: usize| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use plotters::style::RGBColor;
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
+use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::palette::{INK, colour};
 use super::sheet::with_sheet;
 
@@ -170,7 +170,7 @@ impl Deformed {
 const HATCH: f64 = 18.0;
 
 /// Lines from lower left to upper right through triangles, joined across neighbours.
-fn hatches(cells: Vec<[Place; 3]>) -> Vec<[Place; 2]> {
+fn hatches(cells: Vec<[CanvasPoint; 3]>) -> Vec<[CanvasPoint; 2]> {
     // By line x + y = c, from one x to another.
     let mut pieces: BTreeMap<i64, Vec<(f64, f64)>> = BTreeMap::new();
     for corners in cells {
@@ -220,7 +220,7 @@ const THIN: RGBColor = RGBColor(150, 150, 150);
 /// An arrow that ends at its foot, pressing in its direction (y upwards).
 fn arrow(
     canvas: &Canvas<'_>,
-    foot: Place,
+    foot: CanvasPoint,
     (dx, dy): (f64, f64),
     length: f64,
 ) -> Result<(), ReportError> {
@@ -264,7 +264,7 @@ impl View {
         Some(Self { origin: (x.0, y.0), scale, corner })
     }
 
-    fn place(&self, (x, y): (f64, f64)) -> Place {
+    fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
         let away = (x - self.origin.0, y - self.origin.1);
         (self.corner.0 + self.scale * away.0, self.corner.1 - self.scale * away.1)
     }
@@ -282,7 +282,7 @@ mod tests {
         // x + y = 18, 36, ... 162: one line each.
         assert_eq!(lines.len(), 9, "{lines:?}");
         let inside =
-            |(x, y): Place| (-1e-9..=90.0 + 1e-9).contains(&x) && (-1e-9..=90.1).contains(&y);
+            |(x, y): CanvasPoint| (-1e-9..=90.0 + 1e-9).contains(&x) && (-1e-9..=90.1).contains(&y);
         assert!(lines.iter().flatten().all(|end| inside(*end)));
         let mut apart = square;
         apart[1] = apart[1].map(|(x, y)| (x + 200.0, y));

@@ -22,7 +22,7 @@ const PLOTTERS_FONT: f64 = 1.24;
 const MARKER: f64 = 11.0;
 
 /// A point on the canvas, y downwards.
-pub(super) type Place = (f64, f64);
+pub(super) type CanvasPoint = (f64, f64);
 
 /// Position of a text relative to its place.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +60,7 @@ impl<'a> Canvas<'a> {
 
     pub(super) fn line(
         &self,
-        path: &[Place],
+        path: &[CanvasPoint],
         colour: RGBColor,
         width: u32,
     ) -> Result<(), ReportError> {
@@ -71,7 +71,7 @@ impl<'a> Canvas<'a> {
     /// A path of strokes of length `on` with gaps of length `off`.
     pub(super) fn dashed(
         &self,
-        path: &[Place],
+        path: &[CanvasPoint],
         colour: RGBColor,
         (on, off): (f64, f64),
     ) -> Result<(), ReportError> {
@@ -98,7 +98,7 @@ impl<'a> Canvas<'a> {
 
     pub(super) fn fill(
         &self,
-        corners: &[Place],
+        corners: &[CanvasPoint],
         colour: RGBColor,
         opacity: f64,
     ) -> Result<(), ReportError> {
@@ -109,7 +109,7 @@ impl<'a> Canvas<'a> {
     /// One of four shapes by number; hollow for a point that is left out.
     pub(super) fn marker(
         &self,
-        place: Place,
+        place: CanvasPoint,
         shape: usize,
         colour: RGBColor,
         hollow: bool,
@@ -124,32 +124,32 @@ impl<'a> Canvas<'a> {
             return self.area.draw(&disc(MARKER - 4.0, inside)).map_err(ReportError::drawing);
         }
         self.fill(&corners, inside, 1.0)?;
-        let closed: Vec<Place> = corners.iter().chain(corners.first()).copied().collect();
+        let closed: Vec<CanvasPoint> = corners.iter().chain(corners.first()).copied().collect();
         self.line(&closed, colour, 4)
     }
 
     pub(super) fn text(
         &self,
         words: &str,
-        place: Place,
+        place: CanvasPoint,
         anchor: Anchor,
     ) -> Result<(), ReportError> {
         self.styled(words, place, anchor, (FontStyle::Normal, WORDS))
     }
 
-    pub(super) fn bold(&self, words: &str, place: Place) -> Result<(), ReportError> {
+    pub(super) fn bold(&self, words: &str, place: CanvasPoint) -> Result<(), ReportError> {
         self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS))
     }
 
     /// Words centred on an area of light colour.
-    pub(super) fn on_tint(&self, words: &str, place: Place) -> Result<(), ReportError> {
+    pub(super) fn on_tint(&self, words: &str, place: CanvasPoint) -> Result<(), ReportError> {
         self.styled(words, place, Anchor::Centre, (FontStyle::Normal, WORDS_ON_TINT))
     }
 
     fn styled(
         &self,
         words: &str,
-        place: Place,
+        place: CanvasPoint,
         anchor: Anchor,
         (weight, ink): (FontStyle, RGBColor),
     ) -> Result<(), ReportError> {
@@ -167,8 +167,8 @@ impl<'a> Canvas<'a> {
     }
 }
 
-fn outline(shape: usize, (x, y): Place) -> Vec<Place> {
-    let corners: &[Place] = match shape % 4 {
+fn outline(shape: usize, (x, y): CanvasPoint) -> Vec<CanvasPoint> {
+    let corners: &[CanvasPoint] = match shape % 4 {
         0 => &[],
         1 => &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
         2 => &[(0.0, -1.3), (1.2, 0.9), (-1.2, 0.9)],
@@ -177,10 +177,10 @@ fn outline(shape: usize, (x, y): Place) -> Vec<Place> {
     corners.iter().map(|(dx, dy)| (x + MARKER * dx, y + MARKER * dy)).collect()
 }
 
-fn pixel((x, y): Place) -> (i32, i32) {
+fn pixel((x, y): CanvasPoint) -> (i32, i32) {
     (x.round() as i32, y.round() as i32)
 }
 
-fn pixels(path: &[Place]) -> Vec<(i32, i32)> {
+fn pixels(path: &[CanvasPoint]) -> Vec<(i32, i32)> {
     path.iter().copied().map(pixel).collect()
 }

@@ -1,7 +1,7 @@
 //! A picture of series over two axes.
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place, SIZE};
+use super::canvas::{Anchor, Canvas, CanvasPoint, SIZE};
 use super::direct;
 use super::frame::{Frame, RIGHT, TITLE_ROOM};
 use super::legend::{Legend, Sample, Stroke};
@@ -235,7 +235,7 @@ impl Chart {
     }
 
     /// The places of a part, cut at points without a place.
-    pub(super) fn runs(&self, frame: &Frame, part: &Part) -> Vec<Vec<Place>> {
+    pub(super) fn runs(&self, frame: &Frame, part: &Part) -> Vec<Vec<CanvasPoint>> {
         let holds = |p: &Datum| self.x.scale.holds(p.0) && self.y.scale.holds(p.1);
         let pieces = part.points().split(|point| !holds(point));
         pieces

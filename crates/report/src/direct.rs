@@ -1,7 +1,7 @@
 //! Names of series at the ends of their lines, in place of a legend.
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
+use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::chart::Chart;
 use super::frame::{BOTTOM, Frame, LINE, RIGHT, TOP};
 use super::legend::LEGEND_CHARACTERS;
@@ -17,13 +17,13 @@ pub(super) fn fits(chart: &Chart) -> bool {
 
 /// Writes the names; returns the height of the lowest one, or the top if there is none.
 pub(super) fn draw(canvas: &Canvas<'_>, chart: &Chart, frame: &Frame) -> Result<f64, ReportError> {
-    let end = |at: usize| -> Option<(usize, Place)> {
+    let end = |at: usize| -> Option<(usize, CanvasPoint)> {
         let series = &chart.series[at];
         let runs = series.parts.iter().flat_map(|part| chart.runs(frame, part));
         let last = runs.filter_map(|run| run.last().copied()).max_by(|a, b| a.0.total_cmp(&b.0))?;
         (!series.name.is_empty()).then_some((at, last))
     };
-    let mut ends: Vec<(usize, Place)> = (0..chart.series.len()).filter_map(end).collect();
+    let mut ends: Vec<(usize, CanvasPoint)> = (0..chart.series.len()).filter_map(end).collect();
     ends.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
     let heights = spread(&ends.iter().map(|(_, place)| place.1).collect::<Vec<_>>());
     let inks = chart.inks();

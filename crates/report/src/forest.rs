@@ -1,7 +1,7 @@
 //! The forest plot: every observed order with its interval and prediction, a row each.
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
+use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::group::Group;
 use super::palette::{COLOURS, GRID, INK};
 use super::sheet::with_sheet;
@@ -185,11 +185,16 @@ fn draw_row(
     }
 }
 
-fn square((x, y): Place, half: f64) -> [Place; 4] {
+fn square((x, y): CanvasPoint, half: f64) -> [CanvasPoint; 4] {
     [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
 }
 
-fn arrow(canvas: &Canvas<'_>, (x, y): Place, to: f64, ink: RGBColor) -> Result<(), ReportError> {
+fn arrow(
+    canvas: &Canvas<'_>,
+    (x, y): CanvasPoint,
+    to: f64,
+    ink: RGBColor,
+) -> Result<(), ReportError> {
     canvas.fill(&[(x + 10.0 * to, y), (x, y - 8.0), (x, y + 8.0)], ink, 1.0)
 }
 

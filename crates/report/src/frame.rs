@@ -1,7 +1,7 @@
 //! The axes of a picture, with room for a title above and a legend beside.
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
+use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::chart::{Chart, Mark};
 use super::legend::wrapped;
 use super::palette::{GRID, INK};
@@ -55,7 +55,7 @@ impl Frame {
         Some(Self { x, y })
     }
 
-    pub(super) fn place(&self, (x, y): (f64, f64)) -> Place {
+    pub(super) fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
         (self.across(x), self.up(y))
     }
 

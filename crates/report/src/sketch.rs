@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
+use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::palette::{INK, colour};
 use super::sheet::with_sheet;
 
@@ -106,7 +106,7 @@ fn tint(ink: Ink) -> RGBColor {
     }
 }
 
-fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[Place]) -> Result<(), ReportError> {
+fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[CanvasPoint]) -> Result<(), ReportError> {
     let colour = tint(ink);
     match ink {
         Ink::Clamped => {
@@ -124,7 +124,7 @@ fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[Place]) -> Result<(), ReportError
 }
 
 /// Short strokes on one side of a line.
-fn hatches(canvas: &Canvas<'_>, from: Place, to: Place) -> Result<(), ReportError> {
+fn hatches(canvas: &Canvas<'_>, from: CanvasPoint, to: CanvasPoint) -> Result<(), ReportError> {
     let length = (to.0 - from.0).hypot(to.1 - from.1);
     let (along, count) = (((to.0 - from.0) / length, (to.1 - from.1) / length), length / 14.0);
     (0..count as usize).try_for_each(|i| {
@@ -168,12 +168,12 @@ impl View {
         Self { origin: (x.0, y.0), scale, corner }
     }
 
-    fn place(&self, (x, y): (f64, f64)) -> Place {
+    fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
         let away = (x - self.origin.0, y - self.origin.1);
         (self.corner.0 + self.scale.0 * away.0, self.corner.1 - self.scale.1 * away.1)
     }
 
-    fn path(&self, points: &[(f64, f64)]) -> Vec<Place> {
+    fn path(&self, points: &[(f64, f64)]) -> Vec<CanvasPoint> {
         points.iter().map(|&point| self.place(point)).collect()
     }
 }

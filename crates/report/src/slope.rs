@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
+use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::chart::{Chart, Datum, Part};
 use super::frame::{BOTTOM, Frame, RIGHT};
 
@@ -19,7 +19,7 @@ pub struct Slope {
 /// A placed triangle: fine end, corner, coarse end.
 pub(super) struct Placed {
     pub(super) series: usize,
-    corners: [Place; 3],
+    corners: [CanvasPoint; 3],
     label: String,
 }
 
@@ -33,7 +33,7 @@ const MOVE: f64 = 12.0;
 const CHARACTER: f64 = 19.0;
 const HALF_LINE: f64 = 18.0;
 
-type Segment = [Place; 2];
+type Segment = [CanvasPoint; 2];
 
 /// The triangles that find a place, as close below their lines as possible, between the finest points that allow it.
 /// None on linear axes.
@@ -70,7 +70,12 @@ fn drawn(chart: &Chart, frame: &Frame) -> Vec<Segment> {
     segments
 }
 
-fn free_place(slope: &Slope, frame: &Frame, decade: f64, taken: &[Segment]) -> Option<[Place; 3]> {
+fn free_place(
+    slope: &Slope,
+    frame: &Frame,
+    decade: f64,
+    taken: &[Segment],
+) -> Option<[CanvasPoint; 3]> {
     let steps = ((BOTTOM - super::frame::TOP) / MOVE) as usize;
     (0..steps).find_map(|step| {
         slope.along.windows(2).find_map(|pair| {
@@ -81,7 +86,7 @@ fn free_place(slope: &Slope, frame: &Frame, decade: f64, taken: &[Segment]) -> O
             let corners = [(left, top + height), (right, top + height), (right, top)];
             let label = label_box(corners[1], corners[2], &slope.label);
             let inside = corners[0].1.max(top) < BOTTOM - MOVE && label[1].0 < RIGHT;
-            let free = |shape: &[Place], clear: f64| {
+            let free = |shape: &[CanvasPoint], clear: f64| {
                 taken.iter().all(|segment| !meets(shape, segment, clear))
             };
             (inside && free(&corners, CLEAR) && free(&label, 0.5 * CLEAR)).then_some(corners)
@@ -90,20 +95,20 @@ fn free_place(slope: &Slope, frame: &Frame, decade: f64, taken: &[Segment]) -> O
 }
 
 /// The corners of the label, right of the upright side.
-fn label_box(corner: Place, end: Place, label: &str) -> [Place; 4] {
+fn label_box(corner: CanvasPoint, end: CanvasPoint, label: &str) -> [CanvasPoint; 4] {
     let (left, middle) = (corner.0 + MOVE, 0.5 * (corner.1 + end.1));
     let right = left + CHARACTER * label.chars().count() as f64;
     let (top, bottom) = (middle - HALF_LINE, middle + HALF_LINE);
     [(left, top), (right, top), (right, bottom), (left, bottom)]
 }
 
-fn edges(corners: &[Place]) -> impl Iterator<Item = Segment> + '_ {
+fn edges(corners: &[CanvasPoint]) -> impl Iterator<Item = Segment> + '_ {
     (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]])
 }
 
 /// Whether a segment enters a convex shape or comes nearer than `clear`.
-fn meets(shape: &[Place], segment: &Segment, clear: f64) -> bool {
-    let within = |point: Place| {
+fn meets(shape: &[CanvasPoint], segment: &Segment, clear: f64) -> bool {
+    let within = |point: CanvasPoint| {
         let turns = edges(shape).map(|[a, b]| turn(a, b, point));
         let (least, most) =
             turns.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), t| (lo.min(t), hi.max(t)));
@@ -113,7 +118,7 @@ fn meets(shape: &[Place], segment: &Segment, clear: f64) -> bool {
 }
 
 /// Twice the signed area of the triangle a, b, c.
-fn turn(a: Place, b: Place, c: Place) -> f64 {
+fn turn(a: CanvasPoint, b: CanvasPoint, c: CanvasPoint) -> f64 {
     (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0)
 }
 
@@ -126,7 +131,7 @@ fn distance(one: &Segment, other: &Segment) -> f64 {
     ends.map(|(segment, point)| to_point(segment, point)).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-fn to_point([a, b]: &Segment, point: Place) -> f64 {
+fn to_point([a, b]: &Segment, point: CanvasPoint) -> f64 {
     let along = (b.0 - a.0, b.1 - a.1);
     let square = along.0 * along.0 + along.1 * along.1;
     let product = (point.0 - a.0) * along.0 + (point.1 - a.1) * along.1;
@@ -136,7 +141,7 @@ fn to_point([a, b]: &Segment, point: Place) -> f64 {
 
 impl Placed {
     #[cfg(test)]
-    pub(super) fn corners(&self) -> [Place; 3] {
+    pub(super) fn corners(&self) -> [CanvasPoint; 3] {
         self.corners
     }
 

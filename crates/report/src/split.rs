@@ -3,13 +3,13 @@
 
 use plotters::style::RGBColor;
 
-use super::canvas::{Anchor, Canvas, Place, SIZE};
+use super::canvas::{Anchor, Canvas, CanvasPoint, SIZE};
 use super::curve::norms;
 use super::palette::INK;
 use super::sheet::with_sheet;
 use super::ticks::step_label;
 use super::{ReportError, SceneSummary};
-use judge::fit::{Combination, JointFit, Point, joint_fits, screen};
+use judge::fit::{ErrorCombination, JointFit, Point, joint_fits, screen};
 use judge::record::{CaseRecord, norm_label};
 
 /// The cells: left, top, right, row height. Text of 30 units is 7.5 pt at a picture width of 16 cm.
@@ -98,7 +98,7 @@ fn cell(
     canvas.on_tint(&share, (x, middle + 19.0))
 }
 
-fn legend(canvas: &Canvas<'_>, (mut x, y): Place) -> Result<(), ReportError> {
+fn legend(canvas: &Canvas<'_>, (mut x, y): CanvasPoint) -> Result<(), ReportError> {
     for (of_k, words) in [(0.0, "the error is of h"), (0.5, "of both alike"), (1.0, "of k")] {
         let corners = [(x, y - 16.0), (x + 60.0, y - 16.0), (x + 60.0, y + 16.0), (x, y + 16.0)];
         canvas.fill(&corners, tint(of_k), 1.0)?;
@@ -119,8 +119,8 @@ fn tint(of_k: f64) -> RGBColor {
 /// The share of E^m that the model attributes to the time step.
 fn share_of_k(fit: &JointFit, h: f64, k: f64) -> f64 {
     let m = match fit.model {
-        Combination::Sum => 1.0,
-        Combination::RootSumSquare => 2.0,
+        ErrorCombination::Sum => 1.0,
+        ErrorCombination::RootSumSquare => 2.0,
     };
     let space = (fit.constant_h * h.powf(fit.order_h.value)).powf(m);
     let time = (fit.constant_k * k.powf(fit.order_k.value)).powf(m);

@@ -1,7 +1,7 @@
 //! The judged errors of a scene, small enough for a card: points, fitted line, the order at its end.
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
+use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::chart::Datum;
 use super::curve::{Curve, curve};
 use super::palette::{GRID, INK, colour};
@@ -62,7 +62,7 @@ fn draw(
     taken: &mut Vec<f64>,
 ) -> Result<(), ReportError> {
     let ink = colour(index);
-    let places: Vec<Place> = curve.used.iter().map(|point| axes.place(*point)).collect();
+    let places: Vec<CanvasPoint> = curve.used.iter().map(|point| axes.place(*point)).collect();
     canvas.line(&places, ink, 3)?;
     for (points, hollow) in [(&curve.used, false), (&curve.left_out, true)] {
         points.iter().try_for_each(|p| canvas.marker(axes.place(*p), index, ink, hollow))?;
@@ -107,7 +107,7 @@ impl Axes {
         (x.1 > x.0 && y.1 >= y.0).then(|| Self { x, y: (y.0, y.1.max(y.0 + 1e-3)) })
     }
 
-    fn place(&self, (x, y): Datum) -> Place {
+    fn place(&self, (x, y): Datum) -> CanvasPoint {
         let share = |value: f64, (lo, hi): (f64, f64)| (value.ln() - lo) / (hi - lo);
         let (left, top, right, bottom) = ROOM;
         (left + share(x, self.x) * (right - left), bottom - share(y, self.y) * (bottom - top))

@@ -143,6 +143,7 @@ impl Domain {
         }
     }
 
+    /// |Ω|.
     pub fn measure(&self) -> f64 {
         match &self.shape {
             Shape::Box => self.size.iter().product(),

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::identifiable::check_bends;
 use super::levenberg_marquardt::minimise;
 use super::log_table::{LogTable, Shape};
-use super::{Combination, FittedValue, Interval, Point, student_quantile};
+use super::{ErrorCombination, FittedValue, Interval, Point, student_quantile};
 
 /// Start orders; all pairs are tried and the best minimum kept.
 const STARTS: [(f64, f64); 6] =
@@ -16,7 +16,7 @@ const SCOUTS: usize = 64;
 
 #[derive(Debug, Clone)]
 pub(super) struct GridFit {
-    pub(super) model: Combination,
+    pub(super) model: ErrorCombination,
     pub(super) shape: Shape,
     /// ‖log E − log e‖, Euclidean over the points.
     pub(super) residual_norm: f64,
@@ -29,7 +29,7 @@ pub(super) struct GridFit {
 }
 
 impl GridFit {
-    pub(super) fn of(points: &[Point], model: Combination, shape: Shape) -> Option<Self> {
+    pub(super) fn of(points: &[Point], model: ErrorCombination, shape: Shape) -> Option<Self> {
         let scouts = scouts(points);
         let table = LogTable::new(&scouts);
         let best = starts(&table, shape)
@@ -61,7 +61,7 @@ impl GridFit {
 
     fn from_start(
         table: &LogTable,
-        model: Combination,
+        model: ErrorCombination,
         shape: Shape,
         start: DVector<f64>,
     ) -> Option<Self> {
@@ -185,10 +185,10 @@ mod tests {
             })
             .collect();
         let shape = Shape { orders: None, floor: false, bends: false };
-        let found = GridFit::of(&points, Combination::Sum, shape).unwrap();
+        let found = GridFit::of(&points, ErrorCombination::Sum, shape).unwrap();
         let table = LogTable::new(&points);
         let start = DVector::from_vec(vec![-3.0, -3.0, 1.1, 1.9]);
-        let other = GridFit::from_start(&table, Combination::Sum, shape, start).unwrap();
+        let other = GridFit::from_start(&table, ErrorCombination::Sum, shape, start).unwrap();
         for (a, b) in found.estimates().into_iter().zip(other.estimates()) {
             assert!((a.value - b.value).abs() < 1e-7 && a.interval.contains(b.value));
             assert!((a.interval.half_width() - b.interval.half_width()).abs() < 1e-7);

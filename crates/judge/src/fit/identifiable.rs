@@ -134,7 +134,7 @@ fn correlation(points: &[Point]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Combination, FittedValue, Interval};
+    use crate::fit::{ErrorCombination, FittedValue, Interval};
 
     fn on(pairs: &[(f64, f64)]) -> Vec<Point> {
         pairs.iter().map(|&(h, k)| Point { h, k, error: 1.0, floor: 0.0 }).collect()
@@ -194,7 +194,7 @@ mod tests {
         let interval = Interval { lo: 1.0, hi: 1.0 };
         let order = FittedValue { value: 1.0, interval };
         JointFit {
-            model: Combination::Sum,
+            model: ErrorCombination::Sum,
             order_h: order,
             order_k: order,
             student: [interval; 2],

@@ -3,7 +3,7 @@
 use super::grid_fit::GridFit;
 use super::identifiable::{check_clip, check_grid, check_terms, clipped};
 use super::log_table::Shape;
-use super::{Combination, FitError, Interval, NotIdentifiable, Point, screen};
+use super::{ErrorCombination, FitError, Interval, NotIdentifiable, Point, screen};
 
 /// Residual ratio up to which the worse model is not refuted: 4 in squares is below the 95 % quantile of F up to 6 and
 /// 6 degrees of freedom.
@@ -23,7 +23,7 @@ pub struct FittedValue {
 /// One error model fitted to a grid, in logarithms.
 #[derive(Debug, Clone)]
 pub struct JointFit {
-    pub model: Combination,
+    pub model: ErrorCombination,
     pub order_h: FittedValue,
     pub order_k: FittedValue,
     /// Student intervals of p and q, before widening.
@@ -73,7 +73,7 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
     let usable = usable(points);
     let shape = Shape { orders: None, floor: with_floor, bends: false };
     check_grid(&usable, shape.parameters())?;
-    let mut fits: Vec<GridFit> = [Combination::Sum, Combination::RootSumSquare]
+    let mut fits: Vec<GridFit> = [ErrorCombination::Sum, ErrorCombination::RootSumSquare]
         .into_iter()
         .filter_map(|model| GridFit::of(&usable, model, shape))
         .collect();
@@ -96,7 +96,7 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
 /// [`FitError::TooFew`] for fewer than three points, [`FitError::Singular`] without a minimum.
 pub fn fit_constants(
     points: &[Point],
-    model: Combination,
+    model: ErrorCombination,
     orders: (f64, f64),
 ) -> Result<[FittedValue; 2], FitError> {
     let usable = usable(points);
@@ -108,8 +108,8 @@ pub fn fit_constants(
     let fit = |model| GridFit::of(&usable, model, shape);
     let full = fit(model).ok_or(FitError::Singular { points: found })?;
     let rival = match model {
-        Combination::Sum => fit(Combination::RootSumSquare),
-        Combination::RootSumSquare => fit(Combination::Sum),
+        ErrorCombination::Sum => fit(ErrorCombination::RootSumSquare),
+        ErrorCombination::RootSumSquare => fit(ErrorCombination::Sum),
     };
     let bent = full.bent(&usable);
     let logs = match &bent {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Combination, Point};
+use super::{ErrorCombination, Point};
 
 /// Fitted parameters, in this order: log C_h, log C_k[, p, q][, log F][, D_h, D_k].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +66,7 @@ impl LogTable {
     /// Residuals log E − log e and their Jacobian; constants refer to the centre of the table.
     pub(super) fn residuals(
         &self,
-        model: Combination,
+        model: ErrorCombination,
         shape: Shape,
         x: &DVector<f64>,
     ) -> (DVector<f64>, DMatrix<f64>) {
@@ -125,7 +125,7 @@ mod tests {
             let x: Vec<f64> = (0..MOST).filter(serves).map(|i| all[i]).collect();
             let x = DVector::from_vec(x);
             assert_eq!(x.len(), shape.parameters(), "{shape:?}");
-            for model in [Combination::Sum, Combination::RootSumSquare] {
+            for model in [ErrorCombination::Sum, ErrorCombination::RootSumSquare] {
                 let (_, jacobian) = table.residuals(model, shape, &x);
                 for j in 0..x.len() {
                     let step = DVector::from_fn(x.len(), |i, _| if i == j { 1e-6 } else { 0.0 });
@@ -144,7 +144,7 @@ mod tests {
         let table = LogTable::new(&[Point { h: 2.0, k: 3.0, error: 5.0, floor: 0.0 }]);
         let x = DVector::from_vec(vec![0.3, -0.2, 9.0, 8.0, 0.1, 0.5, -0.4]);
         let shape = Shape { orders: None, floor: true, bends: true };
-        let (residuals, _) = table.residuals(Combination::Sum, shape, &x);
+        let (residuals, _) = table.residuals(ErrorCombination::Sum, shape, &x);
         let error = 0.8f64.exp() + (-0.6f64).exp() + 0.1f64.exp();
         assert!((residuals[0] - (error / 5.0).ln()).abs() < 1e-15);
         assert_eq!(table.centre, [2f64.ln(), 3f64.ln()]);

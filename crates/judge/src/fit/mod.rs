@@ -38,7 +38,7 @@ pub use interval::Interval;
 pub use joint::{FittedValue, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
 pub use least_squares::{LinearFit, linear_fit, student_quantile};
 pub use local::{Correction, constant_under, local_slopes};
-pub use model::Combination;
+pub use model::ErrorCombination;
 pub use path::{RefinementPath, path};
 pub use power_law::{PowerLaw, power_law};
 pub use richardson::{Triple, ValueSample};

@@ -2,14 +2,14 @@
 
 /// E = (A^m + B^m + F^m)^(1/m) with A = C_h h^p, B = C_k k^q and an optional floor F.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Combination {
+pub enum ErrorCombination {
     /// m = 1: the triangle inequality attained.
     Sum,
     /// m = 2: space and time error nearly orthogonal.
     RootSumSquare,
 }
 
-impl Combination {
+impl ErrorCombination {
     pub fn name(self) -> &'static str {
         match self {
             Self::Sum => "sum",
@@ -41,10 +41,10 @@ mod tests {
 
     #[test]
     fn terms_combine_with_their_weights() {
-        let (log_error, weights) = Combination::Sum.combine([3f64.ln(), 0.0]);
+        let (log_error, weights) = ErrorCombination::Sum.combine([3f64.ln(), 0.0]);
         assert!((log_error - 4f64.ln()).abs() < 1e-15 && (weights[0] - 0.75).abs() < 1e-15);
-        let (log_error, weights) = Combination::RootSumSquare.combine([3f64.ln(), 4f64.ln()]);
+        let (log_error, weights) = ErrorCombination::RootSumSquare.combine([3f64.ln(), 4f64.ln()]);
         assert!((log_error - 5f64.ln()).abs() < 1e-15 && (weights[1] - 0.64).abs() < 1e-15);
-        assert!(Combination::Sum.combine([900.0, -900.0]).0.is_finite());
+        assert!(ErrorCombination::Sum.combine([900.0, -900.0]).0.is_finite());
     }
 }

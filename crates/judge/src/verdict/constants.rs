@@ -43,7 +43,7 @@ pub struct ForeseenConstant {
     pub foreseen: Foreseen,
 }
 
-pub(super) struct Comparison {
+pub(super) struct ConstantComparison {
     pub(super) constant: FittedConstant,
     pub(super) decision: Decision,
     pub(super) sentence: String,
@@ -60,7 +60,7 @@ pub(super) fn compare_constant(
     line: &LeadingLine,
     prediction: &Prediction,
     direction: Direction,
-) -> Option<Comparison> {
+) -> Option<ConstantComparison> {
     let order = prediction.order;
     let mut pairs: Vec<(Sample, f64)> = Vec::new();
     for point in &line.points {
@@ -96,7 +96,7 @@ pub(super) fn compare_constant(
     let finest = &pairs[pairs.len().saturating_sub(FEWEST)..];
     let agree = finest.len() == FEWEST && finest.iter().all(within);
     let leading_order = local_slopes(&samples).last().copied().filter(|_| agree);
-    Some(Comparison { constant, decision, sentence, leading_order })
+    Some(ConstantComparison { constant, decision, sentence, leading_order })
 }
 
 /// Pass if the ratio is within tolerance of one; unresolved if twice its last change on the logarithm may bring it

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::constants::{Comparison, Foreseen, LeadingLine, compare_constant};
+use super::constants::{ConstantComparison, Foreseen, LeadingLine, compare_constant};
 use super::joint::judge_grid;
 use super::next::{Next, NextCase, next_case};
 use super::selection::{Cases, Selection};
@@ -122,7 +122,9 @@ fn compare_with(
     let name = constant_name(direction);
     let Some(&fitted) = finding.constants.get(name) else { return };
     let compared = compare_constant(fitted, &selection.used, line, prediction, direction);
-    let Some(Comparison { constant, decision, sentence, leading_order }) = compared else { return };
+    let Some(ConstantComparison { constant, decision, sentence, leading_order }) = compared else {
+        return;
+    };
     finding.constants.insert(name, constant);
     finding.reason = format!("{}; {sentence}", finding.reason);
     let order_alone = finding.decision;

@@ -140,7 +140,7 @@ fn coarser(first: u32, second: Option<u32>) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::fit::Point;
-    use crate::verdict::selection::Place;
+    use crate::verdict::selection::MeshAndSteps;
 
     #[test]
     fn levels_continue_as_they_went() {
@@ -158,7 +158,7 @@ mod tests {
 
     fn serving(n: u32, steps: u32) -> Serving {
         let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
-        let key = Place { n: Some(n), steps };
+        let key = MeshAndSteps { n: Some(n), steps };
         Serving { key, point: Point { h, k, error: h + k, floor: 0.0 } }
     }
 

@@ -8,18 +8,18 @@ use crate::record::{CaseRecord, Key, Status};
 
 /// Identifies a case within its scene; kept small, since there may be a million.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Place {
+pub(super) struct MeshAndSteps {
     pub(super) n: Option<u32>,
     pub(super) steps: u32,
 }
 
-impl Place {
+impl MeshAndSteps {
     fn key(self, scene: &str) -> Key {
         Key { scene: scene.to_owned(), n: self.n, steps: self.steps }
     }
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for MeshAndSteps {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.key("").fmt(f)
     }
@@ -27,7 +27,7 @@ impl std::fmt::Display for Place {
 
 #[derive(Debug, Clone)]
 pub(super) struct Serving {
-    pub(super) key: Place,
+    pub(super) key: MeshAndSteps,
     pub(super) point: Point,
 }
 
@@ -62,16 +62,17 @@ impl Selection {
 
 /// Cases of one scene, expected or recorded, in order; of two records of one case the later counts.
 pub(super) struct Cases<'a> {
-    cases: Vec<(Place, Option<&'a CaseRecord>)>,
+    cases: Vec<(MeshAndSteps, Option<&'a CaseRecord>)>,
 }
 
 impl<'a> Cases<'a> {
     pub(super) fn new(scene: &str, records: &'a [CaseRecord], expected: &[Key]) -> Self {
         let wanted = expected.iter().filter(|key| key.scene == scene);
-        let wanted = wanted.map(|key| (Place { n: key.n, steps: key.steps }, None));
+        let wanted = wanted.map(|key| (MeshAndSteps { n: key.n, steps: key.steps }, None));
         let found = records.iter().filter(|record| record.scene == scene);
-        let found = found.map(|record| (Place { n: record.n, steps: record.steps }, Some(record)));
-        let mut cases: Vec<(Place, Option<&CaseRecord>)> = wanted.chain(found).collect();
+        let found =
+            found.map(|record| (MeshAndSteps { n: record.n, steps: record.steps }, Some(record)));
+        let mut cases: Vec<(MeshAndSteps, Option<&CaseRecord>)> = wanted.chain(found).collect();
         cases.sort_by_key(|&(place, _)| place);
         cases.dedup_by(|later, kept| {
             let same = later.0 == kept.0;
@@ -139,7 +140,7 @@ impl<'a> Cases<'a> {
     }
 
     /// Levels where some case has the norm; all levels if none has.
-    fn measured<T: Ord>(&self, norm: &str, level: impl Fn(Place) -> T) -> BTreeSet<T> {
+    fn measured<T: Ord>(&self, norm: &str, level: impl Fn(MeshAndSteps) -> T) -> BTreeSet<T> {
         let carries =
             |record: &Option<&CaseRecord>| record.is_some_and(|record| record.norm(norm).is_some());
         let nowhere = !self.cases.iter().any(|(_, record)| carries(record));
@@ -156,7 +157,7 @@ enum Line {
 }
 
 impl Line {
-    fn holds(&self, place: Place) -> bool {
+    fn holds(&self, place: MeshAndSteps) -> bool {
         match self {
             Self::None => false,
             Self::Steps(steps) => place.steps == *steps,

@@ -109,10 +109,10 @@ fn packed() -> Chart {
 }
 
 /// Points of the lines of a chart inside a triangle, by coordinates.
-fn hits(chart: &Chart, frame: &Frame, [fine, corner, coarse]: [Place; 3]) -> usize {
+fn hits(chart: &Chart, frame: &Frame, [fine, corner, coarse]: [CanvasPoint; 3]) -> usize {
     let lines = chart.series.iter().flat_map(|series| chart.runs(frame, &series.parts[0]));
     let samples = lines.flat_map(|line| {
-        let pairs: Vec<[Place; 2]> = line.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        let pairs: Vec<[CanvasPoint; 2]> = line.windows(2).map(|pair| [pair[0], pair[1]]).collect();
         pairs.into_iter().flat_map(|[a, b]| {
             (0..=100).map(move |i| {
                 let s = f64::from(i) / 100.0;

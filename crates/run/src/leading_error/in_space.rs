@@ -208,7 +208,8 @@ impl<const S: usize> InSpace<S> {
 
     /// e_n from the linearised step
     ///
-    /// ```text (D ε(e), ε(v)) + ∫ ∂²j e_ν v_ν + (r, ε(v)) w (ε_n, ε(e))/‖ε_n‖ = -(ρ + past, ε(v)), r = ∂σ/∂κ κ'
+    /// ```text
+    /// (D ε(e), ε(v)) + ∫ ∂²j e_ν v_ν + (r, ε(v)) w (ε_n, ε(e))/‖ε_n‖ = -(ρ + past, ε(v)),   r = ∂σ/∂κ κ'
     /// ```
     ///
     /// with ρ the stress of the discrete history less that of the exact one.

@@ -4,7 +4,8 @@
 //! closer to u_h than either is to u, for linear and quadratic elements. In time it solves the linearised scheme with
 //! the quadrature error of the exact history as source (`in_space` on V^h, `finite` in ℝ^m):
 //!
-//! ```text A'(u_n) e_n + N_y(Σ' w_nj q(t_n,t_j) e_j) = N(S_n u, u_n) - N(S_n^k u, u_n)
+//! ```text
+//! A'(u_n) e_n + N_y(Σ' w_nj q(t_n,t_j) e_j) = N(S_n u, u_n) - N(S_n^k u, u_n)
 //! ```
 //!
 //! For smooth data its leading term is k² E(t) by the trapezoidal rule, driven by (1/12)[∂_s(q(t,s) u(s))]_0^t, and k

@@ -78,7 +78,8 @@ pub(super) type Pair<T> = [T; 2];
 ///
 /// For b(t) = Σ a exp(-c t) with weights of v_n that are equal in all later sums, each term P_n is updated by
 ///
-/// ```text P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
+/// ```text
+/// P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
 /// ```
 ///
 /// Other sums are recomputed.

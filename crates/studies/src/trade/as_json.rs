@@ -1,6 +1,6 @@
 //! How values of other crates, and results, stand in the JSON of a trade.
 
-use judge::fit::{Combination, FittedValue, Interval};
+use judge::fit::{ErrorCombination, FittedValue, Interval};
 use scene::Norm;
 use serde::{Serialize, Serializer};
 
@@ -45,7 +45,10 @@ pub(super) fn exponent<S: Serializer>(found: &FittedValue, to: S) -> Result<S::O
     Exponent { exponent: value, interval: [interval.lo, interval.hi] }.serialize(to)
 }
 
-pub(super) fn model<S: Serializer>(model: &Combination, serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn model<S: Serializer>(
+    model: &ErrorCombination,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(model.name())
 }
 

@@ -2,7 +2,7 @@
 
 use super::as_json::{self, ends};
 use judge::fit::{
-    Combination, Direction, Interval, Level, Point, Sample, infer, joint_fits, local_slopes,
+    Direction, ErrorCombination, Interval, Level, Point, Sample, infer, joint_fits, local_slopes,
     power_law, same_level, samples,
 };
 use serde::Serialize;
@@ -24,7 +24,7 @@ pub struct Term {
 pub struct ErrorModel {
     /// m = 1 or 2.
     #[serde(serialize_with = "as_json::model")]
-    pub model: Combination,
+    pub model: ErrorCombination,
     /// The term of h; none where the error does not depend on it.
     pub space: Option<Term>,
     /// The term of k, likewise.
@@ -46,8 +46,8 @@ impl ErrorModel {
     /// m.
     pub(crate) fn exponent(&self) -> f64 {
         match self.model {
-            Combination::Sum => 1.0,
-            Combination::RootSumSquare => 2.0,
+            ErrorCombination::Sum => 1.0,
+            ErrorCombination::RootSumSquare => 2.0,
         }
     }
 
@@ -106,7 +106,7 @@ impl ErrorModel {
             let fitted = Self { model, space, time, source: source.clone(), residual: 0.0 };
             fitted.judged(points)
         };
-        let [sum, root] = [Combination::Sum, Combination::RootSumSquare].map(with);
+        let [sum, root] = [ErrorCombination::Sum, ErrorCombination::RootSumSquare].map(with);
         Ok(if sum.residual < root.residual { sum } else { root })
     }
 
@@ -179,7 +179,8 @@ mod tests {
 
     #[test]
     fn both_terms_are_found_where_both_show() {
-        for (model, m) in [(Combination::Sum, 1.0f64), (Combination::RootSumSquare, 2.0)] {
+        for (model, m) in [(ErrorCombination::Sum, 1.0f64), (ErrorCombination::RootSumSquare, 2.0)]
+        {
             let law = |h: f64, k: f64| ((0.5 * h).powf(m) + (2.0 * k * k).powf(m)).powf(1.0 / m);
             // The differences are not asked.
             let found = ErrorModel::fit(&grid(law), &differences(77.0), false).expect("a model");
@@ -228,7 +229,7 @@ mod tests {
         let term =
             |constant, order| Term { constant, order, interval: Interval::around(order, 0.0) };
         let found = ErrorModel {
-            model: Combination::RootSumSquare,
+            model: ErrorCombination::RootSumSquare,
             space: Some(term(1.0, 1.0)),
             time: Some(term(1.0, 2.0)),
             source: String::new(),
@@ -237,7 +238,7 @@ mod tests {
         // 3-4-5.
         assert!((found.left_for_time(0.5, 0.3) - 0.4).abs() < 1e-15);
         assert_eq!(found.left_for_time(0.2, 0.3), 0.0);
-        let sum = ErrorModel { model: Combination::Sum, ..found };
+        let sum = ErrorModel { model: ErrorCombination::Sum, ..found };
         assert!((sum.left_for_time(0.5, 0.3) - 0.2).abs() < 1e-15);
     }
 }

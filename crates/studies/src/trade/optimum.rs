@@ -77,9 +77,9 @@ pub fn along_path(error: &ErrorModel, cost: &CostModel, s: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use judge::fit::{Combination, FittedValue, Interval};
+    use judge::fit::{ErrorCombination, FittedValue, Interval};
 
-    fn error(model: Combination, [ch, p]: [f64; 2], [ck, q]: [f64; 2]) -> ErrorModel {
+    fn error(model: ErrorCombination, [ch, p]: [f64; 2], [ck, q]: [f64; 2]) -> ErrorModel {
         let term = |constant, order| {
             Some(Term { constant, order, interval: Interval::around(order, 0.0) })
         };
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_optimum_is_the_least_cost_of_a_search() {
-        for model in [Combination::Sum, Combination::RootSumSquare] {
+        for model in [ErrorCombination::Sum, ErrorCombination::RootSumSquare] {
             for (space, time, a, b) in [
                 ([0.5, 1.0], [2.0, 2.0], 2.4, 0.9),
                 ([3.0, 0.6], [0.1, 2.0], 3.0, 1.0),
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn the_cost_of_an_error_grows_with_its_exponent() {
-        let (error, cost) = (error(Combination::Sum, [0.5, 1.0], [2.0, 2.0]), cost(2.4, 0.9));
+        let (error, cost) = (error(ErrorCombination::Sum, [0.5, 1.0], [2.0, 2.0]), cost(2.4, 0.9));
         let seconds = |target: f64| {
             let found = optimum(&error, &cost, target).expect("an optimum");
             cost.seconds(found.h.expect("h"), found.k.expect("k"))
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_term_that_is_not_there_asks_for_nothing() {
-        let mut error = error(Combination::Sum, [0.5, 1.0], [2.0, 2.0]);
+        let mut error = error(ErrorCombination::Sum, [0.5, 1.0], [2.0, 2.0]);
         error.space = None;
         let found = optimum(&error, &cost(2.0, 1.0), 0.02).expect("an optimum");
         assert!(found.h.is_none() && (found.k.expect("k") - 0.1).abs() < 1e-15);

@@ -130,14 +130,14 @@ fn steps(error: &AtSteps<'_>, target: f64, h: f64, choices: &Choices<'_>) -> Opt
 mod tests {
     use super::super::{ErrorModel, Term};
     use super::*;
-    use judge::fit::{Combination, Interval};
+    use judge::fit::{ErrorCombination, Interval};
 
     fn error(h: f64, k: f64) -> f64 {
         let term = |constant, order| {
             Some(Term { constant, order, interval: Interval::around(order, 0.0) })
         };
         let error = ErrorModel {
-            model: Combination::RootSumSquare,
+            model: ErrorCombination::RootSumSquare,
             space: term(0.5, 1.0),
             time: term(0.3, 2.0),
             source: String::new(),

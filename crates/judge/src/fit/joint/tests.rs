@@ -9,9 +9,9 @@ fn grid(levels: i32, error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
 #[test]
 fn both_models_are_recognised_with_their_orders() {
     let sum = joint_fits(&grid(4, |h, k| 0.3 * h + 4.0 * k * k), false).unwrap();
-    assert_eq!(sum.best.model, Combination::Sum);
+    assert_eq!(sum.best.model, ErrorCombination::Sum);
     let square = joint_fits(&grid(4, |h, k| (0.3 * h).hypot(4.0 * k * k)), false).unwrap();
-    assert_eq!(square.best.model, Combination::RootSumSquare);
+    assert_eq!(square.best.model, ErrorCombination::RootSumSquare);
     for fits in [sum, square] {
         // The minimisation stops at steps of 1e-10.
         assert!((fits.best.order_h.value - 1.0).abs() < 1e-8);
@@ -42,9 +42,9 @@ fn a_floor_is_fitted_on_request() {
 #[test]
 fn constants_under_given_orders() {
     let points = grid(3, |h, k| 0.3 * h + 4.0 * k * k);
-    let [space, time] = fit_constants(&points, Combination::Sum, (1.0, 2.0)).unwrap();
+    let [space, time] = fit_constants(&points, ErrorCombination::Sum, (1.0, 2.0)).unwrap();
     assert!((space.value - 0.3).abs() < 1e-8 && (time.value - 4.0).abs() < 1e-7);
-    assert!(fit_constants(&points[..2], Combination::Sum, (1.0, 2.0)).is_err());
+    assert!(fit_constants(&points[..2], ErrorCombination::Sum, (1.0, 2.0)).is_err());
 }
 
 /// A misfitting model has no influence on the interval; one that fits as well has.
@@ -53,15 +53,15 @@ fn the_other_model_counts_where_it_fits_as_well() {
     // Noise of 1e-4 decides for the sum.
     let noise = |h: f64, k: f64| 1.0 + 1e-4 * (1e3 * h + 7e3 * k).sin();
     let sum = grid(5, |h, k| (0.3 * h + 4.0 * k * k) * noise(h, k));
-    for estimate in fit_constants(&sum, Combination::Sum, (1.0, 2.0)).unwrap() {
+    for estimate in fit_constants(&sum, ErrorCombination::Sum, (1.0, 2.0)).unwrap() {
         let FittedValue { value, interval } = estimate;
         assert!(interval.half_width() < 0.01 * value, "{estimate:?}");
     }
-    let asked = fit_constants(&sum, Combination::RootSumSquare, (1.0, 2.0)).unwrap();
+    let asked = fit_constants(&sum, ErrorCombination::RootSumSquare, (1.0, 2.0)).unwrap();
     for (estimate, truth) in asked.iter().zip([0.3, 4.0]) {
         assert!(estimate.interval.contains(truth), "{truth}: {estimate:?}");
     }
-    let few = fit_constants(&sum[..2], Combination::Sum, (1.0, 2.0));
+    let few = fit_constants(&sum[..2], ErrorCombination::Sum, (1.0, 2.0));
     assert_eq!(few, Err(FitError::TooFew { found: 2, needed: 3 }));
 }
 
@@ -129,11 +129,11 @@ fn broken_points_take_no_part() {
 #[test]
 fn constants_of_a_grid_are_extrapolated() {
     let points = grid(4, |h, k| 0.3 * h * (1.0 + 2.0 * h) + 4.0 * k * k);
-    let [space, time] = fit_constants(&points, Combination::Sum, (1.0, 2.0)).unwrap();
+    let [space, time] = fit_constants(&points, ErrorCombination::Sum, (1.0, 2.0)).unwrap();
     assert!((space.value / 0.3 - 1.0).abs() < 0.02, "{space:?}");
     assert!((time.value / 4.0 - 1.0).abs() < 0.02, "{time:?}");
     assert!(space.interval.contains(0.3) && time.interval.contains(4.0));
-    let three = fit_constants(&grid(3, |h, k| h + k), Combination::Sum, (1.0, 2.0)).unwrap();
+    let three = fit_constants(&grid(3, |h, k| h + k), ErrorCombination::Sum, (1.0, 2.0)).unwrap();
     assert!(three[0].value > 0.0 && three[0].interval.contains(three[0].value));
-    assert!(fit_constants(&points[..2], Combination::Sum, (1.0, 2.0)).is_err());
+    assert!(fit_constants(&points[..2], ErrorCombination::Sum, (1.0, 2.0)).is_err());
 }

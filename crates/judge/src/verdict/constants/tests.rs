@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fit::Point;
-use crate::verdict::selection::Place;
+use crate::verdict::selection::MeshAndSteps;
 
 fn constant() -> FittedConstant {
     FittedConstant::fitted(5.0, [4.9, 5.1], 2.0)
@@ -27,12 +27,12 @@ fn cases(label: f64, error: impl Fn(f64) -> f64) -> Vec<Serving> {
     let serving = |&steps: &u32| {
         let k = 1.0 / f64::from(steps);
         let point = Point { h: f64::NAN, k: label * k, error: error(k), floor: 0.0 };
-        Serving { key: Place { n: None, steps }, point }
+        Serving { key: MeshAndSteps { n: None, steps }, point }
     };
     STEPS.iter().map(serving).collect()
 }
 
-fn compared(used: &[Serving], line: &LeadingLine) -> Comparison {
+fn compared(used: &[Serving], line: &LeadingLine) -> ConstantComparison {
     compare_constant(constant(), used, line, &prediction(), Direction::Time).expect("cases")
 }
 
