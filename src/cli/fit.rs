@@ -197,6 +197,7 @@ fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
 pub struct Fitted {
     /// The tables with their local orders, then a text per table and direction.
     pub texts: Vec<String>,
+    /// The parts as JSON, without headings.
     pub objects: Vec<serde_json::Value>,
     /// No predicted order fails or is unresolved.
     pub all_pass: bool,
@@ -204,7 +205,8 @@ pub struct Fitted {
 
 /// Reads and fits the tables of a file, against predicted orders in h and k if given.
 ///
-/// # Errors A file that is not a table, or has nothing to fit.
+/// # Errors
+/// A file that is not a table, or has nothing to fit.
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
     let tables = tables(file, &Reading::default())?;
     let name = file.display().to_string();

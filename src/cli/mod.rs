@@ -59,6 +59,7 @@ use output::{
 };
 use scenes::{Scenes, meshes_fit, no_case, subject};
 
+/// Parses the arguments of the process and runs the command.
 pub fn main() -> ExitCode {
     ExitCode::from(run_with(std::env::args_os()))
 }

@@ -3,6 +3,7 @@
 //!
 //! S = 3 (plane): (xx, yy, √2 xy). S = 6 (space): (xx, yy, zz, √2 yz, √2 xz, √2 xy).
 
+/// A symmetric tensor of S^d in Mandel notation.
 pub type Symmetric<const S: usize> = [f64; S];
 
 /// Space dimension d of tensors with `S` = d(d+1)/2 numbers.
@@ -10,6 +11,7 @@ pub const fn dimension<const S: usize>() -> usize {
     if S == 3 { 2 } else { 3 }
 }
 
+/// tr τ.
 #[inline]
 pub fn trace<const S: usize>(tau: &Symmetric<S>) -> f64 {
     tau[..dimension::<S>()].iter().sum()

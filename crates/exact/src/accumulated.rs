@@ -25,6 +25,7 @@ const SPACE: [usize; 2] = [8, 2];
 const WATCHES: usize = 48;
 const TIME_WATCHES: usize = 8;
 
+/// ζ(t) by quadrature.
 pub struct AccumulatedStrain {
     /// [ε], upper components; None if nothing depends on ζ.
     integrand: Option<Integrand>,

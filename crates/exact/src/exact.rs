@@ -10,6 +10,7 @@ use super::{Separation, symbolic};
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{Graph, Node, Program, Variable};
 
+/// Numbers of the material, as the scene states them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialNumbers {
     /// λ.
@@ -87,6 +88,7 @@ pub struct ExactData {
     pub graph: Graph,
     /// u.
     pub u: Vec<Node>,
+    /// Material numbers outside all regions.
     pub material: MaterialNumbers,
     /// Regions with other numbers.
     pub regions: Vec<RegionNumbers>,
@@ -243,6 +245,7 @@ impl Exact {
         from(D)
     }
 
+    /// The numbers of a region.
     pub fn material_in(&self, region: usize) -> &MaterialNumbers {
         match region {
             0 => &self.data.material,

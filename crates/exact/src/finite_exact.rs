@@ -144,6 +144,7 @@ impl FiniteExact {
         Ok(exact)
     }
 
+    /// ∂j_i of every functional.
     pub fn laws(&self) -> Vec<Option<LawNumbers>> {
         self.data.traces.iter().map(|trace| trace.law.clone()).collect()
     }
@@ -233,6 +234,7 @@ impl FiniteExact {
         data.r.iter().map(|row| dot(row, &sum)).collect()
     }
 
+    /// The solution at time t.
     pub fn at(&self, t: f64) -> FiniteState {
         let (data, m, p) = (&self.data, self.data.u.len(), self.data.traces.len());
         let mut values = vec![Vec::new(); m + 3 * p];

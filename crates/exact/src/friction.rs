@@ -3,6 +3,7 @@
 use super::exact::{Exact, LawNumbers, law_formula, normal_component};
 use formula::{Graph, Node, Program, Variable};
 
+/// The bound S.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionBound {
     /// S(x, t) by a formula.
@@ -13,6 +14,7 @@ pub enum FrictionBound {
     Coulomb(f64),
 }
 
+/// Friction as formulas.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionFormulas {
     /// S.
@@ -58,6 +60,7 @@ impl Sliding {
         Self { tangents, s: pair(0), slip: pair(m), bound: number(2 * m) }
     }
 
+    /// s as a vector.
     pub fn stress(&self) -> [f64; 3] {
         let [[a, b, c], [d, e, f]] = self.tangents;
         let [s, q] = self.s;

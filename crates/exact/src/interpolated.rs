@@ -24,6 +24,7 @@ use formula::{BoundProgram, EvaluationPoint, Node, Program};
 /// Intervals of the horizon in which guards are watched.
 const WATCHES: usize = 64;
 
+/// The nodal interpolant of an exact solution on one mesh.
 pub struct InterpolatedOnMesh {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
@@ -45,6 +46,7 @@ pub struct InterpolatedOnMesh {
 }
 
 impl InterpolatedOnMesh {
+    /// Binds the nodal values of `exact` to the vertices of `space`.
     pub fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: ComplianceRule) -> Self {
         let mut graph = exact.data.graph.clone();
         let mut outputs: Vec<Node> = exact.data.u.clone();
@@ -73,7 +75,8 @@ impl InterpolatedOnMesh {
 
     /// u and the ∫ b_i(t-s) u(s) ds, one per term of the memory, as nodal vectors at time t.
     ///
-    /// # Errors A formula that is not finite at a vertex.
+    /// # Errors
+    /// A formula that is not finite at a vertex.
     pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<Vec<f64>>), LoadError> {
         let d = self.space.mesh.dimension;
         let mut out = vec![Vec::new(); d * (1 + self.exact.data.kernels.len())];
@@ -106,7 +109,8 @@ impl InterpolatedOnMesh {
 
     /// ζ(t) = ∫ ‖ε(I_h u(s))‖ ds of the interpolant, cut at the events.
     ///
-    /// # Errors A formula that is not finite at a vertex.
+    /// # Errors
+    /// A formula that is not finite at a vertex.
     pub fn zeta(&self, t: f64) -> Result<f64, LoadError> {
         let all = self.events.get_or_init(|| events(&self.exact, &self.space));
         let events =

@@ -25,6 +25,7 @@ use fem::norms::{ContactSamples, Moments};
 use fem::space::Element;
 use fem::space::quadrature::{Rule, TruthRules};
 
+/// An exact solution on one mesh of its dimension.
 pub struct ExactOnMesh {
     exact: Arc<Exact>,
     space: Arc<Discretization>,

@@ -53,7 +53,8 @@ impl RunningIntegral {
     /// ∫_0^t f; `events` lists the cuts inside an interval, sorted. Times beyond the horizon are extrapolated from its
     /// last piece.
     ///
-    /// # Errors Those of f.
+    /// # Errors
+    /// Those of f.
     pub(crate) fn at<E>(
         &self,
         t: f64,

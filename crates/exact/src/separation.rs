@@ -35,6 +35,7 @@ impl TimeFactors {
         Self { parts: factors.len(), bound: Mutex::new(bound), known: ByTime::default() }
     }
 
+    /// The a_m(t).
     pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
         self.known.always(t, || {
             let mut out = vec![Vec::new(); self.parts];

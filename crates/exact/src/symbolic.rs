@@ -3,6 +3,7 @@
 use super::exact::{MaterialNumbers, RegionNumbers};
 use formula::{Graph, Node, Variable};
 
+/// The space variables in order.
 pub const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
 /// Components (i, j), i ≤ j, of a symmetric tensor in the order of all lists here.

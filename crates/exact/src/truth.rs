@@ -10,17 +10,20 @@ use fem::norms::{ContactSamples, Moments};
 pub trait Truth: Send + Sync {
     /// The load vector F(t), over the unknowns.
     ///
-    /// # Errors A formula that is not finite somewhere.
+    /// # Errors
+    /// A formula that is not finite somewhere.
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError>;
 
     /// The moments of the solution at t.
     ///
-    /// # Errors A formula that is not finite somewhere, a time that a reference run lacks.
+    /// # Errors
+    /// A formula that is not finite somewhere, a time that a reference run lacks.
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
 
     /// Announces that the moments at these times will be requested, so that work shared with the loads is done once.
     ///
-    /// # Errors As [`Self::moments`].
+    /// # Errors
+    /// As [`Self::moments`].
     fn expect(&self, _times: &[f64]) -> Result<(), LoadError> {
         Ok(())
     }
@@ -28,7 +31,8 @@ pub trait Truth: Send + Sync {
     /// The solution on Γ3 with the contact state of each point, if given by formulas; not cached, since few scenes need
     /// it.
     ///
-    /// # Errors A formula that is not finite somewhere.
+    /// # Errors
+    /// A formula that is not finite somewhere.
     fn contact_samples(&self, _t: f64) -> Result<Option<ContactSamples>, LoadError> {
         Ok(None)
     }

@@ -40,7 +40,8 @@ impl Replacement {
 
     /// Renames the file over an older one.
     ///
-    /// # Errors Those of the file system; the old file is then still there.
+    /// # Errors
+    /// Those of the file system; the old file is then still there.
     pub fn finish(mut self) -> io::Result<()> {
         self.file.flush()?;
         match &self.partial {
@@ -74,14 +75,16 @@ impl Drop for Replacement {
 
 /// Replaces `path` by `bytes` atomically, as [`Replacement::create`].
 ///
-/// # Errors Those of the file system; the old file is then still there.
+/// # Errors
+/// Those of the file system; the old file is then still there.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     finished(Replacement::create(path)?, bytes)
 }
 
 /// Writes `bytes` to a path named by a user, as `Replacement::named`.
 ///
-/// # Errors Those of the file system; an old file is then still there.
+/// # Errors
+/// Those of the file system; an old file is then still there.
 pub fn write_named(path: &Path, bytes: &[u8]) -> io::Result<()> {
     finished(Replacement::named(path)?, bytes)
 }
@@ -121,7 +124,8 @@ fn partial_name(name: &OsStr) -> OsString {
 
 /// Creates a directory and its parents, and removes unfinished files of killed processes.
 ///
-/// # Errors Those of the file system for the directory. An unfinished file that cannot be removed stays.
+/// # Errors
+/// Those of the file system for the directory. An unfinished file that cannot be removed stays.
 pub fn make_directory(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path)?;
     for entry in fs::read_dir(path)? {

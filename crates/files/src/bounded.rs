@@ -9,7 +9,8 @@ const MOST: u64 = 1 << 32;
 
 /// Opens a regular file for reading; anything else is refused at once.
 ///
-/// # Errors Those of the file system, or what is there in place of a file.
+/// # Errors
+/// Those of the file system, or what is there in place of a file.
 pub fn open_file(path: &Path) -> io::Result<File> {
     // Checked before opening, since that alone has effects on some devices, and again after, against races.
     refuse_others(&std::fs::metadata(path)?)?;
@@ -32,14 +33,16 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
 
 /// The bytes of a file of at most `most`.
 ///
-/// # Errors As [`open_file`], and [`io::ErrorKind::FileTooLarge`].
+/// # Errors
+/// As [`open_file`], and [`io::ErrorKind::FileTooLarge`].
 pub fn read_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     up_to(open_file(path)?, most)
 }
 
 /// The text of a file of at most 4 GiB.
 ///
-/// # Errors As [`read_file`], and [`io::ErrorKind::InvalidData`] if it is not UTF-8.
+/// # Errors
+/// As [`read_file`], and [`io::ErrorKind::InvalidData`] if it is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     let not_text = |error| io::Error::new(io::ErrorKind::InvalidData, error);
     String::from_utf8(read_file(path)?).map_err(not_text)
@@ -47,7 +50,8 @@ pub fn read_text(path: &Path) -> io::Result<String> {
 
 /// At most `most` bytes of a file or pipe named by a user.
 ///
-/// # Errors Those of the file system; [`io::ErrorKind::FileTooLarge`].
+/// # Errors
+/// Those of the file system; [`io::ErrorKind::FileTooLarge`].
 pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     up_to(File::open(path)?, most)
 }

@@ -138,7 +138,8 @@ impl BoundProgram {
     /// Evaluates all outputs block by block, a few hundred points that stay in cache. `visit` gets the range of points
     /// and the values of each output there.
     ///
-    /// # Errors The error of `visit`, which is not called again.
+    /// # Errors
+    /// The error of `visit`, which is not called again.
     pub fn evaluate_in_blocks<E>(
         &mut self,
         t: f64,

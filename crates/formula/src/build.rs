@@ -15,10 +15,12 @@ impl Graph {
         self.intern(Op::Constant(v.to_bits()))
     }
 
+    /// The variable `v`.
     pub fn variable(&mut self, v: Variable) -> Node {
         self.intern(Op::Variable(v))
     }
 
+    /// -a.
     pub fn neg(&mut self, a: Node) -> Node {
         match self.op(a) {
             Op::Constant(bits) => self.constant(-f64::from_bits(bits)),
@@ -32,6 +34,7 @@ impl Graph {
         }
     }
 
+    /// a + b.
     pub fn add(&mut self, a: Node, b: Node) -> Node {
         match (self.value_of_constant(a), self.value_of_constant(b)) {
             (Some(u), Some(v)) => return self.constant(u + v),
@@ -53,6 +56,7 @@ impl Graph {
         }
     }
 
+    /// a - b.
     pub fn sub(&mut self, a: Node, b: Node) -> Node {
         if a == b {
             return self.constant(0.0);
@@ -70,6 +74,7 @@ impl Graph {
         self.intern(Op::Sub(a, b))
     }
 
+    /// a * b.
     pub fn mul(&mut self, a: Node, b: Node) -> Node {
         let (a, b) = self.ordered(a, b);
         match (self.value_of_constant(a), self.value_of_constant(b)) {
@@ -108,6 +113,7 @@ impl Graph {
         }
     }
 
+    /// a / b.
     pub fn div(&mut self, a: Node, b: Node) -> Node {
         match (self.value_of_constant(a), self.value_of_constant(b)) {
             (Some(u), Some(v)) => return self.constant(u / v),
@@ -168,10 +174,12 @@ impl Graph {
         }
     }
 
+    /// The larger of a and b.
     pub fn max(&mut self, a: Node, b: Node) -> Node {
         self.extremum(a, b, f64::max, Op::Max)
     }
 
+    /// The smaller of a and b.
     pub fn min(&mut self, a: Node, b: Node) -> Node {
         self.extremum(a, b, f64::min, Op::Min)
     }

@@ -9,6 +9,7 @@ pub struct ParseError {
     /// Bytes at fault; empty only where text is missing.
     pub span: Range<usize>,
     pub message: String,
+    /// What would be right, where that can be guessed.
     pub hint: Option<String>,
 }
 

@@ -4,6 +4,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::vocabulary::Function;
 
+/// An independent variable.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
 pub enum Variable {
     X,
@@ -139,6 +140,7 @@ pub struct Graph {
 }
 
 impl Graph {
+    /// An empty graph.
     pub fn new() -> Self {
         Self::default()
     }
@@ -186,10 +188,12 @@ impl Graph {
         self.dependence(f).contains(v)
     }
 
+    /// Whether a hereditary integral occurs in `f`.
     pub fn remembers(&self, f: Node) -> bool {
         self.dependence(f).on_history()
     }
 
+    /// The number `f` is, if it is one.
     pub fn value_of_constant(&self, f: Node) -> Option<f64> {
         match self.op(f) {
             Op::Constant(bits) => Some(f64::from_bits(bits)),

@@ -35,7 +35,8 @@ pub(super) struct Parser<'a> {
 impl Graph {
     /// Reads a formula.
     ///
-    /// # Errors [`ParseError`] with the bytes at fault.
+    /// # Errors
+    /// [`ParseError`] with the bytes at fault.
     pub fn parse(&mut self, text: &str, scope: &Scope) -> Result<Node, ParseError> {
         if text.len() > LONGEST {
             let span = LONGEST..text.len();

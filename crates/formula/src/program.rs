@@ -19,6 +19,7 @@ use super::tape::{Source, Tape};
 /// Largest cost, in sums or products, of what is recomputed.
 const CHEAP: u32 = 16;
 
+/// Expressions prepared for evaluation; bind to points to evaluate.
 #[derive(Clone, Debug)]
 pub struct Program {
     plan: Arc<EvaluationPlan>,
@@ -103,6 +104,7 @@ impl Program {
         general.map(|history| history.members.len() as f64 * lanes(history.mask)).sum()
     }
 
+    /// Binds the program to points; fixed values are computed here.
     pub fn bind(&self, points: &[[f64; 3]]) -> BoundProgram {
         BoundProgram::new(Arc::clone(&self.plan), points)
     }

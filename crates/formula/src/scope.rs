@@ -10,6 +10,7 @@ pub struct Scope {
 }
 
 impl Scope {
+    /// A scope with these variables and no names.
     pub fn new(variables: &[Variable]) -> Self {
         let mut variables = variables.to_vec();
         variables.sort_unstable();
@@ -23,6 +24,7 @@ impl Scope {
         self.names.insert(name.to_owned(), node);
     }
 
+    /// The node of a defined name.
     pub fn get(&self, name: &str) -> Option<Node> {
         self.names.get(name).copied()
     }

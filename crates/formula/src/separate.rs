@@ -15,6 +15,7 @@ const MOVED: std::ops::RangeInclusive<f64> = 1e-80..=1e80;
 /// The pairs (a, f) of sum a(t) f, f of the other variables.
 type Separated = Vec<(Node, Node)>;
 
+/// Several formulas separated with common factors in time.
 #[derive(Clone, Debug, Default)]
 pub struct Together {
     /// The a_m(t).

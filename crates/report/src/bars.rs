@@ -8,6 +8,7 @@ use super::legend::wrapped;
 use super::palette::{COLOURS, GRID, INK};
 use super::sheet::with_sheet;
 
+/// A bar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bar {
     pub name: String,
@@ -21,10 +22,13 @@ pub struct Bar {
     pub fails: bool,
 }
 
+/// Bars of two kinds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
     pub bars: Vec<Bar>,
+    /// What the bars of the first kind measure.
     pub first: String,
+    /// What those of the second kind measure.
     pub second: String,
     pub limit: String,
 }
@@ -42,6 +46,10 @@ const CHARACTERS: usize = 66;
 const CHARACTER: f64 = 16.0;
 
 impl Bars {
+    /// The picture; none without bars.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         if self.bars.is_empty() {
             return Ok(None);

@@ -9,6 +9,7 @@ use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::palette::{INK, colour};
 use super::sheet::with_sheet;
 
+/// A triangle of the deformed mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     pub corners: [(f64, f64); 3],
@@ -17,6 +18,7 @@ pub struct Cell {
     pub yields: bool,
 }
 
+/// The picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deformed {
     pub title: String,
@@ -31,6 +33,7 @@ pub struct Deformed {
     pub arrows: Vec<Arrow>,
 }
 
+/// A pressure at a point of Γ3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrow {
     pub foot: (f64, f64),
@@ -60,6 +63,10 @@ fn shade(part: f64) -> RGBColor {
 }
 
 impl Deformed {
+    /// The picture; none without a cell.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         let Some(view) = View::of(self) else { return Ok(None) };
         let mut svg = String::new();

@@ -40,6 +40,7 @@ pub enum Part {
 /// One name: one colour, one marker shape, one entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
+    /// Its words in the legend; without any it has no entry.
     pub name: String,
     /// More lines below the name.
     pub detail: String,
@@ -71,6 +72,7 @@ pub enum LegendKey {
     Dashed(String),
 }
 
+/// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
     /// First line, in bold; empty if a heading above the picture says it.
@@ -90,12 +92,14 @@ pub struct Chart {
 }
 
 impl Axis {
+    /// An axis.
     pub fn new(label: impl Into<String>, scale: Scale) -> Self {
         Self { label: label.into(), scale }
     }
 }
 
 impl Series {
+    /// A series of these parts.
     pub fn new(name: impl Into<String>, parts: Vec<Part>) -> Self {
         Self { name: name.into(), detail: String::new(), parts, grey: false, slope: None }
     }
@@ -151,6 +155,7 @@ impl Part {
 }
 
 impl Chart {
+    /// A chart without series.
     pub fn new(title: &str, question: &str, x: Axis, y: Axis) -> Self {
         Self {
             title: title.to_owned(),
@@ -167,6 +172,10 @@ impl Chart {
         }
     }
 
+    /// The picture as SVG; none if no point has a place.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         let Some((frame, slopes)) = self.arranged() else {
             return Ok(None);

@@ -45,6 +45,7 @@ pub fn annotations(
     lines.join("\n") + "\n"
 }
 
+/// The verdicts as a Markdown table under a heading.
 pub fn step_summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
     let head = "| scene | norm | in | predicted | observed | verdict | why | reason |";
     let rule = "|---|---|---|---|---|---|---|---|";

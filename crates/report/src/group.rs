@@ -33,6 +33,7 @@ impl Group {
         Self::External,
     ];
 
+    /// The group of a scene with these terms.
     pub fn of(terms: Terms, breaks: bool) -> Self {
         let Terms { is_abstract, projection, memory, contact, gap, law, friction, quadratic } =
             terms;

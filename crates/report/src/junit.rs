@@ -13,7 +13,8 @@ use judge::verdict::{Comparison, Decision, Verdict, cell_texts};
 /// compared with its baseline has one more test per scene. Properties of each suite give the origin from `provenance`.
 /// Deterministic, without clocks.
 ///
-/// # Errors [`ReportError::Xml`], [`ReportError::Io`].
+/// # Errors
+/// [`ReportError::Xml`], [`ReportError::Io`].
 pub fn write_junit(
     path: &Path,
     verdicts: &[Verdict],

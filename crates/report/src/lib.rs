@@ -100,6 +100,7 @@ pub struct StepLimits {
     pub solvable: f64,
 }
 
+/// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     #[error("{}: {source}", path.display())]
@@ -147,7 +148,8 @@ impl ReportError {
 /// index.html, report.md, tables.tex, and report.typ with report.json. Obsolete files of an earlier report are removed,
 /// foreign ones stay. Returns the document of the pages.
 ///
-/// # Errors [`ReportError`]; files written before stay.
+/// # Errors
+/// [`ReportError`]; files written before stay.
 pub fn write_all(
     dir: &Path,
     scenes: &[SceneSummary],

@@ -7,6 +7,7 @@ use super::canvas::{Anchor, Canvas, SIZE};
 use super::palette::INK;
 use super::sheet::with_sheet;
 
+/// How a cell ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shade {
     /// Success: from 0, far within what is allowed, to 1, just within it.
@@ -17,8 +18,10 @@ pub enum Shade {
     Wrong,
 }
 
+/// A cell: its words and how it ended.
 pub type Cell = (String, Shade);
 
+/// A map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
     pub title: String,
@@ -59,6 +62,10 @@ fn colour(shade: Shade) -> RGBColor {
 }
 
 impl Map {
+    /// The picture.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<String, ReportError> {
         let mut svg = String::new();
         let bottom = TOP + ROW * self.rows.len() as f64;

@@ -2,6 +2,7 @@
 
 use super::ticks::{decimal, power, step_label, with_decimals};
 
+/// How an axis is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Equal steps of 1, 2 or 5 times a power of ten.

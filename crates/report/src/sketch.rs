@@ -45,6 +45,7 @@ pub enum Ink {
 /// Corners, y upwards, with ink and opacity.
 pub(crate) type Area = (Vec<(f64, f64)>, Ink, f64);
 
+/// A line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroke {
     pub ink: Ink,
@@ -52,6 +53,7 @@ pub struct Stroke {
     pub path: Vec<(f64, f64)>,
 }
 
+/// A picture without axes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sketch {
     /// Drawn first.

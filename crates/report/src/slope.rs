@@ -7,6 +7,7 @@ use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::chart::{Chart, Datum, Part};
 use super::frame::{BOTTOM, Frame, RIGHT};
 
+/// A predicted order along points of a series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slope {
     /// y grows like x to this power.

@@ -29,6 +29,7 @@ pub struct Panel {
     pub levels: Vec<Vec<(f64, f64, Zone)>>,
 }
 
+/// The picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceTime {
     pub title: String,
@@ -69,6 +70,10 @@ impl Zone {
 }
 
 impl SpaceTime {
+    /// The picture; none without a level.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         let pieces = || self.panels.iter().flat_map(|p| &p.levels).flatten();
         let ends: Vec<f64> = pieces().flat_map(|piece| [piece.0, piece.1]).collect();

@@ -14,6 +14,7 @@ use judge::verdict::Verdict;
 use scene::setup::{Scheme, Setup, SetupError, Subject};
 use scene::{Norm, Scene, SceneError, Source};
 
+/// Why a sweep has no verdicts.
 #[derive(Debug, thiserror::Error)]
 pub enum FrontError {
     #[error(transparent)]
@@ -60,6 +61,7 @@ pub struct Sweep {
     progress: Arc<dyn Progress + Send>,
 }
 
+/// What a sweep found.
 #[derive(Debug)]
 pub struct Swept {
     /// One record per case, sorted by scene, n and steps.
@@ -76,6 +78,7 @@ impl Swept {
 }
 
 impl Sweep {
+    /// A scene that has been read.
     pub fn of(scene: Scene) -> Self {
         let overrides = Overrides::default();
         Self {
@@ -92,7 +95,8 @@ impl Sweep {
 
     /// Reads the scene of a file.
     ///
-    /// # Errors [`FrontError::Scene`], with line, value and the way out.
+    /// # Errors
+    /// [`FrontError::Scene`], with line, value and the way out.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FrontError> {
         Ok(Self::of(Scene::read(path.as_ref())?))
     }
@@ -152,7 +156,8 @@ impl Sweep {
 
     /// Runs every case, then judges.
     ///
-    /// # Errors [`FrontError`]. A failed case is a record with its reason, and its verdict does not pass.
+    /// # Errors
+    /// [`FrontError`]. A failed case is a record with its reason, and its verdict does not pass.
     pub fn run(mut self) -> Result<Swept, FrontError> {
         let tells = |norm: Norm| self.pressures || !norm.wants_pressure();
         self.scene.predicts.retain(|prediction| tells(prediction.norm));

@@ -44,6 +44,7 @@ pub struct AbstractTrace {
     pub lower: f64,
 }
 
+/// The problem of an abstract scene as validated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AbstractScene {
     /// Gram matrix of the inner product of X, symmetric.
@@ -199,6 +200,7 @@ impl AbstractTrace {
         Ok(Self { functional, weight, law, upper, lower })
     }
 
+    /// Whether a_i·u is bounded.
     pub fn is_bounded(&self) -> bool {
         self.upper.is_finite() || self.lower.is_finite()
     }

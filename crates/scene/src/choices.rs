@@ -7,7 +7,8 @@ use super::reading::{Reading, last};
 impl Reading<'_> {
     /// The value that a word names.
     ///
-    /// # Errors An unknown word; the message lists the known ones, nearest first.
+    /// # Errors
+    /// An unknown word; the message lists the known ones, nearest first.
     pub(super) fn choice<T: Copy>(
         &self,
         key: &str,

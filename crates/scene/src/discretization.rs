@@ -23,7 +23,8 @@ pub(super) const KEY: &str = "discretization.element";
 
 /// The element of a scene; P1 by default.
 ///
-/// # Errors An unknown element, or one incompatible with a part of the scene.
+/// # Errors
+/// An unknown element, or one incompatible with a part of the scene.
 pub(super) fn element(
     reading: &Reading,
     written: Option<&written::Discretization>,
@@ -85,7 +86,8 @@ fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
 impl Scene {
     /// The scene with another element.
     ///
-    /// # Errors At `discretization.element`, as if the file named the element.
+    /// # Errors
+    /// At `discretization.element`, as if the file named the element.
     pub fn with_element(&self, element: Element) -> Result<Self, SceneError> {
         let mut scene = self.clone();
         if let Body::Contact(body) = &mut scene.body {

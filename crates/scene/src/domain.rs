@@ -38,6 +38,7 @@ fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
     places.iter().flat_map(|&place| with(place)).collect()
 }
 
+/// What the domain is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// The product of (0, size\[i\]).
@@ -89,10 +90,12 @@ impl Domain {
         Ok(domain)
     }
 
+    /// d.
     pub fn dimension(&self) -> usize {
         self.size.len()
     }
 
+    /// The name of a side.
     pub fn name(&self, side: Side) -> &str {
         &self.sides[side.index()]
     }
@@ -123,6 +126,7 @@ impl Domain {
         self.faces(side).iter().flat_map(|face| face.points(intervals)).collect()
     }
 
+    /// All sides.
     pub fn all_sides(&self) -> impl Iterator<Item = Side> + use<> {
         (0..self.sides.len() as u32).map(Side)
     }
@@ -159,6 +163,7 @@ impl Domain {
         }
     }
 
+    /// The mesh n.
     pub fn mesh(&self, n: u32) -> Mesh {
         let family = self.mesh.of_mesh();
         match (&self.shape, &self.size[..]) {

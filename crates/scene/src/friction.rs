@@ -30,6 +30,7 @@ pub enum FrictionBound {
     Coulomb(f64),
 }
 
+/// Friction on Γ3.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
     pub bound: FrictionBound,

@@ -19,6 +19,7 @@ pub struct Material {
     /// The terms of ℬ; empty without memory.
     pub memory: Vec<RelaxationTerm>,
     pub projection: Option<Projection>,
+    /// `[[material.region]]`, in file order.
     pub regions: Vec<Region>,
 }
 

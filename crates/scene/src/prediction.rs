@@ -31,6 +31,7 @@ impl Norm {
         matches!(self, Norm::PressureL2Max | Norm::PressureMax(_))
     }
 
+    /// Every norm.
     pub const ALL: [Norm; 19] = [
         Norm::VMax,
         Norm::L2Max,
@@ -121,6 +122,7 @@ pub enum Direction {
     Path,
 }
 
+/// One promised order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     pub norm: Norm,

@@ -9,6 +9,7 @@ use super::domain::{Domain, Shape};
 use super::reading::Reading;
 use super::written;
 
+/// The cells of a region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     /// Cells whose centroid has a positive value of the formula.

@@ -21,6 +21,7 @@ pub(super) fn place(folder: &Path) -> String {
     format!("under {}", folder.display())
 }
 
+/// Scene files by name.
 #[derive(Debug, Clone)]
 pub struct Registry {
     folder: PathBuf,
@@ -32,7 +33,8 @@ pub struct Registry {
 impl Registry {
     /// Lists the TOML files below a folder without reading them.
     ///
-    /// # Errors The folder cannot be read, or two files have one name.
+    /// # Errors
+    /// The folder cannot be read, or two files have one name.
     pub fn open(folder: &Path) -> Result<Registry, SceneError> {
         let (folder, files) = (folder.to_path_buf(), BTreeMap::new());
         let mut registry = Registry { folder, files, inside: &[] };
@@ -48,13 +50,15 @@ impl Registry {
         Registry { folder, files, inside: texts }
     }
 
+    /// The names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.files.keys().map(String::as_str)
     }
 
     /// The file of a scene given by name, or by a path, which has a `/` or ends in `.toml`.
     ///
-    /// # Errors No scene has that name; the nearest names are given.
+    /// # Errors
+    /// No scene has that name; the nearest names are given.
     pub(crate) fn find(&self, scene: &str) -> Result<PathBuf, SceneError> {
         if let Some(path) = self.files.get(scene) {
             return Ok(path.clone());
@@ -67,7 +71,8 @@ impl Registry {
 
     /// Reads a scene given by name or by path.
     ///
-    /// # Errors The scene is unknown or invalid, or a file of the folder holds a scene of another name.
+    /// # Errors
+    /// The scene is unknown or invalid, or a file of the folder holds a scene of another name.
     pub fn load(&self, scene: &str) -> Result<Scene, SceneError> {
         let path = self.find(scene)?;
         let loaded = match self.text(&path) {

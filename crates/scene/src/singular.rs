@@ -13,7 +13,8 @@ pub(super) fn way_out(formula: &str) -> String {
 
 /// The a of a kernel (t - s)^{-a} b at `key`, or 0.
 ///
-/// # Errors An exponent that is not between 0 and 1.
+/// # Errors
+/// An exponent that is not between 0 and 1.
 pub(super) fn exponent(
     reading: &Reading,
     key: &str,
@@ -45,7 +46,8 @@ pub(crate) fn in_the_largest(
 
 /// Refuses rules that evaluate a kernel at s = t where it is infinite; `key` is that of the exponent.
 ///
-/// # Errors Any rule but product integration.
+/// # Errors
+/// Any rule but product integration.
 pub(super) fn needs_product_integration(
     reading: &Reading,
     time: &Time,

@@ -21,6 +21,7 @@ pub struct Source {
     pub(crate) beside: Inside,
 }
 
+/// Files inside the program: names and texts.
 pub type Inside = &'static [(&'static str, &'static str)];
 
 impl Source {
@@ -39,7 +40,8 @@ impl Source {
 
     /// Reads a file of at most 1 MiB of UTF-8.
     ///
-    /// # Errors The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
+    /// # Errors
+    /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
     pub(crate) fn read(path: &Path) -> Result<Source, SceneError> {
         let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| match error.kind() {
             ErrorKind::FileTooLarge => SceneError::TooLarge { path: path.to_path_buf() },

@@ -233,7 +233,8 @@ fn odd_length(n: usize, domain: &Domain) -> Option<f64> {
 impl Scene {
     /// Checks that n cells per unit length divide the sides into whole cells.
     ///
-    /// # Errors An n that does not.
+    /// # Errors
+    /// An n that does not.
     pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
         let Body::Contact(body) = &self.body else { return Ok(()) };
         if let Some(message) = too_many_cells(n as usize, &body.domain) {
@@ -247,7 +248,8 @@ impl Scene {
 
     /// Checks grids of the command line as if they were in the file.
     ///
-    /// # Errors As [`Self::check_cases`]; any grid for a scene that runs along a path.
+    /// # Errors
+    /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
     pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
         if path && !(n.is_empty() && steps.is_empty()) {
@@ -260,7 +262,8 @@ impl Scene {
 
     /// Checks numbers of cells and steps that the file does not list.
     ///
-    /// # Errors As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    /// # Errors
+    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
     pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         n.iter().try_for_each(|&n| self.check_cells(n))?;
         let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {

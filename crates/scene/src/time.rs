@@ -18,6 +18,7 @@ pub enum TimeGrid {
     },
 }
 
+/// `[time]` as validated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Time {
     /// T > 0.

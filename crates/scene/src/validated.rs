@@ -48,11 +48,13 @@ pub struct Scene {
     pub time: Time,
     pub body: Body,
     pub predicts: Vec<Prediction>,
+    /// None where the scene asks for no sweep.
     pub sweep: Option<Sweep>,
     /// Owns every formula of the scene.
     pub formulas: Graph,
 }
 
+/// The problem of a scene.
 #[derive(Debug, Clone)]
 pub enum Body {
     /// Problem 12.
@@ -61,6 +63,7 @@ pub enum Body {
     Abstract(Box<AbstractScene>),
 }
 
+/// A body in contact.
 #[derive(Debug, Clone)]
 pub struct ContactScene {
     pub domain: Domain,
@@ -71,6 +74,7 @@ pub struct ContactScene {
 }
 
 impl Scene {
+    /// The body in contact, if the scene is one.
     pub fn as_contact(&self) -> Option<&ContactScene> {
         match &self.body {
             Body::Contact(body) => Some(body),
@@ -80,14 +84,16 @@ impl Scene {
 
     /// Reads and validates a file.
     ///
-    /// # Errors The first fault found, with its place and the way out.
+    /// # Errors
+    /// The first fault found, with its place and the way out.
     pub fn read(path: &Path) -> Result<Scene, SceneError> {
         Scene::from_source(Source::read(path)?)
     }
 
     /// Validates the text of a scene.
     ///
-    /// # Errors The first fault found, with its place and the way out.
+    /// # Errors
+    /// The first fault found, with its place and the way out.
     pub fn from_source(source: Source) -> Result<Scene, SceneError> {
         if is_blank(&source.text) {
             return Err(SceneError::Empty { path: source.path });

@@ -13,6 +13,7 @@ pub struct Extrapolation {
 }
 
 impl Extrapolation {
+    /// Keeps the solution at t.
     pub fn keep(&mut self, t: f64, state: &StepState) {
         if self.last.len() == LEVELS {
             self.last.rotate_right(1);

@@ -6,6 +6,7 @@ use super::{HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
 /// Newton's method. Λ contracts with factor k β_φ‖R‖‖q‖/m0 at most (3.15).
 #[derive(Debug, Clone, Copy)]
 pub struct FixedPoint {
+    /// Solves the level with frozen last slot.
     pub newton: Newton,
     /// Limit of iterations per level.
     pub max_iterations: u32,

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::StepState;
 use crate::law::Potential;
 
+/// The coordinate a graph sits on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinate {
     pub dof: u32,
@@ -51,6 +52,7 @@ impl BoundaryGraph {
         &*self.potentials[self.coordinates[i].law as usize]
     }
 
+    /// α of (2.8c) of the potential of coordinate i.
     pub fn descent(&self, i: usize) -> f64 {
         self.potential(i).alpha()
     }

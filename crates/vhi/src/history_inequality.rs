@@ -20,7 +20,8 @@ pub trait HistoryInequality: StepInequality {
     /// Opens the next level (the first is n = 0): the load f(t_n) and the sum over j < n. The last slot of the history
     /// is implicit: F depends on u_n through it.
     ///
-    /// # Errors Those of the load.
+    /// # Errors
+    /// Those of the load.
     fn open(&mut self) -> Result<(), Self::Error>;
 
     /// Freezes the last slot of the history of the open level at η, as the operator Λ: η ↦ u_η of the proof of Theorem
@@ -34,6 +35,7 @@ pub trait HistoryInequality: StepInequality {
     fn norm(&self, v: &[f64]) -> f64;
 }
 
+/// A time level without a computed solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("step {n} (t = {t}): {source}")]
 pub struct FailedStep {

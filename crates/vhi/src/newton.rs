@@ -4,8 +4,10 @@ use super::line::Line;
 use super::{GraphPiece, StepInequality, StepState};
 use algebra::linalg::{FactorError, root_of_squares};
 
+/// Parameters of the iteration.
 #[derive(Debug, Clone, Copy)]
 pub struct Newton {
+    /// Iterations after which the step is given up.
     pub max_iterations: usize,
     /// The residual is accepted below this many units of rounding, ε·force_scale.
     pub rounding_units: f64,
@@ -20,8 +22,10 @@ impl Default for Newton {
     }
 }
 
+/// What one step took.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepInfo {
+    /// Newton iterations (linear solves).
     pub iterations: u32,
     /// Changes of piece, summed over coordinates and iterations.
     pub active_set_changes: u32,
@@ -85,7 +89,8 @@ impl Newton {
 
     /// Solves one time level from the start value in `state`.
     ///
-    /// # Errors See [`StepError`]; `state` is then the last iterate.
+    /// # Errors
+    /// See [`StepError`]; `state` is then the last iterate.
     pub fn solve<P: StepInequality>(
         &self,
         problem: &mut P,
@@ -138,6 +143,7 @@ impl Newton {
     }
 }
 
+/// Vectors of the iteration, kept between steps.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
     force: Vec<f64>,

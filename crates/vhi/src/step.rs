@@ -32,13 +32,15 @@ pub trait StepInequality {
     /// (an increment of the dof). After the slopes of the coordinates follow the mixed slopes of the vector laws, in
     /// order.
     ///
-    /// # Errors Those of the factorization, if the Jacobian is not positive definite.
+    /// # Errors
+    /// Those of the factorization, if the Jacobian is not positive definite.
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError>;
 
     /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the right side; a direct
     /// solve ignores it.
     ///
-    /// # Errors Those of the factorization; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
+    /// # Errors
+    /// Those of the factorization; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
     /// singular.
     fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError>;
 

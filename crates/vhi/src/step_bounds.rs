@@ -22,6 +22,7 @@ pub struct StepBounds {
     pub destabilizing: f64,
     /// The largest w_nn/k of the time rule: ½ for the trapezoidal one.
     pub last_share: f64,
+    /// The same constants of kernels (t - s)^{-a} b(t, s), in terms of b.
     pub singular: SingularSlot,
 }
 
@@ -71,6 +72,7 @@ impl StepBounds {
         self.over_m0(self.size(k, self.operator()))
     }
 
+    /// The sharpened bound of the contraction factor of Λ.
     pub fn sharpened_factor(&self, k: f64) -> f64 {
         self.over_m0(self.size(k, self.sharpened()))
     }
@@ -117,6 +119,7 @@ impl StepBounds {
         self.limit_of(self.paper())
     }
 
+    /// (3.4) with operator norms.
     pub fn limit(&self) -> f64 {
         self.limit_of(self.operator())
     }
@@ -150,6 +153,7 @@ impl StepBounds {
         }
     }
 
+    /// Where a step size stands.
     pub fn place(&self, k: f64) -> StepPlace {
         if k < self.limit() {
             StepPlace::WithinTheorem
@@ -175,6 +179,7 @@ fn limit(m0: f64, size: f64) -> f64 {
     }
 }
 
+/// What is known of a step size beforehand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepPlace {
     /// k satisfies (3.4).

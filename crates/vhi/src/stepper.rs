@@ -8,7 +8,8 @@ use super::{
 pub trait StepSolver {
     /// Solves the open level of `problem` from the start value in `state`.
     ///
-    /// # Errors See [`StepError`]; `state` is then the last iterate.
+    /// # Errors
+    /// See [`StepError`]; `state` is then the last iterate.
     fn solve_level<P: HistoryInequality>(
         &self,
         problem: &mut P,
@@ -38,6 +39,7 @@ impl StepSolver for Newton {
     }
 }
 
+/// The state of a march.
 pub struct Stepper<'a, S> {
     solver: &'a S,
     pub state: StepState,
@@ -62,7 +64,8 @@ impl<'a, S: StepSolver> Stepper<'a, S> {
 
     /// Opens, solves and commits the next level.
     ///
-    /// # Errors Those of the load, or [`FailedStep`].
+    /// # Errors
+    /// Those of the load, or [`FailedStep`].
     pub fn step<P: HistoryInequality>(&mut self, problem: &mut P) -> Result<StepInfo, P::Error> {
         let (n, t) = (self.level, problem.grid().time(self.level));
         problem.open()?;

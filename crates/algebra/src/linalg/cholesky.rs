@@ -16,6 +16,7 @@ use faer::{Par, Side};
 
 use super::pattern::BlockPattern;
 
+/// Why a factorization was not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FactorError {
     /// A pivot was not positive, or a search direction p had pᵀAp ≤ 0.
@@ -104,6 +105,7 @@ pub struct Factor<T = f64> {
     pub(super) values: Vec<T>,
 }
 
+/// Scratch memory of factorizations.
 pub struct Workspace {
     memory: MemBuffer,
 }
@@ -111,7 +113,8 @@ pub struct Workspace {
 impl Analysis {
     /// Analyses `pattern` in the order `permutation` (position → dof).
     ///
-    /// # Errors [`FactorError::Analysis`] if memory or the index range is exhausted.
+    /// # Errors
+    /// [`FactorError::Analysis`] if memory or the index range is exhausted.
     pub fn new(pattern: &BlockPattern, permutation: &[u32]) -> Result<Self, FactorError> {
         let order = pattern.order();
         let mut inverse = vec![0u32; order];
@@ -132,6 +135,7 @@ impl Analysis {
         Ok(Self { symbolic })
     }
 
+    /// Numbers stored in a factor.
     pub fn factor_entries(&self) -> usize {
         self.symbolic.len_val()
     }
@@ -162,10 +166,12 @@ impl Analysis {
         }
     }
 
+    /// An empty factor of this pattern.
     pub fn factor<T: Real>(&self) -> Factor<T> {
         Factor { values: vec![T::ZERO; self.symbolic.len_val()] }
     }
 
+    /// Scratch memory for factorizations.
     pub fn workspace(&self) -> Workspace {
         let factorize =
             self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
@@ -174,7 +180,8 @@ impl Analysis {
 
     /// Computes L of the matrix with these lower-triangle `values`.
     ///
-    /// # Errors [`FactorError::NotPositiveDefinite`] names the unknown whose pivot failed.
+    /// # Errors
+    /// [`FactorError::NotPositiveDefinite`] names the unknown whose pivot failed.
     pub fn factorize<T: Real>(
         &self,
         pattern: &BlockPattern,

@@ -8,6 +8,7 @@ use super::cholesky::FactorError;
 use super::gmres::Preconditioned;
 use super::{axpy, dot, norm};
 
+/// Vectors of the iteration, kept between solves.
 #[derive(Debug, Clone, Default)]
 pub struct Directions {
     direction: Vec<f64>,
@@ -17,7 +18,8 @@ pub struct Directions {
 
 /// Reduces the `residual` b - Ax to a norm of at most `target`, adding to `x`; returns the iterations.
 ///
-/// # Errors [`FactorError::NotPositiveDefinite`] with the largest entry of a direction p that has pᵀAp ≤ 0;
+/// # Errors
+/// [`FactorError::NotPositiveDefinite`] with the largest entry of a direction p that has pᵀAp ≤ 0;
 /// [`FactorError::NotFinite`]; [`FactorError::NotReached`] after `limit` iterations. `x` is then undefined.
 pub fn conjugate_gradients(
     operator: &mut dyn Preconditioned,

@@ -15,6 +15,7 @@ pub struct DenseCholesky {
 }
 
 impl DenseCholesky {
+    /// Room for matrices of this order.
     pub fn new(order: usize) -> Self {
         let scratch =
             llt::factor::cholesky_in_place_scratch::<f64>(order, Par::Seq, Default::default());
@@ -23,7 +24,8 @@ impl DenseCholesky {
 
     /// Factorizes the matrix whose lower triangle `fill` writes, by columns.
     ///
-    /// # Errors [`FactorError::NotPositiveDefinite`] names the row whose pivot failed.
+    /// # Errors
+    /// [`FactorError::NotPositiveDefinite`] names the row whose pivot failed.
     pub fn factorize(&mut self, fill: impl FnOnce(&mut [f64])) -> Result<(), FactorError> {
         fill(&mut self.values);
         let finite = self.values.iter().all(|value| value.is_finite());
@@ -44,6 +46,7 @@ impl DenseCholesky {
         }
     }
 
+    /// Solves with the factor in place.
     pub fn solve(&mut self, rhs: &mut [f64]) {
         llt::solve::solve_in_place(
             MatRef::from_column_major_slice(&self.values, self.order, self.order),

@@ -5,6 +5,7 @@
 
 use super::{axpy, dot, norm};
 
+/// Vectors of the Krylov space, kept between solves.
 #[derive(Debug, Clone, Default)]
 pub struct Krylov {
     basis: Vec<Vec<f64>>,
@@ -18,13 +19,16 @@ pub struct Krylov {
     weights: Vec<f64>,
 }
 
+/// What a solve took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KrylovInfo {
+    /// Iterations: applications of operator and preconditioner.
     pub iterations: u32,
     /// Residual norm relative to the right side.
     pub relative_residual: f64,
 }
 
+/// A linear operator with a preconditioner.
 pub trait Preconditioned {
     /// `out` ← J x.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);

@@ -12,13 +12,15 @@ use super::{FactorError, axpy, dot};
 pub trait LinearMap {
     /// `out` ← T x.
     ///
-    /// # Errors Those of the linear solves within T.
+    /// # Errors
+    /// Those of the linear solves within T.
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError>;
 
     /// `out` ← G x.
     fn gram(&mut self, x: &[f64], out: &mut [f64]);
 }
 
+/// An eigenvalue with what is known of its accuracy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extreme {
     pub value: f64,
@@ -29,6 +31,7 @@ pub struct Extreme {
     pub residual: f64,
 }
 
+/// Why an eigenvalue was not found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EigenError {
     /// A solve within the map failed.
@@ -93,6 +96,7 @@ pub fn largest_eigenvalue(map: &mut dyn LinearMap, start: &[f64]) -> Result<Extr
     }
 }
 
+/// The outer eigenvalues of a linear map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spectrum {
     /// The largest modulus.
@@ -102,6 +106,10 @@ pub struct Spectrum {
     pub iterations: u32,
 }
 
+/// The outer eigenvalues of any linear map.
+///
+/// # Errors
+/// [`EigenError`].
 pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, EigenError> {
     let mut basis = Basis::new(map, start);
     let mut last = (f64::NAN, f64::NAN);

@@ -50,6 +50,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + rest
 }
 
+/// ‖a‖₂.
 pub fn norm(a: &[f64]) -> f64 {
     root_of_squares(|scale| a.iter().map(|x| (scale * x) * (scale * x)).sum())
 }
@@ -99,6 +100,7 @@ pub fn largest(a: &[f64]) -> f64 {
     lanes.iter().chain(rest).fold(0.0, |worst, value| larger(worst, value.abs()))
 }
 
+/// y ← y + α x.
 pub fn axpy(alpha: f64, x: &[f64], y: &mut [f64]) {
     for (target, value) in y.iter_mut().zip(x) {
         *target += alpha * value;

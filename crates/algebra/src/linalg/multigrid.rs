@@ -34,7 +34,8 @@ impl Levels {
     /// each vertex, finest mesh first; `coordinates` are those of the free nodes, `frames` the rotated unknowns of
     /// nodes. None without `parents`.
     ///
-    /// # Errors The analysis of the coarsest matrix.
+    /// # Errors
+    /// The analysis of the coarsest matrix.
     pub fn new(
         fine: &BlockPattern,
         of_vertex: &[u32],
@@ -61,10 +62,12 @@ impl Levels {
         Ok(Some(Self { transfers, patterns, coarsest, frames }))
     }
 
+    /// Unknowns of the coarsest level.
     pub fn coarsest_unknowns(&self) -> usize {
         self.patterns.last().map_or(0, BlockPattern::order)
     }
 
+    /// Number of levels, the finest included.
     pub fn count(&self) -> usize {
         self.patterns.len() + 1
     }
@@ -152,7 +155,8 @@ impl<'a, C: Parts> Multigrid<'a, C> {
     /// Takes the matrix with these lower-triangle `values`; rows and columns of the unknowns `held` are zero off the
     /// diagonal.
     ///
-    /// # Errors [`FactorError::NotPositiveDefinite`] if the block of a node on any level, or the coarsest matrix, is
+    /// # Errors
+    /// [`FactorError::NotPositiveDefinite`] if the block of a node on any level, or the coarsest matrix, is
     /// not; it names the fine unknown at the same vertex.
     pub(super) fn set(&mut self, values: &[f64], held: &[usize]) -> Result<(), FactorError> {
         let d = self.fine.dimension();

@@ -21,6 +21,7 @@ const ROUGHLY: f64 = 1e-2;
 /// Residual of [`MultigridSequence::solve_again`], whose result is multiplied by safety factors.
 const ESTIMATE: f64 = 1e-3;
 
+/// Solver for a sequence of Jacobians.
 pub struct MultigridSequence<'a> {
     cycle: Multigrid<'a>,
     pattern: &'a BlockPattern,
@@ -57,6 +58,7 @@ impl Preconditioned for Matrix<'_, '_> {
 }
 
 impl<'a> MultigridSequence<'a> {
+    /// A solver without a Jacobian yet.
     pub fn new(levels: &'a Levels, pattern: &'a BlockPattern) -> Self {
         Self {
             cycle: Multigrid::new(Symmetric, levels, pattern),
@@ -91,7 +93,8 @@ impl<'a> MultigridSequence<'a> {
 
     /// The Jacobian K + a bᵀ for the next solves; `unchanged` says that K is the last one.
     ///
-    /// # Errors A matrix found not to be positive definite.
+    /// # Errors
+    /// A matrix found not to be positive definite.
     pub fn prepare(
         &mut self,
         values: Vec<f64>,
@@ -114,7 +117,8 @@ impl<'a> MultigridSequence<'a> {
 
     /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
     ///
-    /// # Errors A matrix that is not positive definite, a rank-one part that makes the Jacobian singular, no
+    /// # Errors
+    /// A matrix that is not positive definite, a rank-one part that makes the Jacobian singular, no
     /// convergence.
     pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         let start = Instant::now();

@@ -75,6 +75,7 @@ impl BlockPattern {
         self.columns.len() - 1
     }
 
+    /// Number of stored entries of the lower triangle.
     pub fn entries(&self) -> usize {
         self.rows.len()
     }
@@ -155,6 +156,7 @@ impl BlockPattern {
         }
     }
 
+    /// Position of the diagonal entry of a dof.
     #[inline]
     pub fn diagonal(&self, dof: usize) -> usize {
         self.columns[dof] as usize
@@ -194,6 +196,7 @@ impl BlockPattern {
         couplings
     }
 
+    /// The matrix with these lower-triangle `values`, as a compressed sparse column matrix.
     pub fn matrix(&self, values: Vec<f64>) -> CsMatI<f64, u32> {
         let order = self.order();
         CsMatI::new_csc((order, order), self.columns.clone(), self.rows.clone(), values)

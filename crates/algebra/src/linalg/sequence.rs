@@ -28,6 +28,7 @@ pub struct NonsymmetricEntry {
     pub value: f64,
 }
 
+/// Counters and times.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LinearWork {
     /// Numerical factorizations, in either precision.
@@ -92,6 +93,7 @@ pub struct SequenceSolver<'a> {
 }
 
 impl<'a> SequenceSolver<'a> {
+    /// A solver without a Jacobian yet.
     pub fn new(analysis: &'a Analysis, pattern: &'a BlockPattern) -> Self {
         Self {
             analysis,
@@ -143,7 +145,8 @@ impl<'a> SequenceSolver<'a> {
     /// The Jacobian K + a bᵀ + C for the next solves. `unchanged` says that K is the factorized one and there is no
     /// rank-one part.
     ///
-    /// # Errors Those of the factorization.
+    /// # Errors
+    /// Those of the factorization.
     pub(crate) fn prepare(
         &mut self,
         values: Vec<f64>,
@@ -262,7 +265,8 @@ impl<'a> SequenceSolver<'a> {
 
     /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
     ///
-    /// # Errors Those of a new factorization, if one was needed.
+    /// # Errors
+    /// Those of a new factorization, if one was needed.
     pub(crate) fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         if self.exact && self.couplings.is_empty() {
             self.apply_inverse(rhs);

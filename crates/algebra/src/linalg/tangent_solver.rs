@@ -51,7 +51,8 @@ impl TangentSolver<'_> {
 
     /// The Jacobian K + a bᵀ + C for the next solves.
     ///
-    /// # Errors A matrix that is not positive definite.
+    /// # Errors
+    /// A matrix that is not positive definite.
     pub fn prepare(
         &mut self,
         values: Vec<f64>,
@@ -66,7 +67,8 @@ impl TangentSolver<'_> {
 
     /// Solves in place, to a residual of at most `forcing` times the right side.
     ///
-    /// # Errors As [`Self::prepare`]; a rank-one part that makes the Jacobian singular.
+    /// # Errors
+    /// As [`Self::prepare`]; a rank-one part that makes the Jacobian singular.
     pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         match self {
             Self::Direct(solver) => solver.solve(rhs, forcing),
@@ -74,6 +76,7 @@ impl TangentSolver<'_> {
         }
     }
 
+    /// Diagonal entry of the present K.
     pub fn diagonal(&self, dof: usize) -> f64 {
         match self {
             Self::Direct(solver) => solver.diagonal(dof),
@@ -89,6 +92,7 @@ impl TangentSolver<'_> {
         }
     }
 
+    /// Counters and times.
     pub fn work(&self) -> LinearWork {
         match self {
             Self::Direct(solver) => solver.work,

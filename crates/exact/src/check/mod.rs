@@ -26,6 +26,7 @@ pub enum Status {
 }
 
 impl Status {
+    /// Its word in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Verified => "verified",
@@ -36,6 +37,7 @@ impl Status {
     }
 }
 
+/// One line of the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// What was looked at.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+/// What a comparison says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Decision {
@@ -12,6 +13,7 @@ pub enum Decision {
 }
 
 impl Decision {
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pass => "pass",

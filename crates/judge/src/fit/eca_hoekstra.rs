@@ -21,6 +21,7 @@ const DOUBTFUL: f64 = 3.0;
 const ORDERS: [f64; 2] = [-4.0, 8.0];
 const ORDER_STEP: f64 = 0.05;
 
+/// The error expansions φ − φ₀ among which the procedure chooses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expansion {
     Power(f64),
@@ -29,9 +30,11 @@ pub enum Expansion {
     Mixed,
 }
 
+/// What the procedure says of the finest grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EcaHoekstra {
     pub expansion: Expansion,
+    /// Whether the grids were weighted with 1/h.
     pub weighted: bool,
     pub limit: f64,
     /// Order of the power expansion, even if another was chosen; none without an optimum.
@@ -56,6 +59,7 @@ struct ExpansionFit {
     distance: f64,
 }
 
+/// The procedure on values in direction of refinement; none for fewer than three.
 pub fn eca_hoekstra(samples: &[ValueSample]) -> Option<EcaHoekstra> {
     if samples.len() < GRIDS {
         return None;

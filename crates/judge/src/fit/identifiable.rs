@@ -17,6 +17,7 @@ const SMALLEST_SHARE: f64 = 0.1;
 /// Bound of the scaled condition: beyond it, a bias of 1 in 1000 of the errors changes an order by its size.
 const LARGEST_CONDITION: f64 = 1e3;
 
+/// The points do not determine both orders; what to run instead.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not identifiable: {reason}; {suggestion}")]
 pub struct NotIdentifiable {

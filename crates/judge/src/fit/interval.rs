@@ -1,5 +1,6 @@
 //! Closed intervals of orders and constants.
 
+/// A closed interval `[lo, hi]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     pub lo: f64,
@@ -7,6 +8,7 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// `[centre - radius, centre + radius]`.
     pub fn around(centre: f64, radius: f64) -> Self {
         Self { lo: centre - radius, hi: centre + radius }
     }
@@ -17,15 +19,18 @@ impl Interval {
         points.reduce(Self::hull)
     }
 
+    /// The smallest interval that holds both.
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
+    /// Half of its length.
     pub fn half_width(self) -> f64 {
         0.5 * (self.hi - self.lo)
     }
 
+    /// Whether it holds `value`.
     pub fn contains(self, value: f64) -> bool {
         self.lo <= value && value <= self.hi
     }

@@ -24,7 +24,9 @@ pub struct FittedValue {
 #[derive(Debug, Clone)]
 pub struct JointFit {
     pub model: ErrorCombination,
+    /// Order p in h with its Student interval.
     pub order_h: FittedValue,
+    /// Order q in k with its Student interval.
     pub order_k: FittedValue,
     /// Student intervals of p and q, before widening.
     pub student: [Interval; 2],
@@ -38,6 +40,7 @@ pub struct JointFit {
 }
 
 impl JointFit {
+    /// The error of the model at (h, k).
     pub fn error(&self, h: f64, k: f64) -> f64 {
         self.combined(h, k).0.exp()
     }
@@ -55,6 +58,7 @@ impl JointFit {
     }
 }
 
+/// Both models on one grid.
 #[derive(Debug, Clone)]
 pub struct JointFits {
     /// The model of smaller residual. Its intervals are the hull of its Student intervals, of p' ± 2 |p' − p| with the

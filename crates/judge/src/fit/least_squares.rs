@@ -5,6 +5,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::Interval;
 
+/// Solution of min ‖X c − y‖.
 #[derive(Debug, Clone)]
 pub struct LinearFit {
     pub coefficients: DVector<f64>,

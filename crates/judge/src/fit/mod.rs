@@ -49,6 +49,7 @@ pub use values::infer_values;
 /// Relative difference of steps that count as one level: tables carry 1/3 as 0.333333333.
 const SAME_LEVEL: f64 = 1e-9;
 
+/// Whether two positive steps are one up to rounding.
 pub fn same_level(a: f64, b: f64) -> bool {
     a.min(b) >= a.max(b) * (1.0 - SAME_LEVEL)
 }
@@ -63,6 +64,7 @@ pub struct Point {
     pub floor: f64,
 }
 
+/// The step that is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     Space,
@@ -70,6 +72,7 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// The step of a point in this direction.
     pub fn step(self, point: &Point) -> f64 {
         match self {
             Self::Space => point.h,
@@ -78,6 +81,7 @@ impl Direction {
     }
 }
 
+/// Why no order could be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FitError {
     #[error("{}, an order needs {needed}", counted(*found, "point"))]

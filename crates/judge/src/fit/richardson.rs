@@ -1,5 +1,6 @@
 //! Limit, order and grid convergence index from three values of a functional.
 
+/// A step and the value that was computed with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ValueSample {
     pub step: f64,
@@ -48,6 +49,7 @@ pub enum Triple {
 }
 
 impl Triple {
+    /// Reads three values in direction of refinement, steps strictly falling.
     pub fn of([coarse, middle, fine]: [ValueSample; 3]) -> Self {
         let values = [coarse.value, middle.value, fine.value];
         let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -74,6 +76,7 @@ impl Triple {
         Self::Converging { order, limit, gci: SAFETY * correction.abs() }
     }
 
+    /// The order, where there is one.
     pub fn order(self) -> Option<f64> {
         match self {
             Self::Converging { order, .. } | Self::Diverging { order } => Some(order),

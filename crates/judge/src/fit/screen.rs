@@ -6,6 +6,7 @@ use super::{Direction, FitError, Point, ValueSample, same_level};
 /// less than 0.07.
 pub const FLOORS_ABOVE: f64 = 20.0;
 
+/// Why a point carries no order.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Exclusion {
     /// The floor is too large a part of the error.
@@ -28,6 +29,10 @@ impl Exclusion {
     }
 }
 
+/// Whether a point may carry an order.
+///
+/// # Errors
+/// The reason to leave it out.
 pub fn screen(point: &Point) -> Result<(), Exclusion> {
     let Point { error, floor, .. } = *point;
     if !error.is_finite() || error < 0.0 {
@@ -43,6 +48,7 @@ pub fn screen(point: &Point) -> Result<(), Exclusion> {
     }
 }
 
+/// A step and its error, both positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     pub step: f64,

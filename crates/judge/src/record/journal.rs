@@ -11,6 +11,7 @@ use super::row::{self, COLUMNS, Row};
 use super::{CaseRecord, Key, RecordError, norm_rank};
 use files::{read_file, replace_file};
 
+/// The table of cases, open for appending.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,

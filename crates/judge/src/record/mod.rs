@@ -52,10 +52,12 @@ pub enum Status {
     Skipped,
 }
 
+/// Error of one case in one norm, with the floor below which it means nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormError {
     /// One of [`NORMS`], or a name of the caller's.
     pub norm: String,
+    /// The error; absent if it could not be measured.
     pub error: Option<f64>,
     /// Estimated upper bound of the part that is not discretisation: solver, rounding, quadrature, reference.
     pub floor: Option<f64>,
@@ -67,6 +69,7 @@ pub struct CaseRecord {
     pub scene: String,
     /// Space dimension; 0 for abstract scenes.
     pub dimension: u32,
+    /// Mesh cells per unit length; see [`Key::n`].
     pub n: Option<u32>,
     pub steps: u32,
     /// Mesh size, 1/n or the longest edge.
@@ -76,7 +79,9 @@ pub struct CaseRecord {
     pub dofs: u64,
     pub elements: u64,
     pub status: Status,
+    /// Newton iterations over all steps.
     pub newton_iterations: u64,
+    /// Changes of the active set over all steps.
     pub active_set_changes: u64,
     pub factorizations: u64,
     /// Loads during the march, without what they share with the moments of the exact solution.
@@ -116,10 +121,12 @@ impl CaseRecord {
         }
     }
 
+    /// The key of this case.
     pub fn key(&self) -> Key {
         Key { scene: self.scene.clone(), n: self.n, steps: self.steps }
     }
 
+    /// The entry of a norm, if the case has one.
     pub fn norm(&self, norm: &str) -> Option<&NormError> {
         self.errors.iter().find(|entry| entry.norm == norm)
     }
@@ -139,11 +146,13 @@ impl CaseRecord {
         self.errors.iter().find(|entry| !sound(entry))
     }
 
+    /// Whether the case converged.
     pub fn converged(&self) -> bool {
         self.status == Status::Converged
     }
 }
 
+/// Why records could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     #[error("{}: {source}", path.display())]

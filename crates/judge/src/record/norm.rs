@@ -43,6 +43,7 @@ pub const NORMS: [(&str, &str); 19] = [
     (CONTACT_MEASURE_MAX, "max |locked sets differ|"),
 ];
 
+/// Position of a norm in tables; names outside the contract come after those within.
 pub fn norm_rank(norm: &str) -> usize {
     NORMS.iter().position(|(name, _)| *name == norm).unwrap_or(NORMS.len())
 }
@@ -52,6 +53,7 @@ pub fn is_by_state(norm: &str) -> bool {
     norm_rank(norm) > norm_rank(V_PROJECTION_MAX) && norm_rank(norm) < NORMS.len()
 }
 
+/// Label of a norm in plots; a name outside the contract is its own label.
 pub fn norm_label(norm: &str) -> &str {
     NORMS.iter().find(|(name, _)| *name == norm).map_or(norm, |(_, label)| label)
 }

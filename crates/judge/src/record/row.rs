@@ -8,6 +8,7 @@ use csv::StringRecord;
 use super::{CaseRecord, NormError, RecordError, Status};
 use files::fnv_1a;
 
+/// Columns of `cases.csv`, a contract: extend, do not rename.
 pub const COLUMNS: [&str; 22] = [
     "scene",
     "dimension",

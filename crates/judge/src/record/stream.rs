@@ -122,6 +122,10 @@ pub struct TableWriter {
 }
 
 impl TableWriter {
+    /// Begins the table that is to stand at `path`.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`].
     pub fn create(path: &Path) -> Result<Self, RecordError> {
         let begun = || -> io::Result<Replacement> {
             let mut file = Replacement::create(path)?;
@@ -143,6 +147,10 @@ impl TableWriter {
         written.map_err(|source| RecordError::Io { path: self.path.clone(), source })
     }
 
+    /// Puts the table at its place, in one step.
+    ///
+    /// # Errors
+    /// [`RecordError::Io`].
     pub fn finish(self) -> Result<(), RecordError> {
         let Self { path, file } = self;
         file.finish().map_err(|source| RecordError::Io { path, source })

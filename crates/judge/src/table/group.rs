@@ -3,6 +3,7 @@
 use super::runs;
 use crate::fit::{Direction, Point, same_level};
 
+/// What a table measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     Error,
@@ -10,6 +11,7 @@ pub enum Quantity {
     Value,
 }
 
+/// A row that serves, or the reason why it does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     pub line: u64,
@@ -20,6 +22,7 @@ pub struct Row {
     pub gap: Option<String>,
 }
 
+/// The rows of one scene and norm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
     /// If the table has such a column.
@@ -27,6 +30,7 @@ pub struct Group {
     /// If the table has such a column, or several norms.
     pub norm: Option<String>,
     pub quantity: Quantity,
+    /// The rows, in the order of the text.
     pub rows: Vec<Row>,
 }
 
@@ -42,6 +46,7 @@ impl Group {
         runs::merged(self.quantity, self.rows.iter().filter(|row| row.gap.is_none()))
     }
 
+    /// The points alone.
     pub fn points(&self) -> Vec<Point> {
         self.measurements().into_iter().map(|(point, _)| point).collect()
     }
@@ -53,6 +58,7 @@ impl Group {
         Some(names.join(" ")).filter(|text| !text.is_empty())
     }
 
+    /// The gaps with their lines.
     pub fn gaps_in_words(&self) -> Option<String> {
         let gap = |row: &Row| row.gap.as_ref().map(|gap| format!("line {}: {gap}", row.line));
         let gaps: Vec<String> = self.rows.iter().filter_map(gap).collect();
@@ -66,6 +72,7 @@ impl Group {
         }
     }
 
+    /// Whether a step takes two values and more.
     pub fn refined(&self, direction: Direction) -> bool {
         let mut steps = self.rows.iter().map(|row| direction.step(&row.point));
         let first = steps.find(|step| step.is_finite());

@@ -16,6 +16,7 @@ pub use group::{Group, Measurement, Quantity, Row};
 pub use name::understood;
 pub use read::{Reading, Tables, read};
 
+/// Why a text is no table.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{line}: {what}")]
 pub struct TableError {

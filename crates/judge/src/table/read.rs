@@ -8,20 +8,25 @@ use super::columns::Columns;
 use super::group::{Group, Row};
 use crate::fit::Direction;
 
+/// What a reader has to know beside the text.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Reading {
     /// Dimension of the mesh, if sizes are counts of cells or unknowns.
     pub dimension: Option<u32>,
 }
 
+/// All tables of a text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tables {
     /// One per scene and norm, in the order of their first rows.
     pub groups: Vec<Group>,
+    /// Columns that are not understood, and not read.
     pub unknown: Vec<String>,
 }
 
-/// # Errors A text that is not a table, with the line.
+/// # Errors
+
+/// A text that is not a table, with the line.
 pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = &bytes[..error.valid_up_to()];

@@ -24,6 +24,7 @@ const FLOORS_COUNTED: f64 = 4.0;
 /// Norms that jump by a sample on ties; no baseline holds across machines.
 const JUMPING: [&str; 2] = [crate::record::CONTACT_SET_MAX, crate::record::CONTACT_MEASURE_MAX];
 
+/// Why a baseline could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
     #[error("{}: {source}", path.display())]
@@ -32,15 +33,18 @@ pub enum BaselineError {
     Json { path: PathBuf, source: serde_json::Error },
 }
 
+/// Errors and work of cases, by scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
     pub scenes: BTreeMap<String, Recorded>,
 }
 
+/// One scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
+    /// Hash of the scene file that was run.
     pub hash: String,
     /// Verdicts owed on the scene's default grids; absent in older baselines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -48,11 +52,14 @@ pub struct Recorded {
     pub cases: Vec<RecordedCase>,
 }
 
+/// One case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedCase {
+    /// Mesh cells per unit length; none without a mesh.
     pub n: Option<u32>,
     pub steps: u32,
+    /// Newton iterations over all steps.
     pub newton_iterations: u64,
     pub factorizations: u64,
     /// Absent in older baselines.

@@ -17,6 +17,7 @@ pub struct LeadingPoint {
     pub error: f64,
 }
 
+/// Leading errors along one direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeadingLine {
     /// One per case that has a leading error.
@@ -28,6 +29,7 @@ pub struct LeadingLine {
     pub tolerance: f64,
 }
 
+/// What is known beforehand of the constant of one prediction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Foreseen {
@@ -35,6 +37,7 @@ pub enum Foreseen {
     Nothing { not_predicted: String },
 }
 
+/// What is known beforehand, with the prediction to which it belongs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForeseenConstant {
     pub scene: String,

@@ -18,6 +18,7 @@ pub struct Failure {
     pub reason: String,
 }
 
+/// Why verdicts could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
     #[error("{}: {source}", path.display())]

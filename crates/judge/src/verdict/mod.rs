@@ -31,6 +31,7 @@ pub use next::NextCase;
 pub use selection::{line_keys, line_points};
 pub use table::{NOTHING_JUDGED, TABLE_WIDTH, cell_texts, render_table};
 
+/// What is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Variable {
@@ -45,6 +46,7 @@ pub enum Variable {
 }
 
 impl Variable {
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::H => "h",
@@ -55,6 +57,7 @@ impl Variable {
     }
 }
 
+/// What most of the floor of an error comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FloorSource {
     #[default]
@@ -106,6 +109,7 @@ pub struct Prediction {
     pub window_n: Option<[u32; 2]>,
     /// First and last number of steps to judge.
     pub window_steps: Option<[u32; 2]>,
+    /// What the floor of an error comes from, for advice.
     pub floor: FloorSource,
     /// The solution is unique; otherwise a run may have followed another one.
     pub unique: bool,
@@ -132,6 +136,7 @@ impl Prediction {
     }
 }
 
+/// The verdict a scene is built to get.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Expect {
@@ -151,6 +156,7 @@ impl Expect {
     }
 }
 
+/// A point that served.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PointUsed {
     pub h: f64,
@@ -158,6 +164,7 @@ pub struct PointUsed {
     pub error: f64,
 }
 
+/// A point that was left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PointLeftOut {
     pub h: f64,
@@ -231,10 +238,12 @@ pub struct Verdict {
     #[serde(rename = "verdict")]
     pub decision: Decision,
     pub reason: String,
+    /// The cases that would help an unresolved verdict.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub next: Vec<NextCase>,
     /// Every expected case is there, converged and finite; otherwise the verdict is `fail` and never as expected.
     pub complete: bool,
+    /// The verdict that the scene is built to get.
     pub expect: Expect,
 }
 

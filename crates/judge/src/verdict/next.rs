@@ -9,6 +9,7 @@ use crate::fit::Direction;
 /// A case not yet run; `n` is absent for abstract scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct NextCase {
+    /// Mesh cells per unit length, or level of refinement.
     pub n: Option<u32>,
     pub steps: u32,
 }

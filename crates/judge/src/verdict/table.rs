@@ -5,6 +5,7 @@ use comfy_table::{ColumnConstraint, ContentArrangement, LineStyle, Table};
 
 use super::{Decision, Verdict};
 
+/// Width of the text in characters where nothing else is known.
 pub const TABLE_WIDTH: u16 = 100;
 
 /// Minimal width for the theorems beside the intervals.
@@ -13,6 +14,7 @@ const WITH_REASONS: u16 = 96;
 /// Columns not to be broken: in, predicted, observed, verdict.
 const WHOLE: std::ops::RangeInclusive<usize> = 2..=5;
 
+/// What stands in place of an empty table.
 pub const NOTHING_JUDGED: &str =
     "nothing was judged: every scene here says judge = false and is measured only";
 
@@ -60,6 +62,7 @@ fn reasons(verdicts: &[Verdict], width: usize) -> Vec<String> {
 
 const HEAD: [&str; 7] = ["scene", "norm", "in", "predicted", "observed", "verdict", "why"];
 
+/// The cells of a verdict: scene, norm, in, predicted, observed, verdict, why.
 pub fn cell_texts(verdict: &Verdict) -> [String; 7] {
     let name = verdict.decision.name();
     let decision = match (verdict.as_expected(), verdict.decision) {

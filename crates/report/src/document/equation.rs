@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+/// A formula with its number in the paper.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Equation {
     pub plain: String,
@@ -11,6 +12,7 @@ pub struct Equation {
     pub number: String,
 }
 
+/// The terms that a scene has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Terms {
     /// Problem 1 in ℝ^m, without a body.

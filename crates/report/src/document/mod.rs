@@ -35,6 +35,7 @@ pub use pdf::pdf;
 pub use study::{Chapter, StudyDocument};
 pub(super) use typst::{DATA, TEMPLATE, data};
 
+/// A report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Document {
     pub(super) title: String,
@@ -134,10 +135,12 @@ impl Figure {
 }
 
 impl Run {
+    /// Words that stand out by `tone`.
     pub fn of(text: impl Into<String>, tone: Tone) -> Self {
         Self { text: text.into(), tone, target: None }
     }
 
+    /// Words that do not stand out.
     pub fn plain(text: impl Into<String>) -> Self {
         Self::of(text, Tone::Plain)
     }

@@ -24,6 +24,7 @@ pub fn number(value: impl Into<Option<f64>>) -> Run {
     precise(value, 5)
 }
 
+/// A cell with a number of at most so many digits.
 pub fn precise(value: impl Into<Option<f64>>, significant: usize) -> Run {
     Run::plain(value.into().map_or_else(|| "–".to_owned(), |value| digits(value, significant)))
 }

@@ -20,7 +20,8 @@ const FACE: &str = "font-family=\"DejaVu Sans\"";
 
 /// The document as a PDF; `date` is printed below the title. Deterministic.
 ///
-/// # Errors [`ReportError::Typesetting`].
+/// # Errors
+/// [`ReportError::Typesetting`].
 pub fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
     let world = Sheets::new(document, date)?;
     let set = typst::compile::<PagedDocument>(&world).output;

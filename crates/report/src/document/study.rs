@@ -67,6 +67,7 @@ const MOST_ROWS: usize = 40;
 /// Ending of document files.
 const ENDING: &str = ".document.json";
 
+/// What a study says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyDocument {
     pub chapter: Chapter,
@@ -75,6 +76,7 @@ pub struct StudyDocument {
     /// Fingerprint of the scene's text.
     pub fingerprint: Option<String>,
     pub title: String,
+    /// Whether everything is as it should be.
     pub holds: bool,
     /// The k at which Λ stops contracting, for the table of all scenes.
     pub threshold: Option<String>,
@@ -82,6 +84,7 @@ pub struct StudyDocument {
 }
 
 impl StudyDocument {
+    /// A study that has said nothing yet.
     pub fn new(chapter: Chapter, title: impl Into<String>) -> Self {
         Self {
             chapter,
@@ -105,6 +108,7 @@ impl StudyDocument {
         self.scene.as_ref().map_or(chapter.into(), |scene| format!("{scene}-{chapter}"))
     }
 
+    /// A paragraph.
     pub fn words(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Text(vec![Run::plain(text)]));
     }
@@ -137,6 +141,7 @@ impl StudyDocument {
         self.blocks.push(Block::Figure(Figure::new((file, caption, svg))));
     }
 
+    /// Lines to be typed.
     pub fn code(&mut self, lines: String) {
         self.blocks.push(Block::Code(lines));
     }
@@ -157,6 +162,7 @@ impl StudyDocument {
     /// Default width.
     pub const WIDTH: u16 = 132;
 
+    /// The study on a terminal of so many columns.
     pub fn text(&self, width: u16) -> String {
         terminal::text(&self.title, &self.blocks, width)
     }
@@ -178,7 +184,8 @@ impl StudyDocument {
 
     /// The studies in a directory, in the order of file names.
     ///
-    /// # Errors A file that cannot be read, or is not the document of a study.
+    /// # Errors
+    /// A file that cannot be read, or is not the document of a study.
     pub(crate) fn read_all(dir: &Path) -> Result<Vec<Self>, ReportError> {
         let failed = |path: &Path, source| ReportError::Io { path: path.into(), source };
         let mut names: Vec<String> = Vec::new();

@@ -12,7 +12,9 @@ const REFERENCE_RUNS: f64 = 10.0;
 const MOST_BYTES: f64 = 1_073_741_824.0;
 
 pub(crate) struct SceneCosts {
+    /// n of each case, none in an abstract scene, and its number of steps.
     pub cases: Vec<(Option<u32>, u32)>,
+    /// What they take, in the same order.
     pub costs: PlanCost,
 }
 

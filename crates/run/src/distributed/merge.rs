@@ -19,6 +19,7 @@ use judge::verdict::{Baseline, Comparison, Verdict};
 use scene::setup::{SetupError, Subject};
 use scene::{Norm, Scene, SceneError};
 
+/// Why nothing was merged.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     #[error("{}: {reason}", path.display())]
@@ -52,7 +53,9 @@ fn in_words(parts: &[PathBuf]) -> String {
     parts.iter().map(|part| part.display().to_string()).collect::<Vec<_>>().join(" and ")
 }
 
+/// What a merge came to.
 pub struct Merged {
+    /// As of one process, scene by scene.
     pub verdicts: Vec<Verdict>,
     /// Records of failed cases, with reasons.
     pub failed: Vec<CaseRecord>,
@@ -60,6 +63,7 @@ pub struct Merged {
     pub missing: Missing,
     /// Number of cases in the table.
     pub cases: usize,
+    /// With the baseline, where one was given.
     pub comparison: Option<Comparison>,
     /// Scenes with texts and remarks, without the machine of the merge.
     pub provenance: Provenance,

@@ -19,6 +19,7 @@ pub struct Missing {
     pub way: WayOn,
 }
 
+/// How missing cases come to be.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub enum WayOn {
     /// Run their jobs of a plan.

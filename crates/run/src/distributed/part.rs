@@ -17,6 +17,7 @@ use scene::setup::{SetupError, Subject};
 /// Below the directory of a part: holds records until all are there.
 const UNFINISHED: &str = ".unfinished";
 
+/// Why a part was not run.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     #[error(transparent)]
@@ -38,6 +39,7 @@ pub enum PartError {
     Io { path: PathBuf, reason: String },
 }
 
+/// What became of a part.
 #[derive(Debug)]
 pub struct PartRun {
     /// Sorted by scene, n and steps.
@@ -48,7 +50,8 @@ pub struct PartRun {
 
 /// The scenes of the rows with their cases, in the plan's order of scenes.
 ///
-/// # Errors A scene that has changed since the plan was made, or a row that is not a case of it.
+/// # Errors
+/// A scene that has changed since the plan was made, or a row that is not a case of it.
 pub(crate) fn plans(
     plan: &SweepPlan,
     dir: &Path,
@@ -100,7 +103,8 @@ fn grid(plan: &SweepPlan, rows: &[&CaseRow]) -> Overrides {
 /// Runs the cases of `rows` one after the other and publishes them in `out`. Complete records, and cases that a killed
 /// process had finished, are kept.
 ///
-/// # Errors [`PartError`]: nothing is published then. A case whose solver fails is a record.
+/// # Errors
+/// [`PartError`]: nothing is published then. A case whose solver fails is a record.
 pub fn run_part(
     plan: &SweepPlan,
     dir: &Path,
@@ -156,6 +160,7 @@ fn publish(out: &Path, records: &[CaseRecord], provenance: &Provenance) -> Resul
     Ok(write_sorted(&table, records)?)
 }
 
+/// The failed cases of a part in words, for a message.
 pub fn failed_in_words(records: &[CaseRecord]) -> Option<String> {
     let failed = failures(records);
     let first = failed.first()?;

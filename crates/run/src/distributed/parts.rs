@@ -14,8 +14,10 @@ use scene::Scene;
 #[derive(Debug)]
 pub struct Parts {
     pub dirs: Vec<PathBuf>,
+    /// The platform that made all of them.
     pub platform: Option<String>,
     pub reasons: BTreeMap<Key, String>,
+    /// Cases beyond the grids of scenes.
     pub added: BTreeMap<String, Vec<AddedCase>>,
     /// Hash of each scene, and the first part that has it.
     scenes: BTreeMap<String, (String, usize)>,
@@ -24,7 +26,8 @@ pub struct Parts {
 impl Parts {
     /// The parts below `given`: a directory with records, or else its subdirectories with records.
     ///
-    /// # Errors No records below a directory; parts that do not belong together, or not to the plan.
+    /// # Errors
+    /// No records below a directory; parts that do not belong together, or not to the plan.
     pub fn open(given: &[PathBuf], plan: Option<&SweepPlan>) -> Result<Self, MergeError> {
         let mut dirs = Vec::new();
         for dir in given {
@@ -109,7 +112,8 @@ impl Parts {
 
     /// A scene, from the text in its first part.
     ///
-    /// # Errors The text is missing or invalid.
+    /// # Errors
+    /// The text is missing or invalid.
     pub(crate) fn scene(&self, name: &str) -> Result<Scene, MergeError> {
         let nothing = |path: &Path| MergeError::Unreadable {
             path: path.to_owned(),

@@ -19,6 +19,7 @@ pub const CASES: &str = "plan.csv";
 /// One row per job: its cost and request.
 pub const JOBS: &str = "jobs.csv";
 
+/// Why a plan cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     #[error("{}: {source}", path.display())]
@@ -73,6 +74,7 @@ pub struct SweepPlan {
     pub scenes: Vec<PlannedScene>,
 }
 
+/// A row of `plan.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseRow {
     /// `SCENE:nN:NSTEPS`, `SCENE:NSTEPS` without a mesh.
@@ -88,6 +90,7 @@ pub struct CaseRow {
     pub job: usize,
 }
 
+/// A row of `jobs.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JobRow {
     pub job: usize,
@@ -103,6 +106,7 @@ pub struct JobRow {
 }
 
 impl CaseRow {
+    /// Its key in records.
     pub fn key(&self) -> Key {
         Key { scene: self.scene.clone(), n: self.n, steps: self.steps }
     }
@@ -131,7 +135,8 @@ impl PlannedScene {
 
     /// The planned scene, from its text; `dir` is the plan's directory.
     ///
-    /// # Errors [`PlanError::Scene`], [`PlanError::Malformed`] if text and hash do not match.
+    /// # Errors
+    /// [`PlanError::Scene`], [`PlanError::Malformed`] if text and hash do not match.
     pub(crate) fn scene(&self, dir: &Path) -> Result<Scene, PlanError> {
         let path = dir.join(PLAN);
         let mut source =
@@ -149,7 +154,8 @@ impl PlannedScene {
 
     /// Refuses a scene whose file has changed since. A missing file is accepted.
     ///
-    /// # Errors [`PlanError::Changed`].
+    /// # Errors
+    /// [`PlanError::Changed`].
     pub(crate) fn unchanged(&self) -> Result<(), PlanError> {
         if !self.file.is_file() {
             return Ok(());
@@ -167,7 +173,8 @@ impl PlannedScene {
 impl SweepPlan {
     /// Reads the plan in `dir`.
     ///
-    /// # Errors [`PlanError`]; a plan of another version is refused.
+    /// # Errors
+    /// [`PlanError`]; a plan of another version is refused.
     pub fn read(dir: &Path) -> Result<Self, PlanError> {
         let path = dir.join(PLAN);
         let text =
@@ -214,7 +221,8 @@ impl SweepPlan {
 
     /// The rows of `plan.csv` with one of these ids, or of one of these jobs.
     ///
-    /// # Errors [`PlanError::Unknown`] if one of them is missing.
+    /// # Errors
+    /// [`PlanError::Unknown`] if one of them is missing.
     pub fn rows(
         &self,
         dir: &Path,
@@ -249,7 +257,8 @@ impl SweepPlan {
 
 /// Streams the rows of a `plan.csv`.
 ///
-/// # Errors [`PlanError::Io`]; a malformed row is the error of its item.
+/// # Errors
+/// [`PlanError::Io`]; a malformed row is the error of its item.
 pub(crate) fn rows(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<CaseRow, PlanError>> + use<>, PlanError> {

@@ -10,6 +10,7 @@ use files::{make_directory, replace_file};
 use judge::record::Key;
 use scene::setup::SetupError;
 
+/// What runs the jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Engine {
     /// By a `Snakefile`.
@@ -20,6 +21,7 @@ pub enum Engine {
     Tables,
 }
 
+/// Why no plan was written.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanningError {
     #[error(transparent)]
@@ -31,6 +33,7 @@ pub enum PlanningError {
     Other { path: PathBuf },
 }
 
+/// A scene of a plan, and what its cases take.
 pub struct PlannedCases {
     scene: PlannedScene,
     costs: SceneCosts,
@@ -39,7 +42,8 @@ pub struct PlannedCases {
 impl PlannedCases {
     /// Predicts the cases of a scene; its meshes are made and analysed.
     ///
-    /// # Errors A cell that the boundary of a region cuts.
+    /// # Errors
+    /// A cell that the boundary of a region cuts.
     pub fn new(plan: &ScenePlan) -> Result<Self, SetupError> {
         let cases = plan.cases.iter().map(|case| (case.n, case.steps)).collect();
         let costs = SceneCosts { cases, costs: plan.costs()? };
@@ -47,6 +51,7 @@ impl PlannedCases {
     }
 }
 
+/// The jobs of a plan, and the plan itself.
 pub struct Planning {
     pub plan: SweepPlan,
     /// One row per job, the longest first.

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use super::plan::JobRow;
 
+/// The script of a task.
 pub const ARRAY: &str = include_str!("workflow/array.sh");
 
 /// Slurm's default MaxArraySize is 1001, the largest index 1000.

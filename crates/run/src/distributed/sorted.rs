@@ -25,7 +25,8 @@ pub(crate) struct SortedCases {
 impl SortedCases {
     /// Sorts the cases of `tables`, with at most `at_once` of them in memory and temporary files below `folder`.
     ///
-    /// # Errors [`RecordError`] of a table, or of a file below `folder`.
+    /// # Errors
+    /// [`RecordError`] of a table, or of a file below `folder`.
     pub(crate) fn new(
         tables: &[PathBuf],
         folder: &Path,

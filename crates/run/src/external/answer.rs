@@ -15,6 +15,7 @@ pub const DISPLACEMENT_TABLE: &str = "displacement.csv";
 /// ξ + λ at the rows of contact.csv, (N + 1) × rows.
 pub const PRESSURE: &str = "pressure.npy";
 
+/// Why an answer cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AnswerError {
     #[error(
@@ -41,6 +42,7 @@ pub enum AnswerError {
     Row { path: PathBuf, line: u64, reason: String },
 }
 
+/// What an answer has to hold.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
     /// t_0 … t_N.

@@ -38,7 +38,8 @@ const PIECE: usize = 1 << 20;
 impl Timed {
     /// Opens a regular file.
     ///
-    /// # Errors As [`open_file`].
+    /// # Errors
+    /// As [`open_file`].
     pub(crate) fn open(path: &Path, until: Until) -> io::Result<Self> {
         let file = open_file(path)?;
         let length = file.metadata()?.len();
@@ -61,7 +62,8 @@ impl Read for Timed {
 
 /// Opens a regular file of at most `most` bytes.
 ///
-/// # Errors That of the file system, or both lengths.
+/// # Errors
+/// That of the file system, or both lengths.
 pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
     let file = Timed::open(path, until).map_err(|error| error.to_string())?;
     if file.length > most {

@@ -16,6 +16,7 @@ const FORMAT: &str = include_str!("format.md");
 /// Up to this N kernels are written for all pairs of levels on non-uniform grids.
 const MOST_PAIRS: usize = 4096;
 
+/// A row of the table of Γ3.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactRow {
     pub vertex: u32,
@@ -46,7 +47,8 @@ pub struct Given {
 impl Given {
     /// The case on a mesh with N steps.
     ///
-    /// # Errors A load that is not finite, a grid too long for its kernels.
+    /// # Errors
+    /// A load that is not finite, a grid too long for its kernels.
     pub(crate) fn new(setup: &Setup, data: &MeshData, steps: u32) -> Result<Self, CaseError> {
         let grid = setup.grid(steps);
         Ok(Self {
@@ -59,6 +61,7 @@ impl Given {
         })
     }
 
+    /// Whether a vertex of the mesh is clamped.
     pub fn clamped(space: &Discretization, vertex: usize) -> bool {
         space.nodes.of_vertex[vertex] as usize >= space.nodes.free
     }
@@ -66,7 +69,8 @@ impl Given {
 
 /// Writes the files of a case into `dir`, which is created.
 ///
-/// # Errors A load that is not finite, a file that cannot be written, a grid too long for its kernels.
+/// # Errors
+/// A load that is not finite, a file that cannot be written, a grid too long for its kernels.
 pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Result<(), CaseError> {
     let (space, given) = (&*data.space, Given::new(setup, data, steps)?);
     std::fs::create_dir_all(dir).map_err(|error| outside(dir, error))?;
@@ -300,6 +304,7 @@ fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Array, CaseError> {
     Ok(Array { shape: vec![grid.steps() + 1, nodes.of_vertex.len(), d], numbers: values })
 }
 
+/// Where the files of a case stand below `folder`.
 pub fn case_dir(folder: &Path, scene: &str, n: u32, steps: u32) -> PathBuf {
     folder.join(scene).join(format!("n{n}-N{steps}"))
 }

@@ -4,6 +4,7 @@ use super::{Given, show};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use scene::setup::{MeshData, Scheme, Setup};
 
+/// What a solver gives back.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// (N + 1) × vertices × d, the last axis fastest.
@@ -12,10 +13,12 @@ pub struct Answer {
     pub pressure: Option<Vec<f64>>,
 }
 
+/// A solver of one case, by whatever means.
 pub trait Solve: Send + Sync {
     /// Solves a case.
     ///
-    /// # Errors The reason, recorded with the failed case.
+    /// # Errors
+    /// The reason, recorded with the failed case.
     fn solve(&self, given: &Given, data: &MeshData) -> Result<Answer, String>;
 }
 

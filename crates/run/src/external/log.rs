@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use files::{open_file, remove_if_there, shortened};
 
+/// The file in the directory of a case.
 pub const LOG: &str = "solver.log";
 /// Length beyond which a log is cut to its end.
 const MOST: u64 = 16 << 20;
@@ -22,7 +23,8 @@ pub(crate) struct Log {
 impl Log {
     /// Creates an empty log in `dir`, replacing any older one.
     ///
-    /// # Errors Those of the file system.
+    /// # Errors
+    /// Those of the file system.
     pub(crate) fn new(dir: &Path) -> io::Result<Self> {
         let path = dir.join(LOG);
         remove_if_there(&path)?;

@@ -51,6 +51,7 @@ pub enum Way {
     Results,
 }
 
+/// A solver outside this program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExternalSolver {
     pub way: Way,

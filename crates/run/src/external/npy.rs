@@ -5,6 +5,7 @@
 
 use std::io::Read;
 
+/// An array of doubles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     pub shape: Vec<usize>,
@@ -12,6 +13,7 @@ pub struct Array {
     pub numbers: Vec<f64>,
 }
 
+/// What makes a file no array of doubles.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NpyError {
     /// Wrong magic bytes.
@@ -108,7 +110,8 @@ fn part<const BYTES: usize>(
 
 /// Bytes of an array of this shape.
 ///
-/// # Errors [`NpyError::Header`] if there are too many to count.
+/// # Errors
+/// [`NpyError::Header`] if there are too many to count.
 pub(crate) fn length(shape: &[usize]) -> Result<usize, NpyError> {
     let count = shape.iter().try_fold(8usize, |product, &axis| product.checked_mul(axis));
     count.ok_or(NpyError::Header("shape"))

@@ -31,7 +31,8 @@ impl<'a> Places<'a> {
 
     /// The vertex of each point; every vertex must occur once.
     ///
-    /// # Errors [`VtuReadError::Points`], [`VtuReadError::Elsewhere`], [`VtuReadError::Twice`].
+    /// # Errors
+    /// [`VtuReadError::Points`], [`VtuReadError::Elsewhere`], [`VtuReadError::Twice`].
     pub(crate) fn of(&self, points: &[[f64; 3]]) -> Result<Vec<u32>, VtuReadError> {
         let (found, wanted) = (points.len(), self.vertices.len());
         if found != wanted {

@@ -10,6 +10,7 @@ use super::log::Log;
 /// Interval for shortening its log.
 const LOOK: Duration = Duration::from_millis(100);
 
+/// Why a program gave no answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ProcessError {
     #[error("`{program}` cannot be started: {reason}")]
@@ -24,7 +25,8 @@ pub enum ProcessError {
 /// Runs `words` with `dir` as last argument, in the current working directory. All processes that it starts end with
 /// it.
 ///
-/// # Errors [`ProcessError`]; its message includes the last line that the program printed.
+/// # Errors
+/// [`ProcessError`]; its message includes the last line that the program printed.
 pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessError> {
     let (program, arguments) = words.split_first().ok_or_else(|| ProcessError::Start {
         program: String::new(),

@@ -17,6 +17,7 @@ const NEAR: f64 = 1e-5;
 /// Size limit of an index; a level takes a line with a name.
 const BYTES_A_LEVEL: SizeLimit = SizeLimit { first: 1 << 16, each: 1 << 12 };
 
+/// Why files are not those of the levels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SeriesError {
     #[error("{0}")]
@@ -105,7 +106,8 @@ pub(crate) fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError>
 
 /// Checks that each level has one file.
 ///
-/// # Errors [`SeriesError`]: a level without a file, with two, or beyond the last.
+/// # Errors
+/// [`SeriesError`]: a level without a file, with two, or beyond the last.
 pub(crate) fn each_level(
     files: Vec<(usize, PathBuf)>,
     levels: usize,

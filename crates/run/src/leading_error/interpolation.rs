@@ -94,6 +94,7 @@ fn simplices_of_a_cube<const D: usize>() -> Vec<QuadraticError<D>> {
     (0..D).map(path).collect()
 }
 
+/// ‖ε(u(t) - I_h u(t))‖ on one mesh.
 pub struct InterpolationError<'a> {
     space: &'a Discretization,
     /// u at the vertices, and midpoints that have nodes.
@@ -120,6 +121,7 @@ impl<'a> InterpolationError<'a> {
         Self { space, nodal, strain, rule }
     }
 
+    /// The error at time t.
     pub fn at(&mut self, t: f64) -> f64 {
         match self.space.mesh.dimension {
             2 => self.at_in::<2>(t),

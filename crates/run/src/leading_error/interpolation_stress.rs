@@ -13,6 +13,7 @@ use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::{Rule, tetrahedron_degree_5, triangle_degree_4};
 use formula::BoundProgram;
 
+/// ‖σ(u(t)) - σ(I_h u(t))‖ on one mesh.
 pub struct StressInterpolationError {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
@@ -41,7 +42,8 @@ impl StressInterpolationError {
 
     /// The error at time t.
     ///
-    /// # Errors A formula that is not finite at a vertex.
+    /// # Errors
+    /// A formula that is not finite at a vertex.
     pub(crate) fn at(&mut self, t: f64) -> Result<f64, LoadError> {
         match self.space.mesh.dimension {
             2 => self.at_in::<2, 3>(t),

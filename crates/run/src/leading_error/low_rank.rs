@@ -18,7 +18,8 @@ const VANISHING: f64 = 1e-9;
 
 /// (K + Σ a_i b_iᵀ)⁻¹ `right`, over all nodes, by the Sherman–Morrison–Woodbury formula; `values` are K's.
 ///
-/// # Errors [`NoConstant::Singular`]; a K that cannot be factorized.
+/// # Errors
+/// [`NoConstant::Singular`]; a K that cannot be factorized.
 pub(super) fn solve(
     space: &Discretization,
     t: f64,

@@ -48,6 +48,7 @@ use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Data, Direction, Hypothesis, MeshFamily, Norm};
 
+/// One case, by its mesh and number of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Case {
     /// Cells per unit length; none in ℝ^m.
@@ -55,6 +56,7 @@ pub struct Case {
     pub steps: u32,
 }
 
+/// The leading error of one case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeadingError {
     pub case: Case,
@@ -67,6 +69,7 @@ pub struct LeadingError {
 /// Leading errors in one norm, and their limit over the step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadingErrors {
+    /// One per case, in the order of the cases.
     pub points: Vec<LeadingError>,
     /// lim ‖ε(u - I_h u)‖/h at the time of the largest error on the finest mesh; in space only.
     pub limit: Option<f64>,

@@ -71,7 +71,8 @@ impl Table {
 impl Weights {
     /// The weights of a rule, if independent of the kernel.
     ///
-    /// # Errors [`NoConstant::Rule`].
+    /// # Errors
+    /// [`NoConstant::Rule`].
     pub(super) fn of(rule: TimeRule) -> Result<Self, NoConstant> {
         match rule {
             TimeRule::Trapezoid => Ok(Self::Trapezoid),
@@ -84,7 +85,8 @@ impl Weights {
 
     /// The weights for the values of b v under a kernel (t - s)^{-a} b(t, s).
     ///
-    /// # Errors [`NoConstant::Rule`] if they depend on b.
+    /// # Errors
+    /// [`NoConstant::Rule`] if they depend on b.
     pub(super) fn of_kernel(rule: TimeRule, a: f64) -> Result<Self, NoConstant> {
         match rule {
             TimeRule::ProductIntegration if a > 0.0 => Ok(Self::Power(a)),

@@ -32,7 +32,8 @@ pub struct Runs<'a> {
 impl Runs<'_> {
     /// Refuses all runs if one exceeds the limit, if possible before its mesh is made.
     ///
-    /// # Errors [`Refused`], of the largest run.
+    /// # Errors
+    /// [`Refused`], of the largest run.
     pub fn admit(&self, limit: &MemoryLimit) -> Result<(), Refused> {
         let setup = self.setup;
         let mut grid = self.grid.clone();

@@ -35,6 +35,7 @@ pub struct Circumstances {
 }
 
 impl Circumstances {
+    /// The circumstances of a program on this machine.
     pub fn new(build: &Build, threads: usize, options: &str) -> Self {
         let processor = std::fs::read_to_string("/proc/cpuinfo");
         Self {

@@ -47,6 +47,7 @@ pub struct Cost {
     pub dofs: usize,
     /// How levels are solved on this mesh.
     pub plan: Plan,
+    /// The solver of the linear systems.
     pub linear_solver: LinearSolver,
     /// Factorizations and solves of the march; None if unknown in advance.
     pub work: Option<[u32; 2]>,
@@ -75,6 +76,7 @@ impl Cost {
     };
 }
 
+/// The costs of a plan.
 pub struct PlanCost {
     /// One per case, in the plan's order.
     pub cases: Vec<Cost>,

@@ -21,6 +21,7 @@ pub struct AddedCase {
     pub why: String,
 }
 
+/// What one round does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// The case is added to the plan of its scene.
@@ -38,7 +39,8 @@ pub enum Step {
 /// Adds to `plans` the cases that open verdicts ask for, while the predicted cost of all added cases stays below
 /// `budget` (CPU seconds). Returns a step for every open verdict.
 ///
-/// # Errors A mesh whose cost cannot be predicted.
+/// # Errors
+/// A mesh whose cost cannot be predicted.
 pub fn extend(
     plans: &mut [ScenePlan],
     verdicts: &[Verdict],
@@ -104,6 +106,7 @@ pub fn extend(
     Ok(steps)
 }
 
+/// A case in words: `n = 64, steps = 16`.
 pub fn words(case: &NextCase) -> String {
     match case.n {
         Some(n) => format!("n = {n}, steps = {}", case.steps),

@@ -32,6 +32,7 @@ pub enum FloorPart {
 }
 
 impl FloorPart {
+    /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Solver => "solver",
@@ -43,6 +44,7 @@ impl FloorPart {
     }
 }
 
+/// One part of the floor of one norm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorRow {
     pub norm: Norm,
@@ -66,6 +68,7 @@ pub fn direct_history(setup: Setup) -> Option<Setup> {
     (trapezoidal && recursive).then(|| setup.with_history(None))
 }
 
+/// Why no floor was measured.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub enum FloorError {
@@ -86,7 +89,8 @@ pub(super) fn contact_floors_of_case(
 /// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of [`direct_history`], `norms`
 /// those of the sweep. Costs four to six marches, more if a reference has to be repeated.
 ///
-/// # Errors A run that fails.
+/// # Errors
+/// A run that fails.
 pub fn contact_floors(
     setup: &Setup,
     direct: Option<&Setup>,
@@ -246,7 +250,8 @@ fn time_reference(
 
 /// The floor of a case of an abstract scene: its histories are direct sums and its solution is exact.
 ///
-/// # Errors A run that fails.
+/// # Errors
+/// A run that fails.
 pub fn abstract_floors(setup: &AbstractSetup, steps: u32) -> Result<Vec<FloorRow>, FiniteError> {
     let (standard, error, estimated) = abstract_levels(setup, steps, &Newton::default())?;
     let (polished, ..) = abstract_levels(setup, steps, &Polished::default())?;

@@ -29,8 +29,10 @@ pub struct TooLarge {
 }
 
 impl MemoryLimit {
+    /// No limit.
     pub const NONE: Self = Self { bytes: f64::INFINITY, given: false };
 
+    /// A limit as a user gives it.
     pub fn of_bytes(bytes: f64) -> Self {
         Self { bytes, given: true }
     }
@@ -40,13 +42,15 @@ impl MemoryLimit {
         available(Path::new("/")).map_or(Self::NONE, |bytes| Self { bytes, given: false })
     }
 
+    /// The limit in bytes.
     pub fn bytes(&self) -> f64 {
         self.bytes
     }
 
     /// Refuses more than the limit; NaN exceeds any limit.
     ///
-    /// # Errors [`TooLarge`].
+    /// # Errors
+    /// [`TooLarge`].
     pub fn admit(&self, bytes: f64, at_least: bool) -> Result<(), TooLarge> {
         if bytes <= self.bytes {
             return Ok(());

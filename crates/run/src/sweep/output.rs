@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use files::make_directory;
 
+/// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     #[error("{}: {source}; choose another directory with --out", path.display())]
@@ -30,7 +31,8 @@ const LOCK: &str = ".lock";
 impl OutputDirectory {
     /// Creates the directory if necessary, and locks it.
     ///
-    /// # Errors [`OutputError`]. A file system without locks is accepted.
+    /// # Errors
+    /// [`OutputError`]. A file system without locks is accepted.
     pub fn take(path: &Path) -> Result<Self, OutputError> {
         let refused = |source| OutputError::Io { path: path.to_owned(), source };
         make_directory(path).map_err(refused)?;
@@ -61,6 +63,7 @@ impl OutputDirectory {
         Ok(Self { path: path.to_owned(), _lock: lock })
     }
 
+    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -18,6 +18,7 @@ pub struct Overrides {
     pub steps: Option<Vec<u32>>,
 }
 
+/// One case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CasePlan {
     /// Cells per unit length; none in an abstract scene.
@@ -26,6 +27,7 @@ pub struct CasePlan {
     pub norms: Vec<Norm>,
 }
 
+/// The cases of one scene.
 pub struct ScenePlan {
     pub subject: Subject,
     /// By n and steps; added cases come last.
@@ -72,6 +74,7 @@ impl ScenePlan {
         }
     }
 
+    /// Adds a case, unless it is there.
     pub fn add(&mut self, added: AddedCase) {
         let NextCase { n, steps } = added.case;
         if !self.cases.iter().any(|case| case.n == n && case.steps == steps) {
@@ -85,10 +88,12 @@ impl ScenePlan {
         self.cases.retain(|planned| planned.n != case.n || planned.steps != case.steps);
     }
 
+    /// The scene.
     pub fn scene(&self) -> &Scene {
         self.subject.scene()
     }
 
+    /// The keys of all cases.
     pub fn keys(&self) -> Vec<Key> {
         let scene = &self.scene().name;
         self.cases
@@ -99,7 +104,8 @@ impl ScenePlan {
 
     /// The remark of (3.4) on the step sizes of the cases.
     ///
-    /// # Errors A step size that is refused.
+    /// # Errors
+    /// A step size that is refused.
     pub fn step_remark(&self) -> Result<Option<StepRemark>, SetupError> {
         let steps: Vec<u32> = self.cases.iter().map(|case| case.steps).collect();
         check_step_sizes(&self.subject, &steps)
@@ -118,7 +124,8 @@ impl ScenePlan {
 
     /// Predicted costs of the cases and the reference run; meshes are made and analysed, nothing is solved.
     ///
-    /// # Errors A cell that the boundary of a region cuts.
+    /// # Errors
+    /// A cell that the boundary of a region cuts.
     pub fn costs(&self) -> Result<PlanCost, SetupError> {
         self.costs_of(&self.cases)
     }
@@ -130,7 +137,8 @@ impl ScenePlan {
 
     /// Measures every part of the floor of a case: four to six marches, more if a reference has to be repeated.
     ///
-    /// # Errors A run that fails.
+    /// # Errors
+    /// A run that fails.
     pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
         problem(&self.subject).floors(case)
     }

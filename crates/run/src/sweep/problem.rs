@@ -16,7 +16,8 @@ use scene::setup::{AbstractSetup, Setup, SetupError, Subject};
 pub(crate) trait Problem: Sync {
     /// Predicts cases and a reference run, of which every `kept_steps`-th part of the horizon is kept.
     ///
-    /// # Errors A cell that the boundary of a region cuts.
+    /// # Errors
+    /// A cell that the boundary of a region cuts.
     fn costs(
         &self,
         cases: &[CasePlan],
@@ -35,7 +36,8 @@ pub(crate) trait Problem: Sync {
 
     /// Measures every part of the floor of a case.
     ///
-    /// # Errors A run that fails.
+    /// # Errors
+    /// A run that fails.
     fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError>;
 }
 

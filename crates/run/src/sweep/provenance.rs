@@ -13,6 +13,7 @@ use scene::{Scene, SceneError, Source};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
     pub version: String,
+    /// Operating system and processor architecture.
     pub platform: String,
     /// Hash of each scene's text, including its mesh file.
     pub scenes: BTreeMap<String, String>,
@@ -36,9 +37,11 @@ pub struct Provenance {
     pub run: Option<Circumstances>,
 }
 
+/// Name of the file in the output directory.
 pub const FILE: &str = "provenance.json";
 
 impl Provenance {
+    /// The provenance of records of these scenes.
     pub fn new<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Self {
         let named = scenes.map(|scene| (scene.name.clone(), &scene.source));
         let sources: BTreeMap<String, &Source> = named.collect();
@@ -84,7 +87,8 @@ impl Provenance {
 
     /// The scene of the records in `dir`; None if its text is not kept there.
     ///
-    /// # Errors The text is invalid, or does not match its hash.
+    /// # Errors
+    /// The text is invalid, or does not match its hash.
     pub fn scene(&self, dir: &Path, name: &str) -> Result<Option<Scene>, SceneError> {
         let Some(text) = self.texts.get(name) else {
             return Ok(None);
@@ -125,7 +129,8 @@ impl Provenance {
 
     /// Reads the provenance of a directory; None if it has none.
     ///
-    /// # Errors Those of the file system, or an invalid file.
+    /// # Errors
+    /// Those of the file system, or an invalid file.
     pub fn read(dir: &Path) -> Result<Option<Self>, (PathBuf, String)> {
         let path = dir.join(FILE);
         match read_text(&path) {

@@ -27,6 +27,7 @@ pub fn reference_error(plan: &ScenePlan, records: &[CaseRecord]) -> Option<Again
     against_reference(*last, 1.0 / reference.n as f64)
 }
 
+/// One line for the terminal.
 pub fn reference_in_words(scene: &str, found: &AgainstReference) -> String {
     let AgainstReference { order, measured_order, reference_error, finest: [measured, whole] } =
         found;

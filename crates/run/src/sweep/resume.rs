@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::{Provenance, ScenePlan, is_complete};
 use judge::record::{CaseRecord, CaseTable, RecordError, read_table};
 
+/// Why a directory cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
     #[error(transparent)]
@@ -16,6 +17,7 @@ pub enum ResumeError {
     Different { dir: PathBuf, what: String },
 }
 
+/// What is kept of earlier records.
 #[derive(Debug, Default)]
 pub struct Resumed {
     pub records: Vec<CaseRecord>,
@@ -29,7 +31,8 @@ const NAMED: usize = 10;
 /// The complete cases in `dir` that belong to `plans`; none for an empty or missing directory. Rows that fail their
 /// checksum, or hold impossible values, are dropped.
 ///
-/// # Errors Records of another version or of another text of a scene, unreadable files.
+/// # Errors
+/// Records of another version or of another text of a scene, unreadable files.
 pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
     let path = dir.join("cases.csv");
     if !path.exists() {

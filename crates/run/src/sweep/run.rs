@@ -17,6 +17,7 @@ use files::counted;
 use judge::record::{CaseRecord, Journal, RecordError};
 use report::{ReportError, remove_earlier};
 
+/// Why a sweep ended without records.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     #[error(transparent)]
@@ -86,7 +87,8 @@ enum Job {
 /// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again. Returns all records, sorted by
 /// scene, n and steps.
 ///
-/// # Errors Files only: a case that fails is a record. If a record cannot be written no further case begins.
+/// # Errors
+/// Files only: a case that fails is a record. If a record cannot be written no further case begins.
 pub fn run_sweep(
     plans: &[ScenePlan],
     out: &OutputDirectory,

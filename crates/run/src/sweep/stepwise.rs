@@ -29,6 +29,7 @@ struct Claim {
     settled: Option<Decision>,
 }
 
+/// Cases of a scene that were not run.
 pub struct NotRun {
     pub scene: String,
     pub cases: Vec<NextCase>,
@@ -37,6 +38,7 @@ pub struct NotRun {
 }
 
 impl NotRun {
+    /// The keys of the cases.
     pub fn keys(&self) -> impl Iterator<Item = Key> {
         let key = |case: &NextCase| Key { scene: self.scene.clone(), n: case.n, steps: case.steps };
         self.cases.iter().map(key)
@@ -102,7 +104,8 @@ impl Stepwise {
 
     /// Cases that no claim has asked for.
     ///
-    /// # Errors A mesh whose cost cannot be predicted.
+    /// # Errors
+    /// A mesh whose cost cannot be predicted.
     pub fn not_run(&self, plans: &[ScenePlan]) -> Result<Vec<NotRun>, SetupError> {
         let mut found = Vec::new();
         for (waiting, plan) in self.scenes.iter().zip(plans) {

@@ -7,6 +7,7 @@ use crate::reading::Reading;
 use crate::written;
 use fem::mesh::{CoarseMesh, Family, vertex_at};
 
+/// How the domain is cut into simplices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeshFamily {
     /// n squares per unit length, each cut by the diagonal from lower left to upper right; for other shapes each coarse

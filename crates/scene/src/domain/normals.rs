@@ -12,7 +12,8 @@ const DEPENDENT: f64 = 1e-6;
 /// Each condition u_ν ≤ g takes an unknown of its vertex: at most three, along independent normals. In the plane two
 /// edges meet, which is always possible; a bent contact side of tetrahedra has a normal per face.
 ///
-/// # Errors The first vertex of Γ3 off Γ1 with too many normals.
+/// # Errors
+/// The first vertex of Γ3 off Γ1 with too many normals.
 pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
     let Shape::Refined(CoarseMesh::Space(solid)) = &domain.shape else { return Ok(()) };
     let on = |sides: &[super::Side], side: u32| sides.iter().any(|listed| listed.0 == side);

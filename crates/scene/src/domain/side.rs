@@ -75,6 +75,7 @@ impl Face {
         self.lengths().into_iter().fold(across, f64::max)
     }
 
+    /// Length or area.
     pub fn measure(&self) -> f64 {
         match (&self.edges[..], self.triangle) {
             ([a, b], true) => {

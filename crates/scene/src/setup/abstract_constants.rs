@@ -74,7 +74,8 @@ const REACH: f64 = 10.0;
 
 /// The constants of an abstract problem.
 ///
-/// # Errors An inner product that is not positive definite.
+/// # Errors
+/// An inner product that is not positive definite.
 pub(crate) fn abstract_constants(
     scene: &Scene,
     problem: &AbstractScene,

@@ -20,6 +20,7 @@ use vhi::finite::{
 use vhi::history::TimeGrid;
 use vhi::law::HistoryKernel;
 
+/// An abstract scene with its model and exact solution.
 pub struct AbstractSetup {
     pub scene: Scene,
     pub problem: AbstractScene,
@@ -33,7 +34,8 @@ pub struct AbstractSetup {
 impl AbstractSetup {
     /// Builds model and exact solution, and checks the contact state and (2.9).
     ///
-    /// # Errors The first violated condition, at its key in the scene.
+    /// # Errors
+    /// The first violated condition, at its key in the scene.
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
         let Body::Abstract(problem) = scene.body.clone() else {
             let message = "a body in contact is no abstract problem";
@@ -52,6 +54,7 @@ impl AbstractSetup {
         Ok(setup)
     }
 
+    /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
         time_grid(&self.scene.time, steps)
     }

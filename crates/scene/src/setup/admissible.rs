@@ -16,7 +16,8 @@ const ROUNDING: f64 = 1e-9;
 
 /// Checks exact data, (2.9), and that what the scene claims to violate is violated.
 ///
-/// # Errors The first violated condition, at its key in the scene.
+/// # Errors
+/// The first violated condition, at its key in the scene.
 pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
     representable(setup)?;
     smallness(setup)?;

@@ -83,6 +83,7 @@ impl Coulomb {
     }
 }
 
+/// Norms of the relaxation tensor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MemoryNorms {
     /// max over [0, T] of the operator norm of ℬ(t) on S^d.
@@ -137,6 +138,7 @@ impl Constants {
         Self { m0: monotonicity(with.m_elastic, with.concave()), ..with }
     }
 
+    /// The bounds on the step size that follow.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         StepBounds {
             m0: self.m0,
@@ -168,7 +170,8 @@ const KERNEL_SAMPLES: u32 = 512;
 
 /// The constants of a scene.
 ///
-/// # Errors A mesh whose stiffness matrix cannot be factorized.
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let domain = &setup.body.domain;
     let c_j_squared =
@@ -183,7 +186,8 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 
 /// The constants for the step size: c_j² is computed only if the law falls somewhere.
 ///
-/// # Errors A mesh whose stiffness matrix cannot be factorized.
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
     let follows = coulomb(setup).is_some();
     let c_j_squared = match alpha_nu(setup) == 0.0 && !follows {

@@ -9,7 +9,8 @@ use vhi::law::TensorField;
 /// trace mass. Below one if and only if the step satisfies (2.9) with these constants. Infinite for m ≤ 0, 0 for convex
 /// potentials. w is the largest weight of the last slot, k/2 for the trapezoidal rule.
 ///
-/// # Errors [`SetupError::Constant`].
+/// # Errors
+/// [`SetupError::Constant`].
 pub fn decomposition_bound(
     setup: &Setup,
     space: &Discretization,

@@ -31,6 +31,7 @@ pub struct YieldFormula {
 }
 
 impl YieldFormula {
+    /// The limit that `node` of `graph` states.
     pub fn new(graph: &Graph, node: Node) -> Self {
         let mut graph = graph.clone();
         let slope = graph.derivative(node, Variable::Zeta);

@@ -68,6 +68,7 @@ pub(super) fn friction_formulas(
     FrictionFormulas { bound, multiplier }
 }
 
+/// The numbers of a scene's law, without its factor.
 pub fn law_numbers(law: &crate::Law) -> LawNumbers {
     let curve = law.curve.map(|curve| match curve {
         crate::Curve::Rational { stiffness: c, length } => CurveNumbers::Rational { c, r0: length },

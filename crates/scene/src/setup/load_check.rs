@@ -31,7 +31,8 @@ const BY_FORMS: f64 = 10.0;
 /// Compares the loads of `truth` with the formulas of the scene. Weak-form loads of an exact solution have no cheaper
 /// second form; the orders check them.
 ///
-/// # Errors [`LoadError::Resultant`]; a formula that is not finite.
+/// # Errors
+/// [`LoadError::Resultant`]; a formula that is not finite.
 pub(super) fn check(
     setup: &Setup,
     space: &Arc<Discretization>,

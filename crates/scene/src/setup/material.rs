@@ -67,7 +67,8 @@ const ON_INTERFACE: f64 = 1e-9;
 
 /// The region of every cell, by its centroid; empty without regions.
 ///
-/// # Errors A cell that an interface cuts, or that two regions claim.
+/// # Errors
+/// A cell that an interface cuts, or that two regions claim.
 pub(super) fn cell_regions(
     scene: &Scene,
     material: &Material,
@@ -130,7 +131,8 @@ pub(super) fn cell_regions(
 
 /// Gives a cell to a region.
 ///
-/// # Errors Another region has it.
+/// # Errors
+/// Another region has it.
 fn claim(
     scene: &Scene,
     material: &Material,

@@ -17,6 +17,7 @@ use vhi::StepSolver;
 /// Cells in which the accuracy of hereditary integrals is checked.
 const CELLS_ASKED: usize = 16;
 
+/// A scene on one mesh.
 pub struct MeshData {
     /// V^h.
     pub space: Arc<Discretization>,
@@ -51,7 +52,8 @@ impl Load for TruthLoad<'_> {
 impl MeshData {
     /// The scene on mesh n; `reference` is the finer run of a scene without exact solution.
     ///
-    /// # Errors A cell that the boundary of a region cuts.
+    /// # Errors
+    /// A cell that the boundary of a region cuts.
     pub fn new(
         setup: &Setup,
         n: u32,
@@ -67,7 +69,8 @@ impl MeshData {
 
     /// A mesh whose loads and moments use other rules.
     ///
-    /// # Errors A cell that the boundary of a region cuts.
+    /// # Errors
+    /// A cell that the boundary of a region cuts.
     pub fn with_rules(
         setup: &Setup,
         n: u32,
@@ -89,7 +92,8 @@ impl MeshData {
     /// Compares the next rules for loads and errors on this mesh; trivial if u is in V^h. Computed once, independently
     /// of a replaced `truth`.
     ///
-    /// # Errors A load that is not finite.
+    /// # Errors
+    /// A load that is not finite.
     pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
         let known = self.rule_check.get_or_init(|| {
             let remainders = self.with_remainders(setup);
@@ -134,7 +138,8 @@ impl MeshData {
     /// Solves the scene with `steps` steps on its time grid and shows every level to `observe`. The first time, total
     /// force and moments of given or strong-form loads are checked.
     ///
-    /// # Errors The solver's; [`LoadError::Resultant`].
+    /// # Errors
+    /// The solver's; [`LoadError::Resultant`].
     pub fn march<S: StepSolver>(
         &self,
         setup: &Setup,
@@ -207,13 +212,15 @@ fn truth(
     })
 }
 
+/// Numbers of sides in the meshes of a scene.
 pub fn side_numbers(sides: &[Side]) -> Vec<u32> {
     sides.iter().map(|side| side.0).collect()
 }
 
 /// The finer run that replaces the exact solution.
 ///
-/// # Errors The solver's, and those of the mesh.
+/// # Errors
+/// The solver's, and those of the mesh.
 pub fn reference_run(
     setup: &Setup,
     n: u32,

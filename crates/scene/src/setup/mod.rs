@@ -54,8 +54,10 @@ use vhi::history::{
 };
 use vhi::law::{Summed, VonMises};
 
+/// The model of a scene.
 pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
 
+/// Why a scene could not be set up or run.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
     #[error(transparent)]
@@ -70,6 +72,7 @@ pub enum SetupError {
     NoTruth { scene: String },
 }
 
+/// A scene with its model and exact solution.
 pub struct Setup {
     pub scene: Scene,
     pub body: ContactScene,
@@ -87,7 +90,8 @@ pub struct Setup {
 impl Setup {
     /// Builds model and exact solution, and checks what needs them: λ ≥ 0, u_ν ≤ g, (2.9), ….
     ///
-    /// # Errors Those of [`admissible`].
+    /// # Errors
+    /// Those of [`admissible`].
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
         let Body::Contact(body) = &scene.body else {
             let message = "an abstract problem has no body, mesh or contact";
@@ -107,14 +111,16 @@ impl Setup {
 
     /// V^h on the mesh with n cells per unit length, with the regions of its cells.
     ///
-    /// # Errors A cell that the boundary of a region cuts.
+    /// # Errors
+    /// A cell that the boundary of a region cuts.
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
 
     /// V^h of linear elements, for constants of the problem.
     ///
-    /// # Errors As [`Self::space`].
+    /// # Errors
+    /// As [`Self::space`].
     pub(crate) fn linear_space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
         self.with_regions(self.plain_space(n), n)
     }
@@ -146,7 +152,8 @@ impl Setup {
 
     /// Whether the lines of this mesh follow the boundaries of all regions.
     ///
-    /// # Errors A cell that is cut, or that two regions claim.
+    /// # Errors
+    /// A cell that is cut, or that two regions claim.
     pub fn check_regions(&self, n: u32) -> Result<(), SceneError> {
         let material = &self.body.material;
         if material.regions.is_empty() {
@@ -160,6 +167,7 @@ impl Setup {
         model(&self.scene, &self.body)
     }
 
+    /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
         time_grid(&self.scene.time, steps)
     }

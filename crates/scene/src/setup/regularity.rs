@@ -51,7 +51,8 @@ pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Findin
 
 /// Checks what an abstract scene claims to violate.
 ///
-/// # Errors A claim without a supporting finding.
+/// # Errors
+/// A claim without a supporting finding.
 pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<(), SetupError> {
     let scene = &setup.scene;
     claim(scene, Hypothesis::RegularInSpace, Vec::new)?;
@@ -60,7 +61,8 @@ pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<(), SetupError> {
 
 /// Checks what a contact scene with an exact solution claims to violate.
 ///
-/// # Errors A claim without a supporting finding.
+/// # Errors
+/// A claim without a supporting finding.
 pub(super) fn contact_claims(setup: &Setup) -> Result<(), SetupError> {
     let Some(exact) = &setup.exact else { return Ok(()) };
     let sides = sides(&setup.body);

@@ -54,7 +54,8 @@ pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
 /// rules, the next ones with error estimates of hereditary integrals. Fields by the next rules are not kept: their
 /// formulas take more memory than the case.
 ///
-/// # Errors A load or field that is not finite, a mesh on which A cannot be factorized.
+/// # Errors
+/// A load or field that is not finite, a mesh on which A cannot be factorized.
 pub(super) fn rule_check(
     setup: &Setup,
     space: &Discretization,

@@ -9,14 +9,16 @@ use vhi::Newton;
 pub trait Scheme: Send + Sync {
     /// Refuses scenes with an unsupported term; by default none.
     ///
-    /// # Errors At the key of the term.
+    /// # Errors
+    /// At the key of the term.
     fn takes(&self, _scene: &Scene) -> Result<(), SceneError> {
         Ok(())
     }
 
     /// Solves the scene with `steps` steps on its time grid and shows every level, n = 0 first, to `observe`.
     ///
-    /// # Errors A level that has no solution or was not found; errors of `observe` are passed on.
+    /// # Errors
+    /// A level that has no solution or was not found; errors of `observe` are passed on.
     fn march(
         &self,
         setup: &Setup,

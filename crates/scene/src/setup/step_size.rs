@@ -18,7 +18,8 @@ pub struct StepRemark {
 
 /// The constants of a scene for its step size.
 ///
-/// # Errors As [`step_bounds`].
+/// # Errors
+/// As [`step_bounds`].
 pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
     match subject {
         Subject::Contact(setup) => step_bounds(setup),
@@ -29,7 +30,8 @@ pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
 /// Compares the grids with these numbers of steps with (3.4) and with the bound below which each step is strongly
 /// monotone.
 ///
-/// # Errors A step size at or beyond the latter, unless the scene says `violates = ["3.4"]`, or violates (2.9) or
+/// # Errors
+/// A step size at or beyond the latter, unless the scene says `violates = ["3.4"]`, or violates (2.9) or
 /// (5.1), without which there is no bound.
 pub fn check_step_sizes(
     subject: &Subject,

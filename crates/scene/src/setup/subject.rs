@@ -4,6 +4,7 @@ use super::{AbstractSetup, Setup, SetupError};
 use crate::Scene;
 use vhi::history::TimeGrid;
 
+/// A scene made computable.
 pub enum Subject {
     /// Problem 12, a body in contact.
     Contact(Box<Setup>),
@@ -14,7 +15,8 @@ pub enum Subject {
 impl Subject {
     /// Sets a scene up and checks what needs its model.
     ///
-    /// # Errors The first violated condition, at its key in the scene.
+    /// # Errors
+    /// The first violated condition, at its key in the scene.
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
         match scene.as_contact() {
             Some(_) => Ok(Self::Contact(Box::new(Setup::new(scene)?))),
@@ -22,6 +24,7 @@ impl Subject {
         }
     }
 
+    /// The scene.
     pub fn scene(&self) -> &Scene {
         match self {
             Self::Contact(setup) => &setup.scene,
@@ -29,6 +32,7 @@ impl Subject {
         }
     }
 
+    /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
         match self {
             Self::Contact(setup) => setup.grid(steps),

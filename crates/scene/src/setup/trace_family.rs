@@ -19,7 +19,8 @@ pub struct TraceFamily {
 
 /// The trace constants of `tensor` on the meshes `levels` (each twice as fine as the one before).
 ///
-/// # Errors A mesh whose stiffness matrix cannot be factorized.
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
 pub fn trace_family(
     setup: &Setup,
     tensor: &TensorField,
@@ -41,7 +42,8 @@ pub fn trace_family(
 
 /// sup ‖v_τ‖²/‖ε(v)‖² on these meshes, in the plane.
 ///
-/// # Errors A mesh whose stiffness matrix cannot be factorized.
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
 pub fn tangential_trace_family(
     setup: &Setup,
     mass: TraceMass,

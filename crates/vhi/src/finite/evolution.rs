@@ -10,6 +10,7 @@ use crate::history::TimeGrid;
 use crate::{BoundaryGraph, Coordinate, HistoryInequality, StepInequality, StepState};
 use algebra::linalg::FactorError;
 
+/// The problem with its committed history.
 pub struct FiniteEvolution<'a> {
     model: &'a FiniteModel,
     grid: &'a TimeGrid,
@@ -41,7 +42,8 @@ pub struct FiniteEvolution<'a> {
 impl<'a> FiniteEvolution<'a> {
     /// The problem before the first level.
     ///
-    /// # Errors [`FiniteError::Dependent`] if the functionals are linearly dependent.
+    /// # Errors
+    /// [`FiniteError::Dependent`] if the functionals are linearly dependent.
     pub fn new(
         model: &'a FiniteModel,
         grid: &'a TimeGrid,

@@ -8,6 +8,7 @@ use crate::law::graph_distance;
 use crate::{FailedStep, HistoryInequality, StepInequality, StepSolver, Stepper};
 use algebra::linalg::{larger, largest};
 
+/// Why a case has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FiniteError {
     #[error(transparent)]
@@ -24,13 +25,16 @@ pub enum FiniteError {
     Kkt { n: usize, t: f64, residual: f64, allowed: f64 },
 }
 
+/// f(t).
 pub trait FiniteLoad {
     /// f(t) as a vector of ℝ^m.
     ///
-    /// # Errors [`FiniteError::Load`] if it is not finite.
+    /// # Errors
+    /// [`FiniteError::Load`] if it is not finite.
     fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError>;
 }
 
+/// One level as an observer sees it.
 pub struct FiniteView<'a> {
     /// n.
     pub n: usize,
@@ -44,6 +48,7 @@ pub struct FiniteView<'a> {
     pub pressure: &'a [f64],
 }
 
+/// What one case took.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FiniteInfo {
     /// Newton iterations over all steps; each is a factorization.
@@ -54,6 +59,7 @@ pub struct FiniteInfo {
     pub convex_problems: u32,
     /// Largest quotient of successive changes of the decomposition.
     pub contraction: f64,
+    /// Changes of the active set over all steps.
     pub active_set_changes: u32,
     /// Contribution of unresolved residual and rounding to ‖u_n - u_n^k‖_X.
     pub floor: f64,
@@ -70,7 +76,8 @@ const SAFETY: f64 = 4.0;
 
 /// Solves all steps and passes each to `observe`.
 ///
-/// # Errors A step that does not converge, a load that is not finite, a residual above 1e-12.
+/// # Errors
+/// A step that does not converge, a load that is not finite, a residual above 1e-12.
 pub fn march<S: StepSolver>(
     model: &FiniteModel,
     grid: &TimeGrid,

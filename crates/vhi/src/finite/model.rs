@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::history::TimeRule;
 use crate::law::{HistoryKernel, Potential};
 
+/// A function of y = (Su)_i and r = u_i.
 pub trait ComponentLaw: Send + Sync {
     fn value(&self, y: f64, r: f64) -> f64;
     fn by_y(&self, y: f64, r: f64) -> f64;
@@ -64,14 +65,17 @@ pub struct FiniteModel {
 }
 
 impl FiniteModel {
+    /// m.
     pub fn dimension(&self) -> usize {
         self.matrix.nrows()
     }
 
+    /// ‖v‖_X.
     pub fn norm(&self, v: &DVector<f64>) -> f64 {
         v.dot(&(&self.inner_product * v)).max(0.0).sqrt()
     }
 
+    /// N(y, u).
     pub fn force_of(&self, y: &DVector<f64>, u: &DVector<f64>) -> DVector<f64> {
         if self.force.is_empty() {
             return y.clone();
@@ -79,6 +83,7 @@ impl FiniteModel {
         DVector::from_fn(u.len(), |i, _| self.force[i].value(y[i], u[i]))
     }
 
+    /// A u.
     pub fn operator(&self, u: &DVector<f64>) -> DVector<f64> {
         let mut out = &self.matrix * u;
         for (i, g) in self.nonlinear.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use super::{TimeGrid, TimeRule};
 
+/// Committed norms of the past and the sums over them.
 #[derive(Debug, Clone, Default)]
 pub struct Accumulated {
     values: Vec<f64>,
@@ -31,6 +32,7 @@ impl Accumulated {
         self.values.iter().enumerate().map(|(j, z)| rule.weight(grid, n, j) * z).sum()
     }
 
+    /// Appends z_n.
     pub fn commit(&mut self, grid: &TimeGrid, value: f64) {
         let n = self.values.len();
         if n > 0 {

@@ -2,6 +2,7 @@
 
 use super::{TimeGrid, TimeRule, Trapezoid};
 
+/// Order of a rule of Gregory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GregoryOrder {
     /// First differences; error (k³/24)(F''(t) + F''(0)), F(s) = q(t, s) u(s).

@@ -3,6 +3,7 @@
 use crate::law::HistoryKernel;
 use algebra::linalg::signed_unit;
 
+/// A time grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeGrid {
     times: Vec<f64>,
@@ -53,18 +54,22 @@ impl TimeGrid {
         (times.first() == Some(&0.0) && increasing).then(|| Self::of(times))
     }
 
+    /// The grid t_0, …, t_last.
     pub fn up_to(&self, last: usize) -> Self {
         Self { times: self.times[..=last].to_vec(), equal: self.equal }
     }
 
+    /// Number of steps N.
     pub fn steps(&self) -> usize {
         self.times.len() - 1
     }
 
+    /// t_n.
     pub fn time(&self, n: usize) -> f64 {
         self.times[n]
     }
 
+    /// All times t_0, …, t_N.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
@@ -84,6 +89,7 @@ impl TimeGrid {
         self.equal.is_some()
     }
 
+    /// k, the largest step.
     pub fn largest_step(&self) -> f64 {
         (1..self.times.len()).map(|n| self.step(n)).fold(0.0, f64::max)
     }

@@ -28,6 +28,7 @@ pub enum Memory {
     Fast(Box<FastConvolution>),
 }
 
+/// How a [`Memory`] keeps the past.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Storage {
     Direct,
@@ -69,6 +70,7 @@ impl Memory {
         Self::Direct { past: Vec::new() }
     }
 
+    /// How it keeps the past.
     pub fn storage(&self) -> Storage {
         match self {
             Self::Direct { .. } => Storage::Direct,
@@ -117,6 +119,7 @@ impl Memory {
         }
     }
 
+    /// Appends u_n.
     pub fn commit(&mut self, grid: &TimeGrid, u: &[f64]) {
         match self {
             Self::Direct { past } => past.push(u.to_vec()),
@@ -137,6 +140,7 @@ impl Memory {
         }
     }
 
+    /// Bytes held for the history.
     pub fn bytes(&self) -> usize {
         let vectors = match self {
             Self::Direct { past } => past.iter().map(Vec::len).sum(),

@@ -119,6 +119,7 @@ pub struct Curved {
 }
 
 impl Curved {
+    /// The sum of `graph` and `curve`.
     pub fn new(graph: PiecewiseLinear, curve: Curve) -> Self {
         let mut kinks = curve.kinks();
         kinks.extend(graph.kinks());

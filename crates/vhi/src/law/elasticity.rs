@@ -20,6 +20,7 @@ impl Isotropic {
         stress
     }
 
+    /// The S×S matrix of 𝒜 in Mandel notation.
     pub fn matrix<const S: usize>(&self) -> [[f64; S]; S] {
         let mut matrix = [[0.0; S]; S];
         for (i, row) in matrix.iter_mut().enumerate() {

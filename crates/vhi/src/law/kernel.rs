@@ -20,6 +20,7 @@ pub trait HistoryKernel {
     }
 }
 
+/// q(t, s) = b(t - s).
 pub struct Convolution<'a>(pub &'a dyn MemoryKernel);
 
 impl HistoryKernel for Convolution<'_> {
@@ -68,6 +69,7 @@ pub const INTERPOLATED_TO: f64 = 1e-13;
 /// A kernel with its exponentials hidden: sums over the past are direct, or interpolated to another error.
 pub struct Summed {
     pub kernel: Box<dyn MemoryKernel>,
+    /// See [`MemoryKernel::interpolated_to`].
     pub interpolated_to: Option<f64>,
 }
 

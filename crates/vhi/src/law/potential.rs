@@ -53,6 +53,7 @@ pub fn graph_distance(
     jumps.map(|&at| missed(at).max((r - at).abs() * stiffness)).fold(missed(r), f64::min)
 }
 
+/// j_ν ≡ 0.
 #[derive(Debug, Clone, Copy)]
 pub struct NoPotential;
 

@@ -66,6 +66,7 @@ impl<Q: Projection> Projection for Option<Q> {
     }
 }
 
+/// Projection onto the von Mises ball of radius κ(ζ).
 pub struct VonMises<L> {
     /// μ > 0 (a stress).
     pub mu: f64,

@@ -31,6 +31,7 @@ impl Clone for FourthOrder {
 }
 
 impl FourthOrder {
+    /// 𝒜ε.
     #[inline]
     pub fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
         match self {
@@ -41,6 +42,7 @@ impl FourthOrder {
         }
     }
 
+    /// The S×S matrix in Mandel notation.
     pub fn matrix<const S: usize>(&self) -> [[f64; S]; S] {
         match self {
             Self::Isotropic(law) => law.matrix(),
@@ -63,6 +65,7 @@ impl FourthOrder {
         block
     }
 
+    /// Smallest and largest eigenvalue on S^d.
     pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
         let matrix = match self {
             Self::Isotropic(law) => return law.eigenvalues(d),
@@ -191,10 +194,12 @@ impl TensorField {
         Isotropic { lambda: 0.0, mu: 0.5 }.into()
     }
 
+    /// True if it is the same on all regions.
     pub fn is_uniform(&self) -> bool {
         self.regions.len() == 1
     }
 
+    /// The tensor on a region.
     #[inline]
     pub fn on(&self, region: usize) -> &FourthOrder {
         match &self.regions[..] {
@@ -203,10 +208,12 @@ impl TensorField {
         }
     }
 
+    /// The tensors, region 0 first; one where the body is homogeneous.
     pub fn regions(&self) -> &[FourthOrder] {
         &self.regions
     }
 
+    /// Smallest and largest eigenvalue on S^d over all regions.
     pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
         let each = self.regions.iter().map(|tensor| tensor.eigenvalues(d));
         each.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (a, b)| {
@@ -225,6 +232,7 @@ impl TensorField {
         self.regions.iter().map(|tensor| tensor.entry_sum(d)).fold(0.0, f64::max)
     }
 
+    /// factor·self.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { regions: self.regions.iter().map(|tensor| tensor.scaled(factor)).collect() }
     }
@@ -261,6 +269,7 @@ impl TensorField {
         (1..count).all(same).then_some(beta)
     }
 
+    /// This field with `change` applied to every isotropic tensor.
     pub fn map(&self, change: impl Fn(Isotropic) -> Isotropic) -> Self {
         let each = self.regions.iter().map(|tensor| match tensor {
             FourthOrder::Isotropic(law) => FourthOrder::Isotropic(change(*law)),

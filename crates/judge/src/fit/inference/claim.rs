@@ -20,6 +20,7 @@ const AGREEMENT: f64 = 0.15;
 /// Below the first probability a floor is ignored; above the second it is the likelier reading.
 const FLOOR: [f64; 2] = [0.05, 0.5];
 
+/// What somebody claims of an order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Claim {
     pub order: f64,
@@ -32,6 +33,7 @@ pub struct Claim {
     pub log: f64,
 }
 
+/// A claim that cannot be judged.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ClaimError {
     #[error("the order {0} is no finite number; 1, 1.5 and 2 are")]
@@ -67,6 +69,7 @@ impl Claim {
     }
 }
 
+/// A decision with its reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ruling {
     pub decision: Decision,

@@ -20,6 +20,7 @@ const PARAMETERS: usize = 4;
 /// Standard deviation of a uniform distribution over one step, in steps.
 const UNIFORM: f64 = 0.289;
 
+/// What a grid says of its two orders.
 #[derive(Debug, Clone)]
 pub struct GridPosterior {
     pub order_h: Posterior,

@@ -22,6 +22,7 @@ mod tests;
 pub use claim::{Claim, ClaimError, Ruling, TOLERANCE};
 pub use grid::{GridPosterior, infer_grid};
 
+/// An order needs so many levels.
 pub const FEWEST: usize = 3;
 /// Noise of log e if unknown, with weights.
 const NOISE: [(f64, f64); 6] =
@@ -40,6 +41,7 @@ const LEAST: f64 = 16.0;
 /// Levels of a long table beyond which the coarsest are dropped at once.
 const LONGEST: usize = 12;
 
+/// One level of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
     /// h or k.
@@ -52,6 +54,7 @@ pub struct Level {
 }
 
 impl Level {
+    /// A level of which step and error are known.
     pub fn new(size: f64, error: f64) -> Self {
         Self { size, error, floor: 0.0, sigma: None }
     }
@@ -69,6 +72,7 @@ impl Level {
     }
 }
 
+/// What a table says of its order.
 #[derive(Debug, Clone)]
 pub struct Posterior {
     pub order: f64,
@@ -133,10 +137,12 @@ impl Posterior {
         }
     }
 
+    /// Probability that the order is at most p.
     pub fn below(&self, p: f64) -> f64 {
         self.all.below(p)
     }
 
+    /// Probability that the order is within `tolerance` of p.
     pub fn within(&self, p: f64, tolerance: f64) -> f64 {
         self.all.below(p + tolerance) - self.all.below(p - tolerance)
     }

@@ -22,6 +22,7 @@ pub(super) fn allowed(error: f64, floor: f64) -> f64 {
     (FLOORS_APART * floor / error).clamp(REPEATED_WITHIN, LOOSEST)
 }
 
+/// What deviates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DeviationKind {
@@ -49,10 +50,13 @@ impl DeviationKind {
     }
 }
 
+/// One deviation from the baseline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Deviation {
     pub scene: String,
+    /// Mesh cells per unit length, where a case deviates.
     pub n: Option<u32>,
+    /// Number of time steps, where a case deviates.
     pub steps: Option<u32>,
     pub norm: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -74,10 +78,13 @@ pub struct ComparedRun {
     pub own_grids: bool,
 }
 
+/// What the comparison of a run found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Comparison {
+    /// Scenes that were compared, in the order of the run.
     pub scenes: Vec<String>,
     pub compared: usize,
+    /// Scenes that the baseline does not have.
     pub not_recorded: Vec<String>,
     /// What the compared scenes owe on their default grids.
     pub owed: Owing,
@@ -117,6 +124,7 @@ impl Comparison {
     }
 }
 
+/// Compares the records of `runs` with a baseline.
 pub fn compare_with_baseline(
     baseline: &Baseline,
     runs: &[ComparedRun],

@@ -9,6 +9,7 @@ use crate::record::CaseRecord;
 use crate::verdict::{Variable, Verdict};
 use files::counted;
 
+/// A verdict that is owed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Owed {
@@ -23,6 +24,7 @@ pub struct Owed {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Owing {
     pub verdicts: usize,
+    /// Constants that are compared with their prediction.
     pub constants: usize,
 }
 
@@ -60,6 +62,7 @@ impl Baseline {
         self
     }
 
+    /// Compares runs of scenes with their records: errors and work, and what the verdicts leave owing.
     pub fn compare(
         &self,
         runs: &[ComparedRun],

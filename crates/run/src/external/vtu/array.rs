@@ -27,7 +27,8 @@ pub(crate) struct Binary<'a> {
 
 /// `count` numbers of the array `node`.
 ///
-/// # Errors [`VtuReadError`]: another length or kind, or data that cannot be decoded.
+/// # Errors
+/// [`VtuReadError`]: another length or kind, or data that cannot be decoded.
 pub(crate) fn numbers(
     node: Node<'_, '_>,
     binary: &Binary<'_>,
