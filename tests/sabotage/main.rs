@@ -139,28 +139,6 @@ fn wrong_vectors_of_friction_are_caught() {
     );
 }
 
-/// In space, on scenes whose bound falls with the slip or follows p: by orders, those that are a factor by constants too.
-#[test]
-fn wrong_bounds_of_vectors_are_caught() {
-    are_caught(
-        &["friction-box-falling-time", "friction-box-coulomb-time"],
-        &[
-            ("in space friction pushes along with the slip", Gate::Orders),
-            ("in space half of Γ3 sticks", Gate::Orders),
-            ("in space every second vertex sticks", Gate::Orders),
-            ("a box of friction stresses in place of the ball", Gate::Kkt),
-            ("friction that follows p takes a bound of its own", Gate::Orders),
-            ("friction bound of no slip at any slip", Gate::Orders),
-            // The solution is the same; differences of the residual see them, tests/numbers/friction_bounds.rs.
-            (
-                "slopes between the components of u_τ with the other sign in the Jacobian",
-                Gate::Baseline,
-            ),
-            ("slopes of friction in u_ν with the other sign in the Jacobian", Gate::Baseline),
-        ],
-    );
-}
-
 /// Wrong measures in the norms beside V_max: by their predictions where the error has a leading part, by the second integral
 /// all of them.
 #[test]

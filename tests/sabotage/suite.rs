@@ -89,7 +89,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 40] = [
+const ROWS: [Row; 38] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -117,8 +117,6 @@ const ROWS: [Row; 40] = [
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
     ("friction-box-time", &[], &[2], &[6, 12, 24, 48, 96]),
-    ("friction-box-falling-time", &[], &[2], &[6, 12, 24, 48, 96]),
-    ("friction-box-coulomb-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
     ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
     ("quadratic-compliance", &[], &[4, 8, 16], &[16]),

@@ -91,65 +91,6 @@ impl StepSolver for Boxed {
     }
 }
 
-/// Newton's method with a Jacobian whose blocks of friction are wrong by factors: the slopes between the two unknowns of a
-/// vector, and the pressures that its entries in u_ν are made of.
-struct Misled {
-    mixed: f64,
-    pressures: f64,
-}
-
-impl StepSolver for Misled {
-    fn solve_level<P: HistoryInequality>(
-        &self,
-        problem: &mut P,
-        state: &mut StepState,
-        scratch: &mut Scratch,
-    ) -> Result<StepInfo, StepError> {
-        let mut level = Tangent { problem, factors: self };
-        Newton::default().solve(&mut level, state, scratch)
-    }
-}
-
-/// A level with another Jacobian.
-struct Tangent<'p, P> {
-    problem: &'p mut P,
-    factors: &'p Misled,
-}
-
-impl<P: HistoryInequality> StepInequality for Tangent<'_, P> {
-    fn dofs(&self) -> usize {
-        self.problem.dofs()
-    }
-
-    fn graph(&self) -> &BoundaryGraph {
-        self.problem.graph()
-    }
-
-    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
-        self.problem.residual(u, out);
-    }
-
-    fn take_pressures(&mut self, pressures: &[f64]) {
-        let wrong: Vec<f64> = pressures.iter().map(|own| self.factors.pressures * own).collect();
-        self.problem.take_pressures(&wrong);
-    }
-
-    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
-        let mut wrong = slopes.to_vec();
-        let mixed = &mut wrong[prescribed.len()..];
-        mixed.iter_mut().for_each(|own| *own *= self.factors.mixed);
-        self.problem.linearize(&wrong, prescribed)
-    }
-
-    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
-        self.problem.solve(rhs, forcing)
-    }
-
-    fn force_scale(&self, u: &[f64]) -> f64 {
-        self.problem.force_scale(u)
-    }
-}
-
 /// c(x, t) of the scene.
 type Bound<'a> = &'a dyn Fn([f64; 3], f64) -> f64;
 
@@ -229,7 +170,7 @@ pub fn defects() -> Vec<Defect> {
     ]
 }
 
-/// Those of vectors, and of bounds that follow the slip or p.
+/// Those of vectors, and of a bound that follows p.
 pub fn others() -> Vec<Defect> {
     vec![
         Defect::of(Term::Friction, "in space friction pushes along with the slip", |setup| {
@@ -240,42 +181,6 @@ pub fn others() -> Vec<Defect> {
                 bounded(setup, |sound, x, t| sound(x, t) * if x[2] > 0.5 { 1e6 } else { 1.0 })
             })
         }),
-        Defect::of(Term::Friction, "in space every second vertex sticks", |setup| {
-            in_space(setup, |setup| {
-                bounded(setup, |sound, x, t| {
-                    // Vertices at multiples of 1/2: the mesh of the suite.
-                    let number = (2.0 * x[0]).round() + (2.0 * x[2]).round();
-                    sound(x, t) * if number % 2.0 == 0.0 { 1e6 } else { 1.0 }
-                })
-            })
-        }),
-        Defect::of(Term::Friction, "friction bound of no slip at any slip", |setup| {
-            changed(setup, |own| {
-                let (lo, hi) = own.graph.subdifferential(0.0);
-                let constant = PiecewiseLinear::new(vec![(0.0, lo), (0.0, hi)], 0.0, 0.0);
-                Friction { graph: Arc::new(constant.expect("a graph")), ..own }
-            })
-        }),
-        Defect::of(
-            Term::Friction,
-            "slopes between the components of u_τ with the other sign in the Jacobian",
-            |setup| {
-                marched(setup, |setup, data, steps, observe| {
-                    let misled = Misled { mixed: -1.0, pressures: 1.0 };
-                    data.march(setup, steps, &misled, observe)
-                })
-            },
-        ),
-        Defect::of(
-            Term::Friction,
-            "slopes of friction in u_ν with the other sign in the Jacobian",
-            |setup| {
-                marched(setup, |setup, data, steps, observe| {
-                    let misled = Misled { mixed: 1.0, pressures: -1.0 };
-                    data.march(setup, steps, &misled, observe)
-                })
-            },
-        ),
         Defect::of(Term::Friction, "a box of friction stresses in place of the ball", |setup| {
             marched(setup, |setup, data, steps, observe| data.march(setup, steps, &Boxed, observe))
         }),
