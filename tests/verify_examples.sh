@@ -34,6 +34,8 @@ beside scikit-fem "$solver" prony
 beside scikit-fem "$solver" viscoelastic
 beside scikit-fem "$solver" signorini --pressure
 beside scikit-fem "$solver" quadratic-elastic
+beside scikit-fem "$solver" nonconforming-elastic
+beside scikit-fem "$solver" nonconforming-signorini --n 8,16,32
 beside scikit-fem "$solver" tests/independent/quadratic-signorini.toml --pressure
 if command -v FreeFem++ >/dev/null; then
     # Debian keeps plugins and include files where its FreeFem++ does not look.

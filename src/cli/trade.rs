@@ -73,8 +73,6 @@ struct Found<'a> {
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let jumps = "it compares loads and elements by what continuous functions make of them";
-        scene.without(&[Extension::Nonconforming], "sweep trade", jumps)?;
         let why = "it compares rules in time that take the value of a kernel at s = t";
         scene.without(&[Extension::SingularKernel], "sweep trade", why)?;
         let norm = target::norm(&self.norm)?;

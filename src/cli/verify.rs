@@ -21,8 +21,8 @@ use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
 };
+use scene::Norm;
 use scene::setup::{MeshData, Setup, Subject};
-use scene::{Extension, Norm};
 
 /// Limits of the log shown for a failed case: lines (a long traceback), and bytes per line.
 const LINES_SHOWN: usize = 60;
@@ -83,9 +83,6 @@ pub(crate) struct Verify {
 
 impl Verify {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let why = "its case gives displacements at vertices";
-        let jumps = [Extension::Nonconforming];
-        scenes.scene(&self.scene)?.without(&jumps, "sweep verify", why)?;
         let plan = self.plan(scenes)?;
         if let Some(folder) = &self.export {
             return export(&plan, folder);

@@ -85,6 +85,30 @@ fn loads_in_both_forms_are_one() {
     assert!(off < 1e-6 * largest, "{off:e} of {largest:e}");
 }
 
+/// γ ⟦v⟧ in the norm of jumps: 2μ times it for one tensor, the sum of both for two on one field.
+#[test]
+fn stresses_of_jumps_are_weighed_by_shear() {
+    let setup = setup("nonconforming-memory");
+    let space = on_mesh(&setup, 3).space;
+    let mut seed = 3;
+    let v: Vec<f64> = (0..space.nodes.len()).map(|_| signed_unit(&mut seed)).collect();
+    let (elastic, memory) = (&setup.model.elasticity, &setup.model.memory[0].tensor);
+    let jumps = space.jump_square(&v);
+    // 2 μ_L = 2 and 2 μ = 1/2 in the scene.
+    for (terms, gamma) in [
+        (vec![(elastic, &v[..])], 2.0f64),
+        (vec![(memory, &v[..])], 0.5),
+        (vec![(elastic, &v[..]), (memory, &v[..])], 2.5),
+    ] {
+        let found = space.jump_stress_square(terms.into_iter());
+        assert!((found - gamma * gamma * jumps).abs() < 1e-12 * found, "{gamma}: {found} {jumps}");
+    }
+    // The norm of V^h, by its square from the strains and the jumps.
+    let strains = gronwall::contact::strain_norm(&space, &v).powi(2);
+    let distance = gronwall::contact::strain_distance(&space, &v, &vec![0.0; v.len()]);
+    assert!((distance.powi(2) - strains - jumps).abs() < 1e-12 * strains && jumps > 0.1 * strains);
+}
+
 /// Where the body yields and remembers.
 #[test]
 fn the_tangent_with_jumps_is_the_derivative() {
@@ -210,7 +234,7 @@ fn what_jumps_leave_out_is_refused() {
         let refused = setup.scene.without(asked, "sweep audit", "it is so").expect_err("a refusal");
         let told = refused.to_string();
         assert!(told.contains("`sweep audit` does not treat CR elements: it is so"), "{told}");
-        assert!(told.contains("explain, run, gate and solve do"), "{told}");
+        assert!(told.contains("gate, verify, solve, trade and gronwall do"), "{told}");
     }
     let body = text("quadratic-box");
     assert!(refused(edited(&body, "\"P2\"", "\"CR\"")).contains("on triangles alone"));

@@ -57,7 +57,7 @@ impl Extension {
                 "list, check, explain, run, gate, verify, solve, trade, diagnose and gronwall do; for this command remove [discretization], which leaves P1"
             }
             Self::Nonconforming => {
-                "list, check, explain, run, gate and solve do; for this command remove [discretization], which leaves P1"
+                "list, check, explain, run, gate, verify, solve, trade and gronwall do; for this command remove [discretization], which leaves P1"
             }
             Self::SingularKernel => {
                 "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`"

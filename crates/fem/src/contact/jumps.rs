@@ -62,6 +62,23 @@ impl Discretization {
         }
     }
 
+    /// Σ_e (1/h_e) ∫_e |Σ_i γ(𝒞_i) ⟦v_i⟧|²: what the penalties of several tensors, each at its own nodal vector, are besides
+    /// ‖Σ_i 𝒞_i ε(v_i)‖².
+    pub fn jump_stress_square<'a>(
+        &self,
+        terms: impl Iterator<Item = (&'a TensorField, &'a [f64])> + Clone,
+    ) -> f64 {
+        let square = |jump: &Jump| -> f64 {
+            let mut sum = [0.0; 2];
+            for (law, v) in terms.clone() {
+                let weight = self.penalty(law, jump) / MEAN_SQUARE;
+                sum.iter_mut().zip(jump.of::<2>(v)).for_each(|(sum, j)| *sum += weight * j);
+            }
+            sum.iter().map(|own| MEAN_SQUARE * own * own).sum()
+        };
+        self.jumps.iter().map(square).sum()
+    }
+
     /// Σ_e (1/h_e) ∫_e ⟦v⟧², the part of a norm of V^h that strains do not have.
     pub fn jump_square(&self, v: &[f64]) -> f64 {
         let square = |jump: &Jump| jump.of::<2>(v).iter().map(|j| MEAN_SQUARE * j * j).sum::<f64>();

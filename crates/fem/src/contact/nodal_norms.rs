@@ -57,8 +57,12 @@ pub fn strain_distance(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
         }
         sum
     }
+    let jumps = match space.jumps.is_empty() {
+        true => 0.0,
+        false => space.jump_square(&v.iter().zip(w).map(|(v, w)| v - w).collect::<Vec<f64>>()),
+    };
     match space.mesh.dimension {
-        2 => sum::<3>(space, v, w).sqrt(),
-        _ => sum::<6>(space, v, w).sqrt(),
+        2 => (sum::<3>(space, v, w) + jumps).sqrt(),
+        _ => (sum::<6>(space, v, w) + jumps).sqrt(),
     }
 }

@@ -53,6 +53,11 @@ impl Element {
         self != Self::CR
     }
 
+    /// Whether the corners of a cell are among its nodes.
+    pub fn has_nodes_at_corners(self) -> bool {
+        self != Self::CR
+    }
+
     /// The degree of its polynomials.
     pub fn degree(self) -> usize {
         match self {

@@ -61,10 +61,28 @@ impl Given {
         })
     }
 
-    /// Whether a vertex of the mesh is clamped.
+    /// Whether a vertex of the mesh has no unknowns: it is clamped, or the element has no node there.
     pub fn clamped(space: &Discretization, vertex: usize) -> bool {
         space.nodes.of_vertex[vertex] as usize >= space.nodes.free
     }
+
+    /// The vertices of cell c: corners, then the further nodes.
+    pub fn of_cell(space: &Discretization, c: usize) -> Vec<u32> {
+        let nodes = &space.nodes;
+        let own = nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize]);
+        corners(space, space.mesh.cell(c)).chain(own).collect()
+    }
+
+    /// The vertices of boundary facet f, likewise.
+    pub fn of_facet(space: &Discretization, f: usize) -> Vec<u32> {
+        corners(space, space.mesh.facet(f)).chain(space.nodes.on_facet(f).iter().copied()).collect()
+    }
+}
+
+/// Corners that are none of the nodes.
+fn corners<'a>(space: &Discretization, corners: &'a [u32]) -> impl Iterator<Item = u32> + use<'a> {
+    let apart = !space.element.has_nodes_at_corners();
+    corners.iter().copied().filter(move |_| apart)
 }
 
 /// Writes the files of a case into `dir`, which is created.
@@ -199,11 +217,10 @@ fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
 }
 
 fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let nodes = &space.nodes;
-    let mut rows = Rows::new(between("cell", numbered(nodes.a_cell), &["region"]))?;
+    let a_cell = Given::of_cell(space, 0).len();
+    let mut rows = Rows::new(between("cell", numbered(a_cell), &["region"]))?;
     for c in 0..space.mesh.cell_count() {
-        let nodes_of_cell =
-            nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize].to_string());
+        let nodes_of_cell = Given::of_cell(space, c).into_iter().map(|v| v.to_string());
         let region = space.regions.get(c).copied().unwrap_or(0).to_string();
         rows.add(between(&c.to_string(), nodes_of_cell, &[&region]))?;
     }
@@ -211,10 +228,11 @@ fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
 }
 
 fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let (mesh, nodes) = (&space.mesh, &space.nodes);
-    let mut rows = Rows::new(between("facet", numbered(nodes.a_facet), &["side"]))?;
+    let mesh = &space.mesh;
+    let a_facet = Given::of_facet(space, 0).len();
+    let mut rows = Rows::new(between("facet", numbered(a_facet), &["side"]))?;
     for (f, &side) in mesh.facet_side.iter().enumerate() {
-        let nodes_of_facet = nodes.on_facet(f).iter().map(u32::to_string);
+        let nodes_of_facet = Given::of_facet(space, f).into_iter().map(|v| v.to_string());
         rows.add(between(&f.to_string(), nodes_of_facet, &[&mesh.sides[side as usize]]))?;
     }
     rows.bytes()
@@ -293,7 +311,7 @@ fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
 
 fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Array, CaseError> {
     let (nodes, d) = (&data.space.nodes, data.space.mesh.dimension);
-    let mut values = Vec::with_capacity((grid.steps() + 1) * nodes.len());
+    let mut values = Vec::with_capacity((grid.steps() + 1) * nodes.of_vertex.len() * d);
     for &t in grid.times() {
         let load = data.truth.load(t)?;
         for &node in &nodes.of_vertex {

@@ -119,6 +119,8 @@ fn show(
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let (d, length) = (space.mesh.dimension, space.nodes.len());
+    // Corners stand among the rows of an answer, also where the element has no nodes there.
+    let row = space.mesh.vertices() * d;
     let rule = model.time_rule.as_ref();
     let terms = model.memory.iter();
     let mut memory: Vec<Memory> =
@@ -129,7 +131,7 @@ fn show(
     let points = space.trace.points.len();
     let no_multiplier = vec![0.0; points];
     for n in 0..=grid.steps() {
-        let level = &u[n * length..(n + 1) * length];
+        let level = &u[n * row..(n + 1) * row];
         let vertices = space.nodes.vertex.iter().map(|&vertex| vertex as usize * d);
         let nodal: Vec<f64> = vertices.flat_map(|at| level[at..at + d].iter().copied()).collect();
         for ((memory, term), sum) in memory.iter_mut().zip(&model.memory).zip(&mut history) {

@@ -82,7 +82,9 @@ impl GronwallConstants {
         if friction.is_some_and(|own| own.alpha() > 0.0 || own.coefficient() > 0.0) {
             return Err(GronwallError::NoTangentialBound { scene: name() });
         }
-        let trace_bound = (found.alpha_nu > 0.0).then_some(found.c_j_squared_bound).flatten();
+        // The bound is that of V: functions that jump may be larger on Γ3.
+        let in_v = found.alpha_nu > 0.0 && setup.body.element.is_conforming();
+        let trace_bound = in_v.then_some(found.c_j_squared_bound).flatten();
         if found.alpha_nu > 0.0 && trace_bound.is_none() {
             return Err(GronwallError::NoTraceBound { scene: name() });
         }

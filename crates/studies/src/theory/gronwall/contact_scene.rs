@@ -8,8 +8,7 @@ use super::measure::TemporalRun;
 use super::truth::TemporalTruth;
 use algebra::linalg::dot;
 use fem::contact::{Discretization, Load, LoadError, StiffnessInverse, march, strain_distance};
-use scene::Extension;
-use scene::setup::{MeshData, Setup, SetupError, TruthLoad};
+use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
 use vhi::history::TimeGrid;
 use vhi::law::TensorField;
@@ -29,11 +28,6 @@ impl<'a> ContactInTime<'a> {
     /// # Errors
     /// Constants, loads or a reference run that cannot be had.
     pub(crate) fn new(setup: &'a Setup, n: u32, steps: &[u32]) -> Result<Self, GronwallError> {
-        let why = "its constants and norms are those of V, without jumps";
-        setup
-            .scene
-            .without(&[Extension::Nonconforming], "sweep gronwall", why)
-            .map_err(SetupError::from)?;
         let constants = GronwallConstants::new(setup)?;
         let data = MeshData::new(setup, n, None)?;
         let truth = TemporalTruth::new(setup, &data, steps)?;

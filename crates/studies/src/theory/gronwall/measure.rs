@@ -135,7 +135,7 @@ fn truncation_of_memory(
     levels.iter().enumerate().map(&mut defect).collect()
 }
 
-/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory.
+/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory, with their jumps where functions have them.
 fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
         let square = |at: StrainPoint<'_>| {
@@ -148,8 +148,10 @@ fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> 
         };
         space.points().map(square).sum()
     }
+    let jumps = terms.iter().zip(v).map(|(term, v)| (&term.tensor, &v[..]));
+    let jumps = space.jump_stress_square(jumps);
     match space.mesh.dimension {
-        2 => sum::<3>(space, terms, v).sqrt(),
-        _ => sum::<6>(space, terms, v).sqrt(),
+        2 => (sum::<3>(space, terms, v) + jumps).sqrt(),
+        _ => (sum::<6>(space, terms, v) + jumps).sqrt(),
     }
 }
