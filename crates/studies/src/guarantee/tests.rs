@@ -197,22 +197,23 @@ fn imbalance_against_polynomials(
     worst
 }
 
-/// Of quadratic elements the bound has their order, 2, with and without contact. With the means of stresses in the cells
-/// in their place it is still a bound, of order 1.
+/// Of quadratic elements the bound has their order, 2, with and without contact; the oscillation of loads, of order 3, is of
+/// the size of the rest on these meshes. With the means of stresses in the cells in their place it is still a bound, of order 1.
 #[test]
 fn the_bound_of_quadratic_elements_has_their_order() {
+    let order = |of: [f64; 2]| (of[0] / of[1]).log2();
     for name in ["quadratic-elastic", "quadratic-compliance"] {
         let setup = setup(name).unwrap();
         let found = [8, 16].map(|n| guarantee(&setup, n, 4).unwrap());
-        let bounds = found.each_ref().map(|own| own.largest().unwrap().bound);
-        let order = (bounds[0] / bounds[1]).log2();
-        println!("{name}: order {order:.2}, effectivity {:.2}", found[1].effectivity().unwrap());
-        assert!((order - 2.0).abs() < 0.15, "{name}: {order}");
-        // The median over the scenes of linear elements is below 2 as well.
-        assert!((1.0..2.0).contains(&found[1].effectivity().unwrap()), "{name}");
+        let last = found.each_ref().map(|own| *own.largest().unwrap());
+        let (residual, all) =
+            (order(last.map(|own| own.residual)), order(last.map(|own| own.bound)));
+        println!("{name}: {residual:.2}, {all:.2}, {:.2}", found[1].effectivity().unwrap());
+        assert!((residual - 2.0).abs() < 0.15 && all > 1.85, "{name}: {residual} {all}");
+        assert!((1.0..5.0).contains(&found[1].effectivity().unwrap()), "{name}");
     }
     let setup = setup("quadratic-elastic").unwrap();
-    let bounds = [8, 16].map(|n| {
+    let residuals = [8, 16].map(|n| {
         let data = MeshData::new(&setup, n, None).unwrap();
         let mut levels = Levels::new(&setup, &data.space, setup.grid(4)).unwrap();
         levels.of_cell = |space, model, view, c| Triangle::constant(&view.stress(space, model, c));
@@ -222,10 +223,9 @@ fn the_bound_of_quadratic_elements_has_their_order() {
             Ok(())
         })
         .unwrap();
-        levels.found.iter().map(|own| own.bound).fold(0.0, f64::max)
+        levels.found.iter().map(|own| own.residual).fold(0.0, f64::max)
     });
-    let order = (bounds[0] / bounds[1]).log2();
-    assert!((order - 1.0).abs() < 0.15, "{order}");
+    assert!((order(residuals) - 1.0).abs() < 0.15, "{residuals:?}");
 }
 
 /// What the theorem does not cover is refused with its reason.
