@@ -78,11 +78,12 @@ gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 # Some 45 seconds of CPU time. Files of other scenes that are there are shown as well.
 REPORT := reports/latest
 studies: ## what the chapters of a report on theory, trade and extremes are made of, for a few scenes, into reports/latest
-	for scene in punch memory-minus-identity memory-plus-identity; do $(SWEEP) --quiet bound $$scene --n 8 --out $(REPORT) >/dev/null || exit 1; done
+	for scene in punch memory-minus-identity memory-plus-identity quadratic-memory; do $(SWEEP) --quiet bound $$scene --n 8 --out $(REPORT) >/dev/null || exit 1; done
 	$(SWEEP) --quiet gronwall affine --horizons 1,2,4 --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet gronwall linear-punch --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet audit compliance --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet audit pure-mild --n 8,16 --out $(REPORT) >/dev/null
+	$(SWEEP) --quiet audit quadratic-front --n 8,16 --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet audit --ledger --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet trade compliance --budget 10 --target 1% --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet extremes --out $(REPORT) >/dev/null

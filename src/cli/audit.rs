@@ -8,6 +8,7 @@ use super::machine::{Allowance, processors};
 use super::study::deliver;
 use super::{CliError, Scenes, create_dir, no_case, write_file};
 use fem::contact::BoundaryRule;
+use fem::space::Element;
 use run::sweep::admit_constants;
 use scene::setup::Setup;
 use studies::theory::audit::{SceneAudit, audit_runs};
@@ -19,7 +20,7 @@ const FINEST: u32 = 64;
 /// `sweep audit`.
 #[derive(Args)]
 #[command(
-    after_help = "Runs use the paper's boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump keep the vertex rule. Rows are sorted by tightness. Columns: left and right where the line is tightest over all levels and runs, left - right there (of an identity its magnitude), the accuracy (what rounding and quadrature allow), the tightness (left/right; of an identity difference over accuracy; - where both sides are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
+    after_help = "Runs use the paper's boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump and quadratic elements keep the vertex rule, whose error is a part of E_q. Rows are sorted by tightness. Columns: left and right where the line is tightest over all levels and runs, left - right there (of an identity its magnitude), the accuracy (what rounding and quadrature allow), the tightness (left/right; of an identity difference over accuracy; - where both sides are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
 JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, tightness, difference, accuracy, power_h, power_k, holds, defined), cases (n, steps, h, k, lines), violations, undefined (lines without a defined constant). Files with --out: SCENE-audit.csv, SCENE-audit.json, SCENE-audit.svg. \
 With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
 Exit code 1: a line is violated beyond its accuracy or has no defined constant (m0 <= 0), or a claim is not confirmed."
@@ -114,12 +115,22 @@ impl Audit {
     fn choose_rule(&self, setup: &mut Setup) -> Result<(), CliError> {
         let Some(boundary) = &mut setup.model.boundary else { return Ok(()) };
         let jumps = !boundary.potential.jumps().is_empty();
+        let element = setup.body.element;
+        let by_nodes = jumps || element != Element::P1;
         boundary.rule = match self.rule {
-            None if jumps => BoundaryRule::Vertex,
+            None if by_nodes => BoundaryRule::Vertex,
             None | Some(Rule::Exact) => BoundaryRule::Exact,
             Some(Rule::Gauss) => BoundaryRule::Gauss,
             Some(Rule::Vertex) => BoundaryRule::Vertex,
         };
+        if element != Element::P1 && boundary.rule != BoundaryRule::Vertex {
+            let message = format!(
+                "{} has its law at the nodes of Γ3, and --rule asks for facet integrals",
+                element.name()
+            );
+            let hint = "leave --rule out, or say --rule vertex";
+            return Err(setup.scene.error("discretization.element", message, hint).into());
+        }
         if jumps && boundary.rule != BoundaryRule::Vertex {
             let message = "the law has a jump, and --rule asks for facet integrals";
             let hint = "leave --rule out, or say --rule vertex: one pressure per vertex";

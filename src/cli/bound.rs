@@ -40,10 +40,11 @@ const MESH: u32 = 16;
 impl BoundCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let subject = scenes.subject(&self.scene, &self.allowance.limit())?;
-        let extensions = [Extension::Element, Extension::SingularKernel];
-        let why = "it measures norms of constant strains on cells, and puts sup |q| beside k, not k^(1-a)";
-        subject.scene().without(&extensions, "sweep bound", why)?;
         let scene = subject.scene();
+        let jumps = "its norm ‖ε(v)‖ leaves out the penalty of jumps, without which it is none";
+        scene.without(&[Extension::Nonconforming], "sweep bound", jumps)?;
+        let singular = "it puts sup |q| beside k, not k^(1-a)";
+        scene.without(&[Extension::SingularKernel], "sweep bound", singular)?;
         let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
         let steps = self.steps.unwrap_or(fewest.unwrap_or(8) as u32);
         let bound = match &subject {

@@ -22,9 +22,11 @@ pub(super) fn execute(
     wanted: Option<Wanted>,
     as_json: bool,
 ) -> Result<u8, CliError> {
-    let extensions = [Extension::Element, Extension::SingularKernel];
-    let why = "its extrapolation takes the orders 1 in h and 2 in k for granted";
-    setup.scene.without(&extensions, "sweep solve --estimate", why)?;
+    let command = "sweep solve --estimate";
+    let jumps = "it compares a run with coarser ones, whose functions are none of V^h if they jump";
+    setup.scene.without(&[Extension::Nonconforming], command, jumps)?;
+    let singular = "its extrapolation takes the order of the time rule for granted";
+    setup.scene.without(&[Extension::SingularKernel], command, singular)?;
     let (found, bound) = companions_and_bound(setup, n, steps).map_err(CliError::other)?;
     let estimates: Vec<(Norm, Estimate)> = found
         .norms

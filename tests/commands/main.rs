@@ -24,6 +24,7 @@ mod next_cases;
 mod owed;
 #[path = "../program/mod.rs"]
 mod program;
+mod quadratic_commands;
 mod release;
 mod report_dir;
 mod reproducible;

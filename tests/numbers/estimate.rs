@@ -4,7 +4,7 @@
 //!   differences of runs with swapped steps or a wrong order are caught by the same checks; the estimate of the other
 //!   norms lies within reasoned factors of the truth; what cannot be recommended is refused with one message and exit 2.
 //! Mesh: n = 4 to about 90 in the plane, structured; reference runs on 4n.
-//! Data: compliance, viscoelastic, pure-mild, in-space, signorini, affine, elastic-punch, punch.
+//! Data: compliance, viscoelastic, pure-mild, in-space, signorini, affine, elastic-punch, punch; those of quadratic elements.
 
 use std::sync::{Arc, Mutex};
 
@@ -112,6 +112,8 @@ fn a_recommended_run_has_the_error_that_was_wanted() {
         ("in-space", 8, 32, 0.25),
         ("elastic-punch", 16, 8, 0.4),
         ("punch", 16, 8, 0.5),
+        ("quadratic-elastic", 16, 4, 0.1),
+        ("quadratic-box", 8, 4, 0.5),
     ] {
         let setup = setup(name);
         let found = found(&setup, n, steps);
@@ -230,6 +232,12 @@ fn estimates_in_every_norm_are_near_the_truth() {
         ("affine", 4, 16, Some(Norm::TraceL2Max)),
         ("in-space", 8, 32, None),
         ("pure-box", 8, 4, Some(Norm::TraceL2Max)),
+        ("quadratic-elastic", 16, 4, None),
+        ("quadratic-memory", 16, 16, None),
+        ("quadratic-compliance", 16, 16, None),
+        ("quadratic-friction", 16, 16, None),
+        ("quadratic-front", 32, 32, None),
+        ("quadratic-box", 8, 4, None),
     ] {
         let setup = setup(name);
         let found = found(&setup, n, steps);

@@ -43,6 +43,7 @@ mod plans;
 #[path = "../program/mod.rs"]
 mod program;
 mod quadratic;
+mod quadratic_studies;
 mod second_integral;
 mod separate_evaluation;
 #[path = "../shipped/mod.rs"]

@@ -230,7 +230,7 @@ fn what_jumps_leave_out_is_refused() {
     let by_state = refused(edited(&scene, "steps = [16]", "steps = [16]\nby_state = true"));
     assert!(by_state.contains("continuous functions alone"), "{by_state}");
     let setup = setup_of(scene);
-    for asked in [&Extension::ALL[..], &[Extension::Element], &[Extension::Nonconforming]] {
+    for asked in [&Extension::ALL[..], &[Extension::Nonconforming]] {
         let refused = setup.scene.without(asked, "sweep audit", "it is so").expect_err("a refusal");
         let told = refused.to_string();
         assert!(told.contains("`sweep audit` does not treat CR elements: it is so"), "{told}");

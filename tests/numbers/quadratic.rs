@@ -12,7 +12,7 @@ use crate::shipped::{
 use gronwall::contact::{ContactProblem, LastSlot, LinearSolver, StepView};
 use gronwall::linalg::signed_unit;
 use gronwall::norms::step_errors;
-use gronwall::scene::{Extension, Scene, Source};
+use gronwall::scene::{Scene, Source};
 use gronwall::setup::Setup;
 use gronwall::space::Element;
 
@@ -284,11 +284,4 @@ fn what_has_no_quadratic_form_is_refused() {
     assert!(p3.contains("unknown value `P3` of `element`") && p3.contains("P1, P2"), "{p3}");
     let gauss = refused(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
     assert!(gauss.contains("Simpson") && gauss.contains("take P1"), "{gauss}");
-    let setup = setup_of(scene);
-    let told = setup
-        .scene
-        .without(&[Extension::Element], "sweep audit", "why")
-        .expect_err("a refusal")
-        .to_string();
-    assert!(told.contains("`sweep audit` does not treat P2 elements"), "{told}");
 }

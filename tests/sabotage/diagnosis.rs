@@ -2,7 +2,8 @@
 //! author would meet it.
 
 use gronwall::diagnose::{Finding, Suspect, examine};
-use gronwall::scene::{Data, Extension};
+use gronwall::scene::Data;
+use gronwall::space::Element;
 
 use crate::catalogue::{Defect, Term};
 use crate::matrix::Reference;
@@ -43,9 +44,10 @@ pub struct Diagnosed {
 /// Diagnoses a defect; `None` where no verdict of the suite is spoilt, so that nobody asks.
 pub fn diagnosed(reference: &Reference, defect: &Defect) -> Option<Diagnosed> {
     let spoilt = reference.trials.iter().zip(&reference.outcomes).find(|(trial, _)| {
-        let exact =
-            trial.scene.as_contact().is_some_and(|body| matches!(body.data, Data::Exact { .. }));
-        let asked = exact && trial.scene.without(&[Extension::Element], "", "").is_ok();
+        // Scenes of linear elements have all suspects between them.
+        let asked = trial.scene.as_contact().is_some_and(|body| {
+            matches!(body.data, Data::Exact { .. }) && body.element == Element::P1
+        });
         asked && trial.run(defect).verdicts.iter().any(|verdict| !verdict.as_expected())
     });
     let (trial, _) = spoilt?;

@@ -57,10 +57,6 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
         let message = "friction on facets in space is known for P1 alone";
         return Some([message, "remove [contact.friction], or take P1"]);
     }
-    if parts.sweep.is_some_and(|sweep| sweep.reference.is_some()) {
-        let message = "a finer run is compared with P1 functions alone";
-        return Some([message, "give an exact solution, or take P1"]);
-    }
     None
 }
 

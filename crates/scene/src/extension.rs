@@ -1,7 +1,5 @@
 //! What a scene may have beyond the setting of the paper, and commands that leave it out of account.
 
-use fem::space::Element;
-
 use super::diagnostic::SceneError;
 use super::discretization;
 use super::validated::{Body, Scene};
@@ -11,9 +9,7 @@ use super::validated::{Body, Scene};
 pub enum Extension {
     /// `[contact.friction]`.
     Friction,
-    /// Another element than P1: strains that are not constant on cells.
-    Element,
-    /// One whose functions jump: V^h is not in V.
+    /// An element whose functions jump: V^h is not in V.
     Nonconforming,
     /// Kernels that are infinite at s = t.
     SingularKernel,
@@ -21,8 +17,7 @@ pub enum Extension {
 
 impl Extension {
     /// All of them.
-    pub const ALL: [Self; 4] =
-        [Self::Friction, Self::Nonconforming, Self::Element, Self::SingularKernel];
+    pub const ALL: [Self; 3] = [Self::Friction, Self::Nonconforming, Self::SingularKernel];
 
     /// The key that asks for it in a scene, and its name; none where the scene does without.
     fn asked_by(self, scene: &Scene) -> Option<(String, String)> {
@@ -32,14 +27,10 @@ impl Extension {
                 let contact = body?.contact.as_ref()?;
                 contact.friction.as_ref().map(|_| ("contact.friction".into(), "friction".into()))
             }
-            Self::Element | Self::Nonconforming => {
+            Self::Nonconforming => {
                 let element = body?.element;
                 let name = format!("{} elements", element.name());
-                let asked = match self {
-                    Self::Nonconforming => !element.is_conforming(),
-                    _ => element != Element::P1,
-                };
-                asked.then(|| (discretization::KEY.into(), name))
+                (!element.is_conforming()).then(|| (discretization::KEY.into(), name))
             }
             Self::SingularKernel => {
                 let name = "kernels that are infinite at s = t".into();
@@ -53,11 +44,8 @@ impl Extension {
             Self::Friction => {
                 "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]"
             }
-            Self::Element => {
-                "list, check, explain, run, gate, verify, solve, trade, diagnose and gronwall do; for this command remove [discretization], which leaves P1"
-            }
             Self::Nonconforming => {
-                "list, check, explain, run, gate, verify, solve, trade and gronwall do; for this command remove [discretization], which leaves P1"
+                "list, check, explain, run, gate, verify, solve, trade and gronwall do; for this command take P1 or P2"
             }
             Self::SingularKernel => {
                 "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`"
@@ -77,13 +65,7 @@ impl Scene {
         command: &str,
         why: &str,
     ) -> Result<(), SceneError> {
-        let asked = |own: &Extension| {
-            let asked = own.asked_by(self)?;
-            // More commands take other elements than those that take functions that jump.
-            let jumps = Extension::Nonconforming;
-            let is_jumps = *own == Extension::Element && jumps.asked_by(self).is_some();
-            Some((if is_jumps { jumps } else { *own }.way_out(), asked))
-        };
+        let asked = |own: &Extension| Some((own.way_out(), own.asked_by(self)?));
         match extensions.iter().find_map(asked) {
             None => Ok(()),
             Some((way_out, (key, what))) => {

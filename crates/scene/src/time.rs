@@ -46,6 +46,15 @@ pub enum TimeRule {
 }
 
 impl TimeRule {
+    /// The order of its sums for a smooth integrand.
+    pub fn order(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Trapezoid | Self::CorrectedEnd { .. } | Self::ProductIntegration => 2.0,
+            Self::Gregory { order } => f64::from(order),
+        }
+    }
+
     /// Its name, and its weights in units of the step.
     pub fn in_words(self) -> String {
         match self {

@@ -166,7 +166,7 @@ impl StepView<'_> {
 
     /// The same where ε(u_n^{kh}) is known there.
     #[inline]
-    pub(crate) fn stress_of<P: Projection, const S: usize>(
+    pub fn stress_of<P: Projection, const S: usize>(
         &self,
         space: &Discretization,
         model: &Model<P>,

@@ -13,9 +13,11 @@ use vhi::law::TensorField;
 /// How ‖v_ν‖² is integrated over Γ3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TraceMass {
-    /// Exactly: the mass matrix of linear facets.
+    /// Exactly: the mass matrix of the element on facets.
     Consistent,
-    /// By the vertex rule, as the solver integrates the compliance term; never smaller.
+    /// By the vertex rule, as the solver integrates the compliance term; never smaller for linear elements and on edges,
+    /// where Simpson's rule overestimates squares of quadratics. On triangles the midpoints see nothing of a quadratic that
+    /// is zero there.
     Lumped,
 }
 
@@ -127,8 +129,7 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
                 part.add(trace, i, value, &mut out);
             }
         }
-        TraceMass::Consistent => {
-            assert_eq!(space.element, Element::P1, "the mass matrix of linear facets");
+        TraceMass::Consistent if space.element == Element::P1 => {
             let corners = trace.stride as f64;
             for f in 0..trace.measure.len() {
                 let members = trace.facet(f);
@@ -138,6 +139,20 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
                     let value = [0, 1].map(|k| {
                         trace.measure[f] * (own[k] + total[k]) / (corners * (corners + 1.0))
                     });
+                    part.add(trace, i as usize, value, &mut out);
+                }
+            }
+        }
+        TraceMass::Consistent => {
+            let mean = space.element.mass(space.mesh.dimension);
+            for (f, measure) in trace.measure.iter().enumerate() {
+                let members = trace.facet(f);
+                for (&i, row) in members.iter().zip(mean.chunks_exact(members.len())) {
+                    let mut value = [0.0; 2];
+                    for (&j, mean) in members.iter().zip(row) {
+                        let own = part.value(trace, j as usize, v);
+                        (0..2).for_each(|k| value[k] += measure * mean * own[k]);
+                    }
                     part.add(trace, i as usize, value, &mut out);
                 }
             }

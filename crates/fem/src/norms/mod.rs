@@ -3,6 +3,7 @@
 mod contact_state;
 mod errors;
 mod moments;
+mod nested;
 mod projection;
 mod reference;
 mod refinement;

@@ -58,6 +58,12 @@ impl Parents {
         }
         Some(Self { of, hats, corners })
     }
+
+    /// The hats of the parent of fine simplex s at its corners.
+    pub(super) fn hats_of(&self, s: usize) -> &[f64] {
+        let own = self.corners * self.corners;
+        &self.hats[own * s..own * (s + 1)]
+    }
 }
 
 impl Refinement {
@@ -92,7 +98,7 @@ impl Refinement {
         let mut sample_members = Vec::new();
         for (f, children) in children.iter().enumerate() {
             let corners = coarse.mesh.facet(coarse.trace.mesh_facet[f] as usize);
-            for b in facet_samples(coarse.trace.stride) {
+            for b in facet_samples(coarse.mesh.dimension) {
                 let x = coarse.mesh.point(corners, &b);
                 let Some((child, at)) = own.nearest(&x, children.iter().copied()) else {
                     return Err(refused);

@@ -136,13 +136,18 @@ impl Element {
         }
     }
 
-    /// Means of products of two shape functions.
-    fn mass(self, corners: usize) -> Vec<f64> {
-        let rule = match corners {
+    /// A rule on a simplex with so many corners that is exact for the product of two of its functions, up to degree 4.
+    pub fn square_rule(self, corners: usize) -> Rule {
+        match corners {
             2 => edge(3),
             3 => triangle_degree_4(),
             _ => tetrahedron_degree_5(),
-        };
+        }
+    }
+
+    /// Means of products of two shape functions over a simplex with so many corners, row by row.
+    pub fn mass(self, corners: usize) -> Vec<f64> {
+        let rule = self.square_rule(corners);
         let count = self.nodes_on(corners);
         let mut mass = vec![0.0; count * count];
         for (b, weight) in rule.points.iter().zip(&rule.weights) {

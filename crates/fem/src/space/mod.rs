@@ -6,6 +6,7 @@ mod nodes;
 mod points;
 pub mod quadrature;
 mod shape;
+mod strain_shapes;
 
 pub use element::{Element, MeanSquare};
 pub use jumps::Jump;
@@ -13,3 +14,4 @@ pub(crate) use jumps::{MEAN_SQUARE, jumps};
 pub use nodes::Nodes;
 pub use points::{StrainPoint, StrainPoints};
 pub use shape::{Geometry, strain_of};
+pub use strain_shapes::StrainShapes;

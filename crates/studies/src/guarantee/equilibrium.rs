@@ -114,14 +114,15 @@ impl<'a> Equilibrium<'a> {
         &self.shape(c).constants
     }
 
-    /// The stress nearest to `start`, constant on each cell, among those in equilibrium with `given`.
-    pub(super) fn nearest(&mut self, start: &[[f64; 3]], given: &Given) -> Vec<Stress> {
+    /// The stress nearest to `start`, constant or linear on each cell, among those in equilibrium with `given`.
+    pub(super) fn nearest(&mut self, start: &[Stress], given: &Given) -> Vec<Stress> {
         let mesh = &self.space.mesh;
         let mut right: Vec<f64> = given.tractions.iter().map(|traction| -traction).collect();
         let mut stresses = Vec::with_capacity(start.len());
         for c in 0..start.len() {
             let triangle = self.triangle(c);
-            let stress = Triangle::constant(&start[c]) - triangle.of_moments * given.moments[c];
+            let asked = given.moments[c] + self.own_moments(triangle, &start[c]);
+            let stress = start[c] - triangle.of_moments * asked;
             let tractions = triangle.to_tractions * stress;
             let unknowns = self.edges.unknowns(mesh.cell(c), c);
             for (unknown, traction) in unknowns.iter().zip(tractions.iter()) {
@@ -142,11 +143,21 @@ impl<'a> Equilibrium<'a> {
         stresses
     }
 
+    /// ∫ Div σ·ψ_a of a stress that is linear on a triangle; none where the element has constant ones.
+    fn own_moments(&self, triangle: &Triangle, stress: &Stress) -> Moments {
+        if self.space.geometry.shares.len() == 1 {
+            return Moments::zeros();
+        }
+        // The same on all parts.
+        let [divergence, ..] = triangle.divergence(stress);
+        Moments::from_fn(|row, _| triangle.area / 3.0 * divergence[row % 2])
+    }
+
     /// ‖σ - `start`‖² in 𝒜⁻¹, σ being `stresses` with what balances linear f0 inside the cells; `corners` are its values.
     pub(super) fn distance(
         &self,
         stresses: &[Stress],
-        start: &[[f64; 3]],
+        start: &[Stress],
         corners: &[Moments],
     ) -> f64 {
         let cell = |c: usize| {
@@ -156,7 +167,7 @@ impl<'a> Equilibrium<'a> {
                 0..6 => corners[c][row],
                 _ => divergence[(row - 6) / 2][row % 2],
             });
-            let off = stresses[c] - Triangle::constant(&start[c]);
+            let off = stresses[c] - start[c];
             triangle.energy(&off) + self.shape(c).inside.added_energy(&off, &load)
         };
         (0..start.len()).map(cell).sum()

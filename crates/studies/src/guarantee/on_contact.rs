@@ -1,5 +1,5 @@
-//! The duality gap on Γ3: G = ∫ ĵ(u_ν) + ĵ*(p) - p u_ν, ĵ = j_ν with the constraint u_ν ≤ g, for linear u_ν and p on
-//! each edge.
+//! The duality gap on Γ3: G = ∫ ĵ(u_ν) + ĵ*(p) - p u_ν, ĵ = j_ν with the constraint u_ν ≤ g, for u_ν of the
+//! element and linear p on each edge.
 //!
 //! At a point it is ∫ (p - ∂j_ν(r)) dr from u_ν to a displacement that has the pressure p: no potential is needed.
 
@@ -38,33 +38,49 @@ pub(super) fn pressures(
     pressure
 }
 
+/// Linear pressures on the edges of Γ3 by their values at both ends. That of nodal pressures which are quadratic is the
+/// nearest one in L², cut off where it leaves what the nodes have: the law has those pressures.
+pub(super) fn along_edges(space: &Discretization, pressure: &[f64]) -> Vec<[f64; 2]> {
+    let trace = &space.trace;
+    let edge = |f: usize| {
+        let own: Vec<f64> = trace.facet(f).iter().map(|&i| pressure[i as usize]).collect();
+        let &[first, second, middle] = own.as_slice() else { return [own[0], own[1]] };
+        // λ_0 λ_1 is nearest to its mean 1/6.
+        let raise = 2.0 / 3.0 * (middle - 0.5 * (first + second));
+        let (least, most) = own
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        [first, second].map(|end| (end + raise).max(least).min(most))
+    };
+    (0..trace.measure.len()).map(edge).collect()
+}
+
 /// Adds -p ν on Γ3.
 pub(super) fn add_pressures(
     space: &Discretization,
     edges: &Edges,
-    pressure: &[f64],
+    pressure: &[[f64; 2]],
     tractions: &mut [f64],
 ) {
     let trace = &space.trace;
     for (f, &facet) in trace.mesh_facet.iter().enumerate() {
         let Some((free, ends)) = edges.on_facet(facet) else { continue };
-        for &point in trace.facet(f) {
+        for (&point, p) in trace.facet(f).iter().zip(&pressure[f]) {
             let own = &trace.points[point as usize];
             let end = usize::from(ends[1] == own.vertex);
             for i in 0..2 {
-                tractions[4 * free as usize + 2 * end + i] -=
-                    pressure[point as usize] * own.normal[i];
+                tractions[4 * free as usize + 2 * end + i] -= p * own.normal[i];
             }
         }
     }
 }
 
-/// G of `u`, and of pressures p at the points of the trace; infinite where u_ν > g or the law never has the pressure p.
+/// G of `u`, and of pressures p at the ends of the edges; infinite where u_ν > g or the law never has the pressure p.
 pub(super) fn duality_gap(
     space: &Discretization,
     boundary: &Boundary,
     u: &[f64],
-    pressure: &[f64],
+    pressure: &[[f64; 2]],
 ) -> f64 {
     let rule = edge(4);
     let trace = &space.trace;
@@ -72,15 +88,19 @@ pub(super) fn duality_gap(
     for f in 0..trace.measure.len() {
         let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
         let vertices = ends.map(|i| trace.points[i].vertex);
-        let normal = ends.map(|i| trace.normal(i, u));
+        let normal: Vec<f64> =
+            trace.facet(f).iter().map(|&i| trace.normal(i as usize, u)).collect();
         for piece in 0..PIECES {
             for (weight, b) in rule.weights.iter().zip(&rule.points) {
                 let second = (piece as f64 + b[1]) / PIECES as f64;
                 let at = [1.0 - second, second];
                 let x = space.mesh.point(&vertices, &at);
-                let mix = |values: [f64; 2]| at[0] * values[0] + at[1] * values[1];
+                let mix = |shape: &[f64], values: &[f64]| {
+                    shape.iter().zip(values).map(|(s, value)| s * value).sum::<f64>()
+                };
                 let (law, shift) = (boundary.potential_at(x), (boundary.shift)(x));
-                let (r, p) = (mix(normal) - shift, mix(ends.map(|i| pressure[i])));
+                let normal = mix(&space.element.values(&at), &normal);
+                let (r, p) = (normal - shift, mix(&at, &pressure[f]));
                 let own = at_point(&law, (boundary.gap)(x) - shift, r, p);
                 sum += weight * trace.measure[f] / PIECES as f64 * own;
             }

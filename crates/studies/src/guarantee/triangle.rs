@@ -73,6 +73,18 @@ impl Triangle {
         Stress::from_fn(|i, _| stress[i % 3])
     }
 
+    /// A stress that is linear on the whole triangle, by its values at barycentric coordinates.
+    pub(super) fn linear(at: impl Fn(&[f64]) -> [f64; 3]) -> Stress {
+        let corner =
+            |a: usize| std::array::from_fn::<f64, 3, _>(|b| if a == b { 1.0 } else { 0.0 });
+        let corners = [0, 1, 2].map(|a| at(&corner(a)));
+        let centroid = at(&[1.0 / 3.0; 3]);
+        Stress::from_fn(|i, _| match (i / 9, i % 9 / 3) {
+            (_, 2) => centroid[i % 3],
+            (part, corner) => corners[(part + 1 + corner) % 3][i % 3],
+        })
+    }
+
     /// The conditions: jumps of tractions across the lines from corners to the centroid, then ∫ Div σ·ψ.
     fn conditions(&self) -> Conditions {
         let mut matrix = Conditions::zeros();

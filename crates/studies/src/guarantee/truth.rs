@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use exact::Exact;
 use fem::contact::Discretization;
+use fem::space::StrainShapes;
 use fem::space::quadrature::{Rule, triangle_degree_8};
-use fem::space::strain_of;
 use formula::BoundProgram;
 use vhi::law::TensorField;
 
@@ -39,13 +39,15 @@ impl Strains {
         self.fields.evaluate(t, 0.0, &mut values);
         let count = self.rule.weights.len();
         let mut sum = 0.0;
+        let shapes = StrainShapes::new(space.element, 2);
         for c in 0..space.mesh.cell_count() {
-            let own = strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), u);
+            let strains: Vec<[f64; 3]> = space.points_of(c).map(|at| at.strain(u)).collect();
             let tensor = elasticity.on(space.region(c));
             for (q, weight) in self.rule.weights.iter().enumerate() {
                 let at = count * c + q;
                 let [xx, xy, yy] = [2, 3, 4].map(|output| values[output][at]);
                 let exact = [xx, yy, std::f64::consts::SQRT_2 * xy];
+                let own = shapes.tensor(&self.rule.points[q], &strains);
                 let off: [f64; 3] = std::array::from_fn(|i| exact[i] - own[i]);
                 sum += weight
                     * space.geometry.measure[c]

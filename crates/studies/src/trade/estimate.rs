@@ -25,8 +25,8 @@ use judge::fit::{FLOORS_ABOVE, Interval};
 use scene::setup::Setup;
 use scene::{Direction, Norm, Prediction};
 
-/// Half of the width of the orders that are admitted around an observed one. A P1 run on h ≤ 1/8 of the shipped scenes
-/// has local orders within 0.3 of their limit; a half leaves room for singular corners.
+/// Half of the width of the orders that are admitted around an observed one. A run on h ≤ 1/8 of the shipped scenes of
+/// P1 and P2 has local orders within 0.3 of their limit; a half leaves room for singular corners.
 const HALF: f64 = 0.5;
 /// How the errors of two refinements lie to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -205,17 +205,22 @@ fn theory(setup: &Setup, norm: Norm, variable: Direction) -> Option<&Prediction>
     setup.scene.predicts.iter().find(|p| p.norm == norm && p.variable == variable)
 }
 
-/// Orders towards finer steps. The most is that of piecewise linear elements and the trapezoidal rule (strains and
-/// stresses of P1 are constant in a cell, h; displacements, h²; history, k²), and no more than a theorem says, unless it
-/// says "at least". The least is zero without a theorem; with one, and an order that was observed within the half of it,
-/// twice as far below the theorem's as the observed one is away: the rule of `fit` for a drift, ± 2 |last - limit|.
-fn limits(part: &Part, norm: Norm, variable: Direction, theory: Option<&Prediction>) -> Interval {
-    let strains = how(norm) == Alignment::Orthogonal;
-    let scheme = if strains && variable == Direction::H { 1.0 } else { 2.0 };
+/// Orders towards finer steps. The most is that of elements and rule (strains and stresses have the degree of the
+/// element, displacements one more; the trapezoidal rule k²), and no more than a theorem says, unless it says "at least".
+/// The least is zero without a theorem; with one, and an order that was observed within the half of it, twice as far below
+/// the theorem's as the observed one is away: the rule of `fit` for a drift, ± 2 |last - limit|.
+fn limits(part: &Part, scheme: f64, theory: Option<&Prediction>) -> Interval {
     let hi = theory.filter(|p| !p.at_least).map_or(scheme, |p| p.order.min(scheme));
     let away = theory.zip(part.order()).map(|(p, order)| (p.order, (p.order - order).abs()));
     let lo = away.filter(|(_, away)| *away <= HALF).map_or(0.0, |(order, away)| order - 2.0 * away);
     Interval { lo, hi }
+}
+
+/// The orders in h and in k that elements and rule can have in a norm.
+fn of_scheme(setup: &Setup, norm: Norm) -> [f64; 2] {
+    let degree = setup.body.element.degree() as f64;
+    let strains = how(norm) == Alignment::Orthogonal;
+    [if strains { degree } else { degree + 1.0 }, setup.scene.time.rule.order()]
 }
 
 /// Galerkin's orthogonality is one of strains.
@@ -239,8 +244,8 @@ pub fn norm_estimate(setup: &Setup, found: &Companions, own: &NormDifferences) -
     };
     let time = Part::of(own.time, own.floor, exact(in_k), Alignment::Aligned);
     let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
-    let [of_h, of_k] =
-        [limits(&space, own.norm, Direction::H, in_h), limits(&time, own.norm, Direction::K, in_k)];
+    let [most_h, most_k] = of_scheme(setup, own.norm);
+    let [of_h, of_k] = [limits(&space, most_h, in_h), limits(&time, most_k, in_k)];
     Estimate { space: space.limited(of_h), time: time.limited(of_k) }
 }
 

@@ -39,6 +39,8 @@ pub(crate) struct Contact {
     pub work: [Sum; 2],
     /// ∫ λ(g - v^h_ν), ∫ λ(g - u^{kh}_ν).
     pub slack: [Sum; 2],
+    /// ∫ λ(v^h_ν - g)₊, ∫ λ(u^{kh}_ν - g)₊: U^h is in U only if both are zero.
+    pub outside: [f64; 2],
     /// ∫ [j_ν⁰(u_ν; w) - ξ w] for w = v^h_ν - u_ν, u^{kh}_ν - u_ν, u_ν - v^h_ν.
     pub selection: [Sum; 3],
 }
@@ -55,9 +57,7 @@ pub(crate) fn over_contact(
     let mut sums = Contact::default();
     let samples = edges.iter().filter_map(|sample| Some((sample, sample.contact?)));
     for (sample, at) in samples {
-        let value = |nodal: &[f64]| {
-            sample.shape[0] * nodal[at.trace[0]] + sample.shape[1] * nodal[at.trace[1]]
-        };
+        let value = |nodal: &[f64]| at.trace_of(&sample.shape, nodal);
         let (weight, u, v, u_h) = (sample.weight, at.normal, value(&traces.v), value(&traces.u_h));
         let (r, r_h) = (u - at.shift, u_h - at.shift);
         sums.delta += weight * (u - v).powi(2);
@@ -76,6 +76,7 @@ pub(crate) fn over_contact(
                 at.multiplier * (at.gap - if i == 0 { v } else { u_h })
             };
             sums.slack[i].add(weight * slack);
+            sums.outside[i] += weight * (-slack).max(0.0);
         }
         for (i, w) in [v - u, u_h - u, u - v].into_iter().enumerate() {
             let directional = at.scale * law.directional(r, w);

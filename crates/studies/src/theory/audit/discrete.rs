@@ -3,7 +3,6 @@
 
 use super::pointwise::{Material, Plane, dot};
 use fem::contact::Discretization;
-use fem::space::strain_of;
 use vhi::history::TimeGrid;
 
 /// The past of a run.
@@ -17,12 +16,14 @@ pub(crate) struct Past {
 
 /// One level of a run.
 pub(crate) struct DiscreteLevel {
-    /// ε(u_n^{kh}) per cell.
+    /// ε(u_n^{kh}) at the strain points: one a cell, or as many as determine a linear tensor.
     pub strain: Vec<Plane>,
-    /// ψ_h with φ(S_n^{kh}u^{kh}, u_n^{kh}, v) = (ψ_h, ε(v)).
+    /// ψ_h with φ(S_n^{kh}u^{kh}, u_n^{kh}, v) = (ψ_h, ε(v)), there.
     pub coupled: Vec<Plane>,
-    /// θ_h per cell.
+    /// θ_h there.
     pub theta: Vec<Plane>,
+    /// κ(ζ̃(t_n)).
+    pub kappa: f64,
     /// ζ̃(t_n).
     pub zeta: f64,
 }
@@ -38,10 +39,9 @@ pub(crate) fn primed_weights(grid: &TimeGrid, n: usize) -> Vec<f64> {
     weights
 }
 
-/// ε of a nodal vector on all cells.
+/// ε of a nodal vector at all strain points.
 pub(crate) fn strains(space: &Discretization, nodal: &[f64]) -> Vec<Plane> {
-    let cell = |c: usize| strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), nodal);
-    (0..space.mesh.cell_count()).map(cell).collect()
+    space.points().map(|at| at.strain(nodal)).collect()
 }
 
 impl Past {
@@ -54,7 +54,7 @@ impl Past {
         u: &[f64],
     ) -> DiscreteLevel {
         let strain = strains(space, u);
-        let squares = strain.iter().zip(&space.geometry.measure).map(|(e, m)| m * dot(e, e));
+        let squares = strain.iter().zip(space.points()).map(|(e, at)| at.weight * dot(e, e));
         self.norms.push(squares.sum::<f64>().sqrt());
         self.displacements.push(u.to_vec());
         let n = self.norms.len() - 1;
@@ -74,6 +74,6 @@ impl Past {
         let kappa = material.kappa(zeta);
         let coupled =
             strain.iter().zip(&theta).map(|(e, theta)| material.coupled(e, theta, kappa)).collect();
-        DiscreteLevel { strain, coupled, theta, zeta }
+        DiscreteLevel { strain, coupled, theta, kappa, zeta }
     }
 }

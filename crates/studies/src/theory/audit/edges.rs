@@ -2,6 +2,7 @@
 
 use super::pointwise::Plane;
 use exact::sign_changes;
+use fem::space::Element;
 use fem::space::quadrature::gauss_legendre;
 
 /// Gauss points a piece: degree 31. The identities hold to rounding only if a curved law over a coarse edge is
@@ -13,10 +14,11 @@ const WATCHES: usize = 8;
 /// The truth at a point of an edge.
 #[derive(Debug, Clone)]
 pub(crate) struct EdgeSample {
-    /// Ends of the edge.
-    pub vertices: [u32; 2],
-    /// Barycentric coordinates.
-    pub shape: [f64; 2],
+    /// The vertices of the edge at which there are nodes: its ends, and of quadratic elements its midpoint; an end again of
+    /// linear ones.
+    pub vertices: [u32; 3],
+    /// The values of their functions; zero for the third of linear elements.
+    pub shape: [f64; 3],
     /// Length.
     pub weight: f64,
     /// ν.
@@ -31,11 +33,37 @@ pub(crate) struct EdgeSample {
     pub contact: Option<ContactSample>,
 }
 
+/// The numbers of an edge, the first once more as a third where there are two: its function is zero.
+pub(crate) fn padded<T: Copy>(members: &[T]) -> [T; 3] {
+    [members[0], members[1], *members.get(2).unwrap_or(&members[0])]
+}
+
+/// The values of the functions of an edge at the part x of its length.
+pub(crate) fn shape(element: Element, x: f64) -> [f64; 3] {
+    match element {
+        Element::P2 => [(1.0 - x) * (1.0 - 2.0 * x), x * (2.0 * x - 1.0), 4.0 * x * (1.0 - x)],
+        Element::P1 | Element::CR => [1.0 - x, x, 0.0],
+    }
+}
+
+impl ContactSample {
+    /// A trace there, given at the points of Γ3.
+    pub(crate) fn trace_of(&self, shape: &[f64; 3], values: &[f64]) -> f64 {
+        between(self.trace, shape, values)
+    }
+}
+
+/// A function of the edge by its values at the given points.
+pub(crate) fn between(trace: [usize; 3], shape: &[f64; 3], values: &[f64]) -> f64 {
+    let ends = shape[0] * values[trace[0]] + shape[1] * values[trace[1]];
+    if shape[2] == 0.0 { ends } else { ends + shape[2] * values[trace[2]] }
+}
+
 /// Contact data at a point of Γ3.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactSample {
-    /// Ends of the edge as points of the trace.
-    pub trace: [usize; 2],
+    /// Those vertices as points of the trace.
+    pub trace: [usize; 3],
     /// u_ν.
     pub normal: f64,
     /// g.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
+use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place, padded, shape};
 use super::fields::{CellValues, Fields, Forces, PlaneField, Remembered, Volume};
 use super::strips::CellPoints;
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, LawNumbers};
@@ -143,15 +143,15 @@ impl Fields for InSpaceFields {
                 (_, None) => 0.0,
             };
             EdgeSample {
-                vertices: vertices(e),
-                shape: [1.0 - x, x],
+                vertices: padded(&vertices(e)),
+                shape: shape(self.space.element, x),
                 weight: weight * trace.measure[e],
                 normal: [0.0; 2],
                 u: [0.0; 2],
                 strain: [0.0; 3],
                 history: [0.0; 3],
                 contact: Some(ContactSample {
-                    trace: [a, b],
+                    trace: padded(&[a, b]),
                     normal,
                     gap: between(2),
                     shift: s,

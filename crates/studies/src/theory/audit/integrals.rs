@@ -4,6 +4,7 @@
 use super::discrete::DiscreteLevel;
 use super::edges::EdgeSample;
 use super::fields::CellValues;
+use super::place::Place;
 use super::pointwise::{Material, Plane, dot, minus};
 use fem::contact::Discretization;
 
@@ -57,6 +58,8 @@ pub(crate) struct Cells {
     pub stress: [Sum; 2],
     /// ∫ f0·w1, ∫ f0·w2.
     pub force: [Sum; 2],
+    /// ⟨Au^{kh}, v^h - u^{kh}⟩ + φ(S^{kh}u^{kh}, u^{kh}, v^h - u^{kh}), where the rule of the scheme need not have it.
+    pub at_h: Sum,
     /// ‖σ‖‖ε‖, the unit of rounding where w1 or w2 is rounding itself.
     pub natural: f64,
     /// ‖ε(u)‖².
@@ -67,7 +70,7 @@ pub(crate) struct Cells {
 pub(crate) struct NodalField<'a> {
     /// Values at the nodes.
     pub nodal: &'a [f64],
-    /// Strains of the cells.
+    /// Strains at the strain points.
     pub strain: &'a [Plane],
 }
 
@@ -84,6 +87,7 @@ pub(crate) fn over_cells(
     let mut residuals = vec![[0.0; 2]; space.mesh.cell_count()];
     let (mut stresses, mut strains) = (0.0, 0.0);
     let points = values.at.points.iter().zip(values.at.cells.iter().zip(&values.at.weights));
+    let mut place = Place::new(space);
     for (p, (x, (&c, &weight))) in points.enumerate() {
         if weight == 0.0 {
             continue;
@@ -95,13 +99,21 @@ pub(crate) fn over_cells(
         let strain = plane(&values.strain);
         let theta = material.remembered(&plane(&values.history));
         let psi = material.coupled(&strain, &theta, kappa);
+        place.at(c, x);
+        let strain_h = place.tensor(&discrete.strain);
+        let strain_v = place.tensor(v.strain);
+        let theta_h = place.tensor(&discrete.theta);
+        let psi_h = match place.is_constant() {
+            true => discrete.coupled[c],
+            false => material.coupled(&strain_h, &theta_h, discrete.kappa),
+        };
         let applied = material.operator(&strain);
         let sigma = [applied[0] + psi[0], applied[1] + psi[1], applied[2] + psi[2]];
-        let to_h = minus(&discrete.strain[c], &strain);
-        let to_v = minus(&v.strain[c], &strain);
-        let psi_difference = minus(&psi, &discrete.coupled[c]);
+        let to_h = minus(&strain_h, &strain);
+        let to_v = minus(&strain_v, &strain);
+        let psi_difference = minus(&psi, &psi_h);
         let moved = material.operator(&to_h);
-        let theta_difference = minus(&theta, &discrete.theta[c]);
+        let theta_difference = minus(&theta, &theta_h);
         sums.e += weight * dot(&to_h, &to_h);
         sums.d += weight * dot(&to_v, &to_v);
         sums.theta += weight * dot(&theta_difference, &theta_difference);
@@ -109,19 +121,25 @@ pub(crate) fn over_cells(
         sums.phi1.add(weight * dot(&psi_difference, &to_h));
         sums.phi2.add(-weight * dot(&psi_difference, &to_v));
         let reflected = minus(&strain, &to_v);
-        for (tensor, factor) in [(reflected, 1.0), (v.strain[c], 1.0), (strain, -2.0)] {
+        for (tensor, factor) in [(reflected, 1.0), (strain_v, 1.0), (strain, -2.0)] {
             sums.phi3.add(factor * weight * dot(&psi, &tensor));
         }
         sums.operator.add(weight * dot(&moved, &to_v));
+        if !place.is_constant() {
+            let (applied, test) = (material.operator(&strain_h), minus(&strain_v, &strain_h));
+            sums.at_h.add(weight * (dot(&applied, &test) + dot(&psi_h, &test)));
+        }
         stresses += weight * dot(&sigma, &sigma);
         strains += weight * dot(&strain, &strain);
-        let shape = barycentric(space, c, x);
         for (i, (field, to)) in [(v, to_v), (u_h, to_h)].into_iter().enumerate() {
             let nodes = space.cell_nodes(c);
             let mut work = 0.0;
             for (component, u) in values.u.iter().enumerate() {
-                let at = |a: usize| shape[a] * field.nodal[2 * nodes[a] as usize + component];
-                work += values.force[component][p] * (at(0) + at(1) + at(2) - u[p]);
+                let at = |(shape, node): (&f64, &u32)| {
+                    shape * field.nodal[2 * *node as usize + component]
+                };
+                let w = place.shape.iter().zip(nodes).map(at).sum::<f64>() - u[p];
+                work += values.force[component][p] * w;
             }
             let power = dot(&sigma, &to);
             sums.stress[i].add(weight * power);
@@ -148,6 +166,7 @@ impl Cells {
             (&mut self.phi2, other.phi2),
             (&mut self.phi3, other.phi3),
             (&mut self.operator, other.operator),
+            (&mut self.at_h, other.at_h),
         ] {
             *own = own.plus(other);
         }
@@ -156,16 +175,6 @@ impl Cells {
             self.force[i] = self.force[i].plus(other.force[i]);
         }
     }
-}
-
-fn barycentric(space: &Discretization, c: usize, x: &[f64; 3]) -> [f64; 3] {
-    let gradients = space.geometry.gradients(c);
-    let origin = space.mesh.vertex(space.mesh.cell(c)[0]);
-    let along = |a: usize| {
-        gradients[2 * a] * (x[0] - origin[0]) + gradients[2 * a + 1] * (x[1] - origin[1])
-    };
-    let (b, c) = (along(1), along(2));
-    [1.0 - b - c, b, c]
 }
 
 /// (∫ (σν)·w1, ∫ (σν)·w2) over Γ2 and Γ3.
@@ -191,7 +200,7 @@ pub(crate) fn tractions(
                     let node = space.nodes.of_vertex[sample.vertices[a] as usize] as usize;
                     sample.shape[a] * nodal[2 * node + i]
                 };
-                sum.add(sample.weight * traction * (at(0) + at(1) - sample.u[i]));
+                sum.add(sample.weight * traction * (at(0) + at(1) + at(2) - sample.u[i]));
             }
         }
     }

@@ -7,6 +7,7 @@ use super::integrals::{Cells, NodalField, Sum, over_cells, tractions};
 use super::law::ClarkeLaw;
 use super::pointwise::{Material, Plane, dot};
 use fem::contact::{Boundary, Discretization, LoadError, StepView};
+use fem::space::Element;
 use vhi::history::TimeGrid;
 
 /// The numbers of one level, in the notation of section 4 of the paper; w1 = v^h - u, w2 = u^{kh} - u.
@@ -24,10 +25,12 @@ pub struct Level {
     pub quadrature: [f64; 2],
     /// F(v^h - u^{kh}) by the scheme's load vector.
     pub scheme_load: Sum,
-    /// ⟨Au^{kh}, v^h - u^{kh}⟩ + φ(S^{kh}u^{kh}, u^{kh}, v^h - u^{kh}).
+    /// ⟨Au^{kh}, v^h - u^{kh}⟩ + φ(S^{kh}u^{kh}, u^{kh}, v^h - u^{kh}) by the rule of the scheme.
     pub scheme_stress: Sum,
     /// j_ν⁰, Σ w λ(g - v^h) and the selection's slack, by the scheme's rule.
     pub scheme_contact: [Sum; 3],
+    /// ∫ λ(v^h_ν - g)₊ and ∫ λ(u^{kh}_ν - g)₊ of elements whose constraint at the nodes lets them pass the gap elsewhere.
+    pub outside: Option<[f64; 2]>,
     /// ‖S_n u - S_n^{kh} u^{kh}‖_Y.
     pub history: f64,
     /// ‖S_n u - S_n^k u‖_Y.
@@ -124,6 +127,7 @@ impl Levels {
             scheme_load,
             scheme_stress: scheme_stress(space, material, &discrete, &strain),
             scheme_contact,
+            outside: (space.element != Element::P1).then_some(contact.outside),
             history: zeta_error + theta,
             truncation: self.truncation(case, view.n, zeta, remembered),
             errors: self.errors.iter().sum(),
@@ -166,11 +170,11 @@ fn scheme_stress(
     v: &[Plane],
 ) -> Sum {
     let mut sum = Sum::default();
-    for (c, measure) in space.geometry.measure.iter().enumerate() {
-        let (strain, psi) = (&discrete.strain[c], &discrete.coupled[c]);
+    for at in space.points() {
+        let (strain, psi) = (&discrete.strain[at.index], &discrete.coupled[at.index]);
         let applied = material.operator(strain);
         for i in 0..3 {
-            sum.add(measure * (applied[i] + psi[i]) * (v[c][i] - strain[i]));
+            sum.add(at.weight * (applied[i] + psi[i]) * (v[at.index][i] - strain[i]));
         }
     }
     sum

@@ -205,8 +205,11 @@ impl Sheet<'_> {
         let error = level.quadrature[0];
         let says = ["(4.5) forms", "E_n over the body = E_n on the contact side"];
         self.push(Relation::Equal, says, [volume, boundary], error);
-        let says = ["(4.5) sign", "0 <= E_n"];
-        self.push(Relation::AtMost, says, [number(0.0), volume], error);
+        let (least, says) = match level.outside {
+            None => (0.0, "0 <= E_n"),
+            Some([of_v, _]) => (-of_v, "-int lambda (v^h_nu - g)_+ <= E_n"),
+        };
+        self.push(Relation::AtMost, ["(4.5) sign", says], [number(least), volume], error);
         let norm = contact.pressure.sqrt() + c.c0 + c.c1 * contact.arguments[0].sqrt();
         let says = ["(5.23)", "|E_n| <= (|xi + lambda| + c0 + c1 |u_nu|) delta"];
         // The form on the contact side is the sharper number of the two.
@@ -230,8 +233,14 @@ impl Sheet<'_> {
         let error = level.quadrature[0] + level.quadrature[1];
         let monotone = level.cells.monotone;
         let right = level.terms().plus(level.e_n()).plus(level.e_q());
-        let says = ["(4.9)", "<Au - Au_h, u - u_h> <= E_phi1 + E_phi2 + E_j + E_A + E_n + E_q"];
-        self.push(Relation::AtMost, says, [monotone, right], error);
+        let (most, says) = match level.outside {
+            None => (right, "<Au - Au_h, u - u_h> <= E_phi1 + E_phi2 + E_j + E_A + E_n + E_q"),
+            Some([_, of_u_h]) => (
+                right.plus(number(of_u_h)),
+                "<Au - Au_h, u - u_h> <= E_phi1 + E_phi2 + E_j + E_A + E_n + E_q + int lambda (u_h - g)_+",
+            ),
+        };
+        self.push(Relation::AtMost, ["(4.9)", says], [monotone, most], error);
         let says = [
             "(4.9) slack",
             "right - left of (4.9) = int lambda (g - u_h) + sum w lambda_h (g - v^h)",
@@ -243,7 +252,8 @@ impl Sheet<'_> {
             error,
         );
         let e = number(level.cells.e.sqrt());
-        let residual = level.e_n().value.abs() + level.e_q().value.abs();
+        let outside = level.outside.map_or(0.0, |[_, of_u_h]| of_u_h);
+        let residual = level.e_n().value.abs() + level.e_q().value.abs() + outside;
         let says = ["(4.18)", "e <= C (d + sqrt(delta) + sqrt|E_n|) + C Y, constants written out"];
         self.at_most(says, e, c.bound(level, level.history, residual));
         let history = level.truncation + c.history * level.k * level.errors;
@@ -299,10 +309,16 @@ impl Level {
         self.cells.phi1.plus(self.cells.phi2).plus(self.e_j()).plus(self.cells.operator)
     }
 
-    /// What the scheme's quadrature adds to (4.9): its j_ν⁰ and its F at v^h - u^{kh} less the true ones.
+    /// What the scheme's quadrature adds to (4.9): its j_ν⁰ and its F at v^h - u^{kh} less the true ones, and of strains
+    /// that vary in a cell its stresses.
     fn e_q(&self) -> Sum {
         let load = self.load[0].minus(self.load[1]);
-        self.scheme_contact[0].minus(self.contact.j_h_v).plus(load).minus(self.scheme_load)
+        let own =
+            self.scheme_contact[0].minus(self.contact.j_h_v).plus(load).minus(self.scheme_load);
+        match self.cells.at_h.size > 0.0 {
+            true => own.plus(self.scheme_stress).minus(self.cells.at_h),
+            false => own,
+        }
     }
 }
 

@@ -21,6 +21,7 @@ mod level;
 mod lines;
 mod memory;
 mod picture;
+mod place;
 mod pointwise;
 mod scene;
 mod sides;

@@ -7,9 +7,10 @@ use super::case::{AtLevel, AuditError, CaseAudit, Row, audit_case, is_tighter};
 use super::constants::AuditConstants;
 use super::lines::{Relation, Standing, Statement};
 use fem::contact::BoundaryRule;
+use fem::space::Element;
 use judge::fit::{Sample, power_law};
-use scene::Extension;
 use scene::setup::{MeshData, Setup, SetupError};
+use scene::{Data, Extension, TimeRule};
 use serde::Serialize;
 
 /// An audited scene.
@@ -68,8 +69,7 @@ impl SceneAudit {
     /// # Errors
     /// [`AuditError`]: no exact solution, a run without result.
     pub fn new(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Self, AuditError> {
-        let why = "its integrals are those of constant strains on cells, of kernels with a value at s = t, and of the normal law alone";
-        setup.scene.without(&Extension::ALL, "sweep audit", why).map_err(SetupError::from)?;
+        covered(setup)?;
         if setup.scene.dimension != 2 {
             return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
         }
@@ -162,6 +162,32 @@ impl SceneAudit {
             },
         }
     }
+}
+
+/// What the lines leave out of account.
+fn covered(setup: &Setup) -> Result<(), SetupError> {
+    let others = [
+        (Extension::Friction, "its lines are those of the normal law alone"),
+        (
+            Extension::Nonconforming,
+            "its lines put u^h into the inequality of u, so that V^h must be a part of V",
+        ),
+        (Extension::SingularKernel, "its sums are those of kernels with a value at s = t"),
+    ];
+    for (extension, why) in others {
+        setup.scene.without(&[extension], "sweep audit", why)?;
+    }
+    if setup.scene.time.rule != TimeRule::Trapezoid {
+        let message = "`sweep audit` knows the sums of the trapezoidal rule alone, which is that of the theorems";
+        return Err(setup.scene.error("time.rule", message, "remove `rule`").into());
+    }
+    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    if interpolated && setup.body.element != Element::P1 {
+        let message = "`sweep audit` knows interpolants of u as linear functions alone";
+        let hint = "remove `interpolated`, or take P1";
+        return Err(setup.scene.error("discretization.element", message, hint).into());
+    }
+    Ok(())
 }
 
 /// A side counts in a fitted power if it is above so many times its accuracy.

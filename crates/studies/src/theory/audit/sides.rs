@@ -1,16 +1,17 @@
 //! A side of Γ2 or Γ3 with the formulas of the truth on it.
 
-use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
+use super::edges::{ContactSample, EdgeSample, between, cut_points, edge_and_place, padded, shape};
 use super::fields::sort_interior;
 use exact::{BoundaryFormulas, ContactFormulas, Exact, LawNumbers};
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
+use fem::space::Element;
 use formula::{EvaluationPoint, Node, Program};
 
 /// The edges of one side.
 pub(crate) struct SideEdges {
     normal: [f64; 2],
-    edges: Vec<[u32; 2]>,
+    edges: Vec<[u32; 3]>,
     /// Length of each.
     lengths: Vec<f64>,
     /// Guards of σ.
@@ -21,8 +22,8 @@ pub(crate) struct SideEdges {
 
 /// What a side of Γ3 has beside.
 struct ContactSide {
-    /// Ends of the edges as points of the trace.
-    trace: Vec<[usize; 2]>,
+    /// The nodes of the edges as points of the trace.
+    trace: Vec<[usize; 3]>,
     formulas: BoundaryFormulas,
     guards: Program,
     guard_count: usize,
@@ -65,7 +66,7 @@ impl SideEdges {
         let horizon = exact.data.horizon;
         let mut graph = exact.data.graph.clone();
         let guards = graph.guards(&exact.stress);
-        let ends = |&f: &usize| [space.mesh.facet(f)[0], space.mesh.facet(f)[1]];
+        let ends = |&f: &usize| padded(space.nodes.on_facet(f));
         let contact = touches.then(|| {
             let mut formulas = exact.boundary(&normal);
             let [u, xi, lambda, gap] =
@@ -74,7 +75,7 @@ impl SideEdges {
             let position = |f: &usize| {
                 let own = |&m: &u32| m as usize == *f;
                 let at = space.trace.mesh_facet.iter().position(own).unwrap_or(0);
-                [0, 1].map(|a| space.trace.facet(at)[a] as usize)
+                padded(space.trace.facet(at)).map(|a| a as usize)
             };
             let law = exact.data.contact.as_ref().and_then(|contact| contact.law.as_ref());
             ContactSide {
@@ -87,7 +88,7 @@ impl SideEdges {
                 formulas,
             }
         });
-        let edges: Vec<[u32; 2]> = facets.iter().map(ends).collect();
+        let edges: Vec<[u32; 3]> = facets.iter().map(ends).collect();
         let length = |f: &usize| fem::contact::facet_measure(&space.mesh, *f);
         Self {
             normal,
@@ -102,7 +103,7 @@ impl SideEdges {
     fn points(&self, space: &Discretization, places: &[f64]) -> Vec<[f64; 3]> {
         let at = |&q: &f64| {
             let (edge, x) = edge_and_place(q, self.edges.len());
-            space.mesh.point(&self.edges[edge], &[1.0 - x, x])
+            space.mesh.point(&self.edges[edge][..2], &[1.0 - x, x])
         };
         places.iter().map(at).collect()
     }
@@ -133,7 +134,7 @@ impl SideEdges {
         let crossings = |places: &[f64]| {
             let own = values(&contact.formulas.program, 5, places, t);
             let shifts = self.values(exact, shift_of, 0.0, space, places);
-            contact.crossings(places, &own[0], &shifts, traces)
+            contact.crossings(space.element, places, &own[0], &shifts, traces)
         };
         let points = cut_points(self.edges.len(), &[&stress, &now, &first, &crossings]);
         self.at(exact, space, t, &points)
@@ -169,7 +170,7 @@ impl SideEdges {
         let places: Vec<f64> = points.iter().map(|(edge, x, _)| *edge as f64 + x).collect();
         let coordinates: Vec<[f64; 3]> = points
             .iter()
-            .map(|&(edge, x, _)| space.mesh.point(&self.edges[edge], &[1.0 - x, x]))
+            .map(|&(edge, x, _)| space.mesh.point(&self.edges[edge][..2], &[1.0 - x, x]))
             .collect();
         let mut out = vec![Vec::new(); 5 + exact.memory.len()];
         exact.interior.bind(&coordinates).evaluate(t, 0.0, &mut out);
@@ -185,7 +186,7 @@ impl SideEdges {
         let scales = self.values(exact, scale_of, 1.0, space, &places);
         let sample = |(p, &(edge, x, weight)): (usize, &(usize, f64, f64))| EdgeSample {
             vertices: self.edges[edge],
-            shape: [1.0 - x, x],
+            shape: shape(space.element, x),
             weight: weight * self.lengths[edge],
             normal: self.normal,
             u: [u[0][p], u[1][p]],
@@ -217,6 +218,7 @@ impl ContactSide {
     /// Distances from the kinks of the law, of u_ν and of each trace; differences between them.
     fn crossings(
         &self,
+        element: Element,
         places: &[f64],
         own: &[f64],
         shifts: &[f64],
@@ -225,8 +227,7 @@ impl ContactSide {
         let trace = |values: &&[f64]| -> Vec<f64> {
             let at = |&q: &f64| {
                 let (edge, x) = edge_and_place(q, self.trace.len());
-                let [a, b] = self.trace[edge];
-                (1.0 - x) * values[a] + x * values[b]
+                between(self.trace[edge], &shape(element, x), values)
             };
             places.iter().map(at).collect()
         };

@@ -9,7 +9,6 @@ use algebra::tensor::contract;
 use fem::contact::{
     Boundary, Discretization, MemoryTerm, StiffnessInverse, strain_norm, stress_force,
 };
-use fem::space::strain_of;
 use scene::setup::{Constants, Setup};
 use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
 use vhi::law::{Potential, Projection, TensorField};
@@ -151,7 +150,7 @@ pub(crate) struct Fields<'a, const D: usize, const S: usize> {
     seed: u64,
 }
 
-/// A tensor per cell.
+/// A tensor per strain point.
 type Tensors<const S: usize> = Vec<[f64; S]>;
 
 impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
@@ -180,15 +179,12 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     }
 
     fn strains(&self, u: &[f64]) -> Tensors<S> {
-        let space = self.space;
-        (0..space.mesh.cell_count())
-            .map(|c| strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), u))
-            .collect()
+        self.space.points().map(|at| at.strain(u)).collect()
     }
 
     fn product(&self, a: &Tensors<S>, b: &Tensors<S>) -> f64 {
-        let pairs = a.iter().zip(b).zip(&self.space.geometry.measure);
-        pairs.map(|((a, b), m)| m * contract(a, b)).sum()
+        let pairs = a.iter().zip(b).zip(self.space.points());
+        pairs.map(|((a, b), at)| at.weight * contract(a, b)).sum()
     }
 
     fn size(&self, a: &Tensors<S>) -> f64 {
@@ -199,10 +195,9 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     fn dual_norm(&mut self, tau: &Tensors<S>) -> f64 {
         let space = self.space;
         let mut force = vec![0.0; space.nodes.len()];
-        for (c, tensor) in tau.iter().enumerate() {
-            let stress = tensor.map(|t| t * space.geometry.measure[c]);
-            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-            stress_force::<D, S>(gradients, nodes, &stress, &mut force);
+        for (at, tensor) in space.points().zip(tau) {
+            let stress = tensor.map(|t| t * at.weight);
+            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
         }
         let mut riesz = force.clone();
         self.gram.solve(&mut riesz[..space.dofs()]);
@@ -219,9 +214,9 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             let mu = constants.alpha_phi;
             let stress: Tensors<S> = strain
                 .iter()
-                .enumerate()
-                .map(|(c, e)| {
-                    let s = elastic.on(self.space.region(c)).apply(e);
+                .zip(self.space.points())
+                .map(|(e, at)| {
+                    let s = elastic.on(self.space.region(at.cell)).apply(e);
                     std::array::from_fn(|i| s[i] + mu * e[i])
                 })
                 .collect();
@@ -319,15 +314,16 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             zeta[1].commit(grid, strain_norm(self.space, &other));
             distance.commit(grid, strain_norm(self.space, &d));
             let last = if n == 0 { 0.0 } else { 0.5 * grid.step(n) };
-            let mut stress: Tensors<S> = vec![[0.0; S]; self.space.mesh.cell_count()];
+            let mut stress: Tensors<S> = vec![[0.0; S]; self.space.geometry.points()];
             for (past, term) in past.iter_mut().zip(memory) {
                 past.past(&*term.kernel, &Trapezoid, grid, &mut history[..dofs]);
                 past.commit(grid, &d[..dofs]);
                 let own = last * term.kernel.value(0.0);
                 algebra::linalg::axpy(own, &d[..dofs], &mut history[..dofs]);
-                for (c, strain) in self.strains(&history).iter().enumerate() {
-                    let part = term.tensor.on(self.space.region(c)).apply(strain);
-                    stress[c].iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
+                for (at, stress) in self.space.points().zip(&mut stress) {
+                    let strain = at.strain::<S>(&history);
+                    let part = term.tensor.on(self.space.region(at.cell)).apply(&strain);
+                    stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
                 }
             }
             let remembered = self.size(&stress);
@@ -342,7 +338,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     }
 }
 
-/// μ P_{M(κ(r))} ε a cell: μ ε minus the projection stress μ(ε - Pε).
+/// μ P_{M(κ(r))} ε at the strain points: μ ε minus the projection stress μ(ε - Pε).
 fn projected<P: Projection, const S: usize>(
     p: &P,
     mu: f64,

@@ -219,7 +219,7 @@ fn companions_beside(
 pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
     let beside = move |space: &Discretization, _| {
         let d = space.mesh.dimension;
-        let stresses = d * (d + 1) / 2 * space.mesh.cell_count();
+        let stresses = d * (d + 1) / 2 * space.geometry.points();
         let compared = steps / stride(steps, steps) + 2;
         let held = 3.0 * 2.0 * 8.0 * f64::from(compared) * (space.nodes.len() + stresses) as f64;
         held + guarantee::bytes(setup, space)

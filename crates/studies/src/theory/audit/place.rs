@@ -1,0 +1,75 @@
+//! A point of a cell: the functions of displacements there, and tensors by their values at the strain points.
+
+use super::pointwise::Plane;
+use fem::contact::Discretization;
+use fem::space::{Element, StrainShapes};
+
+/// The most strain points of a triangle.
+const MOST: usize = 3;
+
+/// A point of a cell.
+pub(crate) struct Place<'a> {
+    space: &'a Discretization,
+    strains: StrainShapes,
+    /// Strain points a cell.
+    count: usize,
+    cell: usize,
+    /// Values of the functions of tensors.
+    weights: [f64; MOST],
+    /// Values of the shape functions of the cell.
+    pub shape: Vec<f64>,
+}
+
+impl<'a> Place<'a> {
+    /// No point yet.
+    pub(crate) fn new(space: &'a Discretization) -> Self {
+        let count = space.geometry.shares.len();
+        let strains = StrainShapes::new(space.element, 2);
+        Self { space, strains, count, cell: 0, weights: [1.0; MOST], shape: vec![0.0; 3] }
+    }
+
+    /// Moves to x in cell c.
+    pub(crate) fn at(&mut self, c: usize, x: &[f64; 3]) {
+        self.cell = c;
+        let b = self.barycentric(c, x);
+        if self.space.element == Element::P1 {
+            self.shape.copy_from_slice(&b);
+        } else {
+            self.shape = self.space.element.values(&b);
+            self.strains.at(&b, &mut self.weights[..self.count]);
+        }
+    }
+
+    /// Whether strains are constant on cells.
+    pub(crate) fn is_constant(&self) -> bool {
+        self.count == 1
+    }
+
+    /// A tensor by its values at all strain points.
+    pub(crate) fn tensor(&self, field: &[Plane]) -> Plane {
+        let own = &field[self.count * self.cell..self.count * (self.cell + 1)];
+        if self.is_constant() {
+            return own[0];
+        }
+        let sum = |i: usize| own.iter().zip(&self.weights).map(|(at, w)| w * at[i]).sum();
+        [sum(0), sum(1), sum(2)]
+    }
+
+    fn barycentric(&self, c: usize, x: &[f64; 3]) -> [f64; 3] {
+        let (mesh, gradients) = (&self.space.mesh, self.space.geometry.gradients(c));
+        let origin = mesh.vertex(mesh.cell(c)[0]);
+        let (dx, dy) = (x[0] - origin[0], x[1] - origin[1]);
+        let [b, c] = if self.space.element == Element::P1 {
+            [1, 2].map(|a| gradients[2 * a] * dx + gradients[2 * a + 1] * dy)
+        } else {
+            let edge = |a: usize| {
+                let end = mesh.vertex(mesh.cell(c)[a]);
+                [end[0] - origin[0], end[1] - origin[1]]
+            };
+            let ([px, py], [qx, qy]) = (edge(1), edge(2));
+            let twice = px * qy - py * qx;
+            [(dx * qy - dy * qx) / twice, (px * dy - py * dx) / twice]
+        };
+        [1.0 - b - c, b, c]
+    }
+}

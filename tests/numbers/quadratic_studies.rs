@@ -1,0 +1,209 @@
+//! Source: (3.4), the proofs of Theorems 10 and 11, and [`gronwall::theory`], for quadratic elements: tensors vary in a cell, and
+//!   the law sits at vertices and midpoints.
+//! Goal: every line of the proof holds on runs with P2, those with a gap with what functions pass it by between nodes, and
+//!   a defect of the scheme is caught; trace constants are those of a dense problem with the mass of quadratics on edges; the
+//!   factor of Λ is that of differences; a finer run of quadratics is a truth.
+//! Mesh: 4 × 4 to 16 × 16 squares.
+//! Data: quadratic-elastic, quadratic-front, quadratic-memory; pure-mild, signorini and elastic-punch on P2.
+
+use std::sync::Arc;
+
+use crate::shipped::{edited, on_mesh, setup, setup_of, text};
+use gronwall::contact::{
+    BoundaryRule, Discretization, MemoryTerm, TraceMass, march, trace_constant,
+};
+use gronwall::law::{MemoryKernel, PiecewiseLinear, TensorField};
+use gronwall::scene::Norm;
+use gronwall::setup::{MeshData, Setup, TruthLoad, constants, reference_run};
+use gronwall::sweep::{CasePlan, run_contact_case};
+use gronwall::theory::audit::{AuditConstants, Auditor, SceneAudit};
+use gronwall::theory::bound::contact::at_level;
+use gronwall::theory::bound::factor::{contraction, finite_factor};
+use gronwall::theory::bound::{BoundStudy, sampled};
+use gronwall::trade::estimate::{companions, norm_estimate};
+use gronwall::vhi::Newton;
+use nalgebra::DMatrix;
+
+/// A scene of linear elements on quadratic ones; these have the law at their nodes.
+fn on_quadratics(name: &str, before: &str) -> Setup {
+    let element = format!("[discretization]\nelement = \"P2\"\n\n{before}");
+    with_law_at_nodes(setup_of(edited(&text(name), before, &element)))
+}
+
+fn with_law_at_nodes(mut setup: Setup) -> Setup {
+    if let Some(boundary) = &mut setup.model.boundary {
+        boundary.rule = BoundaryRule::Vertex;
+    }
+    setup
+}
+
+#[test]
+fn every_line_of_the_proof_holds() {
+    let front = setup("quadratic-front");
+    for setup in [setup("quadratic-elastic"), front, on_quadratics("pure-mild", "[exact]\n")] {
+        let name = &setup.scene.name;
+        let audit = SceneAudit::new(&setup, &[4, 8], &[4]).expect("an audit");
+        assert!(audit.holds(), "{name}: {:?}", audit.violations());
+    }
+}
+
+/// Between the nodes a quadratic function passes the gap, so that U^h is no part of U: E_n is negative by up to
+/// ∫ λ(v^h - g)₊, and without that term the lines would not hold.
+#[test]
+fn what_passes_the_gap_between_nodes_is_counted() {
+    let setup = on_quadratics("signorini", "[exact]\n");
+    let audit = SceneAudit::new(&setup, &[8], &[8]).expect("an audit");
+    assert!(audit.holds(), "{:?}", audit.violations());
+    let lines = audit.summaries();
+    let line = |name: &str| lines.iter().find(|line| line.statement.name == name).expect("a line");
+    let (_, at) = line("(4.5) sign").tightest.expect("a level");
+    assert!(at.right < -1e3 * at.accuracy && at.left <= at.right, "{at:?}");
+}
+
+/// A kernel that is zero at s = t.
+struct NothingAtZero(Box<dyn MemoryKernel>);
+
+impl MemoryKernel for NothingAtZero {
+    fn value(&self, lag: f64) -> f64 {
+        if lag == 0.0 { 0.0 } else { self.0.value(lag) }
+    }
+}
+
+/// The lines that a run of another model violates.
+fn violated(spoil: impl FnOnce(&mut Setup)) -> Vec<&'static str> {
+    let (sound, mut other) = (setup("quadratic-front"), setup("quadratic-front"));
+    spoil(&mut other);
+    let data = on_mesh(&sound, 8);
+    let known = AuditConstants::new(&sound).expect("constants");
+    let mut auditor = Auditor::new(&sound, &data, 4, &known).expect("an exact solution");
+    let (grid, mut load) = (sound.grid(4), TruthLoad(&*data.truth));
+    march(&data.space, &other.model, &grid, &mut load, &Newton::default(), &mut |view| {
+        auditor.observe(view)?;
+        Ok(())
+    })
+    .unwrap_or_else(|error| panic!("{error}"));
+    let rows = auditor.rows();
+    rows.iter().filter(|row| row.violation.is_some()).map(|row| row.statement.name).collect()
+}
+
+#[test]
+fn defects_of_the_scheme_violate_lines() {
+    assert_eq!(violated(|_| {}), Vec::<&str>::new());
+    let of_memory = violated(|setup| {
+        let terms = std::mem::take(&mut setup.model.memory).into_iter();
+        let spoilt =
+            |term: MemoryTerm| MemoryTerm { kernel: Box::new(NothingAtZero(term.kernel)), ..term };
+        setup.model.memory = terms.map(spoilt).collect();
+    });
+    let of_law = violated(|setup| {
+        let points = vec![(0.0, 0.0), (0.04, 0.09), (0.10, 0.05)];
+        let law = PiecewiseLinear::new(points, 0.0, 0.0).expect("a law");
+        setup.model.boundary.as_mut().expect("contact").potential = Arc::new(law);
+    });
+    for line in ["(4.3)", "(4.9) slack"] {
+        assert!(of_memory.contains(&line), "{of_memory:?}");
+    }
+    // By the rule at the nodes identities count j⁰ less the pressure of the run: another law shows in the sign of that.
+    assert!(of_law.contains(&"(4.9)"), "{of_law:?}");
+}
+
+/// The largest quotient of a trace mass, by its matrix on an edge of length 1 (ends, midpoint), and the energy of a tensor.
+fn dense(space: &Discretization, tensor: &TensorField, mass: [[f64; 3]; 3]) -> f64 {
+    let order = space.dofs();
+    let values = space.stiffness(tensor);
+    let (mut column, mut stiffness) = (vec![0.0; order], DMatrix::zeros(order, order));
+    for j in 0..order {
+        let unit: Vec<f64> = (0..order).map(|i| f64::from(u8::from(i == j))).collect();
+        space.pattern.multiply(&values, &unit, &mut column);
+        stiffness.set_column(j, &nalgebra::DVector::from_column_slice(&column));
+    }
+    let mut matrix = DMatrix::zeros(order, order);
+    for (f, length) in space.trace.measure.iter().enumerate() {
+        for (&i, row) in space.trace.facet(f).iter().zip(mass) {
+            for (&j, value) in space.trace.facet(f).iter().zip(row) {
+                let at = [i, j].map(|i| space.trace.points[i as usize].unknown as usize);
+                matrix[(at[0], at[1])] += length * value;
+            }
+        }
+    }
+    let lower = stiffness.cholesky().expect("positive definite").l();
+    let left = lower.solve_lower_triangular(&matrix).expect("a solve");
+    let both = lower.solve_lower_triangular(&left.transpose()).expect("a solve");
+    both.symmetric_eigen().eigenvalues.max()
+}
+
+/// ∫ of products of quadratics on an edge are (4, -1, 2; -1, 4, 2; 2, 2, 16)/30; Simpson's rule has (1, 1, 4)/6.
+#[test]
+fn trace_constants_are_those_of_quadratics() {
+    let setup = setup("quadratic-front");
+    let space = setup.space(3).expect("a mesh");
+    let exact = [[4.0, -1.0, 2.0], [-1.0, 4.0, 2.0], [2.0, 2.0, 16.0]].map(|r| r.map(|m| m / 30.0));
+    let simpson = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 4.0]].map(|r| r.map(|m| m / 6.0));
+    // That of functions that are linear between the nodes, for which the same space has another constant.
+    let linear = [[4.0, 0.0, 2.0], [0.0, 4.0, 2.0], [2.0, 2.0, 8.0]].map(|r| r.map(|m| m / 24.0));
+    for tensor in [TensorField::identity(), setup.model.elasticity.clone()] {
+        let found = |mass| trace_constant(&space, &tensor, mass).expect("an eigenvalue").value;
+        let off = |mass, own| (found(mass) / dense(&space, &tensor, own) - 1.0).abs();
+        // Both to rounding, as for linear elements.
+        assert!(off(TraceMass::Consistent, exact) < 1e-12);
+        assert!(off(TraceMass::Lumped, simpson) < 1e-12);
+        assert!(off(TraceMass::Consistent, linear) > 1e-9);
+        // Simpson's rule overestimates squares of quadratics.
+        assert!(found(TraceMass::Lumped) >= found(TraceMass::Consistent) * (1.0 - 1e-12));
+    }
+}
+
+#[test]
+fn the_step_bound_holds_and_wrong_constants_do_not() {
+    for name in ["quadratic-memory", "quadratic-front"] {
+        let setup = setup(name);
+        let bound = BoundStudy::new(&setup, 4, 4).unwrap_or_else(|error| panic!("{error}"));
+        assert!(bound.holds(), "{name}: {:?}", bound.violations);
+        assert!(bound.study.thresholds.norm.is_some(), "{name}: memory makes a threshold");
+    }
+    // Samples at the strain points need the constants, and no smaller ones.
+    let setup = setup("quadratic-memory");
+    let (space, sound) = (setup.space(4).expect("a mesh"), constants(&setup).expect("constants"));
+    let fails = |wrong| -> Vec<String> {
+        let rows =
+            sampled::sample(&setup, &wrong, &space).unwrap_or_else(|error| panic!("{error}"));
+        rows.into_iter().filter(|row| !row.holds).map(|row| row.what).collect()
+    };
+    let half = 0.5 * sound.alpha_phi;
+    let mut spoilt = constants(&setup).expect("constants");
+    spoilt.beta_phi *= 0.5;
+    assert_eq!(fails(sound), Vec::<String>::new());
+    let told = fails(spoilt);
+    assert!(half > 0.0 && told.iter().any(|what| what.contains("beta_phi")), "{told:?}");
+}
+
+/// Differences of 1e-6 lose six of sixteen digits, times the condition.
+#[test]
+fn the_factor_is_that_of_differences() {
+    let setup = setup("quadratic-memory");
+    let data = on_mesh(&setup, 4);
+    let off = at_level(&setup, &data, 4, 4, |level, state| {
+        let found = contraction(level, &state.u, &state).expect("a factor");
+        let finite = finite_factor(level, &state.u, &state, &found.direction).expect("a solve");
+        Ok((finite / found.norm - 1.0).abs())
+    });
+    let off = off.unwrap_or_else(|error| panic!("{error}"));
+    assert!(off < 1e-5, "{off:e}");
+}
+
+/// Of a scene without exact solution: the estimate against a run with four times the cells and steps.
+#[test]
+fn a_finer_run_is_a_truth_for_quadratic_elements() {
+    let setup = on_quadratics("elastic-punch", "[loads]\n");
+    let found = companions(&setup, 8, 4).unwrap_or_else(|error| panic!("{error}"));
+    let own = found.norms.iter().find(|own| own.norm == Norm::VMax).expect("the norm");
+    let (value, interval) = norm_estimate(&setup, &found, own).total().expect("an estimate");
+    let finer = reference_run(&setup, 32, 16, 1).unwrap_or_else(|error| panic!("{error}"));
+    let data = MeshData::new(&setup, 8, Some(Arc::new(finer))).expect("nested meshes");
+    let case = CasePlan { n: Some(8), steps: 4, norms: vec![Norm::VMax] };
+    let record = run_contact_case(&setup, &data, &case);
+    let real = record.norm("V_max").and_then(|entry| entry.error).expect("a run");
+    println!("{value:.3e} in {interval:?}, {real:.3e}");
+    // The corners are singular, and the finer run has a fourth of the error at order 1.
+    assert!((0.7..1.4).contains(&(value / real)) && interval.contains(real), "{value} {real}");
+}
