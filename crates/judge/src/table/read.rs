@@ -25,7 +25,6 @@ pub struct Tables {
 }
 
 /// # Errors
-
 /// A text that is not a table, with the line.
 pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
