@@ -5,7 +5,7 @@ pub fn reason(defect: &str) -> Option<&'static str> {
     REASONS.iter().find(|(name, _)| *name == defect).map(|(_, why)| *why)
 }
 
-const REASONS: [(&str, &str); 7] = [
+const REASONS: [(&str, &str); 8] = [
     (
         "no derivative in κ in the tangent",
         "the solution is the same to rounding; only the work grows, and only a recorded number knows how much is usual.",
@@ -13,6 +13,10 @@ const REASONS: [(&str, &str); 7] = [
     (
         "start value zero at every level",
         "the solution is the same to rounding; only the work grows, as above.",
+    ),
+    (
+        "slopes of friction in u_ν with the other sign in the Jacobian",
+        "the solution is the same to rounding; only the work grows, as above. Differences see it (tests/numbers/friction_bounds.rs).",
     ),
     (
         "load quadrature of degree 0",
