@@ -24,31 +24,31 @@ macro_rules! paths {
 }
 
 paths! {
-    /// [`Plan::Recursion`] on equal steps.
+    /// [`super::Plan::Recursion`] on equal steps.
     Recursion = "recursion, equal steps",
     /// As above, with unequal steps.
     RecursionGraded = "recursion, unequal steps",
-    /// [`Plan::Condensed`] on equal steps.
+    /// [`super::Plan::Condensed`] on equal steps.
     Condensed = "condensed, equal steps",
     /// As above, with unequal steps.
     CondensedGraded = "condensed, unequal steps",
-    /// [`Plan::Newton`] on equal steps.
+    /// [`super::Plan::Newton`] on equal steps.
     Newton = "newton, equal steps",
     /// As above, with unequal steps.
     NewtonGraded = "newton, unequal steps",
-    /// [`Plan::Linear`], or [`Plan::Condensed`] with such a memory: matrices follow the last slot's weight; equal steps.
+    /// [`super::Plan::Linear`], or [`super::Plan::Condensed`] with such a memory: matrices follow the last slot's weight; equal steps.
     Anew = "factors anew, equal steps",
     /// As above, with unequal steps: a matrix per level.
     AnewGraded = "factors anew, unequal steps",
-    /// [`Storage::Recursive`] on equal steps.
+    /// [`vhi::history::Storage::Recursive`] on equal steps.
     Recursive = "recursive memory, equal steps",
     /// As above, with unequal steps.
     RecursiveGraded = "recursive memory, unequal steps",
-    /// [`Storage::Direct`] on equal steps.
+    /// [`vhi::history::Storage::Direct`] on equal steps.
     Summed = "summed memory, equal steps",
     /// As above, with unequal steps.
     SummedGraded = "summed memory, unequal steps",
-    /// [`Storage::Fast`] on equal steps.
+    /// [`vhi::history::Storage::Fast`] on equal steps.
     Interpolated = "interpolated memory, equal steps",
     /// As above, with unequal steps.
     InterpolatedGraded = "interpolated memory, unequal steps",

@@ -74,6 +74,19 @@ pub(crate) struct NodalField<'a> {
     pub strain: &'a [Plane],
 }
 
+/// The tensors at a point: ε(u), ε(v^h), their differences to_h = ε(u^{kh} - u) and to_v = ε(v^h - u), θ and ψ of u and of
+/// u^{kh}.
+struct Tensors {
+    strain: Plane,
+    strain_v: Plane,
+    to_h: Plane,
+    to_v: Plane,
+    theta: Plane,
+    theta_h: Plane,
+    psi: Plane,
+    psi_h: Plane,
+}
+
 /// The cells' integrals over `values`, and per cell (σ, ε(w)) - ∫ f0·w for both w.
 pub(crate) fn over_cells(
     space: &Discretization,
@@ -111,20 +124,8 @@ pub(crate) fn over_cells(
         let sigma = [applied[0] + psi[0], applied[1] + psi[1], applied[2] + psi[2]];
         let to_h = minus(&strain_h, &strain);
         let to_v = minus(&strain_v, &strain);
-        let psi_difference = minus(&psi, &psi_h);
-        let moved = material.operator(&to_h);
-        let theta_difference = minus(&theta, &theta_h);
-        sums.e += weight * dot(&to_h, &to_h);
-        sums.d += weight * dot(&to_v, &to_v);
-        sums.theta += weight * dot(&theta_difference, &theta_difference);
-        sums.monotone.add(weight * dot(&moved, &to_h));
-        sums.phi1.add(weight * dot(&psi_difference, &to_h));
-        sums.phi2.add(-weight * dot(&psi_difference, &to_v));
-        let reflected = minus(&strain, &to_v);
-        for (tensor, factor) in [(reflected, 1.0), (strain_v, 1.0), (strain, -2.0)] {
-            sums.phi3.add(factor * weight * dot(&psi, &tensor));
-        }
-        sums.operator.add(weight * dot(&moved, &to_v));
+        let tensors = Tensors { strain, strain_v, to_h, to_v, theta, theta_h, psi, psi_h };
+        sums.add_tensors(weight, material, &tensors);
         if !place.is_constant() {
             let (applied, test) = (material.operator(&strain_h), minus(&strain_v, &strain_h));
             sums.at_h.add(weight * (dot(&applied, &test) + dot(&psi_h, &test)));
@@ -153,6 +154,24 @@ pub(crate) fn over_cells(
 }
 
 impl Cells {
+    /// Adds the products of the tensors at a point of this weight.
+    fn add_tensors(&mut self, weight: f64, material: &Material, at: &Tensors) {
+        let psi_difference = minus(&at.psi, &at.psi_h);
+        let moved = material.operator(&at.to_h);
+        let theta_difference = minus(&at.theta, &at.theta_h);
+        self.e += weight * dot(&at.to_h, &at.to_h);
+        self.d += weight * dot(&at.to_v, &at.to_v);
+        self.theta += weight * dot(&theta_difference, &theta_difference);
+        self.monotone.add(weight * dot(&moved, &at.to_h));
+        self.phi1.add(weight * dot(&psi_difference, &at.to_h));
+        self.phi2.add(-weight * dot(&psi_difference, &at.to_v));
+        let reflected = minus(&at.strain, &at.to_v);
+        for (tensor, factor) in [(reflected, 1.0), (at.strain_v, 1.0), (at.strain, -2.0)] {
+            self.phi3.add(factor * weight * dot(&at.psi, &tensor));
+        }
+        self.operator.add(weight * dot(&moved, &at.to_v));
+    }
+
     /// Adds the integrals over other cells.
     pub(crate) fn join(&mut self, other: &Self) {
         self.e += other.e;
