@@ -45,7 +45,7 @@ fn a_scene_offers_what_it_has() {
     assert_eq!(quadratic.last().map(String::as_str), Some("element P1"));
     // No law, no rule for it; loads given as formulas are what they are.
     assert!(!offered("signorini").iter().any(|knob| knob.starts_with("contact")));
-    assert_eq!(offered("linear-punch"), ["history direct"]);
+    assert_eq!(offered("linear-punch"), ["history direct", "element P2"]);
     let general =
         ["history direct", "history to 1e-9", "history to 1e-6", "history to 1e-3", "element P2"];
     assert!(offered("power-law").ends_with(&general.map(String::from)));
