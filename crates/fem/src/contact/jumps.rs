@@ -85,3 +85,33 @@ impl Discretization {
         self.jumps.iter().map(square).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Family, rectangle};
+    use crate::space::Element;
+    use vhi::law::Isotropic;
+
+    /// With 𝒞ε for a strain, γ[v] is its jump: of several tensors γ adds up, and against one field with itself the force
+    /// of the penalty does the work γ Σ_e (1/h_e) ∫_e ⟦v⟧².
+    #[test]
+    fn jumps_of_stresses_are_those_of_displacements_times_the_stiffness_against_shear() {
+        let mesh = rectangle([1.0, 1.0], 3, Family::Structured);
+        let top = mesh.side("top").expect("a side");
+        let space = Discretization::of(Element::CR, mesh, &[top], &[]);
+        let mut v: Vec<f64> = (0..space.nodes.len()).map(|i| (1.7 * i as f64).sin()).collect();
+        v[space.dofs()..].fill(0.0);
+        let laws = [0.7, 1.1].map(|mu| TensorField::from(Isotropic { lambda: 2.0, mu }));
+        let terms = || laws.iter().map(|law| (law, &v[..]));
+        let square = space.jump_square(&v);
+        let mut force = vec![0.0; space.nodes.len()];
+        space.add_jump_force(&laws[0], &v, &mut force);
+        let work: f64 = force.iter().zip(&v).map(|(f, v)| f * v).sum();
+        // Sums of some fifty products each.
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-13 * b;
+        assert!(close(work, 1.4 * square), "{work} {square}");
+        assert!(close(space.jump_stress_square(terms()), 3.6f64.powi(2) * square));
+        assert!(close(space.jump_stress_square(terms().take(1)), 1.4f64.powi(2) * square));
+    }
+}

@@ -4,7 +4,6 @@
 //! itself whether the elastic part of a step is monotone.
 
 use super::{ContactTrace, Discretization, StiffnessInverse};
-use crate::space::Element;
 use algebra::linalg::{
     EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
 };
@@ -129,20 +128,6 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
                 part.add(trace, i, value, &mut out);
             }
         }
-        TraceMass::Consistent if space.element == Element::P1 => {
-            let corners = trace.stride as f64;
-            for f in 0..trace.measure.len() {
-                let members = trace.facet(f);
-                let values = || members.iter().map(|&i| part.value(trace, i as usize, v));
-                let total = [0, 1].map(|k| values().map(|value| value[k]).sum::<f64>());
-                for (&i, own) in members.iter().zip(values()) {
-                    let value = [0, 1].map(|k| {
-                        trace.measure[f] * (own[k] + total[k]) / (corners * (corners + 1.0))
-                    });
-                    part.add(trace, i as usize, value, &mut out);
-                }
-            }
-        }
         TraceMass::Consistent => {
             let mean = space.element.mass(space.mesh.dimension);
             for (f, measure) in trace.measure.iter().enumerate() {
@@ -150,8 +135,8 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
                 for (&i, row) in members.iter().zip(mean.chunks_exact(members.len())) {
                     let mut value = [0.0; 2];
                     for (&j, mean) in members.iter().zip(row) {
-                        let own = part.value(trace, j as usize, v);
-                        (0..2).for_each(|k| value[k] += measure * mean * own[k]);
+                        let trace_value = part.value(trace, j as usize, v);
+                        (0..2).for_each(|k| value[k] += measure * mean * trace_value[k]);
                     }
                     part.add(trace, i as usize, value, &mut out);
                 }

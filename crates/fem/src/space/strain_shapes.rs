@@ -19,8 +19,7 @@ impl StrainShapes {
             1 => Vec::new(),
             count => {
                 let places = DMatrix::from_fn(count, dimension + 1, |p, a| points[p][a]);
-                // As many points as corners, none of them in the plane of the others.
-                let inverse = places.try_inverse().unwrap_or_else(|| DMatrix::zeros(count, count));
+                let inverse = places.try_inverse().expect("strain points that span the cell");
                 (0..count).map(|p| inverse.column(p).iter().copied().collect()).collect()
             }
         };

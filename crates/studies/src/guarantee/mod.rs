@@ -162,8 +162,8 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     let scene = &setup.scene;
     let jumps = "the theorem puts u^h into the inequality of u, so that V^h must be a part of V";
-    let own = "the guaranteed bound";
-    scene.without(&[Extension::Nonconforming], own, jumps).map_err(SetupError::from)?;
+    let command = "the guaranteed bound";
+    scene.without(&[Extension::Nonconforming], command, jumps).map_err(SetupError::from)?;
     let refuse = |reason: &str| Err(GuaranteeError::refused(reason));
     let model = &setup.model;
     if setup.scene.dimension != 2 {

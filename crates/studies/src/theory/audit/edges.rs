@@ -40,10 +40,9 @@ pub(crate) fn padded<T: Copy>(members: &[T]) -> [T; 3] {
 
 /// The values of the functions of an edge at the part x of its length.
 pub(crate) fn shape(element: Element, x: f64) -> [f64; 3] {
-    match element {
-        Element::P2 => [(1.0 - x) * (1.0 - 2.0 * x), x * (2.0 * x - 1.0), 4.0 * x * (1.0 - x)],
-        Element::P1 | Element::CR => [1.0 - x, x, 0.0],
-    }
+    let (mut shape, values) = ([0.0; 3], element.values(&[1.0 - x, x]));
+    shape[..values.len()].copy_from_slice(&values);
+    shape
 }
 
 impl ContactSample {

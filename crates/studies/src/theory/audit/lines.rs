@@ -313,11 +313,11 @@ impl Level {
     /// that vary in a cell its stresses.
     fn e_q(&self) -> Sum {
         let load = self.load[0].minus(self.load[1]);
-        let own =
+        let loads =
             self.scheme_contact[0].minus(self.contact.j_h_v).plus(load).minus(self.scheme_load);
         match self.cells.at_h.size > 0.0 {
-            true => own.plus(self.scheme_stress).minus(self.cells.at_h),
-            false => own,
+            true => loads.plus(self.scheme_stress).minus(self.cells.at_h),
+            false => loads,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::pointwise::Plane;
 use fem::contact::Discretization;
-use fem::space::{Element, StrainShapes};
+use fem::space::StrainShapes;
 
 /// The most strain points of a triangle.
 const MOST: usize = 3;
@@ -32,12 +32,8 @@ impl<'a> Place<'a> {
     pub(crate) fn at(&mut self, c: usize, x: &[f64; 3]) {
         self.cell = c;
         let b = self.barycentric(c, x);
-        if self.space.element == Element::P1 {
-            self.shape.copy_from_slice(&b);
-        } else {
-            self.shape = self.space.element.values(&b);
-            self.strains.at(&b, &mut self.weights[..self.count]);
-        }
+        self.shape = self.space.element.values(&b);
+        self.strains.at(&b, &mut self.weights[..self.count]);
     }
 
     /// Whether strains are constant on cells.
@@ -47,29 +43,18 @@ impl<'a> Place<'a> {
 
     /// A tensor by its values at all strain points.
     pub(crate) fn tensor(&self, field: &[Plane]) -> Plane {
-        let own = &field[self.count * self.cell..self.count * (self.cell + 1)];
-        if self.is_constant() {
-            return own[0];
-        }
-        let sum = |i: usize| own.iter().zip(&self.weights).map(|(at, w)| w * at[i]).sum();
+        let of_cell = &field[self.count * self.cell..self.count * (self.cell + 1)];
+        let sum = |i: usize| of_cell.iter().zip(&self.weights).map(|(at, w)| w * at[i]).sum();
         [sum(0), sum(1), sum(2)]
     }
 
     fn barycentric(&self, c: usize, x: &[f64; 3]) -> [f64; 3] {
-        let (mesh, gradients) = (&self.space.mesh, self.space.geometry.gradients(c));
-        let origin = mesh.vertex(mesh.cell(c)[0]);
-        let (dx, dy) = (x[0] - origin[0], x[1] - origin[1]);
-        let [b, c] = if self.space.element == Element::P1 {
-            [1, 2].map(|a| gradients[2 * a] * dx + gradients[2 * a + 1] * dy)
-        } else {
-            let edge = |a: usize| {
-                let end = mesh.vertex(mesh.cell(c)[a]);
-                [end[0] - origin[0], end[1] - origin[1]]
-            };
-            let ([px, py], [qx, qy]) = (edge(1), edge(2));
-            let twice = px * qy - py * qx;
-            [(dx * qy - dy * qx) / twice, (px * dy - py * dx) / twice]
-        };
+        let mesh = &self.space.mesh;
+        let [origin, p, q] = [0, 1, 2].map(|a| mesh.vertex(mesh.cell(c)[a]));
+        let from_origin = |to: &[f64]| [to[0] - origin[0], to[1] - origin[1]];
+        let ([dx, dy], [px, py], [qx, qy]) = (from_origin(x), from_origin(p), from_origin(q));
+        let twice = px * qy - py * qx;
+        let [b, c] = [(dx * qy - dy * qx) / twice, (px * dy - py * dx) / twice];
         [1.0 - b - c, b, c]
     }
 }
