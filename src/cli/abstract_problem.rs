@@ -52,7 +52,7 @@ pub(crate) fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
 pub(crate) fn solve(
     setup: &AbstractSetup,
     steps: u32,
-    solver: &impl StepSolver,
+    solver: &dyn StepSolver,
     contraction_bound: Option<f64>,
     json: bool,
 ) -> Result<u8, CliError> {

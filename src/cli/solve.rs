@@ -23,10 +23,7 @@ use scene::setup::{
 };
 use studies::solution::{FinalState, VtuSeries};
 use studies::trade::estimate::companion_runs;
-use vhi::{
-    Decomposition, FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
-    StepState,
-};
+use vhi::{Decomposition, FixedPoint, Newton, StepSolver};
 
 /// `sweep solve`.
 #[derive(Args)]
@@ -103,23 +100,13 @@ impl From<LinearChoice> for LinearSolver {
     }
 }
 
-impl StepSolver for Solver {
-    fn solve_level<P: HistoryInequality>(
-        &self,
-        problem: &mut P,
-        state: &mut StepState,
-        scratch: &mut Scratch,
-    ) -> Result<StepInfo, StepError> {
+impl Solver {
+    fn of_levels(self) -> Box<dyn StepSolver> {
         match self {
-            Self::Newton => Newton::default().solve_level(problem, state, scratch),
-            Self::FixedPoint => FixedPoint::default().solve_level(problem, state, scratch),
-            Self::Decomposition => Decomposition::default().solve_level(problem, state, scratch),
+            Self::Newton => Box::new(Newton::default()),
+            Self::FixedPoint => Box::new(FixedPoint::default()),
+            Self::Decomposition => Box::new(Decomposition::default()),
         }
-    }
-
-    fn newton(&self) -> Option<&Newton> {
-        const NEWTON: Newton = Newton::standard();
-        matches!(self, Self::Newton).then_some(&NEWTON)
     }
 }
 
@@ -156,7 +143,13 @@ impl Solve {
                 let bound =
                     self.decomposes().then(|| abstract_decomposition_bound(&setup, self.steps));
                 self.remark_on(&setup.scene.name, bound);
-                abstract_problem::solve(&setup, self.steps, &self.solver, bound, self.json)
+                abstract_problem::solve(
+                    &setup,
+                    self.steps,
+                    &*self.solver.of_levels(),
+                    bound,
+                    self.json,
+                )
             }
             (Subject::Contact(setup), None) => {
                 let hint = "give --n, the number of mesh cells per unit length";
@@ -250,7 +243,7 @@ impl Solve {
         };
         let steps = self.steps;
         let info = data
-            .march(setup, steps, &self.solver, &mut observe)
+            .march(setup, steps, &*self.solver.of_levels(), &mut observe)
             .map_err(|error| CliError::other(format!("{name} n = {n} steps = {steps}: {error}")))?;
         let seconds = start.elapsed().as_secs_f64();
         if let Some(error) = write_error {

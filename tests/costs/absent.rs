@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use gronwall::contact::{BoundaryRule, CaseInfo, MemoryTerm, Model, Plan, march, march_in_volume};
 use gronwall::history::{TimeGrid, TimeRule};
 use gronwall::law::{
-    ExponentialSum, HistoryKernel, NoPotential, Potential, Projection, Response, YieldLimit,
+    AnyProjection, ExponentialSum, HistoryKernel, NoPotential, Potential, Projection, Response,
+    YieldLimit,
 };
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::tensor::Symmetric;
@@ -295,15 +296,15 @@ impl Projection for CountedProjection {
 fn projections(name: &str, limit: Option<Far>) -> [usize; 3] {
     let setup = super::shipped::setup(name);
     let data = on_a_mesh(&setup);
-    let projection =
-        CountedProjection { stresses: Asked::default(), tangents: Asked::default(), limit };
-    let Model { elasticity, memory, boundary, friction, time_rule, .. } = setup.scene_model();
-    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
+    let [stresses, tangents] = [(); 2].map(|()| Asked::default());
+    let counted =
+        CountedProjection { stresses: stresses.clone(), tangents: tangents.clone(), limit };
+    let projection = Some(AnyProjection::new(counted));
+    let model = Model { projection, ..setup.scene_model() };
     let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));
     let newton = Newton::default();
     march_in_volume(&data.space, &model, &grid, &mut load, &newton, &mut |_| Ok(()))
         .unwrap_or_else(|error| panic!("{name}: {error}"));
-    let CountedProjection { stresses, tangents, .. } = &model.projection;
     let checks = data.space.mesh.cell_count() * (STEPS as usize + 1);
     [stresses.count(), tangents.count(), checks]
 }

@@ -9,8 +9,8 @@ use gronwall::contact::{
 };
 use gronwall::history::{Memory, TimeGrid};
 use gronwall::law::{
-    ExponentialSum, FourthOrder, INTERPOLATED_TO, Isotropic, MemoryKernel, NoProjection,
-    Projection, VonMises, YieldLimit,
+    AnyProjection, ExponentialSum, FourthOrder, INTERPOLATED_TO, Isotropic, MemoryKernel, VonMises,
+    YieldLimit,
 };
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
@@ -65,12 +65,7 @@ impl YieldLimit for Rising {
 }
 
 /// Allocations of a march, and its factorizations.
-fn allocations<P: Projection>(
-    model: &Model<P>,
-    data: &MeshData,
-    grid: &TimeGrid,
-    wasteful: bool,
-) -> (u64, u64) {
+fn allocations(model: &Model, data: &MeshData, grid: &TimeGrid, wasteful: bool) -> (u64, u64) {
     let mut force = vec![vec![0.0; data.space.dofs()]];
     let ended = TruthLoad(&*data.truth).assemble(1.0, &mut force[0]);
     ended.unwrap_or_else(|error| panic!("{error}"));
@@ -278,7 +273,7 @@ const CASES: [Case; 22] = [
 ];
 
 /// Allocations of the library in a factorization of `space`.
-fn of_a_factor<P: Projection>(space: &Discretization, model: &Model<P>) -> u64 {
+fn of_a_factor(space: &Discretization, model: &Model) -> u64 {
     let values = space.stiffness(&model.elasticity);
     let analysis = space.analysis().expect("an analysis");
     let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
@@ -290,9 +285,9 @@ fn of_a_factor<P: Projection>(space: &Discretization, model: &Model<P>) -> u64 {
 }
 
 /// Allocations that 2N steps have over N, without those of the library in the factorizations that they have more.
-fn more<P: Projection>(
+fn more(
     case: &Case,
-    model: &Model<P>,
+    model: &Model,
     data: &MeshData,
     factorized: &Discretization,
     grids: &[TimeGrid; 3],
@@ -333,30 +328,17 @@ fn more_with_twice_the_steps(case: &Case, wasteful: bool) -> u64 {
         LinearSolver::Direct => None,
     };
     let factorized = &*coarser.as_ref().unwrap_or(&data).space;
-    let Model { elasticity, memory, projection, mut boundary, friction, time_rule } = setup.model;
-    if let Some(boundary) = &mut boundary {
+    let (projected, mu) = (setup.model.projection.is_some(), setup.projection_mu());
+    let mut model = setup.model;
+    if let Some(boundary) = &mut model.boundary {
         let gap = (boundary.gap)([0.0; 3]);
         boundary.gap = Box::new(move |_| gap);
         boundary.shift = Box::new(|_| 0.0);
     }
-    match projection {
-        None => {
-            let model = Model {
-                elasticity,
-                memory,
-                projection: NoProjection,
-                boundary,
-                friction,
-                time_rule,
-            };
-            more(case, &model, &data, factorized, &grids, wasteful)
-        }
-        Some(VonMises { mu, .. }) => {
-            let projection = VonMises { mu, limit: Rising };
-            let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
-            more(case, &model, &data, factorized, &grids, wasteful)
-        }
+    if projected {
+        model.projection = Some(AnyProjection::new(VonMises { mu, limit: Rising }));
     }
+    more(case, &model, &data, factorized, &grids, wasteful)
 }
 
 /// Nothing but what is kept on purpose, and that once a level.

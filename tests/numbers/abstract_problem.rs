@@ -26,7 +26,7 @@ fn written(body: &str) -> Result<AbstractSetup, String> {
 }
 
 /// max_n ‖u(t_n) - u_n‖_X.
-fn error<S: StepSolver>(setup: &AbstractSetup, model: &FiniteModel, steps: u32, solver: &S) -> f64 {
+fn error(setup: &AbstractSetup, model: &FiniteModel, steps: u32, solver: &dyn StepSolver) -> f64 {
     let mut largest = 0f64;
     let mut observe = |view: &FiniteView<'_>| {
         let exact = DVector::from_column_slice(&setup.state(view.t).u);

@@ -27,7 +27,7 @@ use std::sync::{Arc, Mutex};
 use crate::shipped::{edited, on_mesh, setup_of, text};
 use gronwall::contact::{BoundaryRule, MemoryTerm, Model, march};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{MemoryKernel, PiecewiseLinear, Projection, VonMises, YieldLimit};
+use gronwall::law::{AnyProjection, MemoryKernel, PiecewiseLinear, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::theory::audit::{
     AtLevel, AuditConstants, Auditor, Line, Relation, Row, SceneAudit, Standing, Statement,
@@ -49,9 +49,9 @@ fn exact_rule(name: &str) -> Setup {
 }
 
 /// The lines of a run of `model`, audited as one of `setup`; `after` sees every ζ_n.
-fn audited<P: Projection>(
+fn audited(
     setup: &Setup,
-    model: &Model<P>,
+    model: &Model,
     data: &MeshData,
     constants: &AuditConstants,
     mut after: impl FnMut(f64),
@@ -75,7 +75,7 @@ fn violated(rows: &[Row]) -> Vec<&'static str> {
 }
 
 /// The violated lines of `model` under the constants of `setup`.
-fn caught<P: Projection>(setup: &Setup, model: &Model<P>) -> Vec<&'static str> {
+fn caught(setup: &Setup, model: &Model) -> Vec<&'static str> {
     let constants = AuditConstants::new(setup).expect("constants");
     violated(&audited(setup, model, &on_mesh(setup, 8), &constants, |_| ()))
 }
@@ -206,11 +206,10 @@ impl<L: YieldLimit> YieldLimit for Lagged<L> {
 fn a_lagged_yield_limit_is_caught() {
     let setup = exact_rule("pure-mild");
     let zeta = Arc::new(Mutex::new(0.0));
-    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
-        exact_rule("pure-mild").model;
-    let VonMises { mu, limit } = projection.expect("a projection");
-    let projection = Some(VonMises { mu, limit: Lagged { sound: limit, zeta: zeta.clone() } });
-    let wrong = Model { elasticity, memory, projection, boundary, friction, time_rule };
+    let VonMises { mu, limit } = setup.scene_projection().expect("a projection");
+    let lagged = VonMises { mu, limit: Lagged { sound: limit, zeta: zeta.clone() } };
+    let projection = Some(AnyProjection::new(lagged));
+    let wrong = Model { projection, ..exact_rule("pure-mild").model };
     let constants = AuditConstants::new(&setup).expect("constants");
     let rows = audited(&setup, &wrong, &on_mesh(&setup, 8), &constants, |now| {
         *zeta.lock().expect("a number") = now;

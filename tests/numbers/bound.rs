@@ -19,8 +19,8 @@ use gronwall::theory::bound::run::Study;
 use gronwall::theory::bound::threshold::Crossing;
 use gronwall::theory::bound::{BoundStudy, sampled};
 use gronwall::vhi::{
-    BoundaryGraph, FixedPoint, FrozenDerivative, HistoryInequality, Newton, Scratch, StepBounds,
-    StepError, StepInequality, StepState,
+    BoundaryGraph, FixedPoint, FrozenDerivative, HistoryInequality, Newton, OpenInequality,
+    Scratch, StepBounds, StepError, StepInequality, StepState,
 };
 use nalgebra::DMatrix;
 
@@ -448,12 +448,16 @@ impl<L: FrozenDerivative> HistoryInequality for Wrong<'_, L> {
     fn open(&mut self) -> Result<(), L::Error> {
         self.sound.open()
     }
-    fn freeze(&mut self, eta: Option<&[f64]>) {
-        self.sound.freeze(eta);
-    }
     fn commit(&mut self, solution: &StepState) {
         self.sound.commit(solution);
     }
+}
+
+impl<L: FrozenDerivative> OpenInequality for Wrong<'_, L> {
+    fn freeze(&mut self, eta: Option<&[f64]>) {
+        self.sound.freeze(eta);
+    }
+
     fn norm(&self, v: &[f64]) -> f64 {
         self.sound.norm(v)
     }

@@ -21,10 +21,10 @@ fn abstract_of(text: String) -> AbstractSetup {
 }
 
 /// max over n of ‖u(t_n) - u_n‖, and u_N.
-fn solve<S: StepSolver>(
+fn solve(
     setup: &AbstractSetup,
     steps: u32,
-    solver: &S,
+    solver: &dyn StepSolver,
 ) -> Result<(f64, DVector<f64>), FiniteError> {
     let (mut worst, mut last) = (0f64, DVector::zeros(0));
     march(&setup.model, &setup.grid(steps), &mut AbstractLoad(setup), solver, &mut |view| {

@@ -12,17 +12,17 @@ use gronwall::scene::{Direction, Norm, Scene, Source};
 use gronwall::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
 use gronwall::sweep::{CasePlan, run_contact_case};
 use gronwall::vhi::{
-    BoundaryGraph, HistoryInequality, Newton, Scratch, StepError, StepInequality, StepInfo,
-    StepSolver, StepState,
+    BoundaryGraph, HistoryInequality, Newton, OpenInequality, Scratch, StepError, StepInequality,
+    StepInfo, StepSolver, StepState,
 };
 
 /// Newton's method with the symmetric part of the Jacobian alone.
 struct Symmetric(Newton);
 
 impl StepSolver for Symmetric {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -31,9 +31,9 @@ impl StepSolver for Symmetric {
 }
 
 /// A level that is not told the pressures of its pieces.
-struct Deaf<'p, P>(&'p mut P);
+struct Deaf<'p>(&'p mut dyn OpenInequality);
 
-impl<P: HistoryInequality> StepInequality for Deaf<'_, P> {
+impl StepInequality for Deaf<'_> {
     fn dofs(&self) -> usize {
         self.0.dofs()
     }
@@ -83,7 +83,7 @@ fn a_symmetric_tangent_finds_the_same_later() {
 }
 
 /// Unbalanced forces at u, each graph on the side of its jump where u is.
-fn force(level: &mut Evolution<'_, impl gronwall::law::Projection>, u: &[f64]) -> Vec<f64> {
+fn force(level: &mut Evolution<'_>, u: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; u.len()];
     level.residual(u, &mut out);
     let graph = level.graph();

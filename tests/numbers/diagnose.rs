@@ -12,7 +12,9 @@ use gronwall::diagnose::{
 };
 use gronwall::formula::{EvaluationPoint, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{Isotropic, MemoryKernel, PiecewiseLinear, Potential, Singular, VonMises};
+use gronwall::law::{
+    AnyProjection, Isotropic, MemoryKernel, PiecewiseLinear, Potential, Singular, VonMises,
+};
 use gronwall::scene::{Data, Extension, Registry, Scene, Source};
 use gronwall::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
 use gronwall::verdict::Decision;
@@ -130,8 +132,8 @@ fn with_projection(
     mut setup: Setup,
     change: fn(VonMises<YieldFormula>, &Setup) -> VonMises<YieldFormula>,
 ) -> Setup {
-    let own = setup.model.projection.take();
-    setup.model.projection = own.map(|projection| change(projection, &setup));
+    let stated = setup.scene_projection().filter(|_| setup.model.projection.is_some());
+    setup.model.projection = stated.map(|sound| AnyProjection::new(change(sound, &setup)));
     setup
 }
 
@@ -241,14 +243,16 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
         ("pure-mild", "kappa constant", Accumulation, |mut s| {
             if s.model.projection.is_some() {
                 let limit = kappa(&s, 0.0, 1.0);
-                s.model.projection = Some(VonMises { mu: s.projection_mu(), limit });
+                let bent = VonMises { mu: s.projection_mu(), limit };
+                s.model.projection = Some(AnyProjection::new(bent));
             }
             s
         }),
         ("affine", "zeta squared", Accumulation, |mut s| {
             if s.model.projection.is_some() {
                 let limit = kappa(&s, 1.0, 2.0);
-                s.model.projection = Some(VonMises { mu: s.projection_mu(), limit });
+                let bent = VonMises { mu: s.projection_mu(), limit };
+                s.model.projection = Some(AnyProjection::new(bent));
             }
             s
         }),
@@ -375,7 +379,8 @@ fn quadratic_elements_and_singular_kernels_are_diagnosed() {
         ("quadratic-memory", Accumulation, |mut s| {
             if s.model.projection.is_some() {
                 let limit = kappa(&s, 1.0, 2.0);
-                s.model.projection = Some(VonMises { mu: s.projection_mu(), limit });
+                let bent = VonMises { mu: s.projection_mu(), limit };
+                s.model.projection = Some(AnyProjection::new(bent));
             }
             s
         }),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::shipped::{edited, on_mesh, relative, run, setup, setup_of, text, v_max};
 use gronwall::formula::Program;
-use gronwall::law::{Isotropic, Projection, Response, VonMises, YieldLimit};
+use gronwall::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
 use gronwall::manufactured::{Exact, ExactOnMesh, LoadForm, Status, Truth, check};
 use gronwall::norms::{ReferenceRun, step_errors};
 use gronwall::setup::{MeshData, Setup, YieldFormula, side_numbers, sides};
@@ -301,11 +301,9 @@ fn defects_of_the_solver_in_space_are_seen() {
     let data = on_mesh(&sound, 2);
     let error = v_max(&sound, &sound.model, &data, 32);
     let wrong = setup("affine-box");
-    let projection = PlaneTrace(wrong.model.projection.expect("a projection"));
-    let gronwall::contact::Model { elasticity, memory, boundary, friction, time_rule, .. } =
-        wrong.model;
-    let model =
-        gronwall::contact::Model { elasticity, memory, projection, boundary, friction, time_rule };
+    let plane = PlaneTrace(wrong.scene_projection().expect("a projection"));
+    let projection = Some(AnyProjection::new(plane));
+    let model = gronwall::contact::Model { projection, ..wrong.model };
     let plane_trace = v_max(&sound, &model, &data, 32);
     assert!(plane_trace > 50.0 * error, "tr/2: {plane_trace:e} against {error:e}");
     let mut soft = setup("affine-box");

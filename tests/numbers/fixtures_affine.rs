@@ -44,7 +44,7 @@ fn computed(setup: &Setup, data: &MeshData, steps: u32) -> Value {
             "lam_T_left": view.multiplier[at(0.0)],
             "lam_T_mid": view.multiplier[at(0.5)],
             "locked": (0..trace.points.len()).filter(|&i| is_locked(normal(i), gap)).count(),
-            "yields_at_T": cells.clone().any(|c| view.yields::<_, 3>(&data.space, &setup.model, c)),
+            "yields_at_T": cells.clone().any(|c| view.yields::<3>(&data.space, &setup.model, c)),
         });
     })
     .unwrap_or_else(|error| panic!("{error}"));

@@ -7,7 +7,7 @@
 use crate::shipped::{fixture, number, on_mesh, relative, run, setup};
 use gronwall::contact::Model;
 use gronwall::history::{TimeGrid, TimeRule};
-use gronwall::law::{MemoryKernel, Projection, Response, YieldLimit};
+use gronwall::law::{AnyProjection, MemoryKernel, Projection, Response, YieldLimit};
 use gronwall::setup::Setup;
 use gronwall::solution::FinalState;
 use gronwall::tensor::Symmetric;
@@ -18,7 +18,7 @@ use serde_json::Value;
 const AGREEMENT: f64 = 1e-9;
 const SCENES: [&str; 3] = ["punch", "elastic-punch", "linear-punch"];
 
-fn final_state<P: Projection>(setup: &Setup, model: &Model<P>, n: u32, steps: u32) -> FinalState {
+fn final_state(setup: &Setup, model: &Model, n: u32, steps: u32) -> FinalState {
     let data = on_mesh(setup, n);
     let mut last = None;
     run(setup, model, &data, steps, |view| {
@@ -166,15 +166,7 @@ fn one_sided_time_weights_are_seen() {
 #[test]
 fn a_projection_of_twice_the_strength_is_seen() {
     let own = setup("punch");
-    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
-        setup("punch").model;
-    let wrong = Model {
-        elasticity,
-        memory,
-        projection: Doubled(projection),
-        boundary,
-        friction,
-        time_rule,
-    };
+    let projection = own.scene_projection().map(|sound| AnyProjection::new(Doubled(sound)));
+    let wrong = Model { projection, ..own.scene_model() };
     is_seen(&final_state(&own, &wrong, 4, 4), "punch");
 }

@@ -169,7 +169,7 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
             .filter(|j| normal > **j)
             .count()
     };
-    let force = |level: &mut Evolution<'_, _>, u: &[f64]| {
+    let force = |level: &mut Evolution<'_>, u: &[f64]| {
         let mut out = vec![0.0; u.len()];
         level.residual(u, &mut out);
         let graph = level.graph();

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::shipped::{on_mesh, run, setup, v_max};
 use gronwall::contact::{Evolution, Friction, Model};
-use gronwall::law::{PiecewiseLinear, Projection};
+use gronwall::law::PiecewiseLinear;
 use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Direction, Norm};
@@ -91,7 +91,7 @@ fn mismatch(setup: &Setup, data: &MeshData, stick: bool, seed: Seed) -> f64 {
     let u: Vec<f64> = free.iter().flat_map(at).collect();
     let mut random = 5;
     let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut random)).collect();
-    let force = |level: &mut Evolution<'_, _>, u: &[f64]| {
+    let force = |level: &mut Evolution<'_>, u: &[f64]| {
         let mut out = vec![0.0; u.len()];
         level.residual(u, &mut out);
         let graph = level.graph();
@@ -173,12 +173,7 @@ struct Found {
 }
 
 /// V_max of the model on n = 4 and 8.
-fn found<P: Projection>(
-    setup: &Setup,
-    model: &Model<P>,
-    data: &[MeshData; 2],
-    predicted: f64,
-) -> Option<Found> {
+fn found(setup: &Setup, model: &Model, data: &[MeshData; 2], predicted: f64) -> Option<Found> {
     let error = |data: &MeshData| {
         run(setup, model, data, 2, |_| {}).ok()?;
         Some(v_max(setup, model, data, 2))

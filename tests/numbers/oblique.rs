@@ -7,7 +7,6 @@
 
 use crate::shipped::{on_mesh, setup};
 use gronwall::contact::{BoundaryRule, CaseInfo, Discretization, Load, LoadError, Model, march};
-use gronwall::law::Projection;
 use gronwall::mesh::{Family, Mesh, rectangle};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::{FixedPoint, Newton, StepSolver};
@@ -66,13 +65,13 @@ struct Solved {
     info: CaseInfo,
 }
 
-fn solve<P: Projection, S: StepSolver>(
+fn solve(
     setup: &Setup,
-    model: &Model<P>,
+    model: &Model,
     data: &MeshData,
     space: &Discretization,
     turn: Turn,
-    solver: &S,
+    solver: &dyn StepSolver,
 ) -> Solved {
     let mut load = Turned { source: TruthLoad(&*data.truth), turn };
     let (mut displacements, mut pressures) = (Vec::new(), Vec::new());

@@ -8,7 +8,7 @@ use crate::shipped::{errors, on_mesh, relative, run, setup, v_max};
 use gronwall::contact::{Model, StepView};
 use gronwall::formula::{EvaluationPoint, Node, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{MemoryKernel, Projection, VonMises, YieldLimit};
+use gronwall::law::{AnyProjection, MemoryKernel, VonMises, YieldLimit};
 use gronwall::manufactured::Exact;
 use gronwall::setup::{MeshData, Setup};
 use gronwall::space::quadrature::gauss_legendre;
@@ -27,7 +27,7 @@ fn order(steps: &[f64], errors: &[f64]) -> f64 {
 }
 
 /// Errors on the in-space scene at n = 8 of a model that may be wrong, and their order in k.
-fn in_time<P: Projection>(setup: &Setup, data: &MeshData, model: &Model<P>) -> (f64, f64) {
+fn in_time(setup: &Setup, data: &MeshData, model: &Model) -> (f64, f64) {
     let errors = STEPS.map(|steps| v_max(setup, model, data, steps));
     let k = STEPS.map(|steps| 1.0 / f64::from(steps));
     (order(&k, &errors), errors[3])
@@ -108,10 +108,9 @@ impl YieldLimit for Limit {
 }
 
 /// The model of `setup` with κ = 0.10 + slope·ζ.
-fn with_limit(setup: Setup, slope: f64) -> Model<VonMises<Limit>> {
-    let Model { elasticity, memory, boundary, friction, time_rule, .. } = setup.model;
-    let projection = VonMises { mu: 1.0, limit: Limit { slope } };
-    Model { elasticity, memory, projection, boundary, friction, time_rule }
+fn with_limit(setup: Setup, slope: f64) -> Model {
+    let projection = Some(AnyProjection::new(VonMises { mu: 1.0, limit: Limit { slope } }));
+    Model { projection, ..setup.model }
 }
 
 /// Each seeded defect leaves [1.9, 2.1], or is three times larger on the finest grid (the lagged weight); the sound

@@ -8,16 +8,14 @@ use gronwall::contact::CaseError;
 use gronwall::finite::FiniteError;
 use gronwall::scene::Scene;
 use gronwall::setup::AbstractSetup;
-use gronwall::vhi::{
-    HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
-};
+use gronwall::vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 /// Newton's method, with a hand in its result.
 struct Tampered(fn(&mut StepState));
 impl StepSolver for Tampered {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {

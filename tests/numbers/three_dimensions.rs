@@ -10,7 +10,7 @@ use gronwall::contact::{
     ContactProblem, Discretization, LastSlot, LinearSolver, Load, LoadError, Model, march,
     stress_force,
 };
-use gronwall::law::{Isotropic, NoProjection, VonMises, YieldLimit};
+use gronwall::law::{AnyProjection, Isotropic, VonMises, YieldLimit};
 use gronwall::mesh::{Family, cuboid};
 use gronwall::setup::{Setup, constants};
 use gronwall::theory::bound::sampled::sample;
@@ -97,7 +97,7 @@ fn with(terms: Terms) -> Setup {
 /// Largest difference from the plane run at common vertices, and from the exact displacement at all, over all levels.
 fn against_plane(
     terms: Terms,
-    change: impl Fn(&mut Model<NoProjection>),
+    change: impl Fn(&mut Model),
     family: Family,
     steps: u32,
 ) -> (f64, f64) {
@@ -106,9 +106,7 @@ fn against_plane(
     let mut plane_u: Vec<Vec<f64>> = Vec::new();
     crate::shipped::run(&setup, &setup.model, &data, steps, |view| plane_u.push(view.u.to_vec()))
         .unwrap();
-    let Model { elasticity, memory, boundary, friction, time_rule, .. } = with(terms).model;
-    let mut model =
-        Model { elasticity, memory, projection: NoProjection, boundary, friction, time_rule };
+    let mut model = Model { projection: None, ..with(terms).model };
     change(&mut model);
     let space = space(n, family);
     let (mut different, mut error, mut level) = (0f64, 0f64, 0);
@@ -144,7 +142,7 @@ fn a_plane_scene_continued_along_z_has_the_plane_solution() {
             // Without memory there is no time error either.
             assert_eq!(error < 1e-12, terms == Terms::Law, "{error:e}");
         }
-        let wrong = |model: &mut Model<NoProjection>| {
+        let wrong = |model: &mut Model| {
             let more = |law: Isotropic| Isotropic { lambda: 1.01 * law.lambda, ..law };
             model.elasticity = model.elasticity.map(more);
         };
@@ -256,16 +254,15 @@ impl YieldLimit for Rising {
 #[test]
 fn the_tangent_is_the_derivative_of_the_force() {
     let space = space(2, Family::Perturbed { amplitude: 0.15, seed: 3, axes: [true; 3] });
-    let Model { elasticity, memory, boundary, friction, time_rule, .. } = with(Terms::Both).model;
-    let projection = VonMises { mu: 0.7, limit: Rising };
-    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
+    let projection = Some(AnyProjection::new(VonMises { mu: 0.7, limit: Rising }));
+    let model = Model { projection, ..with(Terms::Both).model };
     let mut problem =
         ContactProblem::new(&space, &model, LinearSolver::Direct).expect("an analysis");
     let order = space.dofs();
     problem.begin(&LastSlot { zeta: 0.4, memory: vec![-0.2] }, 0.3, &vec![0.0; order], &[]);
     let u: Vec<f64> = (0..order).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();
     let v: Vec<f64> = (0..order).map(|i| (0.9 * i as f64).cos()).collect();
-    let force = |problem: &mut ContactProblem<'_, _>, scale: f64| {
+    let force = |problem: &mut ContactProblem<'_>, scale: f64| {
         let at: Vec<f64> = u.iter().zip(&v).map(|(u, v)| u + scale * v).collect();
         let mut out = vec![0.0; order];
         problem.residual(&at, &mut out);

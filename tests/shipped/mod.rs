@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gronwall::contact::{CaseError, CaseInfo, Discretization, Model, StepView, march};
-use gronwall::law::Projection;
 use gronwall::norms::{StepErrors, step_errors};
 use gronwall::scene::{Body, Registry, Scene, Source};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
@@ -64,9 +63,9 @@ pub fn on_mesh(setup: &Setup, n: u32) -> MeshData {
 }
 
 /// Marches `model`, which may differ from the model of `setup`, under the loads of `setup`.
-pub fn run<P: Projection>(
+pub fn run(
     setup: &Setup,
-    model: &Model<P>,
+    model: &Model,
     data: &MeshData,
     steps: u32,
     mut see: impl FnMut(&StepView<'_>),
@@ -80,12 +79,7 @@ pub fn run<P: Projection>(
 }
 
 /// The errors of every time level of `model` against the truth of `setup`.
-pub fn errors<P: Projection>(
-    setup: &Setup,
-    model: &Model<P>,
-    data: &MeshData,
-    steps: u32,
-) -> Vec<StepErrors> {
+pub fn errors(setup: &Setup, model: &Model, data: &MeshData, steps: u32) -> Vec<StepErrors> {
     let mut found = Vec::new();
     run(setup, model, data, steps, |view| {
         let moments = data.truth.moments(view.t).expect("the truth is finite");
@@ -97,7 +91,7 @@ pub fn errors<P: Projection>(
 }
 
 /// max over n ≥ 0 of ‖ε(u_n - u_n^{kh})‖; NaN if one of them is.
-pub fn v_max<P: Projection>(setup: &Setup, model: &Model<P>, data: &MeshData, steps: u32) -> f64 {
+pub fn v_max(setup: &Setup, model: &Model, data: &MeshData, steps: u32) -> f64 {
     let all = errors(setup, model, data, steps);
     all.iter().fold(0.0, |worst, e| if e.v.is_nan() || e.v > worst { e.v } else { worst })
 }

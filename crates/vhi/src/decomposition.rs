@@ -1,7 +1,7 @@
 //! The decomposition of Remarks 2 and 3 as a solver: j = j1 - j2 with j1 convex and j2 quadratic.
 
 use super::{
-    BoundaryGraph, HistoryInequality, Newton, Scratch, StepError, StepInequality, StepInfo,
+    BoundaryGraph, Newton, OpenInequality, Scratch, StepError, StepInequality, StepInfo,
     StepSolver, StepState,
 };
 use algebra::linalg::FactorError;
@@ -38,9 +38,9 @@ const PATIENCE: u32 = 12;
 const ANY: f64 = 1e200;
 
 impl StepSolver for Decomposition {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -100,14 +100,14 @@ impl StepSolver for Decomposition {
 /// Changes, as a share of ‖u‖, whose quotients count: above the accuracy of one convex problem.
 const COUNTED: f64 = 1e-8;
 
-struct Convex<'a, P> {
-    problem: &'a mut P,
+struct Convex<'a> {
+    problem: &'a mut dyn OpenInequality,
     alpha: &'a [f64],
     /// u.
     centre: Vec<f64>,
 }
 
-impl<P: StepInequality> StepInequality for Convex<'_, P> {
+impl StepInequality for Convex<'_> {
     fn dofs(&self) -> usize {
         self.problem.dofs()
     }

@@ -1,6 +1,6 @@
 //! The fixed-point iteration Λ of the proof of Theorem 6, as a solver.
 
-use super::{HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState};
+use super::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 /// η ← Λη = u_η until it converges: the last slot of the history is frozen at η, the rest of the level solved by
 /// Newton's method. Λ contracts with factor k β_φ‖R‖‖q‖/m0 at most (3.15).
@@ -29,9 +29,9 @@ const ROUNDING: f64 = 1e-11;
 const PATIENCE: u32 = 12;
 
 impl StepSolver for FixedPoint {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -42,9 +42,9 @@ impl StepSolver for FixedPoint {
 }
 
 impl FixedPoint {
-    fn iterate<P: HistoryInequality>(
+    fn iterate(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {

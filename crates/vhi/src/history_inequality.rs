@@ -12,7 +12,7 @@ use crate::history::TimeGrid;
 ///
 /// Levels are opened, solved and committed in turn; only [`Self::commit`] changes the history, so a failed or repeated
 /// solve leaves no trace.
-pub trait HistoryInequality: StepInequality {
+pub trait HistoryInequality: OpenInequality {
     type Error: From<FailedStep>;
 
     fn grid(&self) -> &TimeGrid;
@@ -24,12 +24,15 @@ pub trait HistoryInequality: StepInequality {
     /// Those of the load.
     fn open(&mut self) -> Result<(), Self::Error>;
 
+    /// Appends u_n to the history and closes the level.
+    fn commit(&mut self, solution: &StepState);
+}
+
+/// The open level of a [`HistoryInequality`], as solvers of a level see it.
+pub trait OpenInequality: StepInequality {
     /// Freezes the last slot of the history of the open level at η, as the operator Λ: η ↦ u_η of the proof of Theorem
     /// 6; None makes it implicit again.
     fn freeze(&mut self, eta: Option<&[f64]>);
-
-    /// Appends u_n to the history and closes the level.
-    fn commit(&mut self, solution: &StepState);
 
     /// ‖v‖_X.
     fn norm(&self, v: &[f64]) -> f64;

@@ -23,7 +23,7 @@ pub use extrapolation::Extrapolation;
 pub use fixed_point::FixedPoint;
 pub use frozen_derivative::FrozenDerivative;
 pub use graph::{BoundaryGraph, Coordinate, GraphPiece};
-pub use history_inequality::{FailedStep, HistoryInequality};
+pub use history_inequality::{FailedStep, HistoryInequality, OpenInequality};
 pub use newton::{Newton, Scratch, StepError, StepInfo};
 pub use polished::Polished;
 pub use step::{StepInequality, StepState};

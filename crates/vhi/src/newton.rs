@@ -91,7 +91,7 @@ impl Newton {
     ///
     /// # Errors
     /// See [`StepError`]; `state` is then the last iterate.
-    pub fn solve<P: StepInequality>(
+    pub fn solve<P: StepInequality + ?Sized>(
         &self,
         problem: &mut P,
         state: &mut StepState,
@@ -173,7 +173,7 @@ impl Scratch {
         &self.increment
     }
 
-    fn resize<P: StepInequality>(&mut self, problem: &P) {
+    fn resize<P: StepInequality + ?Sized>(&mut self, problem: &P) {
         let graphs = problem.graph().coordinates.len();
         self.force.resize(problem.dofs(), 0.0);
         self.increment.resize(problem.dofs(), 0.0);
@@ -187,7 +187,7 @@ impl Scratch {
     }
 
     /// Chooses the piece of every coordinate from (u, c); returns how many changed.
-    fn select_pieces<P: StepInequality>(&mut self, problem: &P, state: &StepState) -> u32 {
+    fn select_pieces<P: StepInequality + ?Sized>(&mut self, problem: &P, state: &StepState) -> u32 {
         let graph = problem.graph();
         let mut changes = 0;
         for i in graph.laws() {
@@ -216,7 +216,7 @@ impl Scratch {
 
     /// Sets the pressures (in equilibrium with F(u) where pinned, on the graph of ∂j_ν where free) and the increment to
     /// minus the unbalanced force; returns the norm of that force and of the graph defects.
-    fn balance<P: StepInequality>(&mut self, problem: &P, state: &mut StepState) -> f64 {
+    fn balance<P: StepInequality + ?Sized>(&mut self, problem: &P, state: &mut StepState) -> f64 {
         let graph = problem.graph();
         for (target, force) in self.increment.iter_mut().zip(&self.force) {
             *target = -force;
@@ -246,7 +246,7 @@ impl Scratch {
     }
 
     /// One Newton step of length `damping` on the chosen pieces.
-    fn advance<P: StepInequality>(
+    fn advance<P: StepInequality + ?Sized>(
         &mut self,
         problem: &mut P,
         state: &mut StepState,

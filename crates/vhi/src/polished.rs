@@ -1,7 +1,7 @@
 //! Newton's method to the limits of rounding: the distance to its solution shows what the accepted residual of the
 //! default solver leaves.
 
-use super::{HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState};
+use super::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 /// Solves a level, then continues with single Newton iterations until the residual is below 1/100 of the tolerance, or
 /// rounding keeps it from falling. Linear levels are solved the same way, with the factors of a sequence and residuals,
@@ -21,9 +21,9 @@ const LIMIT: u32 = 12;
 const ANY: f64 = 1e200;
 
 impl StepSolver for Polished {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {

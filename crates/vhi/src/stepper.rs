@@ -1,7 +1,8 @@
 //! The march in time, each level started from an extrapolation of the last ones.
 
 use super::{
-    Extrapolation, FailedStep, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepState,
+    Extrapolation, FailedStep, HistoryInequality, Newton, OpenInequality, Scratch, StepError,
+    StepInfo, StepState,
 };
 
 /// A solver of one time level, including the history operator.
@@ -10,9 +11,9 @@ pub trait StepSolver {
     ///
     /// # Errors
     /// See [`StepError`]; `state` is then the last iterate.
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError>;
@@ -25,9 +26,9 @@ pub trait StepSolver {
 }
 
 impl StepSolver for Newton {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -40,8 +41,8 @@ impl StepSolver for Newton {
 }
 
 /// The state of a march.
-pub struct Stepper<'a, S> {
-    solver: &'a S,
+pub struct Stepper<'a> {
+    solver: &'a dyn StepSolver,
     pub state: StepState,
     /// Vectors of the iteration; after a step they hold the parts of the last residual.
     pub scratch: Scratch,
@@ -49,9 +50,9 @@ pub struct Stepper<'a, S> {
     level: usize,
 }
 
-impl<'a, S: StepSolver> Stepper<'a, S> {
+impl<'a> Stepper<'a> {
     /// Before the first level, with start value zero.
-    pub fn new<P: HistoryInequality>(problem: &P, solver: &'a S) -> Self {
+    pub fn new<P: HistoryInequality>(problem: &P, solver: &'a dyn StepSolver) -> Self {
         let graphs = problem.graph().coordinates.len();
         Self {
             solver,

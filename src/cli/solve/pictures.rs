@@ -7,7 +7,6 @@ use exact::Truth;
 use fem::contact::{Discretization, LoadError, Model, StepView};
 use fem::norms::{ContactState, is_locked, state_rule};
 use report::{Arrow, BodyCell, Deformed, Panel, SpaceTime, Zone};
-use vhi::law::Projection;
 
 /// Largest displacement as drawn, relative to the body's extent, if displacements are small.
 const REACH: f64 = 0.1;
@@ -56,10 +55,10 @@ impl Pictures {
     }
 
     /// Adds a time level; the last one is used for the body.
-    pub(super) fn add<P: Projection>(
+    pub(super) fn add(
         &mut self,
         space: &Discretization,
-        model: &Model<P>,
+        model: &Model,
         truth: &dyn Truth,
         view: &StepView<'_>,
         last: bool,
@@ -80,10 +79,10 @@ impl Pictures {
     }
 
     /// An edge is locked if both its ends are, as in the errors by states.
-    fn discrete_level<P: Projection>(
+    fn discrete_level(
         &self,
         space: &Discretization,
-        model: &Model<P>,
+        model: &Model,
         view: &StepView<'_>,
     ) -> Vec<(f64, f64, Zone)> {
         let trace = &space.trace;
@@ -124,12 +123,7 @@ impl Pictures {
         pieces
     }
 
-    fn deformed<P: Projection>(
-        &self,
-        space: &Discretization,
-        model: &Model<P>,
-        view: &StepView<'_>,
-    ) -> Deformed {
+    fn deformed(&self, space: &Discretization, model: &Model, view: &StepView<'_>) -> Deformed {
         let mesh = &space.mesh;
         let values = space.at_vertices(view.u);
         let displacement = |v: u32| (values[2 * v as usize], values[2 * v as usize + 1]);
@@ -148,8 +142,8 @@ impl Pictures {
         };
         let cell = |c: usize| BodyCell {
             corners: [0, 1, 2].map(|a| moved(mesh.cell(c)[a])),
-            stress: norm(&deviator(&view.stress::<P, 3>(space, model, c))),
-            yields: view.yields::<P, 3>(space, model, c),
+            stress: norm(&deviator(&view.stress::<3>(space, model, c))),
+            yields: view.yields::<3>(space, model, c),
         };
         let cells: Vec<BodyCell> = (0..mesh.cell_count()).map(cell).collect();
         let facets = mesh.facets.chunks(2).map(|ends| ends.iter().map(|&v| mesh.vertex(v)));

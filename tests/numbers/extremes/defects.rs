@@ -5,11 +5,9 @@ use gronwall::extremes::{
     Expected, Measured, NoAnswer, Standing, UnderTest, Unitless, Units, by_recursion, solve,
     standing,
 };
-use gronwall::law::{FourthOrder, Isotropic, TensorField};
+use gronwall::law::{AnyProjection, FourthOrder, Isotropic, TensorField, VonMises};
 use gronwall::setup::{MeshData, Scheme, Setup};
-use gronwall::vhi::{
-    HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
-};
+use gronwall::vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 use super::row;
 
@@ -20,9 +18,9 @@ struct Absolute;
 const TOLERANCE: f64 = 1e-11;
 
 impl StepSolver for Absolute {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -93,10 +91,14 @@ fn a_softer_body_exceeds_ceas_bound_and_a_softer_λ_the_bound_of_locking() {
 }
 
 fn rest_of_the_projection(mut setup: Setup) -> Setup {
-    if let Some(projection) = &mut setup.model.projection {
-        projection.mu *= 1.0001;
-    }
+    with_mu(&mut setup, |mu| 1.0001 * mu);
     setup
+}
+
+fn with_mu(setup: &mut Setup, change: fn(f64) -> f64) {
+    let changed = |sound: VonMises<_>| VonMises { mu: change(sound.mu), ..sound };
+    let stated = setup.scene_projection().filter(|_| setup.model.projection.is_some());
+    setup.model.projection = stated.map(|sound| AnyProjection::new(changed(sound)));
 }
 
 #[test]
@@ -110,9 +112,7 @@ fn a_projection_that_is_a_little_stiffer_is_seen() {
 
 /// A stiffness that is kept away from zero, as some programs do it.
 fn kept_away_from_zero(mut setup: Setup) -> Setup {
-    if let Some(projection) = &mut setup.model.projection {
-        projection.mu = projection.mu.max(1e-9);
-    }
+    with_mu(&mut setup, |mu| mu.max(1e-9));
     setup
 }
 

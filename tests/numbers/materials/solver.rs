@@ -5,7 +5,7 @@ use gronwall::contact::{
 };
 use gronwall::history::{TimeGrid, Trapezoid};
 use gronwall::law::{
-    ExponentialSum, FourthOrder, Isotropic, NoProjection, TensorField, VonMises, YieldLimit,
+    AnyProjection, ExponentialSum, FourthOrder, Isotropic, TensorField, VonMises, YieldLimit,
 };
 use gronwall::mesh::{Family, Mesh, cuboid, rectangle};
 use gronwall::scene::Norm;
@@ -67,7 +67,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
     let model = Model {
         elasticity: TensorField::new(SOFT.into(), [anisotropic()]),
         memory: terms(),
-        projection: VonMises { mu: 0.7, limit: Rising },
+        projection: Some(AnyProjection::new(VonMises { mu: 0.7, limit: Rising })),
         boundary: None,
         friction: None,
         time_rule: Box::new(Trapezoid),
@@ -109,14 +109,8 @@ fn marched(space: &Discretization, elasticity: TensorField, memory: Vec<MemoryTe
         }
     }
     let time_rule = Box::new(Trapezoid);
-    let model = Model {
-        elasticity,
-        memory,
-        projection: NoProjection,
-        boundary: None,
-        friction: None,
-        time_rule,
-    };
+    let model =
+        Model { elasticity, memory, projection: None, boundary: None, friction: None, time_rule };
     let mut load = Weight((0..space.dofs()).map(|i| (0.3 * i as f64).sin()).collect());
     let (grid, mut last) = (TimeGrid::uniform(1.0, 4), Vec::new());
     let mut keep = |view: &StepView<'_>| {

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use gronwall::linalg::FactorError;
 use gronwall::vhi::{
-    BoundaryGraph, HistoryInequality, Newton, Scratch, StepError, StepInequality, StepInfo,
+    BoundaryGraph, Newton, OpenInequality, Scratch, StepError, StepInequality, StepInfo,
     StepSolver, StepState,
 };
 
@@ -34,9 +34,9 @@ pub fn defective() -> Anew {
 }
 
 impl StepSolver for Anew {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -44,12 +44,12 @@ impl StepSolver for Anew {
     }
 }
 
-struct Level<'p, P> {
-    problem: &'p mut P,
+struct Level<'p> {
+    problem: &'p mut dyn OpenInequality,
     solver: &'p Anew,
 }
 
-impl<P: HistoryInequality> StepInequality for Level<'_, P> {
+impl StepInequality for Level<'_> {
     fn dofs(&self) -> usize {
         self.problem.dofs()
     }

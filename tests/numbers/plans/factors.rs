@@ -73,7 +73,7 @@ fn all_plans_of_all_scenes_have_the_same_solution() {
 }
 
 /// Runs with factors kept in double and in single precision.
-fn in_both(setup: &mut Setup, solver: &impl StepSolver) -> [Run; 2] {
+fn in_both(setup: &mut Setup, solver: &dyn StepSolver) -> [Run; 2] {
     [Precision::Double, Precision::Single].map(|precision| {
         setup.precision = Some(precision);
         let data = on_a_mesh(setup);

@@ -51,7 +51,7 @@ enum Where {
     Volume,
 }
 
-fn run(setup: &Setup, data: &MeshData, steps: u32, place: Where, solver: &impl StepSolver) -> Run {
+fn run(setup: &Setup, data: &MeshData, steps: u32, place: Where, solver: &dyn StepSolver) -> Run {
     let (mut u, mut pressure, mut zeta) = (Vec::new(), Vec::new(), Vec::new());
     let mut load = TruthLoad(&*data.truth);
     let grid = setup.grid(steps);

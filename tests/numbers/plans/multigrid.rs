@@ -18,7 +18,7 @@ fn with_levels(setup: &Setup) -> Option<MeshData> {
     tried.iter().find(has).map(|&n| crate::shipped::on_mesh(setup, n))
 }
 
-fn by(setup: &mut Setup, data: &MeshData, solver: LinearSolver, newton: &impl StepSolver) -> Run {
+fn by(setup: &mut Setup, data: &MeshData, solver: LinearSolver, newton: &dyn StepSolver) -> Run {
     setup.linear_solver = Some(solver);
     let data = crate::shipped::on_mesh(setup, data.space.mesh.n);
     assert_eq!(LinearSolver::of(&data.space, &setup.model, STEPS as usize), solver);

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use gronwall::contact::{BoundaryRule, CaseError, CaseInfo, Discretization, Observer, march};
+use gronwall::contact::{
+    BoundaryRule, CaseError, CaseInfo, Discretization, Model, Observer, march,
+};
 use gronwall::law::{NoPotential, PiecewiseLinear};
-use gronwall::setup::{MeshData, SceneModel, Setup, TruthLoad};
+use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
 
 use super::{Defect, Term, marched};
@@ -63,7 +65,7 @@ pub(super) fn rebuilt(
     data: &MeshData,
     steps: u32,
     observe: &mut Observer<'_>,
-    change: impl Fn(&mut Discretization, &mut SceneModel),
+    change: impl Fn(&mut Discretization, &mut Model),
 ) -> Result<CaseInfo, CaseError> {
     let space = setup.space(data.space.mesh.n).expect("the same mesh");
     let mut space = Arc::into_inner(space).expect("nobody else has it");
@@ -84,7 +86,7 @@ macro_rules! on_mesh {
 }
 
 /// Every other vertex of Γ3 without a bound.
-fn every_other(space: &mut Discretization, model: &mut SceneModel) {
+fn every_other(space: &mut Discretization, model: &mut Model) {
     let Some(boundary) = &mut model.boundary else { return };
     let n = f64::from(space.mesh.n);
     let sound = std::mem::replace(&mut boundary.gap, Box::new(|_| f64::INFINITY));

@@ -8,8 +8,8 @@ use gronwall::law::{PiecewiseLinear, Potential};
 use gronwall::linalg::FactorError;
 use gronwall::setup::Setup;
 use gronwall::vhi::{
-    BoundaryGraph, Coordinate, HistoryInequality, Newton, Scratch, StepError, StepInequality,
-    StepInfo, StepSolver, StepState,
+    BoundaryGraph, Coordinate, HistoryInequality, Newton, OpenInequality, Scratch, StepError,
+    StepInequality, StepInfo, StepSolver, StepState,
 };
 
 use super::levels::unchecked;
@@ -20,9 +20,9 @@ use super::{Defect, Term, marched};
 struct Late(RefCell<Option<Vec<Arc<dyn Potential>>>>);
 
 impl StepSolver for Late {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -39,12 +39,12 @@ impl StepSolver for Late {
 }
 
 /// A level with the graphs of another.
-struct Before<'p, P> {
-    problem: &'p mut P,
+struct Before<'p> {
+    problem: &'p mut dyn OpenInequality,
     graph: BoundaryGraph,
 }
 
-impl<P: HistoryInequality> StepInequality for Before<'_, P> {
+impl StepInequality for Before<'_> {
     fn dofs(&self) -> usize {
         self.problem.dofs()
     }
@@ -74,9 +74,9 @@ impl<P: HistoryInequality> StepInequality for Before<'_, P> {
 struct Boxed;
 
 impl StepSolver for Boxed {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -99,9 +99,9 @@ struct Misled {
 }
 
 impl StepSolver for Misled {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
@@ -111,12 +111,12 @@ impl StepSolver for Misled {
 }
 
 /// A level with another Jacobian.
-struct Tangent<'p, P> {
-    problem: &'p mut P,
+struct Tangent<'p> {
+    problem: &'p mut dyn OpenInequality,
     factors: &'p Misled,
 }
 
-impl<P: HistoryInequality> StepInequality for Tangent<'_, P> {
+impl StepInequality for Tangent<'_> {
     fn dofs(&self) -> usize {
         self.problem.dofs()
     }

@@ -2,23 +2,24 @@
 //! as an external solver would be; the separate evaluation of the KKT system is optional in it.
 
 use gronwall::contact::{
-    BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, LastSlot, Observer,
-    StepView, kkt_residual,
+    BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, LastSlot, Model,
+    Observer, StepView, kkt_residual,
 };
 use gronwall::history::TimeGrid;
 use gronwall::law::Projection;
 use gronwall::linalg::FactorError;
-use gronwall::setup::{MeshData, SceneModel, Setup, TruthLoad};
+use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::{
-    BoundaryGraph, HistoryInequality, Newton, StepInequality, StepSolver, StepState, Stepper,
+    BoundaryGraph, HistoryInequality, Newton, OpenInequality, StepInequality, StepSolver,
+    StepState, Stepper,
 };
 
 /// What is committed for level n: from the solution, the state before the solve, and what was committed last.
 pub type Commit = fn(usize, &StepState, &StepState, &StepState) -> StepState;
 
 /// An evolution with another commit.
-struct Tampered<'a, P> {
-    inner: Evolution<'a, P>,
+struct Tampered<'a> {
+    inner: Evolution<'a>,
     commit: Commit,
     level: usize,
     start: StepState,
@@ -28,7 +29,7 @@ struct Tampered<'a, P> {
     slots: Option<[LastSlot; 2]>,
 }
 
-impl<P: Projection> HistoryInequality for Tampered<'_, P> {
+impl HistoryInequality for Tampered<'_> {
     type Error = CaseError;
 
     fn grid(&self) -> &TimeGrid {
@@ -46,10 +47,6 @@ impl<P: Projection> HistoryInequality for Tampered<'_, P> {
         Ok(())
     }
 
-    fn freeze(&mut self, eta: Option<&[f64]>) {
-        self.inner.freeze(eta);
-    }
-
     fn commit(&mut self, solution: &StepState) {
         let committed = (self.commit)(self.level, solution, &self.start, &self.last);
         if let Some([_, own]) = &self.slots {
@@ -62,13 +59,19 @@ impl<P: Projection> HistoryInequality for Tampered<'_, P> {
         self.last = solution.clone();
         self.level += 1;
     }
+}
+
+impl OpenInequality for Tampered<'_> {
+    fn freeze(&mut self, eta: Option<&[f64]>) {
+        self.inner.freeze(eta);
+    }
 
     fn norm(&self, v: &[f64]) -> f64 {
         self.inner.norm(v)
     }
 }
 
-impl<P: Projection> StepInequality for Tampered<'_, P> {
+impl StepInequality for Tampered<'_> {
     fn dofs(&self) -> usize {
         self.inner.dofs()
     }
@@ -98,12 +101,12 @@ impl<P: Projection> StepInequality for Tampered<'_, P> {
 }
 
 /// Solves all levels by `solver`.
-pub fn march<S: StepSolver>(
+pub fn march(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
     observe: &mut Observer<'_>,
-    solver: &S,
+    solver: &dyn StepSolver,
     commit: Commit,
     checked: bool,
 ) -> Result<CaseInfo, CaseError> {
@@ -117,12 +120,12 @@ pub fn march<S: StepSolver>(
 const SOUND: Commit = |_, solution, _, _| solution.clone();
 
 /// Solves all levels with `solver`, and does not check the KKT system.
-pub fn unchecked<S: StepSolver>(
+pub fn unchecked(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
     observe: &mut Observer<'_>,
-    solver: &S,
+    solver: &dyn StepSolver,
 ) -> Result<CaseInfo, CaseError> {
     march(setup, data, steps, observe, solver, SOUND, false)
 }
@@ -140,19 +143,19 @@ pub fn march_stale(
     run(setup, data, Tampered::new(inner, SOUND, true), observe, &Newton::default(), checked)
 }
 
-impl<'a, P: Projection> Tampered<'a, P> {
-    fn new(inner: Evolution<'a, P>, commit: Commit, stale: bool) -> Self {
+impl<'a> Tampered<'a> {
+    fn new(inner: Evolution<'a>, commit: Commit, stale: bool) -> Self {
         let (start, last) = (StepState::default(), StepState::default());
         Self { inner, commit, level: 0, start, last, stale, slots: None }
     }
 }
 
-fn run<S: StepSolver>(
+fn run(
     setup: &Setup,
     data: &MeshData,
-    mut levels: Tampered<'_, impl Projection>,
+    mut levels: Tampered<'_>,
     observe: &mut Observer<'_>,
-    solver: &S,
+    solver: &dyn StepSolver,
     checked: bool,
 ) -> Result<CaseInfo, CaseError> {
     let (space, model, grid) = (&*data.space, &setup.model, levels.inner.grid().clone());
@@ -189,11 +192,11 @@ impl Shown {
 
     fn level<'v>(
         &'v mut self,
-        model: &SceneModel,
+        model: &Model,
         space: &Discretization,
         n: usize,
         t: f64,
-        levels: &'v Evolution<'_, impl Projection>,
+        levels: &'v Evolution<'_>,
         state: &StepState,
     ) -> StepView<'v> {
         self.u[..state.u.len()].copy_from_slice(&state.u);

@@ -1,7 +1,7 @@
 //! Wrong elasticity: numbers, and a shear counted twice as an extra stress.
 
 use gronwall::contact::{CaseError, CaseInfo, Model, Observer, march};
-use gronwall::law::{Isotropic, Projection, Response, VonMises, YieldLimit};
+use gronwall::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad, YieldFormula};
 use gronwall::tensor::Symmetric;
 use gronwall::vhi::Newton;
@@ -66,12 +66,11 @@ fn shear_twice(
     steps: u32,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
-        setup.scene_model();
+    let sound = setup.scene_model();
     // 2 μ_L ε_xy of a strain ε_xy = 1/√2.
-    let mu = 0.5 * elasticity.on(0).apply(&[0.0, 0.0, 1.0])[2];
-    let projection = ShearTwice { sound: projection, mu };
-    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
+    let mu = 0.5 * sound.elasticity.on(0).apply(&[0.0, 0.0, 1.0])[2];
+    let twice = ShearTwice { sound: setup.scene_projection(), mu };
+    let model = Model { projection: Some(AnyProjection::new(twice)), ..sound };
     let mut load = TruthLoad(&*data.truth);
     march(&data.space, &model, &setup.grid(steps), &mut load, &Newton::default(), observe)
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use gronwall::contact::{CaseError, CaseInfo, Model, Observer, march};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{Projection, Response, VonMises, YieldLimit};
+use gronwall::law::{AnyProjection, Projection, Response, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad, YieldFormula};
 use gronwall::tensor::{Symmetric, deviator, dimension, norm, trace};
 use gronwall::vhi::Newton;
@@ -101,20 +101,18 @@ impl<Q: Split> Projection for Ball<Q> {
 }
 
 /// Marches the scene with its projection replaced.
-fn replaced<P: Projection>(
+fn replaced<P: Projection + 'static>(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
     observe: &mut Observer<'_>,
     replace: impl Fn(VonMises<YieldFormula>) -> P,
 ) -> Result<CaseInfo, CaseError> {
-    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
-        setup.scene_model();
-    let Some(projection) = projection else {
+    let Some(sound) = setup.scene_projection() else {
         return data.march(setup, steps, &Newton::default(), observe);
     };
-    let projection = replace(projection);
-    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
+    let projection = Some(AnyProjection::new(replace(sound)));
+    let model = Model { projection, ..setup.scene_model() };
     let mut load = TruthLoad(&*data.truth);
     march(&data.space, &model, &setup.grid(steps), &mut load, &Newton::default(), observe)
 }
@@ -226,9 +224,9 @@ macro_rules! by {
 }
 
 fn factor(mut setup: Setup, factor: f64) -> Setup {
-    if let Some(projection) = &mut setup.model.projection {
-        projection.mu *= factor;
-    }
+    let scaled = |sound: VonMises<_>| VonMises { mu: factor * sound.mu, ..sound };
+    let stated = setup.scene_projection().filter(|_| setup.model.projection.is_some());
+    setup.model.projection = stated.map(|sound| AnyProjection::new(scaled(sound)));
     setup
 }
 

@@ -3,9 +3,7 @@
 
 use gronwall::contact::{CaseError, CaseInfo, Observer};
 use gronwall::setup::{MeshData, Setup};
-use gronwall::vhi::{
-    HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
-};
+use gronwall::vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 use super::levels::{Commit, march};
 use super::{Defect, Term, marched};
@@ -20,9 +18,9 @@ struct Handled {
 }
 
 impl StepSolver for Handled {
-    fn solve_level<P: HistoryInequality>(
+    fn solve_level(
         &self,
-        problem: &mut P,
+        problem: &mut dyn OpenInequality,
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::{Boundary, BoundaryRule, Discretization, Model, friction_graph};
-use vhi::law::{NoPotential, Potential, Projection};
+use vhi::law::{NoPotential, Potential};
 use vhi::{BoundaryGraph, Coordinate};
 
 /// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used; after them those of friction.
-pub(crate) fn boundary_graph<P: Projection>(
+pub(crate) fn boundary_graph(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     elastic: &[f64],
 ) -> BoundaryGraph {
     let none: Arc<dyn Potential> = Arc::new(NoPotential);

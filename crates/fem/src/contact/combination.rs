@@ -13,7 +13,6 @@ use super::model::Model;
 use super::nodal_norms::strain_norm;
 use algebra::linalg::{axpy, is_sound_sum, larger, largest};
 use algebra::tensor::contract;
-use vhi::law::Projection;
 
 /// The w_i with what is linear in them.
 pub(crate) struct Combination {
@@ -34,11 +33,7 @@ const CANCELLED: f64 = 1e-4;
 
 impl Combination {
     /// Evaluates what is linear in the solutions.
-    pub(crate) fn new<P: Projection>(
-        space: &Discretization,
-        model: &Model<P>,
-        solutions: &[Vec<f64>],
-    ) -> Self {
+    pub(crate) fn new(space: &Discretization, model: &Model, solutions: &[Vec<f64>]) -> Self {
         let padded = |vector: &Vec<f64>| {
             let mut nodal = vector.clone();
             nodal.resize(space.nodes.len(), 0.0);

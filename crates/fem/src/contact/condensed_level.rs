@@ -10,7 +10,6 @@
 use super::compliance::FacetCompliance;
 use super::{Discretization, Model};
 use algebra::linalg::{DenseCholesky, FactorError, axpy, norm, root_of_squares};
-use vhi::law::Projection;
 use vhi::{BoundaryGraph, StepInequality, StepState};
 
 /// The condensed level.
@@ -42,11 +41,7 @@ pub(crate) struct CondensedLevel<'a> {
 
 impl<'a> CondensedLevel<'a> {
     /// The level with the graphs of the volume on the unknowns of Γ3.
-    pub(crate) fn new<P: Projection>(
-        space: &Discretization,
-        model: &'a Model<P>,
-        mut graph: BoundaryGraph,
-    ) -> Self {
+    pub(crate) fn new(space: &Discretization, model: &'a Model, mut graph: BoundaryGraph) -> Self {
         let dofs = space.trace.unknowns();
         let size = dofs.len();
         let place = |unknown: u32| dofs.iter().position(|&dof| dof == unknown).unwrap_or(size);

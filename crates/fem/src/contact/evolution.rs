@@ -10,16 +10,18 @@ use super::taken::of_storage;
 use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
 use algebra::linalg::{FactorError, axpy};
 use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::{Convolution, Projection};
-use vhi::{BoundaryGraph, FailedStep, HistoryInequality, StepInequality, StepState};
+use vhi::law::Convolution;
+use vhi::{
+    BoundaryGraph, FailedStep, HistoryInequality, OpenInequality, StepInequality, StepState,
+};
 
 /// The contact problem with its committed history.
-pub struct Evolution<'a, P> {
+pub struct Evolution<'a> {
     space: &'a Discretization,
-    model: &'a Model<P>,
+    model: &'a Model,
     grid: &'a TimeGrid,
     source: &'a mut dyn Load,
-    problem: ContactProblem<'a, P>,
+    problem: ContactProblem<'a>,
     /// One per term of the memory, as the vectors below.
     memory: Vec<Memory>,
     accumulated: Accumulated,
@@ -43,14 +45,14 @@ pub struct Evolution<'a, P> {
     pub peak_history_bytes: usize,
 }
 
-impl<'a, P: Projection> Evolution<'a, P> {
+impl<'a> Evolution<'a> {
     /// Before the first level.
     ///
     /// # Errors
     /// The pattern of the tangent cannot be analysed.
     pub fn new(
         space: &'a Discretization,
-        model: &'a Model<P>,
+        model: &'a Model,
         grid: &'a TimeGrid,
         source: &'a mut dyn Load,
     ) -> Result<Self, FailedStep> {
@@ -85,12 +87,12 @@ impl<'a, P: Projection> Evolution<'a, P> {
     }
 
     /// The problem at the open or last committed level.
-    pub fn problem(&self) -> &ContactProblem<'a, P> {
+    pub fn problem(&self) -> &ContactProblem<'a> {
         &self.problem
     }
 
     /// The same, for a solve with its last factor.
-    pub(crate) fn problem_mut(&mut self) -> &mut ContactProblem<'a, P> {
+    pub(crate) fn problem_mut(&mut self) -> &mut ContactProblem<'a> {
         &mut self.problem
     }
 
@@ -144,7 +146,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
     }
 }
 
-impl<P: Projection> HistoryInequality for Evolution<'_, P> {
+impl HistoryInequality for Evolution<'_> {
     type Error = CaseError;
 
     fn grid(&self) -> &TimeGrid {
@@ -173,18 +175,6 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         Ok(())
     }
 
-    fn freeze(&mut self, eta: Option<&[f64]>) {
-        let Some(eta) = eta else { return self.begin_implicit() };
-        let dofs = self.space.dofs();
-        let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
-        let sums = self.frozen_history.iter_mut().zip(&self.history).zip(&self.slot.memory);
-        for ((frozen, sum), &own) in sums {
-            frozen.copy_from_slice(&sum[..dofs]);
-            axpy(own, eta, frozen);
-        }
-        self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
-    }
-
     fn commit(&mut self, solution: &StepState) {
         let dofs = self.space.dofs();
         let strain_norm = self.problem.strain_norm();
@@ -203,6 +193,20 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         self.peak_history_bytes = self.peak_history_bytes.max(bytes);
         self.committed += 1;
     }
+}
+
+impl OpenInequality for Evolution<'_> {
+    fn freeze(&mut self, eta: Option<&[f64]>) {
+        let Some(eta) = eta else { return self.begin_implicit() };
+        let dofs = self.space.dofs();
+        let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
+        let sums = self.frozen_history.iter_mut().zip(&self.history).zip(&self.slot.memory);
+        for ((frozen, sum), &own) in sums {
+            frozen.copy_from_slice(&sum[..dofs]);
+            axpy(own, eta, frozen);
+        }
+        self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
+    }
 
     /// ‖ε(v)‖.
     fn norm(&self, v: &[f64]) -> f64 {
@@ -210,7 +214,7 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
     }
 }
 
-impl<P: Projection> StepInequality for Evolution<'_, P> {
+impl StepInequality for Evolution<'_> {
     fn dofs(&self) -> usize {
         self.problem.dofs()
     }

@@ -6,9 +6,8 @@ use std::sync::Arc;
 use super::ContactProblem;
 use super::trace::TracePoint;
 use algebra::linalg::NonsymmetricEntry;
-use vhi::law::Projection;
 
-impl<P: Projection> ContactProblem<'_, P> {
+impl ContactProblem<'_> {
     /// Friction as it is at time t: the laws of the last graphs, or what p is multiplied by in them.
     pub(super) fn set_friction(&mut self, t: f64) {
         let Some(friction) = &self.model.friction else { return };

@@ -1,7 +1,7 @@
 //! Friction in the balance of forces: its part of them, and how far (u_τ, s) is from the law.
 
 use super::{Discretization, Model, StepView};
-use vhi::law::{Potential, Projection, Scaled, graph_distance};
+use vhi::law::{Potential, Scaled, graph_distance};
 
 /// Adds Σ w s v_τ to forces by nodes.
 pub(super) fn add_force(space: &Discretization, view: &StepView<'_>, force: &mut [f64]) {
@@ -13,9 +13,9 @@ pub(super) fn add_force(space: &Discretization, view: &StepView<'_>, force: &mut
 }
 
 /// Largest distance of (u_τ, s) from the law at the free points, as a force; `stiffness` answers to a displacement.
-pub(super) fn violation<P: Projection>(
+pub(super) fn violation(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     stiffness: f64,
 ) -> f64 {

@@ -9,7 +9,6 @@ use std::sync::Arc;
 use super::tangents::Tangential;
 use super::{Discretization, Model};
 use algebra::linalg::NonsymmetricEntry;
-use vhi::law::Projection;
 use vhi::{BoundaryGraph, Coordinate};
 
 /// Friction that follows p, at the open level: empty where it does not.
@@ -34,9 +33,9 @@ impl Following {
 
 /// Appends the graphs of friction, one a free point of the trace in its order, without their laws, which
 /// `ContactProblem::set_friction` gives at each time.
-pub(super) fn append_graphs<P: Projection>(
+pub(super) fn append_graphs(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     elastic: &[f64],
     graph: &mut BoundaryGraph,
 ) {

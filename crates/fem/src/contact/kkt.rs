@@ -13,9 +13,9 @@ use vhi::law::{Projection, graph_distance};
 /// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
 ///
 /// Parts: force balance with ξ, λ and s; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) and s ∈ S ∂|u_τ| at the vertices.
-pub fn kkt_residual<P: Projection>(
+pub fn kkt_residual(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     load: &[f64],
 ) -> f64 {
@@ -23,43 +23,43 @@ pub fn kkt_residual<P: Projection>(
 }
 
 /// [`kkt_residual`] with a buffer for the forces, which a march reuses at every level.
-pub(super) fn kkt_residual_in<P: Projection>(
+pub(super) fn kkt_residual_in(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     load: &[f64],
     room: &mut Vec<f64>,
 ) -> f64 {
     match space.mesh.dimension {
-        2 => evaluate::<P, 2, 3>(space, model, view, load, room),
-        _ => evaluate::<P, 3, 6>(space, model, view, load, room),
+        2 => evaluate::<2, 3>(space, model, view, load, room),
+        _ => evaluate::<3, 6>(space, model, view, load, room),
     }
 }
 
 /// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows, with the penalty of jumps.
-pub(super) fn internal_force<P: Projection>(
+pub(super) fn internal_force(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
 ) -> Vec<f64> {
     let mut force = Vec::new();
     match space.mesh.dimension {
-        2 => internal_force_in::<P, 2, 3>(space, model, view, &mut force),
-        _ => internal_force_in::<P, 3, 6>(space, model, view, &mut force),
+        2 => internal_force_in::<2, 3>(space, model, view, &mut force),
+        _ => internal_force_in::<3, 6>(space, model, view, &mut force),
     }
     force
 }
 
-fn internal_force_in<P: Projection, const D: usize, const S: usize>(
+fn internal_force_in<const D: usize, const S: usize>(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     force: &mut Vec<f64>,
 ) {
     force.clear();
     force.resize(space.nodes.len(), 0.0);
     for at in space.points() {
-        let stress = view.stress_at::<P, S>(space, model, &at).map(|s| s * at.weight);
+        let stress = view.stress_at::<S>(space, model, &at).map(|s| s * at.weight);
         stress_force::<D, S>(at.gradients, at.nodes, &stress, force);
     }
     space.add_jump_force(&model.elasticity, view.u, force);
@@ -68,14 +68,14 @@ fn internal_force_in<P: Projection, const D: usize, const S: usize>(
     }
 }
 
-fn evaluate<P: Projection, const D: usize, const S: usize>(
+fn evaluate<const D: usize, const S: usize>(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     load: &[f64],
     balance: &mut Vec<f64>,
 ) -> f64 {
-    internal_force_in::<P, D, S>(space, model, view, balance);
+    internal_force_in::<D, S>(space, model, view, balance);
     let mut scale = largest(balance).max(largest(load));
     add_contact_forces(space, model, view, balance);
     for (force, load) in balance.iter_mut().zip(load) {
@@ -113,9 +113,9 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     if scale > 0.0 { worst / scale } else { worst }
 }
 
-fn add_contact_forces<P: Projection>(
+fn add_contact_forces(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     balance: &mut [f64],
 ) {
@@ -139,15 +139,15 @@ fn add_contact_forces<P: Projection>(
 
 impl StepView<'_> {
     /// The mean of σ_n^{kh} over cell c.
-    pub fn stress<P: Projection, const S: usize>(
+    pub fn stress<const S: usize>(
         &self,
         space: &Discretization,
-        model: &Model<P>,
+        model: &Model,
         c: usize,
     ) -> [f64; S] {
         let mut mean = [0.0; S];
         for (at, share) in space.points_of(c).zip(&space.geometry.shares) {
-            let stress = self.stress_at::<P, S>(space, model, &at);
+            let stress = self.stress_at::<S>(space, model, &at);
             mean.iter_mut().zip(stress).for_each(|(mean, s)| *mean += share * s);
         }
         mean
@@ -155,10 +155,10 @@ impl StepView<'_> {
 
     /// σ_n^{kh} at a strain point, from (5.1) with the discrete history.
     #[inline]
-    pub(crate) fn stress_at<P: Projection, const S: usize>(
+    pub(crate) fn stress_at<const S: usize>(
         &self,
         space: &Discretization,
-        model: &Model<P>,
+        model: &Model,
         at: &StrainPoint<'_>,
     ) -> [f64; S] {
         self.stress_of(space, model, at, &at.strain(self.u))
@@ -166,10 +166,10 @@ impl StepView<'_> {
 
     /// The same where ε(u_n^{kh}) is known there.
     #[inline]
-    pub fn stress_of<P: Projection, const S: usize>(
+    pub fn stress_of<const S: usize>(
         &self,
         space: &Discretization,
-        model: &Model<P>,
+        model: &Model,
         at: &StrainPoint<'_>,
         strain: &[f64; S],
     ) -> [f64; S] {
@@ -191,20 +191,11 @@ impl StepView<'_> {
     }
 
     /// True where the projection acts somewhere on cell c.
-    pub fn yields<P: Projection, const S: usize>(
-        &self,
-        space: &Discretization,
-        model: &Model<P>,
-        c: usize,
-    ) -> bool {
-        space.points_of(c).any(|at| self.yields_at::<P, S>(model, &at))
+    pub fn yields<const S: usize>(&self, space: &Discretization, model: &Model, c: usize) -> bool {
+        space.points_of(c).any(|at| self.yields_at::<S>(model, &at))
     }
 
-    fn yields_at<P: Projection, const S: usize>(
-        &self,
-        model: &Model<P>,
-        at: &StrainPoint<'_>,
-    ) -> bool {
+    fn yields_at<const S: usize>(&self, model: &Model, at: &StrainPoint<'_>) -> bool {
         let strain = at.strain::<S>(self.u);
         model.projection.stress(&strain, self.kappa).is_some()
     }

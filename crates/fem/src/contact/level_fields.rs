@@ -2,7 +2,6 @@
 
 use super::nodal_norms::{l2_norm, strain_norm, trace_norm};
 use super::{Discretization, Floors, Model, StepView};
-use vhi::law::Projection;
 
 /// What a solution of one time level is measured by.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -15,27 +14,23 @@ pub struct LevelFields {
     pub pressure: Vec<f64>,
 }
 
-fn stresses<P: Projection, const S: usize>(
+fn stresses<const S: usize>(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
 ) -> Vec<f64> {
-    space.points().flat_map(|at| view.stress_at::<P, S>(space, model, &at)).collect()
+    space.points().flat_map(|at| view.stress_at::<S>(space, model, &at)).collect()
 }
 
 impl LevelFields {
     /// The fields that `view` shows.
-    pub fn of<P: Projection>(
-        space: &Discretization,
-        model: &Model<P>,
-        view: &StepView<'_>,
-    ) -> Self {
+    pub fn of(space: &Discretization, model: &Model, view: &StepView<'_>) -> Self {
         let sum = view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda);
         Self {
             u: view.u.to_vec(),
             stress: match space.mesh.dimension {
-                2 => stresses::<P, 3>(space, model, view),
-                _ => stresses::<P, 6>(space, model, view),
+                2 => stresses::<3>(space, model, view),
+                _ => stresses::<6>(space, model, view),
             },
             pressure: sum.collect(),
         }

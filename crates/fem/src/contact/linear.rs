@@ -11,15 +11,15 @@ use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
 use algebra::linalg::{FactorError, axpy, norm};
 use vhi::history::{Accumulated, Memory, TimeGrid, TimeRule};
-use vhi::law::{Convolution, MemoryKernel, Projection};
+use vhi::law::{Convolution, MemoryKernel};
 
 /// Solves all steps of a linear case, whose load has a basis, and shows each to `observe`.
 ///
 /// # Errors
 /// As [`super::march`]; 1 + β w b(0) ≤ 0 is reported as a tangent that is not positive definite.
-pub fn march<P: Projection>(
+pub fn march(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     grid: &TimeGrid,
     load: &mut dyn Load,
     observe: &mut Observer<'_>,
@@ -89,9 +89,9 @@ pub fn march<P: Projection>(
 }
 
 /// K⁻¹F_i of all parts of the load, and what solved them.
-fn solutions<'a, P: Projection>(
+fn solutions<'a>(
     space: &'a Discretization,
-    model: &'a Model<P>,
+    model: &'a Model,
     grid: &TimeGrid,
     parts: &[Vec<f64>],
 ) -> Result<(Volume<'a>, Vec<Vec<f64>>), FactorError> {
@@ -114,7 +114,7 @@ struct Remembered<'a> {
 
 impl<'a> Remembered<'a> {
     /// For `few` coefficients; nothing where the model has no memory, which has one term else.
-    fn new<P>(model: &'a Model<P>, beta: f64, grid: &TimeGrid, few: usize) -> Option<Self> {
+    fn new(model: &'a Model, beta: f64, grid: &TimeGrid, few: usize) -> Option<Self> {
         let kernel = &*model.memory.first()?.kernel;
         let memory = Memory::new(kernel, model.time_rule.as_ref(), grid, few);
         Some(Self { kernel, beta, memory })

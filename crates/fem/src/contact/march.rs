@@ -16,11 +16,7 @@ use vhi::{StepInequality, StepSolver, Stepper};
 const MEASURABLE: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
 
 /// Whether a solution with this largest ‖ε(u_n)‖ can be measured; one that is zero throughout can.
-fn measurable<P: Projection>(
-    space: &Discretization,
-    model: &Model<P>,
-    largest: f64,
-) -> Result<(), CaseError> {
+fn measurable(space: &Discretization, model: &Model, largest: f64) -> Result<(), CaseError> {
     let volume: f64 = space.geometry.measure.iter().sum();
     let strain = largest / volume.sqrt();
     let stress = strain * model.elasticity.eigenvalues(space.mesh.dimension).1;
@@ -34,12 +30,12 @@ fn measurable<P: Projection>(
 ///
 /// # Errors
 /// A step that does not converge, a load that is not finite, a KKT residual above [`super::KKT_ALLOWED`].
-pub fn march<P: Projection, S: StepSolver>(
+pub fn march(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     grid: &TimeGrid,
     load: &mut dyn Load,
-    solver: &S,
+    solver: &dyn StepSolver,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let plan = Plan::of(space, model, grid.steps(), solver.newton().is_some());
@@ -50,24 +46,24 @@ pub fn march<P: Projection, S: StepSolver>(
 ///
 /// # Errors
 /// As [`march`].
-pub fn march_in_volume<P: Projection, S: StepSolver>(
+pub fn march_in_volume(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     grid: &TimeGrid,
     load: &mut dyn Load,
-    solver: &S,
+    solver: &dyn StepSolver,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     march_by(Plan::Newton, space, model, grid, load, solver, observe)
 }
 
-fn march_by<P: Projection, S: StepSolver>(
+fn march_by(
     plan: Plan,
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     grid: &TimeGrid,
     load: &mut dyn Load,
-    solver: &S,
+    solver: &dyn StepSolver,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let mut paths = taken::foreseen(plan, space, model, grid);
@@ -93,11 +89,11 @@ fn march_by<P: Projection, S: StepSolver>(
     Ok(info)
 }
 
-struct March<'a, P, S> {
+struct March<'a> {
     space: &'a Discretization,
-    model: &'a Model<P>,
-    evolution: Evolution<'a, P>,
-    stepper: Stepper<'a, S>,
+    model: &'a Model,
+    evolution: Evolution<'a>,
+    stepper: Stepper<'a>,
     nodal: Vec<f64>,
     balance: Vec<f64>,
     compliance: Vec<f64>,
@@ -108,13 +104,13 @@ struct March<'a, P, S> {
     info: CaseInfo,
 }
 
-impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
+impl<'a> March<'a> {
     fn new(
         space: &'a Discretization,
-        model: &'a Model<P>,
+        model: &'a Model,
         grid: &'a TimeGrid,
         load: &'a mut dyn Load,
-        solver: &'a S,
+        solver: &'a dyn StepSolver,
     ) -> Result<Self, CaseError> {
         let evolution = Evolution::new(space, model, grid, load)?;
         Ok(Self {

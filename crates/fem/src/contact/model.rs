@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::friction_law::Friction;
 use crate::space::Element;
 use vhi::history::TimeRule;
-use vhi::law::{MemoryKernel, Potential, Projection, Scaled, TensorField};
+use vhi::law::{AnyProjection, MemoryKernel, Potential, Projection, Scaled, TensorField};
 
 /// A term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds of the memory.
 pub struct MemoryTerm {
@@ -80,14 +80,14 @@ impl Boundary {
     }
 }
 
-/// The model of a scene; `P` is the projection term or [`vhi::law::NoProjection`].
-pub struct Model<P> {
+/// The model of a scene.
+pub struct Model {
     /// 𝒜.
     pub elasticity: TensorField,
     /// ℬ(t) = Σ b_i(t) ℬ_i: one term where it is a scalar kernel times a tensor, none without memory.
     pub memory: Vec<MemoryTerm>,
     /// μ and κ(ζ).
-    pub projection: P,
+    pub projection: Option<AnyProjection>,
     /// Contact; `None` if Γ3 is empty or carries neither law nor gap.
     pub boundary: Option<Boundary>,
     /// Friction on Γ3.
@@ -96,7 +96,7 @@ pub struct Model<P> {
     pub time_rule: Box<dyn TimeRule>,
 }
 
-impl<P: Projection> Model<P> {
+impl Model {
     /// True if the discrete problem is linear: neither projection nor contact nor friction.
     pub fn is_linear(&self) -> bool {
         let on_contact = self.boundary.is_some() || self.friction.is_some();

@@ -24,7 +24,7 @@ use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
 use algebra::linalg::{FactorError, axpy};
 use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::{Convolution, Projection};
+use vhi::law::Convolution;
 use vhi::{Extrapolation, FailedStep, Newton, StepError, StepState};
 
 /// Passes for one level with an old matrix, beyond the first, before it has one of its own: each leaves some 1e-3 of what
@@ -35,9 +35,9 @@ const MOST_REPEATED: u32 = 8;
 ///
 /// # Errors
 /// As [`super::march`].
-pub fn march<P: Projection>(
+pub fn march(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     grid: &TimeGrid,
     load: &mut dyn Load,
     newton: &Newton,
@@ -62,9 +62,9 @@ fn refused(source: FactorError) -> StepError {
     StepError::Factor { iteration: 0, source }
 }
 
-struct OneMatrix<'a, P> {
+struct OneMatrix<'a> {
     space: &'a Discretization,
-    model: &'a Model<P>,
+    model: &'a Model,
     grid: &'a TimeGrid,
     info: CaseInfo,
     volume: Volume<'a>,
@@ -101,10 +101,10 @@ struct OneMatrix<'a, P> {
     largest_force: f64,
 }
 
-impl<'a, P: Projection> OneMatrix<'a, P> {
+impl<'a> OneMatrix<'a> {
     fn new(
         space: &'a Discretization,
-        model: &'a Model<P>,
+        model: &'a Model,
         grid: &'a TimeGrid,
     ) -> Result<Self, FactorError> {
         let mut info = CaseInfo::default();

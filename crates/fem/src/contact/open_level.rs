@@ -6,13 +6,15 @@ use super::{CaseError, Discretization, Evolution, MemoryTerm, Model};
 use algebra::linalg::{Analysis, Factor, FactorError, Front, axpy, dot};
 use vhi::history::TimeGrid;
 use vhi::law::{Projection, TensorField};
-use vhi::{BoundaryGraph, FrozenDerivative, HistoryInequality, StepInequality, StepState};
+use vhi::{
+    BoundaryGraph, FrozenDerivative, HistoryInequality, OpenInequality, StepInequality, StepState,
+};
 
 /// A run whose last slot may be given any weight, with DΛ of the level that is open.
-pub struct OpenLevel<'a, P> {
+pub struct OpenLevel<'a> {
     space: &'a Discretization,
-    model: &'a Model<P>,
-    evolution: Evolution<'a, P>,
+    model: &'a Model,
+    evolution: Evolution<'a>,
     slot: LastSlot,
     /// Stiffness of each ℬ₀, empty without memory.
     memory: Vec<Vec<f64>>,
@@ -28,15 +30,15 @@ pub struct OpenLevel<'a, P> {
 /// Residual of the linear solves within DΛ, relative: rounding of a factorization.
 const LINEAR: f64 = 1e-13;
 
-impl<'a, P: Projection> OpenLevel<'a, P> {
+impl<'a> OpenLevel<'a> {
     /// The run `evolution`, of `model` on `space`.
     ///
     /// # Errors
     /// The factorization of the strain products.
     pub fn new(
         space: &'a Discretization,
-        model: &'a Model<P>,
-        evolution: Evolution<'a, P>,
+        model: &'a Model,
+        evolution: Evolution<'a>,
     ) -> Result<Self, FactorError> {
         let gram = space.stiffness_of_unknowns(&TensorField::identity());
         let analysis = space.analysis()?;
@@ -69,7 +71,7 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
     }
 }
 
-impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
+impl FrozenDerivative for OpenLevel<'_> {
     fn set_step(&mut self, k: f64) {
         let rule = &self.model.time_rule;
         let own =
@@ -140,15 +142,10 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
 }
 
 /// ∂/∂κ ∫ σ:ε(v) over all nodes.
-fn force_by_limit<P: Projection>(
-    space: &Discretization,
-    model: &Model<P>,
-    nodal: &[f64],
-    kappa: f64,
-) -> Vec<f64> {
-    fn add<P: Projection, const D: usize, const S: usize>(
+fn force_by_limit(space: &Discretization, model: &Model, nodal: &[f64], kappa: f64) -> Vec<f64> {
+    fn add<const D: usize, const S: usize>(
         space: &Discretization,
-        model: &Model<P>,
+        model: &Model,
         nodal: &[f64],
         kappa: f64,
         out: &mut [f64],
@@ -163,13 +160,13 @@ fn force_by_limit<P: Projection>(
     }
     let mut out = vec![0.0; nodal.len()];
     match space.mesh.dimension {
-        2 => add::<P, 2, 3>(space, model, nodal, kappa, &mut out),
-        _ => add::<P, 3, 6>(space, model, nodal, kappa, &mut out),
+        2 => add::<2, 3>(space, model, nodal, kappa, &mut out),
+        _ => add::<3, 6>(space, model, nodal, kappa, &mut out),
     }
     out
 }
 
-impl<P: Projection> HistoryInequality for OpenLevel<'_, P> {
+impl HistoryInequality for OpenLevel<'_> {
     type Error = CaseError;
 
     fn grid(&self) -> &TimeGrid {
@@ -182,12 +179,14 @@ impl<P: Projection> HistoryInequality for OpenLevel<'_, P> {
         Ok(())
     }
 
-    fn freeze(&mut self, eta: Option<&[f64]>) {
-        self.evolution.freeze(eta);
-    }
-
     fn commit(&mut self, solution: &StepState) {
         self.evolution.commit(solution);
+    }
+}
+
+impl OpenInequality for OpenLevel<'_> {
+    fn freeze(&mut self, eta: Option<&[f64]>) {
+        self.evolution.freeze(eta);
     }
 
     fn norm(&self, v: &[f64]) -> f64 {
@@ -195,7 +194,7 @@ impl<P: Projection> HistoryInequality for OpenLevel<'_, P> {
     }
 }
 
-impl<P: Projection> StepInequality for OpenLevel<'_, P> {
+impl StepInequality for OpenLevel<'_> {
     fn dofs(&self) -> usize {
         self.evolution.dofs()
     }

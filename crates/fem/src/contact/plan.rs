@@ -30,12 +30,7 @@ impl Plan {
     }
 
     /// The plan of a run of `steps` steps; only a solver that is Newton's method alone (`newton`) may be replaced.
-    pub fn of<P: Projection>(
-        space: &Discretization,
-        model: &Model<P>,
-        steps: usize,
-        newton: bool,
-    ) -> Self {
+    pub fn of(space: &Discretization, model: &Model, steps: usize, newton: bool) -> Self {
         // What is condensed is a factor.
         let direct = || LinearSolver::of(space, model, steps) == LinearSolver::Direct;
         match Self::foreseen(model, space.mesh.dimension) {
@@ -47,7 +42,7 @@ impl Plan {
 
     /// The plan where Γ3 is small beside the body. That is so in the plane: in space a factor with Γ3 last costs a
     /// multiple of one without, and a full matrix on n² unknowns is no small problem.
-    pub(crate) fn foreseen<P: Projection>(model: &Model<P>, dimension: usize) -> Self {
+    pub(crate) fn foreseen(model: &Model, dimension: usize) -> Self {
         if model.is_linear() {
             if Self::changes_factor(model) { Self::Linear } else { Self::Recursion }
         } else if dimension == 2 && model.projection.limit().is_none() && model.friction.is_none() {
@@ -58,7 +53,7 @@ impl Plan {
     }
 
     /// Matrices that the levels of a run on `grid` take, one after the other; `None` where the run decides.
-    pub fn matrices<P: Projection>(self, model: &Model<P>, grid: &TimeGrid) -> Option<u32> {
+    pub fn matrices(self, model: &Model, grid: &TimeGrid) -> Option<u32> {
         if self == Self::Newton {
             return None;
         }
@@ -78,7 +73,7 @@ impl Plan {
     }
 
     /// Whether the matrix of a level depends on the weight of its last slot by more than a factor.
-    pub fn changes_factor<P: Projection>(model: &Model<P>) -> bool {
+    pub fn changes_factor(model: &Model) -> bool {
         model.memory_multiple().is_none()
     }
 }
@@ -111,7 +106,7 @@ const UNKNOWNS_A_SOLVE: usize = 7_000;
 impl LinearSolver {
     /// The solver of a run of `steps` steps: the one that `space` names, or the cheaper one by size and number of
     /// solves with one matrix. Factors where the mesh has no levels.
-    pub fn of<P: Projection>(space: &Discretization, model: &Model<P>, steps: usize) -> Self {
+    pub fn of(space: &Discretization, model: &Model, steps: usize) -> Self {
         // Linear runs and condensed ones have one matrix; a step of the others factorizes anew about once.
         let one =
             model.is_linear() || Plan::foreseen(model, space.mesh.dimension) == Plan::Condensed;

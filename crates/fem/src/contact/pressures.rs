@@ -1,13 +1,13 @@
 //! Multiplier and compliance at the points of Γ3, from the pressures of the graphs.
 
 use super::{BoundaryRule, Discretization, Model};
-use vhi::law::{Potential, Projection};
+use vhi::law::Potential;
 use vhi::{BoundaryGraph, GraphPiece, StepState};
 
 /// c = ξ + λ: at the bound ξ is the least element of ∂j_ν(g) and λ the rest, elsewhere ξ is all.
-pub(super) fn split_pressures<P: Projection>(
+pub(super) fn split_pressures(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     graph: &BoundaryGraph,
     state: &StepState,
     [compliance, multiplier]: [&mut [f64]; 2],

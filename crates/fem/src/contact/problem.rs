@@ -21,9 +21,9 @@ use vhi::law::{Projection, TensorField};
 use vhi::{BoundaryGraph, StepInequality};
 
 /// The contact problem on one mesh, at one time level after another.
-pub struct ContactProblem<'a, P> {
+pub struct ContactProblem<'a> {
     pub(super) space: &'a Discretization,
-    pub(super) model: &'a Model<P>,
+    pub(super) model: &'a Model,
     pub(super) graph: BoundaryGraph,
     compliance: Option<FacetCompliance<'a>>,
     /// Positions of the rows and columns of the graph coordinates in the tangent.
@@ -57,14 +57,14 @@ pub struct ContactProblem<'a, P> {
     work: Work,
 }
 
-impl<'a, P: Projection> ContactProblem<'a, P> {
+impl<'a> ContactProblem<'a> {
     /// The problem of `model` on `space`, before the first time level, with a solver of its Jacobians.
     ///
     /// # Errors
     /// The pattern cannot be analysed.
     pub fn new(
         space: &'a Discretization,
-        model: &'a Model<P>,
+        model: &'a Model,
         solver: LinearSolver,
     ) -> Result<Self, FactorError> {
         let elastic = space.stiffness_of_unknowns(&model.elasticity);
@@ -311,7 +311,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     }
 }
 
-impl<P: Projection> StepInequality for ContactProblem<'_, P> {
+impl StepInequality for ContactProblem<'_> {
     fn dofs(&self) -> usize {
         self.space.dofs()
     }

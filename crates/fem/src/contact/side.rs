@@ -6,7 +6,6 @@ use super::one_matrix::Pending;
 use super::volume::Volume;
 use super::{Discretization, Model};
 use vhi::history::{Memory, TimeGrid};
-use vhi::law::Projection;
 use vhi::{Extrapolation, Newton, Scratch, StepError, StepInfo, StepState};
 
 /// Γ3 with what it remembers.
@@ -24,9 +23,9 @@ pub(super) struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// Before the first level.
-    pub(super) fn new<P: Projection>(
+    pub(super) fn new(
         space: &Discretization,
-        model: &'a Model<P>,
+        model: &'a Model,
         grid: &TimeGrid,
         volume: &Volume<'_>,
     ) -> Self {
@@ -71,9 +70,9 @@ impl<'a> Side<'a> {
     }
 
     /// Solves `pending`, whose condensed right side is every `width`-th of `rows`, and leaves v_n there.
-    pub(super) fn solve<P: Projection>(
+    pub(super) fn solve(
         &mut self,
-        model: &Model<P>,
+        model: &Model,
         grid: &TimeGrid,
         newton: &Newton,
         pending: &mut Pending,

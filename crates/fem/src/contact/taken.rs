@@ -3,13 +3,12 @@
 use super::plan::Plan;
 use super::{Discretization, LinearSolver, Model, Path, Paths, StepView, by_grid};
 use vhi::history::{Storage, TimeGrid};
-use vhi::law::Projection;
 
 /// What is known of a run before its first level.
-pub(super) fn foreseen<P: Projection>(
+pub(super) fn foreseen(
     plan: Plan,
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     grid: &TimeGrid,
 ) -> Paths {
     let (mut paths, equal) = (Paths::default(), grid.is_uniform());
@@ -45,11 +44,7 @@ pub(super) fn of_storage(storage: Storage, grid: &TimeGrid) -> Path {
 }
 
 /// What a level shows of gap and law.
-pub(super) fn of_level<P: Projection>(
-    space: &Discretization,
-    model: &Model<P>,
-    view: &StepView<'_>,
-) -> Paths {
+pub(super) fn of_level(space: &Discretization, model: &Model, view: &StepView<'_>) -> Paths {
     let mut paths = Paths::default();
     for point in space.trace.points.iter().filter(|p| model.friction.is_some() && p.carries()) {
         // A vertex that sticks is held at 0 but for the rounding of a frame.

@@ -8,7 +8,7 @@ use super::floor::Accepted;
 use super::way::{Way, accepted_residual, size_of_forces};
 use super::{Discretization, Floors, LinearSolver, Model, Unknowns, Work};
 use algebra::linalg::{FactorError, Front, MultigridSequence, SIDES, axpy, norm};
-use vhi::law::{Projection, TensorField};
+use vhi::law::TensorField;
 
 /// Matrix and solver. Right sides of a pass over a factor are in its order, entry after entry, `width` of each.
 pub(super) struct Volume<'a> {
@@ -48,9 +48,9 @@ impl<'a> Volume<'a> {
     ///
     /// # Errors
     /// 𝒜 is not positive definite, or the order of unknowns cannot be analysed.
-    pub(super) fn new<P: Projection>(
+    pub(super) fn new(
         space: &'a Discretization,
-        model: &Model<P>,
+        model: &Model,
         solver: LinearSolver,
         unknowns: Unknowns,
         equal_steps: bool,

@@ -3,7 +3,6 @@
 use super::moments::{Moments, facet_samples, hausdorff};
 use crate::contact::{Discretization, Model, StepView, TracePoint};
 use crate::space::StrainPoint;
-use vhi::law::Projection;
 
 /// Errors at one time level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,24 +31,24 @@ pub fn is_locked(normal: f64, gap: f64) -> bool {
 }
 
 /// All errors of `view` against `truth`.
-pub fn step_errors<P: Projection>(
+pub fn step_errors(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     truth: &Moments,
 ) -> StepErrors {
     let mut errors = match space.mesh.dimension {
-        2 => cells::<P, 2, 3>(space, model, view, truth),
-        _ => cells::<P, 3, 6>(space, model, view, truth),
+        2 => cells::<2, 3>(space, model, view, truth),
+        _ => cells::<3, 6>(space, model, view, truth),
     };
     facets(space, view, truth, &mut errors);
     errors.contact_set = contact_set(space, model, view, truth);
     errors
 }
 
-fn cells<P: Projection, const D: usize, const S: usize>(
+fn cells<const D: usize, const S: usize>(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
     truth: &Moments,
 ) -> StepErrors {
@@ -123,12 +122,7 @@ fn facets(space: &Discretization, view: &StepView<'_>, truth: &Moments, errors: 
 /// Hausdorff distance of the exact and the discrete locked set, on samples of the facets of Γ3. The discrete
 /// set holds its locked corners, and the edges and triangles whose corners are all locked; of elements with one point a
 /// facet, the facets where it is.
-fn contact_set<P: Projection>(
-    space: &Discretization,
-    model: &Model<P>,
-    view: &StepView<'_>,
-    truth: &Moments,
-) -> f64 {
+fn contact_set(space: &Discretization, model: &Model, view: &StepView<'_>, truth: &Moments) -> f64 {
     let Some(boundary) = &model.boundary else { return 0.0 };
     if truth.locked.is_empty() {
         return 0.0;

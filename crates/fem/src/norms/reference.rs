@@ -6,7 +6,6 @@ use super::moments::Moments;
 use super::nested::{Pieces, onto_strains};
 use super::refinement::{ReferenceError, Refinement};
 use crate::contact::{Discretization, LevelFields, Model, StepView};
-use vhi::law::Projection;
 
 /// Displacements of a run at selected times, as nodal vectors.
 #[derive(Debug, Clone, Default)]
@@ -50,7 +49,7 @@ impl ReferenceRun {
     }
 
     /// Keeps the level that `view` shows.
-    pub fn keep<P: Projection>(&mut self, model: &Model<P>, view: &StepView<'_>) {
+    pub fn keep(&mut self, model: &Model, view: &StepView<'_>) {
         let space = &self.space;
         let gap = |i: usize| {
             let boundary = model.boundary.as_ref()?;

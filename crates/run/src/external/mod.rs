@@ -32,9 +32,9 @@ use self::series::numbered;
 pub use self::series::{COLLECTION, SeriesError};
 pub use self::vtu::VtuReadError;
 use algebra::linalg::axpy;
-use fem::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, strain_norm};
+use fem::contact::{CaseError, CaseInfo, Discretization, Model, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};
-use scene::setup::{MeshData, SceneModel, Scheme, Setup};
+use scene::setup::{MeshData, Scheme, Setup};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
 
@@ -113,7 +113,7 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
 /// this program's laws.
 fn show(
     space: &Discretization,
-    model: &SceneModel,
+    model: &Model,
     grid: &TimeGrid,
     [u, pressures]: [&[f64]; 2],
     observe: &mut Observer<'_>,

@@ -261,10 +261,10 @@ pub fn abstract_floors(setup: &AbstractSetup, steps: u32) -> Result<Vec<FloorRow
     Ok(vec![FloorRow { norm, part, error, measured, estimated }])
 }
 
-fn abstract_levels<S: StepSolver>(
+fn abstract_levels(
     setup: &AbstractSetup,
     steps: u32,
-    solver: &S,
+    solver: &dyn StepSolver,
 ) -> Result<(Vec<DVector<f64>>, f64, f64), FiniteError> {
     let (mut levels, mut error) = (Vec::new(), 0f64);
     let grid = setup.grid(steps);

@@ -70,7 +70,7 @@ impl AbstractSetup {
     }
 
     /// Solves the scene with `steps` steps and measures it against the exact solution.
-    pub fn run<S: StepSolver>(&self, steps: u32, solver: &S) -> Result<AbstractRun, FiniteError> {
+    pub fn run(&self, steps: u32, solver: &dyn StepSolver) -> Result<AbstractRun, FiniteError> {
         let mut run = AbstractRun::default();
         let mut observe = |view: &FiniteView<'_>| {
             let begin = Instant::now();

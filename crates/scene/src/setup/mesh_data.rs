@@ -140,11 +140,11 @@ impl MeshData {
     ///
     /// # Errors
     /// The solver's; [`LoadError::Resultant`].
-    pub fn march<S: StepSolver>(
+    pub fn march(
         &self,
         setup: &Setup,
         steps: u32,
-        solver: &S,
+        solver: &dyn StepSolver,
         observe: &mut Observer<'_>,
     ) -> Result<CaseInfo, CaseError> {
         let checked = || load_check::check(setup, &self.space, &*self.truth);

@@ -52,10 +52,7 @@ use vhi::history::{
     CorrectedEnd, FastConvolution, Gregory, GregoryOrder, Left, ProductIntegration, TimeGrid,
     TimeRule, Trapezoid,
 };
-use vhi::law::{Summed, VonMises};
-
-/// The model of a scene.
-pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
+use vhi::law::{AnyProjection, Summed, VonMises};
 
 /// Why a scene could not be set up or run.
 #[derive(Debug, thiserror::Error)]
@@ -76,7 +73,7 @@ pub enum SetupError {
 pub struct Setup {
     pub scene: Scene,
     pub body: ContactScene,
-    pub model: SceneModel,
+    pub model: Model,
     /// If the scene has one.
     pub exact: Option<Arc<Exact>>,
     /// The solver under test; by default [`NewtonMarch`].
@@ -163,8 +160,13 @@ impl Setup {
     }
 
     /// The model that the scene states; [`Self::model`] may hold other components.
-    pub fn scene_model(&self) -> SceneModel {
+    pub fn scene_model(&self) -> Model {
         model(&self.scene, &self.body)
+    }
+
+    /// The projection that the scene states.
+    pub fn scene_projection(&self) -> Option<VonMises<YieldFormula>> {
+        projection(&self.scene, &self.body)
     }
 
     /// The grid with the given number of steps.
@@ -250,16 +252,15 @@ fn time_rule(time: &crate::Time) -> Box<dyn TimeRule> {
     }
 }
 
-fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
+fn projection(scene: &Scene, body: &ContactScene) -> Option<VonMises<YieldFormula>> {
+    let written = body.material.projection.as_ref().filter(|projection| projection.mu > 0.0)?;
+    let limit = YieldFormula::new(&scene.formulas, written.kappa);
+    Some(VonMises { mu: written.mu, limit })
+}
+
+fn model(scene: &Scene, body: &ContactScene) -> Model {
     let material = &body.material;
     let formulas = Arc::new(scene.formulas.clone());
-    let projection =
-        material.projection.as_ref().filter(|projection| projection.mu > 0.0).map(|projection| {
-            VonMises {
-                mu: projection.mu,
-                limit: YieldFormula::new(&scene.formulas, projection.kappa),
-            }
-        });
     let boundary =
         body.contact.as_ref().filter(|contact| contact.gap.is_some() || contact.law.is_some()).map(
             |contact| Boundary {
@@ -281,7 +282,7 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
         friction: friction.map(|written| laws::friction(written, &formulas)),
         elasticity: elasticity(material),
         memory: material::memory_terms(material, &formulas),
-        projection,
+        projection: projection(scene, body).map(AnyProjection::new),
         boundary,
         time_rule: time_rule(&scene.time),
     }

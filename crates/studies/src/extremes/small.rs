@@ -28,7 +28,7 @@ fn scalar(q: f64, alpha: f64, horizon: f64, u: &str) -> String {
 }
 
 /// The relative error of a scene in ℝ after so many steps.
-fn error<S: StepSolver>(text: String, steps: u32, solver: &S) -> Result<Measured, NoAnswer> {
+fn error(text: String, steps: u32, solver: &dyn StepSolver) -> Result<Measured, NoAnswer> {
     let scene =
         Scene::from_source(Source::from_text("scalar.toml", text)).map_err(NoAnswer::refused)?;
     let setup = AbstractSetup::new(scene).map_err(NoAnswer::refused)?;

@@ -1,13 +1,13 @@
 //! β_nj = |W_nj| ‖𝒜^{-1/2} ℬ 𝒜^{-1/2}‖: what the errors of earlier levels are to that of level n.
 
 use algebra::linalg::larger;
+use fem::contact::Model;
 use nalgebra::{Matrix3, SymmetricEigen};
-use scene::setup::SceneModel;
 use vhi::history::TimeGrid;
 use vhi::law::{Convolution, TensorField};
 
 /// β_nj, j = 0, …, n; empty without memory.
-pub(super) fn weights(model: &SceneModel, grid: &TimeGrid, n: usize) -> Vec<f64> {
+pub(super) fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
     let rule = model.time_rule.as_ref();
     let Some((first, others)) = model.memory.split_first() else { return Vec::new() };
     let weight = |j: usize| {

@@ -34,10 +34,10 @@ mod truth;
 
 use algebra::tensor::contract;
 use exact::{Status, check};
-use fem::contact::{Discretization, StepView};
+use fem::contact::{Discretization, Model, StepView};
 use fem::space::{StrainPoint, StrainShapes};
 use scene::Extension;
-use scene::setup::{MeshData, SceneModel, Setup, SetupError, side_numbers, sides};
+use scene::setup::{MeshData, Setup, SetupError, side_numbers, sides};
 use vhi::Newton;
 use vhi::history::TimeGrid;
 use vhi::law::TensorField;
@@ -111,7 +111,7 @@ pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee, Guarant
 
 /// The bounds of a run that is seen level by level.
 pub struct Bounding<'a> {
-    model: &'a SceneModel,
+    model: &'a Model,
     levels: Levels<'a>,
     failed: Option<GuaranteeError>,
 }
@@ -210,10 +210,10 @@ struct Levels<'a> {
 }
 
 /// A stress on one cell.
-type OfCell = fn(&Discretization, &SceneModel, &StepView<'_>, usize) -> Stress;
+type OfCell = fn(&Discretization, &Model, &StepView<'_>, usize) -> Stress;
 
 /// 𝒜ε(u^h) + H on a cell, constant or linear as strains are.
-fn of_run(space: &Discretization, model: &SceneModel, view: &StepView<'_>, c: usize) -> Stress {
+fn of_run(space: &Discretization, model: &Model, view: &StepView<'_>, c: usize) -> Stress {
     if space.geometry.shares.len() == 1 {
         return Triangle::constant(&view.stress(space, model, c));
     }
@@ -237,7 +237,7 @@ impl<'a> Levels<'a> {
         Ok(Self { space, grid, equilibrium, densities, truth, of_cell: of_run, found: Vec::new() })
     }
 
-    fn add(&mut self, model: &SceneModel, view: &StepView<'_>) -> Result<(), GuaranteeError> {
+    fn add(&mut self, model: &Model, view: &StepView<'_>) -> Result<(), GuaranteeError> {
         let (space, elasticity) = (self.space, &model.elasticity);
         let start = |c: usize| (self.of_cell)(space, model, view, c);
         let start: Vec<Stress> = (0..space.mesh.cell_count()).map(start).collect();
@@ -278,13 +278,7 @@ impl<'a> Levels<'a> {
     }
 
     /// The larger zero of (1 - β_nn) e² - a e - G, a = `own` + Σ_{j<n} β_nj e_j.
-    fn bound(
-        &self,
-        model: &SceneModel,
-        n: usize,
-        own: f64,
-        gap: f64,
-    ) -> Result<f64, GuaranteeError> {
+    fn bound(&self, model: &Model, n: usize, own: f64, gap: f64) -> Result<f64, GuaranteeError> {
         let weights = memory::weights(model, &self.grid, n);
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);

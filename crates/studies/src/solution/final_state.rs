@@ -6,7 +6,6 @@ use super::pressed_zone::PressedZone;
 use algebra::tensor::contract;
 use fem::contact::{Discretization, Model, StepView};
 use fem::norms::is_locked;
-use vhi::law::Projection;
 
 /// Named quantities; the field names are the JSON keys that other programs rely on.
 #[derive(Debug, Clone, Serialize)]
@@ -56,14 +55,10 @@ pub struct FinalState {
 
 impl FinalState {
     /// The quantities of the level that `view` shows.
-    pub fn new<P: Projection>(
-        space: &Discretization,
-        model: &Model<P>,
-        view: &StepView<'_>,
-    ) -> Self {
+    pub fn new(space: &Discretization, model: &Model, view: &StepView<'_>) -> Self {
         let (elastic_energy, yielding_elements) = match space.mesh.dimension {
-            2 => over_cells::<P, 3>(space, model, view),
-            _ => over_cells::<P, 6>(space, model, view),
+            2 => over_cells::<3>(space, model, view),
+            _ => over_cells::<6>(space, model, view),
         };
         let (min_uy, min_uy_vertex) = lowest(space, view);
         let mut state = Self {
@@ -108,12 +103,7 @@ impl FinalState {
         }
     }
 
-    fn add_trace<P: Projection>(
-        &mut self,
-        space: &Discretization,
-        model: &Model<P>,
-        view: &StepView<'_>,
-    ) {
+    fn add_trace(&mut self, space: &Discretization, model: &Model, view: &StepView<'_>) {
         let d = space.mesh.dimension;
         for (i, point) in space.trace.points.iter().enumerate() {
             let normal = space.trace.normal(i, view.u);
@@ -163,9 +153,9 @@ fn along_the_side(rows: &mut [Vec<f64>]) {
     });
 }
 
-fn over_cells<P: Projection, const S: usize>(
+fn over_cells<const S: usize>(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
 ) -> (f64, usize) {
     let (mut energy, mut yielding) = (0.0, 0);
@@ -175,7 +165,7 @@ fn over_cells<P: Projection, const S: usize>(
         energy += 0.5 * at.weight * contract(&stress, &strain);
     }
     for c in 0..space.mesh.cell_count() {
-        yielding += usize::from(view.yields::<P, S>(space, model, c));
+        yielding += usize::from(view.yields::<S>(space, model, c));
     }
     (energy, yielding)
 }

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use super::vtu::{Field, Grid, VtuError, write_pvd, write_vtu};
 use fem::contact::{Discretization, Model, StepView};
 use files::make_directory;
-use vhi::law::Projection;
 
 /// Files `SCENE_0000.vtu`, … and `SCENE.pvd` in one directory.
 pub struct VtuSeries {
@@ -29,18 +28,18 @@ impl VtuSeries {
     ///
     /// # Errors
     /// The file system's.
-    pub fn write<P: Projection>(
+    pub fn write(
         &mut self,
         space: &Discretization,
-        model: &Model<P>,
+        model: &Model,
         view: &StepView<'_>,
     ) -> Result<(), VtuError> {
         let mesh = &space.mesh;
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
         let (stress, yields) = match mesh.dimension {
-            2 => cell_fields::<P, 3>(space, model, view),
-            _ => cell_fields::<P, 6>(space, model, view),
+            2 => cell_fields::<3>(space, model, view),
+            _ => cell_fields::<6>(space, model, view),
         };
         let displacement = displacement(space, view);
         let (mut xi, mut lambda) = (vec![0.0; points.len()], vec![0.0; points.len()]);
@@ -95,22 +94,22 @@ fn displacement(space: &Discretization, view: &StepView<'_>) -> Vec<f64> {
 }
 
 /// Stress in the component order of ParaView, and 1 where the projection acts.
-fn cell_fields<P: Projection, const S: usize>(
+fn cell_fields<const S: usize>(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
     view: &StepView<'_>,
 ) -> (Vec<f64>, Vec<f64>) {
     // Mandel (xx, yy, √2 xy) or (xx, yy, zz, √2 yz, √2 xz, √2 xy) to (xx, yy, zz, xy, yz, xz).
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let (mut stress, mut yields) = (Vec::new(), Vec::new());
     for c in 0..space.mesh.cell_count() {
-        let s = view.stress::<P, S>(space, model, c);
+        let s = view.stress::<S>(space, model, c);
         stress.extend(if S == 3 {
             [s[0], s[1], 0.0, half * s[2], 0.0, 0.0]
         } else {
             [s[0], s[1], s[2], half * s[5], half * s[3], half * s[4]]
         });
-        yields.push(f64::from(u8::from(view.yields::<P, S>(space, model, c))));
+        yields.push(f64::from(u8::from(view.yields::<S>(space, model, c))));
     }
     (stress, yields)
 }

@@ -7,7 +7,9 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::{FiniteError, FiniteLoad, FiniteModel};
 use crate::history::TimeGrid;
-use crate::{BoundaryGraph, Coordinate, HistoryInequality, StepInequality, StepState};
+use crate::{
+    BoundaryGraph, Coordinate, HistoryInequality, OpenInequality, StepInequality, StepState,
+};
 use algebra::linalg::FactorError;
 
 /// The problem with its committed history.
@@ -155,16 +157,18 @@ impl HistoryInequality for FiniteEvolution<'_> {
         Ok(())
     }
 
+    fn commit(&mut self, solution: &StepState) {
+        self.past.push(self.displacement(&solution.u));
+    }
+}
+
+impl OpenInequality for FiniteEvolution<'_> {
     fn freeze(&mut self, eta: Option<&[f64]>) {
         self.y_past = self.y_before.clone();
         self.implicit = eta.is_none();
         if let Some(eta) = eta {
             self.y_past += &self.last_slot * self.displacement(eta);
         }
-    }
-
-    fn commit(&mut self, solution: &StepState) {
-        self.past.push(self.displacement(&solution.u));
     }
 
     fn norm(&self, v: &[f64]) -> f64 {

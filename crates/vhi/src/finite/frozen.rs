@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::FiniteEvolution;
-use crate::{FrozenDerivative, HistoryInequality, StepInequality, StepState};
+use crate::{FrozenDerivative, OpenInequality, StepInequality, StepState};
 use algebra::linalg::FactorError;
 
 impl FrozenDerivative for FiniteEvolution<'_> {

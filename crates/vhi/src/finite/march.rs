@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::{FiniteEvolution, FiniteModel};
 use crate::history::TimeGrid;
 use crate::law::graph_distance;
-use crate::{FailedStep, HistoryInequality, StepInequality, StepSolver, Stepper};
+use crate::{FailedStep, OpenInequality, StepInequality, StepSolver, Stepper};
 use algebra::linalg::{larger, largest};
 
 /// Why a case has no result.
@@ -78,11 +78,11 @@ const SAFETY: f64 = 4.0;
 ///
 /// # Errors
 /// A step that does not converge, a load that is not finite, a residual above 1e-12.
-pub fn march<S: StepSolver>(
+pub fn march(
     model: &FiniteModel,
     grid: &TimeGrid,
     load: &mut dyn FiniteLoad,
-    solver: &S,
+    solver: &dyn StepSolver,
     observe: &mut dyn FnMut(&FiniteView<'_>),
 ) -> Result<FiniteInfo, FiniteError> {
     let mut evolution = FiniteEvolution::new(model, grid, load)?;

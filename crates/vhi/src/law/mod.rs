@@ -15,6 +15,6 @@ pub use kernel::{
     Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Singular, Summed,
 };
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
-pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};
+pub use projection::{AnyProjection, Projection, Response, VonMises, YieldLimit};
 pub use scaled::Scaled;
 pub use tensor_field::{FourthOrder, TensorField};

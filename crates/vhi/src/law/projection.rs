@@ -32,21 +32,76 @@ pub trait Projection: Send + Sync {
     fn limit(&self) -> Option<&dyn YieldLimit>;
 }
 
-/// A scene without projection: nothing is stored or computed.
-#[derive(Debug, Clone, Copy)]
-pub struct NoProjection;
+/// A projection of any type behind one pointer: what holds it is compiled once, whatever projection there is.
+pub struct AnyProjection(Box<dyn InPlaneAndSpace>);
 
-impl Projection for NoProjection {
-    fn stress<const S: usize>(&self, _: &Symmetric<S>, _: f64) -> Option<Symmetric<S>> {
-        None
+impl AnyProjection {
+    pub fn new(projection: impl Projection + 'static) -> Self {
+        Self(Box::new(projection))
+    }
+}
+
+/// [`Projection`] with its dimensions written out, as a trait object needs them.
+trait InPlaneAndSpace: Send + Sync {
+    fn stress_in_plane(&self, strain: &Symmetric<3>, kappa: f64) -> Option<Symmetric<3>>;
+    fn stress_in_space(&self, strain: &Symmetric<6>, kappa: f64) -> Option<Symmetric<6>>;
+    fn response_in_plane(&self, strain: &Symmetric<3>, kappa: f64) -> Option<Response<3>>;
+    fn response_in_space(&self, strain: &Symmetric<6>, kappa: f64) -> Option<Response<6>>;
+    fn yield_limit(&self) -> Option<&dyn YieldLimit>;
+}
+
+impl<Q: Projection> InPlaneAndSpace for Q {
+    fn stress_in_plane(&self, strain: &Symmetric<3>, kappa: f64) -> Option<Symmetric<3>> {
+        self.stress(strain, kappa)
     }
 
-    fn response<const S: usize>(&self, _: &Symmetric<S>, _: f64) -> Option<Response<S>> {
-        None
+    fn stress_in_space(&self, strain: &Symmetric<6>, kappa: f64) -> Option<Symmetric<6>> {
+        self.stress(strain, kappa)
+    }
+
+    fn response_in_plane(&self, strain: &Symmetric<3>, kappa: f64) -> Option<Response<3>> {
+        self.response(strain, kappa)
+    }
+
+    fn response_in_space(&self, strain: &Symmetric<6>, kappa: f64) -> Option<Response<6>> {
+        self.response(strain, kappa)
+    }
+
+    fn yield_limit(&self) -> Option<&dyn YieldLimit> {
+        self.limit()
+    }
+}
+
+/// The first T numbers of a tensor with S; both are the same number where this is used.
+fn resized<const S: usize, const T: usize>(tensor: &Symmetric<S>) -> Symmetric<T> {
+    std::array::from_fn(|i| tensor[i])
+}
+
+fn resized_response<const S: usize, const T: usize>(response: &Response<S>) -> Response<T> {
+    Response {
+        stress: resized(&response.stress),
+        tangent: std::array::from_fn(|i| resized(&response.tangent[i])),
+        by_limit: resized(&response.by_limit),
+    }
+}
+
+impl Projection for AnyProjection {
+    fn stress<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Symmetric<S>> {
+        match dimension::<S>() {
+            2 => self.0.stress_in_plane(&resized(strain), kappa).as_ref().map(resized),
+            _ => self.0.stress_in_space(&resized(strain), kappa).as_ref().map(resized),
+        }
+    }
+
+    fn response<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Response<S>> {
+        match dimension::<S>() {
+            2 => self.0.response_in_plane(&resized(strain), kappa).as_ref().map(resized_response),
+            _ => self.0.response_in_space(&resized(strain), kappa).as_ref().map(resized_response),
+        }
     }
 
     fn limit(&self) -> Option<&dyn YieldLimit> {
-        None
+        self.0.yield_limit()
     }
 }
 
@@ -192,16 +247,19 @@ mod tests {
     #[test]
     fn what_is_absent_answers_nothing_and_what_is_there_answers_for_itself() {
         let strain = [0.3, -0.2, 0.17];
-        let none: Option<VonMises<Constant>> = None;
+        let none: Option<AnyProjection> = None;
         assert!(none.limit().is_none() && none.stress(&strain, 0.1).is_none());
         assert!(none.response(&strain, 0.1).is_none());
-        assert!(NoProjection.limit().is_none() && NoProjection.stress(&strain, 0.1).is_none());
-        assert!(NoProjection.response(&strain, 0.1).is_none());
-        let law = VonMises { mu: 1.7, limit: Constant };
-        let stress = law.stress(&strain, 0.1);
-        let law = Some(law);
-        assert_eq!(law.stress(&strain, 0.1), stress);
-        assert_eq!(law.response(&strain, 0.1).map(|response| response.stress), stress);
-        assert_eq!(law.limit().map(|limit| limit.value(0.0)), Some(0.1));
+        fn same<const S: usize>(strain: &Symmetric<S>) {
+            let law = || VonMises { mu: 1.7, limit: Constant };
+            let (law, held) = (law(), Some(AnyProjection::new(law())));
+            assert_eq!(law.stress(strain, 0.1), held.stress(strain, 0.1));
+            let numbers = |r: Response<S>| (r.stress, r.tangent, r.by_limit);
+            let response = law.response(strain, 0.1).map(numbers);
+            assert!(response.is_some() && response == held.response(strain, 0.1).map(numbers));
+            assert_eq!(held.limit().map(|limit| limit.value(0.0)), Some(0.1));
+        }
+        same(&strain);
+        same(&[0.3, -0.2, 0.1, 0.17, -0.4, 0.05]);
     }
 }

@@ -11,9 +11,8 @@ use crate::contact::{CaseError, Observer, StepView};
 use algebra::linalg::{axpy, norm};
 use vhi::StepInequality;
 use vhi::history::Memory;
-use vhi::law::Projection;
 
-impl<P: Projection> OneMatrix<'_, P> {
+impl OneMatrix<'_> {
     /// Commits the levels that are solved and shows them, in their order.
     pub(super) fn expand(&mut self, observe: &mut Observer<'_>) -> Result<(), CaseError> {
         for at in 0..std::mem::take(&mut self.solved) {

@@ -6,12 +6,8 @@ use super::linear::linear_loss;
 use super::run::{self, AtLevel, AtWorst, Study};
 use ::run::sweep::{Runs, run_cost};
 use fem::contact::{Discretization, Evolution, OpenLevel};
-use scene::setup::{MeshData, Setup, TruthLoad, YieldFormula};
-use vhi::law::VonMises;
+use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::{StepBounds, StepState};
-
-/// An open level of a scene's run.
-pub(crate) type SceneLevel<'a> = OpenLevel<'a, Option<VonMises<YieldFormula>>>;
 
 /// Runs the scene on the mesh `n` with `steps` steps and studies its worst level.
 ///
@@ -74,7 +70,7 @@ pub fn at_level<T>(
     data: &MeshData,
     steps: u32,
     number: usize,
-    see: impl FnOnce(&mut SceneLevel<'_>, StepState) -> Result<T, BoundError>,
+    see: impl FnOnce(&mut OpenLevel<'_>, StepState) -> Result<T, BoundError>,
 ) -> Result<T, BoundError> {
     on_run(setup, data, steps, |level| {
         let state = run::run_to(level, number)?;
@@ -87,7 +83,7 @@ fn on_run<T>(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
-    see: impl FnOnce(&mut SceneLevel<'_>) -> Result<T, BoundError>,
+    see: impl FnOnce(&mut OpenLevel<'_>) -> Result<T, BoundError>,
 ) -> Result<T, BoundError> {
     let grid = setup.grid(steps);
     let mut load = TruthLoad(&*data.truth);

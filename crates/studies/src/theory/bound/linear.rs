@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use algebra::linalg::{EigenError, FactorError, LinearMap, largest_eigenvalue, signed_unit};
 use fem::contact::{Discretization, Model, StiffnessInverse, relaxation};
-use vhi::law::{FourthOrder, Projection};
+use vhi::law::FourthOrder;
 
 /// The smallest k > 0 at which the step of a linear scene is singular; infinite if none is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,9 +19,9 @@ pub struct LinearLoss {
 ///
 /// # Errors
 /// A stiffness matrix that cannot be factorized.
-pub(crate) fn linear_loss<P: Projection>(
+pub(crate) fn linear_loss(
     space: &Discretization,
-    model: &Model<P>,
+    model: &Model,
 ) -> Result<Option<LinearLoss>, EigenError> {
     if !model.is_linear() {
         return Ok(None);

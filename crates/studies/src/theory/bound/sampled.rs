@@ -11,7 +11,7 @@ use fem::contact::{
 };
 use scene::setup::{Constants, Setup};
 use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
-use vhi::law::{Potential, Projection, TensorField};
+use vhi::law::{AnyProjection, Potential, Projection, TensorField};
 
 /// A declared constant beside the worst that samples ask for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -234,9 +234,9 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
 
     /// (2.7b) and (4.1) of φ(y, u, v) = (θ - μ P_{M(κ(r))} ε(u), ε(v)), y = (r, θ): the left side of
     /// (2.7b) is (τ1 - τ2, ε(v2 - v1)) with τ = θ - μPε(u), largest at the Riesz representative.
-    pub(crate) fn phi<P: Projection>(
+    pub(crate) fn phi(
         &mut self,
-        p: &P,
+        p: &Option<AnyProjection>,
         mu: f64,
         constants: &Constants,
     ) -> Vec<Sampled> {
@@ -339,8 +339,8 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
 }
 
 /// μ P_{M(κ(r))} ε at the strain points: μ ε minus the projection stress μ(ε - Pε).
-fn projected<P: Projection, const S: usize>(
-    p: &P,
+fn projected<const S: usize>(
+    p: &Option<AnyProjection>,
     mu: f64,
     strain: &Tensors<S>,
     r: f64,

@@ -1,6 +1,7 @@
 //! The constants of (3.21)-(3.24) for a contact scene: m0 from proved bounds only, β_φ, and the parts
 //! of the history with their norms.
 
+use fem::contact::Model;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -8,7 +9,7 @@ use serde::Serialize;
 use super::GronwallError;
 use super::recurrence::{HistoryPart, KernelNorms};
 use super::rule::Weights;
-use scene::setup::{SceneModel, Setup, constants};
+use scene::setup::{Setup, constants};
 use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
 use vhi::law::Convolution;
 use vhi::monotonicity;
@@ -156,7 +157,7 @@ impl GronwallConstants {
 }
 
 /// ‖Σ_i W^i_nj ℬ_i‖ with the weights of product integration.
-fn weighed(model: &SceneModel, grid: &TimeGrid, d: usize) -> KernelNorms {
+fn weighed(model: &Model, grid: &TimeGrid, d: usize) -> KernelNorms {
     let norm = |n: usize, j: usize| {
         let weight = |kernel: &dyn vhi::law::MemoryKernel| {
             ProductIntegration.kernel_weight(&Convolution(kernel), grid, n, j)

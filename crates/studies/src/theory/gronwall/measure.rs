@@ -13,7 +13,7 @@ use fem::space::StrainPoint;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
 use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::{Convolution, Projection};
+use vhi::law::Convolution;
 
 /// One run in time with the truncation error of its grid.
 #[derive(Debug, Clone)]
@@ -35,9 +35,9 @@ impl TemporalRun {
     ///
     /// # Errors
     /// The run or the truth fails.
-    pub fn measure<P: Projection>(
+    pub fn measure(
         setup: &Setup,
-        model: &Model<P>,
+        model: &Model,
         data: &MeshData,
         truth: &TemporalTruth,
         constants: &GronwallConstants,
