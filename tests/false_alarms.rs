@@ -1,4 +1,4 @@
-//! Source: own; a gate that cries wolf is switched off.
+//! Source: a gate that cries wolf is switched off.
 //! Goal: the whole gate over seeded perturbations of what no prediction rests on (meshes, levels of refinement, time
 //!   grids, numbers of threads): no verdict of the sound program fails, fewer than 2 % are unresolved; a wrong time rule
 //!   in one run is counted as failures.

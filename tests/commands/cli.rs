@@ -223,8 +223,8 @@ fn list_explain_and_check_have_their_json() {
         keys(scene, &["name", "file", "question", "terms", "truth", "predicts", "long", "judge"]);
     }
     let plan = json(&sweep(&["explain", "affine", "--json"]));
-    let own = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
-    keys(&plan, &[&own[..], &["constants", "corners", "regions", "rule"]].concat());
+    let always = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
+    keys(&plan, &[&always[..], &["constants", "corners", "regions", "rule"]].concat());
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
     let predicted = ["seconds_predicted", "memory_bytes_predicted"];

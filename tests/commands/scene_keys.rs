@@ -105,7 +105,7 @@ fn key_of(line: &str) -> &str {
     line.split(" = ").next().unwrap_or_default()
 }
 
-/// A scene with an example in the place of its own keys. An example of `[contact.law]` that begins with `law =` is the
+/// A scene with an example in the place of its keys. An example of `[contact.law]` that begins with `law =` is the
 /// whole table.
 fn with(scene: &str, part: &str, example: &[&str]) -> String {
     let (parent, last) = part.rsplit_once('.').unwrap_or(("", part));

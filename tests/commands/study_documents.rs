@@ -95,7 +95,7 @@ fn a_claim_and_a_rung_that_fail_are_said() {
     shows(&document(&[entry(true)]), &document(&[entry(false)]), "sharp: not confirmed");
     shows(&document(&[entry(true)]), &document(&[]), "nothing was compared");
     let ladders: Vec<_> =
-        catalogue(false).into_iter().filter(|own| own.name == "one-vertex").collect();
+        catalogue(false).into_iter().filter(|ladder| ladder.name == "one-vertex").collect();
     let rung = judge(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
     let mut climbed = Climbed { ladders, rungs: vec![rung] };
     let sound = climbed.document().expect("a document");

@@ -165,7 +165,7 @@ fn one_sided_time_weights_are_seen() {
 
 #[test]
 fn a_projection_of_twice_the_strength_is_seen() {
-    let own = setup("punch");
+    let sound = setup("punch");
     let Model { elasticity, memory, projection, boundary, friction, time_rule } =
         setup("punch").model;
     let wrong = Model {
@@ -176,5 +176,5 @@ fn a_projection_of_twice_the_strength_is_seen() {
         friction,
         time_rule,
     };
-    is_seen(&final_state(&own, &wrong, 4, 4), "punch");
+    is_seen(&final_state(&sound, &wrong, 4, 4), "punch");
 }

@@ -31,8 +31,8 @@ const GATE: f64 = 1e-4;
 fn measured(name: &str, steps: u32, order: f64, rule: Option<Box<dyn TimeRule>>) -> (f64, f64) {
     let sound = setup(name);
     let data = on_mesh(&sound, 2);
-    let own = setup(name).model;
-    let time_rule = rule.unwrap_or(own.time_rule);
+    let written = setup(name).model;
+    let time_rule = rule.unwrap_or(written.time_rule);
     let model = Model { time_rule, ..setup(name).model };
     let [coarse, fine] = [steps, 2 * steps].map(|steps| v_max(&sound, &model, &data, steps));
     let wanted =

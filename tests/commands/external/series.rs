@@ -281,7 +281,7 @@ fn a_solver_may_write_a_series_and_one_of_before_does_not_pass() {
     let script = folder.file("numbered.sh", &numbered);
     let output = verify(&folder, &format!("sh {script}"), &[]);
     assert!(stdout(&output).contains("1 case, 0 failed"), "{}", stdout(&output));
-    // Of the files of before none is left; of the own ones one is missing.
+    // Of the files of before none is left; of the new ones one is missing.
     let some =
         folder.file("some.sh", &format!("cp {}/displacement_000[02].vtu \"$1\"\n", dir.display()));
     let output = verify(&folder, &format!("sh {some}"), &[]);

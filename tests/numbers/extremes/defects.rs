@@ -66,11 +66,11 @@ fn an_absolute_tolerance_is_seen_in_every_unit_of_force() {
 fn a_wrong_unit_is_seen() {
     let units = Units { displacement: 1e10, ..Units::default() };
     for scene in Unitless::PLANE {
-        let own = |units: &Units| solve(scene.text(units), 2, 2, &|setup| setup).unwrap();
-        let base = own(&Units::default());
+        let solved = |units: &Units| solve(scene.text(units), 2, 2, &|setup| setup).unwrap();
+        let base = solved(&Units::default());
         let wrong = Units { displacement: 2e10, ..units };
-        assert!(units.nondimensional(own(&units), 2).distance(&base) < 1e-12, "{scene:?}");
-        assert!(wrong.nondimensional(own(&units), 2).distance(&base) > 0.1, "{scene:?}");
+        assert!(units.nondimensional(solved(&units), 2).distance(&base) < 1e-12, "{scene:?}");
+        assert!(wrong.nondimensional(solved(&units), 2).distance(&base) > 0.1, "{scene:?}");
     }
 }
 

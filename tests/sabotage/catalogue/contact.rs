@@ -57,7 +57,7 @@ fn rule(mut setup: Setup, rule: BoundaryRule) -> Setup {
     setup
 }
 
-/// The march on a space of its own, with a model that may know it.
+/// The march on a space made for it, with a model that may know it.
 pub(super) fn rebuilt(
     setup: &Setup,
     data: &MeshData,

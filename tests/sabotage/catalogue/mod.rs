@@ -22,7 +22,7 @@ mod singular;
 mod solver;
 mod time;
 
-pub use solver::own_loop;
+pub use solver::sound_loop;
 
 use std::sync::Arc;
 

@@ -81,8 +81,8 @@ macro_rules! levelled {
     };
 }
 
-/// A loop of one's own without a defect, for the test that the loop itself is sound.
-pub fn own_loop(
+/// The loop of the defects without a defect, for the test that the loop itself is sound.
+pub fn sound_loop(
     setup: &Setup,
     data: &MeshData,
     steps: u32,

@@ -104,10 +104,10 @@ impl<'a> CondensedLevel<'a> {
             force[self.dofs[at.dof as usize] as usize] -= at.sign * at.weight * pressure;
         }
         if let Some(compliance) = &self.compliance {
-            let mut own = vec![0.0; self.dofs.len()];
-            self.unknowns[..own.len()].copy_from_slice(&state.u);
-            compliance.add_force(&self.unknowns, &mut own);
-            self.dofs.iter().zip(own).for_each(|(&dof, own)| force[dof as usize] -= own);
+            let mut forces = vec![0.0; self.dofs.len()];
+            self.unknowns[..forces.len()].copy_from_slice(&state.u);
+            compliance.add_force(&self.unknowns, &mut forces);
+            self.dofs.iter().zip(forces).for_each(|(&dof, value)| force[dof as usize] -= value);
         }
     }
 
@@ -141,7 +141,7 @@ impl<'a> CondensedLevel<'a> {
                     (i + 1..size).for_each(|j| values[size * i + j] = 0.0);
                 }
             }
-            diagonal.iter_mut().enumerate().for_each(|(i, own)| *own = values[size * i + i]);
+            diagonal.iter_mut().enumerate().for_each(|(i, entry)| *entry = values[size * i + i]);
         });
         outcome.map_err(|error| match error {
             FactorError::NotPositiveDefinite { dof } => {

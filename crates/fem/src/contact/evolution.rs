@@ -164,8 +164,8 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         for ((memory, term), sum) in
             self.memory.iter_mut().zip(&self.model.memory).zip(&mut self.history)
         {
-            let own = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
-            self.slot.memory.push(own);
+            let last_weight = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
+            self.slot.memory.push(last_weight);
             memory.past(&*term.kernel, rule, grid, &mut sum[..dofs]);
         }
         self.problem.set_friction(self.grid.time(n));
@@ -178,9 +178,9 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         let dofs = self.space.dofs();
         let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
         let sums = self.frozen_history.iter_mut().zip(&self.history).zip(&self.slot.memory);
-        for ((frozen, sum), &own) in sums {
+        for ((frozen, sum), &last_weight) in sums {
             frozen.copy_from_slice(&sum[..dofs]);
-            axpy(own, eta, frozen);
+            axpy(last_weight, eta, frozen);
         }
         self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
     }
@@ -191,9 +191,9 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         self.zeta = self.past_zeta + self.slot.zeta * strain_norm;
         self.accumulated.commit(self.grid, strain_norm);
         let sums = self.history.iter_mut().zip(&self.slot.memory);
-        for (memory, (sum, &own)) in self.memory.iter_mut().zip(sums) {
+        for (memory, (sum, &last_weight)) in self.memory.iter_mut().zip(sums) {
             memory.commit(self.grid, &solution.u);
-            axpy(own, &solution.u, &mut sum[..dofs]);
+            axpy(last_weight, &solution.u, &mut sum[..dofs]);
         }
         for (shown, sum) in self.shown_history.iter_mut().zip(&self.history) {
             shown.copy_from_slice(sum);

@@ -46,17 +46,17 @@ impl<P: Projection> ContactProblem<'_, P> {
         self.following.entries.clear();
         for j in 0..m * self.following.factors.len() {
             let i = j / m;
-            let (normal, own) = (&graph.coordinates[i], &graph.coordinates[first + j]);
+            let (normal, tangential) = (&graph.coordinates[i], &graph.coordinates[first + j]);
             let (p, slope) = graph.value_and_slope(i, 0, graph.normal(i, &self.unknowns));
             let s = self.following.pressures.get(first + j).copied().unwrap_or(0.0);
             if prescribed[first + j].is_some() || p <= 0.0 {
                 continue;
             }
-            let value = own.sign * normal.sign * own.weight * slope * s / p;
+            let value = tangential.sign * normal.sign * tangential.weight * slope * s / p;
             match prescribed[i] {
-                Some(increment) => self.lifted.push((own.dof as usize, value * increment)),
+                Some(increment) => self.lifted.push((tangential.dof as usize, value * increment)),
                 None => self.following.entries.push(NonsymmetricEntry {
-                    row: own.dof as usize,
+                    row: tangential.dof as usize,
                     column: normal.dof as usize,
                     value,
                 }),

@@ -1,4 +1,4 @@
-//! The part that the open level has in its own history, and what a tangent is made of.
+//! The part that the open level has in its history, and what a tangent is made of.
 
 /// Weights of the last slot of the histories, through which F depends on u_n. Both are zero at n = 0
 /// and where the last slot is frozen.

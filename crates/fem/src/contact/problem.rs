@@ -71,7 +71,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let terms = model.memory.iter();
         let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
         let graph = boundary_graph(space, model, &elastic);
-        let facets = |own| FacetCompliance::new(space, own, |point| point.unknown as usize);
+        let facets =
+            |boundary| FacetCompliance::new(space, boundary, |point| point.unknown as usize);
         let compliance = model.boundary.as_ref().and_then(facets);
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };

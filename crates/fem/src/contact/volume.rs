@@ -84,7 +84,7 @@ impl<'a> Volume<'a> {
             },
             None => Way::Factor {
                 analysis,
-                own: kept.is_none().then(|| analysis.workspace()),
+                workspace: kept.is_none().then(|| analysis.workspace()),
                 factor: kept.map_or_else(|| Arc::new(analysis.factor()), |k| k.factor.clone()),
                 front: Front::default(),
                 sides: Front::default(),
@@ -122,7 +122,7 @@ impl<'a> Volume<'a> {
         if together { SIDES } else { 1 }
     }
 
-    /// Takes weights of a level; whether K is made anew of them. Where each level has its own, an old factor serves until
+    /// Takes weights of a level; whether K is made anew of them. Where weights change from level to level, an old factor serves until
     /// its extra passes have cost a new one: at most twice the least cost, whatever comes.
     ///
     /// # Errors
@@ -131,7 +131,7 @@ impl<'a> Volume<'a> {
         if let Some(known) = &self.slot {
             let known = known.iter().zip(slot);
             self.behind.clear();
-            self.behind.extend(known.map(|(known, own)| own - known));
+            self.behind.extend(known.map(|(known, new)| new - known));
             let same = self.beta.is_some() || !self.is_behind();
             if same || (self.serves && self.extra < self.worth) {
                 return Ok(false);
@@ -150,20 +150,20 @@ impl<'a> Volume<'a> {
         let start = Instant::now();
         if !self.by_memory.is_empty() {
             self.matrix.copy_from_slice(&self.elastic);
-            for (matrix, own) in self.by_memory.iter().zip(slot) {
-                axpy(*own, matrix, &mut self.matrix);
+            for (matrix, weight) in self.by_memory.iter().zip(slot) {
+                axpy(*weight, matrix, &mut self.matrix);
             }
         }
         let matrix = if self.by_memory.is_empty() { &self.elastic } else { &self.matrix };
         match &mut self.way {
-            Way::Factor { analysis, factor, own: Some(workspace), .. } => {
+            Way::Factor { analysis, factor, workspace: Some(workspace), .. } => {
                 // Nobody else has it: no copy is made.
                 let factor = Arc::make_mut(factor);
                 self.work.linear.factorizations += 1;
                 analysis.factorize(&self.space.pattern, matrix, factor, workspace)?;
                 self.work.linear.seconds_factor += start.elapsed().as_secs_f64();
             }
-            Way::Factor { own: None, .. } => {}
+            Way::Factor { workspace: None, .. } => {}
             Way::Multigrid { sequence, .. } => {
                 let mut values = sequence.take_values();
                 values.clone_from(matrix);
@@ -184,14 +184,14 @@ impl<'a> Volume<'a> {
 
     /// Whether K is that of other weights: what a pass takes for u then belongs to the right side.
     pub(super) fn is_behind(&self) -> bool {
-        self.beta.is_none() && self.behind.iter().any(|own| *own != 0.0)
+        self.beta.is_none() && self.behind.iter().any(|lacking| *lacking != 0.0)
     }
 
     /// Subtracts the forces that K lacks at `u`.
     pub(super) fn subtract_behind(&mut self, u: &[f64], forces: &mut [f64]) {
-        for (matrix, own) in self.by_memory.iter().zip(&self.behind) {
+        for (matrix, lacking) in self.by_memory.iter().zip(&self.behind) {
             self.space.pattern.multiply(matrix, u, &mut self.product);
-            axpy(-own, &self.product, forces);
+            axpy(-lacking, &self.product, forces);
         }
     }
 

@@ -124,7 +124,7 @@ impl Coarse {
         ends.map(|v| self.vertices[v as usize])
     }
 
-    /// Refuses triangles that cannot be reached over common edges: a part of the body on its own.
+    /// Refuses triangles that cannot be reached over common edges: a detached part of the body.
     fn connected(&self, around: &BTreeMap<[u32; 2], usize>) -> Result<(), CoarseError> {
         let mut reached = vec![false; self.triangles.len()];
         let mut next: Vec<usize> = (0..reached.len().min(1)).collect();

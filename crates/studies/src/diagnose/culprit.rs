@@ -34,7 +34,7 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
         return Finding::NothingFails;
     }
     let bare = |outcome: &&&Outcome| {
-        outcome.suspects.iter().all(|&own| is_everywhere(own) || own == Suspect::Space)
+        outcome.suspects.iter().all(|&suspect| is_everywhere(suspect) || suspect == Suspect::Space)
     };
     let bare_fails = failed.iter().any(|outcome| bare(&outcome));
     let acquitted = |suspect: Suspect| is_everywhere(suspect) && !bare_fails;

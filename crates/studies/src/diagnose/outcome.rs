@@ -130,7 +130,7 @@ pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     outcome
 }
 
-/// Of elasticity and loads the one that is not at fault: what solves the equations of its own 𝒜 under
+/// Of elasticity and loads the one that is not at fault: what solves the equations of its 𝒜 under
 /// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
 fn acquitted(cases: &Cases) -> Suspect {
     let solves = |(setup, data, record): (&Setup, &MeshData, &CaseRecord)| -> bool {

@@ -65,12 +65,12 @@ pub fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     let listed = scene.sweep.as_ref().map_or(Vec::new(), |sweep| sweep.n.clone());
     let mut n: Vec<usize> = listed.into_iter().filter(|&n| n <= FINEST).collect();
     n.sort_unstable();
-    let own = predicted(scene, Direction::H);
-    let order = own.map_or(1.0, |prediction| prediction.order);
+    let promised = predicted(scene, Direction::H);
+    let order = promised.map_or(1.0, |prediction| prediction.order);
     // The variants keep u and drop the claim on its regularity: where u is not in H² the interpolation error is not what
     // C_h must be.
     let singular = scene.violates.contains(&Hypothesis::RegularInSpace);
-    let constant = !singular && own.is_none_or(|prediction| prediction.constant);
+    let constant = !singular && promised.is_none_or(|prediction| prediction.constant);
     let why = "(5.26)";
     let mut variants = vec![("all terms, in h".to_owned(), None, terms)];
     for (suspect, rest) in terms.removals() {
@@ -93,10 +93,10 @@ impl Design<'_> {
     /// u(t) in V^h with all terms, and with each term removed.
     fn removals(&mut self) {
         let terms = self.terms;
-        self.own_course("all terms".into(), terms, None);
+        self.course_of_scene("all terms".into(), terms, None);
         for (suspect, rest) in terms.removals() {
             if rest != Terms::NONE {
-                self.own_course(format!("without {}", suspect.name()), rest, Some(suspect));
+                self.course_of_scene(format!("without {}", suspect.name()), rest, Some(suspect));
             }
         }
     }
@@ -109,10 +109,10 @@ impl Design<'_> {
             (compliance, "law alone", Terms { compliance, ..Terms::NONE }),
             (gap, "gap alone", Terms { gap, ..Terms::NONE }),
         ];
-        self.own_course("elasticity alone".into(), Terms::NONE, None);
+        self.course_of_scene("elasticity alone".into(), Terms::NONE, None);
         for (present, name, kept) in pointwise {
             if present && kept != self.terms {
-                self.own_course(name.into(), kept, None);
+                self.course_of_scene(name.into(), kept, None);
             }
         }
         let still = Terms { memory: false, ..self.terms };
@@ -142,27 +142,29 @@ impl Design<'_> {
         let kept = Terms { memory: true, ..Terms::NONE };
         let control = 1.0 / self.scene.time.horizon;
         // Of several terms none is taken alone: their course is that of the scene.
-        let own = &self.body.material.memory;
+        let terms = &self.body.material.memory;
         let course = match self.scene.time.rule {
-            TimeRule::Trapezoid => match &own[..] {
+            TimeRule::Trapezoid => match &terms[..] {
                 [] => Some(Course::Fading(control)),
                 [memory] => single_rate(memory).map(Course::Fading),
                 _ => None,
             },
             // v, or the product of it with what a singular kernel has beside its power, is interpolated linearly.
-            TimeRule::ProductIntegration => match &own[..] {
+            TimeRule::ProductIntegration => match &terms[..] {
                 [memory] if memory.singular.is_some() => {
                     factor_rate(&self.scene.formulas, memory).map(Course::Fading)
                 }
-                terms if terms.iter().all(|term| term.singular.is_none()) => Some(Course::Linear),
+                several if several.iter().all(|term| term.singular.is_none()) => {
+                    Some(Course::Linear)
+                }
                 _ => None,
             },
             TimeRule::Left | TimeRule::Gregory { .. } | TimeRule::CorrectedEnd { .. } => None,
         };
-        match (own.first(), course) {
+        match (terms.first(), course) {
             (Some(_), Some(course)) => self.exact("memory alone", kept, course, |scene| scene),
             (Some(_), None) if kept != self.terms => {
-                self.own_course("memory alone".into(), kept, None);
+                self.course_of_scene("memory alone".into(), kept, None);
             }
             (None, Some(course)) => {
                 self.exact("memory alone, a control", kept, course, with_memory)
@@ -171,8 +173,8 @@ impl Design<'_> {
         }
     }
 
-    /// A trial with the scene's own u(t), in V^h: exact unless there is a history.
-    fn own_course(&mut self, name: String, kept: Terms, removed: Option<Suspect>) {
+    /// A trial with u(t) of the scene, in V^h: exact unless there is a history.
+    fn course_of_scene(&mut self, name: String, kept: Terms, removed: Option<Suspect>) {
         let order = kept.has_history().then(|| order_in_k(self.scene));
         let variant = in_space(with_terms(self.scene, kept));
         let coarsest = [self.coarse_steps()];
@@ -190,18 +192,20 @@ impl Design<'_> {
         self.trials.push(Trial { scene, question, terms: kept, suspects, removed: None });
     }
 
-    /// Exactness needs no fine grid; four levels see every kind of weight, and the scene's own coarsest
+    /// Exactness needs no fine grid; four levels see every kind of weight, and the scene's coarsest
     /// step is known to be solvable.
     fn coarse_steps(&self) -> usize {
-        let own = self.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
-        own.unwrap_or(4).max(4)
+        let coarsest =
+            self.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
+        coarsest.unwrap_or(4).max(4)
     }
 }
 
 /// The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
 fn coarse_mesh(scene: &Scene) -> usize {
-    let own = scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(8);
-    if own > 8 && scene.check_cells(8).is_ok() { 8 } else { own }
+    let coarsest =
+        scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(8);
+    if coarsest > 8 && scene.check_cells(8).is_ok() { 8 } else { coarsest }
 }
 
 fn predicted(scene: &Scene, variable: Direction) -> Option<&Prediction> {
@@ -210,9 +214,9 @@ fn predicted(scene: &Scene, variable: Direction) -> Option<&Prediction> {
 
 /// What Theorem 7 gives of u(t) ∈ V^h, or the order that the scene predicts where it violates a hypothesis of it.
 fn order_in_k(scene: &Scene) -> Prediction {
-    let own = predicted(scene, Direction::K).map(|own| own.order.min(2.0));
+    let promised = predicted(scene, Direction::K).map(|prediction| prediction.order.min(2.0));
     let smooth = !scene.violates.contains(&Hypothesis::RegularInTime);
-    // Without a prediction of its own, a scene that is not smooth in time promises no more than order 1.
-    let order = own.unwrap_or(if smooth { 2.0 } else { 1.0 });
+    // A scene without a prediction that is not smooth in time promises no more than order 1.
+    let order = promised.unwrap_or(if smooth { 2.0 } else { 1.0 });
     at_least(Direction::K, order, "Theorem 7, (3.17), u(t) in V^h")
 }

@@ -1,6 +1,6 @@
 //! Variants of a scene: terms removed, u(t) put into V^h, or replaced by a profile whose history is integrated exactly.
 //!
-//! The loads of a variant are derived from its own exact solution and its own terms, so each of them is
+//! The loads of a variant are derived from its exact solution and its terms, so each of them is
 //! a sound manufactured scene, and whatever it shows is the solver's doing.
 
 use super::term::Terms;

@@ -105,7 +105,7 @@ pub fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<Answer, NoAns
 }
 
 impl Answer {
-    /// The largest difference of two answers over all fields, each relative to the larger of its own
+    /// The largest difference of two answers over all fields, each relative to the larger of its two
     /// sizes; errors relative to the size of what they are errors of. NaN where the fields do not match.
     pub fn distance(&self, other: &Self) -> f64 {
         let pairs = [

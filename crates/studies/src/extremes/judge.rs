@@ -122,7 +122,7 @@ pub fn standing(expected: &Expected, outcome: &Result<Measured, NoAnswer>) -> (S
                 Expected::Within([low, high]) => (*low..=*high).contains(&measured.value),
                 Expected::Refused(_) => false,
             };
-            // A solver that does not watch its own residual is watched here.
+            // A solver may stop without a look at its residual.
             let balanced = measured.kkt.is_none_or(|kkt| kkt <= KKT_ALLOWED);
             match (met, balanced) {
                 (true, true) => (Standing::AsExpected, measured.note.clone()),

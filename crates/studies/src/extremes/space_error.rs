@@ -162,9 +162,9 @@ pub(crate) fn mesh_size(finest: u32) -> Ladder {
     let text = || SceneText::free(SMOOTH).text();
     let rung = |n: u32| {
         let run = move |under_test: &UnderTest<'_>| {
-            let own = InSpace::run(text(), n, under_test)?;
-            let note = format!("error {:.2e}", own.error);
-            Ok(Measured::of(own.ratio([1.0, 1.0]), &own.answer).noted(note))
+            let found = InSpace::run(text(), n, under_test)?;
+            let note = format!("error {:.2e}", found.error);
+            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer).noted(note))
         };
         Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(text(), n, 1)
     };
@@ -189,8 +189,8 @@ pub(crate) fn aspect_ratio() -> Ladder {
             let y = format!("(y/{height:?})");
             let exact = SMOOTH.replace('y', &y);
             let text = SceneText { domain, ..SceneText::free(exact) }.text();
-            let own = InSpace::run(text, 8, under_test)?;
-            Ok(Measured::of(own.ratio([1.0, 1.0]), &own.answer))
+            let found = InSpace::run(text, 8, under_test)?;
+            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer))
         };
         Rung::new(format!("1e{e}"), Expected::AtMost(1.0 + QUADRATURE), run)
     };

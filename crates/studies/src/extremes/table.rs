@@ -46,8 +46,8 @@ impl Row {
 /// [`ReportError::Drawing`].
 pub(super) fn map(ladders: &[Ladder], rows: &[Row]) -> Result<String, ReportError> {
     let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
-        let own = rows.iter().filter(|row| row.ladder == ladder.name);
-        own.map(|row| {
+        let rows = rows.iter().filter(|row| row.ladder == ladder.name);
+        rows.map(|row| {
             let rung = ladder.rungs.iter().find(|rung| rung.at == row.at);
             (row.at.clone(), shade(row, rung.map(|rung| rung.expected)))
         })

@@ -3,7 +3,7 @@
 use super::answer::Answer;
 
 /// The units in which a scene is written: a number of the scene is its nondimensional value times the
-/// unit of its dimension. Strains are small, so displacements have a unit of their own.
+/// unit of its dimension. Strains are small, so displacements are not measured in the unit of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
     /// Unit of x.

@@ -88,8 +88,8 @@ impl VtuSeries {
 fn displacement(space: &Discretization, view: &StepView<'_>) -> Vec<f64> {
     let d = space.mesh.dimension;
     let mut out = vec![0.0; 3 * space.mesh.vertices()];
-    for (own, values) in out.chunks_exact_mut(3).zip(space.at_vertices(view.u).chunks_exact(d)) {
-        own[..d].copy_from_slice(values);
+    for (vector, values) in out.chunks_exact_mut(3).zip(space.at_vertices(view.u).chunks_exact(d)) {
+        vector[..d].copy_from_slice(values);
     }
     out
 }

@@ -267,12 +267,12 @@ impl Question {
 
 /// The ledger as a document.
 pub fn document(entries: &[Entry]) -> StudyDocument {
-    let mut own = StudyDocument::new(Chapter::Ledger, "What runs say of the claims");
-    own.words("Proved is the power, or the constant, that the proof gives; observed is what the smallest scene that shows it has; used is the largest share of the bound.");
+    let mut document = StudyDocument::new(Chapter::Ledger, "What runs say of the claims");
+    document.words("Proved is the power, or the constant, that the proof gives; observed is what the smallest scene that shows it has; used is the largest share of the bound.");
     let wrong = entries.iter().filter(|entry| !entry.confirmed);
     let failures: Vec<String> = wrong.map(|entry| entry.claim.to_owned()).collect();
     let all = format!("{} claims, every one confirmed.", entries.len());
-    own.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
+    document.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
     let row = |(index, entry): (usize, &Entry)| {
         let claimed = entry.claimed.name();
         let used = entry.used.map_or_else(|| "–".into(), |used| format!("{:.2} %", 100.0 * used));
@@ -291,14 +291,15 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
             found,
         ]
     };
-    own.table(
+    document.table(
         "Claims on the proofs, each with what a run observes.",
         &["", "claim", "hypotheses", "quantity", ">proved", ">observed", ">used", "is"],
         entries.iter().enumerate().map(row).collect(),
     );
-    own.words("Each is shown by one command, in the same order:");
-    own.code(entries.iter().map(|entry| entry.command.as_str()).collect::<Vec<_>>().join("\n"));
-    own
+    document.words("Each is shown by one command, in the same order:");
+    document
+        .code(entries.iter().map(|entry| entry.command.as_str()).collect::<Vec<_>>().join("\n"));
+    document
 }
 
 #[cfg(test)]

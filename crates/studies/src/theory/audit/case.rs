@@ -243,22 +243,23 @@ impl Row {
         self.right = larger(self.right, line.right.abs());
         self.accuracy = larger(self.accuracy, line.accuracy);
         self.rounding = larger(self.rounding, line.rounding);
-        let own = match line.relation {
+        let ratio = match line.relation {
             Relation::AtMost => line.ratio(),
             Relation::Equal => line
                 .ratio()
                 .map(|_| (line.left - line.right).abs() / line.left.abs().max(line.right.abs())),
         };
-        if let Some(own) = own {
-            self.ratio = Some(self.ratio.map_or(own, |ratio| larger(ratio, own)));
+        if let Some(ratio) = ratio {
+            self.ratio = Some(self.ratio.map_or(ratio, |known| larger(known, ratio)));
         }
         self.undefined |= line.standing() == Standing::Undefined;
         let Line { left, right, accuracy, .. } = *line;
         let excess = |v: &AtLevel| line.relation.excess(v.left, v.right) - v.accuracy;
         let here = AtLevel { level, left, right, accuracy };
-        let tighter = |own: &f64| self.tightest.is_none_or(|(known, _)| is_tighter(*own, known));
-        if let Some(own) = line.tightness().filter(tighter) {
-            self.tightest = Some((own, here));
+        let tighter =
+            |tightness: &f64| self.tightest.is_none_or(|(known, _)| is_tighter(*tightness, known));
+        if let Some(tightness) = line.tightness().filter(tighter) {
+            self.tightest = Some((tightness, here));
         }
         // A NaN is worst of all.
         let worse = |known: &AtLevel| {
@@ -272,8 +273,8 @@ impl Row {
 }
 
 /// Whether a tightness is worse than one that is known; a NaN is worst of all.
-pub(super) fn is_tighter(own: f64, known: f64) -> bool {
-    !known.is_nan() && (own.is_nan() || own > known)
+pub(super) fn is_tighter(tightness: f64, known: f64) -> bool {
+    !known.is_nan() && (tightness.is_nan() || tightness > known)
 }
 
 /// The larger of two numbers; a NaN is not lost.

@@ -1,5 +1,5 @@
 //! The discrete solution as the audit reads it: u_j^{kh} and λ_n alone; strains, ζ and θ of (4.2) by
-//! trapezoidal sums of its own.
+//! trapezoidal sums made here.
 
 use super::pointwise::{Material, Plane, dot};
 use fem::contact::Discretization;

@@ -49,7 +49,7 @@ pub struct Checklist<'a> {
 #[derive(Serialize)]
 struct Listed<'a> {
     #[serde(flatten)]
-    own: &'a AuditConstants,
+    constants: &'a AuditConstants,
     m0: f64,
 }
 
@@ -76,7 +76,7 @@ impl SceneAudit {
             theorem: self.theorem(),
             rule: self.rule_name(),
             holds: self.holds(),
-            constants: Listed { own: &self.constants, m0: self.constants.m0() },
+            constants: Listed { constants: &self.constants, m0: self.constants.m0() },
             lines: self.summaries(),
             cases: &self.cases,
             violations: self.violations(),
@@ -168,7 +168,7 @@ impl Checklist<'_> {
     /// The audit as a document; `svg` draws its shares.
     pub fn document(&self, svg: Option<String>) -> StudyDocument {
         let title = format!("Checklist: {}", self.scene);
-        let mut own =
+        let mut document =
             StudyDocument::new(Chapter::Audit, title).of_scene(self.scene, self.fingerprint);
         let grid = |of: fn(&CaseAudit) -> u32| {
             let mut all: Vec<u32> = self.cases.iter().map(of).collect();
@@ -184,15 +184,15 @@ impl Checklist<'_> {
             failures.push(all.clone());
         }
         let holds = self.holds && held_lines == self.lines.len() && failures.is_empty();
-        own.verdict(holds, &all, failures);
-        own.words(format!(
+        document.verdict(holds, &all, failures);
+        document.words(format!(
             "{}; boundary rule {}; runs with n = {} and N = {}.",
             self.theorem,
             self.rule,
             grid(|case| case.n),
             grid(|case| case.steps)
         ));
-        own.table(
+        document.table(
             "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
              identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
              accuracy; the powers of h and k with which the sides fall.",
@@ -202,10 +202,10 @@ impl Checklist<'_> {
             ],
             by_tightness(&self.lines).into_iter().map(line).collect(),
         );
-        own.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
+        document.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
         let shows = "shares of the bounds of the proofs against h (sweep audit).";
-        own.figure("audit", shows, svg);
-        own
+        document.figure("audit", shows, svg);
+        document
     }
 }
 
@@ -222,7 +222,7 @@ pub(super) fn by_tightness(lines: &[Summary]) -> Vec<&Summary> {
 
 impl Listed<'_> {
     fn rows(&self) -> Vec<Vec<Run>> {
-        let c = self.own;
+        let c = self.constants;
         let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
         let named = [
             ("m_A", c.m_a),

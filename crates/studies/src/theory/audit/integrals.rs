@@ -179,7 +179,7 @@ impl Cells {
         self.theta += other.theta;
         self.strain += other.strain;
         self.natural = self.natural.hypot(other.natural);
-        for (own, other) in [
+        for (sum, other) in [
             (&mut self.monotone, other.monotone),
             (&mut self.phi1, other.phi1),
             (&mut self.phi2, other.phi2),
@@ -187,7 +187,7 @@ impl Cells {
             (&mut self.operator, other.operator),
             (&mut self.at_h, other.at_h),
         ] {
-            *own = own.plus(other);
+            *sum = sum.plus(other);
         }
         for i in 0..2 {
             self.stress[i] = self.stress[i].plus(other.stress[i]);

@@ -110,10 +110,10 @@ impl SceneAudit {
     }
 
     fn summary(&self, row: &Row, finest: &CaseAudit) -> Summary {
-        let own = |case: &CaseAudit| -> Option<Row> {
+        let row_of = |case: &CaseAudit| -> Option<Row> {
             case.rows.iter().find(|other| other.statement == row.statement).cloned()
         };
-        let ratios = self.cases.iter().filter_map(|case| own(case)?.ratio);
+        let ratios = self.cases.iter().filter_map(|case| row_of(case)?.ratio);
         let ratio =
             ratios.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) });
         // What stands on the right of an identity has no volume integral in it.
@@ -128,7 +128,7 @@ impl SceneAudit {
             });
             let samples: Vec<Sample> = line
                 .filter_map(|case| {
-                    let row = own(case)?;
+                    let row = row_of(case)?;
                     let (step, value) = (if along_h { case.h } else { case.k }, sides[i](&row));
                     // An undefined bound has no power.
                     (value.is_finite() && value > SEEN * floors[i](&row))
@@ -137,15 +137,15 @@ impl SceneAudit {
                 .collect();
             power_law(&samples).ok().map(|law| law.order)
         };
-        let violated = |case: &CaseAudit| own(case).is_some_and(|row| row.violation.is_some());
+        let violated = |case: &CaseAudit| row_of(case).is_some_and(|row| row.violation.is_some());
         let undefined = |case: &CaseAudit| {
             case.rows.iter().any(|other| other.statement == row.statement && other.undefined)
         };
-        let known = self.cases.iter().filter_map(|case| own(case)?.tightest);
+        let known = self.cases.iter().filter_map(|case| row_of(case)?.tightest);
         let tightest = known.reduce(|a, b| if is_tighter(b.0, a.0) { b } else { a });
         Summary {
             tightest,
-            tightness: tightest.map(|(own, _)| own),
+            tightness: tightest.map(|(tightness, _)| tightness),
             difference: tightest.map(|(_, at)| row.relation.excess(at.left, at.right)),
             accuracy: tightest.map(|(_, at)| at.accuracy),
             statement: row.statement,

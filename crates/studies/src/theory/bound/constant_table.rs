@@ -109,9 +109,9 @@ fn friction_rows(setup: &Setup, c: &Constants) -> Vec<Constant> {
         let note = "steepest descent of the friction bound over the slip";
         rows.push(row("alpha_tau", c.alpha_tau, note));
     }
-    if let Some(own) = &c.coulomb {
-        rows.push(row("mu_f", own.coefficient, "S = mu_f p(u_nu)"));
-        rows.push(row("L_p", own.rise, "steepest rise of p"));
+    if let Some(friction) = &c.coulomb {
+        rows.push(row("mu_f", friction.coefficient, "S = mu_f p(u_nu)"));
+        rows.push(row("L_p", friction.rise, "steepest rise of p"));
     }
     rows
 }

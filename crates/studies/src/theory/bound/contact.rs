@@ -43,11 +43,11 @@ fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
 
 /// The runs of a study, and those of a single step with the factors of the trace constants.
 pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
-    let own: Vec<u32> = meshes_beside(setup, n).collect();
-    let traces = TraceConstants::meshes(setup).into_iter().filter(|n| !own.contains(n));
-    let grid = own.iter().map(|&n| (n, steps)).chain(traces.map(|n| (n, 1))).collect();
-    // Of earlier levels a run keeps its history alone; a factor of its own has no loads.
-    let beside = move |space: &Discretization, steps: u32| match own.contains(&space.mesh.n) {
+    let studied: Vec<u32> = meshes_beside(setup, n).collect();
+    let traces = TraceConstants::meshes(setup).into_iter().filter(|n| !studied.contains(n));
+    let grid = studied.iter().map(|&n| (n, steps)).chain(traces.map(|n| (n, 1))).collect();
+    // Of earlier levels a run keeps the history alone; a mesh that is only factored has no loads.
+    let beside = move |space: &Discretization, steps: u32| match studied.contains(&space.mesh.n) {
         true => 0.0,
         false => -run_cost(setup, space, steps).load_bytes,
     };

@@ -53,7 +53,7 @@ pub struct Rung {
     pub at_solution: bool,
     /// Newton's method from the solution of the step size before.
     pub newton: Outcome,
-    /// The iteration η ← Λη from the run's own u_n.
+    /// The iteration η ← Λη from u_n of the run.
     pub fixed_point: Outcome,
     /// Solutions that Newton's method finds from random starts.
     #[serde(rename = "distinct", serialize_with = "distinct")]
@@ -79,16 +79,16 @@ const ITERATIONS: u32 = 400;
 pub struct Ladder<'a, L> {
     level: &'a mut L,
     bounds: StepBounds,
-    /// The run's own solution of the level.
-    own: StepState,
+    /// The solution of the level in the run.
+    of_run: StepState,
     /// The last solution found.
     followed: StepState,
 }
 
 impl<'a, L: FrozenDerivative> Ladder<'a, L> {
-    /// The open `level` whose solution is `own`.
-    pub fn new(level: &'a mut L, bounds: StepBounds, own: StepState) -> Self {
-        Self { level, bounds, followed: own.clone(), own }
+    /// The open `level` whose solution in the run is `of_run`.
+    pub fn new(level: &'a mut L, bounds: StepBounds, of_run: StepState) -> Self {
+        Self { level, bounds, followed: of_run.clone(), of_run }
     }
 
     /// The solution at step size k, from the last one found.
@@ -148,11 +148,11 @@ impl<'a, L: FrozenDerivative> Ladder<'a, L> {
         })
     }
 
-    /// The iteration from the run's own solution.
+    /// The iteration from the solution of the run.
     fn fixed_point(&mut self, k: f64) -> Outcome {
         self.level.set_step(k);
         let solver = FixedPoint { max_iterations: ITERATIONS, ..FixedPoint::default() };
-        let mut state = self.own.clone();
+        let mut state = self.of_run.clone();
         match solver.solve_level(self.level, &mut state, &mut Scratch::default()) {
             Ok(info) => Outcome::Solved(info.fixed_point_iterations),
             Err(error) => Outcome::Failed(error),

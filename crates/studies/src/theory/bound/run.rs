@@ -7,7 +7,7 @@ use super::{factor, starts};
 use vhi::history::TimeGrid;
 use vhi::{FailedStep, FrozenDerivative, Newton, Scratch, StepBounds, StepState};
 
-/// The factor of Λ at a level of the run, with the run's own step size.
+/// The factor of Λ at a level of the run, with the step size of the run.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct AtLevel {
     /// Cells per unit length; none without a mesh.
@@ -35,7 +35,7 @@ pub struct Study {
     pub worst: AtLevel,
     /// That level on this and other meshes; empty without a mesh.
     pub meshes: Vec<AtLevel>,
-    /// Uniqueness at the run's own step size, by many starts.
+    /// Uniqueness at the step size of the run, by many starts.
     pub starts: starts::Starts,
     /// The ladder.
     pub rungs: Vec<Rung>,
@@ -55,12 +55,12 @@ const RUNGS: u32 = 17;
 const REACH: f64 = 4.0;
 /// The share of the sharpened bound at which the solution begins to be followed.
 const SURE: f64 = 0.9;
-/// Random starts at the run's own step size.
+/// Random starts at the step size of the run.
 const MANY_STARTS: u64 = 24;
 
 /// What the level of the ladder shows.
 pub(crate) struct AtWorst {
-    /// Uniqueness at the run's own step size.
+    /// Uniqueness at the step size of the run.
     pub starts: starts::Starts,
     /// The ladder.
     pub rungs: Vec<Rung>,

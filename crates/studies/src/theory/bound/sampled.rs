@@ -278,7 +278,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
         ]
     }
 
-    /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the solver's own history sums.
+    /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the history sums of the solver.
     pub(crate) fn history(
         &mut self,
         memory: &[MemoryTerm],
@@ -318,8 +318,8 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             for (past, term) in past.iter_mut().zip(memory) {
                 past.past(&*term.kernel, &Trapezoid, grid, &mut history[..dofs]);
                 past.commit(grid, &d[..dofs]);
-                let own = last * term.kernel.value(0.0);
-                algebra::linalg::axpy(own, &d[..dofs], &mut history[..dofs]);
+                let last_weight = last * term.kernel.value(0.0);
+                algebra::linalg::axpy(last_weight, &d[..dofs], &mut history[..dofs]);
                 for (at, stress) in self.space.points().zip(&mut stress) {
                     let strain = at.strain::<S>(&history);
                     let part = term.tensor.on(self.space.region(at.cell)).apply(&strain);

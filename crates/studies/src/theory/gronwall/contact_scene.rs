@@ -111,7 +111,7 @@ struct Levels<'a> {
 
 impl Load for Levels<'_> {
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-        let found = self.grid.times().iter().position(|own| *own == t);
+        let found = self.grid.times().iter().position(|level| *level == t);
         let reason = || LoadError::Reference { reason: format!("no load is given at t = {t}") };
         out.copy_from_slice(&self.loads[found.ok_or_else(reason)?]);
         Ok(())

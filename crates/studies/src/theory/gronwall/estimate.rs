@@ -111,7 +111,7 @@ pub struct Envelopes {
     pub printed: Option<Vec<f64>>,
     /// C1 max g/(1 - c) exp(C2 t_n/(1 - c)).
     pub printed_closed: Option<Vec<f64>>,
-    /// What the floor of one step can grow to in e_n: its own primed envelope.
+    /// What the floor of one step can grow to in e_n: its primed envelope.
     pub allowance: Vec<f64>,
 }
 

@@ -235,7 +235,7 @@ struct Levels<'a> {
 
 impl FiniteLoad for Levels<'_> {
     fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
-        let found = self.grid.times().iter().position(|own| *own == t);
+        let found = self.grid.times().iter().position(|level| *level == t);
         let missing = FiniteError::Load { component: 0, value: f64::NAN, t };
         found.map(|n| DVector::from_column_slice(&self.loads[n])).ok_or(missing)
     }

@@ -10,7 +10,7 @@ use scene::setup::Subject;
 use vhi::history::TimeGrid;
 
 /// A scene with its truth in time, ready to run on any of the grids it was prepared for. Vectors are
-/// loads and displacements in the scene's own layout.
+/// loads and displacements in the layout of the scene.
 pub trait InTime {
     /// The constants of (3.24).
     fn constants(&self) -> Summary;

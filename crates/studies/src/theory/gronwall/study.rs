@@ -187,15 +187,15 @@ fn failed_links(
     horizons: Option<&Horizons>,
     perturbations: &[Perturbation],
 ) -> Vec<FailedLink> {
-    let grids = grids.iter().map(|own| (format!("N = {}", own.steps), &own.violations));
+    let grids = grids.iter().map(|grid| (format!("N = {}", grid.steps), &grid.violations));
     let horizons = horizons.iter().map(|h| (format!("horizons, k = {}", h.k), &h.violations));
     let perturbations = perturbations
         .iter()
         .map(|p| (format!("{} perturbation {:e}", p.shape.name(), p.size), &p.violations));
     let parts = grids.chain(horizons).chain(perturbations);
     parts
-        .flat_map(|(part, own)| {
-            own.iter().map(move |v| FailedLink { part: part.clone(), violation: v.clone() })
+        .flat_map(|(part, violations)| {
+            violations.iter().map(move |v| FailedLink { part: part.clone(), violation: v.clone() })
         })
         .collect()
 }

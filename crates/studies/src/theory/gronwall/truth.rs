@@ -1,5 +1,5 @@
 //! The truth of a purely temporal error: exact u(t) in V^h, or a run with many more steps on the same
-//! mesh. Either solves the spatially discrete problem with its own history S_n u, which is all that
+//! mesh. Either solves the spatially discrete problem with the history S_n u of its solution, which is all that
 //! (3.21) asks of it.
 
 use super::GronwallError;
