@@ -34,12 +34,10 @@ pub struct Extreme {
 /// Why an eigenvalue was not found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EigenError {
-    /// A solve within the map failed.
     #[error(transparent)]
     Factor(#[from] FactorError),
     #[error("the eigenvalues of a projected matrix of order {order} did not converge")]
     NotConverged { order: usize },
-    /// The iteration ran out.
     #[error(
         "an eigenvalue did not settle: {value} after {iterations} applications, still changing by {change:e}"
     )]

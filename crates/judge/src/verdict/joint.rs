@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::judge::{Finding, HIGHER_ORDER, claim, pair};
+use super::finding::{Finding, HIGHER_ORDER, claim, pair};
 use super::next::{NextCase, next_case};
 use super::selection::Selection;
 use super::{Decision, FittedConstant, Prediction};

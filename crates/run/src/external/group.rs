@@ -32,7 +32,6 @@ pub(crate) struct Group {
 }
 
 impl Group {
-    /// Starts a command as a group.
     pub(crate) fn start(command: &mut Command) -> io::Result<Self> {
         leading(command);
         // Locked during the start, so that ending all groups includes this one.

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::vtu::VtuReadError;
+use super::error::VtuReadError;
 
 /// Matching distance relative to the largest coordinate: those written with six digits are off by 5e-6 of it.
 const NEAR: f64 = 1e-5;

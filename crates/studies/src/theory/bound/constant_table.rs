@@ -22,7 +22,6 @@ pub enum Provenance {
 }
 
 impl Provenance {
-    /// The word for tables.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Proved => "proved",
@@ -65,7 +64,6 @@ impl Constant {
     }
 }
 
-/// The table of constants.
 pub(crate) fn table(
     setup: &Setup,
     constants: &Constants,

@@ -7,7 +7,6 @@ use scene::setup::{
 };
 use vhi::law::TensorField;
 
-/// Trace constants of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TraceConstants {
     /// sup ‖v_ν‖²/‖ε(v)‖² with the consistent mass, and with the vertex rule's.

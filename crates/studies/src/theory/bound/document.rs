@@ -2,10 +2,10 @@
 
 use super::BoundStudy;
 use super::constant_table::Constant;
+use super::crossing::Crossing;
 use super::ladder::{Outcome, Rung};
 use super::run::AtLevel;
 use super::sampled::Sampled;
-use super::threshold::Crossing;
 use report::{Chapter, ReportError, Run, StudyDocument, digits, held, number, precise, sides};
 
 impl BoundStudy {

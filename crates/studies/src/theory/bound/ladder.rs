@@ -163,32 +163,17 @@ impl<'a, L: FrozenDerivative> Ladder<'a, L> {
 /// Why a step-size study could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum BoundError {
-    /// Λ could not be evaluated.
     #[error("k = {k}: the level with frozen last slot was not solved: {source}")]
-    Frozen {
-        /// k.
-        k: f64,
-        /// What the solver said.
-        source: StepError,
-    },
-    /// A factor could not be computed.
+    Frozen { k: f64, source: StepError },
     #[error("k = {k}: the contraction factor was not found: {source}")]
-    Factor {
-        /// k.
-        k: f64,
-        /// Why.
-        source: EigenError,
-    },
-    /// The scene could not be set up.
+    Factor { k: f64, source: EigenError },
     #[error(transparent)]
     Setup(#[from] scene::setup::SetupError),
-    /// The run to the level failed.
     #[error("the run to the level: {0}")]
     Run(#[from] fem::contact::CaseError),
     /// A level of an abstract problem in ℝ^m failed.
     #[error("the run to the level: {0}")]
     Finite(#[from] vhi::finite::FiniteError),
-    /// A step of the run failed.
     #[error("the run to the level: {0}")]
     Step(#[from] vhi::FailedStep),
     /// The rule gives the last slot no weight: Λ is constant.

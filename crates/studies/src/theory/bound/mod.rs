@@ -9,6 +9,7 @@ pub mod branch;
 pub mod constant_table;
 pub mod constants;
 pub mod contact;
+mod crossing;
 mod document;
 pub mod factor;
 mod finite;
@@ -23,11 +24,12 @@ pub mod threshold;
 
 use constant_table::Constant;
 use constants::TraceConstants;
+use crossing::Crossing;
 use gate::Violation;
 use ladder::{BoundError, Rung};
 use run::Study;
 use sampled::Sampled;
-use threshold::{Crossing, Thresholds};
+use threshold::Thresholds;
 
 use scene::Scene;
 use scene::setup::Setup;
@@ -127,7 +129,6 @@ impl BoundStudy {
         }
     }
 
-    /// The grids in words.
     pub(crate) fn grids(&self) -> String {
         let mesh = self.n.map_or(String::new(), |n| format!("n = {n}, "));
         format!("{mesh}N = {}", self.steps)

@@ -1,8 +1,8 @@
 //! The picture of a step-size study: factors against k, with bounds and thresholds.
 
 use super::BoundStudy;
+use super::crossing::Crossing;
 use super::ladder::Rung;
-use super::threshold::Crossing;
 use report::{Axis, Chart, LegendKey, Mark, Part, ReportError, Scale, Series};
 
 impl BoundStudy {

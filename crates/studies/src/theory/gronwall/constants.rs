@@ -119,7 +119,6 @@ impl GronwallConstants {
         self.yielding > 0.0
     }
 
-    /// True if there is a memory stress.
     pub(crate) fn has_memory(&self) -> bool {
         self.memory > 0.0
     }

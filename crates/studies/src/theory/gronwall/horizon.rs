@@ -2,8 +2,8 @@
 //! like e^{C2 T}? The theory is on R₊ with constants for each [0, T].
 
 use super::estimate::{Envelopes, Estimate, maximum};
-use super::in_time::prepare;
 use super::measure::TemporalRun;
+use super::prepare::prepare;
 use super::{GronwallError, Violation};
 use scene::setup::Subject;
 

@@ -17,6 +17,7 @@ mod measure;
 mod memory;
 mod mittag_leffler;
 mod pictures;
+mod prepare;
 mod recurrence;
 mod rule;
 mod stability;
@@ -31,9 +32,10 @@ pub use error::GronwallError;
 pub use estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
 pub use finite_scene::FiniteInTime;
 pub use horizon::{HorizonRow, Horizons, horizons};
-pub use in_time::{InTime, prepare};
+pub use in_time::InTime;
 pub use measure::TemporalRun;
 pub use memory::study_runs;
+pub use prepare::prepare;
 pub use recurrence::{
     HistoryPart, KernelNorms, StepTooLarge, closed_limit, primed, primed_closed, unprimed,
     unprimed_closed, weighted,

@@ -25,7 +25,6 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// One word.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Smooth => "smooth",

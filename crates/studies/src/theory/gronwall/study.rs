@@ -4,8 +4,8 @@ use super::GronwallError;
 use super::constants::Summary;
 use super::estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
 use super::horizon::{Horizons, horizons};
-use super::in_time::prepare;
 use super::measure::TemporalRun;
+use super::prepare::prepare;
 use super::stability::{Perturbation, perturbations};
 use scene::setup::Subject;
 use serde::Serialize;
@@ -101,7 +101,6 @@ pub struct Effectivity {
 }
 
 impl Effectivity {
-    /// Of one of the bounds.
     pub(crate) fn new(bound: &[f64], estimate: &Estimate) -> Self {
         let ratios = effectivities(bound, estimate);
         Self {

@@ -219,7 +219,6 @@ fn kept(
     Ok(levels)
 }
 
-/// a - b.
 pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = a.to_vec();
     axpy(-1.0, b, &mut out);
