@@ -227,8 +227,8 @@ const QUARTERED: usize = 7;
 fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f64; 3] {
     let mut pieces: Vec<Piece> = (0..cells).map(|c| Piece::whole(c, d + 1)).collect();
     let mut values = on(&pieces);
-    let add = |sum: &mut [f64; 3], piece: &[f64; 3]| {
-        sum.iter_mut().zip(piece).for_each(|(sum, square)| *sum += square);
+    let add = |sum: &mut [f64; 3], squares: &[f64; 3]| {
+        sum.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square);
     };
     let mut sums = [0.0; 3];
     for _ in 0..if d == 2 { QUARTERED } else { 0 } {
@@ -236,13 +236,13 @@ fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f
         let flat: Vec<Piece> = quarters.into_iter().flatten().collect();
         let finer = on(&flat);
         let mut scale = sums;
-        values.iter().for_each(|piece| add(&mut scale, piece));
+        values.iter().for_each(|squares| add(&mut scale, squares));
         let mut open = (Vec::new(), Vec::new());
         let mut flat = flat.into_iter();
-        for (piece, four) in values.iter().zip(finer.chunks(4)) {
+        for (squares, four) in values.iter().zip(finer.chunks(4)) {
             let mut together = [0.0; 3];
             four.iter().for_each(|quarter| add(&mut together, quarter));
-            let moved = |i: usize| (together[i] - piece[i]).abs() > SETTLED * scale[i];
+            let moved = |i: usize| (together[i] - squares[i]).abs() > SETTLED * scale[i];
             let quarters: Vec<Piece> = flat.by_ref().take(4).collect();
             if (0..3).any(moved) {
                 open.0.extend(quarters);
@@ -253,7 +253,7 @@ fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f
         }
         (pieces, values) = open;
     }
-    values.iter().for_each(|piece| add(&mut sums, piece));
+    values.iter().for_each(|squares| add(&mut sums, squares));
     sums
 }
 

@@ -279,7 +279,6 @@ fn parts_that_do_not_belong_together_are_refused() {
     assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));
 }
 
-/// The hash of a scene in a provenance.
 fn json_hash(text: &str, scene: &str) -> String {
     let document: serde_json::Value = serde_json::from_str(text).expect("JSON");
     document["scenes"][scene].as_str().expect("a hash").to_owned()

@@ -184,7 +184,6 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// All files of a folder with an ending, sorted.
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder") {
@@ -336,7 +335,6 @@ fn files_are_short() {
     assert!(long(LONGEST + 1) && found.is_empty(), "{}", found.join("\n"));
 }
 
-/// What a scene lacks.
 fn lacks(scene: &Scene) -> Vec<&'static str> {
     let comments: Vec<&str> =
         scene.source.text.lines().filter_map(|line| line.strip_prefix("# ")).collect();

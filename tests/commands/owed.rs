@@ -147,7 +147,6 @@ impl Recorded {
         serde_json::from_str(&self.text).expect("JSON")
     }
 
-    /// A gate with another baseline.
     fn gate(&self, baseline: &serde_json::Value, more: &[&str]) -> (i32, String) {
         std::fs::write(&self.file, baseline.to_string()).expect("the baseline");
         let out = self.folder.argument("out");

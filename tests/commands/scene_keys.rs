@@ -100,7 +100,6 @@ fn the_page_has_the_keys_of_the_parser() {
     assert_ne!(keys_of(&page.replace(heading, "")), all, "a part that is missing is not seen");
 }
 
-/// The key of a line `key = value`.
 fn key_of(line: &str) -> &str {
     line.split(" = ").next().unwrap_or_default()
 }

@@ -197,9 +197,9 @@ fn no_table_breaks_the_fits() {
 fn no_baseline_breaks_the_comparison() {
     let swept = Swept::new("fuzz-baseline");
     let (records, scene) = (swept.records(), affine());
-    let baseline = Baseline::of(&records, &[(&scene.name, &scene.source.hash)]);
+    let sound = Baseline::of(&records, &[(&scene.name, &scene.source.hash)]);
     let path = swept.folder.at("baseline.json");
-    baseline.write(&path).expect("a baseline");
+    sound.write(&path).expect("a baseline");
     let text = std::fs::read_to_string(&path).expect("a baseline");
     let run = ComparedRun {
         scene: scene.name.clone(),

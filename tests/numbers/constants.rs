@@ -29,7 +29,6 @@ fn records(setup: &Setup, ns: &[u32], steps: &[u32], norm: Norm) -> Vec<CaseReco
     records
 }
 
-/// The verdicts of records that carry a norm, for the predictions in it.
 fn verdicts(subject: &Subject, records: &[CaseRecord], norm: Norm) -> Vec<Verdict> {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     let foreseen = foresee(subject, records);

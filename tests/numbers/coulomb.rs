@@ -241,15 +241,18 @@ fn wrong_bounds_leave_the_order() {
         Some(v_max(setup, &setup.model, &data, 8))
     };
     let order = |setup: &Setup| Some((error(setup, 16)? / error(setup, 32)?).log2());
-    let sound = order(&with(|sound| sound)).expect("a sound run");
+    let sound = order(&with(|friction| friction)).expect("a sound run");
     assert!((sound - 1.0).abs() < 0.15, "{sound}");
     let times = |factor: f64| {
-        move |sound: Friction| Friction { factor: Box::new(move |_, _| 0.4 * factor), ..sound }
+        move |friction: Friction| Friction {
+            factor: Box::new(move |_, _| 0.4 * factor),
+            ..friction
+        }
     };
-    let given = |sound: Friction| Friction {
+    let given = |friction: Friction| Friction {
         factor: Box::new(|_, _| 0.4 * 0.048),
         follows_pressure: false,
-        ..sound
+        ..friction
     };
     for (what, wrong) in [
         ("the coefficient doubled", with(times(2.0))),

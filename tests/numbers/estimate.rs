@@ -289,16 +289,16 @@ fn costs_are_those_of_the_companions_where_they_can_be_timed() {
     // 20 ms and 4 ms a thousand cells (of 1/h²) and level.
     let law = |n: u32, steps: u32| 0.02 + 4e-6 * f64::from(n * n * (steps + 1));
     found.times.iter_mut().for_each(|run| run.seconds = law(run.n, run.steps));
-    let (costs, source) = costs(&setup, &found).expect("meshes").expect("costs");
+    let (model, source) = costs(&setup, &found).expect("meshes").expect("costs");
     assert_eq!(source, CostSource::Timed);
     // Five times and five parts: roundings are magnified by a few digits.
-    let ratio = costs.seconds(1.0 / 64.0, 1.0 / 20.0) / law(64, 20);
+    let ratio = model.seconds(1.0 / 64.0, 1.0 / 20.0) / law(64, 20);
     assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
     found.times[4].seconds = 1e-5;
-    let (costs, source) = costs(&setup, &found).expect("meshes").expect("costs");
+    let (model, source) = costs(&setup, &found).expect("meshes").expect("costs");
     assert_eq!(source, CostSource::Counted);
     // Counts grow with cells and with levels.
-    let seconds = |n: f64, steps: f64| costs.seconds(1.0 / n, 1.0 / steps);
+    let seconds = |n: f64, steps: f64| model.seconds(1.0 / n, 1.0 / steps);
     assert!(seconds(64.0, 8.0) > 3.0 * seconds(32.0, 8.0));
     assert!(seconds(32.0, 32.0) > 1.5 * seconds(32.0, 8.0));
 }
@@ -307,33 +307,33 @@ fn costs_are_those_of_the_companions_where_they_can_be_timed() {
 fn what_cannot_be_recommended_is_refused_with_its_reason() {
     let setup = setup("elastic-punch");
     let found = found(&setup, 16, 8);
-    let goal = goal(&setup, [16, 8], &found, 0.5);
+    let written = goal(&setup, [16, 8], &found, 0.5);
     let refusal = |goal: &Goal<'_>, found: &Companions| advise(goal, found).expect_err("a refusal");
     let of = |target: f64, limit: MemoryLimit| Goal {
         target,
         limit,
         ..goal(&setup, [16, 8], &found, 0.5)
     };
-    let far = refusal(&of(1e-5, goal.limit), &found);
+    let far = refusal(&of(1e-5, written.limit), &found);
     assert!(
         matches!(far, NoAdvice::TooFar { n: 256, steps: 128, least, .. } if least > 1e-5),
         "{far}"
     );
-    let floor = refusal(&of(1e-13, goal.limit), &found);
+    let floor = refusal(&of(1e-13, written.limit), &found);
     assert!(floor.to_string().contains("solver and rounding"), "{floor}");
     // 20 MB hold the program and little else.
-    let memory = refusal(&of(0.2 * goal.target, MemoryLimit::of_bytes(2e7)), &found);
+    let memory = refusal(&of(0.2 * written.target, MemoryLimit::of_bytes(2e7)), &found);
     assert!(matches!(memory, NoAdvice::Memory { n, .. } if n > 16), "{memory}");
     for (change, words) in [
-        ((|goal| goal.space = [2.0, 1.0]) as Defect, "pre-asymptotic"),
+        ((|norm| norm.space = [2.0, 1.0]) as Defect, "pre-asymptotic"),
         // Strains of piecewise linear elements have no order 3.
-        (|norm| norm.space[1] = 8.0 * goal.space[0], "no more than 1 is possible"),
-        (|norm| norm.time[1] = 16.0 * goal.time[0], "no more than 2 is possible"),
+        (|norm| norm.space[1] = 8.0 * norm.space[0], "no more than 1 is possible"),
+        (|norm| norm.time[1] = 16.0 * norm.time[0], "no more than 2 is possible"),
         (|norm| norm.time = [f64::NAN; 2], "no number"),
     ] {
         let mut wrong = companions(&setup, 16, 8).unwrap_or_else(|error| panic!("{error}"));
         wrong.norms.iter_mut().filter(|found| found.norm == Norm::VMax).for_each(change);
-        let said = refusal(&goal, &wrong).to_string();
+        let said = refusal(&written, &wrong).to_string();
         assert!(said.contains(words), "{said}");
     }
 }

@@ -77,7 +77,6 @@ impl Load for Extruded<'_> {
     }
 }
 
-/// The scene without one of its terms.
 fn with(terms: Terms) -> Setup {
     let scene = text("affine");
     let cut = |text: &str, from: &str, to: &str| {

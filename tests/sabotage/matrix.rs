@@ -291,7 +291,6 @@ impl Found {
     }
 }
 
-/// What a verdict says of its constant, if that is refuted.
 fn constant_refuted(verdict: &Verdict) -> Option<String> {
     if verdict.expect != Expect::Pass {
         return None;

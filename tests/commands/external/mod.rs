@@ -22,7 +22,6 @@ use gronwall::mesh::read_gmsh;
 use gronwall::norms::{StepErrors, step_errors};
 use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup};
 
-/// Errors of all levels by a scheme.
 fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Vec<StepErrors> {
     let mut found = Vec::new();
     let mut observe = |view: &gronwall::contact::StepView<'_>| {

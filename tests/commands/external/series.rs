@@ -75,7 +75,6 @@ fn text(data: &MeshData, level: &[f64]) -> String {
     )
 }
 
-/// Writes `u` by hand, numbered.
 fn write_numbered(dir: &Path, data: &MeshData, u: &[f64]) {
     let length = data.space.mesh.vertices() * data.space.mesh.dimension;
     for (n, level) in u.chunks_exact(length).enumerate() {

@@ -32,7 +32,6 @@ fn law(mut setup: Setup, change: fn(&mut Written)) -> Setup {
     setup
 }
 
-/// The gap changed.
 fn gap(mut setup: Setup, change: fn([f64; 3], f64) -> f64) -> Setup {
     if let Some(boundary) = &mut setup.model.boundary {
         let sound = std::mem::replace(&mut boundary.gap, Box::new(|_| f64::INFINITY));

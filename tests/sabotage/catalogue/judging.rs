@@ -159,7 +159,6 @@ fn always(verdict: Verdict) -> Verdict {
     Verdict { decision: Decision::Pass, complete: true, ..verdict }
 }
 
-/// The verdict on the order alone.
 fn by_order_alone(verdict: Verdict) -> Verdict {
     again(verdict, |_, error| error)
 }

@@ -58,7 +58,6 @@ fn single(values: &mut [f64]) {
     values.iter_mut().for_each(|value| *value = f64::from(*value as f32));
 }
 
-/// Commits the solution.
 const SOUND: Commit = |_, solution, _, _| solution.clone();
 
 macro_rules! solved {

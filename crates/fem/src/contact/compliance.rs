@@ -193,7 +193,6 @@ fn facet(space: &Discretization, f: usize, place: impl Fn(&TracePoint) -> usize)
     }
 }
 
-/// Gauss rule of the facets of a d-dimensional mesh.
 pub(crate) fn facet_rule(dimension: usize) -> Rule {
     if dimension == 2 { edge(3) } else { triangle_degree_4() }
 }

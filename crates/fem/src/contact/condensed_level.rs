@@ -13,7 +13,6 @@ use algebra::linalg::{DenseCholesky, FactorError, axpy, norm, root_of_squares};
 use vhi::law::Projection;
 use vhi::{BoundaryGraph, StepInequality, StepState};
 
-/// The condensed level.
 pub(crate) struct CondensedLevel<'a> {
     /// The graphs; their dofs count the unknowns of Γ3.
     graph: BoundaryGraph,
@@ -30,7 +29,6 @@ pub(crate) struct CondensedLevel<'a> {
     factorized: Option<f64>,
     slopes: Vec<f64>,
     pinned: Vec<bool>,
-    /// Its diagonal.
     diagonal: Vec<f64>,
     /// Prescribed increments, and what p makes of them on the right side.
     increments: Vec<f64>,
@@ -98,7 +96,6 @@ impl<'a> CondensedLevel<'a> {
         }
     }
 
-    /// Subtracts the forces of contact from those of the volume.
     pub(crate) fn subtract_contact(&mut self, state: &StepState, force: &mut [f64]) {
         for (at, pressure) in self.graph.coordinates.iter().zip(&state.pressure) {
             force[self.dofs[at.dof as usize] as usize] -= at.sign * at.weight * pressure;

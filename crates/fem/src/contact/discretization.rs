@@ -202,7 +202,6 @@ impl Discretization {
         })
     }
 
-    /// The levels that a solver works on.
     pub(super) fn levels_of(&self, solver: LinearSolver) -> Option<&Levels> {
         match solver {
             LinearSolver::Multigrid => self.levels(),

@@ -112,7 +112,6 @@ impl<'a, P: Projection> Evolution<'a, P> {
         nodal
     }
 
-    /// How the memory is kept.
     pub(super) fn paths(&self) -> Paths {
         let mut paths = Paths::default();
         for memory in &self.memory {

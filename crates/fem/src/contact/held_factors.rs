@@ -18,7 +18,6 @@ pub enum Unknowns {
 /// The stiffness matrix of a tensor and its factor.
 #[derive(Debug)]
 pub struct StiffnessFactor {
-    /// The tensor.
     pub(super) tensor: TensorField,
     /// What the factor is of.
     pub(super) unknowns: Unknowns,

@@ -25,7 +25,6 @@ pub(super) fn strain_norm_from(square: f64, space: &Discretization, v: &[f64]) -
     if is_sound_sum(square) { square.sqrt() } else { strain_norm(space, v) }
 }
 
-/// ‖v‖ of a nodal vector.
 pub(super) fn l2_norm(space: &Discretization, v: &[f64]) -> f64 {
     let d = space.mesh.dimension;
     let square = space.element.mean_square(d + 1);

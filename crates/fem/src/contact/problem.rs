@@ -53,7 +53,6 @@ pub struct ContactProblem<'a, P> {
     fixed: Vec<(usize, f64)>,
     pub(super) lifted: Vec<(usize, f64)>,
     pub(super) following: Following,
-    /// Counters and times.
     work: Work,
 }
 
@@ -164,7 +163,6 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         self.solver.solve_with_last_factor(rhs);
     }
 
-    /// Counters and times so far.
     pub(crate) fn work(&self) -> Work {
         Work { linear: self.solver.work(), ..self.work }
     }

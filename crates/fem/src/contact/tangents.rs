@@ -34,7 +34,6 @@ impl TracePoint {
         slip
     }
 
-    /// Adds the tangential force with these components along the tangents to forces by nodes.
     pub(super) fn add_tangential(&self, components: &[f64], force: &mut [f64]) {
         let at_node = &mut force[usize::from(self.dimension) * self.node as usize..];
         for (value, tangent) in components.iter().zip(self.tangents()) {

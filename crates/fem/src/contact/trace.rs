@@ -26,7 +26,6 @@ pub struct TracePoint {
     pub clamped: bool,
     /// The tangents, d - 1 of them.
     pub(super) tangents: [[f64; 3]; 2],
-    /// d.
     pub(super) dimension: u8,
 }
 
@@ -51,7 +50,6 @@ pub struct ContactTrace {
     pub measure: Vec<f64>,
     /// Points a facet.
     pub stride: usize,
-    /// Space dimension d.
     dimension: usize,
 }
 

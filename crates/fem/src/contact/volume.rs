@@ -177,7 +177,6 @@ impl<'a> Volume<'a> {
         Ok(true)
     }
 
-    /// Whether an old K may serve.
     pub(super) fn serves(&self) -> bool {
         self.serves
     }
@@ -309,7 +308,6 @@ impl<'a> Volume<'a> {
         Floors::new(space, &force, nodal, accepted, self.stiffest)
     }
 
-    /// Counters and times.
     pub(super) fn work(&self) -> Work {
         match &self.way {
             Way::Factor { .. } => self.work,

@@ -53,7 +53,6 @@ impl Way<'_> {
         }
     }
 
-    /// The backward pass.
     pub(super) fn backward(&mut self, cut: usize, width: usize, x: &mut [f64]) {
         if let Self::Factor { analysis, factor, front, sides, .. } = self {
             match width {

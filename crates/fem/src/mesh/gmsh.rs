@@ -56,7 +56,6 @@ impl File<'_> {
         self.sections.elements.iter().filter(move |element| element.dimension == dimension)
     }
 
-    /// The vertices of an element.
     fn corners<const N: usize>(&self, element: &Element) -> Result<[u32; N], GmshError> {
         let mut corners = [0; N];
         for (vertex, &tag) in corners.iter_mut().zip(&element.nodes) {

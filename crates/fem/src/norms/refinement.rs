@@ -9,7 +9,6 @@ use crate::mesh::Mesh;
 /// Why a reference cannot serve.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
-    /// The finer mesh must be a refinement of the coarse one.
     #[error(
         "the reference mesh (n = {fine}) is not a refinement of n = {coarse}: choose a multiple"
     )]

@@ -13,7 +13,6 @@ pub enum Finding {
     Two(Suspect, Suspect),
     /// Trials fail, and no two suspects explain them.
     Unexplained,
-    /// No trial fails.
     NothingFails,
     /// What the scene predicts, not its solver: the errors are those that the exact solution has.
     Prediction,

@@ -90,7 +90,6 @@ pub(crate) fn run_cases(scene: &Scene, prepare: &Prepare<'_>) -> Result<Cases, S
     Ok(Cases { plan, records, meshes })
 }
 
-/// Runs a trial and judges it.
 pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     let mut outcome = Outcome {
         name: trial.scene.name.clone(),

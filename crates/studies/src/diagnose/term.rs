@@ -27,7 +27,6 @@ impl Terms {
         gap: false,
     };
 
-    /// The terms of a scene.
     pub(crate) fn of(body: &ContactScene) -> Self {
         let projection = body.material.projection.as_ref().filter(|p| p.mu > 0.0);
         let contact = body.contact.as_ref();
@@ -151,7 +150,6 @@ impl Suspect {
         }
     }
 
-    /// Its name in a sentence.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Suspect::Projection => "the projection term mu (eps - P eps)",

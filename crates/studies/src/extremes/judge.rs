@@ -11,13 +11,10 @@ use fem::contact::KKT_ALLOWED;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
-    /// It measured what was expected.
     AsExpected,
-    /// It was refused, as expected.
     RefusedAsExpected,
     /// It measured something else, or was refused against expectation, or was not.
     NotAsExpected,
-    /// It panicked.
     Failed,
 }
 
@@ -27,7 +24,6 @@ impl Standing {
         matches!(self, Self::AsExpected | Self::RefusedAsExpected)
     }
 
-    /// The outcome in words.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::AsExpected => "as expected",

@@ -6,9 +6,7 @@ use super::answer::{Answer, NoAnswer};
 /// What a rung must show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expected {
-    /// The measured number is at most this.
     AtMost(f64),
-    /// The measured number lies in this interval.
     Within([f64; 2]),
     /// A typed error whose first line holds these words.
     Refused(&'static str),
@@ -71,7 +69,6 @@ pub struct Largest {
 }
 
 impl Rung {
-    /// A rung.
     pub(crate) fn new(
         at: impl Into<String>,
         expected: Expected,

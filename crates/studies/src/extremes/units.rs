@@ -86,7 +86,6 @@ impl Unitless {
     /// All.
     pub const ALL: [Self; 4] = [Self::Linear, Self::EveryTerm, Self::SetValued, Self::Box];
 
-    /// Its name in tables.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",

@@ -210,7 +210,6 @@ struct Levels<'a> {
     found: Vec<BoundedLevel>,
 }
 
-/// A stress on one cell.
 type OfCell = fn(&Discretization, &SceneModel, &StepView<'_>, usize) -> Stress;
 
 /// 𝒜ε(u^h) + H on a cell, constant or linear as strains are.

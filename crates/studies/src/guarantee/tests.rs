@@ -27,7 +27,6 @@ fn covered_scenes() -> Vec<Setup> {
         .collect()
 }
 
-/// Displacements of a run.
 fn run(setup: &Setup, data: &MeshData, steps: u32) -> Vec<Vec<f64>> {
     let mut found = Vec::new();
     data.march(setup, steps, &Newton::default(), &mut |view| {

@@ -68,7 +68,6 @@ impl Triangle {
         matrix
     }
 
-    /// A constant stress.
     pub(super) fn constant(stress: &[f64; 3]) -> Stress {
         Stress::from_fn(|i, _| stress[i % 3])
     }

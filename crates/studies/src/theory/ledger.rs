@@ -22,7 +22,6 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// One word.
     fn name(self) -> &'static str {
         match self {
             Self::Sharp => "sharp",
@@ -59,10 +58,8 @@ pub struct Entry {
 /// Why there is no ledger.
 #[derive(Debug, thiserror::Error)]
 pub enum LedgerError {
-    /// A scene is missing or at fault.
     #[error("{0}")]
     Scene(#[from] SetupError),
-    /// An audit could not be made.
     #[error("{0}")]
     Audit(#[from] AuditError),
 }
@@ -79,7 +76,6 @@ const ATTAINED: f64 = 0.02;
 enum Reading {
     /// Power of h of the left side of a line.
     PowerOfH(&'static str),
-    /// Power of k.
     PowerOfK(&'static str),
     /// Largest left/right of a line; the proof gives 1.
     Ratio(&'static str),

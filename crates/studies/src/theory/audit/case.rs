@@ -20,41 +20,25 @@ use vhi::history::TimeGrid;
 /// Why a scene cannot be audited.
 #[derive(Debug, thiserror::Error)]
 pub enum AuditError {
-    /// No exact solution: the lines need u.
     #[error(
         "scene `{scene}` has no exact solution, and every line of the proof needs u: choose a scene with [exact]"
     )]
-    NoTruth {
-        /// The scene.
-        scene: String,
-    },
-    /// Not plain.
+    NoTruth { scene: String },
     #[error(
         "scene `{scene}` has regions, an anisotropic tensor or several memory kernels: the audit knows one isotropic tensor and one kernel; `sweep run`, `bound` and `gronwall` serve this scene"
     )]
-    Material {
-        /// The scene.
-        scene: String,
-    },
-    /// Its integrals cut triangles and edges.
+    Material { scene: String },
     #[error(
         "scene `{scene}` is one in space, and the integrals of the audit cut triangles and edges: choose a plane scene"
     )]
-    Dimension {
-        /// The scene.
-        scene: String,
-    },
-    /// The set-up failed.
+    Dimension { scene: String },
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The run failed.
     #[error("n = {n}, N = {steps}: {source}")]
     Run {
         /// Cells per unit length.
         n: u32,
-        /// Steps.
         steps: u32,
-        /// What the solver said.
         source: CaseError,
     },
 }

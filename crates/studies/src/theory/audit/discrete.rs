@@ -45,7 +45,6 @@ pub(crate) fn strains(space: &Discretization, nodal: &[f64]) -> Vec<Plane> {
 }
 
 impl Past {
-    /// Adds u_n and evaluates its level.
     pub(crate) fn level(
         &mut self,
         space: &Discretization,

@@ -18,18 +18,15 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    /// Adds a term.
     pub(crate) fn add(&mut self, term: f64) {
         self.value += term;
         self.size += term.abs();
     }
 
-    /// Both parts of another sum.
     pub(crate) fn plus(self, other: Self) -> Self {
         Self { value: self.value + other.value, size: self.size + other.size }
     }
 
-    /// The sum with the other sign.
     pub(crate) fn minus(self, other: Self) -> Self {
         Self { value: self.value - other.value, size: self.size + other.size }
     }
@@ -172,7 +169,6 @@ impl Cells {
         self.operator.add(weight * dot(&moved, &at.to_v));
     }
 
-    /// Adds the integrals over other cells.
     pub(crate) fn join(&mut self, other: &Self) {
         self.e += other.e;
         self.d += other.d;

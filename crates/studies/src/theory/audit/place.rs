@@ -36,7 +36,6 @@ impl<'a> Place<'a> {
         self.strains.at(&b, &mut self.weights[..self.count]);
     }
 
-    /// Whether strains are constant on cells.
     pub(crate) fn is_constant(&self) -> bool {
         self.count == 1
     }

@@ -12,7 +12,6 @@ pub(crate) fn dot(a: &Plane, b: &Plane) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// a - b.
 pub(crate) fn minus(a: &Plane, b: &Plane) -> Plane {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
@@ -95,7 +94,6 @@ impl Material {
         self.kernel.map_or(0.0, |kernel| self.graph.evaluate(kernel, &at))
     }
 
-    /// Whether there is memory.
     pub(crate) fn remembers(&self) -> bool {
         self.memory.is_some()
     }

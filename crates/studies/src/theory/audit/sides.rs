@@ -8,11 +8,9 @@ use fem::mesh::PlanePart;
 use fem::space::Element;
 use formula::{EvaluationPoint, Node, Program};
 
-/// The edges of one side.
 pub(crate) struct SideEdges {
     normal: [f64; 2],
     edges: Vec<[u32; 3]>,
-    /// Length of each.
     lengths: Vec<f64>,
     /// Guards of σ.
     guards: Program,

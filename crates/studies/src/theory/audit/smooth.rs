@@ -38,7 +38,6 @@ pub(crate) struct SmoothFields {
 }
 
 impl SmoothFields {
-    /// The fields of the exact solution of `setup` on `space`.
     pub(crate) fn new(setup: &Setup, exact: &Arc<Exact>, space: &Arc<Discretization>) -> Self {
         let horizon = exact.data.horizon;
         let mut graph = exact.data.graph.clone();
