@@ -25,7 +25,8 @@ use gronwall::law::{HistoryKernel, MemoryKernel, Projection, VonMises, YieldLimi
 use gronwall::scene::{Hypothesis, Registry, Scene, Source};
 use gronwall::setup::{MeshData, Setup, Subject};
 use gronwall::theory::gronwall::{
-    GronwallConstants, GronwallError, KernelNorms, TemporalRun, TemporalTruth, Violation, prepare,
+    GronwallConstants, GronwallError, KernelNorms, LinkViolation, TemporalRun, TemporalTruth,
+    prepare,
 };
 
 const STEPS: u32 = 128;
@@ -61,7 +62,7 @@ impl Case {
     }
 }
 
-fn violations(run: &TemporalRun) -> Vec<Violation> {
+fn violations(run: &TemporalRun) -> Vec<LinkViolation> {
     run.estimate.envelopes().unwrap().violations(&run.estimate)
 }
 

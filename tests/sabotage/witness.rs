@@ -16,7 +16,7 @@ use gronwall::theory::audit::{AuditConstants, Auditor};
 use gronwall::theory::bound::contact::at_level;
 use gronwall::theory::bound::factor::contraction;
 use gronwall::theory::gronwall::{
-    Envelopes, GronwallConstants, Level, TemporalRun, TemporalTruth, prepare,
+    Envelopes, GronwallConstants, TemporalRun, TemporalTruth, TruthAtLevel, prepare,
 };
 use gronwall::vhi::StepBounds;
 use serde_json::Value;
@@ -75,7 +75,7 @@ const PUNCHES: [&str; 3] = ["punch", "elastic-punch", "linear-punch"];
 struct Enveloped {
     stage: Stage,
     steps: u32,
-    levels: Vec<Level>,
+    levels: Vec<TruthAtLevel>,
     run: TemporalRun,
     envelopes: Envelopes,
 }

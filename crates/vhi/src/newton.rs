@@ -1,6 +1,6 @@
 //! Semismooth Newton method with primal-dual active set for one time level.
 
-use super::line::Line;
+use super::line::SlipLine;
 use super::{GraphPiece, StepInequality, StepState};
 use algebra::linalg::{FactorError, root_of_squares};
 
@@ -145,7 +145,7 @@ pub struct Scratch {
     force: Vec<f64>,
     increment: Vec<f64>,
     pieces: Vec<PieceKey>,
-    lines: Vec<Line>,
+    lines: Vec<SlipLine>,
     slopes: Vec<f64>,
     pressures: Vec<f64>,
     defects: Vec<f64>,
@@ -175,7 +175,7 @@ impl Scratch {
         self.increment.resize(problem.dofs(), 0.0);
         self.pieces.clear();
         self.pieces.resize(graphs, None);
-        self.lines.resize(graphs, Line::AXIS);
+        self.lines.resize(graphs, SlipLine::AXIS);
         self.slopes.resize(problem.graph().slopes(), 0.0);
         self.pressures.resize(graphs, 0.0);
         self.defects.resize(graphs, 0.0);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gronwall::external::{AnswerError, Wanted, decode, read_displacements};
 use gronwall::setup::{MeshData, Scheme, Setup};
-use gronwall::solution::{Field, Grid, write_pvd, write_vtu};
+use gronwall::solution::{Field, VtuGrid, write_pvd, write_vtu};
 
 use super::{answer, errors, place, results, verify};
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
@@ -39,7 +39,7 @@ fn turned(data: &MeshData) -> (Vec<usize>, Vec<[f64; 3]>, Vec<u32>) {
 fn write_series(dir: &Path, data: &MeshData, times: &[f64], u: &[f64]) {
     let (order, points, cells) = turned(data);
     let d = data.space.mesh.dimension;
-    let grid = Grid { points: &points, cells: &cells, vertices_per_cell: d + 1 };
+    let grid = VtuGrid { points: &points, cells: &cells, vertices_per_cell: d + 1 };
     let mut steps = Vec::new();
     for (n, level) in u.chunks_exact(order.len() * d).enumerate().rev() {
         let values: Vec<f64> = order.iter().flat_map(|&i| level[i * d..][..d].to_vec()).collect();

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::constants::{ConstantComparison, compare_constant, correction};
-use super::finding::{Finding, HIGHER_ORDER, claim, pair};
 use super::joint::judge_grid;
+use super::judgement::{HIGHER_ORDER, Judgement, claim, pair};
 use super::next::{Next, next_case};
 use super::selection::{Cases, Selection};
 use super::{
@@ -41,7 +41,7 @@ pub fn judge_foreseen(
     let selection = cases.select(prediction);
     let complete = selection.gaps.is_empty();
     let mut finding = match prediction.variable {
-        _ if !complete => Finding::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
+        _ if !complete => Judgement::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
         Variable::H | Variable::Path => {
             judge_line(&cases, &selection, prediction, Direction::Space)
         }
@@ -79,7 +79,7 @@ pub fn judge_foreseen(
 }
 
 fn compare_with(
-    finding: &mut Finding,
+    finding: &mut Judgement,
     selection: &Selection,
     prediction: &Prediction,
     line: &LeadingLine,
@@ -149,7 +149,7 @@ fn judge_line(
     selection: &Selection,
     prediction: &Prediction,
     direction: Direction,
-) -> Finding {
+) -> Judgement {
     let next = next_case(selection, direction, prediction);
     let points = selection.points();
     let levels: Vec<Level> = points.iter().map(|point| Level::of(point, direction, None)).collect();
@@ -159,7 +159,7 @@ fn judge_line(
         Ok(read) => read,
         Err(error) => {
             let reason = format!("{error}: {}", next.text);
-            return Finding::without_order(Decision::Unresolved, reason).with_next(next.cases);
+            return Judgement::without_order(Decision::Unresolved, reason).with_next(next.cases);
         }
     };
     let ruling = posterior.decide(&claim(prediction, prediction.order));
@@ -172,7 +172,7 @@ fn judge_line(
     if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
         reason = format!("{reason}; {note}");
     }
-    Finding {
+    Judgement {
         orders: Some((posterior.order, posterior.interval)),
         orders_k: None,
         probability: Some(ruling.probability),

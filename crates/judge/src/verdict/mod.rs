@@ -3,11 +3,11 @@
 mod baseline;
 mod constants;
 mod document;
-mod finding;
 mod fitted_constant;
 mod joint;
 mod judge;
 mod judged;
+mod judgement;
 mod next;
 mod prediction;
 mod selection;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::bounded::{SizeLimit, Until, is_below, read_bounded};
 use super::error::{AnswerError, SeriesError, VtuReadError};
-use super::places::Places;
+use super::places::VertexPlaces;
 use super::vtu::{Snapshot, read_vtu, xml};
 use super::wanted::{COLLECTION, Wanted};
 
@@ -111,7 +111,7 @@ pub(crate) fn read_levels(
     until: Until,
 ) -> Result<Vec<f64>, AnswerError> {
     let (vertices, d) = (wanted.vertices.len(), wanted.dimension);
-    let places = Places::new(wanted.vertices);
+    let places = VertexPlaces::new(wanted.vertices);
     let mut u = vec![f64::NAN; files.len() * vertices * d];
     let mut known: Option<(Vec<[f64; 3]>, Vec<u32>)> = None;
     for (level, path) in u.chunks_exact_mut(vertices * d).zip(files) {

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 pub use culprit::{Finding, culprit, sentence};
 pub use outcome::{EXACT_WITHIN, Outcome, Prepare};
-pub use term::{Suspect, Terms};
+pub use term::{SceneTerms, Suspect};
 pub use trial::{Question, Trial, trials_in_space, trials_in_time};
 
 use judge::verdict::{Decision, Variable, Verdict};

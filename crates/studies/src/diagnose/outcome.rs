@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::term::{Suspect, Terms};
+use super::term::{SceneTerms, Suspect};
 use super::trial::{Question, Trial};
 use algebra::linalg::larger;
 use fem::contact::{KKT_ALLOWED, LoadError, kkt_residual};
@@ -123,7 +123,7 @@ pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
         }
         Question::Exact => exactness(&cases, &mut outcome),
     }
-    if trial.terms == Terms::NONE && outcome.decision == Decision::Fail {
+    if trial.terms == SceneTerms::NONE && outcome.decision == Decision::Fail {
         outcome.suspects.retain(|&suspect| suspect != acquitted(&cases));
     }
     outcome

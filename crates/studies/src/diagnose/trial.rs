@@ -1,6 +1,6 @@
 //! The trials of a diagnosis: which variants of a scene are run, and what each must show.
 
-use super::term::{Suspect, Terms};
+use super::term::{SceneTerms, Suspect};
 use super::variant::{
     Course, asked, at_least, factor_rate, in_space, on_course, single_rate, with_memory,
     with_projection, with_terms,
@@ -24,7 +24,7 @@ pub struct Trial {
     /// What is asked of it.
     pub question: Question,
     /// Its terms.
-    pub terms: Terms,
+    pub terms: SceneTerms,
     /// What takes part in it.
     pub suspects: Vec<Suspect>,
     /// The term that it lacks, in the ladder of removals.
@@ -42,7 +42,7 @@ const STEPS_IN_SPACE: usize = 8;
 struct Design<'a> {
     scene: &'a Scene,
     body: &'a ContactScene,
-    terms: Terms,
+    terms: SceneTerms,
     n: usize,
     trials: Vec<Trial>,
 }
@@ -50,7 +50,7 @@ struct Design<'a> {
 /// The trials in V^h: all terms, each term removed, each term alone. Without contact scene: none.
 pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
-    let terms = Terms::of(body);
+    let terms = SceneTerms::of(body);
     let n = coarse_mesh(scene);
     let mut design = Design { scene, body, terms, n, trials: Vec::new() };
     design.removals();
@@ -61,7 +61,7 @@ pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
 /// The trials outside V^h, for an order in h: all terms, each term removed, elasticity alone.
 pub fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
-    let terms = Terms::of(body);
+    let terms = SceneTerms::of(body);
     let listed = scene.sweep.as_ref().map_or(Vec::new(), |sweep| sweep.n.clone());
     let mut n: Vec<usize> = listed.into_iter().filter(|&n| n <= FINEST).collect();
     n.sort_unstable();
@@ -76,10 +76,10 @@ pub fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     for (suspect, rest) in terms.removals() {
         variants.push((format!("without {}, in h", suspect.name()), Some(suspect), rest));
     }
-    if terms != Terms::NONE {
-        variants.push(("elasticity alone, in h".into(), None, Terms::NONE));
+    if terms != SceneTerms::NONE {
+        variants.push(("elasticity alone, in h".into(), None, SceneTerms::NONE));
     }
-    let trial = |(name, removed, kept): (String, Option<Suspect>, Terms)| {
+    let trial = |(name, removed, kept): (String, Option<Suspect>, SceneTerms)| {
         let mut suspects = kept.suspects();
         suspects.push(Suspect::Space);
         let question = Prediction { constant, ..at_least(Direction::H, order, why) };
@@ -95,7 +95,7 @@ impl Design<'_> {
         let terms = self.terms;
         self.course_of_scene("all terms".into(), terms, None);
         for (suspect, rest) in terms.removals() {
-            if rest != Terms::NONE {
+            if rest != SceneTerms::NONE {
                 self.course_of_scene(format!("without {}", suspect.name()), rest, Some(suspect));
             }
         }
@@ -103,20 +103,20 @@ impl Design<'_> {
 
     /// Each term alone, on a course on which its history is integrated exactly where there is one.
     fn alone(&mut self) {
-        let Terms { projection, compliance, gap, .. } = self.terms;
+        let SceneTerms { projection, compliance, gap, .. } = self.terms;
         let pointwise = [
-            (projection, "projection alone", Terms { projection, ..Terms::NONE }),
-            (compliance, "law alone", Terms { compliance, ..Terms::NONE }),
-            (gap, "gap alone", Terms { gap, ..Terms::NONE }),
+            (projection, "projection alone", SceneTerms { projection, ..SceneTerms::NONE }),
+            (compliance, "law alone", SceneTerms { compliance, ..SceneTerms::NONE }),
+            (gap, "gap alone", SceneTerms { gap, ..SceneTerms::NONE }),
         ];
-        self.course_of_scene("elasticity alone".into(), Terms::NONE, None);
+        self.course_of_scene("elasticity alone".into(), SceneTerms::NONE, None);
         for (present, name, kept) in pointwise {
             if present && kept != self.terms {
                 self.course_of_scene(name.into(), kept, None);
             }
         }
-        let still = Terms { memory: false, ..self.terms };
-        if self.terms.has_history() && still != Terms::NONE {
+        let still = SceneTerms { memory: false, ..self.terms };
+        if self.terms.has_history() && still != SceneTerms::NONE {
             self.exact("u constant in time", still, Course::Constant, |scene| scene);
         }
         self.zeta_alone();
@@ -125,7 +125,7 @@ impl Design<'_> {
 
     /// κ(ζ) of the scene, or of a control: the time rule must serve it as well as memory.
     fn zeta_alone(&mut self) {
-        let kept = Terms { projection: true, accumulation: true, ..Terms::NONE };
+        let kept = SceneTerms { projection: true, accumulation: true, ..SceneTerms::NONE };
         // What the rule integrates exactly.
         let course = match self.scene.time.rule {
             TimeRule::Left => Course::Constant,
@@ -139,7 +139,7 @@ impl Design<'_> {
     }
 
     fn memory_alone(&mut self) {
-        let kept = Terms { memory: true, ..Terms::NONE };
+        let kept = SceneTerms { memory: true, ..SceneTerms::NONE };
         let control = 1.0 / self.scene.time.horizon;
         // Of several terms none is taken alone: their course is that of the scene.
         let terms = &self.body.material.memory;
@@ -174,7 +174,7 @@ impl Design<'_> {
     }
 
     /// A trial with u(t) of the scene, in V^h: exact unless there is a history.
-    fn course_of_scene(&mut self, name: String, kept: Terms, removed: Option<Suspect>) {
+    fn course_of_scene(&mut self, name: String, kept: SceneTerms, removed: Option<Suspect>) {
         let order = kept.has_history().then(|| order_in_k(self.scene));
         let variant = in_space(with_terms(self.scene, kept));
         let coarsest = [self.coarse_steps()];
@@ -185,7 +185,7 @@ impl Design<'_> {
         self.trials.push(Trial { scene, question, terms: kept, suspects, removed });
     }
 
-    fn exact(&mut self, name: &str, kept: Terms, course: Course, change: fn(Scene) -> Scene) {
+    fn exact(&mut self, name: &str, kept: SceneTerms, course: Course, change: fn(Scene) -> Scene) {
         let variant = change(on_course(with_terms(self.scene, kept), course));
         let scene = asked(variant, name, &[self.n], &[self.coarse_steps()], None);
         let (question, suspects) = (Question::Exact, kept.suspects());

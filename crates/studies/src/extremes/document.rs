@@ -1,6 +1,6 @@
 //! All ladders climbed, in words and tables.
 
-use super::judge::{Row, Standing};
+use super::judge::{RungRow, Standing};
 use super::rung::Ladder;
 use super::table::map;
 use files::counted;
@@ -13,7 +13,7 @@ pub struct Climbed {
     /// What was turned, and why something was expected.
     pub ladders: Vec<Ladder>,
     /// One row per rung.
-    pub rungs: Vec<Row>,
+    pub rungs: Vec<RungRow>,
 }
 
 impl Climbed {
@@ -65,7 +65,7 @@ impl Climbed {
     }
 }
 
-fn rung(rung: &Row) -> Vec<Run> {
+fn rung(rung: &RungRow) -> Vec<Run> {
     let tone = if rung.standing.as_expected() { Tone::Plain } else { Tone::Miss };
     let short = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1e}"));
     let digit = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1}"));

@@ -1,6 +1,6 @@
 //! Units of length, stiffness, time and displacement, and scenes written in them.
 
-use super::answer::Answer;
+use super::answer::SceneAnswer;
 
 /// The units in which a scene is written: a number of the scene is its nondimensional value times the
 /// unit of its dimension. Strains are small, so displacements are not measured in the unit of length.
@@ -44,7 +44,7 @@ impl Units {
     }
 
     /// An answer with its fields in these units.
-    pub fn nondimensional(&self, mut answer: Answer, dimension: i32) -> Answer {
+    pub fn nondimensional(&self, mut answer: SceneAnswer, dimension: i32) -> SceneAnswer {
         let divide = |field: &mut Vec<f64>, unit: f64| field.iter_mut().for_each(|v| *v /= unit);
         divide(&mut answer.displacement, self.displacement);
         divide(&mut answer.stress, self.stress());

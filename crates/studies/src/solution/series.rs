@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::vtu::{Field, Grid, VtuError, write_pvd, write_vtu};
+use super::vtu::{Field, VtuError, VtuGrid, write_pvd, write_vtu};
 use fem::contact::{Discretization, Model, StepView};
 use files::make_directory;
 use vhi::law::Projection;
@@ -55,7 +55,7 @@ impl VtuSeries {
             true => (space.nodes.cells.iter().map(vertex).collect(), space.nodes.a_cell),
             false => (mesh.cells.clone(), mesh.dimension + 1),
         };
-        let grid = Grid { points: &points, cells: &cells, vertices_per_cell };
+        let grid = VtuGrid { points: &points, cells: &cells, vertices_per_cell };
         let scalar = |name, values| Field { name, components: 1, values };
         let file = format!("{}_{:04}.vtu", self.name, view.n);
         write_vtu(

@@ -16,7 +16,7 @@ pub struct Field<'a> {
 
 /// A mesh of triangles, of quadratic triangles or of tetrahedra.
 #[derive(Debug, Clone, Copy)]
-pub struct Grid<'a> {
+pub struct VtuGrid<'a> {
     /// Coordinates; z = 0 in the plane.
     pub points: &'a [[f64; 3]],
     /// Vertices of all cells, as positions in `points`.

@@ -6,9 +6,9 @@ use super::constants::AuditConstants;
 use super::fields::Fields;
 use super::in_space::InSpaceFields;
 use super::law::ClarkeLaw;
-use super::level::{Case, Levels};
-use super::lines::{Line, Relation, Standing, Statement, lines};
-use super::pointwise::Material;
+use super::level::{AuditedCase, PastLevels};
+use super::lines::{Line, LineStanding, Relation, Statement, lines};
+use super::pointwise::PlainMaterial;
 use super::smooth::SmoothFields;
 use exact::Truth;
 use fem::contact::{CaseError, Discretization, LoadError, StepView};
@@ -45,7 +45,7 @@ pub enum AuditError {
 
 /// A line at one level of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AtLevel {
+pub struct SidesAtLevel {
     /// n.
     pub level: usize,
     /// Left side.
@@ -59,7 +59,7 @@ pub struct AtLevel {
 /// A line over all levels of a run.
 #[derive(Debug, Clone, Serialize)]
 #[serde(into = "LineOfRun")]
-pub struct Row {
+pub struct CaseLine {
     /// The line of the proof.
     pub statement: Statement,
     /// How its sides are related.
@@ -76,14 +76,14 @@ pub struct Row {
     /// Largest rounding.
     pub rounding: f64,
     /// The level at which it fails worst.
-    pub violation: Option<AtLevel>,
+    pub violation: Option<SidesAtLevel>,
     /// The level at which it is tightest, with its tightness; none where no level has one.
-    pub tightest: Option<(f64, AtLevel)>,
+    pub tightest: Option<(f64, SidesAtLevel)>,
     /// Its bound is not defined at some level.
     pub undefined: bool,
 }
 
-/// [`Row`] as JSON.
+/// [`CaseLine`] as JSON.
 #[derive(Serialize)]
 struct LineOfRun {
     line: &'static str,
@@ -94,10 +94,10 @@ struct LineOfRun {
     holds: bool,
 }
 
-impl From<Row> for LineOfRun {
-    fn from(row: Row) -> Self {
-        let holds = row.standing() == Standing::Holds;
-        let Row { statement, left, right, ratio, accuracy, .. } = row;
+impl From<CaseLine> for LineOfRun {
+    fn from(row: CaseLine) -> Self {
+        let holds = row.standing() == LineStanding::Holds;
+        let CaseLine { statement, left, right, ratio, accuracy, .. } = row;
         Self { line: statement.name, left, right, ratio, accuracy, holds }
     }
 }
@@ -115,7 +115,7 @@ pub struct CaseAudit {
     pub k: f64,
     /// The lines.
     #[serde(rename = "lines")]
-    pub rows: Vec<Row>,
+    pub rows: Vec<CaseLine>,
 }
 
 /// Sees the levels of a run.
@@ -125,11 +125,11 @@ pub struct Auditor<'a> {
     truth: &'a dyn Truth,
     grid: TimeGrid,
     constants: &'a AuditConstants,
-    material: Material,
+    material: PlainMaterial,
     law: ClarkeLaw,
     fields: Box<dyn Fields>,
-    levels: Levels,
-    rows: Vec<Row>,
+    levels: PastLevels,
+    rows: Vec<CaseLine>,
 }
 
 impl<'a> Auditor<'a> {
@@ -159,10 +159,10 @@ impl<'a> Auditor<'a> {
             truth: &*data.truth,
             grid: setup.grid(steps),
             constants,
-            material: Material::new(setup).ok_or_else(other)?,
+            material: PlainMaterial::new(setup).ok_or_else(other)?,
             law: ClarkeLaw::new(contact.and_then(|contact| contact.law.as_ref())),
             fields,
-            levels: Levels::default(),
+            levels: PastLevels::default(),
             rows: Vec::new(),
         })
     }
@@ -172,7 +172,7 @@ impl<'a> Auditor<'a> {
     /// # Errors
     /// The truth's.
     pub fn observe(&mut self, view: &StepView<'_>) -> Result<(), LoadError> {
-        let case = Case {
+        let case = AuditedCase {
             space: &self.space,
             grid: &self.grid,
             material: &self.material,
@@ -184,7 +184,7 @@ impl<'a> Auditor<'a> {
         let gap = self.setup.body.contact.as_ref().and_then(|contact| contact.gap);
         for (i, line) in lines(&level, self.constants, gap.is_none()).iter().enumerate() {
             if i == self.rows.len() {
-                self.rows.push(Row::new(line));
+                self.rows.push(CaseLine::new(line));
             }
             self.rows[i].add(view.n, line);
         }
@@ -192,12 +192,12 @@ impl<'a> Auditor<'a> {
     }
 
     /// The lines over all levels seen.
-    pub fn rows(self) -> Vec<Row> {
+    pub fn rows(self) -> Vec<CaseLine> {
         self.rows
     }
 }
 
-impl Row {
+impl CaseLine {
     fn new(line: &Line) -> Self {
         Self {
             statement: line.statement,
@@ -214,11 +214,11 @@ impl Row {
     }
 
     /// Over all levels; a violation is the worst that there is.
-    pub(crate) fn standing(&self) -> Standing {
+    pub(crate) fn standing(&self) -> LineStanding {
         match (self.violation, self.undefined) {
-            (Some(_), _) => Standing::Violated,
-            (None, true) => Standing::Undefined,
-            (None, false) => Standing::Holds,
+            (Some(_), _) => LineStanding::Violated,
+            (None, true) => LineStanding::Undefined,
+            (None, false) => LineStanding::Holds,
         }
     }
 
@@ -236,21 +236,21 @@ impl Row {
         if let Some(ratio) = ratio {
             self.ratio = Some(self.ratio.map_or(ratio, |known| larger(known, ratio)));
         }
-        self.undefined |= line.standing() == Standing::Undefined;
+        self.undefined |= line.standing() == LineStanding::Undefined;
         let Line { left, right, accuracy, .. } = *line;
-        let excess = |v: &AtLevel| line.relation.excess(v.left, v.right) - v.accuracy;
-        let here = AtLevel { level, left, right, accuracy };
+        let excess = |v: &SidesAtLevel| line.relation.excess(v.left, v.right) - v.accuracy;
+        let here = SidesAtLevel { level, left, right, accuracy };
         let tighter =
             |tightness: &f64| self.tightest.is_none_or(|(known, _)| is_tighter(*tightness, known));
         if let Some(tightness) = line.tightness().filter(tighter) {
             self.tightest = Some((tightness, here));
         }
         // A NaN is worst of all.
-        let worse = |known: &AtLevel| {
+        let worse = |known: &SidesAtLevel| {
             let (known, here) = (excess(known), excess(&here));
             !known.is_nan() && (here.is_nan() || here > known)
         };
-        if line.standing() == Standing::Violated && self.violation.as_ref().is_none_or(worse) {
+        if line.standing() == LineStanding::Violated && self.violation.as_ref().is_none_or(worse) {
             self.violation = Some(here);
         }
     }

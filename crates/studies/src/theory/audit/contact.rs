@@ -16,7 +16,7 @@ pub(crate) struct Traces {
 
 /// What the lines of the proof need from Γ3.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Contact {
+pub(crate) struct ContactIntegrals {
     /// ‖u_ν - v^h_ν‖².
     pub delta: f64,
     /// ‖u_ν - u^{kh}_ν‖².
@@ -53,8 +53,8 @@ pub(crate) fn over_contact(
     traces: &Traces,
     boundary: &Boundary,
     nodal_multiplier: Option<&[f64]>,
-) -> Contact {
-    let mut sums = Contact::default();
+) -> ContactIntegrals {
+    let mut sums = ContactIntegrals::default();
     let samples = edges.iter().filter_map(|sample| Some((sample, sample.contact?)));
     for (sample, at) in samples {
         let value = |nodal: &[f64]| at.trace_of(&sample.shape, nodal);

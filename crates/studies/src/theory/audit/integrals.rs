@@ -4,8 +4,8 @@
 use super::discrete::DiscreteLevel;
 use super::edges::EdgeSample;
 use super::fields::CellValues;
-use super::place::Place;
-use super::pointwise::{Material, Plane, dot, minus};
+use super::place::CellPoint;
+use super::pointwise::{PlainMaterial, Plane, dot, minus};
 use fem::contact::Discretization;
 
 /// A sum and the sum of its absolute terms.
@@ -87,7 +87,7 @@ struct Tensors {
 /// The cells' integrals over `values`, and per cell (σ, ε(w)) - ∫ f0·w for both w.
 pub(crate) fn over_cells(
     space: &Discretization,
-    material: &Material,
+    material: &PlainMaterial,
     kappa: f64,
     values: &CellValues,
     discrete: &DiscreteLevel,
@@ -97,7 +97,7 @@ pub(crate) fn over_cells(
     let mut residuals = vec![[0.0; 2]; space.mesh.cell_count()];
     let (mut stresses, mut strains) = (0.0, 0.0);
     let points = values.at.points.iter().zip(values.at.cells.iter().zip(&values.at.weights));
-    let mut place = Place::new(space);
+    let mut place = CellPoint::new(space);
     for (p, (x, (&c, &weight))) in points.enumerate() {
         if weight == 0.0 {
             continue;
@@ -152,7 +152,7 @@ pub(crate) fn over_cells(
 
 impl Cells {
     /// Adds the products of the tensors at a point of this weight.
-    fn add_tensors(&mut self, weight: f64, material: &Material, at: &Tensors) {
+    fn add_tensors(&mut self, weight: f64, material: &PlainMaterial, at: &Tensors) {
         let psi_difference = minus(&at.psi, &at.psi_h);
         let moved = material.operator(&at.to_h);
         let theta_difference = minus(&at.theta, &at.theta_h);
@@ -195,7 +195,7 @@ impl Cells {
 /// (∫ (σν)·w1, ∫ (σν)·w2) over Γ2 and Γ3.
 pub(crate) fn tractions(
     space: &Discretization,
-    material: &Material,
+    material: &PlainMaterial,
     kappa: f64,
     edges: &[EdgeSample],
     fields: [&[f64]; 2],

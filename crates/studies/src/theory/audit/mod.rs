@@ -28,8 +28,8 @@ mod sides;
 mod smooth;
 mod strips;
 
-pub use case::{AtLevel, AuditError, Auditor, CaseAudit, Row, audit_case};
+pub use case::{AuditError, Auditor, CaseAudit, CaseLine, SidesAtLevel, audit_case};
 pub use constants::AuditConstants;
-pub use lines::{Line, Relation, Standing, Statement};
+pub use lines::{Line, LineStanding, Relation, Statement};
 pub use memory::audit_runs;
-pub use scene::{SceneAudit, Summary};
+pub use scene::{SceneAudit, SceneLine};

@@ -17,7 +17,7 @@ pub(crate) fn minus(a: &Plane, b: &Plane) -> Plane {
 }
 
 /// The tensors and functions of a scene's material.
-pub(crate) struct Material {
+pub(crate) struct PlainMaterial {
     elastic: [f64; 2],
     memory: Option<[f64; 2]>,
     /// μ, 0 without projection.
@@ -27,7 +27,7 @@ pub(crate) struct Material {
     graph: Graph,
 }
 
-impl Material {
+impl PlainMaterial {
     /// The material of a scene; none unless it is plain: one isotropic tensor, one term of memory at most.
     pub(crate) fn new(setup: &Setup) -> Option<Self> {
         let material = &setup.body.material;

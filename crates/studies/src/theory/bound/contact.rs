@@ -3,7 +3,7 @@
 use super::constants::TraceConstants;
 use super::ladder::BoundError;
 use super::linear::linear_loss;
-use super::run::{self, AtLevel, AtWorst, Study};
+use super::run::{self, AtWorst, ContractionStudy, FactorAtLevel};
 use ::run::sweep::{Runs, run_cost};
 use fem::contact::{Discretization, Evolution, OpenLevel};
 use scene::setup::{MeshData, Setup, TruthLoad, YieldFormula};
@@ -17,7 +17,12 @@ pub(crate) type SceneLevel<'a> = OpenLevel<'a, Option<VonMises<YieldFormula>>>;
 ///
 /// # Errors
 /// [`BoundError`].
-pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<Study, BoundError> {
+pub fn study(
+    setup: &Setup,
+    bounds: &StepBounds,
+    n: u32,
+    steps: u32,
+) -> Result<ContractionStudy, BoundError> {
     let levels = levels_of_run(setup, bounds, n, steps)?;
     let worst = run::worst(&levels, steps)?;
     let mut meshes = Vec::new();
@@ -32,7 +37,7 @@ pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<S
         at_level(setup, &data, steps, worst.level, |level, state| {
             run::at_worst(level, state, bounds, exact)
         })?;
-    Ok(Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear })
+    Ok(ContractionStudy { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear })
 }
 
 /// The mesh n and its neighbours, as far as the domain has them.
@@ -60,7 +65,7 @@ fn levels_of_run(
     bounds: &StepBounds,
     n: u32,
     steps: u32,
-) -> Result<Vec<AtLevel>, BoundError> {
+) -> Result<Vec<FactorAtLevel>, BoundError> {
     let data = MeshData::new(setup, n, None)?;
     on_run(setup, &data, steps, |level| run::all_levels(level, bounds, Some(n)))
 }

@@ -3,8 +3,8 @@
 use super::BoundStudy;
 use super::constant_table::Constant;
 use super::crossing::Crossing;
-use super::ladder::{Outcome, Rung};
-use super::run::AtLevel;
+use super::ladder::{StepOutcome, StepRung};
+use super::run::FactorAtLevel;
 use super::sampled::Sampled;
 use report::{Chapter, ReportError, Run, StudyDocument, digits, held, number, precise, sides};
 
@@ -188,16 +188,16 @@ fn crossing(found: Option<Crossing>) -> String {
     }
 }
 
-fn on_mesh(at: &AtLevel) -> Vec<Run> {
+fn on_mesh(at: &FactorAtLevel) -> Vec<Run> {
     let mesh = at.mesh.map_or_else(|| "–".into(), |n| n.to_string());
     let factors = [at.norm, at.radius, at.sharpened].map(|factor| precise(factor, 11));
     [Run::plain(mesh), precise(at.k, 6)].into_iter().chain(factors).collect()
 }
 
-fn rung(rung: &Rung) -> Vec<Run> {
-    let solved = |outcome: &Outcome| match outcome {
-        Outcome::Solved(iterations) => Run::plain(format!("{iterations} it.")),
-        Outcome::Failed(_) => Run::plain("fails"),
+fn rung(rung: &StepRung) -> Vec<Run> {
+    let solved = |outcome: &StepOutcome| match outcome {
+        StepOutcome::Solved(iterations) => Run::plain(format!("{iterations} it.")),
+        StepOutcome::Failed(_) => Run::plain("fails"),
     };
     vec![
         precise(rung.k, 5),

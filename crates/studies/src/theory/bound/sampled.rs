@@ -72,7 +72,8 @@ fn sample_in<const D: usize, const S: usize>(
             rows.push(scaled(boundary, space, constants.alpha_nu));
         }
     }
-    let mut fields = Fields::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
+    let mut fields =
+        RandomStates::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
     rows.extend(fields.elasticity(&model.elasticity, constants));
     rows.extend(fields.phi(&model.projection, setup.projection_mu(), constants));
     if let Some(limit) = model.projection.limit() {
@@ -144,7 +145,7 @@ fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, horizon: f64
 
 /// Random states on a mesh in dimension D, with strains of S numbers (Mandel) and Riesz representatives
 /// in V^h.
-pub(crate) struct Fields<'a, const D: usize, const S: usize> {
+pub(crate) struct RandomStates<'a, const D: usize, const S: usize> {
     space: &'a Discretization,
     gram: StiffnessInverse<'a>,
     seed: u64,
@@ -153,8 +154,8 @@ pub(crate) struct Fields<'a, const D: usize, const S: usize> {
 /// A tensor per strain point.
 type Tensors<const S: usize> = Vec<[f64; S]>;
 
-impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
-    /// Fields on a mesh of dimension D.
+impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
+    /// On a mesh of dimension D.
     ///
     /// # Errors
     /// The factorization of the strain products.

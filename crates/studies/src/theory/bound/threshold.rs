@@ -1,7 +1,7 @@
 //! Step sizes up to which steps are known, or found, to have one solution.
 
 pub use super::crossing::Crossing;
-use super::run::Study;
+use super::run::ContractionStudy;
 use serde::Serialize;
 use vhi::StepBounds;
 
@@ -35,7 +35,7 @@ pub struct Thresholds {
 }
 
 impl Thresholds {
-    pub(super) fn new(limits: &StepBounds, study: &Study) -> Self {
+    pub(super) fn new(limits: &StepBounds, study: &ContractionStudy) -> Self {
         let found = &study.thresholds;
         let loss = found.loss.as_ref();
         Self {

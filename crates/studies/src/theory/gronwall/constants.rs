@@ -35,7 +35,7 @@ pub struct GronwallConstants {
 
 /// The constants of (3.24) of any scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub struct InequalityConstants {
     /// m0.
     pub m0: f64,
     /// β_φ.
@@ -54,7 +54,7 @@ pub struct Summary {
     pub details: BTreeMap<&'static str, f64>,
 }
 
-impl Summary {
+impl InequalityConstants {
     pub(super) fn new(
         m0: f64,
         beta: f64,
@@ -106,12 +106,12 @@ impl GronwallConstants {
     }
 
     /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
-    pub(crate) fn summary(&self) -> Summary {
+    pub(crate) fn summary(&self) -> InequalityConstants {
         let mut details =
             BTreeMap::from([("yielding", self.yielding), ("memory_norm", self.memory)]);
         details.extend(self.trace_bound.map(|bound| ("c_j_squared_bound", bound)));
         let lipschitz = self.memory + if self.has_zeta() { self.accumulated } else { 0.0 };
-        Summary::new(self.m0, self.beta, lipschitz, details)
+        InequalityConstants::new(self.m0, self.beta, lipschitz, details)
     }
 
     /// True if ζ is a part of the history.

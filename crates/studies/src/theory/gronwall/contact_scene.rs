@@ -1,7 +1,7 @@
 //! A body in contact on one mesh as a scene in time.
 
 use super::GronwallError;
-use super::constants::{GronwallConstants, Summary};
+use super::constants::{GronwallConstants, InequalityConstants};
 use super::estimate::Estimate;
 use super::in_time::InTime;
 use super::measure::TemporalRun;
@@ -36,7 +36,7 @@ impl<'a> ContactInTime<'a> {
 }
 
 impl InTime for ContactInTime<'_> {
-    fn constants(&self) -> Summary {
+    fn constants(&self) -> InequalityConstants {
         self.constants.summary()
     }
 

@@ -1,7 +1,7 @@
 //! What a scene of either kind gives to the study of its error in time.
 
 use super::GronwallError;
-use super::constants::Summary;
+use super::constants::InequalityConstants;
 use super::estimate::Estimate;
 use super::measure::TemporalRun;
 use vhi::history::TimeGrid;
@@ -10,7 +10,7 @@ use vhi::history::TimeGrid;
 /// loads and displacements in the layout of the scene.
 pub trait InTime {
     /// The constants of (3.24).
-    fn constants(&self) -> Summary;
+    fn constants(&self) -> InequalityConstants;
 
     /// Where the truth comes from.
     fn truth(&self) -> String;

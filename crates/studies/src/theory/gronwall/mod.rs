@@ -26,10 +26,10 @@ mod study;
 mod tests;
 mod truth;
 
-pub use constants::{GronwallConstants, Summary};
+pub use constants::{GronwallConstants, InequalityConstants};
 pub use contact_scene::{ContactInTime, DualNorm};
 pub use error::GronwallError;
-pub use estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
+pub use estimate::{Envelopes, Estimate, LinkViolation, effectivities, maximum};
 pub use finite_scene::FiniteInTime;
 pub use horizon::{HorizonRow, Horizons, horizons};
 pub use in_time::InTime;
@@ -41,6 +41,6 @@ pub use recurrence::{
     unprimed_closed, weighted,
 };
 pub use rule::Weights;
-pub use stability::{Perturbation, SIZES, Shape, perturbations};
+pub use stability::{LoadShape, Perturbation, SIZES, perturbations};
 pub use study::{Effectivity, FailedLink, StudiedGrid, Study, StudyRuns};
-pub use truth::{Level, ReferenceLevels, TemporalTruth};
+pub use truth::{ReferenceLevels, TemporalTruth, TruthAtLevel};

@@ -1,8 +1,8 @@
 //! The study of a scene: grids, horizons and perturbations, with every link of the chain checked.
 
 use super::GronwallError;
-use super::constants::Summary;
-use super::estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
+use super::constants::InequalityConstants;
+use super::estimate::{Envelopes, Estimate, LinkViolation, effectivities, maximum};
 use super::horizon::{Horizons, horizons};
 use super::measure::TemporalRun;
 use super::prepare::prepare;
@@ -46,7 +46,7 @@ pub struct StudiedGrid {
     #[serde(skip)]
     pub envelopes: Envelopes,
     #[serde(skip)]
-    pub violations: Vec<Violation>,
+    pub violations: Vec<LinkViolation>,
 }
 
 /// All that was found.
@@ -57,7 +57,7 @@ pub struct Study {
     pub fingerprint: String,
     /// Mesh cells per unit length; none for abstract scenes.
     pub n: Option<u32>,
-    pub constants: Summary,
+    pub constants: InequalityConstants,
     /// Where the truth of the error comes from.
     pub truth: String,
     pub grids: Vec<StudiedGrid>,
@@ -74,7 +74,7 @@ pub struct Study {
 pub struct FailedLink {
     pub part: String,
     #[serde(flatten)]
-    pub violation: Violation,
+    pub violation: LinkViolation,
 }
 
 /// bound/e of one grid, for every envelope.

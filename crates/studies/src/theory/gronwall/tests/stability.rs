@@ -24,12 +24,14 @@ fn the_dual_norm_of_a_riesz_image_is_the_norm() {
 }
 
 fn random_is_caught(found: &[Perturbation]) -> bool {
-    found.iter().filter(|perturbation| perturbation.shape == Shape::Random).any(|perturbation| {
-        perturbation
-            .violations
-            .iter()
-            .any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
-    })
+    found.iter().filter(|perturbation| perturbation.shape == LoadShape::Random).any(
+        |perturbation| {
+            perturbation
+                .violations
+                .iter()
+                .any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
+        },
+    )
 }
 
 fn all_hold(found: &[Perturbation], name: &str) {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Decision, FittedConstant, NextCase, Prediction};
 use crate::fit::{Claim, Interval, TOLERANCE};
 
-pub(super) struct Finding {
+pub(super) struct Judgement {
     pub(super) orders: Option<(f64, Interval)>,
     pub(super) orders_k: Option<(f64, Interval)>,
     pub(super) probability: Option<f64>,
@@ -17,7 +17,7 @@ pub(super) struct Finding {
     pub(super) next: Vec<NextCase>,
 }
 
-impl Finding {
+impl Judgement {
     pub(super) fn without_order(decision: Decision, reason: String) -> Self {
         let constants = BTreeMap::new();
         let next = Vec::new();
