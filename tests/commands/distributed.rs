@@ -228,7 +228,7 @@ fn records_of_one_case_agree_or_are_refused() {
     let job = sweeping.job_of("signorini:n16:N16");
     let (part, again) = (sweeping.part(job), sweeping.folder.at("parts/again"));
     copy(&part, &again);
-    // The same once more, other seconds included.
+    // The records once more, with other seconds.
     let table = again.join("cases.csv");
     let text = without_checksums(&table);
     assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));

@@ -37,7 +37,7 @@ fn in_space(
     Table { name, variable: Variable::H, rows, floor: 0.0, predicted, expected, words }
 }
 
-/// The same numbers with k in the place of h, on one mesh.
+/// The table with k in the place of h, on one mesh.
 fn in_time(table: Table) -> Table {
     let rows = table.rows.into_iter().map(|(n, steps, error)| (steps, n, error)).collect();
     Table { variable: Variable::K, rows, ..table }
@@ -564,7 +564,7 @@ fn options_change_what_is_judged() {
     };
     let (plain, noisy) = (interval(&["--p", "1"]), interval(&["--p", "1", "--noise", "0.1"]));
     assert!(plain.0 == 0 && noisy.0 == 1 && noisy.1 > 2.0 * plain.1, "{plain:?} {noisy:?}");
-    // The same by a column, and by runs that scatter as much.
+    // Noise by a column, and by runs that scatter as much.
     let mut column = law.replace("error\n", "error,sigma\n");
     for i in 2..6 {
         let h = 0.5f64.powi(i);

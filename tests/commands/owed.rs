@@ -71,7 +71,7 @@ fn one_wrong_verdict_of_two_is_enough_for_every_command() {
     }
 }
 
-/// The same with two scenes, each with one verdict.
+/// Two scenes with one verdict each.
 #[test]
 fn one_wrong_scene_of_two_is_enough() {
     let folder = Folder::new("two-scenes");

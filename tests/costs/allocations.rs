@@ -310,8 +310,8 @@ fn more<P: Projection>(
     twice.saturating_sub(once + library)
 }
 
-/// The same for a case, by a scene whose formulas are replaced by numbers: they make vectors wherever they are
-/// evaluated, and the KKT check evaluates those of Γ3 anew at every level.
+/// Allocations of a case with twice the steps, by a scene whose formulas are replaced by numbers: they make vectors
+/// wherever they are evaluated, and the KKT check evaluates those of Γ3 anew at every level.
 fn more_with_twice_the_steps(case: &Case, wasteful: bool) -> u64 {
     let mut setup = shipped::setup(case.scene);
     (case.change)(&mut setup);

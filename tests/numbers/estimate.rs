@@ -53,7 +53,7 @@ fn goal<'a>(setup: &'a Setup, run: [u32; 2], found: &Companions, fraction: f64) 
     goal_in(Norm::VMax, setup, run, found, fraction)
 }
 
-/// The same in any norm.
+/// As [`goal`], in any norm.
 fn goal_in<'a>(
     norm: Norm,
     setup: &'a Setup,
@@ -73,8 +73,8 @@ fn faults(setup: &Setup, advice: &Advice) -> Vec<String> {
     faults_in(Norm::VMax, setup, advice)
 }
 
-/// The same in any norm. Where errors are not orthogonal to differences less may be predicted, as [`bounds`] say; how much
-/// more, the interval says: finer meshes may converge faster than the orders that can be counted on.
+/// As [`faults`], in any norm. Where errors are not orthogonal to differences less may be predicted, as [`bounds`] say;
+/// how much more, the interval says: finer meshes may converge faster than the orders that can be counted on.
 fn faults_in(norm: Norm, setup: &Setup, advice: &Advice) -> Vec<String> {
     let choice = &advice.choice;
     let real = errors(setup, [choice.n, choice.steps], &[norm])[0];

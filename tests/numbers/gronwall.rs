@@ -108,7 +108,8 @@ fn the_chain_holds_on_every_scene_with_history() {
     }
 }
 
-/// Every shipped scene, on its coarsest mesh and in its family of grids: the chain holds, or the scene says why there is none.
+/// Every shipped scene, on its coarsest mesh and in its family of grids: the chain holds, or the scene says why there
+/// is none.
 #[test]
 #[ignore = "seconds for each scene: make test-long"]
 fn long_no_shipped_scene_violates_the_chain() {

@@ -139,7 +139,7 @@ fn trace_constants_are_those_of_quadratics() {
     let space = setup.space(3).expect("a mesh");
     let exact = [[4.0, -1.0, 2.0], [-1.0, 4.0, 2.0], [2.0, 2.0, 16.0]].map(|r| r.map(|m| m / 30.0));
     let simpson = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 4.0]].map(|r| r.map(|m| m / 6.0));
-    // That of functions that are linear between the nodes, for which the same space has another constant.
+    // The mass matrix of functions that are linear between the nodes, which gives another constant.
     let linear = [[4.0, 0.0, 2.0], [0.0, 4.0, 2.0], [2.0, 2.0, 8.0]].map(|r| r.map(|m| m / 24.0));
     for tensor in [TensorField::identity(), setup.model.elasticity.clone()] {
         let found = |mass| trace_constant(&space, &tensor, mass).expect("an eigenvalue").value;

@@ -103,7 +103,7 @@ fn wrong_weights_leave_the_order_or_the_constant() {
         let caught = beyond(observed - order, 0.15) || beyond(ratio - 1.0, GATE);
         assert!(caught, "{name}, {defect}: {observed}, {ratio}");
     }
-    // The same weights through the same door are sound.
+    // The sound weights, given in the same way, pass.
     for (name, weight) in [("gregory-three", three as fn(&_, _, _) -> _), ("gregory-four", four)] {
         let (_, steps, order) = SCENES.into_iter().find(|scene| scene.0 == name).expect("a scene");
         let (observed, ratio) = measured(name, steps, order, Some(Box::new(Weights(weight))));

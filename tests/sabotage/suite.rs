@@ -39,7 +39,7 @@ pub struct Outcome {
     pub records: Vec<CaseRecord>,
     /// By orders alone.
     pub verdicts: Vec<Verdict>,
-    /// The same with the constants that are known beforehand.
+    /// By orders and by the constants that are known beforehand.
     pub with_constants: Vec<Verdict>,
 }
 

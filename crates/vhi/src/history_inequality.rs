@@ -21,7 +21,7 @@ pub trait HistoryInequality: StepInequality {
     /// is implicit: F depends on u_n through it.
     ///
     /// # Errors
-    /// Those of the load.
+    /// The load fails.
     fn open(&mut self) -> Result<(), Self::Error>;
 
     /// Freezes the last slot of the history of the open level at η, as the operator Λ: η ↦ u_η of the proof of Theorem

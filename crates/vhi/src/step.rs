@@ -33,14 +33,14 @@ pub trait StepInequality {
     /// order.
     ///
     /// # Errors
-    /// Those of the factorization, if the Jacobian is not positive definite.
+    /// The factorization fails: the Jacobian is not positive definite.
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError>;
 
     /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the right side; a direct
     /// solve ignores it.
     ///
     /// # Errors
-    /// Those of the factorization; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
+    /// The factorization fails; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
     /// singular.
     fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError>;
 

@@ -65,7 +65,7 @@ impl<'a, S: StepSolver> Stepper<'a, S> {
     /// Opens, solves and commits the next level.
     ///
     /// # Errors
-    /// Those of the load, or [`FailedStep`].
+    /// The load fails, or [`FailedStep`].
     pub fn step<P: HistoryInequality>(&mut self, problem: &mut P) -> Result<StepInfo, P::Error> {
         let (n, t) = (self.level, problem.grid().time(self.level));
         problem.open()?;

@@ -193,7 +193,7 @@ fn judged(change: impl Fn(&MeshData, &[f64]) -> Vec<f64>) -> (i32, String) {
     judged_on("quadratic-elastic", change)
 }
 
-/// The same of a scene in the plane with four steps.
+/// What `sweep verify` says of a plane scene with four steps.
 fn judged_on(name: &str, change: impl Fn(&MeshData, &[f64]) -> Vec<f64>) -> (i32, String) {
     let (folder, setup) = (Folder::new("external-midpoints"), setup(name));
     for n in [4, 8, 16] {

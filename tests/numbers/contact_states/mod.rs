@@ -1,7 +1,8 @@
 //! Source: (5.5), the states of a point of Γ3: open, on the rising or falling branch of the law, at its jump, locked.
 //! Goal: the scenes `state-…` have one state each, on all of Γ3 and at all times; errors by state agree with other
 //!   integrals and closed forms, sum to the error on Γ3, and see a defect in their state alone; the distance of
-//!   contact sets likewise. Corner exponents, Hertz contact, the page of scenes and the tutorial: the modules beside this one.
+//!   contact sets likewise. Corner exponents, Hertz contact, the page of scenes and the tutorial: the modules beside
+//!   this one.
 //! Mesh: n = 8 … 32. Data: the scenes `state-…`, pure-mild, pure-strong, and seeded views and models.
 
 mod catalogue;

@@ -62,7 +62,7 @@ order = 1.0
 why = "?"
 "#;
 
-/// The same of an abstract scene.
+/// An abstract scene with every key.
 const ABSTRACT: &str = r#"
 [scene]
 name = "all"

@@ -1,4 +1,5 @@
-//! The exact side against closed forms: histories of a(t) = 0.2 t(2 - t) and b(t) = 0.3 sin 2t, and 𝒜 in the axes of the material.
+//! The exact side against closed forms: histories of a(t) = 0.2 t(2 - t) and b(t) = 0.3 sin 2t, and 𝒜 in the axes of
+//! the material.
 
 use gronwall::formula::Graph;
 use gronwall::manufactured::constitutive::{Tensor, stress};

@@ -170,7 +170,8 @@ fn disguises_of_one_material_agree() {
     }
 }
 
-/// A scalar kernel keeps its cheap path: one solve a step and one state an exponential; a second term costs as much again.
+/// A scalar kernel keeps its cheap path: one solve a step and one state an exponential; a second term costs as much
+/// again.
 #[test]
 fn absent_terms_cost_nothing() {
     // (factorizations, bytes of history) of 16 steps with 40 unknowns.

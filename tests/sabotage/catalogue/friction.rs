@@ -230,7 +230,7 @@ pub fn defects() -> Vec<Defect> {
     ]
 }
 
-/// Those of vectors, and of bounds that follow the slip or p.
+/// Defects of vectors, and of bounds that follow the slip or p.
 pub fn others() -> Vec<Defect> {
     vec![
         Defect::of(Term::Friction, "in space friction pushes along with the slip", |setup| {

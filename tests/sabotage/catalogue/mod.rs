@@ -108,7 +108,7 @@ pub struct Defect {
     pub term: Term,
     /// Another component of the model, another scheme, another exact side.
     pub program: fn(Setup) -> Setup,
-    /// The same for abstract scenes.
+    /// Another abstract problem.
     pub abstract_program: fn(AbstractSetup) -> AbstractSetup,
     /// Another load.
     pub load: Option<LoadSeed>,

@@ -13,7 +13,7 @@ pub trait LinearMap {
     /// `out` ← T x.
     ///
     /// # Errors
-    /// Those of the linear solves within T.
+    /// A linear solve within T fails.
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError>;
 
     /// `out` ← G x.

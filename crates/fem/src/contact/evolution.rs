@@ -89,7 +89,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
         &self.problem
     }
 
-    /// The same, for a solve with its last factor.
+    /// The problem, for a solve with its last factor.
     pub(crate) fn problem_mut(&mut self) -> &mut ContactProblem<'a, P> {
         &mut self.problem
     }

@@ -9,7 +9,7 @@ use algebra::linalg::NonsymmetricEntry;
 use vhi::law::Projection;
 
 impl<P: Projection> ContactProblem<'_, P> {
-    /// Friction as it is at time t: the laws of the last graphs, or what p is multiplied by in them.
+    /// Sets friction to time t: the laws of the last graphs, or the factors of p in them.
     pub(super) fn set_friction(&mut self, t: f64) {
         let Some(friction) = &self.model.friction else { return };
         let free = self.space.trace.points.iter().filter(|point| point.carries());
@@ -26,7 +26,7 @@ impl<P: Projection> ContactProblem<'_, P> {
         }
     }
 
-    /// Laws that follow p, as they are at the present unknowns. The graphs of the normal law come first, in the same order.
+    /// Sets laws that follow p to the present unknowns. The graphs of the normal law come first, in the same order.
     pub(super) fn follow_pressure(&mut self) {
         let Some(friction) = &self.model.friction else { return };
         let m = self.space.mesh.dimension - 1;

@@ -41,7 +41,7 @@ impl StiffnessFactors {
     /// The factor of `tensor` that is held, or the one that `make` gives, which is held from then on.
     ///
     /// # Errors
-    /// Those of `make`.
+    /// `make` fails.
     pub(super) fn find_or_hold(
         &self,
         tensor: &TensorField,

@@ -31,7 +31,7 @@ pub(crate) struct TangentOf {
 }
 
 impl TangentOf {
-    /// Takes these; true if they are not those of the tangent before, or there was none.
+    /// Stores these; true if they differ from those of the tangent before, or there was none.
     pub(crate) fn replace(
         &mut self,
         slot: &LastSlot,

@@ -27,8 +27,8 @@ use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
 use vhi::{Extrapolation, FailedStep, Newton, StepError, StepState};
 
-/// Passes for one level with an old matrix, beyond the first, before a new one is factored: each leaves some 1e-3 of what
-/// the one before it left.
+/// Passes for one level with an old matrix, beyond the first, before a new one is factored: each leaves some 1e-3 of
+/// what the one before it left.
 const MOST_REPEATED: u32 = 8;
 
 /// Solves all levels and shows each to `observe`.
@@ -175,7 +175,7 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
         late
     }
 
-    /// Passes for the levels that are ready; for one again, as long as its matrix is an old one and leaves something.
+    /// Passes for the levels that are ready; with an old matrix one level is repeated until its residual is small.
     fn passes(
         &mut self,
         first: usize,
@@ -348,7 +348,7 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
         }
     }
 
-    /// Γ3 of a pending level; a level without contact is its passes.
+    /// Solves Γ3 of a pending level; without contact nothing is left to solve.
     fn condensed(&mut self, at: usize, newton: &Newton, again: bool) -> Result<(), StepError> {
         let start = Instant::now();
         let (width, pending) = (self.pending.len(), &mut self.pending[at]);

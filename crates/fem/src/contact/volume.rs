@@ -22,18 +22,18 @@ pub(super) struct Volume<'a> {
     pub elastic: Arc<Vec<f64>>,
     by_memory: Vec<Vec<f64>>,
     matrix: Vec<f64>,
-    /// Weights that K was made of, `None` before the first; those of the level less them, all zero but where an old
+    /// Weights that K was made with, `None` before the first; those of the level minus these, zero unless an old
     /// factor serves.
     slot: Option<Vec<f64>>,
     behind: Vec<f64>,
-    /// Whether it may, the passes it has cost beyond what one of the level before costs, and what a factorization costs.
+    /// Whether an old factor may serve, the extra passes it has cost, and the passes that a factorization is worth.
     serves: bool,
     extra: u32,
     worth: u32,
     way: Way<'a>,
     /// Of the unknowns in right sides of a pass.
     pub order: Vec<u32>,
-    /// Products with a ℬ_i, and what they are products with.
+    /// Room for a product with ℬ_i, and for its argument.
     product: Vec<f64>,
     change: Vec<f64>,
     work: Work,
@@ -122,7 +122,7 @@ impl<'a> Volume<'a> {
         if together { SIDES } else { 1 }
     }
 
-    /// Takes weights of a level; whether K is made anew of them. Where weights change from level to level, an old factor serves until
+    /// Takes weights of a level; whether K is made anew of them. Where weights change, an old factor serves until
     /// its extra passes have cost a new one: at most twice the least cost, whatever comes.
     ///
     /// # Errors
@@ -199,8 +199,8 @@ impl<'a> Volume<'a> {
         self.extra += passes.saturating_sub(LEAST);
     }
 
-    /// Whether `u` solves a level with the load `force`, of a pass that took `taken` for it; in `left` what it
-    /// leaves of the right side.
+    /// Whether `u`, found by a pass that assumed `taken`, solves a level with the load `force`; `left` becomes its
+    /// residual.
     pub(super) fn is_solved(
         &mut self,
         u: &[f64],
@@ -217,7 +217,7 @@ impl<'a> Volume<'a> {
         norm(left) <= accepted_residual(self.forces(u) + norm(force))
     }
 
-    /// What forces of the diagonal of 𝒜 are at u.
+    /// ‖diag(K) u‖ of the elastic K.
     fn forces(&self, u: &[f64]) -> f64 {
         size_of_forces(self.space, &self.elastic, u)
     }

@@ -116,7 +116,7 @@ struct Simplices {
     corners: Vec<Vec<[f64; 3]>>,
     /// For each simplex the vectors g_a with λ_a(x) = g_a · (x - x_0), a ≥ 1.
     dual: Vec<Vec<[f64; 3]>>,
-    /// Simplices by the boxes that theirs meet.
+    /// Simplices by the boxes of a grid of this width that they meet.
     boxes: FxHashMap<[i64; 3], Vec<u32>>,
     width: f64,
 }

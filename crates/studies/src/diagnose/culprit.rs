@@ -64,7 +64,7 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
     }
 }
 
-/// What every run has: it explains every failure, and is a suspect only where a run fails that has no more.
+/// Whether every run has it: then it explains every failure, and is suspected only if a run with nothing else fails.
 fn is_everywhere(suspect: Suspect) -> bool {
     matches!(suspect, Suspect::Elasticity | Suspect::Loads)
 }

@@ -105,8 +105,9 @@ fn contradiction(verdict: &Verdict) -> Option<String> {
     })
 }
 
-/// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the cases of the scene, and
-/// the first trial of each ladder, of which the others lack a term. A scene or trial that cannot be set up takes none.
+/// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the cases of the scene,
+/// and the first trial of each ladder, of which the others lack a term. A scene or trial that cannot be set up takes
+/// none.
 ///
 /// # Errors
 /// [`Refused`].

@@ -77,7 +77,7 @@ impl Rung {
         Self { at: at.into(), expected, run: Box::new(run), largest: None }
     }
 
-    /// With the largest run of a body in it.
+    /// Names the largest run of a body in the rung, for the limit of memory.
     pub(super) fn with_largest(self, text: String, n: u32, steps: u32) -> Self {
         Self { largest: Some(Largest { text, n, steps }), ..self }
     }

@@ -38,7 +38,7 @@ pub(super) struct Inside {
 }
 
 impl Inside {
-    /// That of a triangle; `None` where it is degenerate.
+    /// `None` for a degenerate triangle.
     pub(super) fn new(triangle: &Triangle) -> Option<Self> {
         // Cells are balanced in force and moment before: what is not would be rounding, and nothing balances it.
         let (conditions, asked) = conditions(triangle);

@@ -213,7 +213,7 @@ impl CaseLine {
         }
     }
 
-    /// Over all levels; a violation is the worst that there is.
+    /// Over all levels; a violation outweighs everything else.
     pub(crate) fn standing(&self) -> LineStanding {
         match (self.violation, self.undefined) {
             (Some(_), _) => LineStanding::Violated,

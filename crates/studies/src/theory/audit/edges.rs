@@ -60,7 +60,7 @@ pub(crate) fn between(trace: [usize; 3], shape: &[f64; 3], values: &[f64]) -> f6
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactSample {
-    /// Those vertices as points of the trace.
+    /// The vertices of the edge as points of the trace.
     pub trace: [usize; 3],
     /// u_ν.
     pub normal: f64,

@@ -29,7 +29,7 @@ pub(crate) struct Volume {
     pub plain: CellValues,
     /// Cells that a curve crosses, in 16 parts.
     pub crossed: CellValues,
-    /// Those cells cut into 4 parts: the difference measures the quadrature error.
+    /// The same cells in 4 parts: the difference measures the quadrature error.
     pub check: CellValues,
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct TraceConstants {
 
 /// The meshes on which trace constants are computed.
 const LEVELS: [u32; 6] = [8, 16, 32, 64, 128, 256];
-/// More cells than this none of them has: the finest of a unit square eightfold.
+/// None of them has more cells: eight times those of the finest mesh of a unit square.
 const MOST_CELLS: f64 = 1_048_576.0;
 /// Meshes in space, up to 15,000 unknowns.
 const LEVELS_IN_SPACE: [u32; 4] = [2, 4, 8, 16];

@@ -13,7 +13,7 @@ use vhi::finite::{FiniteEvolution, FiniteModel};
 
 /// Pairs of random states.
 const SAMPLES: u32 = 2000;
-/// Their components lie within this, as those in which slopes are sampled.
+/// Their components are at most this large, as in the samples of slopes.
 const REACH: f64 = 10.0;
 
 impl BoundStudy {
