@@ -62,15 +62,15 @@ fn compiler() -> Option<String> {
 /// The commit that HEAD is at; every file that decides it is watched.
 pub fn commit(git: &Path) -> Option<String> {
     let git = folder(git)?;
-    // A work tree has its own HEAD, and its branches in the common folder.
+    // A work tree has a HEAD; its branches are in the common folder.
     let common = match fs::read_to_string(git.join("commondir")) {
         Ok(path) => git.join(path.trim()),
         Err(_) => git.clone(),
     };
     let head = watched(&git.join("HEAD"))?;
     let Some(name) = head.trim().strip_prefix("ref: ") else { return hash(head.trim()) };
-    if let Some(own) = watched(&common.join(name)) {
-        return hash(own.trim());
+    if let Some(commit) = watched(&common.join(name)) {
+        return hash(commit.trim());
     }
     let packed = watched(&common.join("packed-refs"))?;
     packed.lines().find_map(|line| hash(line.strip_suffix(name)?.trim()))

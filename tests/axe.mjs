@@ -19,12 +19,12 @@ for (const width of [1280, 390]) {
     await tab.setViewport({ width, height: 1000 });
     await tab.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }]);
     await tab.goto(pathToFileURL(page).href);
-    // A picture has one name, its own; what it is made of would keep the check for minutes.
-    await tab.evaluate(() => document.querySelectorAll("svg").forEach((own) => own.replaceChildren()));
+    // A picture has one name; what it is made of would keep the check for minutes.
+    await tab.evaluate(() => document.querySelectorAll("svg").forEach((picture) => picture.replaceChildren()));
     await tab.addScriptTag({ path: require.resolve("axe-core/axe.min.js") });
     for (const unfolded of (width === 390) === (scheme === "light") ? [false, true] : [false]) {
       const { violations, passes } = await tab.evaluate(async (open) => {
-        if (open) document.querySelectorAll("details").forEach((own) => (own.open = true));
+        if (open) document.querySelectorAll("details").forEach((part) => (part.open = true));
         const only = { resultTypes: ["violations"], elementRef: false };
         const { violations, passes } = await axe.run(document, only);
         const short = ({ id, impact, help, nodes }) =>

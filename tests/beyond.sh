@@ -43,7 +43,7 @@ export XDG_CACHE_HOME=$out/cache
 flow=("$snakemake" --directory "$out/plan" --snakefile "$out/plan/Snakefile" --cores 2 --config "sweep=$sweep")
 parts() { find "$out/plan/parts" -path "*/$1" 2>/dev/null | wc -l; }
 
-# A session of its own: the kill takes Snakemake with all that it has started, and nothing else.
+# In a new session: the kill takes Snakemake with all that it has started, and nothing else.
 setsid "${flow[@]}" </dev/null >"$out/killed.log" 2>&1 &
 group=$!
 for ((tries = 0; tries < 6000; tries++)); do

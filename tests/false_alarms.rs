@@ -1,4 +1,4 @@
-//! Source: own; a gate that cries wolf is switched off.
+//! Source: a gate that cries wolf is switched off.
 //! Goal: the whole gate over seeded perturbations of what no prediction rests on (meshes, levels of refinement, time
 //!   grids, numbers of threads): no verdict of the sound program fails, fewer than 2 % are unresolved; a wrong time rule
 //!   in one run is counted as failures.
@@ -49,7 +49,6 @@ struct Outcome {
     reason: String,
 }
 
-/// The judged scenes of the gate.
 fn judged() -> Vec<Scene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
     let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
@@ -57,7 +56,6 @@ fn judged() -> Vec<Scene> {
     registry.names().map(load).filter(|scene| scene.judge && !scene.long).collect()
 }
 
-/// The gate of run `seed`.
 fn gate(scenes: &[Scene], seed: u64, defect: Option<Defect>) -> Vec<Outcome> {
     let threads = 1 + Draws::new(seed, "threads").below(3);
     let plan = |scene: &Scene| {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The same gate from programs of different optimisation levels: records bit-identical but for the clock, verdicts too.
-# Dependencies keep their level; the crate's own code, and what it instantiates of theirs, is compiled anew.
+# Dependencies keep their level; the code of the crate, and what it instantiates of theirs, is compiled anew.
 #
 # usage: tests/opt_levels.sh [SCENE ...]     LEVELS="0 1 2 3" by default; the first is what the others are compared with
 set -euo pipefail

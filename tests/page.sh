@@ -53,7 +53,7 @@ if (table) {
   said.push(up[0] === down[down.length - 1] ? "sorts" : "does not sort");
 }
 const lost = [...document.querySelectorAll("a[href^='#']")].filter((a) => !document.getElementById(a.hash.slice(1)));
-const ids = [...document.querySelectorAll("[id]")].map((own) => own.id);
+const ids = [...document.querySelectorAll("[id]")].map((element) => element.id);
 const mute = document.querySelectorAll("svg:not([aria-label])");
 said.push(lost.length + mute.length + ids.length - new Set(ids).size === 0 ? "sound" : "links, names or words are lost");
 parent.postMessage({ text: said.join(", ") + `, ${innerWidth} x ${height} px`, height }, "*");

@@ -213,8 +213,8 @@ fn sweep(numbers: &[u32]) {
         let next = AtomicUsize::new(0);
         let work = || {
             while let Some(&(n, steps)) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let own = numbers.iter().position(|&number| number == n).unwrap_or(0);
-                let data = meshes[own].get_or_init(|| {
+                let at = numbers.iter().position(|&number| number == n).unwrap_or(0);
+                let data = meshes[at].get_or_init(|| {
                     MeshData::new(&setup, n, None).unwrap_or_else(|error| panic!("{error}"))
                 });
                 let (grid, newton) = (setup.grid(steps), Newton::default());

@@ -30,7 +30,7 @@ fn parts_of(
         let mut all = [0.0; PARTS.len()];
         for (&n, steps) in cases {
             let parts = parts_on(&setup, n, steps);
-            all.iter_mut().zip(parts).for_each(|(all, own)| *all += own);
+            all.iter_mut().zip(parts).for_each(|(all, part)| *all += part);
         }
         all
     };
@@ -97,7 +97,7 @@ pub fn split(largest: u32, only: &[&String]) {
     let (mut total, mut below) = ([0.0; PARTS.len()], [0; 3]);
     let mut scenes = 0;
     for name in
-        registry.names().filter(|name| only.is_empty() || only.iter().any(|own| own == name))
+        registry.names().filter(|name| only.is_empty() || only.iter().any(|wanted| wanted == name))
     {
         let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
         let Ok(subject) = Subject::new(scene) else { continue };
@@ -121,7 +121,7 @@ pub fn split(largest: u32, only: &[&String]) {
         let [finest, _] = over(finest);
         let [solves, march] = over(all);
         scenes += 1;
-        total.iter_mut().zip(all).for_each(|(total, own)| *total += own);
+        total.iter_mut().zip(all).for_each(|(total, part)| *total += part);
         for (below, ratio) in below.iter_mut().zip([solves, finest, march]) {
             *below += usize::from(ratio < 1.0);
         }

@@ -1,6 +1,6 @@
 //! Every norm of a record a second time: |u - u_h|², |ε - ε_h|², |σ - σ_h|² at points of a strictly stronger rule, in the
 //! plane on triangles that are quartered until the sums settle, σ_h from
-//! the displacements of all levels with weights, histories and a stress of its own, the contact set by its own samples.
+//! the displacements of all levels with weights, histories and a stress computed here, the contact set by samples.
 //! No moment, projection or stress of the library is used; formulas of the exact side are evaluated at points.
 
 // Each test file compiles this module for itself and uses a part of it.
@@ -227,8 +227,8 @@ const QUARTERED: usize = 7;
 fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f64; 3] {
     let mut pieces: Vec<Piece> = (0..cells).map(|c| Piece::whole(c, d + 1)).collect();
     let mut values = on(&pieces);
-    let add = |sum: &mut [f64; 3], own: &[f64; 3]| {
-        sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+    let add = |sum: &mut [f64; 3], squares: &[f64; 3]| {
+        sum.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square);
     };
     let mut sums = [0.0; 3];
     for _ in 0..if d == 2 { QUARTERED } else { 0 } {
@@ -236,16 +236,16 @@ fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f
         let flat: Vec<Piece> = quarters.into_iter().flatten().collect();
         let finer = on(&flat);
         let mut scale = sums;
-        values.iter().for_each(|own| add(&mut scale, own));
+        values.iter().for_each(|squares| add(&mut scale, squares));
         let mut open = (Vec::new(), Vec::new());
         let mut flat = flat.into_iter();
-        for (own, four) in values.iter().zip(finer.chunks(4)) {
+        for (squares, four) in values.iter().zip(finer.chunks(4)) {
             let mut together = [0.0; 3];
             four.iter().for_each(|quarter| add(&mut together, quarter));
-            let moved = |i: usize| (together[i] - own[i]).abs() > SETTLED * scale[i];
-            let own: Vec<Piece> = flat.by_ref().take(4).collect();
+            let moved = |i: usize| (together[i] - squares[i]).abs() > SETTLED * scale[i];
+            let quarters: Vec<Piece> = flat.by_ref().take(4).collect();
             if (0..3).any(moved) {
-                open.0.extend(own);
+                open.0.extend(quarters);
                 open.1.extend_from_slice(four);
             } else {
                 add(&mut sums, &together);
@@ -253,7 +253,7 @@ fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f
         }
         (pieces, values) = open;
     }
-    values.iter().for_each(|own| add(&mut sums, own));
+    values.iter().for_each(|squares| add(&mut sums, squares));
     sums
 }
 

@@ -31,7 +31,6 @@ fn faults(output: &Output, place: &str, phrases: &[&str]) -> Vec<String> {
     faults
 }
 
-/// The line of `key` in a text, from 1.
 fn line_of(text: &str, key: &str) -> usize {
     let at = text.find(key).unwrap_or_else(|| panic!("no `{key}`"));
     1 + text[..at].matches('\n').count()

@@ -1,5 +1,5 @@
 //! Source: the orders derived in docs/BROKEN-HYPOTHESES.md, written down here a second time.
-//! Goal: every scene with a broken hypothesis, and every repair, has the order that was derived, by a fit of our own; the
+//! Goal: every scene with a broken hypothesis, and every repair, has the order that was derived, by a fit made here; the
 //!   chapter's table names each of them and carries the orders that a run gives; what is to be refused is refused.
 //! Data: manufactured/broken-*.toml, one run of all of them.
 
@@ -52,7 +52,7 @@ static RUN: LazyLock<Run> = LazyLock::new(|| {
     let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("cases.csv");
     let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = lines.next().expect("a head");
-    let column = |name: &str| head.iter().position(|own| *own == name).expect("a column");
+    let column = |name: &str| head.iter().position(|key| *key == name).expect("a column");
     let [scene, h, k, norm, error] = ["scene", "h", "k", "norm", "error"].map(column);
     let mut points: BTreeMap<String, Vec<(f64, f64)>> = BTreeMap::new();
     for row in lines.filter(|row| row[norm] == "V_max") {

@@ -10,12 +10,6 @@ use crate::house::{flat, sources, without_comments};
 /// A circle of files that stays: its crate, one of its files, how many files it has, and why.
 const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
-        "algebra",
-        "linalg/gmres",
-        2,
-        "sums and norms of vectors stand in the module whose methods use them",
-    ),
-    (
         "exact",
         "constitutive",
         6,
@@ -40,36 +34,10 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "memory integrals stand inside formulas, and formulas inside memory integrals",
     ),
     (
-        "formula",
-        "vocabulary",
-        2,
-        "a node holds its function, and the words of a function make nodes",
-    ),
-    ("judge", "fit/screen", 6, "points and errors of fits stand in the module of the fits"),
-    ("judge", "fit/joint", 3, "a joint fit on a grid is checked by what it must identify"),
-    ("judge", "record/row", 2, "a record and its columns"),
-    ("judge", "table/read", 4, "the error of a table stands in the module of its reader"),
-    ("judge", "table/runs", 2, "repeated rows are merged into the groups that hold them"),
-    ("judge", "verdict/judge", 10, "predictions and verdicts stand in the module of the judgement"),
-    (
         "report",
         "document",
         33,
         "the error of a report and the summary of a scene stand in the root that draws all of them",
-    ),
-    ("run", "distributed/parts", 2, "parts fail with the error of the merge"),
-    (
-        "run",
-        "external/series",
-        2,
-        "a series is read with the error of the answer that it is a form of",
-    ),
-    ("run", "external/vtu/array", 2, "an array is read with the error of its file"),
-    (
-        "run",
-        "leading_error/in_space",
-        3,
-        "constants in space and in time are members of one result",
     ),
     (
         "run",
@@ -91,23 +59,8 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "each part of a scene is read with the errors and the source of the whole",
     ),
     ("scene", "setup", 12, "a setup is admitted and measured by functions of a setup"),
-    (
-        "studies",
-        "theory/bound/run",
-        3,
-        "branches are followed within the study that they belong to",
-    ),
-    ("studies", "theory/gronwall/in_time", 3, "scenes of both kinds are members of one type"),
     ("studies", "trade/study", 2, "an extrapolation is of a study, and kept in it"),
     ("studies", "trade/trial", 2, "a price compares two trials, and tables of trials print prices"),
-    ("vhi", "finite/march", 2, "the evolution takes the load and the error of its march"),
-    ("vhi", "graph", 2, "a graph is read at the state of a step, and a step has a graph"),
-    (
-        "vhi",
-        "history/powers",
-        2,
-        "moments of powers take the Gauss points of the rules that are made of them",
-    ),
 ];
 
 type Path = Vec<String>;

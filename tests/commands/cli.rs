@@ -223,8 +223,8 @@ fn list_explain_and_check_have_their_json() {
         keys(scene, &["name", "file", "question", "terms", "truth", "predicts", "long", "judge"]);
     }
     let plan = json(&sweep(&["explain", "affine", "--json"]));
-    let own = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
-    keys(&plan, &[&own[..], &["constants", "corners", "regions", "rule"]].concat());
+    let always = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
+    keys(&plan, &[&always[..], &["constants", "corners", "regions", "rule"]].concat());
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
     let predicted = ["seconds_predicted", "memory_bytes_predicted"];
@@ -407,7 +407,7 @@ fn audits_hold_and_say_what_they_checked() {
         document["lines"].as_array().and_then(|all| all.iter().find(|l| l["line"] == "(4.17)"));
     let power = line.and_then(|line| line["power_h"][1].as_f64()).expect("a power");
     assert!((1.8..2.2).contains(&power), "{power}");
-    // The same for a reader.
+    // What a reader of the text sees.
     let output = sweep(&[&["audit", "compliance"], &grid[..]].concat());
     assert!(stdout(&output).contains("16 of 16 lines hold in all runs"), "{}", stdout(&output));
 }

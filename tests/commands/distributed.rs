@@ -21,8 +21,8 @@ fn scenes(folder: &Folder) -> Vec<String> {
     let strong = edited(&strong, "dimension = 2", "dimension = 2\nviolates = [\"3.4\"]");
     let strong = edited(&strong, "n = [8, 16, 32, 64]", "n = [2, 4]");
     let strong = edited(&strong, "steps = [16]", "steps = [1]");
-    let own = "steps = [64, 128, 256, 512, 1024, 2048, 4096]";
-    let without_mesh = edited(&text("abstract-smooth"), own, "steps = [16, 32, 64, 128, 256]");
+    let steps = "steps = [64, 128, 256, 512, 1024, 2048, 4096]";
+    let without_mesh = edited(&text("abstract-smooth"), steps, "steps = [16, 32, 64, 128, 256]");
     let named = [
         ("signorini", signorini),
         ("punch", punch),
@@ -228,7 +228,7 @@ fn records_of_one_case_agree_or_are_refused() {
     let job = sweeping.job_of("signorini:n16:N16");
     let (part, again) = (sweeping.part(job), sweeping.folder.at("parts/again"));
     copy(&part, &again);
-    // The same once more, other seconds included.
+    // The records once more, with other seconds.
     let table = again.join("cases.csv");
     let text = without_checksums(&table);
     assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));
@@ -251,10 +251,10 @@ fn parts_that_do_not_belong_together_are_refused() {
     let file = part.join("provenance.json");
     let sound = std::fs::read_to_string(&file).expect("a file");
     let hash = json_hash(&sound, "signorini");
-    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    let version = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
     let name = part.display().to_string();
     for (from, to, said) in [
-        (own.as_str(), "\"version\": \"0.0.7\"", "version 0.0.7"),
+        (version.as_str(), "\"version\": \"0.0.7\"", "version 0.0.7"),
         (hash.as_str(), "0123456789abcdef", "`signorini` is another one (0123456789abcdef)"),
         ("\"signorini\": \"", "\"stranger\": \"", "`stranger` is not in the plan"),
         ("\"platform\": \"", "\"platform\": \"other-", "made on other-"),
@@ -279,7 +279,6 @@ fn parts_that_do_not_belong_together_are_refused() {
     assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));
 }
 
-/// The hash of a scene in a provenance.
 fn json_hash(text: &str, scene: &str) -> String {
     let document: serde_json::Value = serde_json::from_str(text).expect("JSON");
     document["scenes"][scene].as_str().expect("a hash").to_owned()
@@ -315,9 +314,9 @@ fn a_changed_scene_or_version_or_plan_is_refused() {
     let output = sweeping.job(job);
     assert!(stdout(&output).contains("recorded before"), "{}", stdout(&output));
     // Another version; a text that is not the hash's; no plan at all.
-    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    let version = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
     for (from, to, said) in [
-        (own.as_str(), "\"version\": \"0.0.7\"", "version 0.0.7"),
+        (version.as_str(), "\"version\": \"0.0.7\"", "version 0.0.7"),
         ("L = 600", "L = 602", "not the one that was planned"),
         ("\"scenes\"", "\"scones\"", "sweep plan"),
     ] {
@@ -396,8 +395,8 @@ fn a_killed_part_leaves_nothing_that_is_read_and_goes_on() {
 #[test]
 fn a_merge_is_compared_with_a_baseline() {
     let folder = Folder::new("merge-baseline");
-    let scene = edited(&text("affine"), "name = \"affine\"", "name = \"own\"");
-    let scene = folder.file("own.toml", &scene);
+    let scene = edited(&text("affine"), "name = \"affine\"", "name = \"renamed\"");
+    let scene = folder.file("renamed.toml", &scene);
     let [file, run, parts, merged] = ["baseline.json", "run", "parts", "merged"];
     let file = folder.argument(file);
     let output = sweep(&["baseline", &scene, "--file", &file, "--out", &folder.argument(run)]);
@@ -414,7 +413,7 @@ fn a_merge_is_compared_with_a_baseline() {
     let sound = merge(&[]);
     assert_eq!(code(&sound), 0, "{}", stderr(&sound));
     assert!(stdout(&sound).contains("no deviation"), "{}", stdout(&sound));
-    assert_eq!(compared()["scenes"], serde_json::json!(["own"]));
+    assert_eq!(compared()["scenes"], serde_json::json!(["renamed"]));
     let gate = sweep(&["gate", &scene, "--baseline", &file, "--out", &folder.argument("gate")]);
     assert_eq!(code(&gate), 0);
     assert_eq!(compared(), lasting(&folder.at("gate/verdict.json"))["baseline"]);
@@ -429,12 +428,13 @@ fn a_merge_is_compared_with_a_baseline() {
         assert_eq!(deviations.as_array().map(Vec::len), Some(1), "{deviations}");
         deviations[0]["kind"].as_str().expect("a kind").to_owned()
     };
-    let error = whole["scenes"]["own"]["cases"][2]["errors"]["V_max"].as_f64().expect("a number");
-    let shifted = with("/scenes/own/cases/2/errors/V_max", (error / 1.01).into());
+    let error =
+        whole["scenes"]["renamed"]["cases"][2]["errors"]["V_max"].as_f64().expect("a number");
+    let shifted = with("/scenes/renamed/cases/2/errors/V_max", (error / 1.01).into());
     assert_eq!(shifted, "error");
     // A case that no part has, which the grids of the file have not either.
-    assert_eq!(with("/scenes/own/cases/2/steps", 17.into()), "missing");
-    assert_eq!(with("/scenes/own/hash", "0000000000000000".into()), "stale");
+    assert_eq!(with("/scenes/renamed/cases/2/steps", 17.into()), "missing");
+    assert_eq!(with("/scenes/renamed/hash", "0000000000000000".into()), "stale");
     std::fs::remove_file(&file).expect("removed");
     refused(&merge(&[]), &["baseline.json: no such file"]);
 }

@@ -108,7 +108,7 @@ fn what_is_said_is_what_is_counted() {
     }
 }
 
-/// What is said follows the scene: a part of the load more is a solve more, a memory of its own a factor more.
+/// What is said follows the scene: a part of the load more is a solve more, another memory a factor more.
 #[test]
 fn another_scene_has_other_counters() {
     let of = |edits: &[[&str; 2]]| {

@@ -37,7 +37,7 @@ fn in_space(
     Table { name, variable: Variable::H, rows, floor: 0.0, predicted, expected, words }
 }
 
-/// The same numbers with k in the place of h, on one mesh.
+/// The table with k in the place of h, on one mesh.
 fn in_time(table: Table) -> Table {
     let rows = table.rows.into_iter().map(|(n, steps, error)| (steps, n, error)).collect();
     Table { variable: Variable::K, rows, ..table }
@@ -184,10 +184,10 @@ fn every_table_gets_its_verdict_from_records_and_from_a_file() {
         let (decision, reason) = judged(&rows, floor, &prediction(variable, predicted, None));
         assert_eq!(decision, expected, "{name} as records: {reason}");
         assert!(reason.contains(words), "{name} as records: {reason}");
-        let (flag, own) = if variable == Variable::H { ("--p", "h") } else { ("--q", "k") };
+        let (flag, step) = if variable == Variable::H { ("--p", "h") } else { ("--q", "k") };
         let aim = [flag, &predicted.to_string()];
         let (exit, found) = fitted(&folder, &file(&rows, floor), &aim);
-        let found = row(&found, own);
+        let found = row(&found, step);
         assert_eq!(found["verdict"], expected.name(), "{name} as a file: {found}");
         let reason = found["reason"].as_str().expect("a reason");
         assert!(reason.contains(words), "{name} as a file: {reason}");
@@ -482,7 +482,7 @@ fn values_without_a_limit_say_so() {
     assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"fail".into()));
 }
 
-/// A printed table of several norms, each with a claim of its own, and what is wrong with a claim.
+/// A printed table of several norms, each with a claim, and what is wrong with a claim.
 #[test]
 fn printed_tables_are_judged_a_norm_at_a_time() {
     let folder = Folder::new("printed");
@@ -564,7 +564,7 @@ fn options_change_what_is_judged() {
     };
     let (plain, noisy) = (interval(&["--p", "1"]), interval(&["--p", "1", "--noise", "0.1"]));
     assert!(plain.0 == 0 && noisy.0 == 1 && noisy.1 > 2.0 * plain.1, "{plain:?} {noisy:?}");
-    // The same by a column, and by runs that scatter as much.
+    // Noise by a column, and by runs that scatter as much.
     let mut column = law.replace("error\n", "error,sigma\n");
     for i in 2..6 {
         let h = 0.5f64.powi(i);

@@ -68,17 +68,17 @@ const FEM_OF_EXACT: &[&str] = &[
 
 const LONGEST: usize = 400;
 
-/// Full paths that a text of a crate names in it and in others: `crate::a::b` is `own::a::b`, and what a `super::` that
+/// Full paths that a text of a crate names in it and in others: `crate::a::b` is `name::a::b`, and what a `super::` that
 /// leaves a module (a file at `depth` below src/, its module file counting as its folder) leads to.
-fn paths(own: &str, text: &str, depth: usize) -> Vec<Vec<String>> {
+fn paths(name: &str, text: &str, depth: usize) -> Vec<Vec<String>> {
     let outward = "super::".repeat(depth);
     let mut found = Vec::new();
     for line in without_comments(text) {
-        let mut prefixes = vec![(String::from("crate::"), own)];
+        let mut prefixes = vec![(String::from("crate::"), name)];
         if depth > 0 {
-            prefixes.push((outward.clone(), own));
+            prefixes.push((outward.clone(), name));
         }
-        prefixes.extend(HOUSE.iter().map(|(name, ..)| (format!("{name}::"), *name)));
+        prefixes.extend(HOUSE.iter().map(|(other, ..)| (format!("{other}::"), *other)));
         for (prefix, named) in &prefixes {
             for (at, _) in line.match_indices(prefix.as_str()) {
                 let before = line[..at].chars().next_back();
@@ -152,7 +152,7 @@ fn violations(of: &str, module: &str, text: &str, depth: usize) -> Vec<String> {
         let (named, inside) = (&path[0], path[1..].join("::"));
         if *named == of {
             let target = path.get(1).and_then(|name| place(name));
-            if place(module).zip(target).is_some_and(|(own, target)| target > own) {
+            if place(module).zip(target).is_some_and(|(here, target)| target > here) {
                 wrong.push(format!("{module} names {inside}, which comes after it"));
             }
             continue;
@@ -184,14 +184,13 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// All files of a folder with an ending, sorted.
 fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
             found.extend(files(&path, ending));
-        } else if path.extension().is_some_and(|own| own == ending) {
+        } else if path.extension().is_some_and(|found| found == ending) {
             found.push(path);
         }
     }
@@ -263,14 +262,14 @@ fn crates_know_what_the_table_says() {
         let text = std::fs::read_to_string(root().join(format!("crates/{name}/Cargo.toml")));
         let text = text.expect("a crate");
         let named = |line: &str| {
-            let own = line.strip_suffix(".workspace = true")?;
-            HOUSE.iter().any(|(name, ..)| *name == own).then(|| own.to_owned())
+            let dependency = line.strip_suffix(".workspace = true")?;
+            HOUSE.iter().any(|(name, ..)| *name == dependency).then(|| dependency.to_owned())
         };
-        let mut own: Vec<String> = text.lines().filter_map(named).collect();
-        own.sort();
-        assert_eq!(own, known, "{name}");
+        let mut dependencies: Vec<String> = text.lines().filter_map(named).collect();
+        dependencies.sort();
+        assert_eq!(dependencies, known, "{name}");
         // One way: what is known stands before.
-        let place = |name: &str| HOUSE.iter().position(|(own, ..)| *own == name);
+        let place = |name: &str| HOUSE.iter().position(|(other, ..)| *other == name);
         assert!(known.iter().all(|known| place(known) < place(name)), "{name}");
     }
 }
@@ -336,7 +335,6 @@ fn files_are_short() {
     assert!(long(LONGEST + 1) && found.is_empty(), "{}", found.join("\n"));
 }
 
-/// What a scene lacks.
 fn lacks(scene: &Scene) -> Vec<&'static str> {
     let comments: Vec<&str> =
         scene.source.text.lines().filter_map(|line| line.strip_prefix("# ")).collect();

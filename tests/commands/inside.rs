@@ -1,7 +1,7 @@
-//! Source: own; the program as it stands in repositories of others.
+//! Source: the program as it stands in repositories of others.
 //! Goal: scenes and their baseline are inside the program, the same as those of its folder; a folder here or one that is
 //!   named goes before them, and `list` says which; the lines of docs/EXTERNAL.md do what they say in an empty folder.
-//! Data: all shipped scenes; viscoelastic on its own grid with the answers of the built-in solver.
+//! Data: all shipped scenes; viscoelastic on its grid with the answers of the built-in solver.
 #![cfg(unix)]
 
 use std::path::Path;

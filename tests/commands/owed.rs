@@ -21,7 +21,7 @@ fn two_predictions(orders: [&str; 2]) -> String {
     )
 }
 
-/// The own displacements as the answers of another solver.
+/// Displacements of the built-in solver as the answers of another one.
 fn answers(scene: &str, cases: &std::path::Path) {
     let setup = crate::shipped::setup_of(scene.to_owned());
     let data = crate::shipped::on_mesh(&setup, 4);
@@ -71,7 +71,7 @@ fn one_wrong_verdict_of_two_is_enough_for_every_command() {
     }
 }
 
-/// The same with two scenes, each with one verdict.
+/// Two scenes with one verdict each.
 #[test]
 fn one_wrong_scene_of_two_is_enough() {
     let folder = Folder::new("two-scenes");
@@ -147,7 +147,6 @@ impl Recorded {
         serde_json::from_str(&self.text).expect("JSON")
     }
 
-    /// A gate with another baseline.
     fn gate(&self, baseline: &serde_json::Value, more: &[&str]) -> (i32, String) {
         std::fs::write(&self.file, baseline.to_string()).expect("the baseline");
         let out = self.folder.argument("out");
@@ -294,7 +293,7 @@ fn gates_that_forget_are_red() {
     };
     let whole = owing(&["a", "b"], &all());
     assert_eq!((whole.exit_code(), whole.owed.verdicts, whole.owed.constants), (0, 3, 2));
-    // A chosen scene owes its own.
+    // Of chosen scenes only their verdicts are owed.
     let some = owing(&["b"], &all()[2..]);
     assert_eq!((some.exit_code(), some.owed.verdicts, some.owed.constants), (0, 1, 1));
     // The first prediction of each scene alone; no constant at all; a scene that is not judged.

@@ -1,4 +1,4 @@
-//! Source: own.
+//! Source: the files that a release is made of.
 //! Goal: what is released together says one version, oldest compiler and set of dependencies; the container file builds what
 //!   is there. No container was ever built here: its text is what can be checked.
 //! Data: manifests, lock files, the action, files for CI, CHANGELOG.md, docs/ci/Dockerfile.
@@ -34,8 +34,8 @@ fn others(version: &str, read: impl Fn(&str) -> String) -> Vec<String> {
         let text = read(file);
         let found = match before.ends_with('/') {
             true => {
-                let own = text.lines().filter(|line| line.contains(before));
-                own.flat_map(|line| after(line, "version = \"")).collect()
+                let lines = text.lines().filter(|line| line.contains(before));
+                lines.flat_map(|line| after(line, "version = \"")).collect()
             }
             false => after(&text, before),
         };
@@ -99,9 +99,9 @@ fn locked(text: &str) -> BTreeSet<(String, String)> {
 #[test]
 fn the_wheel_is_built_from_the_dependencies_of_the_program() {
     let (program, wheel) = (locked(&read("Cargo.lock")), locked(&read("python/Cargo.lock")));
-    let own = |name: &str| name.starts_with("pyo3") || name.starts_with("gronwall-python");
+    let of_binding = |name: &str| name.starts_with("pyo3") || name.starts_with("gronwall-python");
     // A part of the binding itself.
-    let binding = |name: &str| own(name) || name == "target-lexicon";
+    let binding = |name: &str| of_binding(name) || name == "target-lexicon";
     let apart: Vec<_> = wheel.difference(&program).filter(|(name, _)| !binding(name)).collect();
     assert!(wheel.len() > 50 && apart.is_empty(), "{apart:?}");
 }

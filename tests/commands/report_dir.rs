@@ -122,8 +122,8 @@ fn report_refuses_records_of_another_text() {
     let shipped = sweep(&["report", &out, "--scenes", "manufactured"]);
     assert_eq!(code(&shipped), 2, "judged by the shipped scene:\n{}", stdout(&shipped));
     assert!(stderr(&shipped).contains("another text"), "{}", stderr(&shipped));
-    let own = sweep(&["report", &out, "--scenes", &folder.argument("")]);
-    assert_eq!(code(&own), 1, "{}", stderr(&own));
+    let by_copy = sweep(&["report", &out, "--scenes", &folder.argument("")]);
+    assert_eq!(code(&by_copy), 1, "{}", stderr(&by_copy));
     // A kept text that was edited is not the one of the records.
     let kept = folder.at("out/provenance.json");
     let provenance = std::fs::read_to_string(&kept).expect("provenance");
@@ -235,7 +235,7 @@ fn studies_of_the_directory_are_chapters() {
     assert!(said.contains("sweep bound SCENE --out DIR"), "{said}");
 }
 
-/// What the page links to is there: sections, files, and each verdict's own evidence.
+/// What the page links to is there: sections, files, and the evidence of each verdict.
 #[test]
 fn every_link_of_the_page_leads_somewhere() {
     let folder = Folder::new("links");

@@ -56,7 +56,7 @@ fn one_job_two_jobs_and_again() {
     let one = timeless(&folder.at("one/cases.csv"));
     // 6 cases of pure-mild (3 with the time error), 3 of signorini, 4 of punch, 6 norms each, and the header.
     assert_eq!(one.len(), 1 + 6 * 13 + 3);
-    let column = |name: &str| one[0].iter().position(|own| own == name).expect("a column");
+    let column = |name: &str| one[0].iter().position(|key| key == name).expect("a column");
     let (error, status) = (column("error"), column("status"));
     for row in &one[1..] {
         let value: f64 = row[error].parse().expect("a number");

@@ -100,12 +100,11 @@ fn the_page_has_the_keys_of_the_parser() {
     assert_ne!(keys_of(&page.replace(heading, "")), all, "a part that is missing is not seen");
 }
 
-/// The key of a line `key = value`.
 fn key_of(line: &str) -> &str {
     line.split(" = ").next().unwrap_or_default()
 }
 
-/// A scene with an example in the place of its own keys. An example of `[contact.law]` that begins with `law =` is the
+/// A scene with an example in the place of its keys. An example of `[contact.law]` that begins with `law =` is the
 /// whole table.
 fn with(scene: &str, part: &str, example: &[&str]) -> String {
     let (parent, last) = part.rsplit_once('.').unwrap_or(("", part));

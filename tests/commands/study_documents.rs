@@ -10,7 +10,7 @@ use crate::shipped::setup;
 use gronwall::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
 use gronwall::report::StudyDocument;
 use gronwall::setup::Subject;
-use gronwall::theory::audit::{AtLevel, SceneAudit};
+use gronwall::theory::audit::{SceneAudit, SidesAtLevel};
 use gronwall::theory::bound::BoundStudy;
 use gronwall::theory::gronwall::{Study, StudyRuns};
 use gronwall::theory::ledger;
@@ -27,7 +27,7 @@ fn a_bound_says_what_is_violated() {
     let sound = BoundStudy::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
     let document = |bound: &BoundStudy| bound.document().expect("a document");
     let mut defect = sound.clone();
-    defect.violations.push(gronwall::theory::bound::gate::Violation {
+    defect.violations.push(gronwall::theory::bound::gate::BoundViolation {
         k: Some(0.5),
         what: "|DLambda| <= (3.15)".into(),
         left: 2.0,
@@ -47,7 +47,7 @@ fn a_chain_says_which_link_fails() {
     let plan = StudyRuns { n: Some(4), steps: vec![8], horizons: Vec::new() };
     let mut study = Study::run(&subject, plan).expect("a study");
     let sound = study.document().expect("a document");
-    let violation = gronwall::theory::gronwall::Violation {
+    let violation = gronwall::theory::gronwall::LinkViolation {
         link: "e <= weighted envelope",
         n: 3,
         t: 0.375,
@@ -69,7 +69,7 @@ fn a_chain_says_which_link_fails() {
 fn an_audit_says_which_line_fails() {
     let mut audit = SceneAudit::new(&setup("compliance"), &[4], &[2]).expect("an audit");
     let sound = audit.checklist().document(None);
-    let violation = AtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 };
+    let violation = SidesAtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 };
     audit.cases[0].rows[0].violation = Some(violation);
     shows(&sound, &audit.checklist().document(None), "(4.7) at level 2 of n = 4, N = 2");
     assert!(audit.checklist().document(None).text(132).contains("15 of 16 lines hold"));
@@ -86,7 +86,7 @@ fn a_claim_and_a_rung_that_fail_are_said() {
         proved: 2.0,
         observed: Some(2.01),
         used: None,
-        claimed: ledger::Finding::Sharp,
+        claimed: ledger::Agreement::Sharp,
         confirmed,
         scene: "s",
         command: "sweep audit s".into(),
@@ -95,7 +95,7 @@ fn a_claim_and_a_rung_that_fail_are_said() {
     shows(&document(&[entry(true)]), &document(&[entry(false)]), "sharp: not confirmed");
     shows(&document(&[entry(true)]), &document(&[]), "nothing was compared");
     let ladders: Vec<_> =
-        catalogue(false).into_iter().filter(|own| own.name == "one-vertex").collect();
+        catalogue(false).into_iter().filter(|ladder| ladder.name == "one-vertex").collect();
     let rung = judge(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
     let mut climbed = Climbed { ladders, rungs: vec![rung] };
     let sound = climbed.document().expect("a document");

@@ -7,7 +7,7 @@
 use crate::program::{Folder, code, stderr, stdout, sweep};
 use std::path::PathBuf;
 
-/// Both scenes on a grid that is not their own, in `out`.
+/// Both scenes on a grid that is not in their files, in `out`.
 fn finished(folder: &Folder) -> PathBuf {
     let out = folder.argument("out");
     let grid = ["--n", "4,8,16", "--steps", "4,8", "--quiet"];
@@ -39,7 +39,7 @@ fn a_finished_sweep_owes_nothing_on_any_grid() {
     assert!(code(&output) < 2, "{}", stderr(&output));
     assert_eq!(stderr(&output), "");
     // The grid of the file, and a plan's part with few cases.
-    let out = folder.argument("own");
+    let out = folder.argument("as-written");
     assert!(code(&sweep(&["run", "steady", "--out", &out, "--quiet"])) < 2);
     assert!(code(&sweep(&["report", &out])) < 2);
     let [plan, part] = ["plan", "part"].map(|name| folder.argument(name));
@@ -104,8 +104,10 @@ fn a_changed_row_is_refused() {
     let mut fields: Vec<&str> = row.split(',').collect();
     fields[9] = "1e-3";
     std::fs::write(&table, whole.replacen(row, &fields.join(","), 1)).expect("a table");
-    let [own, merged] = ["out", "merged"].map(|name| folder.argument(name));
-    for command in [&["report", &own][..], &["merge", &own, "--incomplete", "--out", &merged]] {
+    let [unmerged, merged] = ["out", "merged"].map(|name| folder.argument(name));
+    for command in
+        [&["report", &unmerged][..], &["merge", &unmerged, "--incomplete", "--out", &merged]]
+    {
         let output = sweep(command);
         assert_eq!((code(&output), stdout(&output).as_str()), (2, ""), "{}", stderr(&output));
         assert!(stderr(&output).contains("cases.csv:4: "), "{}", stderr(&output));

@@ -16,8 +16,9 @@ fn steps(folder: &Folder, path: &str) -> Vec<String> {
 }
 
 fn affine(folder: &Folder, file: &str, changes: &[(&str, &str)]) -> String {
-    let scene = changes.iter().fold(text("affine"), |own, (old, new)| edited(&own, old, new));
-    folder.file(file, &scene)
+    let edited_scene =
+        changes.iter().fold(text("affine"), |scene, (old, new)| edited(&scene, old, new));
+    folder.file(file, &edited_scene)
 }
 
 #[test]

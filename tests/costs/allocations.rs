@@ -17,7 +17,7 @@ use gronwall::vhi::Newton;
 
 use super::shipped;
 
-/// F(t) = t F(1), without formulas, which make vectors of their own at every time; an allocation wherever it is asked
+/// F(t) = t F(1), without formulas, which make vectors at every time; an allocation wherever it is asked
 /// for if it is a wasteful one.
 struct Ramp {
     force: Vec<Vec<f64>>,
@@ -136,8 +136,8 @@ fn no_multiple(setup: &mut Setup) {
 fn full(setup: &mut Setup) {
     let mut matrix = [[0.0; 6]; 6];
     let isotropic = Isotropic { lambda: 0.1, mu: 0.3 }.matrix::<3>();
-    for (row, own) in matrix.iter_mut().zip(isotropic) {
-        row[..3].copy_from_slice(&own);
+    for (row, numbers) in matrix.iter_mut().zip(isotropic) {
+        row[..3].copy_from_slice(&numbers);
     }
     setup.model.memory[0].tensor = FourthOrder::Full(Box::new(matrix)).into();
 }
@@ -305,8 +305,8 @@ fn more(
     twice.saturating_sub(once + library)
 }
 
-/// The same for a case, by a scene whose formulas are replaced by numbers: they make vectors wherever they are
-/// evaluated, and the KKT check evaluates those of Γ3 anew at every level.
+/// Allocations of a case with twice the steps, by a scene whose formulas are replaced by numbers: they make vectors
+/// wherever they are evaluated, and the KKT check evaluates those of Γ3 anew at every level.
 fn more_with_twice_the_steps(case: &Case, wasteful: bool) -> u64 {
     let mut setup = shipped::setup(case.scene);
     (case.change)(&mut setup);

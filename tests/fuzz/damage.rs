@@ -63,8 +63,8 @@ impl Damage<'_> {
     }
 
     fn text(&mut self) -> String {
-        let own = self.below(self.corpus.len());
-        let mut bytes = self.corpus[own].clone().into_bytes();
+        let seed_text = self.below(self.corpus.len());
+        let mut bytes = self.corpus[seed_text].clone().into_bytes();
         let times = [0, 0, 1, 5][self.below(4)];
         for _ in 0..=self.below(times + 1) {
             let part = self.part(bytes.len());
@@ -138,7 +138,7 @@ pub fn fuzz(target: &str, corpus: &[String], few: u64, read: impl Fn(&str) -> bo
     let found: Mutex<Option<String>> = Mutex::new(None);
     let found_one = || found.lock().expect("the finding").is_some();
     std::thread::scope(|scope| {
-        for own in &current {
+        for running in &current {
             let work = || {
                 while let Some(run) = Some(next.fetch_add(1, Relaxed)).filter(|&run| run < total) {
                     if found_one() || begun.elapsed() > time {
@@ -146,7 +146,7 @@ pub fn fuzz(target: &str, corpus: &[String], few: u64, read: impl Fn(&str) -> bo
                     }
                     let state = (seed() << 40) ^ run.wrapping_mul(0x9e37_79b9_7f4a_7c15);
                     let text = Damage { corpus, state }.text();
-                    *own.lock().expect("the text") = Some((Instant::now(), text.clone()));
+                    *running.lock().expect("the text") = Some((Instant::now(), text.clone()));
                     match catch_unwind(AssertUnwindSafe(|| read(&text))) {
                         Ok(good) => {
                             taken.fetch_add(u64::from(good), Relaxed);
@@ -154,7 +154,7 @@ pub fn fuzz(target: &str, corpus: &[String], few: u64, read: impl Fn(&str) -> bo
                         }
                         Err(_) => *found.lock().expect("the finding") = Some(text),
                     }
-                    *own.lock().expect("the text") = None;
+                    *running.lock().expect("the text") = None;
                 }
                 ended.fetch_add(1, Relaxed);
             };
@@ -163,8 +163,8 @@ pub fn fuzz(target: &str, corpus: &[String], few: u64, read: impl Fn(&str) -> bo
         }
         while ended.load(Relaxed) < workers as u64 {
             std::thread::sleep(Duration::from_millis(20));
-            for own in &current {
-                if let Some((since, text)) = &*own.lock().expect("the text")
+            for running in &current {
+                if let Some((since, text)) = &*running.lock().expect("the text")
                     && since.elapsed() > PATIENCE
                 {
                     eprintln!("{target}: {}", kept(target, text).display());

@@ -1,4 +1,4 @@
-//! Source: own; scene files, formulas, meshes and tables come from anywhere.
+//! Source: scene files, formulas, meshes and tables come from anywhere.
 //! Goal: no text, however damaged, makes the readers panic, hang or take memory without bound.
 //! Data: the shipped scenes, their formulas, a mesh of each format and a table of cases, with seeded damage: bytes
 //!   flipped, parts lost, doubled or taken from another file, numbers made extreme, brackets nested deep.
@@ -102,7 +102,7 @@ fn no_mesh_file_breaks_the_reader() {
     fuzz("mesh", &corpus, 20_000, |text| read_gmsh(text).is_ok());
 }
 
-/// Files of a short sweep of `affine` in a folder of their own, with room for damaged copies.
+/// Files of a short sweep of `affine` in a folder with room for damaged copies.
 struct Swept {
     folder: Folder,
     count: AtomicU64,
@@ -122,14 +122,14 @@ impl Swept {
         std::fs::read_to_string(self.folder.at("run").join(file)).expect("a file of a sweep")
     }
 
-    /// Shows a damaged copy, in a folder of its own, to `look`.
+    /// Shows a damaged copy, in a new folder, to `look`.
     fn with(&self, file: &str, text: &str, look: impl FnOnce(&Path) -> bool) -> bool {
-        let own = self.folder.at(&self.count.fetch_add(1, Relaxed).to_string());
-        std::fs::create_dir(&own).expect("a folder");
-        let path = own.join(file);
+        let folder = self.folder.at(&self.count.fetch_add(1, Relaxed).to_string());
+        std::fs::create_dir(&folder).expect("a folder");
+        let path = folder.join(file);
         std::fs::write(&path, text).expect("a file");
         let taken = look(&path);
-        std::fs::remove_dir_all(&own).expect("removed");
+        std::fs::remove_dir_all(&folder).expect("removed");
         taken
     }
 
@@ -197,9 +197,9 @@ fn no_table_breaks_the_fits() {
 fn no_baseline_breaks_the_comparison() {
     let swept = Swept::new("fuzz-baseline");
     let (records, scene) = (swept.records(), affine());
-    let own = Baseline::of(&records, &[(&scene.name, &scene.source.hash)]);
+    let sound = Baseline::of(&records, &[(&scene.name, &scene.source.hash)]);
     let path = swept.folder.at("baseline.json");
-    own.write(&path).expect("a baseline");
+    sound.write(&path).expect("a baseline");
     let text = std::fs::read_to_string(&path).expect("a baseline");
     let run = ComparedRun {
         scene: scene.name.clone(),
@@ -211,7 +211,7 @@ fn no_baseline_breaks_the_comparison() {
         swept.with("baseline.json", text, |path| {
             let Ok(Some(baseline)) = Baseline::read(path) else { return false };
             let comparison = compare_with_baseline(&baseline, std::slice::from_ref(&run), &records);
-            let changes = baseline.changes(&own);
+            let changes = baseline.changes(&sound);
             // Both are printed.
             comparison.lines().len() + changes.len() < 1_000_000
         })

@@ -19,7 +19,7 @@ STILL = 1e-14
 
 
 class Case:
-    """What the scenes have in common; each has its own body force, an affine function of the place."""
+    """What the scenes have in common; each has another body force, an affine function of the place."""
 
     lame, shear = 1.0, 1.0
     remembered = (0.25, 0.25)
@@ -171,9 +171,9 @@ class Mesh:
             both = g.T @ g
             block = lame * np.einsum("ia,jb->aibj", g, g) + shear * np.einsum("ja,ib->aibj", g, g)
             block += shear * np.einsum("ab,ij->aibj", both, np.eye(d))
-            own = [d * v + i for v in cell for i in range(d)]
-            rows.extend(np.repeat(own, len(own)))
-            columns.extend(np.tile(own, len(own)))
+            dofs = [d * v + i for v in cell for i in range(d)]
+            rows.extend(np.repeat(dofs, len(dofs)))
+            columns.extend(np.tile(dofs, len(dofs)))
             values.extend(self.volume * block.ravel())
         return coo_matrix((values, (rows, columns)), shape=(self.dofs, self.dofs)).tocsc()
 
@@ -215,36 +215,36 @@ class Side:
         d = mesh.d
         axes = [1] + [i for i in range(d) if i != 1]
         self.signs = np.tile([-1.0] + [1.0] * (d - 1), len(mesh.bottom))
-        own = np.array([d * v + i for v in mesh.bottom for i in axes])
+        dofs = np.array([d * v + i for v in mesh.bottom for i in axes])
         # Clamped unknowns come last in no order: those of the bottom are all free.
-        self.at = np.searchsorted(mesh.free, own)
-        pushes = np.zeros((len(mesh.free), len(own)))
-        pushes[self.at, np.arange(len(own))] = self.signs * np.repeat(mesh.weights[mesh.bottom], d)
+        self.at = np.searchsorted(mesh.free, dofs)
+        pushes = np.zeros((len(mesh.free), len(dofs)))
+        pushes[self.at, np.arange(len(dofs))] = self.signs * np.repeat(mesh.weights[mesh.bottom], d)
         self.answers = factor.solve(pushes)
         self.compliance = self.signs[:, None] * self.answers[self.at]
-        self.pressures = np.zeros(len(own))
+        self.pressures = np.zeros(len(dofs))
 
     def settle(self, free, t):
         """The pressures of displacements that are `free` without any, one vertex after another."""
         d, case, f = self.mesh.d, self.case, self.pressures
-        own = self.signs * free[self.at]
+        unloaded = self.signs * free[self.at]
         for _ in range(100_000):
             before = f.copy()
             for i, vertex in enumerate(self.mesh.bottom):
                 q, s = d * i, slice(d * i + 1, d * i + d)
-                u = own[q] - self.compliance[q] @ f
+                u = unloaded[q] - self.compliance[q] @ f
                 spring = self.compliance[q, q]
                 law = case.pressure(u)
                 pushed = f[q] + (u - case.gap) / spring
                 f[q] = max(f[q] + (law - f[q]) / (1 + spring * case.steepest), pushed)
-                u = own[s] - self.compliance[s] @ f
+                u = unloaded[s] - self.compliance[s] @ f
                 spring = np.max(np.abs(np.diag(self.compliance)[s]))
                 bound = case.bound(self.mesh.places[vertex], t, law, np.linalg.norm(u))
                 pushed = f[s] + u / spring
                 size = np.linalg.norm(pushed)
                 f[s] = pushed if size <= bound else bound / size * pushed
             if np.max(np.abs(f - before)) <= STILL * np.max(np.abs(f)):
-                self.examine(own - self.compliance @ f, t)
+                self.examine(unloaded - self.compliance @ f, t)
                 return free - self.answers @ f
         sys.exit(f"pressures do not settle: {np.max(np.abs(f - before)):.1e}")
 
@@ -272,9 +272,9 @@ def solve(case):
     past, zeta, side = [], 0.0, None
     for level in range(case.steps + 1):
         t = level * k
-        own = k / 2 if level > 0 else 0.0
+        last_weight = k / 2 if level > 0 else 0.0
         if level < 2:
-            matrix = (elastic + own * case.kernel(0.0) * memory)[mesh.free][:, mesh.free]
+            matrix = (elastic + last_weight * case.kernel(0.0) * memory)[mesh.free][:, mesh.free]
             factor = splu(matrix.tocsc())
             side = Side(mesh, factor, case)
         load = mesh.load(lambda p: case.body(p, t))
@@ -282,7 +282,7 @@ def solve(case):
             load -= (k / 2 if j == 0 else k) * case.kernel(t - j * k) * (memory @ u)
         u = past[-1].copy() if past else np.zeros(mesh.dofs)
         for _ in range(1000):
-            limit = case.kappa(zeta + own * mesh.strain_norm(u))
+            limit = case.kappa(zeta + last_weight * mesh.strain_norm(u))
             forces = load - case.projected * mesh.excess(u, limit) if case.projected else load
             before = u
             u = np.zeros(mesh.dofs)
@@ -318,8 +318,8 @@ def main():
     assert known.keys() == found.keys()
     for name, case in CASES.items():
         for key in ("u", "friction"):
-            own, other = np.array(found[name][key]), np.array(known[name][key])
-            off = np.max(np.abs(own - other)) / np.max(np.abs(own[:, case.dimension :]))
+            here, other = np.array(found[name][key]), np.array(known[name][key])
+            off = np.max(np.abs(here - other)) / np.max(np.abs(here[:, case.dimension :]))
             print(f"  {name}, {key}: {off:.1e} of the largest off the fixture")
             if not off <= 1e-9:
                 sys.exit(1)

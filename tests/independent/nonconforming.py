@@ -54,12 +54,12 @@ def solve(name, n, steps):
     past, locked = [], None
     for level in range(steps + 1):
         t = level * k
-        own = k / 2 if level > 0 else 0.0
+        last_weight = k / 2 if level > 0 else 0.0
         force = load(body, t)
         if name == "elastic":
             past.append(solve_on(body.free, elastic, force))
             continue
-        matrix = elastic + own * kernel(0.0) * memory
+        matrix = elastic + last_weight * kernel(0.0) * memory
         force -= remembered(past, t, k, memory)
         u, locked = with_gap(body, matrix, force)
         past.append(u)

@@ -86,13 +86,13 @@ def by_nodes(body, u):
 
 def main(solve, names):
     n, steps = int(sys.argv[1]), int(sys.argv[2])
-    own = {name: solve(name, n, steps) for name in names}
+    found = {name: solve(name, n, steps) for name in names}
     if len(sys.argv) == 3:
-        json.dump({"n": n, "steps": steps, "nodes": own}, sys.stdout)
+        json.dump({"n": n, "steps": steps, "nodes": found}, sys.stdout)
         return
     with open(sys.argv[3]) as file:
         known = json.load(file)["nodes"]
-    for name, rows in own.items():
+    for name, rows in found.items():
         rows, other = np.array(rows), np.array(known[name])
         off = np.max(np.abs(rows - other)) / np.max(np.abs(rows[:, 2:]))
         print(f"  {name}: {off:.1e} of the largest off the fixture")

@@ -85,8 +85,8 @@ class Body:
         )
 
 
-def with_projection(body, matrix, load, start, zeta_past, own):
-    """kappa is found by a fixed point, which converges since own is small."""
+def with_projection(body, matrix, load, start, zeta_past, last_weight):
+    """kappa is found by a fixed point, which converges since last_weight is small."""
     u, limit = start.copy(), kappa(zeta_past)
     for _ in range(200):
         for _ in range(50):
@@ -95,7 +95,7 @@ def with_projection(body, matrix, load, start, zeta_past, own):
             u += step
             if np.max(np.abs(step)) <= 1e-15 * np.max(np.abs(u)):
                 break
-        before, limit = limit, kappa(zeta_past + own * body.strain_norm(u))
+        before, limit = limit, kappa(zeta_past + last_weight * body.strain_norm(u))
         if abs(limit - before) <= 1e-15 * limit:
             return u
     sys.exit("kappa does not settle")
@@ -107,17 +107,17 @@ def solve(name, n, steps):
     past, norms, locked = [], [], None
     for level in range(steps + 1):
         t = level * k
-        own = k / 2 if level > 0 else 0.0
+        last_weight = k / 2 if level > 0 else 0.0
         force = load(body, t)
         if name == "elastic":
             past.append(solve_on(body.free, elastic, force))
             continue
-        matrix = elastic + own * kernel(0.0) * memory
+        matrix = elastic + last_weight * kernel(0.0) * memory
         force -= remembered(past, t, k, memory)
         if name == "projection":
             zeta = sum((k / 2 if j == 0 else k) * size for j, size in enumerate(norms))
             start = past[-1] if past else np.zeros(len(force))
-            past.append(with_projection(body, matrix, force, start, zeta, own))
+            past.append(with_projection(body, matrix, force, start, zeta, last_weight))
             norms.append(body.strain_norm(past[-1]))
         else:
             u, locked = with_gap(body, matrix, force)

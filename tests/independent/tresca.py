@@ -87,8 +87,8 @@ def solve(n, steps):
     past = []
     for level in range(steps + 1):
         t = level * k
-        own = k / 2 if level > 0 else 0.0
-        matrix = (elastic + layer.tocsc() + own * kernel(0.0) * memory)[unknowns][:, unknowns]
+        last_weight = k / 2 if level > 0 else 0.0
+        matrix = (elastic + layer.tocsc() + last_weight * kernel(0.0) * memory)[unknowns][:, unknowns]
         load = body_load(n, (0.4 * t, -0.2))
         for j, u in enumerate(past):
             weight = k / 2 if j == 0 else k
@@ -114,8 +114,8 @@ def main():
         return
     with open(sys.argv[3]) as file:
         known = json.load(file)
-    for name, own in (("u", u), ("friction", s)):
-        off = np.max(np.abs(own - np.array(known[name]))) / np.max(np.abs(own))
+    for name, here in (("u", u), ("friction", s)):
+        off = np.max(np.abs(here - np.array(known[name]))) / np.max(np.abs(here))
         print(f"  {name}: {off:.1e} of the largest off the fixture")
         if not off <= 1e-9:
             sys.exit(1)

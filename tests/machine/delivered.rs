@@ -23,26 +23,26 @@ fn cases(folder: &Folder) -> Vec<Case> {
         assert_eq!(crate::program::code(&output), code, "{}", stderr(&output));
     };
     run(&wrong, &kept, 1);
-    let own = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<String>>();
+    let owned = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect::<Vec<String>>();
     let out = folder.argument("out");
     let merged = folder.argument("merged");
     let more = ["--out", &out, "--quiet"];
     vec![
-        (own(&[&["run", "steady"], &more[..], &grid].concat()), 0),
-        (own(&[&["run", "steady", "--json"], &more[..], &grid].concat()), 0),
-        (own(&[&["run", &wrong], &more[..], &grid].concat()), 1),
-        (own(&[&["gate", &wrong], &more[..], &grid].concat()), 1),
-        (own(&[&["gate", "steady", "--github"], &more[..], &grid].concat()), 0),
-        (own(&["fit", &table, "--p", "1"]), 0),
-        (own(&["fit", &table, "--p", "2"]), 1),
-        (own(&["solve", "affine", "--n", "4", "--steps", "4", "--json"]), 0),
-        (own(&["report", &kept]), 1),
-        (own(&["merge", &kept, "--incomplete", "--out", &merged]), 2),
-        (own(&["list"]), 0),
-        (own(&["--help"]), 0),
-        (own(&["run", "--help"]), 0),
-        (own(&["fit", "no-such-file"]), 2),
-        (own(&["--no-such-option"]), 2),
+        (owned(&[&["run", "steady"], &more[..], &grid].concat()), 0),
+        (owned(&[&["run", "steady", "--json"], &more[..], &grid].concat()), 0),
+        (owned(&[&["run", &wrong], &more[..], &grid].concat()), 1),
+        (owned(&[&["gate", &wrong], &more[..], &grid].concat()), 1),
+        (owned(&[&["gate", "steady", "--github"], &more[..], &grid].concat()), 0),
+        (owned(&["fit", &table, "--p", "1"]), 0),
+        (owned(&["fit", &table, "--p", "2"]), 1),
+        (owned(&["solve", "affine", "--n", "4", "--steps", "4", "--json"]), 0),
+        (owned(&["report", &kept]), 1),
+        (owned(&["merge", &kept, "--incomplete", "--out", &merged]), 2),
+        (owned(&["list"]), 0),
+        (owned(&["--help"]), 0),
+        (owned(&["run", "--help"]), 0),
+        (owned(&["fit", "no-such-file"]), 2),
+        (owned(&["--no-such-option"]), 2),
     ]
 }
 
@@ -61,7 +61,7 @@ fn closed() -> Stdio {
     let mut reader = Command::new("true").stdin(Stdio::piped()).spawn().expect("true runs");
     let pipe = reader.stdin.take().expect("a pipe");
     let mut reader_ended = reader;
-    // `wait` would close its own end of the pipe, which was taken.
+    // `wait` would close the end of the pipe that was taken.
     reader_ended.wait().expect("a status");
     pipe.into()
 }

@@ -6,17 +6,17 @@ use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 
 /// What a hostile text is made of, as TOML and shell write it: colours by either form of the escape, a command of
-/// GitHub Actions in a line of its own and in its older form, and a mark that turns the direction of writing.
+/// GitHub Actions on a whole line and in its older form, and a mark that turns the direction of writing.
 const TOML: &str = r"a\u001b[31mb\u009b2J\n::error::from outside\n  ::set-output name=a::b\n##[error]old \u202e end";
 
 /// Nothing in the text acts: no control but ends of lines, no line is a command but those that are this program's.
 #[track_caller]
-fn acts_not(what: &str, text: &str, own: &[&str]) {
+fn acts_not(what: &str, text: &str, allowed: &[&str]) {
     let steering = |c: char| (c.is_control() && c != '\n' && c != '\t') || c == '\u{202e}';
     assert!(!text.chars().any(steering), "{what}: {}", text.escape_debug());
     assert!(!text.contains("##["), "{what}: {text}");
     for line in text.lines().filter(|line| line.trim_start().starts_with("::")) {
-        assert!(own.iter().any(|own| line.starts_with(own)), "{what}: {line}");
+        assert!(allowed.iter().any(|command| line.starts_with(command)), "{what}: {line}");
     }
 }
 
@@ -40,13 +40,13 @@ fn nothing_steers_a_terminal_or_commands_a_log() {
 fn texts_of_a_scene_do_nothing() {
     let folder = Folder::new("foreign");
     std::fs::create_dir(folder.at("scenes")).expect("a folder");
-    let own = text("affine");
+    let written = text("affine");
     let line = |key: &str| {
-        let found = own.lines().find(|line| line.starts_with(&format!("{key} = ")));
+        let found = written.lines().find(|line| line.starts_with(&format!("{key} = ")));
         found.unwrap_or_else(|| panic!("no {key}")).to_owned()
     };
     // A prediction that cannot be met, so that it is shown wherever a verdict is.
-    let scene = edited(&own, &line("question"), &format!("question = \"{TOML}\""));
+    let scene = edited(&written, &line("question"), &format!("question = \"{TOML}\""));
     let scene = edited(&scene, &line("why"), &format!("why = \"{TOML}\""));
     let scene = scene.replace(&line("order"), "order = 7.0");
     let path = folder.file("scenes/affine.toml", &scene);
@@ -54,7 +54,7 @@ fn texts_of_a_scene_do_nothing() {
         (folder.argument("out"), folder.argument("junit.xml"), folder.argument("scenes"));
     let summary = folder.at("summary.md");
     let gate = ["gate", &path, "--n", "2,4,8", "--steps", "4", "--out", &out];
-    for (arguments, own) in [
+    for (arguments, allowed) in [
         (&["list", "--scenes", &scenes][..], &[][..]),
         (&["list", "--markdown", "--scenes", &scenes], &[]),
         (&["list", "--json", "--scenes", &scenes], &[]),
@@ -69,7 +69,7 @@ fn texts_of_a_scene_do_nothing() {
     ] {
         let mut program = crate::program::command(arguments);
         let output = program.env("GITHUB_STEP_SUMMARY", &summary).output().expect("the binary");
-        acts_not(&format!("{arguments:?}"), &stdout(&output), own);
+        acts_not(&format!("{arguments:?}"), &stdout(&output), allowed);
         acts_not(&format!("{arguments:?}"), &stderr(&output), &[]);
     }
     // It is said, not left out; within a line it is no command.

@@ -1,4 +1,4 @@
-//! Predicted memory against the machine's own account, and what happens above the limit.
+//! Predicted memory against the account of the machine, and what happens above the limit.
 
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -116,8 +116,8 @@ fn every_command_that_solves_refuses_what_does_not_fit() {
     for (arguments, words) in SOLVING {
         // What these two write they write in any case.
         let written = matches!(arguments[0], "diagnose" | "solve");
-        let own: &[&str] = if written { &[] } else { &["--out", &out] };
-        let with = |limit| sweep(&[arguments, own, &["--memory-limit", limit]].concat());
+        let options: &[&str] = if written { &[] } else { &["--out", &out] };
+        let with = |limit| sweep(&[arguments, options, &["--memory-limit", limit]].concat());
         let (output, start) = (with("1M"), Instant::now());
         let said = stderr(&output);
         assert_eq!(code(&output), 2, "{arguments:?}: {said}");
@@ -354,7 +354,7 @@ fn other_commands_take_what_is_predicted_of_them() {
     assert!(honest(predicted(&estimate), peak(&estimate)));
 }
 
-/// The truth that longer cases have left on a mesh, at times of their own, is there beside the next one.
+/// The truth that longer cases have left on a mesh, at their times, is there beside the next one.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_limit_is_kept_by_cases_that_leave_each_other_the_truth_at_their_times() {

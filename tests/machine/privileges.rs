@@ -97,7 +97,8 @@ const ASKED_FOR: [&str; 3] = [
 #[test]
 fn no_other_program_is_run_and_no_network_is_asked() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let sources: Vec<_> = ["src", "crates"].iter().flat_map(|own| below(&root.join(own))).collect();
+    let sources: Vec<_> =
+        ["src", "crates"].iter().flat_map(|folder| below(&root.join(folder))).collect();
     assert!(sources.len() > 100);
     for (path, bytes) in &sources {
         let name = path.strip_prefix(root).expect("below the root").display().to_string();

@@ -76,7 +76,7 @@ fn a_report_says_what_made_it_and_where_is_nobodys_business() {
     }
 }
 
-/// A clone of files alone: HEAD on a branch, loose or packed, a commit of its own, a work tree, and none.
+/// A clone of files alone: HEAD on a branch, loose or packed, a commit checked out, a work tree, and none.
 #[test]
 fn the_commit_is_read_from_the_files_of_a_clone() {
     let folder = Folder::new("commit");
@@ -96,7 +96,7 @@ fn the_commit_is_read_from_the_files_of_a_clone() {
     assert_eq!(read(".git"), Some(first.clone()));
     write(".git/refs/heads/main", &format!("{second}\n"));
     assert_eq!(read(".git"), Some(second.clone()));
-    // A work tree: its own HEAD, branches in the common folder.
+    // A work tree has a HEAD; branches are in the common folder.
     write(".git/worktrees/tree/HEAD", "ref: refs/heads/main\n");
     write(".git/worktrees/tree/commondir", "../..\n");
     write("tree/.git", "gitdir: ../.git/worktrees/tree\n");

@@ -30,9 +30,9 @@ fn error(setup: &AbstractSetup, model: &FiniteModel, steps: u32, solver: &dyn St
     let mut largest = 0f64;
     let mut observe = |view: &FiniteView<'_>| {
         let exact = DVector::from_column_slice(&setup.state(view.t).u);
-        let own = model.norm(&(exact - view.u));
-        assert!(!own.is_nan());
-        largest = largest.max(own);
+        let distance = model.norm(&(exact - view.u));
+        assert!(!distance.is_nan());
+        largest = largest.max(distance);
     };
     march(model, &setup.grid(steps), &mut AbstractLoad(setup), solver, &mut observe)
         .unwrap_or_else(|error| panic!("N = {steps}: {error}"));
@@ -65,20 +65,20 @@ const LADDER: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 fn smooth_problems_have_order_two_on_every_grid() {
     for name in ["abstract-smooth", "abstract-graded"] {
         let setup = shipped(name);
-        let own = observed(&setup, &setup.model, &LADDER);
-        assert!((own - 2.0).abs() <= 0.01, "{name}: {own}");
+        let order = observed(&setup, &setup.model, &LADDER);
+        assert!((order - 2.0).abs() <= 0.01, "{name}: {order}");
     }
-    // Each grid draws its own steps: the constant changes from N to N.
+    // Each grid draws its steps anew: the constant changes from N to N.
     let setup = shipped("abstract-random");
-    let own = observed(&setup, &setup.model, &LADDER);
-    assert!((own - 2.0).abs() <= 0.05, "abstract-random: {own}");
+    let order = observed(&setup, &setup.model, &LADDER);
+    assert!((order - 2.0).abs() <= 0.05, "abstract-random: {order}");
 }
 
 #[test]
 fn contact_events_keep_order_two_in_the_mean() {
     let setup = shipped("abstract-contact");
-    let own = observed(&setup, &setup.model, &LADDER);
-    assert!((own - 2.0).abs() <= 0.1, "{own}");
+    let order = observed(&setup, &setup.model, &LADDER);
+    assert!((order - 2.0).abs() <= 0.1, "{order}");
 }
 
 /// The last slot takes a whole step: order 1.
@@ -94,16 +94,16 @@ impl TimeRule for WholeLastStep {
 fn a_wrong_weight_costs_an_order() {
     let mut setup = shipped("abstract-smooth");
     setup.model.time_rule = Box::new(WholeLastStep);
-    let own = observed(&setup, &setup.model, &LADDER[..4]);
-    assert!((own - 1.0).abs() < 0.05, "{own}");
+    let order = observed(&setup, &setup.model, &LADDER[..4]);
+    assert!((order - 1.0).abs() < 0.05, "{order}");
 }
 
 #[test]
 fn a_wrong_kernel_does_not_converge() {
     let mut setup = shipped("abstract-smooth");
     setup.model.kernels[1].matrix *= 1.01;
-    let own = observed(&setup, &setup.model, &LADDER[..4]);
-    assert!(own.abs() < 0.1, "{own}");
+    let order = observed(&setup, &setup.model, &LADDER[..4]);
+    assert!(order.abs() < 0.1, "{order}");
 }
 
 /// ∫_0^t e^{-(t-s)} sin s ds = (sin t - cos t + e^{-t})/2, and a square root at either end.
@@ -177,8 +177,8 @@ fn the_tangent_agrees_with_differences() {
     // Central differences with 1e-5: truncation 1e-10, rounding 1e-11.
     for name in ["abstract-smooth", "abstract-contact"] {
         let setup = shipped(name);
-        let own = mismatch(&setup.model, &setup.model);
-        assert!(own < 1e-8, "{name}: {own}");
+        let off = mismatch(&setup.model, &setup.model);
+        assert!(off < 1e-8, "{name}: {off}");
         // A tangent that forgets the last slot of the history is seen.
         let mut forgetful = shipped(name);
         forgetful.model.kernels.clear();

@@ -30,8 +30,8 @@ use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{AnyProjection, MemoryKernel, PiecewiseLinear, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::theory::audit::{
-    AtLevel, AuditConstants, Auditor, Line, Relation, Row, SceneAudit, Standing, Statement,
-    audit_case,
+    AuditConstants, Auditor, CaseLine, Line, LineStanding, Relation, SceneAudit, SidesAtLevel,
+    Statement, audit_case,
 };
 use gronwall::theory::ledger::{LedgerError, ledger};
 use gronwall::vhi::Newton;
@@ -55,7 +55,7 @@ fn audited(
     data: &MeshData,
     constants: &AuditConstants,
     mut after: impl FnMut(f64),
-) -> Vec<Row> {
+) -> Vec<CaseLine> {
     let steps = 4;
     let mut auditor = Auditor::new(setup, data, steps, constants).expect("an exact solution");
     let grid = setup.grid(steps);
@@ -70,7 +70,7 @@ fn audited(
 }
 
 /// Names of the violated lines.
-fn violated(rows: &[Row]) -> Vec<&'static str> {
+fn violated(rows: &[CaseLine]) -> Vec<&'static str> {
     rows.iter().filter(|row| row.violation.is_some()).map(|row| row.statement.name).collect()
 }
 
@@ -307,13 +307,13 @@ fn a_bound_without_a_constant_is_not_defined_and_does_not_hold() {
     assert!(sound.holds() && sound.undefined().is_empty(), "{:?}", sound.violations());
     for off in [0.0, -0.1] {
         let audit = audited(off);
-        let of = |standing: Standing| -> Vec<&str> {
+        let of = |standing: LineStanding| -> Vec<&str> {
             let summaries = audit.summaries();
             let with = summaries.iter().filter(|summary| summary.standing == standing);
             with.map(|summary| summary.statement.name).collect()
         };
-        assert_eq!(of(Standing::Undefined), bounds);
-        assert!(of(Standing::Violated).is_empty(), "{:?}", audit.violations());
+        assert_eq!(of(LineStanding::Undefined), bounds);
+        assert!(of(LineStanding::Violated).is_empty(), "{:?}", audit.violations());
         assert!(!audit.holds() && audit.violations().is_empty());
         assert_eq!(audit.undefined().len(), 2);
         assert!(audit.undefined()[0].contains("(4.18) has no defined constant: m0 = "));
@@ -345,7 +345,7 @@ fn one_run() -> SceneAudit {
 fn a_violation_is_spelt_out() {
     let mut audit = one_run();
     let row = &mut audit.cases[0].rows[0];
-    row.violation = Some(AtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 });
+    row.violation = Some(SidesAtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 });
     assert!(!audit.holds());
     let said = &audit.violations()[0];
     for part in ["(4.7)", "level 2", "n = 4", "N = 2", "h = ", "k = ", "2.0", "1.0", "exceeds by"] {
@@ -369,12 +369,12 @@ fn what_is_tightest_stands_first() {
         rounding: 0.0,
     };
     for (line, tightness, standing) in [
-        (of(Relation::AtMost, 2.0, 4.0, 0.0), Some(0.5), Standing::Holds),
-        (of(Relation::AtMost, 4.0, 2.0, 0.0), Some(2.0), Standing::Violated),
-        (of(Relation::AtMost, 1e-20, 1e-21, 1e-12), None, Standing::Holds),
-        (of(Relation::Equal, 1.5, 1.0, 0.5), Some(1.0), Standing::Holds),
-        (of(Relation::Equal, 1.0, 2.5, 0.5), Some(3.0), Standing::Violated),
-        (of(Relation::Equal, 0.0, 0.0, 0.0), None, Standing::Holds),
+        (of(Relation::AtMost, 2.0, 4.0, 0.0), Some(0.5), LineStanding::Holds),
+        (of(Relation::AtMost, 4.0, 2.0, 0.0), Some(2.0), LineStanding::Violated),
+        (of(Relation::AtMost, 1e-20, 1e-21, 1e-12), None, LineStanding::Holds),
+        (of(Relation::Equal, 1.5, 1.0, 0.5), Some(1.0), LineStanding::Holds),
+        (of(Relation::Equal, 1.0, 2.5, 0.5), Some(3.0), LineStanding::Violated),
+        (of(Relation::Equal, 0.0, 0.0, 0.0), None, LineStanding::Holds),
     ] {
         assert_eq!((line.tightness(), line.standing()), (tightness, standing), "{line:?}");
     }
@@ -388,7 +388,7 @@ fn what_is_tightest_stands_first() {
     };
     let before = place(&audit);
     assert_eq!(audit.cases[0].rows[last].statement.name, "(4.20)");
-    let failed = AtLevel { level: 1, left: 2.0, right: 1.0, accuracy: 0.0 };
+    let failed = SidesAtLevel { level: 1, left: 2.0, right: 1.0, accuracy: 0.0 };
     audit.cases[0].rows[last].violation = Some(failed);
     assert!(place(&audit) < before, "{before:?}");
 }

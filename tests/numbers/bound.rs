@@ -14,8 +14,8 @@ use gronwall::theory::bound::branch::Branch;
 use gronwall::theory::bound::contact::{at_level, study};
 use gronwall::theory::bound::factor::{contraction, finite_factor};
 use gronwall::theory::bound::gate::violations;
-use gronwall::theory::bound::ladder::{BoundError, Ladder, Outcome, Rung};
-use gronwall::theory::bound::run::Study;
+use gronwall::theory::bound::ladder::{BoundError, StepLadder, StepOutcome, StepRung};
+use gronwall::theory::bound::run::ContractionStudy;
 use gronwall::theory::bound::threshold::Crossing;
 use gronwall::theory::bound::{BoundStudy, sampled};
 use gronwall::vhi::{
@@ -26,7 +26,7 @@ use nalgebra::DMatrix;
 
 const N: u32 = 8;
 
-fn studied(setup: &Setup, steps: u32) -> (StepBounds, Study) {
+fn studied(setup: &Setup, steps: u32) -> (StepBounds, ContractionStudy) {
     let bounds = step_bounds(setup).unwrap_or_else(|error| panic!("{error}"));
     let found = study(setup, &bounds, N, steps).unwrap_or_else(|error| panic!("{error}"));
     (bounds, found)
@@ -38,7 +38,7 @@ fn bracket(crossing: Option<Crossing>) -> (f64, f64) {
 }
 
 /// The factor is `slope`·k, and reaches one where it should.
-fn is_linear_in_k(found: &Study, slope: f64) {
+fn is_linear_in_k(found: &ContractionStudy, slope: f64) {
     for rung in &found.rungs {
         // Eigenvalues settle to 1e-13, the radius of a map that is not known to be normal to 1e-9.
         assert!((rung.norm - slope * rung.k).abs() < 1e-10 * rung.k, "{rung:?}");
@@ -70,11 +70,11 @@ fn plus_identity_is_solvable_where_lambda_is_not() {
     let (bounds, found) = studied(&setup("memory-plus-identity"), 4);
     is_linear_in_k(&found, 0.25);
     assert!(found.thresholds.loss.is_none() && bounds.solvable_limit() == f64::INFINITY);
-    let beyond: Vec<&Rung> = found.rungs.iter().filter(|rung| rung.k > 4.05).collect();
+    let beyond: Vec<&StepRung> = found.rungs.iter().filter(|rung| rung.k > 4.05).collect();
     assert!(beyond.len() >= 3);
     for rung in beyond {
         assert!(rung.newton.solved(), "{rung:?}");
-        let Outcome::Failed(StepError::NotContracting { .. }) = rung.fixed_point else {
+        let StepOutcome::Failed(StepError::NotContracting { .. }) = rung.fixed_point else {
             panic!("{rung:?}")
         };
     }
@@ -491,7 +491,7 @@ fn gated(bounds: impl Fn(StepBounds) -> StepBounds, derivative: f64, step: f64) 
     let bounds = bounds(step_bounds(&setup).expect("constants"));
     let rung = at_level(&setup, &data, 4, 2, |level, state| {
         let mut wrong = Wrong { sound: level, derivative, step };
-        Ladder::new(&mut wrong, bounds, state).rung(0.5)
+        StepLadder::new(&mut wrong, bounds, state).rung(0.5)
     });
     let rung = rung.unwrap_or_else(|error: BoundError| panic!("{error}"));
     let thresholds = Branch { norm: None, radius: None, loss: None };

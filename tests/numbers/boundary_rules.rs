@@ -1,4 +1,4 @@
-//! Source: (5.26) for the three rules of the compliance integral: `vertex`, `gauss`, and `exact`, the paper's own (5.14).
+//! Source: (5.26) for the three rules of the compliance integral: `vertex`, `gauss`, and `exact`, (5.14) of the paper.
 //! Goal: on the same data all three have order 1 in the V norm, and the same error to a percent; `exact` gives a
 //!   different solution than either (it is no alias).
 //! Mesh: n = 8, 16, 32, N = 4. Data: compliance (both branches of the law, no constraint), pure-strong (all states).

@@ -304,11 +304,17 @@ fn the_corner_scene_has_its_order_by_graded_quadrature_too() {
         );
         (total.sqrt(), library)
     });
-    assert!(pairs.iter().all(|(own, library)| (0.9..1.0).contains(&(library / own))), "{pairs:?}");
+    assert!(
+        pairs.iter().all(|(counted, library)| (0.9..1.0).contains(&(library / counted))),
+        "{pairs:?}"
+    );
     for (coarse, fine) in pairs.iter().zip(&pairs[1..]) {
-        let (own, library) = ((coarse.0 / fine.0).log2(), (coarse.1 / fine.1).log2());
+        let (counted, library) = ((coarse.0 / fine.0).log2(), (coarse.1 / fine.1).log2());
         // The smooth rest of u, of order 1, is still a few percent; it falls as h grows smaller.
-        assert!((S..S + 0.06).contains(&own) && (own - library).abs() < 0.01, "{own} {library}");
+        assert!(
+            (S..S + 0.06).contains(&counted) && (counted - library).abs() < 0.01,
+            "{counted} {library}"
+        );
     }
 }
 

@@ -29,14 +29,13 @@ fn records(setup: &Setup, ns: &[u32], steps: &[u32], norm: Norm) -> Vec<CaseReco
     records
 }
 
-/// The verdicts of records that carry a norm, for the predictions in it.
 fn verdicts(subject: &Subject, records: &[CaseRecord], norm: Norm) -> Vec<Verdict> {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     let foreseen = foresee(subject, records);
     let all = judge_scene(subject.scene(), records, &keys, &foreseen);
-    let own: Vec<_> = all.into_iter().filter(|verdict| verdict.norm == norm.name()).collect();
-    assert!(!own.is_empty());
-    own
+    let of_norm: Vec<_> = all.into_iter().filter(|verdict| verdict.norm == norm.name()).collect();
+    assert!(!of_norm.is_empty());
+    of_norm
 }
 
 fn constant(verdict: &Verdict) -> FittedConstant {
@@ -254,7 +253,7 @@ fn the_prediction_does_not_move_with_the_model() {
 }
 
 /// C_k of `abstract-smooth` by the leading truncation k²/12 [∂_s(q(t,s) u(s))]_0^t in the linearised continuous problem,
-/// all derivatives by hand, on 400 steps of its own: no difference of exact and discrete histories.
+/// all derivatives by hand, on 400 equal steps: no difference of exact and discrete histories.
 #[test]
 fn the_leading_truncation_gives_the_same_constant() {
     const STEPS: usize = 400;
@@ -287,15 +286,15 @@ fn the_leading_truncation_gives_the_same_constant() {
         let through = nalgebra::DMatrix::from_diagonal(&by_y) * &r;
         let mut matrix = rows(&problem.matrix) + nalgebra::DMatrix::from_diagonal(&by_r);
         let mut right = DVector::zeros(3);
-        for (l, own) in matrices.iter().enumerate() {
+        for (l, matrix_l) in matrices.iter().enumerate() {
             let slope = |s: f64| by_s(t, s)[l] * u(s) + q(t, s)[l] * rate(s);
             let past = constants.iter().enumerate().fold(DVector::zeros(3), |sum, (j, c)| {
                 let weight = if j == 0 { 0.5 * k } else { k };
                 sum + weight * q(t, j as f64 * k)[l] * c
             });
-            right -= &through * own * ((slope(t) - slope(0.0)) / 12.0 + past);
+            right -= &through * matrix_l * ((slope(t) - slope(0.0)) / 12.0 + past);
             if n > 0 {
-                matrix += (0.5 * k * q(t, t)[l]) * &through * own;
+                matrix += (0.5 * k * q(t, t)[l]) * &through * matrix_l;
             }
         }
         let c = matrix.lu().solve(&right).expect("regular");
@@ -327,7 +326,7 @@ fn interpolation_errors_tend_to_the_integral_of_second_derivatives() {
     assert!(fine.abs() < 2e-3 && (coarse / fine - 4.0).abs() < 0.4, "{coarse} {fine}");
 }
 
-/// Quadratic elements have the error in time of their own V^h, and its constant.
+/// Quadratic elements have the error in time of their V^h, and its constant.
 #[test]
 fn constants_in_time_of_quadratic_elements_are_predicted() {
     for (name, n, norms) in [

@@ -87,8 +87,9 @@ fn force(level: &mut Evolution<'_>, u: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; u.len()];
     level.residual(u, &mut out);
     let graph = level.graph();
-    for (i, own) in graph.coordinates.iter().enumerate() {
-        out[own.dof as usize] += own.sign * own.weight * pressure(graph, i, u).0;
+    for (i, coordinate) in graph.coordinates.iter().enumerate() {
+        out[coordinate.dof as usize] +=
+            coordinate.sign * coordinate.weight * pressure(graph, i, u).0;
     }
     out
 }
@@ -158,8 +159,8 @@ fn the_jacobian_has_the_slopes_in_u_nu() {
 fn the_constants_bound_what_they_must() {
     for (alpha, rise, mu) in [(0.5, 2.0, 0.4), (0.0, 2.0, 0.4), (0.5, 0.1, 0.3), (1.2, 0.0, 0.2)] {
         let (c_nu, c_tau) = (1.0, 6.444);
-        let own = Coulomb { coefficient: mu, rise };
-        let [a, b] = own.coefficients(alpha, c_nu, c_tau);
+        let law = Coulomb { coefficient: mu, rise };
+        let [a, b] = law.coefficients(alpha, c_nu, c_tau);
         let worst = |share: f64| {
             let mut least = f64::INFINITY;
             for q in (0..=100).map(|i| -alpha + (rise + alpha) * f64::from(i) / 100.0) {
@@ -216,7 +217,7 @@ fn foreseen(scene: &str) -> f64 {
     told.unwrap_or_else(|error| panic!("{error}")).points[0].error
 }
 
-/// The predicted error in time counts what friction answers to u_ν: with the bound as a formula of its own, which answers
+/// The predicted error in time counts what friction answers to u_ν: with the bound as a formula, which answers
 /// nothing, it is another one.
 #[test]
 fn the_constant_in_time_counts_the_bound_that_follows() {
@@ -226,7 +227,7 @@ fn the_constant_in_time_counts_the_bound_that_follows() {
     let setup = setup_of(written.clone());
     let case = CasePlan { n: Some(8), steps: 64, norms: vec![Norm::VTimeMax] };
     let record = run_contact_case(&setup, &on_mesh(&setup, 8), &case);
-    let error = record.norm("V_time_max").and_then(|own| own.error).expect("an error");
+    let error = record.norm("V_time_max").and_then(|entry| entry.error).expect("an error");
     let [sound, deaf] = [&written, &given].map(|scene| (foreseen(scene) / error - 1.0).abs());
     // What is left of the expansion in k is of the size k²: some 1e-3 at k = 1/64 here.
     assert!(sound < 1.5e-3 && deaf > 3e-3, "{sound:e} {deaf:e}");
@@ -240,15 +241,18 @@ fn wrong_bounds_leave_the_order() {
         Some(v_max(setup, &setup.model, &data, 8))
     };
     let order = |setup: &Setup| Some((error(setup, 16)? / error(setup, 32)?).log2());
-    let sound = order(&with(|own| own)).expect("a sound run");
+    let sound = order(&with(|friction| friction)).expect("a sound run");
     assert!((sound - 1.0).abs() < 0.15, "{sound}");
     let times = |factor: f64| {
-        move |own: Friction| Friction { factor: Box::new(move |_, _| 0.4 * factor), ..own }
+        move |friction: Friction| Friction {
+            factor: Box::new(move |_, _| 0.4 * factor),
+            ..friction
+        }
     };
-    let given = |own: Friction| Friction {
+    let given = |friction: Friction| Friction {
         factor: Box::new(|_, _| 0.4 * 0.048),
         follows_pressure: false,
-        ..own
+        ..friction
     };
     for (what, wrong) in [
         ("the coefficient doubled", with(times(2.0))),

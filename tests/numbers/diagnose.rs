@@ -102,8 +102,8 @@ fn with_power(mut setup: Setup, power: f64) -> Setup {
         let factor = Box::new(Factor(kernel));
         MemoryTerm { kernel: Box::new(Singular { power, factor }), tensor }
     };
-    let own = |term: MemoryTerm| if term.kernel.power() > 0.0 { changed(term) } else { term };
-    setup.model.memory = setup.model.memory.into_iter().map(own).collect();
+    let replaced = |term: MemoryTerm| if term.kernel.power() > 0.0 { changed(term) } else { term };
+    setup.model.memory = setup.model.memory.into_iter().map(replaced).collect();
     setup
 }
 
@@ -111,9 +111,10 @@ fn with_power(mut setup: Setup, power: f64) -> Setup {
 type Points = Vec<(f64, f64)>;
 
 fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Points) -> Setup {
-    let own = setup.body.contact.as_ref().and_then(|contact| contact.law.clone());
-    if let (Some(boundary), Some(own)) = (&mut setup.model.boundary, own) {
-        let wrong = PiecewiseLinear::new(law(&own.points), own.slope_before, own.slope_after);
+    let written = setup.body.contact.as_ref().and_then(|contact| contact.law.clone());
+    if let (Some(boundary), Some(written)) = (&mut setup.model.boundary, written) {
+        let wrong =
+            PiecewiseLinear::new(law(&written.points), written.slope_before, written.slope_after);
         boundary.potential = Arc::new(wrong.expect("a law")) as Arc<dyn Potential>;
     }
     setup
@@ -140,12 +141,12 @@ fn with_projection(
 /// κ of the solver by the scene's formula with ζ replaced.
 fn kappa(setup: &Setup, scale: f64, power_of_zeta: f64) -> YieldFormula {
     let mut graph = setup.scene.formulas.clone();
-    let own = setup.body.material.projection.as_ref().expect("a projection").kappa;
+    let written = setup.body.material.projection.as_ref().expect("a projection").kappa;
     let zeta = graph.variable(Variable::Zeta);
     let (scale, power) = (graph.constant(scale), graph.constant(power_of_zeta));
     let bent = graph.pow(zeta, power);
     let seen = graph.mul(scale, bent);
-    let wrong = graph.substitute(own, Variable::Zeta, seen);
+    let wrong = graph.substitute(written, Variable::Zeta, seen);
     assert!(
         graph
             .evaluate(wrong, &EvaluationPoint { zeta: 1.0, ..EvaluationPoint::default() })
@@ -386,8 +387,8 @@ fn quadratic_elements_and_singular_kernels_are_diagnosed() {
         }),
         ("quadratic-compliance", Compliance, |mut s| {
             if let Some(boundary) = &mut s.model.boundary {
-                let own = std::mem::replace(&mut boundary.shift, Box::new(|_| 0.0));
-                boundary.shift = Box::new(move |x| own(x) + 0.01);
+                let sound = std::mem::replace(&mut boundary.shift, Box::new(|_| 0.0));
+                boundary.shift = Box::new(move |x| sound(x) + 0.01);
             }
             s
         }),
@@ -402,7 +403,7 @@ fn quadratic_elements_and_singular_kernels_are_diagnosed() {
             Finding::One(suspects) => suspects.as_slice(),
             _ => &[],
         };
-        let all = named.iter().all(|own| [place, Solver].contains(own));
+        let all = named.iter().all(|suspect| [place, Solver].contains(suspect));
         assert!(all && named.contains(&place), "{name}: {finding:?}");
     }
 }
@@ -413,7 +414,7 @@ fn long_a_sound_solver_is_not_accused_on_any_scene() {
     nothing_is_said(&|_| true, 10);
 }
 
-/// The scene's own verdicts decide whether there is something to diagnose; the sentence says what removal restores.
+/// The verdicts of the scene decide whether there is something to diagnose; the sentence says what removal restores.
 #[test]
 fn the_sentence_names_what_removal_restores() {
     let scene = shipped_scene("in-space");

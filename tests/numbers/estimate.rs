@@ -53,7 +53,7 @@ fn goal<'a>(setup: &'a Setup, run: [u32; 2], found: &Companions, fraction: f64) 
     goal_in(Norm::VMax, setup, run, found, fraction)
 }
 
-/// The same in any norm.
+/// As [`goal`], in any norm.
 fn goal_in<'a>(
     norm: Norm,
     setup: &'a Setup,
@@ -61,8 +61,9 @@ fn goal_in<'a>(
     found: &Companions,
     fraction: f64,
 ) -> Goal<'a> {
-    let own = found.norms.iter().find(|own| own.norm == norm).expect("the norm");
-    let (value, _) = norm_estimate(setup, found, own).total().expect("an estimate");
+    let differences =
+        found.norms.iter().find(|differences| differences.norm == norm).expect("the norm");
+    let (value, _) = norm_estimate(setup, found, differences).total().expect("an estimate");
     let limit = MemoryLimit::of_bytes(1e9);
     Goal { setup, run, norm, target: fraction * value, limit }
 }
@@ -72,32 +73,32 @@ fn faults(setup: &Setup, advice: &Advice) -> Vec<String> {
     faults_in(Norm::VMax, setup, advice)
 }
 
-/// The same in any norm. Where errors are not orthogonal to differences less may be predicted, as [`bounds`] say; how much
-/// more, the interval says: finer meshes may converge faster than the orders that can be counted on.
+/// As [`faults`], in any norm. Where errors are not orthogonal to differences less may be predicted, as [`bounds`] say;
+/// how much more, the interval says: finer meshes may converge faster than the orders that can be counted on.
 fn faults_in(norm: Norm, setup: &Setup, advice: &Advice) -> Vec<String> {
-    let own = &advice.choice;
-    let real = errors(setup, [own.n, own.steps], &[norm])[0];
+    let choice = &advice.choice;
+    let real = errors(setup, [choice.n, choice.steps], &[norm])[0];
     println!(
         "{} {}: target {:.3e}, n = {}, N = {}: predicted {:.3e}, real {real:.3e}",
         setup.scene.name,
         norm.name(),
         advice.target,
-        own.n,
-        own.steps,
-        own.error
+        choice.n,
+        choice.steps,
+        choice.error
     );
     let aligned = if matches!(norm, Norm::VMax | Norm::StressL2Max) { 1.0 } else { 3f64.sqrt() };
     let least = (1.0 - TOLERANCE) / aligned;
     let most = if norm == Norm::VMax { 1.0 + TOLERANCE } else { f64::INFINITY };
     let mut found = Vec::new();
-    if !(least..=most).contains(&(own.error / real)) {
-        found.push(format!("predicted over real is {:.3}", own.error / real));
+    if !(least..=most).contains(&(choice.error / real)) {
+        found.push(format!("predicted over real is {:.3}", choice.error / real));
     }
     if real > (1.0 + TOLERANCE) * aligned * advice.target {
         found.push(format!("the error is {:.3} targets", real / advice.target));
     }
-    if !own.interval.contains(real) {
-        found.push(format!("{real:.3e} is not in {:?}", own.interval));
+    if !choice.interval.contains(real) {
+        found.push(format!("{real:.3e} is not in {:?}", choice.interval));
     }
     found
 }
@@ -119,16 +120,19 @@ fn a_recommended_run_has_the_error_that_was_wanted() {
         let found = found(&setup, n, steps);
         let goal = goal(&setup, [n, steps], &found, fraction);
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let own = &advice.choice;
-        assert!(own.error <= goal.target && own.interval.contains(own.error), "{name}: {own:?}");
+        let choice = &advice.choice;
+        assert!(
+            choice.error <= goal.target && choice.interval.contains(choice.error),
+            "{name}: {choice:?}"
+        );
         assert_eq!(faults(&setup, &advice), Vec::<String>::new(), "{name}");
         // The pair to check with has companions.
         let [m, levels] = advice.check;
-        assert!(m >= own.n && levels >= own.steps && m % 4 == 0 && levels % 4 == 0, "{name}");
+        assert!(m >= choice.n && levels >= choice.steps && m % 4 == 0 && levels % 4 == 0, "{name}");
         // A cautious pair is finer, and its whole interval is below the target.
         if let Ok(cautious) = &advice.cautious {
-            assert!(cautious.interval.hi <= goal.target && cautious.error < own.error, "{name}");
-            assert!(cautious.seconds >= own.seconds, "{name}: {cautious:?}");
+            assert!(cautious.interval.hi <= goal.target && cautious.error < choice.error, "{name}");
+            assert!(cautious.seconds >= choice.seconds, "{name}: {cautious:?}");
         }
     }
 }
@@ -153,9 +157,9 @@ fn so_has_a_run_that_is_recommended_in_another_norm() {
         assert!(advice.choice.error <= goal.target, "{name}");
         assert_eq!(faults_in(norm, &setup, &advice), Vec::<String>::new(), "{name}");
         let mut wrong = found;
-        for own in &mut wrong.norms {
-            own.space = own.space.map(|d| 0.125 * d);
-            own.time = own.time.map(|d| 0.125 * d);
+        for differences in &mut wrong.norms {
+            differences.space = differences.space.map(|d| 0.125 * d);
+            differences.time = differences.time.map(|d| 0.125 * d);
         }
         let advice = advise(&goal, &wrong).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(!faults_in(norm, &setup, &advice).is_empty(), "{name}");
@@ -170,19 +174,19 @@ fn a_cautious_run_meets_its_target() {
         let found = found(&setup, n, steps);
         let goal = goal(&setup, [n, steps], &found, fraction);
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let own = advice.cautious.unwrap_or_else(|error| panic!("{name}: {error}"));
-        let real = errors(&setup, [own.n, own.steps], &[Norm::VMax])[0];
-        assert!(real <= goal.target, "{name}: {real:e} {own:?}");
+        let choice = advice.cautious.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let real = errors(&setup, [choice.n, choice.steps], &[Norm::VMax])[0];
+        assert!(real <= goal.target, "{name}: {real:e} {choice:?}");
         // With a fourth of the differences it would miss: the least of the interval is 0.6 of the error.
         let mut wrong = found;
-        for own in &mut wrong.norms {
-            own.space = own.space.map(|d| 0.25 * d);
-            own.time = own.time.map(|d| 0.25 * d);
+        for differences in &mut wrong.norms {
+            differences.space = differences.space.map(|d| 0.25 * d);
+            differences.time = differences.time.map(|d| 0.25 * d);
         }
         let advice = advise(&goal, &wrong).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let own = advice.cautious.unwrap_or_else(|error| panic!("{name}: {error}"));
-        let real = errors(&setup, [own.n, own.steps], &[Norm::VMax])[0];
-        assert!(real > goal.target, "{name}: {real:e} {own:?}");
+        let choice = advice.cautious.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let real = errors(&setup, [choice.n, choice.steps], &[Norm::VMax])[0];
+        assert!(real > goal.target, "{name}: {real:e} {choice:?}");
     }
 }
 
@@ -196,14 +200,14 @@ fn wrong_differences_make_recommendations_that_are_caught() {
     let right = found(&setup, 16, 8);
     let goal = goal(&setup, [16, 8], &right, 0.4);
     let defects: [(&str, Defect); 4] = [
-        ("swapped", |own| std::mem::swap(&mut own.space, &mut own.time)),
-        ("an order too low", |own| own.space[1] *= 0.85),
-        ("an order too high", |own| own.space[1] *= 1.6),
-        ("half the difference", |own| own.space = own.space.map(|d| 0.5 * d)),
+        ("swapped", |norm| std::mem::swap(&mut norm.space, &mut norm.time)),
+        ("an order too low", |norm| norm.space[1] *= 0.85),
+        ("an order too high", |norm| norm.space[1] *= 1.6),
+        ("half the difference", |norm| norm.space = norm.space.map(|d| 0.5 * d)),
     ];
     for (what, defect) in defects {
         let mut wrong = found(&setup, 16, 8);
-        wrong.norms.iter_mut().filter(|own| own.norm == Norm::VMax).for_each(defect);
+        wrong.norms.iter_mut().filter(|found| found.norm == Norm::VMax).for_each(defect);
         let advice = advise(&goal, &wrong).unwrap_or_else(|error| panic!("{what}: {error}"));
         assert!(!faults(&setup, &advice).is_empty(), "{what}");
     }
@@ -241,12 +245,12 @@ fn estimates_in_every_norm_are_near_the_truth() {
     ] {
         let setup = setup(name);
         let found = found(&setup, n, steps);
-        let norms: Vec<Norm> = found.norms.iter().map(|own| own.norm).collect();
-        for (own, truth) in found.norms.iter().zip(errors(&setup, [n, steps], &norms)) {
-            let estimate = norm_estimate(&setup, &found, own);
-            let what = format!("{name} {n}/{steps} {}", own.norm.name());
+        let norms: Vec<Norm> = found.norms.iter().map(|found| found.norm).collect();
+        for (differences, truth) in found.norms.iter().zip(errors(&setup, [n, steps], &norms)) {
+            let estimate = norm_estimate(&setup, &found, differences);
+            let what = format!("{name} {n}/{steps} {}", differences.norm.name());
             let Some((value, interval)) = estimate.total() else {
-                assert_eq!(Some(own.norm), unknown, "{what}: {:?}", estimate.reasons());
+                assert_eq!(Some(differences.norm), unknown, "{what}: {:?}", estimate.reasons());
                 continue;
             };
             let effectivity = value / truth;
@@ -255,14 +259,17 @@ fn estimates_in_every_norm_are_near_the_truth() {
                 interval.lo / truth,
                 interval.hi / truth
             );
-            let [least, most] = bounds(own.norm);
+            let [least, most] = bounds(differences.norm);
             assert!((least..=most).contains(&effectivity), "{what}: {effectivity}");
             assert!(interval.contains(truth), "{what}: {truth:e} {interval:?}");
             // A third or three times the differences is another error.
             for factor in [1.0 / 3.0, 3.0] {
                 let times = |pair: [f64; 2]| pair.map(|d| factor * d);
-                let wrong =
-                    NormDifferences { space: times(own.space), time: times(own.time), ..*own };
+                let wrong = NormDifferences {
+                    space: times(differences.space),
+                    time: times(differences.time),
+                    ..*differences
+                };
                 let wrong = norm_estimate(&setup, &found, &wrong).total();
                 let off =
                     wrong.is_some_and(|(value, _)| !(least..=most).contains(&(value / truth)));
@@ -282,16 +289,16 @@ fn costs_are_those_of_the_companions_where_they_can_be_timed() {
     // 20 ms and 4 ms a thousand cells (of 1/h²) and level.
     let law = |n: u32, steps: u32| 0.02 + 4e-6 * f64::from(n * n * (steps + 1));
     found.times.iter_mut().for_each(|run| run.seconds = law(run.n, run.steps));
-    let (own, source) = costs(&setup, &found).expect("meshes").expect("costs");
+    let (model, source) = costs(&setup, &found).expect("meshes").expect("costs");
     assert_eq!(source, CostSource::Timed);
     // Five times and five parts: roundings are magnified by a few digits.
-    let ratio = own.seconds(1.0 / 64.0, 1.0 / 20.0) / law(64, 20);
+    let ratio = model.seconds(1.0 / 64.0, 1.0 / 20.0) / law(64, 20);
     assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
     found.times[4].seconds = 1e-5;
-    let (own, source) = costs(&setup, &found).expect("meshes").expect("costs");
+    let (model, source) = costs(&setup, &found).expect("meshes").expect("costs");
     assert_eq!(source, CostSource::Counted);
     // Counts grow with cells and with levels.
-    let seconds = |n: f64, steps: f64| own.seconds(1.0 / n, 1.0 / steps);
+    let seconds = |n: f64, steps: f64| model.seconds(1.0 / n, 1.0 / steps);
     assert!(seconds(64.0, 8.0) > 3.0 * seconds(32.0, 8.0));
     assert!(seconds(32.0, 32.0) > 1.5 * seconds(32.0, 8.0));
 }
@@ -300,33 +307,33 @@ fn costs_are_those_of_the_companions_where_they_can_be_timed() {
 fn what_cannot_be_recommended_is_refused_with_its_reason() {
     let setup = setup("elastic-punch");
     let found = found(&setup, 16, 8);
-    let own = goal(&setup, [16, 8], &found, 0.5);
+    let written = goal(&setup, [16, 8], &found, 0.5);
     let refusal = |goal: &Goal<'_>, found: &Companions| advise(goal, found).expect_err("a refusal");
     let of = |target: f64, limit: MemoryLimit| Goal {
         target,
         limit,
         ..goal(&setup, [16, 8], &found, 0.5)
     };
-    let far = refusal(&of(1e-5, own.limit), &found);
+    let far = refusal(&of(1e-5, written.limit), &found);
     assert!(
         matches!(far, NoAdvice::TooFar { n: 256, steps: 128, least, .. } if least > 1e-5),
         "{far}"
     );
-    let floor = refusal(&of(1e-13, own.limit), &found);
+    let floor = refusal(&of(1e-13, written.limit), &found);
     assert!(floor.to_string().contains("solver and rounding"), "{floor}");
     // 20 MB hold the program and little else.
-    let memory = refusal(&of(0.2 * own.target, MemoryLimit::of_bytes(2e7)), &found);
+    let memory = refusal(&of(0.2 * written.target, MemoryLimit::of_bytes(2e7)), &found);
     assert!(matches!(memory, NoAdvice::Memory { n, .. } if n > 16), "{memory}");
     for (change, words) in [
-        ((|own| own.space = [2.0, 1.0]) as Defect, "pre-asymptotic"),
+        ((|norm| norm.space = [2.0, 1.0]) as Defect, "pre-asymptotic"),
         // Strains of piecewise linear elements have no order 3.
-        (|own| own.space[1] = 8.0 * own.space[0], "no more than 1 is possible"),
-        (|own| own.time[1] = 16.0 * own.time[0], "no more than 2 is possible"),
-        (|own| own.time = [f64::NAN; 2], "no number"),
+        (|norm| norm.space[1] = 8.0 * norm.space[0], "no more than 1 is possible"),
+        (|norm| norm.time[1] = 16.0 * norm.time[0], "no more than 2 is possible"),
+        (|norm| norm.time = [f64::NAN; 2], "no number"),
     ] {
         let mut wrong = companions(&setup, 16, 8).unwrap_or_else(|error| panic!("{error}"));
-        wrong.norms.iter_mut().filter(|own| own.norm == Norm::VMax).for_each(change);
-        let said = refusal(&own, &wrong).to_string();
+        wrong.norms.iter_mut().filter(|found| found.norm == Norm::VMax).for_each(change);
+        let said = refusal(&written, &wrong).to_string();
         assert!(said.contains(words), "{said}");
     }
 }
@@ -337,18 +344,20 @@ fn the_command_recommends_or_refuses() {
     let with = |more: &[&str]| sweep(&[&run[..], more].concat());
     let output = with(&["--estimate", "--target", "8%", "--json"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let own = &json(&output)["recommendation"];
-    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("no number in {own}"));
-    assert!((number(&own["relative"]) - 0.08).abs() < 1e-15);
-    let (choice, target) = (&own["choice"], number(&own["target"]));
+    let advice = &json(&output)["recommendation"];
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("no number in {advice}"));
+    assert!((number(&advice["relative"]) - 0.08).abs() < 1e-15);
+    let (choice, target) = (&advice["choice"], number(&advice["target"]));
     assert!(
-        number(&choice["error"]) <= target && number(&own["cautious"]["interval"][1]) <= target
+        number(&choice["error"]) <= target && number(&advice["cautious"]["interval"][1]) <= target
     );
     for key in ["n", "steps", "h", "k", "cpu_seconds", "bytes"] {
-        assert!(number(&choice[key]) > 0.0 && number(&own["cautious"][key]) > 0.0, "{key}");
+        assert!(number(&choice[key]) > 0.0 && number(&advice["cautious"][key]) > 0.0, "{key}");
     }
     assert!(
-        own["refused"].is_null() && own["check"]["n"].is_u64() && choice["extrapolates"].is_null()
+        advice["refused"].is_null()
+            && advice["check"]["n"].is_u64()
+            && choice["extrapolates"].is_null()
     );
     let words = stdout(&with(&["--estimate", "--target", "8%"]));
     for part in ["recommended: n = ", "cautious:    n = ", "orders counted on", "to check: --n"] {
@@ -406,7 +415,7 @@ impl Scheme for Counted {
     }
 }
 
-/// The bound beside an estimate is that of a run of its own, without another run: one march for the estimate, two
+/// The bound beside an estimate is that of a run made for it alone, without another run: one march for the estimate, two
 /// companions in k and two in h.
 #[test]
 fn an_estimate_and_its_bound_are_of_one_run() {
@@ -417,8 +426,8 @@ fn an_estimate_and_its_bound_are_of_one_run() {
     assert_eq!(*marches.lock().unwrap(), [8, 4, 2, 8, 8]);
     let (bound, alone) = (bound.unwrap(), guarantee(&setup, 8, 8).unwrap());
     assert_eq!(bound.levels.len(), 9);
-    for (own, other) in bound.levels.iter().zip(&alone.levels) {
-        assert_eq!((own.n, own.bound, own.error), (other.n, other.bound, other.error));
+    for (level, other) in bound.levels.iter().zip(&alone.levels) {
+        assert_eq!((level.n, level.bound, level.error), (other.n, other.bound, other.error));
     }
     // What the theorem does not cover is said, and estimated all the same.
     let falling = self::setup("compliance");

@@ -123,8 +123,8 @@ fn by_another_rule(exact: &Exact, data: &MeshData, t: f64, u: &[f64]) -> [f64; 2
         for (q, weight) in weights.iter().enumerate() {
             let measure = weight * edges.determinant() / 6.0;
             let place = nalgebra::Vector3::from(at[q]);
-            let own = value(0) + gradient * (place - corner[0]);
-            l2 += measure * (0..3).map(|i| (out[i][q] - own[i]).powi(2)).sum::<f64>();
+            let discrete_u = value(0) + gradient * (place - corner[0]);
+            l2 += measure * (0..3).map(|i| (out[i][q] - discrete_u[i]).powi(2)).sum::<f64>();
             let list =
                 [(0, 0, 1.0), (0, 1, 2.0), (0, 2, 2.0), (1, 1, 1.0), (1, 2, 2.0), (2, 2, 1.0)];
             for (m, (i, j, count)) in list.into_iter().enumerate() {
@@ -184,9 +184,9 @@ fn apart(plane: &Setup, solid: &Setup, solid_data: &MeshData) -> f64 {
             let x = space.mesh.vertex(v as u32);
             let same = |p: &usize| (0..2).all(|i| flat.space.mesh.vertex(*p as u32)[i] == x[i]);
             let Some(p) = (0..flat.space.mesh.vertices()).find(same) else { continue };
-            let own = &view.u[3 * space.nodes.of_vertex[v] as usize..][..3];
+            let at_node = &view.u[3 * space.nodes.of_vertex[v] as usize..][..3];
             let twin = &levels[level][2 * flat.space.nodes.of_vertex[p] as usize..][..2];
-            let differences = [own[0] - twin[0], own[1] - twin[1], own[2]];
+            let differences = [at_node[0] - twin[0], at_node[1] - twin[1], at_node[2]];
             worst = differences.iter().fold(worst, |worst, d| worst.max(d.abs()));
             common += 1;
         }
@@ -236,7 +236,7 @@ fn errors_of_a_smooth_scene_continued_along_z_are_of_the_plane_size() {
     assert!(relative(deep, flat) < 0.1, "{deep} {flat}");
 }
 
-/// u(t) in V^h with every term: the interpolant of pure-box, with its own histories.
+/// u(t) in V^h with every term: the interpolant of pure-box, with the histories of the interpolant.
 #[test]
 fn the_order_in_time_of_an_interpolated_box_is_two() {
     let inside = edited(&text("pure-box"), "u = [", "interpolated = true\nu = [");
@@ -313,8 +313,8 @@ fn defects_of_the_solver_in_space_are_seen() {
     assert!(sheared > 10.0 * error, "shear: {sheared:e} against {error:e}");
     // Lumped weights of Γ3 that take a triangle for a square: the solver's facet measure.
     let mut space = sound.space(2).unwrap_or_else(|error| panic!("{error}"));
-    let own = Arc::get_mut(&mut space).expect("a space of its own");
-    own.trace.points.iter_mut().for_each(|point| point.weight *= 2.0);
+    let unshared = Arc::get_mut(&mut space).expect("a space that nothing shares");
+    unshared.trace.points.iter_mut().for_each(|point| point.weight *= 2.0);
     let kept = side_numbers(&sound.body.domain.traction);
     let rules = TruthRules::of(3);
     let truth = ExactOnMesh::new(exact(&sound), data.space.clone(), LoadForm::Weak, &kept, &rules);
@@ -399,9 +399,9 @@ fn errors_against_a_reference_run_are_distances_on_its_mesh() {
             let space = &fine.space;
             let mut difference = known[level].clone();
             for v in 0..space.mesh.vertices() {
-                let own = interpolated(&coarse, n, view.u, space.mesh.vertex(v as u32));
+                let coarse_u = interpolated(&coarse, n, view.u, space.mesh.vertex(v as u32));
                 let at = 3 * space.nodes.of_vertex[v] as usize;
-                (0..3).for_each(|i| difference[at + i] -= own[i]);
+                (0..3).for_each(|i| difference[at + i] -= coarse_u[i]);
             }
             let v = gronwall::contact::strain_norm(space, &difference);
             // ∫ d² of a linear d on a triangle: |F|/12 (Σ d_a² + (Σ d_a)²).

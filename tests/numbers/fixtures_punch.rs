@@ -165,8 +165,8 @@ fn one_sided_time_weights_are_seen() {
 
 #[test]
 fn a_projection_of_twice_the_strength_is_seen() {
-    let own = setup("punch");
-    let projection = own.scene_projection().map(|sound| AnyProjection::new(Doubled(sound)));
-    let wrong = Model { projection, ..own.scene_model() };
-    is_seen(&final_state(&own, &wrong, 4, 4), "punch");
+    let sound = setup("punch");
+    let projection = sound.scene_projection().map(|term| AnyProjection::new(Doubled(term)));
+    let wrong = Model { projection, ..sound.scene_model() };
+    is_seen(&final_state(&sound, &wrong, 4, 4), "punch");
 }

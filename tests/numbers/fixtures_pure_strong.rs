@@ -113,7 +113,6 @@ fn with_material(change: impl Fn(&mut MaterialNumbers)) -> Exact {
     Exact::new(data)
 }
 
-/// A change of one number of the material.
 type Defect = fn(&mut MaterialNumbers);
 
 #[test]

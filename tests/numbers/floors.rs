@@ -118,7 +118,7 @@ impl Scheme for Moved {
     }
 }
 
-/// The same without floors.
+/// The scheme without floors.
 struct Silent;
 
 impl Scheme for Silent {

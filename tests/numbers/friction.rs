@@ -48,14 +48,14 @@ fn another_program_finds_the_same() {
     let largest = |all: &[f64]| all.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     for (vertex, row) in rows("u").iter().enumerate() {
         for i in 0..2 {
-            let own = u[2 * space.nodes.of_vertex[vertex] as usize + i];
-            assert!((own - number(&row[i])).abs() <= 1e-9 * largest(&u), "u at vertex {vertex}");
+            let found = u[2 * space.nodes.of_vertex[vertex] as usize + i];
+            assert!((found - number(&row[i])).abs() <= 1e-9 * largest(&u), "u at vertex {vertex}");
         }
     }
     // The bottom row of vertices from left to right.
-    for (point, own) in space.trace.points.iter().zip(&s) {
+    for (point, found) in space.trace.points.iter().zip(&s) {
         let known = number(&rows("friction")[point.vertex as usize]);
-        assert!((own - known).abs() <= 1e-9 * largest(&s), "s at vertex {}", point.vertex);
+        assert!((found - known).abs() <= 1e-9 * largest(&s), "s at vertex {}", point.vertex);
     }
     let bound = |x: f64| 0.05 * (1.0 + 6.0 * x) * 1.5;
     let at = |p: &gronwall::contact::TracePoint| space.mesh.vertex(p.vertex)[0];
@@ -173,9 +173,9 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
         let mut out = vec![0.0; u.len()];
         level.residual(u, &mut out);
         let graph = level.graph();
-        for (i, own) in graph.coordinates.iter().enumerate() {
+        for (i, coordinate) in graph.coordinates.iter().enumerate() {
             let value = graph.value_and_slope(i, branch(graph, i), graph.normal(i, u)).0;
-            out[own.dof as usize] += own.sign * own.weight * value;
+            out[coordinate.dof as usize] += coordinate.sign * coordinate.weight * value;
         }
         out
     };
@@ -216,8 +216,8 @@ fn a_turned_body_has_the_same_friction() {
         let text = edited(&text, "shape = \"rectangle\"\nsize = [1.0, 1.0]", &domain);
         let (bound, body) = ("0.05*(1 + 6*x)*(1 + t/2)", "[\"0.4*t\", \"-0.2\"]");
         let text = edited(&text, bound, &format!("0.05*(1 + 6*({c:?}*x + {s:?}*y))*(1 + t/2)"));
-        let own = format!("[\"{c:?}*0.4*t + {s:?}*0.2\", \"{s:?}*0.4*t - {c:?}*0.2\"]");
-        setup_of(edited(&text, body, &own))
+        let turned_body = format!("[\"{c:?}*0.4*t + {s:?}*0.2\", \"{s:?}*0.4*t - {c:?}*0.2\"]");
+        setup_of(edited(&text, body, &turned_body))
     };
     let (straight, turned) = (polygon(0.0), polygon(0.5));
     let ((u, s), (v, r)) = (last(&straight, 4, 3), last(&turned, 4, 3));

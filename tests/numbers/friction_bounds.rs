@@ -19,8 +19,8 @@ use gronwall::vhi::{BoundaryGraph, HistoryInequality, StepInequality, StepState}
 /// s(u) of each law, components one after another: S(|u_τ|) u_τ/|u_τ| for vectors.
 fn pressures(graph: &BoundaryGraph, u: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; graph.coordinates.len()];
-    for (i, own) in graph.coordinates.iter().enumerate() {
-        match own.span {
+    for (i, coordinate) in graph.coordinates.iter().enumerate() {
+        match coordinate.span {
             0 => {}
             1 => out[i] = graph.value_and_slope(i, 0, graph.normal(i, u)).0,
             _ => {
@@ -45,8 +45,8 @@ struct Told<'a> {
 impl Told<'_> {
     /// Vectors by the number of their first coordinate.
     fn vectors(&self) -> Vec<usize> {
-        let own = self.graph.coordinates.iter().enumerate();
-        own.filter(|(_, own)| own.span > 1).map(|(i, _)| i).collect()
+        let coordinates = self.graph.coordinates.iter().enumerate();
+        coordinates.filter(|(_, coordinate)| coordinate.span > 1).map(|(i, _)| i).collect()
     }
 
     fn mixed(&mut self) -> &mut [f64] {
@@ -95,8 +95,8 @@ fn mismatch(setup: &Setup, data: &MeshData, stick: bool, seed: Seed) -> f64 {
         let mut out = vec![0.0; u.len()];
         level.residual(u, &mut out);
         let graph = level.graph();
-        for (own, s) in graph.coordinates.iter().zip(pressures(graph, u)) {
-            out[own.dof as usize] += own.sign * own.weight * s;
+        for (coordinate, s) in graph.coordinates.iter().zip(pressures(graph, u)) {
+            out[coordinate.dof as usize] += coordinate.sign * coordinate.weight * s;
         }
         out
     };
@@ -202,20 +202,22 @@ fn pushing(bound: f64) -> Arc<PiecewiseLinear> {
 #[test]
 fn wrong_friction_leaves_the_order_or_its_constant() {
     type Change = fn(Friction) -> Friction;
-    fn times(own: Friction, factor: fn([f64; 3]) -> f64) -> Friction {
-        let sound = own.factor;
-        Friction { factor: Box::new(move |x, t| factor(x) * sound(x, t)), ..own }
+    fn times(friction: Friction, factor: fn([f64; 3]) -> f64) -> Friction {
+        let sound = friction.factor;
+        Friction { factor: Box::new(move |x, t| factor(x) * sound(x, t)), ..friction }
     }
     let common: [(&str, Change); 3] = [
-        ("half of the face sticks", |own| times(own, |x| if x[2] > 0.5 { 1e3 } else { 1.0 })),
-        ("every second vertex of n = 4 sticks", |own| {
-            times(own, |x| {
+        ("half of the face sticks", |friction| {
+            times(friction, |x| if x[2] > 0.5 { 1e3 } else { 1.0 })
+        }),
+        ("every second vertex of n = 4 sticks", |friction| {
+            times(friction, |x| {
                 let [i, k] = [x[0], x[2]].map(|x| (4.0 * x).round());
                 let vertex = (4.0 * x[0] - i).abs() + (4.0 * x[2] - k).abs() < 1e-9;
                 if vertex && (i + k) % 2.0 == 0.0 { 1e3 } else { 1.0 }
             })
         }),
-        ("half of the bound", |own| times(own, |_| 0.5)),
+        ("half of the bound", |friction| times(friction, |_| 0.5)),
     ];
     for scene in &SCENES[1..] {
         let setup = setup(scene);
@@ -226,23 +228,27 @@ fn wrong_friction_leaves_the_order_or_its_constant() {
             model.friction = model.friction.take().map(change);
             found(&setup, &model, &data, predicted)
         };
-        let sound = with(&|own| own).expect("a sound run");
-        let as_predicted =
-            |own: &Found| (own.order - 1.0).abs() < 0.15 && (own.ratio - 1.0).abs() < tolerance;
+        let sound = with(&|friction| friction).expect("a sound run");
+        let as_predicted = |found: &Found| {
+            (found.order - 1.0).abs() < 0.15 && (found.ratio - 1.0).abs() < tolerance
+        };
         assert!(as_predicted(&sound), "{scene}: {sound:?}");
         let unit = if *scene == SCENES[1] { 0.05 } else { 1.0 };
-        let sign = with(&|own| Friction { graph: pushing(unit), ..own });
+        let sign = with(&|friction| Friction { graph: pushing(unit), ..friction });
         // What a falling bound loses over a slip this short is less than the error in space: friction-box-falling-time has none.
         let alone = (*scene == SCENES[2]).then(|| {
-            let fixed =
-                |own| Friction { factor: Box::new(|_, _| 0.01), follows_pressure: false, ..own };
-            ("a bound of its own", with(&fixed))
+            let fixed = |friction| Friction {
+                factor: Box::new(|_, _| 0.01),
+                follows_pressure: false,
+                ..friction
+            };
+            ("a constant bound", with(&fixed))
         });
         let wrong = common.iter().map(|(what, change)| (*what, with(change)));
-        let own = [("the other direction", sign)].into_iter().chain(alone);
-        for (what, found) in wrong.chain(own) {
+        let others = [("the other direction", sign)].into_iter().chain(alone);
+        for (what, found) in wrong.chain(others) {
             println!("{scene}, {what}: {found:?} beside {sound:?}, {tolerance}");
-            assert!(found.is_none_or(|own| !as_predicted(&own)), "{scene}, {what}");
+            assert!(found.is_none_or(|found| !as_predicted(&found)), "{scene}, {what}");
         }
     }
 }

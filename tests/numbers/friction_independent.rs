@@ -28,8 +28,8 @@ fn known(case: &Value, key: &str, d: usize) -> Rows {
     let row =
         |row: &Value| -> Vec<f64> { row.as_array().expect("a row").iter().map(number).collect() };
     let split = |value: &Value| {
-        let own = row(value);
-        (own[..d].to_vec(), own[d..].to_vec())
+        let numbers = row(value);
+        (numbers[..d].to_vec(), numbers[d..].to_vec())
     };
     case[key].as_array().expect("rows").iter().map(split).collect()
 }
@@ -59,17 +59,17 @@ fn found(setup: &Setup, case: &Value) -> Option<[Rows; 2]> {
 }
 
 /// The largest difference of a number over the largest number.
-fn off(own: &Rows, known: &Rows) -> f64 {
-    assert_eq!(own.len(), known.len());
+fn off(found: &Rows, known: &Rows) -> f64 {
+    assert_eq!(found.len(), known.len());
     let largest = known.iter().flat_map(|row| &row.1).fold(0.0f64, |m, v| m.max(v.abs()));
     let mut worst = 0.0f64;
     for (place, vector) in known {
         let here = |row: &&(Vec<f64>, Vec<f64>)| {
             row.0.iter().zip(place).all(|(a, b)| (a - b).abs() < 1e-12)
         };
-        let (_, found) = own.iter().find(here).expect("a vertex there");
-        assert_eq!(found.len(), vector.len());
-        worst = found.iter().zip(vector).fold(worst, |m, (a, b)| m.max((a - b).abs()));
+        let (_, value) = found.iter().find(here).expect("a vertex there");
+        assert_eq!(value.len(), vector.len());
+        worst = value.iter().zip(vector).fold(worst, |m, (a, b)| m.max((a - b).abs()));
     }
     worst / largest
 }
@@ -116,27 +116,27 @@ fn changed(name: &str, change: impl Fn(Friction) -> Friction) -> Setup {
 #[test]
 fn wrong_friction_is_not_what_another_program_finds() {
     let times = |name: &str, by: f64| {
-        changed(name, |own| {
-            let sound = own.factor;
-            Friction { factor: Box::new(move |x, t| by * sound(x, t)), ..own }
+        changed(name, |friction| {
+            let sound = friction.factor;
+            Friction { factor: Box::new(move |x, t| by * sound(x, t)), ..friction }
         })
     };
-    let given = |own: Friction| Friction {
+    let given = |friction: Friction| Friction {
         factor: Box::new(|_, _| 0.4 * 0.05),
         follows_pressure: false,
-        ..own
+        ..friction
     };
     // The bound of no slip at all slips.
     let constant = |bound: f64| {
-        move |own: Friction| {
+        move |friction: Friction| {
             let points = vec![(0.0, -bound), (0.0, bound)];
             let graph = PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph");
-            Friction { graph: Arc::new(graph), ..own }
+            Friction { graph: Arc::new(graph), ..friction }
         }
     };
-    let late = |own: Friction| {
-        let sound = own.factor;
-        Friction { factor: Box::new(move |x, t| sound(x, t - 1.0 / 3.0)), ..own }
+    let late = |friction: Friction| {
+        let sound = friction.factor;
+        Friction { factor: Box::new(move |x, t| sound(x, t - 1.0 / 3.0)), ..friction }
     };
     let of_all =
         CASES.iter().flat_map(|name| [(*name, times(name, 0.5)), (*name, times(name, 1.001))]);

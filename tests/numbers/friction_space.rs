@@ -118,18 +118,18 @@ fn a_turned_body_has_the_same_friction() {
     let turn = [[c, -s, 0.0], [p * s, p * c, -q], [q * s, q * c, p]];
     let (plain, turned) = (foot(&frustum(&UNTURNED)), foot(&frustum(&turn)));
     let size = |v: &[f64; 3]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let largest = plain.iter().map(|own| size(&own.1)).fold(0.0, f64::max);
+    let largest = plain.iter().map(|vertex| size(&vertex.1)).fold(0.0, f64::max);
     assert_eq!(plain.len(), turned.len());
     for (x, u, stress) in &plain {
         let apart = |a: [f64; 3], b: &[f64; 3]| size(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
-        let image = turned.iter().find(|own| apart(times(&turn, *x), &own.0) < 1e-12);
+        let image = turned.iter().find(|vertex| apart(times(&turn, *x), &vertex.0) < 1e-12);
         let image = image.expect("the image of a vertex");
         // Two solutions with residuals of rounding.
         assert!(apart(times(&turn, *u), &image.1) < 1e-11 * largest, "{u:?} {image:?}");
         assert!(apart(times(&turn, *stress), &image.2) < 1e-10, "{stress:?} {image:?}");
     }
     // S = 0.6 x at the end.
-    let slips = plain.iter().filter(|own| size(&own.2) > 0.6 * own.0[0] - 1e-9).count();
+    let slips = plain.iter().filter(|vertex| size(&vertex.2) > 0.6 * vertex.0[0] - 1e-9).count();
     assert!(slips > 0 && slips < plain.len(), "{slips} of {} slip", plain.len());
 }
 
@@ -142,15 +142,15 @@ fn the_tangential_trace_constant_is_attained() {
         let mut v = free.to_vec();
         v.resize(space.nodes.len(), 0.0);
         let squares = space.trace.points.iter().map(|point| {
-            let own = &v[3 * point.node as usize..];
-            point.weight * (own[0] * own[0] + own[2] * own[2])
+            let at_node = &v[3 * point.node as usize..];
+            point.weight * (at_node[0] * at_node[0] + at_node[2] * at_node[2])
         });
         squares.sum::<f64>() / strain_norm(&space, &v).powi(2)
     };
     let found = tangential_trace_constant(&space, TraceMass::Lumped).expect("a constant");
     // The tolerance of the eigenvalue.
-    let own = quotient(&found.vector);
-    assert!((own - found.value).abs() < 1e-8 * own, "{own} {}", found.value);
+    let largest = quotient(&found.vector);
+    assert!((largest - found.value).abs() < 1e-8 * largest, "{largest} {}", found.value);
     let mut seed = 11;
     for _ in 0..20 {
         let v: Vec<f64> =
@@ -196,7 +196,7 @@ fn loads_of_a_front_that_bends_are_verified() {
         edited(&text("friction-box"), "x0 = \"0.3 + 0.3*t\"", "x0 = \"0.3 + 0.2*t*sin(3*z)\"");
     let setup = setup_of(front);
     let findings = check(setup.exact.as_ref().expect("an exact solution"), &sides(&setup.body));
-    let loads = findings.iter().find(|own| own.subject == "loads").expect("a finding");
+    let loads = findings.iter().find(|finding| finding.subject == "loads").expect("a finding");
     // Rounding of some 1e5 terms.
     assert!(loads.status == Status::Verified && loads.value < 1e-13, "{}", loads.text);
 }

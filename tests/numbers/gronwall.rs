@@ -25,7 +25,8 @@ use gronwall::law::{AnyProjection, HistoryKernel, MemoryKernel, VonMises, YieldL
 use gronwall::scene::{Hypothesis, Registry, Scene, Source};
 use gronwall::setup::{MeshData, Setup, Subject};
 use gronwall::theory::gronwall::{
-    GronwallConstants, GronwallError, KernelNorms, TemporalRun, TemporalTruth, Violation, prepare,
+    GronwallConstants, GronwallError, KernelNorms, LinkViolation, TemporalRun, TemporalTruth,
+    prepare,
 };
 
 const STEPS: u32 = 128;
@@ -61,7 +62,7 @@ impl Case {
     }
 }
 
-fn violations(run: &TemporalRun) -> Vec<Violation> {
+fn violations(run: &TemporalRun) -> Vec<LinkViolation> {
     run.estimate.envelopes().unwrap().violations(&run.estimate)
 }
 
@@ -107,7 +108,8 @@ fn the_chain_holds_on_every_scene_with_history() {
     }
 }
 
-/// Every shipped scene, on its own coarsest mesh and grid family: the chain holds, or the scene says why there is none.
+/// Every shipped scene, on its coarsest mesh and in its family of grids: the chain holds, or the scene says why there
+/// is none.
 #[test]
 #[ignore = "seconds for each scene: make test-long"]
 fn long_no_shipped_scene_violates_the_chain() {
@@ -176,7 +178,7 @@ struct Lagged {
 }
 impl YieldLimit for Lagged {
     fn value(&self, zeta: f64) -> f64 {
-        let n = self.zeta.partition_point(|own| *own < zeta).clamp(1, self.zeta.len() - 1);
+        let n = self.zeta.partition_point(|known| *known < zeta).clamp(1, self.zeta.len() - 1);
         let share = (zeta - self.zeta[n - 1]) / (self.zeta[n] - self.zeta[n - 1]);
         let (before, last) = (self.zeta[n.max(2) - 2], self.zeta[n - 1]);
         0.10 + 0.05 * (before + share.min(1.0) * (last - before))
@@ -273,7 +275,7 @@ fn the_chain_holds_on_quadratic_elements() {
     }
 }
 
-/// Product integration with a weight that is not its own.
+/// Product integration with a wrong weight.
 struct WrongProduct(fn(usize, usize) -> f64);
 impl TimeRule for WrongProduct {
     fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {

@@ -2,7 +2,7 @@
 //! Goal: hereditary integrals of powers, of roots at a place in time and of their derivatives are right to rounding; what
 //!   is left unresolved is in the floor; a truth with coarse panels moves the ratio of the constant, not the prediction.
 //! Mesh: one square of an affine displacement: time alone is discretised. Steps up to 16,384.
-//! Data: u = t^a U under 𝒜 = 4 ℬ, whose discrete solution is that of one scalar equation; own series of 1F1.
+//! Data: u = t^a U under 𝒜 = 4 ℬ, whose discrete solution is that of one scalar equation; series of 1F1 summed here.
 
 use std::sync::Arc;
 
@@ -171,8 +171,9 @@ fn scene(f: &str, interpolated: bool) -> Setup {
         "[\"left\", \"right\", \"bottom\"]",
     );
     let scene = edited(&scene, "dimension = 2", "dimension = 2\nviolates = [\"3.17\"]");
-    let own = if interpolated { "interpolated = true\n[exact.define]" } else { "[exact.define]" };
-    setup_of(edited(&scene, "[exact.define]", own))
+    let heading =
+        if interpolated { "interpolated = true\n[exact.define]" } else { "[exact.define]" };
+    setup_of(edited(&scene, "[exact.define]", heading))
 }
 
 /// max |e_n| of 4 y_n - Σ' exp(-(t_n-t_j)) y_j = 4 f(t_n) - I(t_n), times ‖ε(U)‖.
@@ -250,7 +251,7 @@ fn what_is_left_unresolved_is_in_the_floor() {
 
 /// A truth whose history has panels of 1/256 near the start, as good as exact elsewhere.
 struct Coarse {
-    own: Arc<dyn Truth>,
+    sound: Arc<dyn Truth>,
     /// The load of ℬ ε(U).
     base: Vec<f64>,
     /// What its integral over the first sixteenth has too much.
@@ -261,12 +262,14 @@ impl Truth for Coarse {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
         // The kernel is -exp(-t).
         let excess = if t < 1.0 / 16.0 { 0.0 } else { self.excess * (1.0 / 16.0 - t).exp() };
-        let own = self.own.load(t)?;
-        Ok(Arc::new(own.iter().zip(&self.base).map(|(load, base)| load - excess * base).collect()))
+        let sound = self.sound.load(t)?;
+        Ok(Arc::new(
+            sound.iter().zip(&self.base).map(|(load, base)| load - excess * base).collect(),
+        ))
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        self.own.moments(t)
+        self.sound.moments(t)
     }
 }
 
@@ -293,7 +296,7 @@ fn coarse_panels_of_the_truth_move_the_ratio_of_the_constant() {
     let base = whole.iter().map(|load| load / (4.0 - fading_power(a, 1.0))).collect();
     let excess = by_coarse_panels(a) - fading_power(a, 1.0 / 16.0);
     assert!(excess.abs() > 1e-12, "{excess:e}");
-    let coarse = Coarse { own: sound.truth.clone(), base, excess };
+    let coarse = Coarse { sound: sound.truth.clone(), base, excess };
     let [error, floor] =
         measured(&setup, &MeshData::with_truth(sound.space, Arc::new(coarse)), steps);
     let foreseen = predicted(scene("t^0.6", false), 1.6, &[steps])[0];

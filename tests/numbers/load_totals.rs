@@ -44,7 +44,7 @@ fn with(setup: &Setup, data: &MeshData, more: Vec<f64>) -> Result<(), CaseError>
     with_late(setup, data, more, 0.0)
 }
 
-/// The same from a time on.
+/// With more load from the time `from` on.
 fn with_late(setup: &Setup, data: &MeshData, more: Vec<f64>, from: f64) -> Result<(), CaseError> {
     let truth = Arc::new(Changed { sound: data.truth.clone(), more, from });
     march(setup, &MeshData::with_truth(data.space.clone(), truth))

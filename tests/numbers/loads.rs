@@ -226,7 +226,7 @@ fn integrated() -> impl Iterator<Item = (Setup, Arc<Exact>, Arc<Discretization>)
     })
 }
 
-/// Fields that separate in time are integrated once and combined; the same as at each time on its own. What moves in
+/// Fields that separate in time are integrated once and combined; the same as at each time alone. What moves in
 /// space, and what is projected, does not separate.
 #[test]
 fn fields_in_parts_are_those_of_each_time() {
@@ -253,14 +253,14 @@ fn fields_in_parts_are_those_of_each_time() {
         separated.push(name);
     }
     for name in ["law-linear", "orthotropic", "viscoelastic"] {
-        assert!(separated.iter().any(|own| own == name), "{name} separates: {separated:?}");
+        assert!(separated.iter().any(|known| known == name), "{name} separates: {separated:?}");
     }
     for name in ["affine", "compliance", "pure-mild"] {
-        assert!(separated.iter().all(|own| own != name), "{name} does not separate");
+        assert!(separated.iter().all(|known| known != name), "{name} does not separate");
     }
 }
 
-/// Memory by a multiple of 𝒜 is a matter of factors in time; by other numbers it has parts of its own. With a multiple that
+/// Memory by a multiple of 𝒜 is a matter of factors in time; by other numbers it adds parts. With a multiple that
 /// is not the material's σ is another.
 #[test]
 fn memory_that_is_a_multiple_has_no_parts() {
@@ -274,8 +274,8 @@ fn memory_that_is_a_multiple_has_no_parts() {
     ] {
         let exact = exact(&setup(scene));
         let separation = exact.separation.as_ref().expect("fields that separate");
-        let own = separation.remembered_alone.iter().filter(|alone| !**alone).count();
-        assert_eq!([own, separation.factors.parts - own], [parts, alone], "{scene}");
+        let by_itself = separation.remembered_alone.iter().filter(|alone| !**alone).count();
+        assert_eq!([by_itself, separation.factors.parts - by_itself], [parts, alone], "{scene}");
     }
     let setup = setup("viscoelastic");
     let mut mixed = changed(&setup, |_| {});

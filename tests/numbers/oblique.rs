@@ -132,7 +132,7 @@ fn the_fixed_point_turns_as_well() {
         solve(&setup, &setup.model, &data, &space(turn, &["bottom"]), turn, &solver)
     };
     let found = difference(&at(Turn(0.0)), &at(Turn(0.7)), Turn(0.7));
-    // The iteration stops at its own tolerance.
+    // The iteration stops at its tolerance.
     assert!(found < 1e-9, "{found:e}");
 }
 

@@ -1,4 +1,4 @@
-//! Source: Theorem 7 (order 2 in time) and (5.26) (order 1 in space); a quadrature of our own for the V norm.
+//! Source: Theorem 7 (order 2 in time) and (5.26) (order 1 in space); a quadrature made here for the V norm.
 //! Goal: the library's errors fall with the predicted orders at small size, wrong time discretisations or a wrong
 //!   yield limit leave them, and the V error is what an independent integral says.
 //! Mesh: n × n squares cut from lower left to upper right.
@@ -144,7 +144,7 @@ fn defects_in_time_leave_order_two() {
     assert!((1.9..=2.1).contains(&order), "the limit of the scene in the same place: {order}");
 }
 
-/// Formulas of ε_xx, ε_yy, ε_xy, derived apart from the manufactured side's own.
+/// Formulas of ε_xx, ε_yy, ε_xy, derived apart from those of the manufactured side.
 fn strain_formulas(exact: &Exact) -> (gronwall::formula::Graph, [Node; 4]) {
     let mut graph = exact.data.graph.clone();
     let (u, v) = (exact.data.u[0], exact.data.u[1]);
@@ -200,16 +200,19 @@ fn the_v_norm_is_its_integral() {
         let data = on_mesh(&setup, n);
         let exact = setup.exact.as_ref().expect("an exact solution");
         let library = errors(&setup, &setup.model, &data, steps)[steps as usize].v;
-        let (mut own, mut finer, mut wrong) = (f64::NAN, f64::NAN, f64::NAN);
+        let (mut integrated, mut finer, mut wrong) = (f64::NAN, f64::NAN, f64::NAN);
         run(&setup, &setup.model, &data, steps, |view| {
             if view.n == steps as usize {
-                own = v_error(exact, &data, view, coarse, 2.0);
+                integrated = v_error(exact, &data, view, coarse, 2.0);
                 finer = v_error(exact, &data, view, 2 * coarse, 2.0);
                 wrong = v_error(exact, &data, view, coarse, 1.0);
             }
         })
         .unwrap_or_else(|error| panic!("{error}"));
-        assert!(relative(own, finer) < 0.1 * allowed, "{scene}: own rule {own:e} {finer:e}");
+        assert!(
+            relative(integrated, finer) < 0.1 * allowed,
+            "{scene}: rule here {integrated:e} {finer:e}"
+        );
         let off = relative(library, finer);
         assert!(off <= allowed, "{scene}: {library:e} against {finer:e}, off by {off:e}");
         assert!(relative(library, wrong) > 10.0 * allowed, "{scene}: shears counted once");

@@ -64,7 +64,7 @@ fn walked(name: &str, n: u32, steps: u32) -> CaseInfo {
 
 /// The paths that none of these sets has.
 fn without_a_scene(walks: &[Paths]) -> Vec<&'static str> {
-    let all = walks.iter().fold(Paths::default(), |all, own| all.union(*own));
+    let all = walks.iter().fold(Paths::default(), |all, walked| all.union(*walked));
     let missing = Path::ALL.iter().filter(|&&path| !all.contains(path));
     missing.map(|path| path.name()).collect()
 }

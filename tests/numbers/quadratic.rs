@@ -43,12 +43,12 @@ fn scikit_fem_finds_the_same() {
         for row in rows {
             let [x, y, p, q] = [0, 1, 2, 3].map(|i| row[i].as_f64().expect("a number"));
             let here = |v: &u32| {
-                let own = space.mesh.vertex(*v);
-                (own[0] - x).hypot(own[1] - y) < 1e-12
+                let place = space.mesh.vertex(*v);
+                (place[0] - x).hypot(place[1] - y) < 1e-12
             };
             let v = (0..rows.len() as u32).find(here).expect("a node there");
-            let own = &u[2 * space.nodes.of_vertex[v as usize] as usize..][..2];
-            let off = (own[0] - p).abs().max((own[1] - q).abs());
+            let at_node = &u[2 * space.nodes.of_vertex[v as usize] as usize..][..2];
+            let off = (at_node[0] - p).abs().max((at_node[1] - q).abs());
             assert!(off <= 1e-9 * largest, "{name} at ({x}, {y}): {off:e}");
         }
     }

@@ -139,11 +139,11 @@ fn trace_constants_are_those_of_quadratics() {
     let space = setup.space(3).expect("a mesh");
     let exact = [[4.0, -1.0, 2.0], [-1.0, 4.0, 2.0], [2.0, 2.0, 16.0]].map(|r| r.map(|m| m / 30.0));
     let simpson = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 4.0]].map(|r| r.map(|m| m / 6.0));
-    // That of functions that are linear between the nodes, for which the same space has another constant.
+    // The mass matrix of functions that are linear between the nodes, which gives another constant.
     let linear = [[4.0, 0.0, 2.0], [0.0, 4.0, 2.0], [2.0, 2.0, 8.0]].map(|r| r.map(|m| m / 24.0));
     for tensor in [TensorField::identity(), setup.model.elasticity.clone()] {
         let found = |mass| trace_constant(&space, &tensor, mass).expect("an eigenvalue").value;
-        let off = |mass, own| (found(mass) / dense(&space, &tensor, own) - 1.0).abs();
+        let off = |mass, on_edge| (found(mass) / dense(&space, &tensor, on_edge) - 1.0).abs();
         // Both to rounding, as for linear elements.
         assert!(off(TraceMass::Consistent, exact) < 1e-12);
         assert!(off(TraceMass::Lumped, simpson) < 1e-12);
@@ -196,8 +196,9 @@ fn the_factor_is_that_of_differences() {
 fn a_finer_run_is_a_truth_for_quadratic_elements() {
     let setup = on_quadratics("elastic-punch", "[loads]\n");
     let found = companions(&setup, 8, 4).unwrap_or_else(|error| panic!("{error}"));
-    let own = found.norms.iter().find(|own| own.norm == Norm::VMax).expect("the norm");
-    let (value, interval) = norm_estimate(&setup, &found, own).total().expect("an estimate");
+    let differences = found.norms.iter().find(|found| found.norm == Norm::VMax).expect("the norm");
+    let (value, interval) =
+        norm_estimate(&setup, &found, differences).total().expect("an estimate");
     let finer = reference_run(&setup, 32, 16, 1).unwrap_or_else(|error| panic!("{error}"));
     let data = MeshData::new(&setup, 8, Some(Arc::new(finer))).expect("nested meshes");
     let case = CasePlan { n: Some(8), steps: 4, norms: vec![Norm::VMax] };

@@ -39,8 +39,8 @@ fn both(setup: &Setup, data: &MeshData, steps: u32) -> Vec<(StepErrors, Errors)>
         levels.push(Kept::of(view));
         if view.n > 0 {
             let moments = data.truth.moments(view.t).expect("moments");
-            let own = step_errors(&data.space, &setup.model, view, &moments);
-            found.push((own, errors(exact, data, &levels)));
+            let library = step_errors(&data.space, &setup.model, view, &moments);
+            found.push((library, errors(exact, data, &levels)));
         }
     })
     .unwrap_or_else(|error| panic!("{error}"));
@@ -53,19 +53,19 @@ fn apart(found: &[(StepErrors, Errors)]) -> [(&'static str, f64); 5] {
     let largest = |name, pick: fn(&(StepErrors, Errors)) -> (f64, f64)| {
         let scale = found.iter().map(|both| pick(both).1).fold(0.0, f64::max);
         let off = found.iter().map(|both| {
-            let (own, again) = pick(both);
-            (own - again).abs()
+            let (library, again) = pick(both);
+            (library - again).abs()
         });
         let off = off.fold(0.0, f64::max);
         // Errors of rounding are no errors.
         (name, if off <= 1e-14 { 0.0 } else { off / scale })
     };
     [
-        largest("V", |(own, again)| (own.v, again.v)),
-        largest("L2", |(own, again)| (own.l2, again.l2)),
-        largest("stress", |(own, again)| (own.stress, again.stress)),
-        largest("trace", |(own, again)| (own.trace, again.trace)),
-        largest("pressure", |(own, again)| (own.pressure, again.pressure)),
+        largest("V", |(library, again)| (library.v, again.v)),
+        largest("L2", |(library, again)| (library.l2, again.l2)),
+        largest("stress", |(library, again)| (library.stress, again.stress)),
+        largest("trace", |(library, again)| (library.trace, again.trace)),
+        largest("pressure", |(library, again)| (library.pressure, again.pressure)),
     ]
 }
 
@@ -98,15 +98,15 @@ fn contact_sets_are_those_of_finer_samples() {
         let data = on_mesh(&setup, n);
         let h = 1.0 / f64::from(n);
         let spacing = if data.space.mesh.dimension == 2 { h / 8.0 } else { h / 4.0 * 2f64.sqrt() };
-        for (level, (own, again)) in both(&setup, &data, steps).iter().enumerate() {
-            let (own, again) = (own.contact_set, again.contact_set);
+        for (level, (library, again)) in both(&setup, &data, steps).iter().enumerate() {
+            let (library, again) = (library.contact_set, again.contact_set);
             // A zone thinner than a sample is empty to one of the two.
-            let thin = own.max(again) >= 1.0;
+            let thin = library.max(again) >= 1.0;
             assert!(
-                (own - again).abs() <= spacing + 1e-12 || thin,
-                "{name} at level {level}: {own} {again}"
+                (library - again).abs() <= spacing + 1e-12 || thin,
+                "{name} at level {level}: {library} {again}"
             );
-            seen += usize::from(own > 0.0 && !thin);
+            seen += usize::from(library > 0.0 && !thin);
         }
     }
     assert!(seen > 0, "no contact set differs anywhere");
@@ -144,8 +144,8 @@ fn errors_by_state_add_up_to_the_norms_on_the_contact_side() {
             let off = (by_state.set_difference - again.difference).abs();
             assert!(off <= allowed, "{name}: {} {}", by_state.set_difference, again.difference);
             if name == "state-rising" {
-                let own = by_state.measure[ContactState::Rising as usize];
-                assert!((own - 1.0).abs() < 1e-12, "{own}");
+                let rising = by_state.measure[ContactState::Rising as usize];
+                assert!((rising - 1.0).abs() < 1e-12, "{rising}");
             }
         })
         .unwrap_or_else(|error| panic!("{error}"));

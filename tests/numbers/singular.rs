@@ -97,23 +97,23 @@ const RULES: [(&str, Wrong); 6] = [
     (
         "ends of the last step exchanged",
         Wrong(|a, near, k| {
-            let [far, own] = sound(a, near, k);
-            if near > 0.0 { [far, own] } else { [own, far] }
+            let [far, near_end] = sound(a, near, k);
+            if near > 0.0 { [far, near_end] } else { [near_end, far] }
         }),
     ),
     (
         "trapezoidal, the power at midpoints",
         Wrong(|a, near, k| {
-            let own = 0.5 * k * (near + 0.5 * k).powf(-a);
-            [own, own]
+            let half = 0.5 * k * (near + 0.5 * k).powf(-a);
+            [half, half]
         }),
     ),
     ("power integrated, values of the far end", Wrong(|a, near, k| [whole(a, near, k), 0.0])),
     (
         "power integrated, means of both ends",
         Wrong(|a, near, k| {
-            let own = 0.5 * whole(a, near, k);
-            [own, own]
+            let half = 0.5 * whole(a, near, k);
+            [half, half]
         }),
     ),
     (
@@ -133,7 +133,7 @@ fn seen(errors: [f64; 2], subject: &Subject, n: Option<u32>, steps: [u32; 2]) ->
 
 fn judge(name: &str, scene: &str, order: f64, (ratio, slope): (f64, f64)) {
     println!("{scene}, {name}: error/predicted {ratio:.5}, order {slope:.3}");
-    // The gate's own tolerances: 1e-4 of the constant, 0.15 of the order.
+    // The tolerances of the gate: 1e-4 of the constant, 0.15 of the order.
     let passes = (ratio - 1.0).abs() < 1e-4 && (slope - order).abs() < 0.15;
     assert_eq!(passes, name == "sound", "{scene}, {name}: {ratio} {slope}");
 }
@@ -290,13 +290,13 @@ fn what_cannot_be_integrated_is_refused_with_the_way_out() {
     }
 }
 
-/// A region that alone has such a kernel is named by its own line, by a rule that cannot have it and by a command.
+/// A region that alone has such a kernel is named by its line, by a rule that cannot have it and by a command.
 #[test]
 fn a_region_with_such_a_kernel_is_named() {
     let region = "[[material.region]]\nname = \"low\"\nwhere = \"y - 0.5\"\nlambda = 1.0\nmu_L = 1.0\n[material.region.memory]\nkernel = \"-exp(-t)\"\nsingular = 0.4\nlambda = 0.25\nmu = 0.15\n[contact]";
     let alone = edited(&text("singular-contact"), "singular = 0.4\n", "");
     let alone = edited(&alone, "[contact]", region);
-    let line = 1 + alone.lines().position(|own| own == "singular = 0.4").expect("the line");
+    let line = 1 + alone.lines().position(|text| text == "singular = 0.4").expect("the line");
     let place = format!("manufactured/edited.toml:{line}:");
     let read =
         |text: String| Scene::from_source(Source::from_text("manufactured/edited.toml", text));

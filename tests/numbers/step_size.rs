@@ -6,7 +6,7 @@
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 
-/// punch over a horizon, with its own steps 2 and 4, and more in its heading.
+/// punch over a horizon, with steps 2 and 4, and more in its heading.
 fn punch(horizon: &str, heading: &str) -> String {
     let scene = edited(&text("punch"), "horizon = 1.0", &format!("horizon = {horizon}"));
     let scene = edited(&scene, "judge = false\n", &format!("judge = false\n{heading}\n"));
@@ -19,10 +19,10 @@ fn an_unguaranteed_step_size_is_refused_with_the_way_out() {
     let folder = Folder::new("step-size");
     let scene = folder.file("punch.toml", &punch("8.0", ""));
     let out = folder.argument("out");
-    let own = sweep(&["run", &scene, "--out", &out]);
+    let as_written = sweep(&["run", &scene, "--out", &out]);
     let given = sweep(&["run", &scene, "--steps", "2", "--out", &out]);
     let one = sweep(&["solve", &scene, "--n", "4", "--steps", "2"]);
-    for output in [own, given, one] {
+    for output in [as_written, given, one] {
         assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
         let message = stderr(&output);
         for phrase in ["N = 2", "k = 4.0000", "k < 2.8571", "N = 3 steps", "violates = [\"3.4\"]"] {

@@ -77,7 +77,6 @@ impl Load for Extruded<'_> {
     }
 }
 
-/// The scene without one of its terms.
 fn with(terms: Terms) -> Setup {
     let scene = text("affine");
     let cut = |text: &str, from: &str, to: &str| {
@@ -115,14 +114,14 @@ fn against_plane(
         let flat = &data.space;
         for v in 0..space.mesh.vertices() {
             let x = space.mesh.vertex(v as u32);
-            let own = &view.u[3 * space.nodes.of_vertex[v] as usize..][..3];
+            let at_node = &view.u[3 * space.nodes.of_vertex[v] as usize..][..3];
             let exact = [b(view.t) * (1.0 - x[1]), -a(view.t) * (1.0 - x[1]), 0.0];
-            error = (0..3).map(|i| (own[i] - exact[i]).abs()).fold(error, f64::max);
+            error = (0..3).map(|i| (at_node[i] - exact[i]).abs()).fold(error, f64::max);
             let same = |p: &usize| (0..2).all(|i| flat.mesh.vertex(*p as u32)[i] == x[i]);
             let Some(p) = (0..flat.mesh.vertices()).find(same) else { continue };
             let twin = &plane_u[level][2 * flat.nodes.of_vertex[p] as usize..][..2];
-            different = (0..2).map(|i| (own[i] - twin[i]).abs()).fold(different, f64::max);
-            different = different.max(own[2].abs());
+            different = (0..2).map(|i| (at_node[i] - twin[i]).abs()).fold(different, f64::max);
+            different = different.max(at_node[2].abs());
         }
         level += 1;
         Ok(())

@@ -31,8 +31,8 @@ const GATE: f64 = 1e-4;
 fn measured(name: &str, steps: u32, order: f64, rule: Option<Box<dyn TimeRule>>) -> (f64, f64) {
     let sound = setup(name);
     let data = on_mesh(&sound, 2);
-    let own = setup(name).model;
-    let time_rule = rule.unwrap_or(own.time_rule);
+    let written = setup(name).model;
+    let time_rule = rule.unwrap_or(written.time_rule);
     let model = Model { time_rule, ..setup(name).model };
     let [coarse, fine] = [steps, 2 * steps].map(|steps| v_max(&sound, &model, &data, steps));
     let wanted =
@@ -103,7 +103,7 @@ fn wrong_weights_leave_the_order_or_the_constant() {
         let caught = beyond(observed - order, 0.15) || beyond(ratio - 1.0, GATE);
         assert!(caught, "{name}, {defect}: {observed}, {ratio}");
     }
-    // The same weights through the same door are sound.
+    // The sound weights, given in the same way, pass.
     for (name, weight) in [("gregory-three", three as fn(&_, _, _) -> _), ("gregory-four", four)] {
         let (_, steps, order) = SCENES.into_iter().find(|scene| scene.0 == name).expect("a scene");
         let (observed, ratio) = measured(name, steps, order, Some(Box::new(Weights(weight))));

@@ -95,8 +95,8 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
     let compliance = setup("compliance");
     for (n, steps) in [(4, 2), (16, 8)] {
         let row = named("as written").find(|row| row["n"] == n && row["steps"] == steps);
-        let own = number(&row.expect("a row")["error"]);
-        assert_eq!(own, v_error(&compliance, n, steps));
+        let error = number(&row.expect("a row")["error"]);
+        assert_eq!(error, v_error(&compliance, n, steps));
     }
     // Condensed onto Γ3 the scene is solved to rounding whatever tolerance is asked for.
     assert_eq!(named("tolerance 1e-8").filter(|row| row["status"] == "converged").count(), 3);
@@ -144,11 +144,11 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
     assert!(predicted <= 0.03 && (0.75..1.25).contains(&(real / predicted)), "{real}");
     let steps = answer["steps"].as_u64().expect("steps") as u32;
     let n = answer["n"].as_u64().expect("cells") as u32;
-    let own = match answer["knob"] == "element P2" {
+    let chosen = match answer["knob"] == "element P2" {
         true => setup_of(with_quadratics(&text("compliance"))),
         false => compliance,
     };
-    assert!((v_error(&own, n, steps) / real - 1.0).abs() < 0.06);
+    assert!((v_error(&chosen, n, steps) / real - 1.0).abs() < 0.06);
     let prices: Vec<&str> = document["prices"]
         .as_array()
         .expect("prices")
@@ -190,8 +190,8 @@ fn functions_that_jump_are_traded() {
     let document = json(&output);
     let trials = document["trials"].as_array().expect("trials");
     for (knob, scene) in [("as written", &written), ("element P1", &linear)] {
-        let own = |row: &&Value| row["knob"] == knob && row["n"] == 8 && row["steps"] == 4;
-        let row = trials.iter().find(own).unwrap_or_else(|| panic!("{knob}"));
+        let same_run = |row: &&Value| row["knob"] == knob && row["n"] == 8 && row["steps"] == 4;
+        let row = trials.iter().find(same_run).unwrap_or_else(|| panic!("{knob}"));
         assert_eq!(number(&row["error"]), v_error(&setup_of(scene.clone()), 8, 4), "{knob}");
     }
 }
@@ -205,13 +205,16 @@ fn elements_are_compared_at_equal_error() {
     let compliance = text("compliance");
     let folder = Folder::new("trade-elements");
     let out = folder.argument("out");
-    for (name, [p1, p2], own) in [
+    for (name, [p1, p2], written) in [
         ("quadratic-elastic", [linear, elastic], "P2"),
         ("compliance", [compliance.clone(), with_quadratics(&compliance)], "P1"),
     ] {
         let [p1, p2] = [p1, p2].map(setup_of);
-        let (n, other, meshes) =
-            if own == "P1" { ("8,16,32", "P2", [4, 8, 16]) } else { ("4,8,16", "P1", [8, 16, 32]) };
+        let (n, other, meshes) = if written == "P1" {
+            ("8,16,32", "P2", [4, 8, 16])
+        } else {
+            ("4,8,16", "P1", [8, 16, 32])
+        };
         let grid = ["--n", n, "--steps", "2,4,8", "--repeats", "1", "--out", &out, "--json"];
         let output = sweep(&[&["trade", name][..], &grid].concat());
         assert_eq!(code(&output), 0, "{}", stderr(&output));
@@ -219,7 +222,7 @@ fn elements_are_compared_at_equal_error() {
         let trials = document["trials"].as_array().expect("trials");
         let row = |element: &str, n: u32, steps: u32| {
             let knob = format!("element {element}");
-            let knob = if element == own { "as written" } else { &knob };
+            let knob = if element == written { "as written" } else { &knob };
             let found =
                 |row: &&Value| row["knob"] == *knob && row["n"] == n && row["steps"] == steps;
             trials.iter().find(found).unwrap_or_else(|| panic!("{name}: {knob} {n} {steps}"))
@@ -237,9 +240,12 @@ fn elements_are_compared_at_equal_error() {
         assert!(number(&coarse["error"]) < number(&row("P1", 16, 8)["error"]), "{name}");
         // Who wins does not depend on the rule by which errors are integrated, nor on whether σ was by the same.
         for (element, n) in [("P1", 32), ("P2", 8)] {
-            let [own, next] = by_both_rules(of(element), n, 8);
-            assert_eq!(own, v_error(of(element), n, 8));
-            assert!((next / own - 1.0).abs() < 0.01, "{name} {element}: {own:e} {next:e}");
+            let [by_rule, by_next] = by_both_rules(of(element), n, 8);
+            assert_eq!(by_rule, v_error(of(element), n, 8));
+            assert!(
+                (by_next / by_rule - 1.0).abs() < 0.01,
+                "{name} {element}: {by_rule:e} {by_next:e}"
+            );
         }
         // What is not beyond the runs is predicted as it is: like the answers to a target.
         let rival = &document["elements"][0];
@@ -301,7 +307,7 @@ fn judged(setup: &Setup, n: u32, steps: u32) -> (Companions, f64) {
 }
 
 fn v_of(found: &Companions) -> NormDifferences {
-    *found.norms.iter().find(|own| own.norm == Norm::VMax).expect("V_max")
+    *found.norms.iter().find(|found| found.norm == Norm::VMax).expect("V_max")
 }
 
 #[test]
@@ -318,8 +324,8 @@ fn the_estimate_of_a_run_contains_its_error() {
     ] {
         let setup = setup(name);
         let (found, truth) = judged(&setup, n, steps);
-        let own = v_of(&found);
-        let estimate = norm_estimate(&setup, &found, &own);
+        let differences = v_of(&found);
+        let estimate = norm_estimate(&setup, &found, &differences);
         let (value, interval) =
             estimate.total().unwrap_or_else(|| panic!("{name}: {:?}", estimate.reasons()));
         println!(
@@ -332,9 +338,9 @@ fn the_estimate_of_a_run_contains_its_error() {
         // A fourth or four times the differences is another error.
         for factor in [0.25, 4.0] {
             let wrong = NormDifferences {
-                space: own.space.map(|d| factor * d),
-                time: own.time.map(|d| factor * d),
-                ..own
+                space: differences.space.map(|d| factor * d),
+                time: differences.time.map(|d| factor * d),
+                ..differences
             };
             let estimate = norm_estimate(&setup, &found, &wrong);
             let contains = estimate.total().is_some_and(|(_, interval)| interval.contains(truth));
@@ -351,13 +357,13 @@ fn the_bound_of_a_quantity_contains_its_limit() {
         let truth = data.truth.moments(setup.scene.time.horizon).expect("the truth is finite");
         let exact = strain_error(&data.space, &vec![0.0; data.space.nodes.len()], &truth);
         let found = companions(&setup, n, steps).unwrap_or_else(|error| panic!("{error}"));
-        let own =
-            found.quantities.iter().find(|own| own.name == "strain_norm").expect("a quantity");
-        let estimate = quantity(&own.name, own.space, own.time, own.value);
+        let strain =
+            found.quantities.iter().find(|found| found.name == "strain_norm").expect("a quantity");
+        let estimate = quantity(&strain.name, strain.space, strain.time, strain.value);
         let bound = estimate.uncertainty.unwrap_or_else(|| panic!("{name}: {estimate:?}"));
-        let away = (own.value - exact).abs();
+        let away = (strain.value - exact).abs();
         println!("{name}: |eps(u)| is {away:.2e} from its limit, bound {bound:.2e}");
-        // The quadrature of the truth's own norm is good to 1e-6 here.
+        // The quadrature of the norm of the truth is good to 1e-6 here.
         assert!(away <= bound + 1e-6 * exact, "{name}: {away:e} {estimate:?}");
         let better = (estimate.extrapolated.expect("a limit") - exact).abs();
         assert!(better < 0.5 * away, "{name}: {better:e} {away:e}");

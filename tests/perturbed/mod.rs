@@ -152,7 +152,7 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
         TimeGrid::Uniform if !in_time && !equal && draws.below(2) > 0 => {
             TimeGrid::Random { seed: draws.seed() }
         }
-        own if freedom != Steps::Any || (own == TimeGrid::Uniform && draws.below(2) > 0) => own,
+        grid if freedom != Steps::Any || (grid == TimeGrid::Uniform && draws.below(2) > 0) => grid,
         _ => TimeGrid::Graded { exponent: draws.between(1.0, 2.5) },
     };
     let Some(sweep) = &mut scene.sweep else { return scene };
@@ -163,7 +163,9 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
         // A window of levels means the same levels, shifted.
         let at = |value: usize| {
             let levels = sweep.n.iter().zip(&n);
-            levels.min_by_key(|(own, _)| own.abs_diff(value)).map_or(value, |(_, &shifted)| shifted)
+            levels
+                .min_by_key(|(level, _)| level.abs_diff(value))
+                .map_or(value, |(_, &shifted)| shifted)
         };
         [at(first), at(last)]
     };
@@ -178,9 +180,9 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     scene
 }
 
-/// `own` times a common factor: ratios stay, to rounding, and doubled levels are doubled exactly.
-fn shifted(draws: &mut Draws, own: &[usize]) -> Vec<usize> {
-    let Some(&first) = own.first() else { return Vec::new() };
+/// `levels` times a common factor: ratios stay, to rounding, and doubled levels are doubled exactly.
+fn shifted(draws: &mut Draws, levels: &[usize]) -> Vec<usize> {
+    let Some(&first) = levels.first() else { return Vec::new() };
     let coarsest = (first as f64 * draws.between(1.0, LARGEST_SHIFT)).round();
-    own.iter().map(|&level| (coarsest * level as f64 / first as f64).round() as usize).collect()
+    levels.iter().map(|&level| (coarsest * level as f64 / first as f64).round() as usize).collect()
 }

@@ -13,8 +13,8 @@ pub struct Folder(PathBuf);
 impl Folder {
     pub fn new(test: &str) -> Self {
         static COUNT: AtomicUsize = AtomicUsize::new(0);
-        let own = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("gronwall-{test}-{}-{own}", std::process::id());
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("gronwall-{test}-{}-{number}", std::process::id());
         let path = std::env::temp_dir().join(name);
         std::fs::create_dir_all(&path).expect("a temporary folder");
         Self(path)

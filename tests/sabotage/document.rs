@@ -19,11 +19,11 @@ pub struct Scores {
     pub defects: usize,
     /// Without any number of an earlier run or another program.
     pub theory: usize,
-    /// The same without the tables, which see the judge alone.
+    /// `theory` without the tables, which see the judge alone.
     pub without_tables: usize,
     /// With baseline and fixtures.
     pub all: usize,
-    /// Those whose order moves, and how many of them the first score has.
+    /// Defects that move an order, and how many of them `theory` has.
     pub orders: [usize; 2],
 }
 

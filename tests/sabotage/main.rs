@@ -149,7 +149,7 @@ fn wrong_bounds_of_vectors_are_caught() {
             ("in space half of Γ3 sticks", Gate::Orders),
             ("in space every second vertex sticks", Gate::Orders),
             ("a box of friction stresses in place of the ball", Gate::Kkt),
-            ("friction that follows p takes a bound of its own", Gate::Orders),
+            ("friction that follows p takes a constant bound", Gate::Orders),
             ("friction bound of no slip at any slip", Gate::Orders),
             // The solution is the same; differences of the residual see them, tests/numbers/friction_bounds.rs.
             (
@@ -215,7 +215,7 @@ fn defects_of_judge_and_records_are_caught_without_the_baseline() {
     }
 }
 
-/// The seams are sound where nothing wrong is passed in: a loop of its own, and a load driven by the scheme.
+/// The seams are sound where nothing wrong is passed in: the loop of the defects, and a load driven by the scheme.
 #[test]
 fn the_seams_are_sound() {
     let setup = shipped::setup("affine-locked");
@@ -232,10 +232,10 @@ fn the_seams_are_sound() {
     let sound = errors(&|see| {
         setup.scheme.march(&setup, &data, 8, see).expect("a run");
     });
-    let own = errors(&|see| {
-        catalogue::own_loop(&setup, &data, 8, see).expect("a run");
+    let looped = errors(&|see| {
+        catalogue::sound_loop(&setup, &data, 8, see).expect("a run");
     });
-    assert_eq!(sound, own);
+    assert_eq!(sound, looped);
 }
 
 /// A defect of the load gives the same whether the truth or the scheme carries it; all others of the solver leave a

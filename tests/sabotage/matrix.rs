@@ -122,7 +122,7 @@ pub struct Line {
 
 impl Line {
     pub fn by(&self, gate: Gate) -> bool {
-        self.caught.iter().any(|(own, _)| *own == gate)
+        self.caught.iter().any(|(by, _)| *by == gate)
     }
 
     /// Caught without any number of an earlier run or another program.
@@ -195,7 +195,7 @@ fn hear(line: &mut Line, said: Testimony) {
     }
 }
 
-/// What the sweep's own gates object to, the first of each.
+/// What the gates of the sweep object to, the first of each.
 #[derive(Default)]
 struct Found {
     orders: Option<String>,
@@ -291,7 +291,6 @@ impl Found {
     }
 }
 
-/// What a verdict says of its constant, if that is refuted.
 fn constant_refuted(verdict: &Verdict) -> Option<String> {
     if verdict.expect != Expect::Pass {
         return None;
@@ -306,63 +305,63 @@ fn constant_refuted(verdict: &Verdict) -> Option<String> {
 }
 
 fn differ(
-    own: &[CaseRecord],
+    found: &[CaseRecord],
     sound: &[CaseRecord],
     differs: impl Fn(&CaseRecord, &CaseRecord) -> bool,
 ) -> bool {
-    own.len() != sound.len() || own.iter().zip(sound).any(|(a, b)| differs(a, b))
+    found.len() != sound.len() || found.iter().zip(sound).any(|(a, b)| differs(a, b))
 }
 
-fn same_errors(own: &CaseRecord, sound: &CaseRecord) -> bool {
-    first_difference(own, sound).is_none()
+fn same_errors(found: &CaseRecord, sound: &CaseRecord) -> bool {
+    first_difference(found, sound).is_none()
 }
 
 /// The first norm whose error is another one, beyond [`SAME`] and 20 floors of the sound run.
-fn first_difference(own: &CaseRecord, sound: &CaseRecord) -> Option<String> {
+fn first_difference(found: &CaseRecord, sound: &CaseRecord) -> Option<String> {
     sound.errors.iter().find_map(|entry| {
-        let (before, now) = (entry.error?, own.norm(&entry.norm).and_then(|own| own.error));
+        let (before, now) = (entry.error?, found.norm(&entry.norm).and_then(|entry| entry.error));
         let allowed = (SAME * before).max(20.0 * entry.floor.unwrap_or(0.0));
         let same = now.is_some_and(|now| (now - before).abs() <= allowed);
-        (!same).then(|| format!("{} at {}: {now:?}, was {before:.3e}", entry.norm, own.key()))
+        (!same).then(|| format!("{} at {}: {now:?}, was {before:.3e}", entry.norm, found.key()))
     })
 }
 
 /// What a baseline of the sound records objects to.
-fn off_baseline(trial: &Trial, own: &[CaseRecord], sound: &[CaseRecord]) -> Option<String> {
+fn off_baseline(trial: &Trial, found: &[CaseRecord], sound: &[CaseRecord]) -> Option<String> {
     let run = trial.as_run();
     let baseline = Baseline::of(sound, &[(&run.scene, &run.hash)]);
-    let found = compare_with_baseline(&baseline, std::slice::from_ref(&run), own);
-    found.deviations.first().map(|deviation| deviation.reason.clone())
+    let comparison = compare_with_baseline(&baseline, std::slice::from_ref(&run), found);
+    comparison.deviations.first().map(|deviation| deviation.reason.clone())
 }
 
 /// The first verdict or constant of the sound run that this one leaves owing.
-fn left_owing(trial: &Trial, own: &[Verdict], sound: &[Verdict]) -> Option<String> {
+fn left_owing(trial: &Trial, found: &[Verdict], sound: &[Verdict]) -> Option<String> {
     let run = trial.as_run();
     let baseline = Baseline::of(&[], &[(&run.scene, &run.hash)]).owing(sound);
-    let mut found = Comparison::default();
+    let mut comparison = Comparison::default();
     // A case that is missing is caught as such; its verdict has no constant.
-    let complete = own.iter().all(|verdict| verdict.complete);
+    let complete = found.iter().all(|verdict| verdict.complete);
     if complete {
-        compare_owed(&baseline, std::slice::from_ref(&run), own, &mut found);
+        compare_owed(&baseline, std::slice::from_ref(&run), found, &mut comparison);
     }
-    found.deviations.first().map(|deviation| deviation.reason.clone())
+    comparison.deviations.first().map(|deviation| deviation.reason.clone())
 }
 
 /// Takes the largest shift and ratio over the verdicts of a trial.
 fn compare(line: &mut Line, outcome: &Outcome, sound: &Outcome) {
-    for (own, sound) in outcome.verdicts.iter().zip(&sound.verdicts) {
-        if let (Some(now), Some(before)) = (own.observed, sound.observed) {
+    for (found, sound) in outcome.verdicts.iter().zip(&sound.verdicts) {
+        if let (Some(now), Some(before)) = (found.observed, sound.observed) {
             let shift = now - before;
             if line.shift.as_ref().is_none_or(|(known, _)| shift.abs() > known.abs()) {
-                line.shift = Some((shift, own.scene.clone()));
+                line.shift = Some((shift, found.scene.clone()));
             }
         }
-        for (name, constant) in &own.constants {
+        for (name, constant) in &found.constants {
             let Some(before) = sound.constants.get(name) else { continue };
             let ratio = constant.value / before.value;
             let far = |ratio: f64| ratio.ln().abs();
             if line.ratio.as_ref().is_none_or(|(known, _)| far(ratio) > far(*known)) {
-                line.ratio = Some((ratio, own.scene.clone()));
+                line.ratio = Some((ratio, found.scene.clone()));
             }
         }
     }

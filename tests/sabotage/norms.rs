@@ -59,7 +59,7 @@ impl Stage {
         });
         // A run without result is not this witness's finding.
         run.ok()?;
-        let own = [
+        let integrated = [
             (Norm::VMax, again.v),
             (Norm::L2Max, again.l2),
             (Norm::StressL2Max, again.stress),
@@ -67,13 +67,13 @@ impl Stage {
             (Norm::PressureL2Max, again.pressure),
             (Norm::ContactSetMax, again.contact_set),
         ];
-        let norms = own.iter().map(|(norm, _)| *norm).collect();
+        let norms = integrated.iter().map(|(norm, _)| *norm).collect();
         let (n, steps) = (Some(self.space.mesh.n), self.steps);
         let program = (defect.measured)(program);
         let record = run_contact_case(&program, &data, &CasePlan { n, steps, norms });
         let records = (defect.records)(vec![record]);
         let record = records.first()?;
-        own.into_iter().find_map(|(norm, again)| {
+        integrated.into_iter().find_map(|(norm, again)| {
             let written = record.norm(norm.name())?.error?;
             // A sample of a contact set is an eighth of an edge.
             let allowed = match norm {

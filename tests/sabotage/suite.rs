@@ -39,7 +39,7 @@ pub struct Outcome {
     pub records: Vec<CaseRecord>,
     /// By orders alone.
     pub verdicts: Vec<Verdict>,
-    /// The same with the constants that are known beforehand.
+    /// By orders and by the constants that are known beforehand.
     pub with_constants: Vec<Verdict>,
 }
 
@@ -192,8 +192,8 @@ impl Trial {
                 let mut records = Vec::new();
                 for (n, space, truth) in meshes {
                     let data = data(defect, &program, sound, space, truth);
-                    let own = self.cases.iter().filter(|case| case.n == Some(*n));
-                    records.extend(own.map(|case| run_contact_case(&program, &data, case)));
+                    let on_mesh = self.cases.iter().filter(|case| case.n == Some(*n));
+                    records.extend(on_mesh.map(|case| run_contact_case(&program, &data, case)));
                 }
                 records
             }
@@ -253,8 +253,8 @@ pub fn fresh(sound: &Setup) -> Setup {
 
 /// Whether a defect replaced the exact side.
 pub fn other_exact<'a>(program: &'a Setup, sound: &Setup) -> Option<&'a Arc<Exact>> {
-    let own = program.exact.as_ref()?;
-    sound.exact.as_ref().is_none_or(|sound| !Arc::ptr_eq(own, sound)).then_some(own)
+    let replaced = program.exact.as_ref()?;
+    sound.exact.as_ref().is_none_or(|sound| !Arc::ptr_eq(replaced, sound)).then_some(replaced)
 }
 
 /// The mesh data that a defective program works with; what is sound is shared.

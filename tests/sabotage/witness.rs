@@ -1,5 +1,5 @@
 //! What a defective program shows beside its sweep, against inequalities, identities and values from outside: the lines
-//! of the audit, its own history summed again, the Gronwall envelope, the factor of Λ, the check of the exact side, the
+//! of the audit, the history summed again, the Gronwall envelope, the factor of Λ, the check of the exact side, the
 //! fixtures.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,7 +16,7 @@ use gronwall::theory::audit::{AuditConstants, Auditor};
 use gronwall::theory::bound::contact::at_level;
 use gronwall::theory::bound::factor::contraction;
 use gronwall::theory::gronwall::{
-    Envelopes, GronwallConstants, Level, TemporalRun, TemporalTruth, prepare,
+    Envelopes, GronwallConstants, TemporalRun, TemporalTruth, TruthAtLevel, prepare,
 };
 use gronwall::vhi::StepBounds;
 use serde_json::Value;
@@ -75,7 +75,7 @@ const PUNCHES: [&str; 3] = ["punch", "elastic-punch", "linear-punch"];
 struct Enveloped {
     stage: Stage,
     steps: u32,
-    levels: Vec<Level>,
+    levels: Vec<TruthAtLevel>,
     run: TemporalRun,
     envelopes: Envelopes,
 }
@@ -202,19 +202,19 @@ impl Witnesses {
 
     /// e_n against the weighted envelope of the sound scene.
     fn gronwall(&self, defect: &Defect) -> Option<String> {
-        let contact = self.enveloped.iter().find_map(|own| {
-            let (program, data) = own.stage.program(defect);
-            let mut estimate = own.run.estimate.clone();
+        let contact = self.enveloped.iter().find_map(|enveloped| {
+            let (program, data) = enveloped.stage.program(defect);
+            let mut estimate = enveloped.run.estimate.clone();
             estimate.error.clear();
-            let run = program.scheme.march(&program, &data, own.steps, &mut |view| {
-                let exact = &own.levels[view.n].u;
+            let run = program.scheme.march(&program, &data, enveloped.steps, &mut |view| {
+                let exact = &enveloped.levels[view.n].u;
                 estimate.error.push(strain_distance(&data.space, view.u, exact));
                 Ok(())
             });
             run.ok()?;
-            let violations = own.envelopes.violations(&estimate);
+            let violations = enveloped.envelopes.violations(&estimate);
             let first = violations.first()?;
-            Some(format!("{} on {}", first.link, own.stage.sound.scene.name))
+            Some(format!("{} on {}", first.link, enveloped.stage.sound.scene.name))
         });
         contact.or_else(|| {
             let sound = AbstractSetup::new(self.finite.clone()).expect("a setup");

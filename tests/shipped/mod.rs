@@ -52,7 +52,7 @@ pub fn bodies() -> Vec<Setup> {
 /// `setup` on a small mesh.
 pub fn on_a_mesh(setup: &Setup) -> MeshData {
     let n = if setup.scene.dimension == 2 { 6 } else { 2 };
-    // Scenes with regions or a mesh of their own do not have every n.
+    // Scenes with regions or a mesh from a file do not have every n.
     let data = [n, 8, 4, 1, 2].into_iter().find_map(|n| MeshData::new(setup, n, None).ok());
     data.unwrap_or_else(|| panic!("{} has no mesh", setup.scene.name))
 }

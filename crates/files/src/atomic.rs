@@ -41,7 +41,7 @@ impl Replacement {
     /// Renames the file over an older one.
     ///
     /// # Errors
-    /// Those of the file system; the old file is then still there.
+    /// The file system refuses; the old file is then still there.
     pub fn finish(mut self) -> io::Result<()> {
         self.file.flush()?;
         match &self.partial {
@@ -76,7 +76,7 @@ impl Drop for Replacement {
 /// Replaces `path` by `bytes` atomically, as [`Replacement::create`].
 ///
 /// # Errors
-/// Those of the file system; the old file is then still there.
+/// The file system refuses; the old file is then still there.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     finished(Replacement::create(path)?, bytes)
 }
@@ -84,7 +84,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Writes `bytes` to a path named by a user, as `Replacement::named`.
 ///
 /// # Errors
-/// Those of the file system; an old file is then still there.
+/// The file system refuses; an old file is then still there.
 pub fn write_named(path: &Path, bytes: &[u8]) -> io::Result<()> {
     finished(Replacement::named(path)?, bytes)
 }
@@ -125,7 +125,7 @@ fn partial_name(name: &OsStr) -> OsString {
 /// Creates a directory and its parents, and removes unfinished files of killed processes.
 ///
 /// # Errors
-/// Those of the file system for the directory. An unfinished file that cannot be removed stays.
+/// The file system refuses the directory. An unfinished file that cannot be removed stays.
 pub fn make_directory(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path)?;
     for entry in fs::read_dir(path)? {

@@ -10,7 +10,7 @@ const MOST: u64 = 1 << 32;
 /// Opens a regular file for reading; anything else is refused at once.
 ///
 /// # Errors
-/// Those of the file system, or what is there in place of a file.
+/// The file system refuses, or something else is there in place of a file.
 pub fn open_file(path: &Path) -> io::Result<File> {
     // Checked before opening, since that alone has effects on some devices, and again after, against races.
     refuse_others(&std::fs::metadata(path)?)?;
@@ -51,7 +51,7 @@ pub fn read_text(path: &Path) -> io::Result<String> {
 /// At most `most` bytes of a file or pipe named by a user.
 ///
 /// # Errors
-/// Those of the file system; [`io::ErrorKind::FileTooLarge`].
+/// The file system refuses; [`io::ErrorKind::FileTooLarge`].
 pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     up_to(File::open(path)?, most)
 }

@@ -2,7 +2,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::vocabulary::Function;
+use super::vocabulary::{Function, is_word};
 
 /// An independent variable.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
@@ -143,6 +143,12 @@ impl Graph {
     /// An empty graph.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Whether the name belongs to the language (function, constant, variable or connective) and cannot be defined by
+    /// the user.
+    pub fn is_reserved(name: &str) -> bool {
+        is_word(name) || Variable::named(name).is_some()
     }
 
     /// Programs compiled from now on add to each hereditary integral an estimate of its quadrature error, so that its

@@ -1,6 +1,4 @@
-//! Functions of one argument, and the words of the language.
-
-use super::graph::{Graph, Variable};
+//! Functions of one argument, and the words of the language beside variables.
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Function {
@@ -92,13 +90,7 @@ pub(super) fn function_names() -> Vec<&'static str> {
     UNARY.iter().map(|(n, _)| *n).chain(SPECIAL).collect()
 }
 
-impl Graph {
-    /// Whether the name belongs to the language (function, constant, variable or connective) and cannot be defined by
-    /// the user.
-    pub fn is_reserved(name: &str) -> bool {
-        name == "pi"
-            || is_function(name)
-            || CONNECTIVES.contains(&name)
-            || Variable::named(name).is_some()
-    }
+/// Whether the name is that of a function, a constant or a connective.
+pub(super) fn is_word(name: &str) -> bool {
+    name == "pi" || is_function(name) || CONNECTIVES.contains(&name)
 }

@@ -21,7 +21,7 @@ pub trait HistoryInequality: OpenInequality {
     /// is implicit: F depends on u_n through it.
     ///
     /// # Errors
-    /// Those of the load.
+    /// The load fails.
     fn open(&mut self) -> Result<(), Self::Error>;
 
     /// Appends u_n to the history and closes the level.

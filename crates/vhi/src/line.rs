@@ -10,13 +10,13 @@ use std::ops::Range;
 use super::{BoundaryGraph, GraphPiece};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct SlipLine {
     pub(crate) along: [f64; 2],
     /// The stiffness across it, over the weight.
     across: f64,
 }
 
-impl Line {
+impl SlipLine {
     pub(crate) const AXIS: Self = Self { along: [1.0, 0.0], across: 0.0 };
 }
 
@@ -42,18 +42,18 @@ impl BoundaryGraph {
     }
 
     /// The line of the law at i for (u, c), and the place z ≥ 0 on it; for a scalar law the axis and any z.
-    pub(crate) fn line(&self, i: usize, u: &[f64], pressure: &[f64]) -> (Line, f64) {
+    pub(crate) fn line(&self, i: usize, u: &[f64], pressure: &[f64]) -> (SlipLine, f64) {
         let at = &self.coordinates[i];
         let z = |j: usize| self.normal(j, u) + at.gamma * pressure[j];
         if at.span == 1 {
-            return (Line::AXIS, z(i));
+            return (SlipLine::AXIS, z(i));
         }
         let [a, b] = [z(i), z(i + 1)];
         let length = a.hypot(b);
         if length == 0.0 {
-            return (Line::AXIS, 0.0);
+            return (SlipLine::AXIS, 0.0);
         }
-        let mut line = Line { along: [a / length, b / length], across: 0.0 };
+        let mut line = SlipLine { along: [a / length, b / length], across: 0.0 };
         if self.piece(i, length) != GraphPiece::Free {
             return (line, length);
         }
@@ -66,7 +66,7 @@ impl BoundaryGraph {
         (line, length)
     }
 
-    pub(crate) fn place(&self, i: usize, line: &Line, u: &[f64]) -> f64 {
+    pub(crate) fn place(&self, i: usize, line: &SlipLine, u: &[f64]) -> f64 {
         match self.coordinates[i].span {
             1 => self.normal(i, u),
             _ => line.along[0] * self.normal(i, u) + line.along[1] * self.normal(i + 1, u),
@@ -77,7 +77,7 @@ impl BoundaryGraph {
     pub(crate) fn set_pressures(
         &self,
         i: usize,
-        (below, line): (usize, &Line),
+        (below, line): (usize, &SlipLine),
         u: &[f64],
         pressure: &mut [f64],
     ) {
@@ -96,7 +96,7 @@ impl BoundaryGraph {
     pub(crate) fn set_slopes(
         &self,
         i: usize,
-        (below, line): (usize, Line),
+        (below, line): (usize, SlipLine),
         u: &[f64],
         (slopes, mixed): (&mut [f64], usize),
     ) {

@@ -1,6 +1,6 @@
 //! Semismooth Newton method with primal-dual active set for one time level.
 
-use super::line::Line;
+use super::line::SlipLine;
 use super::{GraphPiece, StepInequality, StepState};
 use algebra::linalg::{FactorError, root_of_squares};
 
@@ -46,24 +46,20 @@ pub struct StepInfo {
 /// Why a time level has no computed solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StepError {
-    /// The Jacobian could not be factorized.
     #[error(
         "{source} in Newton iteration {iteration}; a smaller time step restores it if memory at lag 0 is negative, a smaller descent slope of the contact law otherwise"
     )]
     Factor { iteration: u32, source: FactorError },
-    /// Residual or increment is not finite.
     #[error("the residual became {value} in Newton iteration {iteration}")]
     NotFinite { iteration: u32, value: f64 },
     #[error(
         "no convergence in {iterations} Newton iterations: residual {residual:.3e}, wanted {tolerance:.3e}"
     )]
     NotConverged { iterations: u32, residual: f64, tolerance: f64 },
-    /// The fixed-point iteration does not converge.
     #[error(
         "Λ does not contract: after {iterations} iterations it still changes by {change:.3e}, {factor:.3} times the change before; a smaller time step makes it contract (3.4), and Newton's method does not need it to"
     )]
     NotContracting { iterations: u32, change: f64, factor: f64 },
-    /// The decomposition does not converge.
     #[error(
         "the decomposition of Remark 3 does not contract: after {problems} convex problems it still changes by {change:.3e}, {factor:.3} times the change before; it contracts where alpha_nu c_j^2 is below the constant of monotonicity (2.9), and Newton's method does not need that"
     )]
@@ -149,7 +145,7 @@ pub struct Scratch {
     force: Vec<f64>,
     increment: Vec<f64>,
     pieces: Vec<PieceKey>,
-    lines: Vec<Line>,
+    lines: Vec<SlipLine>,
     slopes: Vec<f64>,
     pressures: Vec<f64>,
     defects: Vec<f64>,
@@ -179,7 +175,7 @@ impl Scratch {
         self.increment.resize(problem.dofs(), 0.0);
         self.pieces.clear();
         self.pieces.resize(graphs, None);
-        self.lines.resize(graphs, Line::AXIS);
+        self.lines.resize(graphs, SlipLine::AXIS);
         self.slopes.resize(problem.graph().slopes(), 0.0);
         self.pressures.resize(graphs, 0.0);
         self.defects.resize(graphs, 0.0);

@@ -33,37 +33,17 @@ pub trait StepInequality {
     /// order.
     ///
     /// # Errors
-    /// Those of the factorization, if the Jacobian is not positive definite.
+    /// The factorization fails: the Jacobian is not positive definite.
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError>;
 
     /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the right side; a direct
     /// solve ignores it.
     ///
     /// # Errors
-    /// Those of the factorization; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
+    /// The factorization fails; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
     /// singular.
     fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError>;
 
     /// Size of the forces that cancel in F(u): rounding in F is a small multiple of ε times this.
     fn force_scale(&self, u: &[f64]) -> f64;
-}
-
-/// Unknowns of one time level: start value on entry, solution on return.
-#[derive(Debug, Default)]
-pub struct StepState {
-    pub u: Vec<f64>,
-    /// c_i per graph: the pressure ξ + λ.
-    pub pressure: Vec<f64>,
-}
-
-impl Clone for StepState {
-    fn clone(&self) -> Self {
-        Self { u: self.u.clone(), pressure: self.pressure.clone() }
-    }
-
-    /// Reuses memory: levels are kept at every step.
-    fn clone_from(&mut self, other: &Self) {
-        self.u.clone_from(&other.u);
-        self.pressure.clone_from(&other.pressure);
-    }
 }

@@ -66,7 +66,7 @@ impl<'a> Stepper<'a> {
     /// Opens, solves and commits the next level.
     ///
     /// # Errors
-    /// Those of the load, or [`FailedStep`].
+    /// The load fails, or [`FailedStep`].
     pub fn step<P: HistoryInequality>(&mut self, problem: &mut P) -> Result<StepInfo, P::Error> {
         let (n, t) = (self.level, problem.grid().time(self.level));
         problem.open()?;

@@ -26,7 +26,7 @@ fn answers_on_quadratic_elements_with_friction_and_singular_kernels_come_back() 
     }
 }
 
-/// The files of a case in a folder of their own.
+/// The files of a case, alone in a folder.
 struct Files {
     folder: Folder,
     data: MeshData,
@@ -151,7 +151,7 @@ fn corners_without_unknowns_keep_their_rows() {
     }
     let loads = files.array("loads.npy");
     assert_eq!(loads.shape, [2, 81, 2]);
-    let [corners, midpoints] = [0..50, 50..162].map(|own| &loads.numbers[162..][own]);
+    let [corners, midpoints] = [0..50, 50..162].map(|range| &loads.numbers[162..][range]);
     assert!(corners.iter().all(|f| *f == 0.0) && midpoints.iter().any(|f| *f != 0.0));
     // One midpoint an edge of the bottom, with its length.
     let rows = files.numbers("contact.csv");
@@ -168,11 +168,11 @@ fn midpoints_come_back_within_the_process() {
             let (setup, steps) = (setup("nonconforming-memory"), given.times.len() as u32 - 1);
             let mut displacement = Vec::new();
             run(&setup, &setup.model, data, steps, |view| {
-                let own = |&node: &u32| match view.u.get(2 * node as usize..) {
-                    Some(own) => [own[0], own[1]],
+                let of_vertex = |&node: &u32| match view.u.get(2 * node as usize..) {
+                    Some(at_node) => [at_node[0], at_node[1]],
                     None => [0.0; 2],
                 };
-                displacement.extend(data.space.nodes.of_vertex.iter().flat_map(own));
+                displacement.extend(data.space.nodes.of_vertex.iter().flat_map(of_vertex));
             })
             .map_err(|error| error.to_string())?;
             Ok(Answer { displacement, pressure: None })
@@ -180,12 +180,12 @@ fn midpoints_come_back_within_the_process() {
     }
     let setup = setup("nonconforming-memory");
     let data = on_mesh(&setup, 4);
-    let [own, found] = [&NewtonMarch as &dyn Scheme, &InProcess(Found)]
+    let [built_in, found] = [&NewtonMarch as &dyn Scheme, &InProcess(Found)]
         .map(|scheme| errors(scheme, &setup, &data, 4));
-    for (own, found) in own.iter().zip(&found) {
-        assert!((own.v - found.v).abs() <= 1e-12 * own.v, "{own:?} {found:?}");
+    for (expected, found) in built_in.iter().zip(&found) {
+        assert!((expected.v - found.v).abs() <= 1e-12 * expected.v, "{expected:?} {found:?}");
     }
-    assert_eq!((own.len(), found.len()), (5, 5));
+    assert_eq!((built_in.len(), found.len()), (5, 5));
 }
 
 /// What `sweep verify quadratic-elastic` says of answers that are changed level by level.
@@ -193,7 +193,7 @@ fn judged(change: impl Fn(&MeshData, &[f64]) -> Vec<f64>) -> (i32, String) {
     judged_on("quadratic-elastic", change)
 }
 
-/// The same of a scene in the plane with four steps.
+/// What `sweep verify` says of a plane scene with four steps.
 fn judged_on(name: &str, change: impl Fn(&MeshData, &[f64]) -> Vec<f64>) -> (i32, String) {
     let (folder, setup) = (Folder::new("external-midpoints"), setup(name));
     for n in [4, 8, 16] {
@@ -202,7 +202,7 @@ fn judged_on(name: &str, change: impl Fn(&MeshData, &[f64]) -> Vec<f64>) -> (i32
         run(&setup, &setup.model, &data, 4, |view| {
             let u = change(&data, view.u);
             let of = |&node: &u32| match u.get(2 * node as usize..) {
-                Some(own) => [own[0], own[1]],
+                Some(at_node) => [at_node[0], at_node[1]],
                 None => [0.0; 2],
             };
             answer.extend(nodes.of_vertex.iter().flat_map(of));
@@ -229,9 +229,9 @@ fn midpoints_without_values_of_their_own_are_caught() {
     let (status, said) = judged(|data, u| {
         let (mut u, space) = (u.to_vec(), &data.space);
         let free = |v: usize| (space.nodes.of_vertex[v] as usize) < space.nodes.free;
-        let own: Vec<usize> =
+        let midpoints: Vec<usize> =
             (space.mesh.corners()..space.mesh.vertices()).filter(|&v| free(v)).collect();
-        for pair in own.chunks_exact(2) {
+        for pair in midpoints.chunks_exact(2) {
             let [a, b] = [pair[0], pair[1]].map(|v| 2 * space.nodes.of_vertex[v] as usize);
             (0..2).for_each(|i| u.swap(a + i, b + i));
         }

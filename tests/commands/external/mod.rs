@@ -1,4 +1,4 @@
-//! Source: own; the seam of solvers outside this program.
+//! Source: the seam of solvers outside this program.
 //! Goal: displacements that go out as files and come back give the records of the run that they are of, in every norm;
 //!   a solver that fails, is silent, is too slow, or writes another shape, numbers that are not finite or an answer of
 //!   before makes a failed case with the reason; a wrong answer fails its verdict; meshes and loads of the files are
@@ -22,7 +22,6 @@ use gronwall::mesh::read_gmsh;
 use gronwall::norms::{StepErrors, step_errors};
 use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup};
 
-/// Errors of all levels by a scheme.
 fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Vec<StepErrors> {
     let mut found = Vec::new();
     let mut observe = |view: &gronwall::contact::StepView<'_>| {
@@ -34,7 +33,7 @@ fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Ve
     found
 }
 
-/// The own solution of a case as the files that a solver would write.
+/// The built-in solution of a case as the files that a solver would write.
 pub fn answer(setup: &Setup, data: &MeshData, steps: u32, dir: &Path) {
     let nodes = &data.space.nodes;
     let (d, vertices) = (nodes.dimension, nodes.of_vertex.len());
@@ -69,20 +68,20 @@ fn comes_back(setup: &Setup, n: u32) {
     let (folder, steps, name) = (Folder::new("external"), 6, &setup.scene.name);
     let data = on_mesh(setup, n);
     answer(setup, &data, steps, &place(&folder, name, data.space.mesh.n, steps));
-    let own = errors(&NewtonMarch, setup, &data, steps);
+    let built_in = errors(&NewtonMarch, setup, &data, steps);
     let found = errors(&results(&folder), setup, &data, steps);
-    assert_eq!(own.len(), found.len());
-    for (own, found) in own.iter().zip(&found) {
+    assert_eq!(built_in.len(), found.len());
+    for (expected, found) in built_in.iter().zip(&found) {
         let pairs = [
-            (own.v, found.v),
-            (own.l2, found.l2),
-            (own.trace, found.trace),
-            (own.pressure, found.pressure),
+            (expected.v, found.v),
+            (expected.l2, found.l2),
+            (expected.trace, found.trace),
+            (expected.pressure, found.pressure),
             // Histories are summed over displacements here, over unknowns or coefficients there.
-            (own.stress, found.stress),
+            (expected.stress, found.stress),
         ];
         for (a, b) in pairs {
-            assert!((a - b).abs() <= 1e-10 * a.abs().max(1e-6), "{name}: {own:?} {found:?}");
+            assert!((a - b).abs() <= 1e-10 * a.abs().max(1e-6), "{name}: {expected:?} {found:?}");
         }
     }
 }
@@ -121,11 +120,13 @@ fn the_files_are_those_of_the_case() {
         assert_eq!(loads.shape, [4, mesh.vertices(), mesh.dimension]);
         let times = array("times.npy").numbers;
         for (n, &t) in times.iter().enumerate() {
-            let own = data.truth.load(t).expect("a load");
+            let forces = data.truth.load(t).expect("a load");
             let level = &loads.numbers[n * nodes.len()..(n + 1) * nodes.len()];
-            let sums = [own.iter().sum::<f64>(), level.iter().sum::<f64>()];
-            assert!((sums[0] - sums[1]).abs() <= 1e-12 * own.iter().map(|f| f.abs()).sum::<f64>());
-            for (dof, force) in own.iter().enumerate() {
+            let sums = [forces.iter().sum::<f64>(), level.iter().sum::<f64>()];
+            assert!(
+                (sums[0] - sums[1]).abs() <= 1e-12 * forces.iter().map(|f| f.abs()).sum::<f64>()
+            );
+            for (dof, force) in forces.iter().enumerate() {
                 let (node, c) = (dof / mesh.dimension, dof % mesh.dimension);
                 assert_eq!(*force, level[nodes.vertex[node] as usize * mesh.dimension + c]);
             }

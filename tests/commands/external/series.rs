@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gronwall::external::{AnswerError, Wanted, decode, read_displacements};
 use gronwall::setup::{MeshData, Scheme, Setup};
-use gronwall::solution::{Field, Grid, write_pvd, write_vtu};
+use gronwall::solution::{Field, VtuGrid, write_pvd, write_vtu};
 
 use super::{answer, errors, place, results, verify};
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
@@ -39,7 +39,7 @@ fn turned(data: &MeshData) -> (Vec<usize>, Vec<[f64; 3]>, Vec<u32>) {
 fn write_series(dir: &Path, data: &MeshData, times: &[f64], u: &[f64]) {
     let (order, points, cells) = turned(data);
     let d = data.space.mesh.dimension;
-    let grid = Grid { points: &points, cells: &cells, vertices_per_cell: d + 1 };
+    let grid = VtuGrid { points: &points, cells: &cells, vertices_per_cell: d + 1 };
     let mut steps = Vec::new();
     for (n, level) in u.chunks_exact(order.len() * d).enumerate().rev() {
         let values: Vec<f64> = order.iter().flat_map(|&i| level[i * d..][..d].to_vec()).collect();
@@ -75,7 +75,6 @@ fn text(data: &MeshData, level: &[f64]) -> String {
     )
 }
 
-/// Writes `u` by hand, numbered.
 fn write_numbered(dir: &Path, data: &MeshData, u: &[f64]) {
     let length = data.space.mesh.vertices() * data.space.mesh.dimension;
     for (n, level) in u.chunks_exact(length).enumerate() {
@@ -281,7 +280,7 @@ fn a_solver_may_write_a_series_and_one_of_before_does_not_pass() {
     let script = folder.file("numbered.sh", &numbered);
     let output = verify(&folder, &format!("sh {script}"), &[]);
     assert!(stdout(&output).contains("1 case, 0 failed"), "{}", stdout(&output));
-    // Of the files of before none is left; of the own ones one is missing.
+    // Of the files of before none is left; of the new ones one is missing.
     let some =
         folder.file("some.sh", &format!("cp {}/displacement_000[02].vtu \"$1\"\n", dir.display()));
     let output = verify(&folder, &format!("sh {some}"), &[]);

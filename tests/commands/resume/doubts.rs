@@ -126,7 +126,7 @@ fn a_pipe_in_the_place_of_a_file_is_refused() {
     }
 }
 
-/// Files of the directory are the sweep's own: what a link in their place names is not.
+/// Files of the directory belong to the sweep; what a link in their place names does not.
 #[cfg(unix)]
 #[test]
 fn links_in_the_directory_are_replaced_and_not_followed() {

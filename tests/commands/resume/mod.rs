@@ -1,7 +1,7 @@
 //! Source: the contract of `sweep run`: an interrupted sweep loses nothing, `--resume` skips what is there.
 //! Goal: killed or interrupted at several moments and resumed, the records are those of an uninterrupted run; Ctrl-C
 //!   says how to go on; a torn last line is cut; records of another text of the scene or another version are refused.
-//!   Faults of the machine and of a solver, other signals, and rows that are not trusted have files of their own.
+//!   Faults of the machine and of a solver, other signals, and rows that are not trusted: the modules beside this one.
 //! Data: pure-mild and signorini on small grids, 16 cases.
 
 mod doubts;
@@ -259,9 +259,10 @@ fn records_of_another_version_are_refused() {
     finish(&resuming);
     resuming.push("--resume");
     let provenance = folder.at("out/provenance.json");
-    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    let version = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
     let text = std::fs::read_to_string(&provenance).expect("the provenance");
-    std::fs::write(&provenance, edited(&text, &own, "\"version\": \"0.0.7\"")).expect("written");
+    std::fs::write(&provenance, edited(&text, &version, "\"version\": \"0.0.7\""))
+        .expect("written");
     let output = sweep(&resuming);
     assert_eq!(code(&output), 2, "{}", stderr(&output));
     let message = stderr(&output);

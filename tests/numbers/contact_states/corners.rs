@@ -70,11 +70,11 @@ fn a_sweep_says_what_its_reference_hides() {
     let printed = stdout(&sweep(&["run", &file, "--out", &out, "--json"]));
     let document: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
     let found = &document["references"][0][1];
-    let [order, measured, own] =
+    let [order, measured, reference] =
         ["order", "measured_order", "reference_error"].map(|key| number(found, key));
     assert!(measured > order + 0.02 && order > 0.7 && order < 1.0, "{found}");
     // At order p the reference on half the mesh size has 2^-p of the finest whole error.
     let whole = found["finest"][1].as_f64().expect("a number");
-    assert!((own / whole - 0.5f64.powf(order)).abs() < 0.05, "{found}");
+    assert!((reference / whole - 0.5f64.powf(order)).abs() < 0.05, "{found}");
     assert!(stdout(&sweep(&["report", &out])).contains("measured only"));
 }

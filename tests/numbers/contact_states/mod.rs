@@ -1,7 +1,8 @@
 //! Source: (5.5), the states of a point of Γ3: open, on the rising or falling branch of the law, at its jump, locked.
 //! Goal: the scenes `state-…` have one state each, on all of Γ3 and at all times; errors by state agree with other
-//!   integrals and closed forms, sum to the error on Γ3, and see a defect in their own state alone; the distance of
-//!   contact sets likewise. Corner exponents, Hertz contact, the page of scenes and the tutorial have files of their own.
+//!   integrals and closed forms, sum to the error on Γ3, and see a defect in their state alone; the distance of
+//!   contact sets likewise. Corner exponents, Hertz contact, the page of scenes and the tutorial: the modules beside
+//!   this one.
 //! Mesh: n = 8 … 32. Data: the scenes `state-…`, pure-mild, pure-strong, and seeded views and models.
 
 mod catalogue;
@@ -56,7 +57,10 @@ fn each_state_scene_has_its_state_alone() {
         let data = on_mesh(&setup(name), 8);
         for t in TIMES {
             let found = samples(&data, t).state;
-            assert!(found.len() == 8 * 24 && found.iter().all(|own| *own == state), "{name}: {t}");
+            assert!(
+                found.len() == 8 * 24 && found.iter().all(|seen| *seen == state),
+                "{name}: {t}"
+            );
         }
     }
     // A zone that grazes at a moment, and one that is there between two moments alone.

@@ -2,7 +2,7 @@
 
 use gronwall::contact::{CaseError, CaseInfo, Observer};
 use gronwall::extremes::{
-    Expected, Measured, NoAnswer, Standing, UnderTest, Unitless, Units, by_recursion, solve,
+    Expected, Measured, Standing, Unanswered, UnderTest, Unitless, Units, by_recursion, solve,
     standing,
 };
 use gronwall::law::{AnyProjection, FourthOrder, Isotropic, TensorField, VonMises};
@@ -64,11 +64,11 @@ fn an_absolute_tolerance_is_seen_in_every_unit_of_force() {
 fn a_wrong_unit_is_seen() {
     let units = Units { displacement: 1e10, ..Units::default() };
     for scene in Unitless::PLANE {
-        let own = |units: &Units| solve(scene.text(units), 2, 2, &|setup| setup).unwrap();
-        let base = own(&Units::default());
+        let solved = |units: &Units| solve(scene.text(units), 2, 2, &|setup| setup).unwrap();
+        let base = solved(&Units::default());
         let wrong = Units { displacement: 2e10, ..units };
-        assert!(units.nondimensional(own(&units), 2).distance(&base) < 1e-12, "{scene:?}");
-        assert!(wrong.nondimensional(own(&units), 2).distance(&base) > 0.1, "{scene:?}");
+        assert!(units.nondimensional(solved(&units), 2).distance(&base) < 1e-12, "{scene:?}");
+        assert!(wrong.nondimensional(solved(&units), 2).distance(&base) > 0.1, "{scene:?}");
     }
 }
 
@@ -159,9 +159,9 @@ fn a_panic_is_a_failed_row_and_ends_nothing() {
 #[test]
 fn refusals_answers_and_nan_are_told_apart() {
     let ends =
-        |expected: Expected, outcome: Result<Measured, NoAnswer>| standing(&expected, &outcome).0;
+        |expected: Expected, outcome: Result<Measured, Unanswered>| standing(&expected, &outcome).0;
     let refusal = Expected::Refused("(2.9)");
-    let said = |text: &str| Err(NoAnswer::Refused(text.to_owned()));
+    let said = |text: &str| Err(Unanswered::Refused(text.to_owned()));
     assert_eq!(ends(refusal, said("the condition (2.9) fails")), Standing::RefusedAsExpected);
     assert_eq!(ends(refusal, said("no such file")), Standing::NotAsExpected);
     assert_eq!(ends(refusal, Ok(Measured::number(0.0))), Standing::NotAsExpected);

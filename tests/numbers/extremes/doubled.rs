@@ -55,7 +55,7 @@ impl Point {
         let mut u: Vec<TwoFloat> = Vec::new();
         for n in 0..times.len() {
             let mut rest = two(setup.state(times[n]).load[0]);
-            let mut own = two(self.m);
+            let mut diagonal = two(self.m);
             for j in 0..=n {
                 let before = if j > 0 { two(times[j]) - times[j - 1] } else { two(0.0) };
                 let after = if j < n { two(times[j + 1]) - times[j] } else { two(0.0) };
@@ -63,17 +63,17 @@ impl Point {
                 let weight = (before + after) * 0.5 * self.c * (-(lag * self.r)).exp();
                 match u.get(j) {
                     Some(&u) => rest -= weight * u,
-                    None => own += weight,
+                    None => diagonal += weight,
                 }
             }
-            u.push(on_its_piece(own, rest));
+            u.push(on_its_piece(diagonal, rest));
         }
         u
     }
 }
 
-/// The root of own·u + p(u) = rest, which increases in u: on the one piece of p where it lies.
-fn on_its_piece(own: TwoFloat, rest: TwoFloat) -> TwoFloat {
+/// The root of diagonal·u + p(u) = rest, which increases in u: on the one piece of p where it lies.
+fn on_its_piece(diagonal: TwoFloat, rest: TwoFloat) -> TwoFloat {
     let two = TwoFloat::from;
     let [zero, peak, end] = LAW;
     let rising = two(peak[1]) / (two(peak[0]) - zero[0]);
@@ -86,7 +86,7 @@ fn on_its_piece(own: TwoFloat, rest: TwoFloat) -> TwoFloat {
         (end[0], f64::INFINITY, end, two(0.0)),
     ];
     let roots = pieces.map(|(low, high, [from, at], slope)| {
-        (low, high, (rest - at + slope * from) / (own + slope))
+        (low, high, (rest - at + slope * from) / (diagonal + slope))
     });
     let fits = |(low, high, root): &&(f64, f64, TwoFloat)| *root >= *low && *root <= *high;
     roots.iter().find(fits).expect("a piece").2

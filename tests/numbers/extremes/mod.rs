@@ -7,7 +7,7 @@ mod command;
 mod defects;
 mod doubled;
 
-use gronwall::extremes::{Ladder, Row, UnderTest, catalogue, judge};
+use gronwall::extremes::{Ladder, RungRow, UnderTest, catalogue, judge};
 
 /// A ladder of the catalogue.
 fn ladder(name: &str) -> Ladder {
@@ -16,7 +16,7 @@ fn ladder(name: &str) -> Ladder {
 }
 
 /// The row of one rung.
-fn row(name: &str, at: &str, under_test: &UnderTest<'_>) -> Row {
+fn row(name: &str, at: &str, under_test: &UnderTest<'_>) -> RungRow {
     let ladder = ladder(name);
     let rung = ladder.rungs.iter().find(|rung| rung.at == at);
     judge(&ladder, rung.unwrap_or_else(|| panic!("no rung {at} of {name}")), under_test)

@@ -137,9 +137,9 @@ fn given_friction() {
     let setup = with_contact("[contact.friction]\nbound = \"0.1*x*(1 + t)\"");
     let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.0);
     for (slip, [low, high]) in [(0.0, [-0.1, 0.1]), (0.02, [0.1; 2]), (-0.02, [-0.1; 2])] {
-        let own = law.subdifferential(slip);
-        near(own.0, low);
-        near(own.1, high);
+        let stress = law.subdifferential(slip);
+        near(stress.0, low);
+        near(stress.1, high);
     }
 }
 
@@ -150,9 +150,9 @@ fn coulomb_friction() {
     );
     let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.5);
     for (slip, [low, high]) in [(0.0, [-0.2, 0.2]), (0.02, [0.2; 2]), (-0.3, [-0.2; 2])] {
-        let own = law.subdifferential(slip);
-        near(own.0, low);
-        near(own.1, high);
+        let stress = law.subdifferential(slip);
+        near(stress.0, low);
+        near(stress.1, high);
     }
 }
 
@@ -165,9 +165,9 @@ fn slip_friction() {
     for (slip, [low, high]) in
         [(0.0, [-0.3, 0.3]), (0.05, [0.29; 2]), (-0.05, [-0.29; 2]), (0.4, [0.28; 2])]
     {
-        let own = law.subdifferential(slip);
-        near(own.0, low);
-        near(own.1, high);
+        let stress = law.subdifferential(slip);
+        near(stress.0, low);
+        near(stress.1, high);
     }
     near(law.alpha(), 0.2);
 }

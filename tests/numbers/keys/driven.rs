@@ -204,9 +204,9 @@ fn paths() {
 fn predictions() {
     let joint = "[[predicts]]\nnorm = \"L2_max\"\nvariable = \"joint\"\norder = 1.25\norder_k = 1.75\nat_least = true\nwhy = \"first\"\nwindow_n = [2, 4]\nwindow_steps = [3, 6]\n";
     let sharp = "[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 1.5\nexact = true\nwhy = \"second\"\n";
-    let own =
+    let written =
         "[[predicts]]\nnorm = \"V_max\"\nvariable = \"h\"\norder = 1.0\nwhy = \"the block\"\n";
-    let read = block(&[(own, &format!("{joint}{sharp}"))]);
+    let read = block(&[(written, &format!("{joint}{sharp}"))]);
     let [first, second] = &read.predicts[..] else { panic!("two predictions") };
     assert_eq!((first.norm, first.variable), (Norm::L2Max, Direction::Joint));
     assert_eq!((first.order, first.order_k), (1.25, Some(1.75)));

@@ -163,8 +163,9 @@ fn bulk_and_shear() {
 /// t^{-1/2} and t^{-1/4} times the kernels: at t = 4 a half of e^{-8}, at t = 16 a half of bulk and shear.
 fn singular() {
     let rule = ("horizon = 1.5", "horizon = 1.5\nrule = \"product-integration\"");
-    let own = "memory = { bulk = \"-0.5\", shear = \"0.1\", singular = 0.25 }";
-    let text = format!("{LAME}\n{MEMORY}\nsingular = 0.5\n{REGION}lambda = 0.4\nmu_L = 1.3\n{own}");
+    let memory = "memory = { bulk = \"-0.5\", shear = \"0.1\", singular = 0.25 }";
+    let text =
+        format!("{LAME}\n{MEMORY}\nsingular = 0.5\n{REGION}lambda = 0.4\nmu_L = 1.3\n{memory}");
     let setup = crate::shipped::setup_of(with(BLOCK, &[rule, (LAME, &text)]));
     all_near(remembered(&setup, 0, 4.0), isotropic(0.35, 0.15), -0.5 * (-8.0f64).exp());
     // -0.5 tr ε I + 2 · 0.1 ε^D = (0.1 + 0.04, 0.1 - 0.04, 0.04).
@@ -205,7 +206,7 @@ fn projection() {
 
 const REGION: &str = "[[material.region]]\nname = \"upper\"\nwhere = \"y - 0.25\"\n";
 
-/// Region 1 has numbers of its own, region 0 those of the body.
+/// Region 1 has numbers beside those of the body, which region 0 has.
 fn region() {
     let memory = "memory = { kernel = \"-exp(-2*t)\", lambda = 0.55, mu = 0.05 }";
     let setup = more(&format!("{MEMORY}\n{REGION}lambda = 0.4\nmu_L = 1.3\n{memory}"));
@@ -228,8 +229,8 @@ fn young_of_a_region() {
 }
 
 fn bulk_and_shear_of_a_region() {
-    let own = "memory = { bulk = \"-0.5\", shear = \"0.1*t\" }";
-    let setup = more(&format!("{REGION}lambda = 0.4\nmu_L = 1.3\n{own}"));
+    let memory = "memory = { bulk = \"-0.5\", shear = \"0.1*t\" }";
+    let setup = more(&format!("{REGION}lambda = 0.4\nmu_L = 1.3\n{memory}"));
     assert_eq!(remembered(&setup, 0, 2.0), [0.0; 3]);
     all_near(remembered(&setup, 1, 2.0), [0.18, 0.02, 0.08], 1.0);
 }

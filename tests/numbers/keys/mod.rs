@@ -1,8 +1,8 @@
-//! Source: own; manufactured side and solver read the same numbers of a scene, so a key that is read wrongly (λ for μ)
+//! Source: manufactured side and solver read the same numbers of a scene, so a key that is read wrongly (λ for μ)
 //!   moves both, and no comparison of the two shows it.
 //! Goal: every key that a scene accepts is tied once to a value from outside: a closed form of what it means, with
 //!   numbers that no exchange leaves as they are. A key that is accepted and has no tie fails.
-//! Data: blocks with uneven numbers; the lists of keys that the reader's own messages name.
+//! Data: blocks with uneven numbers; the lists of keys that the messages of the reader name.
 
 mod contact;
 mod driven;

@@ -62,7 +62,7 @@ order = 1.0
 why = "?"
 "#;
 
-/// The same of an abstract scene.
+/// An abstract scene with every key.
 const ABSTRACT: &str = r#"
 [scene]
 name = "all"
@@ -94,8 +94,9 @@ const SHARED: [&str; 3] = ["scene", "time", "predicts"];
 /// Dotted names without numbers, those of abstract scenes after `abstract`.
 pub fn keys() -> BTreeSet<String> {
     let mut found = parts(BODY, "");
-    let own = |key: &String| !SHARED.iter().any(|part| in_part(key, &format!("abstract.{part}")));
-    found.extend(parts(ABSTRACT, "abstract.").into_iter().filter(own));
+    let unshared =
+        |key: &String| !SHARED.iter().any(|part| in_part(key, &format!("abstract.{part}")));
+    found.extend(parts(ABSTRACT, "abstract.").into_iter().filter(unshared));
     found
 }
 

@@ -1,4 +1,5 @@
-//! The exact side against closed forms: histories of a(t) = 0.2 t(2 - t) and b(t) = 0.3 sin 2t, and 𝒜 in its own axes.
+//! The exact side against closed forms: histories of a(t) = 0.2 t(2 - t) and b(t) = 0.3 sin 2t, and 𝒜 in the axes of
+//! the material.
 
 use gronwall::formula::Graph;
 use gronwall::manufactured::constitutive::{Tensor, stress};
@@ -50,9 +51,9 @@ fn power_a(tau: f64, t: f64) -> f64 {
 /// 2 μ τ + λ tr τ I.
 fn isotropic(lambda: f64, mu: f64, tensor: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let trace = tensor[0][0] + tensor[1][1];
-    let own =
+    let entry =
         |i: usize, j: usize| 2.0 * mu * tensor[i][j] + if i == j { lambda * trace } else { 0.0 };
-    [[own(0, 0), own(0, 1)], [own(1, 0), own(1, 1)]]
+    [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
 }
 
 /// σ_yy and √2 σ_xy of the truth on a cell at time t.
@@ -104,7 +105,7 @@ fn bulk_and_shear_histories_are_the_closed_forms() {
     }
 }
 
-/// Turned by 30° into its own axes, through the moduli there, and back.
+/// Turned by 30° into the axes of the material, through the moduli there, and back.
 #[test]
 fn the_full_contraction_is_that_of_the_axes_of_the_material() {
     let setup = setup("orthotropic");
@@ -116,9 +117,12 @@ fn the_full_contraction_is_that_of_the_axes_of_the_material() {
     };
     let back = [[c, s], [-s, c]];
     let strain = [[0.11, -0.07], [-0.07, 0.04]];
-    let own = product(product(back, strain), turn);
-    let (xx, yy) = (4.0 * own[0][0] + 0.8 * own[1][1], 0.8 * own[0][0] + 1.5 * own[1][1]);
-    let shear = 2.0 * 0.6 * own[0][1];
+    let along_axes = product(product(back, strain), turn);
+    let (xx, yy) = (
+        4.0 * along_axes[0][0] + 0.8 * along_axes[1][1],
+        0.8 * along_axes[0][0] + 1.5 * along_axes[1][1],
+    );
+    let shear = 2.0 * 0.6 * along_axes[0][1];
     let expected = product(product(turn, [[xx, shear], [shear, yy]]), back);
     let found = stress(material, &strain, &[], f64::INFINITY);
     for i in 0..2 {

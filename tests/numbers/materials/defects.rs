@@ -1,4 +1,4 @@
-//! Wrong materials at the solver's model: each is refused by an order or by a predicted constant of the scene's own gate.
+//! Wrong materials at the solver's model: each is refused by an order or by a predicted constant of the scene.
 
 use gronwall::contact::MemoryTerm;
 use gronwall::law::{ExponentialSum, FourthOrder, Isotropic, TensorField};
@@ -9,7 +9,7 @@ use gronwall::verdict::{Decision, Foreseen};
 
 use crate::shipped::{on_mesh, setup};
 
-/// The verdict of a scene on its own grid.
+/// The verdict of a scene on the grid of its file.
 fn judged(setup: Setup) -> (Decision, String) {
     let sweep = setup.scene.sweep.clone().expect("a sweep");
     let norm = setup.scene.predicts[0].norm;

@@ -55,7 +55,9 @@ fn both_sides_see_one_region() {
         let space = setup.space(3).unwrap_or_else(|error| panic!("{error}"));
         let seen = exact.cell_regions(&space.mesh);
         assert!(seen.contains(&0) && seen.contains(&1));
-        assert!(space.regions.iter().zip(&seen).all(|(own, seen)| usize::from(*own) == *seen));
+        assert!(
+            space.regions.iter().zip(&seen).all(|(region, seen)| usize::from(*region) == *seen)
+        );
         // Facets of the boundary lie on the simplices, not in them.
         let top: Vec<usize> =
             space.mesh.facets_on(&[space.mesh.side("top").expect("top")]).collect();

@@ -104,7 +104,7 @@ fn marched(space: &Discretization, elasticity: TensorField, memory: Vec<MemoryTe
             t: f64,
             out: &mut [f64],
         ) -> Result<(), gronwall::contact::LoadError> {
-            out.iter_mut().zip(&self.0).for_each(|(out, own)| *out = (1.0 + t) * own);
+            out.iter_mut().zip(&self.0).for_each(|(out, force)| *out = (1.0 + t) * force);
             Ok(())
         }
     }
@@ -164,7 +164,8 @@ fn disguises_of_one_material_agree() {
     }
 }
 
-/// A scalar kernel keeps its cheap path: one solve a step and one state an exponential; a second term costs its own.
+/// A scalar kernel keeps its cheap path: one solve a step and one state an exponential; a second term costs as much
+/// again.
 #[test]
 fn absent_terms_cost_nothing() {
     // (factorizations, bytes of history) of 16 steps with 40 unknowns.
@@ -208,8 +209,9 @@ fn layers_and_orthotropic_blocks_in_space() {
         last
     };
     let base = pressed(&setup("punch-box"));
-    let half =
-        |own: &str| format!("[[material.region]]\nname = \"half\"\nwhere = \"x - 0.5\"\n{own}\n");
+    let half = |numbers: &str| {
+        format!("[[material.region]]\nname = \"half\"\nwhere = \"x - 0.5\"\n{numbers}\n")
+    };
     let same = pressed(&box_with(&half("lambda = 1.0\nmu_L = 1.0")));
     assert!(distance(&base, &same) < 1e-9, "{:e}", distance(&base, &same));
     let orthotropic = "elasticity = { kind = \"orthotropic\", normal = [3.0, 3.0, 3.0], coupling = [1.0, 1.0, 1.0], shear = [1.0, 1.0, 1.0] }";

@@ -13,7 +13,7 @@ use gronwall::vhi::{
 /// Jacobian is made.
 const UNREACHABLE: f64 = -1.0;
 
-/// Newton's method with a factor of its own for every Jacobian.
+/// Newton's method with a new factor for every Jacobian.
 #[derive(Default)]
 pub struct Anew {
     pub newton: Newton,

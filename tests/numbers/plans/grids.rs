@@ -1,4 +1,4 @@
-//! The plan of a scene, Newton's method in the volume and fresh factors on grids of their own: graded and random steps,
+//! The plan of a scene, Newton's method in the volume and fresh factors on other grids: graded and random steps,
 //! on which last weights change from level to level. Shipped scenes on equal steps see neither a last weight that stays
 //! nor a factor that does.
 
@@ -58,7 +58,7 @@ fn all_plans_agree_on_unequal_steps() {
                 assert!(off <= AGREE, "{name} {grid:?} {way}: {off:e}");
             }
             if plan != Plan::Newton && Plan::changes_factor(&setup.model) {
-                // Level 0 has no weight; each of the others has one of its own, and factors of small meshes cost no more
+                // Level 0 has no weight; each of the others has another one, and factors of small meshes cost no more
                 // than a pass.
                 assert_eq!(short.info.work.linear.factorizations, STEPS + 1, "{name} {grid:?}");
                 anew += 1;
@@ -71,7 +71,7 @@ fn all_plans_agree_on_unequal_steps() {
 /// n of a mesh on which a factor costs some passes.
 const LARGER: u32 = 40;
 
-/// An old matrix serves levels with weights of their own: fewer factors than levels, more passes, the same solution.
+/// An old matrix serves levels with other weights: fewer factors than levels, more passes, the same solution.
 #[test]
 fn an_old_matrix_gives_what_fresh_ones_give() {
     for name in ["linear-punch", "elastic-punch", "law-rational"] {

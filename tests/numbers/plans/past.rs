@@ -98,7 +98,7 @@ fn long_all_sums_over_the_past_have_the_same_solution() {
         }
     }
     // The scenes with another rule than the trapezoidal one.
-    let own = [
+    let other_rules = [
         "broken-body-end",
         "graded-end",
         "gregory-four",
@@ -114,7 +114,7 @@ fn long_all_sums_over_the_past_have_the_same_solution() {
         "quadratic-memory",
         "singular-contact",
     ];
-    assert_eq!(direct_alone, own);
+    assert_eq!(direct_alone, other_rules);
     assert!(recursive >= 40 && interpolated > recursive, "{recursive} {interpolated}");
 }
 

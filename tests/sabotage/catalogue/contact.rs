@@ -34,7 +34,6 @@ fn law(mut setup: Setup, change: fn(&mut Written)) -> Setup {
     setup
 }
 
-/// The gap changed.
 fn gap(mut setup: Setup, change: fn([f64; 3], f64) -> f64) -> Setup {
     if let Some(boundary) = &mut setup.model.boundary {
         let sound = std::mem::replace(&mut boundary.gap, Box::new(|_| f64::INFINITY));
@@ -59,7 +58,7 @@ fn rule(mut setup: Setup, rule: BoundaryRule) -> Setup {
     setup
 }
 
-/// The march on a space of its own, with a model that may know it.
+/// The march on a space made for it, with a model that may know it.
 pub(super) fn rebuilt(
     setup: &Setup,
     data: &MeshData,

@@ -83,7 +83,7 @@ pub fn defects() -> Vec<Defect> {
         on!("strain points 10 % nearer to the centroid", nearer),
         Defect::of(Term::Element, "midpoints shown between their corners", linear),
         on_jumps!("jumps without a penalty", |s| count_jumps(s, |_| [0.0; 4])),
-        on_jumps!("the penalty of jumps weighed 1e-3", |s| count_jumps(s, |own| own
+        on_jumps!("the penalty of jumps weighed 1e-3", |s| count_jumps(s, |signs| signs
             .map(|sign| 1e-3f64.sqrt() * sign))),
         on_jumps!("jumps without orientation: sums of both sides", |s| count_jumps(
             s,

@@ -130,14 +130,15 @@ impl StepInequality for Tangent<'_> {
     }
 
     fn take_pressures(&mut self, pressures: &[f64]) {
-        let wrong: Vec<f64> = pressures.iter().map(|own| self.factors.pressures * own).collect();
+        let wrong: Vec<f64> =
+            pressures.iter().map(|pressure| self.factors.pressures * pressure).collect();
         self.problem.take_pressures(&wrong);
     }
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let mut wrong = slopes.to_vec();
         let mixed = &mut wrong[prescribed.len()..];
-        mixed.iter_mut().for_each(|own| *own *= self.factors.mixed);
+        mixed.iter_mut().for_each(|slope| *slope *= self.factors.mixed);
         self.problem.linearize(&wrong, prescribed)
     }
 
@@ -187,10 +188,10 @@ fn viscous() -> Arc<dyn Potential> {
 pub fn defects() -> Vec<Defect> {
     vec![
         Defect::of(Term::Friction, "friction pushes along with the slip", |setup| {
-            changed(setup, |own| Friction { graph: pushing(), ..own })
+            changed(setup, |sound| Friction { graph: pushing(), ..sound })
         }),
         Defect::of(Term::Friction, "friction in proportion to the slip: nothing sticks", |setup| {
-            changed(setup, |own| Friction { graph: viscous(), ..own })
+            changed(setup, |sound| Friction { graph: viscous(), ..sound })
         }),
         Defect::of(Term::Friction, "friction left out", |mut setup| {
             setup.model.friction = None;
@@ -229,11 +230,11 @@ pub fn defects() -> Vec<Defect> {
     ]
 }
 
-/// Those of vectors, and of bounds that follow the slip or p.
+/// Defects of vectors, and of bounds that follow the slip or p.
 pub fn others() -> Vec<Defect> {
     vec![
         Defect::of(Term::Friction, "in space friction pushes along with the slip", |setup| {
-            in_space(setup, |setup| changed(setup, |own| Friction { graph: pushing(), ..own }))
+            in_space(setup, |setup| changed(setup, |sound| Friction { graph: pushing(), ..sound }))
         }),
         Defect::of(Term::Friction, "in space half of Γ3 sticks", |setup| {
             in_space(setup, |setup| {
@@ -250,10 +251,10 @@ pub fn others() -> Vec<Defect> {
             })
         }),
         Defect::of(Term::Friction, "friction bound of no slip at any slip", |setup| {
-            changed(setup, |own| {
-                let (lo, hi) = own.graph.subdifferential(0.0);
+            changed(setup, |sound| {
+                let (lo, hi) = sound.graph.subdifferential(0.0);
                 let constant = PiecewiseLinear::new(vec![(0.0, lo), (0.0, hi)], 0.0, 0.0);
-                Friction { graph: Arc::new(constant.expect("a graph")), ..own }
+                Friction { graph: Arc::new(constant.expect("a graph")), ..sound }
             })
         }),
         Defect::of(
@@ -288,10 +289,12 @@ pub fn others() -> Vec<Defect> {
                 })
             },
         ),
-        Defect::of(Term::Friction, "friction that follows p takes a bound of its own", |setup| {
-            changed(setup, |own| match own.follows_pressure {
-                true => Friction { factor: Box::new(|_, _| 0.02), follows_pressure: false, ..own },
-                false => own,
+        Defect::of(Term::Friction, "friction that follows p takes a constant bound", |setup| {
+            changed(setup, |sound| match sound.follows_pressure {
+                true => {
+                    Friction { factor: Box::new(|_, _| 0.02), follows_pressure: false, ..sound }
+                }
+                false => sound,
             })
         }),
     ]

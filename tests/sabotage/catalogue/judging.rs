@@ -85,9 +85,9 @@ fn again(mut verdict: Verdict, error: impl Fn(f64, f64) -> f64) -> Verdict {
     if !verdict.complete || verdict.observed.is_none() {
         return verdict;
     }
-    let level = |own: &PointUsed| {
-        let step = direction.step(&point(own));
-        Level::new(step, error(step, own.error))
+    let level = |used: &PointUsed| {
+        let step = direction.step(&point(used));
+        Level::new(step, error(step, used.error))
     };
     let levels: Vec<Level> = verdict.points_used.iter().map(level).collect();
     let posterior = infer(&levels, None, 0.0).expect("levels that served");
@@ -110,8 +110,8 @@ fn grid_again(mut verdict: Verdict) -> Verdict {
     verdict
 }
 
-fn point(own: &PointUsed) -> Point {
-    Point { h: own.h, k: own.k, error: own.error, floor: 0.0 }
+fn point(used: &PointUsed) -> Point {
+    Point { h: used.h, k: used.k, error: used.error, floor: 0.0 }
 }
 
 /// |order|: divergence reads as convergence.
@@ -159,7 +159,6 @@ fn always(verdict: Verdict) -> Verdict {
     Verdict { decision: Decision::Pass, complete: true, ..verdict }
 }
 
-/// The verdict on the order alone.
 fn by_order_alone(verdict: Verdict) -> Verdict {
     again(verdict, |_, error| error)
 }

@@ -1,4 +1,4 @@
-//! A march of levels with a hand in what is committed to the history. It is an own loop around the library's levels,
+//! A march of levels with a hand in what is committed to the history. It is a loop around the levels of the library,
 //! as an external solver would be; the separate evaluation of the KKT system is optional in it.
 
 use gronwall::contact::{
@@ -24,7 +24,7 @@ struct Tampered<'a> {
     level: usize,
     start: StepState,
     last: StepState,
-    /// Whether levels are solved with the last weights of level 1, and those weights and the level's own.
+    /// Whether levels are solved with the last weights of level 1, and those weights and the level's.
     stale: bool,
     slots: Option<[LastSlot; 2]>,
 }
@@ -39,18 +39,18 @@ impl HistoryInequality for Tampered<'_> {
     fn open(&mut self) -> Result<(), CaseError> {
         self.inner.open()?;
         if self.stale && self.level > 0 {
-            let own = self.inner.last_slot();
-            let first = self.slots.take().map_or_else(|| own.clone(), |[first, _]| first);
+            let of_level = self.inner.last_slot();
+            let first = self.slots.take().map_or_else(|| of_level.clone(), |[first, _]| first);
             self.inner.set_last_slot(first.clone());
-            self.slots = Some([first, own]);
+            self.slots = Some([first, of_level]);
         }
         Ok(())
     }
 
     fn commit(&mut self, solution: &StepState) {
         let committed = (self.commit)(self.level, solution, &self.start, &self.last);
-        if let Some([_, own]) = &self.slots {
-            self.inner.set_last_slot(own.clone());
+        if let Some([_, of_level]) = &self.slots {
+            self.inner.set_last_slot(of_level.clone());
         }
         // ‖ε‖ is that of the last evaluated state.
         let mut force = vec![0.0; committed.u.len()];

@@ -171,8 +171,8 @@ fn other_body_force(mut setup: Setup) -> Setup {
     };
     let other =
         rebuilt(|numbers| numbers.memory = numbers.memory.iter().map(|(l, m)| (-l, -m)).collect());
-    let own = rebuilt(|_| ());
-    setup.exact = Some(Arc::new(Exact { forces: other.forces, separation: None, ..own }));
+    let written = rebuilt(|_| ());
+    setup.exact = Some(Arc::new(Exact { forces: other.forces, separation: None, ..written }));
     setup
 }
 

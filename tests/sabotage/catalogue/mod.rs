@@ -22,7 +22,7 @@ mod singular;
 mod solver;
 mod time;
 
-pub use solver::own_loop;
+pub use solver::sound_loop;
 
 use std::sync::Arc;
 
@@ -108,7 +108,7 @@ pub struct Defect {
     pub term: Term,
     /// Another component of the model, another scheme, another exact side.
     pub program: fn(Setup) -> Setup,
-    /// The same for abstract scenes.
+    /// Another abstract problem.
     pub abstract_program: fn(AbstractSetup) -> AbstractSetup,
     /// Another load.
     pub load: Option<LoadSeed>,

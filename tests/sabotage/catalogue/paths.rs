@@ -149,17 +149,17 @@ fn freed(
     let space = Arc::new(space);
     let rules = TruthRules::of(2);
     let truth = ExactOnMesh::new(exact.clone(), space.clone(), load_form(form), &traction, &rules);
-    let renumbered = |own: &[f64]| {
-        let mut shown = vec![0.0; own.len()];
+    let renumbered = |by_nodes: &[f64]| {
+        let mut shown = vec![0.0; by_nodes.len()];
         for (node, &v) in space.nodes.vertex.iter().enumerate() {
             let at = data.space.nodes.of_vertex[v as usize] as usize;
-            shown[2 * at..2 * at + 2].copy_from_slice(&own[2 * node..2 * node + 2]);
+            shown[2 * at..2 * at + 2].copy_from_slice(&by_nodes[2 * node..2 * node + 2]);
         }
         shown
     };
     let mut see = |view: &StepView<'_>| {
         let u = renumbered(view.u);
-        let history: Vec<Vec<f64>> = view.history.iter().map(|own| renumbered(own)).collect();
+        let history: Vec<Vec<f64>> = view.history.iter().map(|sum| renumbered(sum)).collect();
         observe(&StepView { u: &u, history: &history, ..*view })
     };
     let mut load = TruthLoad(&truth);

@@ -136,7 +136,7 @@ where
     }
 }
 
-/// What a limit with a history of its own remembers.
+/// What a limit with a wrong history remembers.
 #[derive(Default)]
 struct Past {
     /// ζ of the sound rule and of the defective one, and the norms, up to the last level.

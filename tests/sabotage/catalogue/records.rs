@@ -74,9 +74,9 @@ pub fn defects() -> Vec<Defect> {
             each(records, |record| {
                 let other = record.errors.iter().find(|entry| entry.norm != V_MAX);
                 let other = other.map(|entry| (entry.error, entry.floor));
-                let own = record.errors.iter_mut().find(|entry| entry.norm == V_MAX);
-                if let (Some(own), Some((error, floor))) = (own, other) {
-                    (own.error, own.floor) = (error, floor);
+                let v_max = record.errors.iter_mut().find(|entry| entry.norm == V_MAX);
+                if let (Some(v_max), Some((error, floor))) = (v_max, other) {
+                    (v_max.error, v_max.floor) = (error, floor);
                 }
             })
         }),

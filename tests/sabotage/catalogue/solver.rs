@@ -56,7 +56,6 @@ fn single(values: &mut [f64]) {
     values.iter_mut().for_each(|value| *value = f64::from(*value as f32));
 }
 
-/// Commits the solution.
 const SOUND: Commit = |_, solution, _, _| solution.clone();
 
 macro_rules! solved {
@@ -79,8 +78,8 @@ macro_rules! levelled {
     };
 }
 
-/// A loop of one's own without a defect, for the test that the loop itself is sound.
-pub fn own_loop(
+/// The loop of the defects without a defect, for the test that the loop itself is sound.
+pub fn sound_loop(
     setup: &Setup,
     data: &MeshData,
     steps: u32,

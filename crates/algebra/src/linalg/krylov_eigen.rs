@@ -13,7 +13,7 @@ pub trait LinearMap {
     /// `out` ← T x.
     ///
     /// # Errors
-    /// Those of the linear solves within T.
+    /// A linear solve within T fails.
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError>;
 
     /// `out` ← G x.
@@ -34,12 +34,10 @@ pub struct Extreme {
 /// Why an eigenvalue was not found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EigenError {
-    /// A solve within the map failed.
     #[error(transparent)]
     Factor(#[from] FactorError),
     #[error("the eigenvalues of a projected matrix of order {order} did not converge")]
     NotConverged { order: usize },
-    /// The iteration ran out.
     #[error(
         "an eigenvalue did not settle: {value} after {iterations} applications, still changing by {change:e}"
     )]

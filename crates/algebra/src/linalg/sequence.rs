@@ -146,7 +146,7 @@ impl<'a> SequenceSolver<'a> {
     /// rank-one part.
     ///
     /// # Errors
-    /// Those of the factorization.
+    /// The factorization fails.
     pub(crate) fn prepare(
         &mut self,
         values: Vec<f64>,
@@ -266,7 +266,7 @@ impl<'a> SequenceSolver<'a> {
     /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
     ///
     /// # Errors
-    /// Those of a new factorization, if one was needed.
+    /// A new factorization was needed and failed.
     pub(crate) fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         if self.exact && self.couplings.is_empty() {
             self.apply_inverse(rhs);

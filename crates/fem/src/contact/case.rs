@@ -34,26 +34,15 @@ pub type Observer<'a> = dyn FnMut(&StepView<'_>) -> Result<(), CaseError> + 'a;
 /// Why a case has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CaseError {
-    /// A step failed.
     #[error(transparent)]
     Step(#[from] FailedStep),
-    /// A load failed.
     #[error(transparent)]
     Load(#[from] LoadError),
     /// The separate evaluation of the KKT system disagrees with the solver.
     #[error(
         "step {n} (t = {t}): KKT residual {residual:.3e} by separate evaluation exceeds {allowed:.1e}"
     )]
-    Kkt {
-        /// n.
-        n: usize,
-        /// t_n.
-        t: f64,
-        /// The relative residual.
-        residual: f64,
-        /// What is allowed.
-        allowed: f64,
-    },
+    Kkt { n: usize, t: f64, residual: f64, allowed: f64 },
     /// A solver outside this program gave no answer.
     #[error("{0}")]
     Outside(String),

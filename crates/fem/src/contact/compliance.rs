@@ -143,11 +143,11 @@ impl<'a> FacetCompliance<'a> {
                         let values = facet.members.iter().map(normal);
                         let value: f64 = values.zip(shape).map(|(u, s)| s * u).sum();
                         let argument = value - shift[count * f + q];
-                        let mut own = [0.0; 3];
-                        own[..shape.len()].copy_from_slice(shape);
+                        let mut at_members = [0.0; 3];
+                        at_members[..shape.len()].copy_from_slice(shape);
                         let weight = weight * facet.measure;
                         let scale = scale.as_ref().map_or(1.0, |scale| scale[count * f + q]);
-                        visit(facet, &FacetPoint { shape: own, weight, argument, scale });
+                        visit(facet, &FacetPoint { shape: at_members, weight, argument, scale });
                     }
                 }
                 PointRule::Exact { law, shift } => {
@@ -193,7 +193,6 @@ fn facet(space: &Discretization, f: usize, place: impl Fn(&TracePoint) -> usize)
     }
 }
 
-/// Gauss rule of the facets of a d-dimensional mesh.
 pub(crate) fn facet_rule(dimension: usize) -> Rule {
     if dimension == 2 { edge(3) } else { triangle_degree_4() }
 }

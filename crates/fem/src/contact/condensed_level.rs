@@ -12,7 +12,6 @@ use super::{Discretization, Model};
 use algebra::linalg::{DenseCholesky, FactorError, axpy, norm, root_of_squares};
 use vhi::{BoundaryGraph, StepInequality, StepState};
 
-/// The condensed level.
 pub(crate) struct CondensedLevel<'a> {
     /// The graphs; their dofs count the unknowns of Γ3.
     graph: BoundaryGraph,
@@ -29,7 +28,6 @@ pub(crate) struct CondensedLevel<'a> {
     factorized: Option<f64>,
     slopes: Vec<f64>,
     pinned: Vec<bool>,
-    /// Its diagonal.
     diagonal: Vec<f64>,
     /// Prescribed increments, and what p makes of them on the right side.
     increments: Vec<f64>,
@@ -93,16 +91,15 @@ impl<'a> CondensedLevel<'a> {
         }
     }
 
-    /// Subtracts the forces of contact from those of the volume.
     pub(crate) fn subtract_contact(&mut self, state: &StepState, force: &mut [f64]) {
         for (at, pressure) in self.graph.coordinates.iter().zip(&state.pressure) {
             force[self.dofs[at.dof as usize] as usize] -= at.sign * at.weight * pressure;
         }
         if let Some(compliance) = &self.compliance {
-            let mut own = vec![0.0; self.dofs.len()];
-            self.unknowns[..own.len()].copy_from_slice(&state.u);
-            compliance.add_force(&self.unknowns, &mut own);
-            self.dofs.iter().zip(own).for_each(|(&dof, own)| force[dof as usize] -= own);
+            let mut forces = vec![0.0; self.dofs.len()];
+            self.unknowns[..forces.len()].copy_from_slice(&state.u);
+            compliance.add_force(&self.unknowns, &mut forces);
+            self.dofs.iter().zip(forces).for_each(|(&dof, value)| force[dof as usize] -= value);
         }
     }
 
@@ -136,7 +133,7 @@ impl<'a> CondensedLevel<'a> {
                     (i + 1..size).for_each(|j| values[size * i + j] = 0.0);
                 }
             }
-            diagonal.iter_mut().enumerate().for_each(|(i, own)| *own = values[size * i + i]);
+            diagonal.iter_mut().enumerate().for_each(|(i, entry)| *entry = values[size * i + i]);
         });
         outcome.map_err(|error| match error {
             FactorError::NotPositiveDefinite { dof } => {

@@ -150,8 +150,8 @@ impl Discretization {
         let (mut values, mut count) = (vec![0.0; d * mesh.vertices()], vec![0.0; mesh.vertices()]);
         for (vertex, &node) in self.nodes.of_vertex.iter().enumerate() {
             if node != Nodes::NONE {
-                let own = &v[d * node as usize..d * (node as usize + 1)];
-                values[d * vertex..d * (vertex + 1)].copy_from_slice(own);
+                let at_node = &v[d * node as usize..d * (node as usize + 1)];
+                values[d * vertex..d * (vertex + 1)].copy_from_slice(at_node);
             }
         }
         let bare = |vertex: usize| self.nodes.of_vertex[vertex] == Nodes::NONE;
@@ -202,7 +202,6 @@ impl Discretization {
         })
     }
 
-    /// The levels that a solver works on.
     pub(super) fn levels_of(&self, solver: LinearSolver) -> Option<&Levels> {
         match solver {
             LinearSolver::Multigrid => self.levels(),

@@ -91,7 +91,7 @@ impl<'a> Evolution<'a> {
         &self.problem
     }
 
-    /// The same, for a solve with its last factor.
+    /// The problem, for a solve with its last factor.
     pub(crate) fn problem_mut(&mut self) -> &mut ContactProblem<'a> {
         &mut self.problem
     }
@@ -114,7 +114,6 @@ impl<'a> Evolution<'a> {
         nodal
     }
 
-    /// How the memory is kept.
     pub(super) fn paths(&self) -> Paths {
         let mut paths = Paths::default();
         for memory in &self.memory {
@@ -166,8 +165,8 @@ impl HistoryInequality for Evolution<'_> {
         for ((memory, term), sum) in
             self.memory.iter_mut().zip(&self.model.memory).zip(&mut self.history)
         {
-            let own = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
-            self.slot.memory.push(own);
+            let last_weight = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
+            self.slot.memory.push(last_weight);
             memory.past(&*term.kernel, rule, grid, &mut sum[..dofs]);
         }
         self.problem.set_friction(self.grid.time(n));
@@ -181,9 +180,9 @@ impl HistoryInequality for Evolution<'_> {
         self.zeta = self.past_zeta + self.slot.zeta * strain_norm;
         self.accumulated.commit(self.grid, strain_norm);
         let sums = self.history.iter_mut().zip(&self.slot.memory);
-        for (memory, (sum, &own)) in self.memory.iter_mut().zip(sums) {
+        for (memory, (sum, &last_weight)) in self.memory.iter_mut().zip(sums) {
             memory.commit(self.grid, &solution.u);
-            axpy(own, &solution.u, &mut sum[..dofs]);
+            axpy(last_weight, &solution.u, &mut sum[..dofs]);
         }
         for (shown, sum) in self.shown_history.iter_mut().zip(&self.history) {
             shown.copy_from_slice(sum);
@@ -201,9 +200,9 @@ impl OpenInequality for Evolution<'_> {
         let dofs = self.space.dofs();
         let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
         let sums = self.frozen_history.iter_mut().zip(&self.history).zip(&self.slot.memory);
-        for ((frozen, sum), &own) in sums {
+        for ((frozen, sum), &last_weight) in sums {
             frozen.copy_from_slice(&sum[..dofs]);
-            axpy(own, eta, frozen);
+            axpy(last_weight, eta, frozen);
         }
         self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
     }

@@ -7,7 +7,7 @@
 
 use nalgebra::DMatrix;
 
-/// A vertex with unknowns of its own.
+/// A vertex whose unknowns are not Cartesian components.
 #[derive(Debug, Clone, PartialEq)]
 struct Frame {
     node: usize,
@@ -56,24 +56,24 @@ impl Frames {
         self.frames.is_empty()
     }
 
-    /// Nodes that have unknowns of their own, with N by rows.
+    /// Nodes whose unknowns are not Cartesian components, with N by rows.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
         self.frames.iter().map(|frame| (frame.node, frame.normals.transpose().as_slice().to_vec()))
     }
 
     /// u = B w of a vector by nodes, in place.
     pub(crate) fn to_cartesian(&self, vector: &mut [f64]) {
-        self.each(vector, |frame, own| &frame.basis * own);
+        self.each(vector, |frame, at_node| &frame.basis * at_node);
     }
 
     /// w = N u of a vector by nodes, in place.
     pub fn to_unknowns(&self, vector: &mut [f64]) {
-        self.each(vector, |frame, own| &frame.normals * own);
+        self.each(vector, |frame, at_node| &frame.normals * at_node);
     }
 
     /// Bᵀf of forces by nodes, in place.
     pub(crate) fn force_on_unknowns(&self, force: &mut [f64]) {
-        self.each(force, |frame, own| frame.basis.tr_mul(&own));
+        self.each(force, |frame, at_node| frame.basis.tr_mul(&at_node));
     }
 
     fn each(
@@ -83,9 +83,9 @@ impl Frames {
     ) {
         let d = self.dimension;
         for frame in &self.frames {
-            let own = &mut vector[d * frame.node..d * (frame.node + 1)];
-            let image = map(frame, nalgebra::DVector::from_column_slice(own));
-            own.copy_from_slice(image.as_slice());
+            let at_node = &mut vector[d * frame.node..d * (frame.node + 1)];
+            let image = map(frame, nalgebra::DVector::from_column_slice(at_node));
+            at_node.copy_from_slice(image.as_slice());
         }
     }
 
@@ -106,18 +106,18 @@ impl Frames {
     fn rotate_node(&self, basis: &DMatrix<f64>, a: usize, corners: usize, local: &mut [f64]) {
         let d = self.dimension;
         let order = d * corners;
-        let mut own = [0.0; 3];
+        let mut rotated = [0.0; 3];
         for row in 0..order {
-            for (j, value) in own.iter_mut().enumerate().take(d) {
+            for (j, value) in rotated.iter_mut().enumerate().take(d) {
                 *value = (0..d).map(|i| local[order * row + d * a + i] * basis[(i, j)]).sum();
             }
-            local[order * row + d * a..order * row + d * (a + 1)].copy_from_slice(&own[..d]);
+            local[order * row + d * a..order * row + d * (a + 1)].copy_from_slice(&rotated[..d]);
         }
         for column in 0..order {
-            for (j, value) in own.iter_mut().enumerate().take(d) {
+            for (j, value) in rotated.iter_mut().enumerate().take(d) {
                 *value = (0..d).map(|i| local[order * (d * a + i) + column] * basis[(i, j)]).sum();
             }
-            for (j, value) in own.iter().enumerate().take(d) {
+            for (j, value) in rotated.iter().enumerate().take(d) {
                 local[order * (d * a + j) + column] = *value;
             }
         }

@@ -8,7 +8,7 @@ use super::trace::TracePoint;
 use algebra::linalg::NonsymmetricEntry;
 
 impl ContactProblem<'_> {
-    /// Friction as it is at time t: the laws of the last graphs, or what p is multiplied by in them.
+    /// Sets friction to time t: the laws of the last graphs, or the factors of p in them.
     pub(super) fn set_friction(&mut self, t: f64) {
         let Some(friction) = &self.model.friction else { return };
         let free = self.space.trace.points.iter().filter(|point| point.carries());
@@ -25,7 +25,7 @@ impl ContactProblem<'_> {
         }
     }
 
-    /// Laws that follow p, as they are at the present unknowns. The graphs of the normal law come first, in the same order.
+    /// Sets laws that follow p to the present unknowns. The graphs of the normal law come first, in the same order.
     pub(super) fn follow_pressure(&mut self) {
         let Some(friction) = &self.model.friction else { return };
         let m = self.space.mesh.dimension - 1;
@@ -45,17 +45,17 @@ impl ContactProblem<'_> {
         self.following.entries.clear();
         for j in 0..m * self.following.factors.len() {
             let i = j / m;
-            let (normal, own) = (&graph.coordinates[i], &graph.coordinates[first + j]);
+            let (normal, tangential) = (&graph.coordinates[i], &graph.coordinates[first + j]);
             let (p, slope) = graph.value_and_slope(i, 0, graph.normal(i, &self.unknowns));
             let s = self.following.pressures.get(first + j).copied().unwrap_or(0.0);
             if prescribed[first + j].is_some() || p <= 0.0 {
                 continue;
             }
-            let value = own.sign * normal.sign * own.weight * slope * s / p;
+            let value = tangential.sign * normal.sign * tangential.weight * slope * s / p;
             match prescribed[i] {
-                Some(increment) => self.lifted.push((own.dof as usize, value * increment)),
+                Some(increment) => self.lifted.push((tangential.dof as usize, value * increment)),
                 None => self.following.entries.push(NonsymmetricEntry {
-                    row: own.dof as usize,
+                    row: tangential.dof as usize,
                     column: normal.dof as usize,
                     value,
                 }),

@@ -6,9 +6,9 @@ use vhi::law::{Potential, Scaled, graph_distance};
 /// Adds Σ w s v_τ to forces by nodes.
 pub(super) fn add_force(space: &Discretization, view: &StepView<'_>, force: &mut [f64]) {
     for (point, s) in space.trace.points.iter().zip(view.friction_stresses(space)) {
-        let mut own = [0.0; 2];
-        own.iter_mut().zip(s).for_each(|(own, s)| *own = point.weight * s);
-        point.add_tangential(&own[..s.len()], force);
+        let mut components = [0.0; 2];
+        components.iter_mut().zip(s).for_each(|(component, s)| *component = point.weight * s);
+        point.add_tangential(&components[..s.len()], force);
     }
 }
 

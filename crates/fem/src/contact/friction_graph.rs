@@ -43,10 +43,10 @@ pub(super) fn append_graphs(
         return;
     }
     for point in space.trace.points.iter().filter(|point| point.carries()) {
-        let own = point.tangential_unknowns(space);
+        let unknowns = point.tangential_unknowns(space);
         let stiffness = |at: &Tangential| elastic[space.pattern.diagonal(at.unknown as usize)];
-        let stiffness = own.iter().map(stiffness).sum::<f64>() / own.len() as f64;
-        for (k, Tangential { unknown, sign }) in own.iter().enumerate() {
+        let stiffness = unknowns.iter().map(stiffness).sum::<f64>() / unknowns.len() as f64;
+        for (k, Tangential { unknown, sign }) in unknowns.iter().enumerate() {
             graph.coordinates.push(Coordinate {
                 dof: *unknown,
                 sign: *sign,
@@ -57,7 +57,7 @@ pub(super) fn append_graphs(
                 shift: 0.0,
                 // As for the normal law: a vertex changes its side of the jump by way of the jump.
                 gamma: point.weight / stiffness,
-                span: if k == 0 { own.len() as u8 } else { 0 },
+                span: if k == 0 { unknowns.len() as u8 } else { 0 },
             });
         }
         graph.potentials.push(Arc::new(vhi::law::NoPotential));
@@ -69,7 +69,7 @@ pub(super) fn show(space: &Discretization, pressures: &[f64], shown: &mut [f64])
     let m = space.mesh.dimension - 1;
     let points = space.trace.points.iter().zip(shown.chunks_exact_mut(m));
     let free = points.filter(|(point, _)| point.carries());
-    for ((_, own), s) in free.rev().zip(pressures.rchunks_exact(m)) {
-        own.copy_from_slice(s);
+    for ((_, at_point), s) in free.rev().zip(pressures.rchunks_exact(m)) {
+        at_point.copy_from_slice(s);
     }
 }

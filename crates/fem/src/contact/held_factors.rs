@@ -18,7 +18,6 @@ pub enum Unknowns {
 /// The stiffness matrix of a tensor and its factor.
 #[derive(Debug)]
 pub struct StiffnessFactor {
-    /// The tensor.
     pub(super) tensor: TensorField,
     /// What the factor is of.
     pub(super) unknowns: Unknowns,
@@ -42,7 +41,7 @@ impl StiffnessFactors {
     /// The factor of `tensor` that is held, or the one that `make` gives, which is held from then on.
     ///
     /// # Errors
-    /// Those of `make`.
+    /// `make` fails.
     pub(super) fn find_or_hold(
         &self,
         tensor: &TensorField,

@@ -1,4 +1,4 @@
-//! The part that the open level has in its own history, and what a tangent is made of.
+//! The part that the open level has in its history, and what a tangent is made of.
 
 /// Weights of the last slot of the histories, through which F depends on u_n. Both are zero at n = 0
 /// and where the last slot is frozen.
@@ -31,7 +31,7 @@ pub(crate) struct TangentOf {
 }
 
 impl TangentOf {
-    /// Takes these; true if they are not those of the tangent before, or there was none.
+    /// Stores these; true if they differ from those of the tangent before, or there was none.
     pub(crate) fn replace(
         &mut self,
         slot: &LastSlot,

@@ -32,8 +32,8 @@ pub fn march(
     let few = solutions.len();
     let [mut factors, mut coefficients, mut past] = [(); 3].map(|()| vec![0.0; few]);
     let mut memory = Remembered::new(model, volume.beta.unwrap_or(0.0), grid, few);
-    if let Some(own) = &memory {
-        info.paths.insert(of_storage(own.memory.storage(), grid));
+    if let Some(remembered) = &memory {
+        info.paths.insert(of_storage(remembered.memory.storage(), grid));
     }
     let (mut force, mut u) = (vec![0.0; space.dofs()], vec![0.0; space.nodes.len()]);
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
@@ -45,10 +45,10 @@ pub fn march(
         let start = Instant::now();
         load.factors(t, &mut factors);
         coefficients.copy_from_slice(&factors);
-        if let Some(own) = &mut memory {
-            let solved = own.solve(rule, grid, n, [&mut coefficients, &mut past]);
+        if let Some(remembered) = &mut memory {
+            let solved = remembered.solve(rule, grid, n, [&mut coefficients, &mut past]);
             solved.map_err(|source| failed(n, t, source))?;
-            info.peak_history_bytes = info.peak_history_bytes.max(own.memory.bytes());
+            info.peak_history_bytes = info.peak_history_bytes.max(remembered.memory.bytes());
         }
         combination.combine(&coefficients, &mut u);
         history.iter_mut().for_each(|history| combination.combine(&past, history));
@@ -129,8 +129,8 @@ impl<'a> Remembered<'a> {
         n: usize,
         [coefficients, history]: [&mut Vec<f64>; 2],
     ) -> Result<(), FactorError> {
-        let own = rule.kernel_weight(&Convolution(self.kernel), grid, n, n);
-        let scale = 1.0 + self.beta * own;
+        let last_weight = rule.kernel_weight(&Convolution(self.kernel), grid, n, n);
+        let scale = 1.0 + self.beta * last_weight;
         if scale.is_nan() || scale <= 0.0 {
             return Err(FactorError::NotPositiveDefinite { dof: 0 });
         }
@@ -139,7 +139,7 @@ impl<'a> Remembered<'a> {
             *value = (*value - self.beta * past) / scale;
         }
         self.memory.commit(grid, coefficients);
-        axpy(own, coefficients, history);
+        axpy(last_weight, coefficients, history);
         Ok(())
     }
 }

@@ -3,49 +3,34 @@
 /// Why a load could not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadError {
-    /// A formula gave no finite number.
     #[error(
         "{what} is {value} at {}, t = {t}: the formula must be finite on the domain and its time interval",
         in_parentheses(place)
     )]
     NotFinite {
-        /// The quantity.
         what: String,
-        /// Its value.
         value: f64,
         /// The place, one coordinate a dimension.
         place: Vec<f64>,
-        /// The time.
         t: f64,
     },
-    /// The load is not that of its formulas.
     #[error(
         "the load at t = {t} is not that of its formulas: its {what} is {assembled:.9e}, by a separate integral {integrated:.9e} (allowed {allowed:.1e}); a cell or facet is missing from it, has another formula or side, or a node of Γ1 is free"
     )]
     Resultant {
-        /// Which sum.
         what: String,
-        /// The time.
         t: f64,
         /// Σ F_i m(x_i).
         assembled: f64,
-        /// The integral.
         integrated: f64,
-        /// How far they may be apart.
         allowed: f64,
     },
     /// Errors were asked for where nothing is known to be true.
     #[error("no exact solution and no reference run to measure against at t = {t}")]
-    NoTruth {
-        /// The time.
-        t: f64,
-    },
+    NoTruth { t: f64 },
     /// The reference run does not cover the mesh or the time.
     #[error("{reason}")]
-    Reference {
-        /// What is missing.
-        reason: String,
-    },
+    Reference { reason: String },
 }
 
 fn in_parentheses(place: &[f64]) -> String {

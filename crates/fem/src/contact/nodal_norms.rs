@@ -25,16 +25,15 @@ pub(super) fn strain_norm_from(square: f64, space: &Discretization, v: &[f64]) -
     if is_sound_sum(square) { square.sqrt() } else { strain_norm(space, v) }
 }
 
-/// ‖v‖ of a nodal vector.
 pub(super) fn l2_norm(space: &Discretization, v: &[f64]) -> f64 {
     let d = space.mesh.dimension;
     let square = space.element.mean_square(d + 1);
-    let (mut sum, mut own) = (0.0, Vec::new());
+    let (mut sum, mut of_cell) = (0.0, Vec::new());
     for c in 0..space.mesh.cell_count() {
         for i in 0..d {
-            own.clear();
-            own.extend(space.cell_nodes(c).iter().map(|node| [v[d * *node as usize + i]]));
-            sum += square.over(space.geometry.measure[c], &own);
+            of_cell.clear();
+            of_cell.extend(space.cell_nodes(c).iter().map(|node| [v[d * *node as usize + i]]));
+            sum += square.over(space.geometry.measure[c], &of_cell);
         }
     }
     sum.sqrt()

@@ -27,8 +27,8 @@ use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::Convolution;
 use vhi::{Extrapolation, FailedStep, Newton, StepError, StepState};
 
-/// Passes for one level with an old matrix, beyond the first, before it has one of its own: each leaves some 1e-3 of what
-/// the one before it left.
+/// Passes for one level with an old matrix, beyond the first, before a new one is factored: each leaves some 1e-3 of
+/// what the one before it left.
 const MOST_REPEATED: u32 = 8;
 
 /// Solves all levels and shows each to `observe`.
@@ -52,9 +52,9 @@ pub fn march(
         solved?;
     }
     march.raise_floors();
-    let own = march.info.work.linear.seconds_solve;
+    let of_levels = march.info.work.linear.seconds_solve;
     march.info.work = march.volume.work();
-    march.info.work.linear.seconds_solve += own;
+    march.info.work.linear.seconds_solve += of_levels;
     Ok(march.info)
 }
 
@@ -84,7 +84,7 @@ struct OneMatrix<'a> {
     /// In the order of the factor, of each pending level: L₁₁⁻¹ of the right side, with v_n on Γ3 behind it where it is
     /// known; v_n throughout after the backward pass.
     swept: Vec<f64>,
-    /// Where an old matrix may serve: displacements of the last levels, and what a pass takes for those of its own.
+    /// Where an old matrix may serve: displacements of the last levels, and what a pass takes for those of its levels.
     trend: Extrapolation,
     guess: StepState,
     accumulated: Accumulated,
@@ -175,7 +175,7 @@ impl<'a> OneMatrix<'a> {
         late
     }
 
-    /// Passes for the levels that are ready; for one again, as long as its matrix is an old one and leaves something.
+    /// Passes for the levels that are ready; with an old matrix one level is repeated until its residual is small.
     fn passes(
         &mut self,
         first: usize,
@@ -268,12 +268,12 @@ impl<'a> OneMatrix<'a> {
         load.assemble(t, &mut pending.force)?;
         self.info.seconds_load += start.elapsed().as_secs_f64();
         let rule = self.model.time_rule.as_ref();
-        for (term, own) in self.model.memory.iter().zip(&mut pending.slot) {
-            *own = rule.kernel_weight(&Convolution(&*term.kernel), self.grid, n, n);
+        for (term, last_weight) in self.model.memory.iter().zip(&mut pending.slot) {
+            *last_weight = rule.kernel_weight(&Convolution(&*term.kernel), self.grid, n, n);
         }
-        let own = pending.slot.first().copied().unwrap_or(0.0);
+        let last_weight = pending.slot.first().copied().unwrap_or(0.0);
         (pending.n, pending.t) = (n, t);
-        pending.scale = 1.0 + self.volume.beta.map_or(0.0, |beta| beta * own);
+        pending.scale = 1.0 + self.volume.beta.map_or(0.0, |beta| beta * last_weight);
         Ok(())
     }
 
@@ -295,8 +295,8 @@ impl<'a> OneMatrix<'a> {
             let sweep = |vector: &Vec<f64>| {
                 let mut rotated = vector.clone();
                 frames.force_on_unknowns(&mut rotated);
-                let own = |&dof: &u32| rotated[dof as usize];
-                let mut swept: Vec<f64> = volume.order.iter().map(own).collect();
+                let of_order = |&dof: &u32| rotated[dof as usize];
+                let mut swept: Vec<f64> = volume.order.iter().map(of_order).collect();
                 volume.forward(cut, 1, &mut swept);
                 swept
             };
@@ -314,10 +314,11 @@ impl<'a> OneMatrix<'a> {
             }
             let rows = self.swept.iter_mut().skip(at).step_by(width);
             match &self.basis {
-                Some(_) => rows.zip(&self.right).for_each(|(value, own)| *value = *own),
+                Some(_) => rows.zip(&self.right).for_each(|(row, value)| *row = *value),
                 None => {
-                    let own = |&dof: &u32| self.right[dof as usize];
-                    rows.zip(self.volume.order.iter().map(own)).for_each(|(row, own)| *row = own);
+                    let in_order = |&dof: &u32| self.right[dof as usize];
+                    rows.zip(self.volume.order.iter().map(in_order))
+                        .for_each(|(row, value)| *row = value);
                 }
             }
         }
@@ -347,7 +348,7 @@ impl<'a> OneMatrix<'a> {
         }
     }
 
-    /// Γ3 of a pending level; a level without contact is its passes.
+    /// Solves Γ3 of a pending level; without contact nothing is left to solve.
     fn condensed(&mut self, at: usize, newton: &Newton, again: bool) -> Result<(), StepError> {
         let start = Instant::now();
         let (width, pending) = (self.pending.len(), &mut self.pending[at]);

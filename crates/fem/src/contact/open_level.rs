@@ -74,9 +74,9 @@ impl<'a> OpenLevel<'a> {
 impl FrozenDerivative for OpenLevel<'_> {
     fn set_step(&mut self, k: f64) {
         let rule = &self.model.time_rule;
-        let own =
+        let last_weight =
             |term: &MemoryTerm| rule.last_weight(term.kernel.power(), k) * term.kernel.factor(0.0);
-        let memory = self.model.memory.iter().map(own).collect();
+        let memory = self.model.memory.iter().map(last_weight).collect();
         self.slot = LastSlot { zeta: rule.last_share() * k, memory };
         self.evolution.set_last_slot(self.slot.clone());
     }

@@ -24,79 +24,48 @@ macro_rules! paths {
 }
 
 paths! {
-    /// [`super::Plan::Recursion`] on equal steps.
     Recursion = "recursion, equal steps",
-    /// As above, with unequal steps.
     RecursionGraded = "recursion, unequal steps",
-    /// [`super::Plan::Condensed`] on equal steps.
     Condensed = "condensed, equal steps",
-    /// As above, with unequal steps.
     CondensedGraded = "condensed, unequal steps",
-    /// [`super::Plan::Newton`] on equal steps.
     Newton = "newton, equal steps",
-    /// As above, with unequal steps.
     NewtonGraded = "newton, unequal steps",
     /// [`super::Plan::Linear`], or [`super::Plan::Condensed`] with such a memory: matrices follow the last slot's weight; equal steps.
     Anew = "factors anew, equal steps",
     /// As above, with unequal steps: a matrix per level.
     AnewGraded = "factors anew, unequal steps",
-    /// [`vhi::history::Storage::Recursive`] on equal steps.
     Recursive = "recursive memory, equal steps",
-    /// As above, with unequal steps.
     RecursiveGraded = "recursive memory, unequal steps",
-    /// [`vhi::history::Storage::Direct`] on equal steps.
     Summed = "summed memory, equal steps",
-    /// As above, with unequal steps.
     SummedGraded = "summed memory, unequal steps",
-    /// [`vhi::history::Storage::Fast`] on equal steps.
     Interpolated = "interpolated memory, equal steps",
-    /// As above, with unequal steps.
     InterpolatedGraded = "interpolated memory, unequal steps",
-    /// The trapezoidal rule on equal steps.
     Trapezoid = "trapezoidal rule, equal steps",
-    /// As above, with unequal steps.
     TrapezoidGraded = "trapezoidal rule, unequal steps",
-    /// The left-endpoint rule on equal steps.
     Left = "left-endpoint rule, equal steps",
-    /// As above, with unequal steps.
     LeftGraded = "left-endpoint rule, unequal steps",
     /// Gregory's rule with first differences.
     GregoryThree = "Gregory's rule of order 3",
     /// Gregory's rule with second differences.
     GregoryFour = "Gregory's rule of order 4",
-    /// The corrected end weight on equal steps.
     CorrectedEnd = "corrected end, equal steps",
-    /// As above, with unequal steps.
     CorrectedEndGraded = "corrected end, unequal steps",
-    /// Product integration on equal steps.
     Product = "product integration, equal steps",
-    /// As above, with unequal steps.
     ProductGraded = "product integration, unequal steps",
     /// Factors of each Jacobian.
     Direct = "factors",
     /// Conjugate gradients with multigrid.
     Multigrid = "multigrid",
-    /// Compliance at the vertices.
     AtVertices = "compliance at vertices",
-    /// Compliance at vertices, with a factor that depends on place.
     AtVerticesScaled = "compliance at vertices with a factor",
-    /// Compliance at Gauss points.
     AtGaussPoints = "compliance at Gauss points",
-    /// Compliance at Gauss points, with a factor that depends on place.
     AtGaussPointsScaled = "compliance at Gauss points with a factor",
-    /// Compliance integrated exactly.
     Exactly = "compliance integrated exactly",
-    /// Compliance integrated exactly, with a factor that depends on place.
     ExactlyScaled = "compliance integrated exactly with a factor",
-    /// Loads of an exact solution in the weak form, in the plane.
     WeakInPlane = "weak form in the plane",
-    /// As above, in space.
     WeakInSpace = "weak form in space",
-    /// Loads of an exact solution in the strong form, in the plane.
     StrongInPlane = "strong form in the plane",
-    /// As above, in space.
     StrongInSpace = "strong form in space",
-    /// The exact solution is its interpolant.
     InterpolatedTruth = "exact solution interpolated",
     /// Given loads Σ a_i(t) F_i.
     LoadInParts = "given loads in parts",
@@ -104,7 +73,6 @@ paths! {
     LoadApart = "given loads that do not separate",
     /// Normals that are no axes, in the plane.
     FramesInPlane = "frames in the plane",
-    /// As above, in space.
     FramesInSpace = "frames in space",
     /// Halved Newton steps.
     Damped = "damped newton",

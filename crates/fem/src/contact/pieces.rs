@@ -154,7 +154,7 @@ fn crossing(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> 
     Some(0.5 * (low + high))
 }
 
-/// Gauss's rule of so many points, made once: residuals come here for every piece.
+/// Gauss's rule with `count` points, made once: residuals ask for it on every piece.
 fn gauss(count: usize) -> &'static [(f64, f64)] {
     static RULES: [OnceLock<Vec<(f64, f64)>>; 2] = [const { OnceLock::new() }; 2];
     RULES[usize::from(count == POINTS_CURVED)].get_or_init(|| gauss_legendre(count))

@@ -53,7 +53,6 @@ pub struct ContactProblem<'a> {
     fixed: Vec<(usize, f64)>,
     pub(super) lifted: Vec<(usize, f64)>,
     pub(super) following: Following,
-    /// Counters and times.
     work: Work,
 }
 
@@ -71,7 +70,8 @@ impl<'a> ContactProblem<'a> {
         let terms = model.memory.iter();
         let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
         let graph = boundary_graph(space, model, &elastic);
-        let facets = |own| FacetCompliance::new(space, own, |point| point.unknown as usize);
+        let facets =
+            |boundary| FacetCompliance::new(space, boundary, |point| point.unknown as usize);
         let compliance = model.boundary.as_ref().and_then(facets);
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
@@ -163,7 +163,6 @@ impl<'a> ContactProblem<'a> {
         self.solver.solve_with_last_factor(rhs);
     }
 
-    /// Counters and times so far.
     pub(crate) fn work(&self) -> Work {
         Work { linear: self.solver.work(), ..self.work }
     }

@@ -46,12 +46,10 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// Unknowns.
     pub(super) fn size(&self) -> usize {
         self.past.len()
     }
 
-    /// Bytes held for the history.
     pub(super) fn bytes(&self) -> usize {
         self.memory.as_ref().map_or(0, Memory::bytes)
     }

@@ -60,7 +60,8 @@ impl Discretization {
         self.factors.find_or_hold(tensor, unknowns, make)
     }
 
-    /// The factor of `tensor` in the order of displacements: the held one, or one that is not held afterwards.
+    /// The factor of `tensor` in the order of displacements: the one that the mesh holds, or a new one that it does not
+    /// keep.
     fn passing_factor(&self, tensor: &TensorField) -> Result<Arc<StiffnessFactor>, FactorError> {
         let unknowns = Unknowns::Displacements;
         // Nobody waits for a factor that is not held.
@@ -88,7 +89,7 @@ pub struct StiffnessInverse<'a> {
 }
 
 impl<'a> StiffnessInverse<'a> {
-    /// Of `tensor` on `space`, which holds the factor from then on for other runs.
+    /// The inverse for `tensor` on `space`, which keeps the factor for other runs.
     ///
     /// # Errors
     /// A matrix that is not positive definite.

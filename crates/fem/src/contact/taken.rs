@@ -59,8 +59,8 @@ pub(super) fn of_level(space: &Discretization, model: &Model, view: &StepView<'_
             continue;
         }
         let x = space.mesh.point(&[point.vertex], &[1.0]);
-        let own = &view.u[d * point.node as usize..][..d];
-        let normal: f64 = own.iter().zip(&point.normal).map(|(u, normal)| u * normal).sum();
+        let at_node = &view.u[d * point.node as usize..][..d];
+        let normal: f64 = at_node.iter().zip(&point.normal).map(|(u, normal)| u * normal).sum();
         let r = normal - (boundary.shift)(x);
         if *pressure > 0.0 {
             paths.insert(Path::Locked);

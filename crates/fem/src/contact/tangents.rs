@@ -27,18 +27,17 @@ impl TracePoint {
 
     /// u_τ of a nodal vector along the tangents; its second number is 0 in the plane.
     pub fn slip(&self, u: &[f64]) -> [f64; 2] {
-        let own = &u[usize::from(self.dimension) * self.node as usize..];
-        let along = |tangent: &[f64]| tangent.iter().zip(own).map(|(t, u)| t * u).sum();
+        let at_node = &u[usize::from(self.dimension) * self.node as usize..];
+        let along = |tangent: &[f64]| tangent.iter().zip(at_node).map(|(t, u)| t * u).sum();
         let mut slip = [0.0; 2];
         slip.iter_mut().zip(self.tangents()).for_each(|(slip, tangent)| *slip = along(tangent));
         slip
     }
 
-    /// Adds the tangential force with these components along the tangents to forces by nodes.
     pub(super) fn add_tangential(&self, components: &[f64], force: &mut [f64]) {
-        let own = &mut force[usize::from(self.dimension) * self.node as usize..];
+        let at_node = &mut force[usize::from(self.dimension) * self.node as usize..];
         for (value, tangent) in components.iter().zip(self.tangents()) {
-            own.iter_mut().zip(tangent).for_each(|(force, along)| *force += value * along);
+            at_node.iter_mut().zip(tangent).for_each(|(force, along)| *force += value * along);
         }
     }
 
@@ -54,7 +53,7 @@ impl TracePoint {
                     (k + 1, along.signum())
                 }
                 None => {
-                    let axis = tangent.iter().position(|own| *own != 0.0).unwrap_or(0);
+                    let axis = tangent.iter().position(|component| *component != 0.0).unwrap_or(0);
                     (axis, tangent[axis])
                 }
             };

@@ -26,7 +26,6 @@ pub struct TracePoint {
     pub clamped: bool,
     /// The tangents, d - 1 of them.
     pub(super) tangents: [[f64; 3]; 2],
-    /// d.
     pub(super) dimension: u8,
 }
 
@@ -51,7 +50,6 @@ pub struct ContactTrace {
     pub measure: Vec<f64>,
     /// Points a facet.
     pub stride: usize,
-    /// Space dimension d.
     dimension: usize,
 }
 
@@ -140,8 +138,8 @@ impl ContactTrace {
     /// u_ν at point i of the nodal vector u.
     pub fn normal(&self, i: usize, u: &[f64]) -> f64 {
         let point = &self.points[i];
-        let own = &u[self.dimension * point.node as usize..];
-        point.normal[..self.dimension].iter().zip(own).map(|(n, u)| n * u).sum()
+        let at_node = &u[self.dimension * point.node as usize..];
+        point.normal[..self.dimension].iter().zip(at_node).map(|(n, u)| n * u).sum()
     }
 
     /// Gives a pressure to the free points that carry no law: on each facet that of the linear function through its
@@ -172,8 +170,8 @@ impl ContactTrace {
     /// Adds the normal force `value` at point i to forces by nodes.
     pub fn add_normal(&self, i: usize, value: f64, force: &mut [f64]) {
         let point = &self.points[i];
-        let own = &mut force[self.dimension * point.node as usize..];
-        own.iter_mut().zip(&point.normal[..self.dimension]).for_each(|(f, n)| *f += value * n);
+        let at_node = &mut force[self.dimension * point.node as usize..];
+        at_node.iter_mut().zip(&point.normal[..self.dimension]).for_each(|(f, n)| *f += value * n);
     }
 }
 
@@ -251,12 +249,12 @@ mod tests {
         };
         let points = &space.trace.points;
         let mut shown: Vec<f64> =
-            points.iter().map(|own| if own.carries() { at(own) } else { 0.0 }).collect();
-        assert!(shown.iter().filter(|own| **own == 0.0).count() >= 25, "no vertices");
+            points.iter().map(|point| if point.carries() { at(point) } else { 0.0 }).collect();
+        assert!(shown.iter().filter(|value| **value == 0.0).count() >= 25, "no vertices");
         space.trace.extend(&mut shown);
-        for (point, own) in points.iter().zip(shown) {
+        for (point, value) in points.iter().zip(shown) {
             // Rounding of sums of three numbers below four, and of as many facets as meet at a vertex.
-            assert!((own - at(point)).abs() < 1e-13, "{own} {}", at(point));
+            assert!((value - at(point)).abs() < 1e-13, "{value} {}", at(point));
         }
     }
 }

@@ -45,7 +45,6 @@ pub fn tangential_trace_constant(
     largest_quotient(space, &TensorField::identity(), mass, Part::Tangential)
 }
 
-/// The part of the trace.
 #[derive(Clone, Copy)]
 enum Part {
     Normal,

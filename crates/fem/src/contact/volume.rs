@@ -22,18 +22,18 @@ pub(super) struct Volume<'a> {
     pub elastic: Arc<Vec<f64>>,
     by_memory: Vec<Vec<f64>>,
     matrix: Vec<f64>,
-    /// Weights that K was made of, `None` before the first; those of the level less them, all zero but where an old
+    /// Weights that K was made with, `None` before the first; those of the level minus these, zero unless an old
     /// factor serves.
     slot: Option<Vec<f64>>,
     behind: Vec<f64>,
-    /// Whether it may, the passes it has cost beyond what one of the level before costs, and what a factorization costs.
+    /// Whether an old factor may serve, the extra passes it has cost, and the passes that a factorization is worth.
     serves: bool,
     extra: u32,
     worth: u32,
     way: Way<'a>,
     /// Of the unknowns in right sides of a pass.
     pub order: Vec<u32>,
-    /// Products with a ℬ_i, and what they are products with.
+    /// Room for a product with ℬ_i, and for its argument.
     product: Vec<f64>,
     change: Vec<f64>,
     work: Work,
@@ -84,7 +84,7 @@ impl<'a> Volume<'a> {
             },
             None => Way::Factor {
                 analysis,
-                own: kept.is_none().then(|| analysis.workspace()),
+                workspace: kept.is_none().then(|| analysis.workspace()),
                 factor: kept.map_or_else(|| Arc::new(analysis.factor()), |k| k.factor.clone()),
                 front: Front::default(),
                 sides: Front::default(),
@@ -122,7 +122,7 @@ impl<'a> Volume<'a> {
         if together { SIDES } else { 1 }
     }
 
-    /// Takes weights of a level; whether K is made anew of them. Where each level has its own, an old factor serves until
+    /// Takes weights of a level; whether K is made anew of them. Where weights change, an old factor serves until
     /// its extra passes have cost a new one: at most twice the least cost, whatever comes.
     ///
     /// # Errors
@@ -131,7 +131,7 @@ impl<'a> Volume<'a> {
         if let Some(known) = &self.slot {
             let known = known.iter().zip(slot);
             self.behind.clear();
-            self.behind.extend(known.map(|(known, own)| own - known));
+            self.behind.extend(known.map(|(known, new)| new - known));
             let same = self.beta.is_some() || !self.is_behind();
             if same || (self.serves && self.extra < self.worth) {
                 return Ok(false);
@@ -150,20 +150,20 @@ impl<'a> Volume<'a> {
         let start = Instant::now();
         if !self.by_memory.is_empty() {
             self.matrix.copy_from_slice(&self.elastic);
-            for (matrix, own) in self.by_memory.iter().zip(slot) {
-                axpy(*own, matrix, &mut self.matrix);
+            for (matrix, weight) in self.by_memory.iter().zip(slot) {
+                axpy(*weight, matrix, &mut self.matrix);
             }
         }
         let matrix = if self.by_memory.is_empty() { &self.elastic } else { &self.matrix };
         match &mut self.way {
-            Way::Factor { analysis, factor, own: Some(workspace), .. } => {
+            Way::Factor { analysis, factor, workspace: Some(workspace), .. } => {
                 // Nobody else has it: no copy is made.
                 let factor = Arc::make_mut(factor);
                 self.work.linear.factorizations += 1;
                 analysis.factorize(&self.space.pattern, matrix, factor, workspace)?;
                 self.work.linear.seconds_factor += start.elapsed().as_secs_f64();
             }
-            Way::Factor { own: None, .. } => {}
+            Way::Factor { workspace: None, .. } => {}
             Way::Multigrid { sequence, .. } => {
                 let mut values = sequence.take_values();
                 values.clone_from(matrix);
@@ -177,21 +177,20 @@ impl<'a> Volume<'a> {
         Ok(true)
     }
 
-    /// Whether an old K may serve.
     pub(super) fn serves(&self) -> bool {
         self.serves
     }
 
     /// Whether K is that of other weights: what a pass takes for u then belongs to the right side.
     pub(super) fn is_behind(&self) -> bool {
-        self.beta.is_none() && self.behind.iter().any(|own| *own != 0.0)
+        self.beta.is_none() && self.behind.iter().any(|lacking| *lacking != 0.0)
     }
 
     /// Subtracts the forces that K lacks at `u`.
     pub(super) fn subtract_behind(&mut self, u: &[f64], forces: &mut [f64]) {
-        for (matrix, own) in self.by_memory.iter().zip(&self.behind) {
+        for (matrix, lacking) in self.by_memory.iter().zip(&self.behind) {
             self.space.pattern.multiply(matrix, u, &mut self.product);
-            axpy(-own, &self.product, forces);
+            axpy(-lacking, &self.product, forces);
         }
     }
 
@@ -200,8 +199,8 @@ impl<'a> Volume<'a> {
         self.extra += passes.saturating_sub(LEAST);
     }
 
-    /// Whether `u` solves a level with the load `force`, of a pass that took `taken` for it; in `left` what it
-    /// leaves of the right side.
+    /// Whether `u`, found by a pass that assumed `taken`, solves a level with the load `force`; `left` becomes its
+    /// residual.
     pub(super) fn is_solved(
         &mut self,
         u: &[f64],
@@ -218,7 +217,7 @@ impl<'a> Volume<'a> {
         norm(left) <= accepted_residual(self.forces(u) + norm(force))
     }
 
-    /// What forces of the diagonal of 𝒜 are at u.
+    /// ‖diag(K) u‖ of the elastic K.
     fn forces(&self, u: &[f64]) -> f64 {
         size_of_forces(self.space, &self.elastic, u)
     }
@@ -309,7 +308,6 @@ impl<'a> Volume<'a> {
         Floors::new(space, &force, nodal, accepted, self.stiffest)
     }
 
-    /// Counters and times.
     pub(super) fn work(&self) -> Work {
         match &self.way {
             Way::Factor { .. } => self.work,

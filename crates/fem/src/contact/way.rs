@@ -10,11 +10,11 @@ use algebra::linalg::{
 use vhi::Newton;
 
 pub(super) enum Way<'a> {
-    /// Factors of K's own need a workspace; a factor that the mesh holds is shared.
+    /// A factor that the mesh holds is shared, and needs no workspace.
     Factor {
         analysis: &'a Analysis,
         factor: Arc<Factor>,
-        own: Option<Workspace>,
+        workspace: Option<Workspace>,
         front: Front<f64>,
         sides: Front<RightSides>,
     },
@@ -53,7 +53,6 @@ impl Way<'_> {
         }
     }
 
-    /// The backward pass.
     pub(super) fn backward(&mut self, cut: usize, width: usize, x: &mut [f64]) {
         if let Self::Factor { analysis, factor, front, sides, .. } = self {
             match width {
@@ -124,8 +123,8 @@ fn solve_by(
         sequence.solve(correction, (0.3 * small / left).max(FORCING))?;
         axpy(1.0, correction, x);
         space.pattern.multiply(matrix, x, image);
-        for ((own, b), f) in residual.iter_mut().zip(&*rhs).zip(&*image) {
-            *own = b - f;
+        for ((entry, b), f) in residual.iter_mut().zip(&*rhs).zip(&*image) {
+            *entry = b - f;
         }
     }
     rhs.copy_from_slice(x);

@@ -34,7 +34,6 @@ pub enum CoarseError {
     /// A triangle of no area, to rounding.
     #[error("triangle {triangle} has no area: its corners {corners:?} lie on a line")]
     Flat { triangle: usize, corners: [[f64; 2]; 3] },
-    /// A vertex number beyond the list.
     #[error("triangle {triangle} names vertex {vertex}, and there are {count}")]
     NoVertex { triangle: usize, vertex: u32, count: usize },
     /// An edge with triangles on one side twice, or three of them.
@@ -49,7 +48,6 @@ pub enum CoarseError {
     /// A vertex number beyond the list, in an edge.
     #[error("the side `{side}` names vertex {vertex}, and there are {count}")]
     NoEnd { side: String, vertex: u32, count: usize },
-    /// Parts that no edge joins.
     #[error("the triangles fall apart: no chain of common edges leads from {from:?} to {to:?}")]
     Apart { from: [f64; 2], to: [f64; 2] },
 }
@@ -124,7 +122,7 @@ impl Coarse {
         ends.map(|v| self.vertices[v as usize])
     }
 
-    /// Refuses triangles that cannot be reached over common edges: a part of the body on its own.
+    /// Refuses triangles that cannot be reached over common edges: a detached part of the body.
     fn connected(&self, around: &BTreeMap<[u32; 2], usize>) -> Result<(), CoarseError> {
         let mut reached = vec![false; self.triangles.len()];
         let mut next: Vec<usize> = (0..reached.len().min(1)).collect();
@@ -155,7 +153,6 @@ impl Coarse {
         self.edges.iter_mut().flat_map(|e| &mut e.ends).for_each(|v| *v = number[*v as usize]);
     }
 
-    /// The corners of a triangle.
     pub(crate) fn corners(&self, t: usize) -> [[f64; 2]; 3] {
         self.triangles[t].map(|v| self.vertices[v as usize])
     }
@@ -165,7 +162,6 @@ impl Coarse {
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     }
 
-    /// The area of a triangle.
     pub(crate) fn area(&self, t: usize) -> f64 {
         0.5 * self.double_area(t)
     }

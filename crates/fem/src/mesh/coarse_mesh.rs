@@ -7,9 +7,7 @@ use super::{Coarse, Family, Mesh, Solid, edgewise, subdivision};
 /// The simplices that all meshes of a domain refine.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CoarseMesh {
-    /// Triangles.
     Plane(Arc<Coarse>),
-    /// Tetrahedra.
     Space(Arc<Solid>),
 }
 

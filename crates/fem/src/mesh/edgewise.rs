@@ -120,7 +120,7 @@ impl<'a> Vertices<'a> {
     fn number<const N: usize>(&mut self, weights: [(u32, u32); N]) -> u32 {
         let mut key = [(u32::MAX, 0); 4];
         let positive = weights.into_iter().filter(|(_, weight)| *weight > 0);
-        key.iter_mut().zip(positive).for_each(|(own, weight)| *own = weight);
+        key.iter_mut().zip(positive).for_each(|(entry, weight)| *entry = weight);
         key.sort_unstable();
         if key[0].1 == self.n {
             return key[0].0;

@@ -56,13 +56,12 @@ impl File<'_> {
         self.sections.elements.iter().filter(move |element| element.dimension == dimension)
     }
 
-    /// The vertices of an element.
     fn corners<const N: usize>(&self, element: &Element) -> Result<[u32; N], GmshError> {
         let mut corners = [0; N];
-        for (own, &tag) in corners.iter_mut().zip(&element.nodes) {
+        for (vertex, &tag) in corners.iter_mut().zip(&element.nodes) {
             let unknown =
                 || self.tokens.at(element.span.clone(), Fault::Unknown { what: "node", tag });
-            *own = self.number.get(&tag).copied().ok_or_else(unknown)?;
+            *vertex = self.number.get(&tag).copied().ok_or_else(unknown)?;
         }
         Ok(corners)
     }

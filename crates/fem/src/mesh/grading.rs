@@ -22,12 +22,12 @@ pub(super) fn towards(
 ) {
     let Some(tip) = vertex_at(coarse, corner) else { return };
     for (t, triangle) in coarse.triangles.iter().enumerate() {
-        let Some(own) = triangle.iter().position(|&v| v == tip) else { continue };
+        let Some(at_tip) = triangle.iter().position(|&v| v == tip) else { continue };
         let corners = coarse.corners(t);
         for j in 0..=n {
             for i in 0..=n - j {
                 let weights = [n - i - j, i, j].map(|w| f64::from(w) / f64::from(n));
-                let away = f64::from(n - [n - i - j, i, j][own]) / f64::from(n);
+                let away = f64::from(n - [n - i - j, i, j][at_tip]) / f64::from(n);
                 if away == 0.0 {
                     continue;
                 }
@@ -36,7 +36,7 @@ pub(super) fn towards(
                 for axis in 0..2 {
                     let x: f64 = (0..3).map(|a| weights[a] * corners[a][axis]).sum();
                     coordinates[2 * v + axis] =
-                        corners[own][axis] + factor * (x - corners[own][axis]);
+                        corners[at_tip][axis] + factor * (x - corners[at_tip][axis]);
                 }
             }
         }

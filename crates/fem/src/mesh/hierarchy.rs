@@ -55,12 +55,14 @@ impl Nesting {
                 let least = stretch.iter().min().copied().unwrap_or(1);
                 let axes = counts.iter().zip(stretch);
                 let halved: Vec<bool> = axes
-                    .map(|(count, own)| count % 2 == 0 && 2 * own <= LARGEST_STRETCH * least)
+                    .map(|(count, stretch)| {
+                        count % 2 == 0 && 2 * stretch <= LARGEST_STRETCH * least
+                    })
                     .collect();
                 let by = |halved: &bool| if *halved { 2 } else { 1 };
                 let coarse: Vec<usize> =
                     counts.iter().zip(&halved).map(|(count, h)| count / by(h)).collect();
-                let stretch = stretch.iter().zip(&halved).map(|(own, h)| own * by(h)).collect();
+                let stretch = stretch.iter().zip(&halved).map(|(axis, h)| axis * by(h)).collect();
                 halved.contains(&true).then(|| {
                     (lattice_parents(counts, &coarse), Self::Lattice { counts: coarse, stretch })
                 })
@@ -152,8 +154,8 @@ mod tests {
         let mut nesting = Nesting::lattice(&[24, 23, 24]);
         let mut counts = Vec::new();
         while let Some((_, next)) = nesting.coarsened() {
-            let Nesting::Lattice { counts: own, .. } = &next else { panic!("a lattice") };
-            counts.push(own.clone());
+            let Nesting::Lattice { counts: halved, .. } = &next else { panic!("a lattice") };
+            counts.push(halved.clone());
             nesting = next;
         }
         assert_eq!(counts, [vec![12, 23, 12], vec![6, 23, 6]]);

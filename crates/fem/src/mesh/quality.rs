@@ -60,7 +60,6 @@ impl Mesh {
         (vec![first, others[0], others[1], others[2]], volume)
     }
 
-    /// The smallest altitude of a cell.
     pub(super) fn smallest_altitude(&self, c: usize) -> f64 {
         let (normals, measure) = self.inward(c);
         measure / normals.into_iter().map(norm).fold(0.0, f64::max)

@@ -105,8 +105,8 @@ impl Mesh {
         let mut parts: Vec<PlanePart> = Vec::new();
         for (position, &f) in facets.iter().enumerate() {
             let (side, normal) = (self.facet_side[f as usize], self.normal(f as usize));
-            let own = |part: &&mut PlanePart| part.side == side && part.normal == normal;
-            match parts.iter_mut().find(own) {
+            let same_plane = |part: &&mut PlanePart| part.side == side && part.normal == normal;
+            match parts.iter_mut().find(same_plane) {
                 Some(part) => part.members.push(position),
                 None => parts.push(PlanePart { side, normal, members: vec![position] }),
             }

@@ -171,7 +171,7 @@ impl Solid {
         Err(hanging.unwrap_or(SolidError::Unnamed { cell, corners: self.places(first) }))
     }
 
-    /// Refuses tetrahedra that cannot be reached over common faces: a part of the body on its own.
+    /// Refuses tetrahedra that cannot be reached over common faces: a detached part of the body.
     fn connected(&self, owners: &Owners) -> Result<(), SolidError> {
         let mut reached = vec![false; self.cells.len()];
         let mut next: Vec<usize> = (0..reached.len().min(1)).collect();
@@ -209,16 +209,16 @@ impl Solid {
             let [a, b, c] = self.places(self.faces[f].corners);
             let doubled = cross(minus(b, a), minus(c, a));
             // Adding zero turns -0 into 0.
-            let own = doubled.map(|x| x / norm(doubled) + 0.0);
-            let close = |axis: &[f64; 3]| norm(minus(*axis, own)) < SAME_NORMAL;
+            let exact = doubled.map(|x| x / norm(doubled) + 0.0);
+            let close = |axis: &[f64; 3]| norm(minus(*axis, exact)) < SAME_NORMAL;
             let side = self.faces[f].side;
             let normal = axes().into_iter().find(close).or_else(|| {
                 let mut known = known.iter().filter(|(of, _)| *of == side);
                 known.find(|(_, normal)| close(normal)).map(|(_, normal)| *normal)
             });
             let normal = normal.unwrap_or_else(|| {
-                known.push((side, own));
-                own
+                known.push((side, exact));
+                exact
             });
             self.faces[f].normal = normal;
         }

@@ -96,20 +96,20 @@ struct Vertices {
 impl Vertices {
     fn new(coarse: &Coarse, n: u32) -> Self {
         let coordinates = coarse.vertices.iter().flatten().copied().collect();
-        let mut own = Self { n, coordinates, first: BTreeMap::new(), numbers: Vec::new() };
+        let mut vertices = Self { n, coordinates, first: BTreeMap::new(), numbers: Vec::new() };
         let share = |i: u32| f64::from(i) / f64::from(n);
         for triangle in &coarse.triangles {
             for i in 0..3 {
                 let mut ends = [triangle[i], triangle[(i + 1) % 3]];
                 ends.sort_unstable();
-                if own.first.contains_key(&ends) {
+                if vertices.first.contains_key(&ends) {
                     continue;
                 }
-                own.first.insert(ends, own.count());
+                vertices.first.insert(ends, vertices.count());
                 let [a, b] = ends.map(|v| coarse.vertices[v as usize]);
                 for s in 1..n {
                     let at = |i: usize| share(n - s) * a[i] + share(s) * b[i];
-                    own.coordinates.extend([at(0), at(1)]);
+                    vertices.coordinates.extend([at(0), at(1)]);
                 }
             }
         }
@@ -119,24 +119,24 @@ impl Vertices {
             for j in 0..=n {
                 for i in 0..=n - j {
                     numbers.push(if j == 0 {
-                        own.on_edge([a, b], i)
+                        vertices.on_edge([a, b], i)
                     } else if i == 0 {
-                        own.on_edge([a, c], j)
+                        vertices.on_edge([a, c], j)
                     } else if i + j == n {
-                        own.on_edge([b, c], j)
+                        vertices.on_edge([b, c], j)
                     } else {
                         let weights = [n - i - j, i, j].map(share);
                         let at = |axis: usize| -> f64 {
                             (0..3).map(|corner| weights[corner] * corners[corner][axis]).sum()
                         };
-                        own.coordinates.extend([at(0), at(1)]);
-                        own.count() - 1
+                        vertices.coordinates.extend([at(0), at(1)]);
+                        vertices.count() - 1
                     });
                 }
             }
-            own.numbers.push(numbers);
+            vertices.numbers.push(numbers);
         }
-        own
+        vertices
     }
 
     fn count(&self) -> u32 {
@@ -243,8 +243,8 @@ mod tests {
         let coarse = l_shape();
         let mesh = refined(&coarse, 4, Family::Structured);
         for c in 0..mesh.cell_count() {
-            let own = coarse.area(c / 16) / 16.0;
-            assert!((area(&mesh, c) - own).abs() < 1e-15);
+            let expected = coarse.area(c / 16) / 16.0;
+            assert!((area(&mesh, c) - expected).abs() < 1e-15);
         }
         assert_eq!(mesh.h(), coarse.longest_edge() / 4.0);
         assert!((mesh.quality().longest - mesh.h()).abs() < 1e-14);

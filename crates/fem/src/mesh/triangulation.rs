@@ -15,7 +15,6 @@ pub enum PolygonError {
     /// Vertices at one place.
     #[error("vertices {first} and {second} are the same point ({}, {})", place[0], place[1])]
     Repeated { first: usize, second: usize, place: [f64; 2] },
-    /// Edges that cross or touch.
     #[error(
         "the edges from vertex {first} and from vertex {second} meet: the polygon crosses or touches itself"
     )]
@@ -110,7 +109,6 @@ fn simple(vertices: &[[f64; 2]]) -> Result<(), PolygonError> {
     Ok(())
 }
 
-/// Distance of a point from a segment.
 fn distance_to(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let squared = (b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2);
     let along = (point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1]);

@@ -86,8 +86,8 @@ pub fn hausdorff(points: &[[f64; 3]], a: &[bool], b: &[bool], diameter: f64) -> 
         (true, false) | (false, true) => return diameter,
         _ => {}
     }
-    let one_sided = |own: &[bool], other: &[bool], set: &[[f64; 3]]| {
-        let outside = points.iter().zip(own.iter().zip(other)).filter(|(_, (o, t))| **o && !**t);
+    let one_sided = |inside: &[bool], other: &[bool], set: &[[f64; 3]]| {
+        let outside = points.iter().zip(inside.iter().zip(other)).filter(|(_, (o, t))| **o && !**t);
         outside.map(|(p, _)| nearest(p, set)).fold(0.0, f64::max)
     };
     one_sided(a, b, &set_b).max(one_sided(b, a, &set_a))

@@ -9,7 +9,6 @@ use crate::mesh::Mesh;
 /// Why a reference cannot serve.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
-    /// The finer mesh must be a refinement of the coarse one.
     #[error(
         "the reference mesh (n = {fine}) is not a refinement of n = {coarse}: choose a multiple"
     )]
@@ -61,8 +60,8 @@ impl Parents {
 
     /// The hats of the parent of fine simplex s at its corners.
     pub(super) fn hats_of(&self, s: usize) -> &[f64] {
-        let own = self.corners * self.corners;
-        &self.hats[own * s..own * (s + 1)]
+        let count = self.corners * self.corners;
+        &self.hats[count * s..count * (s + 1)]
     }
 }
 
@@ -84,13 +83,13 @@ impl Refinement {
             facets.map(|&f| space.mesh.facet(f as usize).to_vec()).collect()
         };
         let fine_facets = all_facets(fine);
-        let parents = |simplices: &[Vec<u32>], own: &[Vec<u32>]| {
+        let parents = |simplices: &[Vec<u32>], fine_simplices: &[Vec<u32>]| {
             let coarse = Simplices::new(&coarse.mesh, simplices);
-            Parents::new(&coarse, &fine.mesh, own).ok_or(refused.clone())
+            Parents::new(&coarse, &fine.mesh, fine_simplices).ok_or(refused.clone())
         };
         let cells = parents(&all_cells(&coarse.mesh), &all_cells(&fine.mesh))?;
         let facets = parents(&all_facets(coarse), &fine_facets)?;
-        let own = Simplices::new(&fine.mesh, &fine_facets);
+        let on_boundary = Simplices::new(&fine.mesh, &fine_facets);
         let mut children: Vec<Vec<u32>> = vec![Vec::new(); coarse.trace.mesh_facet.len()];
         for (f, &parent) in facets.of.iter().enumerate() {
             children[parent as usize].push(f as u32);
@@ -100,7 +99,7 @@ impl Refinement {
             let corners = coarse.mesh.facet(coarse.trace.mesh_facet[f] as usize);
             for b in facet_samples(coarse.mesh.dimension) {
                 let x = coarse.mesh.point(corners, &b);
-                let Some((child, at)) = own.nearest(&x, children.iter().copied()) else {
+                let Some((child, at)) = on_boundary.nearest(&x, children.iter().copied()) else {
                     return Err(refused);
                 };
                 let members = fine.trace.facet(child as usize).iter().zip(at);
@@ -117,7 +116,7 @@ struct Simplices {
     corners: Vec<Vec<[f64; 3]>>,
     /// For each simplex the vectors g_a with λ_a(x) = g_a · (x - x_0), a ≥ 1.
     dual: Vec<Vec<[f64; 3]>>,
-    /// Simplices by the boxes that theirs meet.
+    /// Simplices by the boxes of a grid of this width that they meet.
     boxes: FxHashMap<[i64; 3], Vec<u32>>,
     width: f64,
 }

@@ -3,7 +3,9 @@
 use super::grid_fit::GridFit;
 use super::identifiable::{check_clip, check_grid, check_terms, clipped};
 use super::log_table::Shape;
-use super::{ErrorCombination, FitError, Interval, NotIdentifiable, Point, screen};
+use super::{
+    ErrorCombination, FitError, FittedValue, Interval, JointFit, NotIdentifiable, Point, screen,
+};
 
 /// Residual ratio up to which the worse model is not refuted: 4 in squares is below the 95 % quantile of F up to 6 and
 /// 6 degrees of freedom.
@@ -12,51 +14,6 @@ const COMPARABLE: f64 = 2.0;
 /// To see order q = 2 within 0.1 beside order 1, the other term must stay below this share: a local slope is the
 /// error-weighted mean of the orders.
 pub const LARGEST_OTHER_SHARE: f64 = 0.053;
-
-/// A fitted value with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FittedValue {
-    pub value: f64,
-    pub interval: Interval,
-}
-
-/// One error model fitted to a grid, in logarithms.
-#[derive(Debug, Clone)]
-pub struct JointFit {
-    pub model: ErrorCombination,
-    /// Order p in h with its Student interval.
-    pub order_h: FittedValue,
-    /// Order q in k with its Student interval.
-    pub order_k: FittedValue,
-    /// Student intervals of p and q, before widening.
-    pub student: [Interval; 2],
-    pub constant_h: f64,
-    pub constant_k: f64,
-    pub floor: Option<f64>,
-    /// ‖log E − log e‖, Euclidean over the points.
-    pub residual_norm: f64,
-    /// Condition of the Jacobian with columns scaled to length 1.
-    pub condition: f64,
-}
-
-impl JointFit {
-    /// The error of the model at (h, k).
-    pub fn error(&self, h: f64, k: f64) -> f64 {
-        self.combined(h, k).0.exp()
-    }
-
-    /// Weights of space and time in the local slope at (h, k).
-    pub fn weights(&self, h: f64, k: f64) -> [f64; 2] {
-        let (_, [space, time, _]) = self.combined(h, k);
-        [space, time]
-    }
-
-    fn combined(&self, h: f64, k: f64) -> (f64, [f64; 3]) {
-        let space = self.constant_h.ln() + self.order_h.value * h.ln();
-        let time = self.constant_k.ln() + self.order_k.value * k.ln();
-        self.model.combine([space, time, self.floor.map_or(f64::NEG_INFINITY, f64::ln)])
-    }
-}
 
 /// Both models on one grid.
 #[derive(Debug, Clone)]

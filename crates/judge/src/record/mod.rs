@@ -3,6 +3,7 @@
 //! A case is one solve of a scene on one mesh (`n`) with one time grid (`steps`). It has one error per norm, and in
 //! `cases.csv` one row per error.
 
+mod columns;
 mod journal;
 mod norm;
 mod row;
@@ -13,13 +14,13 @@ use std::path::PathBuf;
 
 use files::counted;
 
+pub use columns::COLUMNS;
 pub use journal::{CaseTable, Journal, read, read_table, write_sorted};
 pub use norm::{
     CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
     TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
     norm_rank,
 };
-pub use row::COLUMNS;
 pub use stream::{CaseStream, TableWriter};
 
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.

@@ -53,7 +53,7 @@ pub fn is_by_state(norm: &str) -> bool {
     norm_rank(norm) > norm_rank(V_PROJECTION_MAX) && norm_rank(norm) < NORMS.len()
 }
 
-/// Label of a norm in plots; a name outside the contract is its own label.
+/// Label of a norm in plots; a name outside the contract stands for itself.
 pub fn norm_label(norm: &str) -> &str {
     NORMS.iter().find(|(name, _)| *name == norm).map_or(norm, |(_, label)| label)
 }

@@ -5,34 +5,8 @@ use std::str::FromStr;
 
 use csv::StringRecord;
 
-use super::{CaseRecord, NormError, RecordError, Status};
+use super::{COLUMNS, CaseRecord, NormError, RecordError, Status};
 use files::fnv_1a;
-
-/// Columns of `cases.csv`, a contract: extend, do not rename.
-pub const COLUMNS: [&str; 22] = [
-    "scene",
-    "dimension",
-    "n",
-    "steps",
-    "h",
-    "k",
-    "dofs",
-    "elements",
-    "norm",
-    "error",
-    "floor",
-    "status",
-    "newton_iterations",
-    "active_set_changes",
-    "factorizations",
-    "seconds_load",
-    "seconds_assemble",
-    "seconds_factor",
-    "seconds_solve",
-    "seconds_total",
-    "peak_history_bytes",
-    "checksum",
-];
 
 /// Columns of the norm; the others belong to the case.
 const NORM_COLUMNS: std::ops::Range<usize> = 8..11;

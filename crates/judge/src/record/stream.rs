@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use csv::StringRecord;
 
 use super::journal::{case_lines, lines};
-use super::row::{COLUMNS, Row, same_case, width};
-use super::{CaseRecord, RecordError, norm_rank};
+use super::row::{Row, same_case, width};
+use super::{COLUMNS, CaseRecord, RecordError, norm_rank};
 use files::{Replacement, open_file};
 
 /// Cases of a finished table, one at a time. Unlike [`super::read`] it refuses a torn last line.

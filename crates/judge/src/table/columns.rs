@@ -1,15 +1,21 @@
 //! Positions of the columns, and rows read by them.
 
 use super::cells::Cells;
-use super::group::{Quantity, Row};
 use super::name::{Measure, Role, is_cells, normal, role, understood};
 use super::number::{is_missing, parse};
-use super::{Reading, TableError};
+use super::{Quantity, Row, TableError};
 use crate::fit::{Point, screen};
 use files::counted;
 
 /// Deeper levels are not levels of refinement.
 const DEEPEST: f64 = 64.0;
+
+/// What a reader has to know beside the text.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Reading {
+    /// Dimension of the mesh, if sizes are counts of cells or unknowns.
+    pub dimension: Option<u32>,
+}
 
 #[derive(Debug, Clone)]
 struct Size {

@@ -1,26 +1,7 @@
 //! The rows of one scene and norm.
 
-use super::runs;
+use super::{Measurement, Quantity, Row, runs};
 use crate::fit::{Direction, Point, same_level};
-
-/// What a table measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    Error,
-    /// A functional whose exact value is unknown.
-    Value,
-}
-
-/// A row that serves, or the reason why it does not.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Row {
-    pub line: u64,
-    /// With values in place of errors, `error` holds the value.
-    pub point: Point,
-    /// Standard deviation of the error, absolute.
-    pub sigma: Option<f64>,
-    pub gap: Option<String>,
-}
 
 /// The rows of one scene and norm.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,9 +14,6 @@ pub struct Group {
     /// The rows, in the order of the text.
     pub rows: Vec<Row>,
 }
-
-/// A point with the relative standard deviation of its error, if known.
-pub type Measurement = (Point, Option<f64>);
 
 /// Gaps named before the rest is counted.
 const NAMED_GAPS: usize = 3;

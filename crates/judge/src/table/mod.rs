@@ -5,31 +5,21 @@
 
 mod cells;
 mod columns;
+mod error;
 mod group;
 mod latex;
 mod name;
 mod number;
 mod read;
+mod row;
 mod runs;
 
-pub use group::{Group, Measurement, Quantity, Row};
+pub use columns::Reading;
+pub use error::TableError;
+pub use group::Group;
 pub use name::understood;
-pub use read::{Reading, Tables, read};
-
-/// Why a text is no table.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{line}: {what}")]
-pub struct TableError {
-    pub line: u64,
-    /// What is wrong there, with the value, and the way out.
-    pub what: String,
-}
-
-impl TableError {
-    fn at(line: u64, what: impl Into<String>) -> Self {
-        Self { line, what: what.into() }
-    }
-}
+pub use read::{Tables, read};
+pub use row::{Measurement, Quantity, Row};
 
 #[cfg(test)]
 mod tests;

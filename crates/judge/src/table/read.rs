@@ -2,18 +2,10 @@
 
 use std::collections::HashMap;
 
-use super::TableError;
 use super::cells::cut;
 use super::columns::Columns;
-use super::group::{Group, Row};
+use super::{Group, Reading, Row, TableError};
 use crate::fit::Direction;
-
-/// What a reader has to know beside the text.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Reading {
-    /// Dimension of the mesh, if sizes are counts of cells or unknowns.
-    pub dimension: Option<u32>,
-}
 
 /// All tables of a text.
 #[derive(Debug, Clone, PartialEq)]

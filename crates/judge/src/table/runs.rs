@@ -1,7 +1,6 @@
 //! Several runs at one level (random meshes) merged into one point with a standard deviation.
 
-use super::Quantity;
-use super::group::{Measurement, Row};
+use super::{Measurement, Quantity, Row};
 use crate::fit::{Point, same_level};
 
 /// Levels in the order of their first rows. Errors are averaged on logarithms; the deviation of that mean is pooled

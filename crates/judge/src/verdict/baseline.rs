@@ -2,7 +2,9 @@
 //! order, but differs from its recorded value.
 
 mod compare;
+mod left_owing;
 mod owed;
+mod tolerance;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +12,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_with_baseline};
-pub use owed::{Owed, Owing, compare_owed};
+pub use left_owing::compare_owed;
+pub use owed::{Owed, Owing};
 
 use crate::record::{CaseRecord, Key, NormError};
 use files::{read_at_most, write_named};
@@ -173,8 +176,8 @@ impl RecordedCase {
         let kept: Vec<&NormError> = record.errors.iter().filter(kept).collect();
         let errors = kept.iter().filter_map(|entry| Some((entry.norm.clone(), nine(entry.error?))));
         let allowed = kept.iter().filter_map(|entry| {
-            let allowed = compare::allowed(entry.error?, entry.floor?);
-            (allowed > compare::REPEATED_WITHIN).then(|| (entry.norm.clone(), nine(allowed)))
+            let allowed = tolerance::allowed(entry.error?, entry.floor?);
+            (allowed > tolerance::REPEATED_WITHIN).then(|| (entry.norm.clone(), nine(allowed)))
         });
         Self {
             n: record.n,
@@ -188,9 +191,10 @@ impl RecordedCase {
         }
     }
 
-    /// Name of the case in messages.
+    /// `n = 8, steps = 16`.
     fn name(&self) -> String {
-        compare::case_name(self.n, self.steps)
+        let steps = self.steps;
+        self.n.map_or(format!("steps = {steps}"), |n| format!("n = {n}, steps = {steps}"))
     }
 }
 
@@ -204,7 +208,9 @@ fn changes_of_scene(name: &str, old: &Recorded, new: &Recorded) -> Vec<String> {
     if old.hash != new.hash {
         lines.push(format!("{name}: the scene file changed"));
     }
-    lines.extend(owed::changes_of_owed(name, old, new));
+    if let (Some(was), Some(is)) = (&old.owes, &new.owes) {
+        lines.extend(owed::changes_of_owed(name, was, is));
+    }
     let find = |cases: &[RecordedCase], like: &RecordedCase| {
         cases.iter().find(|case| (case.n, case.steps) == (like.n, like.steps)).cloned()
     };
@@ -228,7 +234,7 @@ fn changes_of_scene(name: &str, old: &Recorded, new: &Recorded) -> Vec<String> {
                 let shown =
                     |value: Option<&f64>| value.map_or("none".into(), |v| format!("{v:.6e}"));
                 let percent = was.zip(is).map_or(String::new(), |(was, is)| {
-                    format!(" ({})", compare::in_percent(is / was - 1.0))
+                    format!(" ({})", tolerance::in_percent(is / was - 1.0))
                 });
                 let (was, is) = (shown(was), shown(is));
                 lines.push(format!("{name}, {}: {norm} {was} -> {is}{percent}", case.name()));

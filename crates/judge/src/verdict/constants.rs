@@ -2,10 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::judge::correction;
 use super::selection::Serving;
 use super::{Decision, FittedConstant, Prediction, Variable};
-use crate::fit::{Direction, FEWEST, Sample, constant_under, local_slopes};
+use crate::fit::{Correction, Direction, FEWEST, Sample, constant_under, local_slopes};
 
 /// Leading error of a sound scheme on one case.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -100,6 +99,16 @@ pub(super) fn compare_constant(
     let agree = finest.len() == FEWEST && finest.iter().all(within);
     let leading_order = local_slopes(&samples).last().copied().filter(|_| agree);
     Some(ConstantComparison { constant, decision, sentence, leading_order })
+}
+
+/// The trapezoidal rule on smooth data has even terms, k² (1 + D k²): where order 2 is predicted in time. Elsewhere the
+/// next power follows.
+pub(super) fn correction(prediction: &Prediction, direction: Direction) -> Correction {
+    if direction == Direction::Time && prediction.order == 2.0 {
+        Correction::Quadratic
+    } else {
+        Correction::Linear
+    }
 }
 
 /// Pass if the ratio is within tolerance of one; unresolved if twice its last change on the logarithm may bring it

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::judge::{Finding, HIGHER_ORDER, claim, pair};
+use super::judgement::{HIGHER_ORDER, Judgement, claim, pair};
 use super::next::{NextCase, next_case};
 use super::selection::Selection;
 use super::{Decision, FittedConstant, Prediction};
@@ -11,23 +11,25 @@ use crate::fit::{
 };
 
 /// Passes if both orders pass, fails if one fails.
-pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Finding {
+pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Judgement {
     let Some(order_k) = prediction.order_k else {
         let reason = "a joint prediction needs an order in k as well".to_owned();
-        return Finding::without_order(Decision::Unresolved, reason);
+        return Judgement::without_order(Decision::Unresolved, reason);
     };
     let fits = match joint_fits(&selection.points(), false) {
         Ok(fits) => fits,
         Err(error) => {
             let next = in_both(selection, prediction);
-            return Finding::without_order(Decision::Unresolved, error.to_string()).with_next(next);
+            return Judgement::without_order(Decision::Unresolved, error.to_string())
+                .with_next(next);
         }
     };
     let posterior = match infer_grid(&selection.points(), None) {
         Ok(posterior) => posterior,
         Err(error) => {
             let next = in_both(selection, prediction);
-            return Finding::without_order(Decision::Unresolved, error.to_string()).with_next(next);
+            return Judgement::without_order(Decision::Unresolved, error.to_string())
+                .with_next(next);
         }
     };
     let GridPosterior { order_h, order_k: in_time } = posterior;
@@ -42,7 +44,7 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
     let next = parts.iter().flat_map(|part| part.next(selection, prediction)).collect();
     let [in_h, in_k] = parts.each_ref().map(|part| part.sentence(selection, prediction));
     let best = fits.best;
-    Finding {
+    Judgement {
         orders: Some((order_h.order, order_h.interval)),
         orders_k: Some((in_time.order, in_time.interval)),
         probability: Some(parts[0].ruling.probability.min(parts[1].ruling.probability)),

@@ -2,49 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use super::constants::{ConstantComparison, Foreseen, LeadingLine, compare_constant};
+use super::constants::{ConstantComparison, compare_constant, correction};
 use super::joint::judge_grid;
-use super::next::{Next, NextCase, next_case};
+use super::judgement::{HIGHER_ORDER, Judgement, claim, pair};
+use super::next::{Next, next_case};
 use super::selection::{Cases, Selection};
-use super::{Decision, Expect, FittedConstant, Prediction, Variable, Verdict};
+use super::{
+    Decision, Expect, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict,
+};
 use crate::fit::{
-    Claim, Correction, Direction, Interval, LARGEST_OTHER_SHARE, Level, Point, Posterior, Ruling,
-    Sample, TOLERANCE, constant_under, infer, joint_fits, samples,
+    Direction, Interval, LARGEST_OTHER_SHARE, Level, Point, Posterior, Ruling, Sample, TOLERANCE,
+    constant_under, infer, joint_fits, samples,
 };
 use crate::record::{CaseRecord, Key};
-
-pub(super) struct Finding {
-    pub(super) orders: Option<(f64, Interval)>,
-    pub(super) orders_k: Option<(f64, Interval)>,
-    pub(super) probability: Option<f64>,
-    /// Order of the leading errors, if they agree with the measured ones and contradict the prediction.
-    pub(super) contradicted_by: Option<f64>,
-    pub(super) constants: BTreeMap<&'static str, FittedConstant>,
-    pub(super) decision: Decision,
-    pub(super) reason: String,
-    pub(super) next: Vec<NextCase>,
-}
-
-impl Finding {
-    pub(super) fn without_order(decision: Decision, reason: String) -> Self {
-        let constants = BTreeMap::new();
-        let next = Vec::new();
-        Self {
-            orders: None,
-            orders_k: None,
-            probability: None,
-            contradicted_by: None,
-            constants,
-            decision,
-            reason,
-            next,
-        }
-    }
-
-    pub(super) fn with_next(self, next: Vec<NextCase>) -> Self {
-        Self { next, ..self }
-    }
-}
 
 /// Judges a prediction for a scene. Every expected case has to be there, converged and with a finite error; else the
 /// verdict is `fail` and names the gaps.
@@ -71,7 +41,7 @@ pub fn judge_foreseen(
     let selection = cases.select(prediction);
     let complete = selection.gaps.is_empty();
     let mut finding = match prediction.variable {
-        _ if !complete => Finding::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
+        _ if !complete => Judgement::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
         Variable::H | Variable::Path => {
             judge_line(&cases, &selection, prediction, Direction::Space)
         }
@@ -109,7 +79,7 @@ pub fn judge_foreseen(
 }
 
 fn compare_with(
-    finding: &mut Finding,
+    finding: &mut Judgement,
     selection: &Selection,
     prediction: &Prediction,
     line: &LeadingLine,
@@ -179,7 +149,7 @@ fn judge_line(
     selection: &Selection,
     prediction: &Prediction,
     direction: Direction,
-) -> Finding {
+) -> Judgement {
     let next = next_case(selection, direction, prediction);
     let points = selection.points();
     let levels: Vec<Level> = points.iter().map(|point| Level::of(point, direction, None)).collect();
@@ -189,7 +159,7 @@ fn judge_line(
         Ok(read) => read,
         Err(error) => {
             let reason = format!("{error}: {}", next.text);
-            return Finding::without_order(Decision::Unresolved, reason).with_next(next.cases);
+            return Judgement::without_order(Decision::Unresolved, reason).with_next(next.cases);
         }
     };
     let ruling = posterior.decide(&claim(prediction, prediction.order));
@@ -202,7 +172,7 @@ fn judge_line(
     if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
         reason = format!("{reason}; {note}");
     }
-    Finding {
+    Judgement {
         orders: Some((posterior.order, posterior.interval)),
         orders_k: None,
         probability: Some(ruling.probability),
@@ -212,11 +182,6 @@ fn judge_line(
         reason,
         next: if helped { next.cases } else { Vec::new() },
     }
-}
-
-pub(super) fn claim(prediction: &Prediction, order: f64) -> Claim {
-    let Prediction { at_least, exact, .. } = *prediction;
-    Claim { order, at_least, exact, tolerance: TOLERANCE, log: 0.0 }
 }
 
 /// Finer cases lie deeper in a floor.
@@ -233,18 +198,6 @@ fn in_words(ruling: &Ruling, posterior: &Posterior, next: &str) -> String {
         _ => reason,
     }
 }
-
-/// The trapezoidal rule on smooth data has even terms, k² (1 + D k²): where order 2 is predicted in time. Elsewhere the
-/// next power follows.
-pub(super) fn correction(prediction: &Prediction, direction: Direction) -> Correction {
-    if direction == Direction::Time && prediction.order == 2.0 {
-        Correction::Quadratic
-    } else {
-        Correction::Linear
-    }
-}
-
-pub(super) const HIGHER_ORDER: &str = "finer cases would not lower it; state the higher order with its theorem, at_least = true where the theory gives a bound, or choose a solution that excites the term";
 
 fn constant_name(direction: Direction) -> &'static str {
     match direction {
@@ -281,10 +234,6 @@ fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Op
     (share > LARGEST_OTHER_SHARE).then(|| {
         format!("the {name} term is {percent:.0} % of the error at {key}, which bends the slope: use {cure} to decide")
     })
-}
-
-pub(super) fn pair(interval: Interval) -> [f64; 2] {
-    [interval.lo, interval.hi]
 }
 
 #[cfg(test)]

@@ -2,9 +2,28 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{PointLeftOut, PointUsed, Prediction, Variable};
+use serde::Serialize;
+
+use super::{Prediction, Variable};
 use crate::fit::{Direction, Point, screen};
 use crate::record::{CaseRecord, Key, Status};
+
+/// A point that served.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PointUsed {
+    pub h: f64,
+    pub k: f64,
+    pub error: f64,
+}
+
+/// A point that was left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PointLeftOut {
+    pub h: f64,
+    pub k: f64,
+    pub error: f64,
+    pub reason: String,
+}
 
 /// Identifies a case within its scene; kept small, since there may be a million.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

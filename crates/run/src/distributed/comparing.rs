@@ -31,7 +31,6 @@ impl<'a> Comparing<'a> {
         self.runs.push(ComparedRun { scene, hash, planned, own_grids });
     }
 
-    /// Keeps a case of the current scene, if it is recorded.
     pub(crate) fn keep(&mut self, case: &CaseRecord) {
         if self.recorded.contains(&(case.n, case.steps)) {
             self.kept.push(case.clone());

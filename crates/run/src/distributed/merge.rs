@@ -3,55 +3,22 @@
 //! Memory: a fixed number of cases while sorting; then the predictions' data of one scene.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 
 use super::comparing::Comparing;
+use super::error::MergeError;
 use super::missing::{Missing, NAMED, WayOn, with_jobs};
 use super::parts::Parts;
-use super::plan::{PlanError, SweepPlan, id};
+use super::plan::{SweepPlan, id};
 use super::sorted::{SortedCases, agree};
 use crate::sweep::{
     CasePlan, Overrides, Provenance, ScenePlan, blocks, foresee, is_complete, judge_scene,
 };
-use judge::record::{CaseRecord, Key, NormError, RecordError, Status, TableWriter};
+use judge::record::{CaseRecord, Key, NormError, Status, TableWriter};
 use judge::verdict::{Baseline, Comparison, Verdict};
-use scene::setup::{SetupError, Subject};
-use scene::{Norm, Scene, SceneError};
-
-/// Why nothing was merged.
-#[derive(Debug, thiserror::Error)]
-pub enum MergeError {
-    #[error("{}: {reason}", path.display())]
-    Unreadable { path: PathBuf, reason: String },
-    /// A part does not belong to the others.
-    #[error("{}: {what}; leave the directory out, or run its cases again", dir.display())]
-    Different { dir: PathBuf, what: String },
-    #[error(
-        "{id}: the records in {} differ in more than their seconds; remove the wrong one, or run the case again",
-        in_words(parts)
-    )]
-    Disagree { id: String, parts: Vec<PathBuf> },
-    /// A case that was not planned.
-    #[error("{}: {id} is no case of the plan; leave the directory out", in_words(parts))]
-    Unplanned { id: String, parts: Vec<PathBuf> },
-    #[error("{0}")]
-    Missing(Missing),
-    #[error("{0}")]
-    Scene(#[from] Box<SceneError>),
-    #[error("{0}")]
-    Setup(#[from] Box<SetupError>),
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    #[error(transparent)]
-    Record(#[from] RecordError),
-    #[error("{0}")]
-    Other(String),
-}
-
-fn in_words(parts: &[PathBuf]) -> String {
-    parts.iter().map(|part| part.display().to_string()).collect::<Vec<_>>().join(" and ")
-}
+use scene::setup::Subject;
+use scene::{Norm, Scene};
 
 /// What a merge came to.
 pub struct Merged {

@@ -3,6 +3,7 @@
 
 mod bundle;
 mod comparing;
+mod error;
 mod merge;
 mod missing;
 mod part;
@@ -12,7 +13,8 @@ mod planning;
 mod slurm;
 mod sorted;
 
-pub use merge::{MergeError, Merged, merge};
+pub use error::MergeError;
+pub use merge::{Merged, merge};
 pub use missing::{Missing, WayOn};
 pub use part::{PartError, PartRun, failed_in_words, run_part};
 pub use parts::Parts;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::merge::MergeError;
+use super::error::MergeError;
 use super::plan::SweepPlan;
 use crate::sweep::{AddedCase, Provenance};
 use judge::record::{CaseStream, Key};

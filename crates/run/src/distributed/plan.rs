@@ -24,14 +24,12 @@ pub const JOBS: &str = "jobs.csv";
 pub enum PlanError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    /// Not a file of this program.
     #[error("{}: {reason}; make the plan again with `sweep plan`", path.display())]
     Malformed { path: PathBuf, reason: String },
     #[error(
         "{}: the plan is of version {found}, this is {running}: records of both would not be of one sweep; run its cases with version {found}, or plan again", path.display()
     )]
     Version { path: PathBuf, found: String, running: String },
-    /// The scene differs from the planned one.
     #[error(
         "{}: the scene `{scene}` has changed since the plan was made ({planned} planned, {found} found); plan again into another directory, or restore the file (its text is kept in {PLAN} of the plan)", path.display()
     )]

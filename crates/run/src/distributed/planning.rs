@@ -26,7 +26,6 @@ pub enum Engine {
 pub enum PlanningError {
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Another plan exists there.
     #[error(
         "{}: another plan stands here, and what was run by it would be lost; choose another directory with --out, or remove this one", path.display()
     )]

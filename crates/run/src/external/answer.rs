@@ -4,53 +4,10 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::bounded::{SizeLimit, Timed, Until, open_bounded};
+use super::error::AnswerError;
 use super::npy::{NpyError, head, length, numbers};
-use super::series::{COLLECTION, SeriesError, each_level, indexed, numbered, read_levels};
-use super::vtu::VtuReadError;
-
-/// (N + 1) × vertices × d.
-pub const DISPLACEMENT: &str = "displacement.npy";
-/// A table with columns n, vertex, ux, uy (and uz).
-pub const DISPLACEMENT_TABLE: &str = "displacement.csv";
-/// ξ + λ at the rows of contact.csv, (N + 1) × rows.
-pub const PRESSURE: &str = "pressure.npy";
-
-/// Why an answer cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum AnswerError {
-    #[error(
-        "there is neither {DISPLACEMENT} nor {DISPLACEMENT_TABLE} in {}, nor {COLLECTION} or displacement_0000.vtu …",
-        .0.display()
-    )]
-    Missing(PathBuf),
-    #[error("{}: {reason}", path.display())]
-    Unreadable { path: PathBuf, reason: String },
-    /// Not an array of doubles.
-    #[error("{}: {source}", path.display())]
-    Npy { path: PathBuf, source: NpyError },
-    /// An array of another shape.
-    #[error("{}: shape {found:?} where {wanted:?} ({axes}) is wanted", path.display())]
-    Shape { path: PathBuf, found: Vec<usize>, wanted: Vec<usize>, axes: &'static str },
-    #[error("{}: {value} at level {n}, row {row}", path.display())]
-    NotFinite { path: PathBuf, value: f64, n: usize, row: usize },
-    /// A series that does not match the levels.
-    #[error("{}: {source}", path.display())]
-    Series { path: PathBuf, source: SeriesError },
-    #[error("{}: {source}", path.display())]
-    Vtu { path: PathBuf, source: VtuReadError },
-    #[error("{}, line {line}: {reason}", path.display())]
-    Row { path: PathBuf, line: u64, reason: String },
-}
-
-/// What an answer has to hold.
-#[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
-    /// t_0 … t_N.
-    pub times: &'a [f64],
-    /// All vertices of the mesh; z = 0 in the plane.
-    pub vertices: &'a [[f64; 3]],
-    pub dimension: usize,
-}
+use super::series::{each_level, indexed, numbered, read_levels};
+use super::wanted::{COLLECTION, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted};
 
 /// The displacements of all levels, level by level, d numbers per vertex, from the first that exists of array, table,
 /// indexed series and numbered files.

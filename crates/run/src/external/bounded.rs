@@ -63,7 +63,7 @@ impl Read for Timed {
 /// Opens a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// That of the file system, or both lengths.
+/// The file system refuses, or the file is longer: both lengths.
 pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
     let file = Timed::open(path, until).map_err(|error| error.to_string())?;
     if file.length > most {

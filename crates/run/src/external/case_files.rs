@@ -69,8 +69,8 @@ impl Given {
     /// The vertices of cell c: corners, then the further nodes.
     pub fn of_cell(space: &Discretization, c: usize) -> Vec<u32> {
         let nodes = &space.nodes;
-        let own = nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize]);
-        corners(space, space.mesh.cell(c)).chain(own).collect()
+        let further = nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize]);
+        corners(space, space.mesh.cell(c)).chain(further).collect()
     }
 
     /// The vertices of boundary facet f, likewise.

@@ -27,12 +27,11 @@ fn running() -> MutexGuard<'static, Running> {
 }
 
 /// Leader of a process group. Dropping it ends the whole group.
-pub(crate) struct Group {
+pub(crate) struct ProcessGroup {
     child: Child,
 }
 
-impl Group {
-    /// Starts a command as a group.
+impl ProcessGroup {
     pub(crate) fn start(command: &mut Command) -> io::Result<Self> {
         leading(command);
         // Locked during the start, so that ending all groups includes this one.
@@ -64,7 +63,7 @@ fn stay() -> ! {
     }
 }
 
-impl Drop for Group {
+impl Drop for ProcessGroup {
     fn drop(&mut self) {
         let leader = self.child.id();
         let child = &mut self.child;

@@ -24,7 +24,7 @@ impl Log {
     /// Creates an empty log in `dir`, replacing any older one.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// The file system refuses.
     pub(crate) fn new(dir: &Path) -> io::Result<Self> {
         let path = dir.join(LOG);
         remove_if_there(&path)?;

@@ -5,6 +5,7 @@ mod advice;
 mod answer;
 mod bounded;
 mod case_files;
+mod error;
 mod group;
 mod in_process;
 mod log;
@@ -13,24 +14,23 @@ mod places;
 mod process;
 mod series;
 mod vtu;
+mod wanted;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub use self::advice::solver_first;
-pub use self::answer::{
-    AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted, read_displacements,
-};
+pub use self::answer::read_displacements;
 use self::answer::{read_pressures, read_until};
 pub use self::case_files::{ContactRow, Given, case_dir, write_case};
+pub use self::error::{AnswerError, SeriesError, VtuReadError};
 pub use self::group::end_solvers;
 pub use self::in_process::{Answer, InProcess, Solve};
 pub use self::log::{LOG, last_lines};
 pub use self::npy::{Array, NpyError, decode, encode};
 pub use self::process::ProcessError;
 use self::series::numbered;
-pub use self::series::{COLLECTION, SeriesError};
-pub use self::vtu::VtuReadError;
+pub use self::wanted::{COLLECTION, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted};
 use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Model, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};

@@ -16,7 +16,6 @@ pub struct Array {
 /// What makes a file no array of doubles.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NpyError {
-    /// Wrong magic bytes.
     #[error("no .npy file: write it with numpy.save")]
     Magic,
     /// A version of the format after 3.
@@ -25,10 +24,8 @@ pub enum NpyError {
     /// The header ends early, or a key is missing or invalid.
     #[error("the header of the .npy file has no {0} that is understood")]
     Header(&'static str),
-    /// Not doubles.
     #[error("numbers of type `{0}`: save little-endian doubles, numpy.asarray(u, dtype='<f8')")]
     Kind(String),
-    /// Fortran order.
     #[error("an array in Fortran order: save numpy.ascontiguousarray(u)")]
     Order,
     #[error("shape {shape:?} wants {wanted} bytes, {found} follow the header")]

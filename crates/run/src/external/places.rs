@@ -2,19 +2,19 @@
 
 use rustc_hash::FxHashMap;
 
-use super::vtu::VtuReadError;
+use super::error::VtuReadError;
 
 /// Matching distance relative to the largest coordinate: those written with six digits are off by 5e-6 of it.
 const NEAR: f64 = 1e-5;
 
-pub(crate) struct Places<'a> {
+pub(crate) struct VertexPlaces<'a> {
     vertices: &'a [[f64; 3]],
     near: f64,
     /// Vertices in boxes of size 2 `near`.
     boxes: FxHashMap<[i64; 3], Vec<u32>>,
 }
 
-impl<'a> Places<'a> {
+impl<'a> VertexPlaces<'a> {
     pub(crate) fn new(vertices: &'a [[f64; 3]]) -> Self {
         let largest = vertices.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
         let mut places = Self { vertices, near: NEAR * largest, boxes: FxHashMap::default() };

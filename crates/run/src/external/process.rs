@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use super::group::Group;
+use super::group::ProcessGroup;
 use super::log::Log;
 
 /// Interval for shortening its log.
@@ -40,7 +40,7 @@ pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), P
     let mut command = Command::new(program);
     command.args(arguments).arg(dir).stdin(Stdio::null());
     command.stdout(log.handle().map_err(start)?).stderr(log.handle().map_err(start)?);
-    let mut group = Group::start(&mut command).map_err(start)?;
+    let mut group = ProcessGroup::start(&mut command).map_err(start)?;
     let status = wait(&mut group, &mut log, limit).map_err(start)?;
     // Remaining children would write no reliable answer and slow down the next case.
     drop(group);
@@ -54,7 +54,11 @@ pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), P
     }
 }
 
-fn wait(group: &mut Group, log: &mut Log, limit: Duration) -> std::io::Result<Option<ExitStatus>> {
+fn wait(
+    group: &mut ProcessGroup,
+    log: &mut Log,
+    limit: Duration,
+) -> std::io::Result<Option<ExitStatus>> {
     let begin = Instant::now();
     loop {
         let left = limit.saturating_sub(begin.elapsed());

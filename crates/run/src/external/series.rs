@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::answer::{AnswerError, Wanted};
 use super::bounded::{SizeLimit, Until, is_below, read_bounded};
-use super::places::Places;
-use super::vtu::{Snapshot, VtuReadError, read_vtu, xml};
+use super::error::{AnswerError, SeriesError, VtuReadError};
+use super::places::VertexPlaces;
+use super::vtu::{Snapshot, read_vtu, xml};
+use super::wanted::{COLLECTION, Wanted};
 
-/// ParaView's index of a series: time and file of each level.
-pub const COLLECTION: &str = "displacement.pvd";
 /// Without an index: displacement_0000.vtu, … by level.
 const NUMBERED: (&str, &str) = ("displacement_", ".vtu");
 
@@ -16,29 +15,6 @@ const NUMBERED: (&str, &str) = ("displacement_", ".vtu");
 const NEAR: f64 = 1e-5;
 /// Size limit of an index; a level takes a line with a name.
 const BYTES_A_LEVEL: SizeLimit = SizeLimit { first: 1 << 16, each: 1 << 12 };
-
-/// Why files are not those of the levels.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SeriesError {
-    #[error("{0}")]
-    Index(VtuReadError),
-    /// An entry without time or file.
-    #[error("DataSet {0} has no number as timestep, or no file")]
-    Entry(usize),
-    #[error("timestep {found} is no time of times.npy; the nearest is t_{n} = {nearest}")]
-    Time { found: f64, n: usize, nearest: f64 },
-    #[error(
-        "two files of level {n}: {first} and {second}; write each level by one process into one file"
-    )]
-    Twice { n: usize, first: String, second: String },
-    /// Levels beyond the last.
-    #[error("a file of level {n}, where the last is {last}: {file}")]
-    Beyond { n: usize, last: usize, file: String },
-    #[error("level {n} of 0 to {last} has no file; t_0 belongs to them")]
-    Level { n: usize, last: usize },
-    #[error("the file `{0}` is not below the directory of the case")]
-    Outside(String),
-}
 
 /// The files that the index names, by level.
 pub(crate) fn indexed(
@@ -135,7 +111,7 @@ pub(crate) fn read_levels(
     until: Until,
 ) -> Result<Vec<f64>, AnswerError> {
     let (vertices, d) = (wanted.vertices.len(), wanted.dimension);
-    let places = Places::new(wanted.vertices);
+    let places = VertexPlaces::new(wanted.vertices);
     let mut u = vec![f64::NAN; files.len() * vertices * d];
     let mut known: Option<(Vec<[f64; 3]>, Vec<u32>)> = None;
     for (level, path) in u.chunks_exact_mut(vertices * d).zip(files) {

@@ -12,61 +12,10 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use self::array::{Binary, numbers};
 use super::bounded::{SizeLimit, Until, is_below, read_bounded};
-use files::counted;
+use super::error::VtuReadError;
 
 /// Accepted names of the point data, in order of preference.
 const NAMES: [&str; 2] = ["displacement", "u"];
-
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum VtuReadError {
-    #[error("{0}")]
-    Unreadable(String),
-    #[error("no XML that can be read: {0}")]
-    Xml(String),
-    #[error("{0}: write an UnstructuredGrid (.vtu), by one process")]
-    Kind(String),
-    /// An index of pieces; followed if it has exactly one.
-    #[error(
-        "a parallel file of {}: one below the directory of the case is read; write it by one process",
-        counted(.0.len(), "piece")
-    )]
-    Pieces(Vec<String>),
-    /// An unknown encoding.
-    #[error("{name} `{found}` is not read: write the file with `{known}`, or without {name}")]
-    Form { name: String, found: String, known: &'static str },
-    /// The number of points differs from that of vertices.
-    #[error(
-        "{found} points where the mesh has {wanted} vertices (rows of vertices.csv): write each of them once; interpolate \
-         elements of another order and discontinuous ones to the continuous element of the case first"
-    )]
-    Points { found: usize, wanted: usize },
-    #[error("no point data `displacement` or `u`; there are: {0}")]
-    NoArray(String),
-    #[error("`{name}` has {found} components where {wanted} are wanted")]
-    Components { name: String, found: usize, wanted: &'static str },
-    #[error("`{0}` is of type Float32, seven digits, which would pass for an error: write Float64")]
-    Single(String),
-    /// An array of another length or kind, or that cannot be decoded.
-    #[error("array `{name}`: {reason}")]
-    Array { name: String, reason: String },
-    #[error("{value} at point {point}")]
-    NotFinite { value: f64, point: usize },
-    /// A displacement out of the plane.
-    #[error("a third component of {value} at point {point}: in the plane it is 0")]
-    OutOfPlane { value: f64, point: usize },
-    /// A point that is not a vertex.
-    #[error(
-        "point {point} at {at:?} is no vertex of the mesh: points are those of the body at rest, as in vertices.csv, to \
-         {near:e}"
-    )]
-    Elsewhere { point: usize, at: [f64; 3], near: f64 },
-    /// Two points at one vertex.
-    #[error(
-        "points {first} and {point} are both vertex {vertex}: write each vertex once; interpolate discontinuous elements \
-         to continuous ones first"
-    )]
-    Twice { first: usize, point: usize, vertex: usize },
-}
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Snapshot {
@@ -155,7 +104,6 @@ fn apart(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&[u8]>), VtuReadError> {
     Ok((Cow::Owned(document), Some(&bytes[head + underscore + 1..])))
 }
 
-/// Parses the XML.
 pub(super) fn xml(text: &str) -> Result<Document<'_>, VtuReadError> {
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     Document::parse_with_options(text, options)

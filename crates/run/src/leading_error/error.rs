@@ -4,7 +4,6 @@ use fem::contact::LoadError;
 /// Why a scene, norm or direction has no predicted constant.
 #[derive(Debug, thiserror::Error)]
 pub enum NoConstant {
-    /// The scene opts out.
     #[error("the scene says constant = false")]
     OptedOut,
     #[error("no exact solution: a reference run knows no constant beforehand")]
@@ -35,7 +34,6 @@ pub enum NoConstant {
     /// The rule's weights depend on the kernel.
     #[error("the time rule weighs the kernel in a way of its own")]
     Rule,
-    /// The linearised step has no solution.
     #[error("the linearised problem is singular at t = {t}")]
     Singular { t: f64 },
     #[error(transparent)]

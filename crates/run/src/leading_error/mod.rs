@@ -22,6 +22,7 @@ mod cells;
 mod contact_answers;
 mod error;
 mod finite;
+mod found;
 mod in_space;
 mod interpolation;
 mod interpolation_stress;
@@ -35,6 +36,7 @@ mod tangent;
 mod time;
 
 pub use error::NoConstant;
+pub use found::{Case, LeadingError, LeadingErrors};
 pub use interpolation::{InterpolationError, interpolation_constant};
 pub use interpolation_stress::StressInterpolationError;
 pub use quadratic::QuadraticError;
@@ -48,52 +50,10 @@ use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Data, Direction, Hypothesis, MeshFamily, Norm};
 
-/// One case, by its mesh and number of steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Case {
-    /// Cells per unit length; none in ℝ^m.
-    pub n: Option<u32>,
-    pub steps: u32,
-}
-
-/// The leading error of one case.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LeadingError {
-    pub case: Case,
-    /// h = 1/n.
-    pub h: Option<f64>,
-    pub k: f64,
-    pub error: f64,
-}
-
-/// Leading errors in one norm, and their limit over the step.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct LeadingErrors {
-    /// One per case, in the order of the cases.
-    pub points: Vec<LeadingError>,
-    /// lim ‖ε(u - I_h u)‖/h at the time of the largest error on the finest mesh; in space only.
-    pub limit: Option<f64>,
-    /// Allowed relative difference of a sound scheme's error on the finest case.
-    pub tolerance: f64,
-}
-
 /// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
 /// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
 /// scene has to state it.
 const IN_TIME: f64 = 1e-4;
-/// I_h u is superclose: ‖ε(I_h u - u_h)‖ is O(h^(3/2)) at worst, so by orthogonality the squares of ‖ε(u - u_h)‖ and
-/// ‖ε(u - I_h u)‖ differ by a share O(h), and so does a time error along I_h u in place of u_h. That share, over h by
-/// the length of the body, is at most 0.13 on the finest meshes of the shipped scenes; a third leaves a factor 2.5.
-const SUPERCLOSE: f64 = 1.0 / 3.0;
-/// On meshes coarser than 1/16 the next terms count, and the scene has to state how much.
-const COARSEST: f64 = 0.02;
-
-/// Allowed relative difference of an error on mesh size h from that of the interpolant.
-fn along_the_interpolant(setup: &Setup, h: f64) -> f64 {
-    let domain = &setup.body.domain;
-    let length = domain.measure().powf(1.0 / setup.scene.dimension as f64);
-    (SUPERCLOSE * h / length).min(COARSEST)
-}
 /// Steps beyond which direct sums are not worth their cost: the error is long asymptotic.
 const MOST_STEPS: u32 = 1024;
 
@@ -207,7 +167,9 @@ fn in_time_direction(
     ns.sort_unstable();
     ns.dedup();
     let tolerance = match (measured.norm, ns.last()) {
-        (Norm::VTimeMax, Some(&n)) => along_the_interpolant(setup, setup.body.domain.h(n)),
+        (Norm::VTimeMax, Some(&n)) => {
+            interpolation::along_the_interpolant(setup, setup.body.domain.h(n))
+        }
         _ => IN_TIME,
     };
     let in_space = measured.norm != Norm::VTimeMax && !interpolated;

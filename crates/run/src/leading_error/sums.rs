@@ -84,10 +84,8 @@ pub(super) type Pair<T> = [T; 2];
 ///
 /// Other sums are recomputed.
 pub(super) struct Sums<'a> {
-    /// One per kernel.
     weights: Vec<Weights>,
     times: &'a [f64],
-    /// The current level n.
     level: usize,
     kernels: Vec<Sum>,
     /// v_0, …, v_{n-1}, if a kernel needs them.

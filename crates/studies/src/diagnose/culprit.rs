@@ -13,7 +13,6 @@ pub enum Finding {
     Two(Suspect, Suspect),
     /// Trials fail, and no two suspects explain them.
     Unexplained,
-    /// No trial fails.
     NothingFails,
     /// What the scene predicts, not its solver: the errors are those that the exact solution has.
     Prediction,
@@ -34,7 +33,7 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
         return Finding::NothingFails;
     }
     let bare = |outcome: &&&Outcome| {
-        outcome.suspects.iter().all(|&own| is_everywhere(own) || own == Suspect::Space)
+        outcome.suspects.iter().all(|&suspect| is_everywhere(suspect) || suspect == Suspect::Space)
     };
     let bare_fails = failed.iter().any(|outcome| bare(&outcome));
     let acquitted = |suspect: Suspect| is_everywhere(suspect) && !bare_fails;
@@ -65,7 +64,7 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
     }
 }
 
-/// What every run has: it explains every failure, and is a suspect only where a run fails that has no more.
+/// Whether every run has it: then it explains every failure, and is suspected only if a run with nothing else fails.
 fn is_everywhere(suspect: Suspect) -> bool {
     matches!(suspect, Suspect::Elasticity | Suspect::Loads)
 }

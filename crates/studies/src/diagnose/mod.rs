@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 pub use culprit::{Finding, culprit, sentence};
 pub use outcome::{EXACT_WITHIN, Outcome, Prepare};
-pub use term::{Suspect, Terms};
+pub use term::{SceneTerms, Suspect};
 pub use trial::{Question, Trial, trials_in_space, trials_in_time};
 
 use judge::verdict::{Decision, Variable, Verdict};
@@ -34,7 +34,7 @@ use scene::{Body, Data, Direction, Extension, Scene};
 pub struct Diagnosis {
     /// Name of the scene.
     pub scene: String,
-    /// The scene's own verdicts.
+    /// Verdicts of the scene, before any trial.
     pub verdicts: Vec<Verdict>,
     /// The trials, empty where nothing had to be diagnosed.
     pub outcomes: Vec<Outcome>,
@@ -75,7 +75,8 @@ pub fn diagnose(
         return Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence });
     }
     let wrongly: Vec<&Verdict> = verdicts.iter().filter(wrong).collect();
-    let contradicted: Vec<String> = wrongly.iter().filter_map(|own| contradiction(own)).collect();
+    let contradicted: Vec<String> =
+        wrongly.iter().filter_map(|verdict| contradiction(verdict)).collect();
     if !always && contradicted.len() == wrongly.len() {
         let finding = Finding::Prediction;
         let sentence = format!("{}: {}", sentence(&finding, &[]), contradicted.join("; "));
@@ -104,8 +105,9 @@ fn contradiction(verdict: &Verdict) -> Option<String> {
     })
 }
 
-/// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the scene's own cases, and
-/// the first trial of each ladder, of which the others lack a term. A scene or trial that cannot be set up takes none.
+/// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the cases of the scene,
+/// and the first trial of each ladder, of which the others lack a term. A scene or trial that cannot be set up takes
+/// none.
 ///
 /// # Errors
 /// [`Refused`].
@@ -115,7 +117,7 @@ pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Resul
     }
     let first = |trials: Vec<Trial>| trials.into_iter().next().map(|trial| (trial.scene, jobs));
     let ladders = [first(trials_in_time(scene)), first(trials_in_space(scene))];
-    // Trials run side by side, each with meshes of its own.
+    // Trials run side by side, and share no mesh.
     for (scene, times) in std::iter::once((scene.clone(), 1)).chain(ladders.into_iter().flatten()) {
         let Ok(subject) = Subject::new(scene) else { continue };
         let plan = ScenePlan::new(subject, &Overrides::default());

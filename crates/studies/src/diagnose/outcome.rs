@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::term::{Suspect, Terms};
+use super::term::{SceneTerms, Suspect};
 use super::trial::{Question, Trial};
 use algebra::linalg::larger;
 use fem::contact::{KKT_ALLOWED, LoadError, kkt_residual};
@@ -90,7 +90,6 @@ pub(crate) fn run_cases(scene: &Scene, prepare: &Prepare<'_>) -> Result<Cases, S
     Ok(Cases { plan, records, meshes })
 }
 
-/// Runs a trial and judges it.
 pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     let mut outcome = Outcome {
         name: trial.scene.name.clone(),
@@ -124,13 +123,13 @@ pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
         }
         Question::Exact => exactness(&cases, &mut outcome),
     }
-    if trial.terms == Terms::NONE && outcome.decision == Decision::Fail {
+    if trial.terms == SceneTerms::NONE && outcome.decision == Decision::Fail {
         outcome.suspects.retain(|&suspect| suspect != acquitted(&cases));
     }
     outcome
 }
 
-/// Of elasticity and loads the one that is not at fault: what solves the equations of its own 𝒜 under
+/// Of elasticity and loads the one that is not at fault: what solves the equations of its 𝒜 under
 /// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
 fn acquitted(cases: &Cases) -> Suspect {
     let solves = |(setup, data, record): (&Setup, &MeshData, &CaseRecord)| -> bool {

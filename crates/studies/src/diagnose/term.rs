@@ -4,7 +4,7 @@ use scene::ContactScene;
 
 /// The terms of (5.1)-(5.5) that a variant of a scene has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Terms {
+pub struct SceneTerms {
     /// ℬ.
     pub memory: bool,
     /// μ(ε - P ε).
@@ -17,9 +17,9 @@ pub struct Terms {
     pub gap: bool,
 }
 
-impl Terms {
+impl SceneTerms {
     /// No term: linear elasticity.
-    pub const NONE: Terms = Terms {
+    pub const NONE: SceneTerms = SceneTerms {
         memory: false,
         projection: false,
         accumulation: false,
@@ -27,7 +27,6 @@ impl Terms {
         gap: false,
     };
 
-    /// The terms of a scene.
     pub(crate) fn of(body: &ContactScene) -> Self {
         let projection = body.material.projection.as_ref().filter(|p| p.mu > 0.0);
         let contact = body.contact.as_ref();
@@ -41,14 +40,14 @@ impl Terms {
     }
 
     /// Each term with the terms that remain without it; ζ goes with the projection that it acts on.
-    pub(crate) fn removals(self) -> Vec<(Suspect, Terms)> {
-        let without_projection = Terms { projection: false, accumulation: false, ..self };
+    pub(crate) fn removals(self) -> Vec<(Suspect, SceneTerms)> {
+        let without_projection = SceneTerms { projection: false, accumulation: false, ..self };
         [
             (self.projection, Suspect::Projection, without_projection),
-            (self.accumulation, Suspect::Accumulation, Terms { accumulation: false, ..self }),
-            (self.memory, Suspect::Memory, Terms { memory: false, ..self }),
-            (self.compliance, Suspect::Compliance, Terms { compliance: false, ..self }),
-            (self.gap, Suspect::Gap, Terms { gap: false, ..self }),
+            (self.accumulation, Suspect::Accumulation, SceneTerms { accumulation: false, ..self }),
+            (self.memory, Suspect::Memory, SceneTerms { memory: false, ..self }),
+            (self.compliance, Suspect::Compliance, SceneTerms { compliance: false, ..self }),
+            (self.gap, Suspect::Gap, SceneTerms { gap: false, ..self }),
         ]
         .into_iter()
         .filter(|(present, ..)| *present)
@@ -151,7 +150,6 @@ impl Suspect {
         }
     }
 
-    /// Its name in a sentence.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Suspect::Projection => "the projection term mu (eps - P eps)",

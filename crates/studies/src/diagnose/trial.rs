@@ -1,6 +1,6 @@
 //! The trials of a diagnosis: which variants of a scene are run, and what each must show.
 
-use super::term::{Suspect, Terms};
+use super::term::{SceneTerms, Suspect};
 use super::variant::{
     Course, asked, at_least, factor_rate, in_space, on_course, single_rate, with_memory,
     with_projection, with_terms,
@@ -24,7 +24,7 @@ pub struct Trial {
     /// What is asked of it.
     pub question: Question,
     /// Its terms.
-    pub terms: Terms,
+    pub terms: SceneTerms,
     /// What takes part in it.
     pub suspects: Vec<Suspect>,
     /// The term that it lacks, in the ladder of removals.
@@ -42,7 +42,7 @@ const STEPS_IN_SPACE: usize = 8;
 struct Design<'a> {
     scene: &'a Scene,
     body: &'a ContactScene,
-    terms: Terms,
+    terms: SceneTerms,
     n: usize,
     trials: Vec<Trial>,
 }
@@ -50,7 +50,7 @@ struct Design<'a> {
 /// The trials in V^h: all terms, each term removed, each term alone. Without contact scene: none.
 pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
-    let terms = Terms::of(body);
+    let terms = SceneTerms::of(body);
     let n = coarse_mesh(scene);
     let mut design = Design { scene, body, terms, n, trials: Vec::new() };
     design.removals();
@@ -61,25 +61,25 @@ pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
 /// The trials outside V^h, for an order in h: all terms, each term removed, elasticity alone.
 pub fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
-    let terms = Terms::of(body);
+    let terms = SceneTerms::of(body);
     let listed = scene.sweep.as_ref().map_or(Vec::new(), |sweep| sweep.n.clone());
     let mut n: Vec<usize> = listed.into_iter().filter(|&n| n <= FINEST).collect();
     n.sort_unstable();
-    let own = predicted(scene, Direction::H);
-    let order = own.map_or(1.0, |prediction| prediction.order);
+    let promised = predicted(scene, Direction::H);
+    let order = promised.map_or(1.0, |prediction| prediction.order);
     // The variants keep u and drop the claim on its regularity: where u is not in H² the interpolation error is not what
     // C_h must be.
     let singular = scene.violates.contains(&Hypothesis::RegularInSpace);
-    let constant = !singular && own.is_none_or(|prediction| prediction.constant);
+    let constant = !singular && promised.is_none_or(|prediction| prediction.constant);
     let why = "(5.26)";
     let mut variants = vec![("all terms, in h".to_owned(), None, terms)];
     for (suspect, rest) in terms.removals() {
         variants.push((format!("without {}, in h", suspect.name()), Some(suspect), rest));
     }
-    if terms != Terms::NONE {
-        variants.push(("elasticity alone, in h".into(), None, Terms::NONE));
+    if terms != SceneTerms::NONE {
+        variants.push(("elasticity alone, in h".into(), None, SceneTerms::NONE));
     }
-    let trial = |(name, removed, kept): (String, Option<Suspect>, Terms)| {
+    let trial = |(name, removed, kept): (String, Option<Suspect>, SceneTerms)| {
         let mut suspects = kept.suspects();
         suspects.push(Suspect::Space);
         let question = Prediction { constant, ..at_least(Direction::H, order, why) };
@@ -93,30 +93,30 @@ impl Design<'_> {
     /// u(t) in V^h with all terms, and with each term removed.
     fn removals(&mut self) {
         let terms = self.terms;
-        self.own_course("all terms".into(), terms, None);
+        self.course_of_scene("all terms".into(), terms, None);
         for (suspect, rest) in terms.removals() {
-            if rest != Terms::NONE {
-                self.own_course(format!("without {}", suspect.name()), rest, Some(suspect));
+            if rest != SceneTerms::NONE {
+                self.course_of_scene(format!("without {}", suspect.name()), rest, Some(suspect));
             }
         }
     }
 
     /// Each term alone, on a course on which its history is integrated exactly where there is one.
     fn alone(&mut self) {
-        let Terms { projection, compliance, gap, .. } = self.terms;
+        let SceneTerms { projection, compliance, gap, .. } = self.terms;
         let pointwise = [
-            (projection, "projection alone", Terms { projection, ..Terms::NONE }),
-            (compliance, "law alone", Terms { compliance, ..Terms::NONE }),
-            (gap, "gap alone", Terms { gap, ..Terms::NONE }),
+            (projection, "projection alone", SceneTerms { projection, ..SceneTerms::NONE }),
+            (compliance, "law alone", SceneTerms { compliance, ..SceneTerms::NONE }),
+            (gap, "gap alone", SceneTerms { gap, ..SceneTerms::NONE }),
         ];
-        self.own_course("elasticity alone".into(), Terms::NONE, None);
+        self.course_of_scene("elasticity alone".into(), SceneTerms::NONE, None);
         for (present, name, kept) in pointwise {
             if present && kept != self.terms {
-                self.own_course(name.into(), kept, None);
+                self.course_of_scene(name.into(), kept, None);
             }
         }
-        let still = Terms { memory: false, ..self.terms };
-        if self.terms.has_history() && still != Terms::NONE {
+        let still = SceneTerms { memory: false, ..self.terms };
+        if self.terms.has_history() && still != SceneTerms::NONE {
             self.exact("u constant in time", still, Course::Constant, |scene| scene);
         }
         self.zeta_alone();
@@ -125,7 +125,7 @@ impl Design<'_> {
 
     /// κ(ζ) of the scene, or of a control: the time rule must serve it as well as memory.
     fn zeta_alone(&mut self) {
-        let kept = Terms { projection: true, accumulation: true, ..Terms::NONE };
+        let kept = SceneTerms { projection: true, accumulation: true, ..SceneTerms::NONE };
         // What the rule integrates exactly.
         let course = match self.scene.time.rule {
             TimeRule::Left => Course::Constant,
@@ -139,30 +139,32 @@ impl Design<'_> {
     }
 
     fn memory_alone(&mut self) {
-        let kept = Terms { memory: true, ..Terms::NONE };
+        let kept = SceneTerms { memory: true, ..SceneTerms::NONE };
         let control = 1.0 / self.scene.time.horizon;
         // Of several terms none is taken alone: their course is that of the scene.
-        let own = &self.body.material.memory;
+        let terms = &self.body.material.memory;
         let course = match self.scene.time.rule {
-            TimeRule::Trapezoid => match &own[..] {
+            TimeRule::Trapezoid => match &terms[..] {
                 [] => Some(Course::Fading(control)),
                 [memory] => single_rate(memory).map(Course::Fading),
                 _ => None,
             },
             // v, or the product of it with what a singular kernel has beside its power, is interpolated linearly.
-            TimeRule::ProductIntegration => match &own[..] {
+            TimeRule::ProductIntegration => match &terms[..] {
                 [memory] if memory.singular.is_some() => {
                     factor_rate(&self.scene.formulas, memory).map(Course::Fading)
                 }
-                terms if terms.iter().all(|term| term.singular.is_none()) => Some(Course::Linear),
+                several if several.iter().all(|term| term.singular.is_none()) => {
+                    Some(Course::Linear)
+                }
                 _ => None,
             },
             TimeRule::Left | TimeRule::Gregory { .. } | TimeRule::CorrectedEnd { .. } => None,
         };
-        match (own.first(), course) {
+        match (terms.first(), course) {
             (Some(_), Some(course)) => self.exact("memory alone", kept, course, |scene| scene),
             (Some(_), None) if kept != self.terms => {
-                self.own_course("memory alone".into(), kept, None);
+                self.course_of_scene("memory alone".into(), kept, None);
             }
             (None, Some(course)) => {
                 self.exact("memory alone, a control", kept, course, with_memory)
@@ -171,8 +173,8 @@ impl Design<'_> {
         }
     }
 
-    /// A trial with the scene's own u(t), in V^h: exact unless there is a history.
-    fn own_course(&mut self, name: String, kept: Terms, removed: Option<Suspect>) {
+    /// A trial with u(t) of the scene, in V^h: exact unless there is a history.
+    fn course_of_scene(&mut self, name: String, kept: SceneTerms, removed: Option<Suspect>) {
         let order = kept.has_history().then(|| order_in_k(self.scene));
         let variant = in_space(with_terms(self.scene, kept));
         let coarsest = [self.coarse_steps()];
@@ -183,25 +185,27 @@ impl Design<'_> {
         self.trials.push(Trial { scene, question, terms: kept, suspects, removed });
     }
 
-    fn exact(&mut self, name: &str, kept: Terms, course: Course, change: fn(Scene) -> Scene) {
+    fn exact(&mut self, name: &str, kept: SceneTerms, course: Course, change: fn(Scene) -> Scene) {
         let variant = change(on_course(with_terms(self.scene, kept), course));
         let scene = asked(variant, name, &[self.n], &[self.coarse_steps()], None);
         let (question, suspects) = (Question::Exact, kept.suspects());
         self.trials.push(Trial { scene, question, terms: kept, suspects, removed: None });
     }
 
-    /// Exactness needs no fine grid; four levels see every kind of weight, and the scene's own coarsest
+    /// Exactness needs no fine grid; four levels see every kind of weight, and the scene's coarsest
     /// step is known to be solvable.
     fn coarse_steps(&self) -> usize {
-        let own = self.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
-        own.unwrap_or(4).max(4)
+        let coarsest =
+            self.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
+        coarsest.unwrap_or(4).max(4)
     }
 }
 
 /// The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
 fn coarse_mesh(scene: &Scene) -> usize {
-    let own = scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(8);
-    if own > 8 && scene.check_cells(8).is_ok() { 8 } else { own }
+    let coarsest =
+        scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(8);
+    if coarsest > 8 && scene.check_cells(8).is_ok() { 8 } else { coarsest }
 }
 
 fn predicted(scene: &Scene, variable: Direction) -> Option<&Prediction> {
@@ -210,9 +214,9 @@ fn predicted(scene: &Scene, variable: Direction) -> Option<&Prediction> {
 
 /// What Theorem 7 gives of u(t) ∈ V^h, or the order that the scene predicts where it violates a hypothesis of it.
 fn order_in_k(scene: &Scene) -> Prediction {
-    let own = predicted(scene, Direction::K).map(|own| own.order.min(2.0));
+    let promised = predicted(scene, Direction::K).map(|prediction| prediction.order.min(2.0));
     let smooth = !scene.violates.contains(&Hypothesis::RegularInTime);
-    // Without a prediction of its own, a scene that is not smooth in time promises no more than order 1.
-    let order = own.unwrap_or(if smooth { 2.0 } else { 1.0 });
+    // A scene without a prediction that is not smooth in time promises no more than order 1.
+    let order = promised.unwrap_or(if smooth { 2.0 } else { 1.0 });
     at_least(Direction::K, order, "Theorem 7, (3.17), u(t) in V^h")
 }

@@ -1,9 +1,9 @@
 //! Variants of a scene: terms removed, u(t) put into V^h, or replaced by a profile whose history is integrated exactly.
 //!
-//! The loads of a variant are derived from its own exact solution and its own terms, so each of them is
+//! The loads of a variant are derived from its exact solution and its terms, so each of them is
 //! a sound manufactured scene, and whatever it shows is the solver's doing.
 
-use super::term::Terms;
+use super::term::SceneTerms;
 use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 use scene::{
     Body, ContactScene, Data, Direction, Domain, Expectation, Hypothesis, LoadForm, Norm,
@@ -34,7 +34,7 @@ fn body_mut(scene: &mut Scene) -> Option<&mut ContactScene> {
 }
 
 /// The scene with no terms but `kept`; u stays what it is.
-pub(super) fn with_terms(scene: &Scene, kept: Terms) -> Scene {
+pub(super) fn with_terms(scene: &Scene, kept: SceneTerms) -> Scene {
     let mut scene = scene.clone();
     // Claims about regularity speak of terms that may be gone.
     scene

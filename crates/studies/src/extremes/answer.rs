@@ -12,7 +12,7 @@ pub type Prepare<'a> = dyn Fn(Setup) -> Setup + Sync + 'a;
 
 /// The discrete solution at all levels, and its errors where the exact one is known.
 #[derive(Debug, Clone, Default)]
-pub struct Answer {
+pub struct SceneAnswer {
     /// Nodal displacements, level after level.
     pub displacement: Vec<f64>,
     /// Stresses of the cells (Mandel).
@@ -33,7 +33,7 @@ pub struct Answer {
 
 /// Why there is no answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NoAnswer {
+pub enum Unanswered {
     /// A typed error of scene, setup or solver: its first line.
     #[error("{0}")]
     Refused(String),
@@ -42,7 +42,7 @@ pub enum NoAnswer {
     Panicked(String),
 }
 
-impl NoAnswer {
+impl Unanswered {
     pub(super) fn refused(error: impl std::fmt::Display) -> Self {
         let text = error.to_string();
         let first = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
@@ -51,27 +51,32 @@ impl NoAnswer {
 }
 
 /// `run`, with a panic as a value: the other rungs go on.
-pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, NoAnswer>) -> Result<T, NoAnswer> {
-    without_panic(|| Ok(run())).unwrap_or_else(|text| Err(NoAnswer::Panicked(text)))
+pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, Unanswered>) -> Result<T, Unanswered> {
+    without_panic(|| Ok(run())).unwrap_or_else(|text| Err(Unanswered::Panicked(text)))
 }
 
 /// A scene set up from its text.
 ///
 /// # Errors
 /// What scene or setup refuse.
-pub fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, NoAnswer> {
+pub fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, Unanswered> {
     let source = Source::from_text("extreme.toml", text);
-    let scene = Scene::from_source(source).map_err(NoAnswer::refused)?;
-    Ok(prepare(Setup::new(scene).map_err(NoAnswer::refused)?))
+    let scene = Scene::from_source(source).map_err(Unanswered::refused)?;
+    Ok(prepare(Setup::new(scene).map_err(Unanswered::refused)?))
 }
 
 /// Solves a scene, given by its text, on the mesh n with so many steps.
 ///
 /// # Errors
 /// What scene, setup or solver refuse.
-pub fn solve(text: String, n: u32, steps: u32, prepare: &Prepare<'_>) -> Result<Answer, NoAnswer> {
+pub fn solve(
+    text: String,
+    n: u32,
+    steps: u32,
+    prepare: &Prepare<'_>,
+) -> Result<SceneAnswer, Unanswered> {
     let setup = set_up(text, prepare)?;
-    let data = MeshData::new(&setup, n, None).map_err(NoAnswer::refused)?;
+    let data = MeshData::new(&setup, n, None).map_err(Unanswered::refused)?;
     march(&setup, &data, steps)
 }
 
@@ -79,8 +84,8 @@ pub fn solve(text: String, n: u32, steps: u32, prepare: &Prepare<'_>) -> Result<
 ///
 /// # Errors
 /// The solver's.
-pub fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<Answer, NoAnswer> {
-    let mut answer = Answer::default();
+pub fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<SceneAnswer, Unanswered> {
+    let mut answer = SceneAnswer::default();
     let exact = setup.exact.is_some();
     let info = setup.scheme.march(setup, data, steps, &mut |view| {
         let fields = LevelFields::of(&data.space, &setup.model, view);
@@ -98,14 +103,14 @@ pub fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<Answer, NoAns
         }
         Ok(())
     });
-    let info = info.map_err(NoAnswer::refused)?;
+    let info = info.map_err(Unanswered::refused)?;
     answer.iterations = info.newton_iterations;
     answer.kkt = info.kkt_residual;
     Ok(answer)
 }
 
-impl Answer {
-    /// The largest difference of two answers over all fields, each relative to the larger of its own
+impl SceneAnswer {
+    /// The largest difference of two answers over all fields, each relative to the larger of its two
     /// sizes; errors relative to the size of what they are errors of. NaN where the fields do not match.
     pub fn distance(&self, other: &Self) -> f64 {
         let pairs = [

@@ -17,15 +17,15 @@ const SAME: f64 = 1e-12;
 pub(crate) fn subnormal() -> Ladder {
     const LOAD: &str = "[loads]\nbody = [\"0\", \"-3*t*x\"]\n";
     type Body = fn(String) -> SceneText;
-    let beside = |label: &'static str, body: Body, own: &'static str, without: &'static str| {
+    let beside = |label: &'static str, body: Body, with: &'static str, without: &'static str| {
         Rung::new(label, Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
-            let [own, known] = [own, without].map(|term| {
+            let [found, known] = [with, without].map(|term| {
                 let text = body(format!("{term}{LOAD}")).text();
                 solve(text, 4, 4, under_test.prepare)
             });
-            let (own, known) = (own?, known?);
-            let distance = relative(&own.displacement, &known.displacement);
-            Ok(Measured::of(distance, &own))
+            let (found, known) = (found?, known?);
+            let distance = relative(&found.displacement, &known.displacement);
+            Ok(Measured::of(distance, &found))
         })
     };
     let alone = Rung::new(
@@ -72,10 +72,10 @@ pub(crate) fn sliver() -> Ladder {
             );
             let exact = SMOOTH.replace("pi*x", &format!("pi*(x - {shear:?}*y)"));
             let text = SceneText { domain, ..SceneText::free(exact) }.text();
-            let own = InSpace::run(text, 8, under_test)?;
+            let found = InSpace::run(text, 8, under_test)?;
             let angle = (1.0 / shear.max(1.0)).to_degrees();
             let note = format!("angles down to about {angle:.1e} degrees");
-            Ok(Measured::of(own.ratio([1.0, 1.0]), &own.answer).noted(note))
+            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer).noted(note))
         })
     };
     Ladder {

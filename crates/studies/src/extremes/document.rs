@@ -1,6 +1,6 @@
 //! All ladders climbed, in words and tables.
 
-use super::judge::{Row, Standing};
+use super::judge::{RungRow, Standing};
 use super::rung::Ladder;
 use super::table::map;
 use files::counted;
@@ -13,7 +13,7 @@ pub struct Climbed {
     /// What was turned, and why something was expected.
     pub ladders: Vec<Ladder>,
     /// One row per rung.
-    pub rungs: Vec<Row>,
+    pub rungs: Vec<RungRow>,
 }
 
 impl Climbed {
@@ -27,19 +27,19 @@ impl Climbed {
     /// # Errors
     /// The drawing library's.
     pub fn document(&self) -> Result<StudyDocument, ReportError> {
-        let mut own = StudyDocument::new(Chapter::Extremes, "Ladders and rungs");
+        let mut document = StudyDocument::new(Chapter::Extremes, "Ladders and rungs");
         let wrong = self.rungs.iter().filter(|rung| !rung.standing.as_expected());
         let failures = wrong.map(|rung| {
             format!("{} at {}: {} ({})", rung.ladder, rung.at, rung.standing.words(), rung.note)
         });
         let all = format!("{}, every one as expected.", counted(self.rungs.len(), "rung"));
-        own.verdict(self.holds(), &all, failures.collect());
-        own.table(
+        document.verdict(self.holds(), &all, failures.collect());
+        document.table(
             "Ladders: what is turned, what is measured, why it is expected, and how many rungs were as expected, refused as expected, or not as expected.",
             &["ladder", "parameter", "measured", "because", ">as expected", ">refused", ">not"],
             self.ladders.iter().map(|ladder| self.ladder(ladder)).collect(),
         );
-        own.table(
+        document.table(
             "Rungs: what was expected and measured, the decimal digits that rounding took, Newton iterations per level, the largest KKT residual.",
             &[
                 "ladder", "at", "expected", ">measured", ">digits lost", ">iterations", ">KKT", "is",
@@ -48,15 +48,16 @@ impl Climbed {
             self.rungs.iter().map(rung).collect(),
         );
         let shows = "every rung of the ladders against its expectation (sweep extremes).";
-        own.figure("extremes", shows, Some(map(&self.ladders, &self.rungs)?));
-        Ok(own)
+        document.figure("extremes", shows, Some(map(&self.ladders, &self.rungs)?));
+        Ok(document)
     }
 
     fn ladder(&self, ladder: &Ladder) -> Vec<Run> {
-        let own = || self.rungs.iter().filter(|rung| rung.ladder == ladder.name);
-        let count = |standing: Standing| own().filter(|rung| rung.standing == standing).count();
+        let of_ladder = || self.rungs.iter().filter(|rung| rung.ladder == ladder.name);
+        let count =
+            |standing: Standing| of_ladder().filter(|rung| rung.standing == standing).count();
         let [good, refused] = [Standing::AsExpected, Standing::RefusedAsExpected].map(count);
-        let wrong = own().count() - good - refused;
+        let wrong = of_ladder().count() - good - refused;
         let tone = if wrong == 0 { Tone::Plain } else { Tone::Miss };
         let words = [ladder.name, ladder.parameter, ladder.quantity, ladder.why].map(Run::plain);
         let counts = [good, refused].map(|count| Run::plain(count.to_string()));
@@ -64,7 +65,7 @@ impl Climbed {
     }
 }
 
-fn rung(rung: &Row) -> Vec<Run> {
+fn rung(rung: &RungRow) -> Vec<Run> {
     let tone = if rung.standing.as_expected() { Tone::Plain } else { Tone::Miss };
     let short = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1e}"));
     let digit = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1}"));

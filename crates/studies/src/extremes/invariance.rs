@@ -18,15 +18,15 @@ fn difference(
     scenes: &[Unitless],
     units: Units,
     under_test: &UnderTest<'_>,
-) -> Result<Measured, super::answer::NoAnswer> {
+) -> Result<Measured, super::answer::Unanswered> {
     let mut worst: Option<Measured> = None;
     for scene in scenes {
         let run = |units: Units| {
             let answer = solve(scene.text(&units), 4, 4, under_test.prepare)?;
-            Ok::<_, super::answer::NoAnswer>(units.nondimensional(answer, scene.dimension()))
+            Ok::<_, super::answer::Unanswered>(units.nondimensional(answer, scene.dimension()))
         };
-        let (own, known) = (run(units)?, run(Units::default())?);
-        let here = Measured::of(own.distance(&known), &own).noted(scene.name());
+        let (found, known) = (run(units)?, run(Units::default())?);
+        let here = Measured::of(found.distance(&known), &found).noted(scene.name());
         let before = worst.as_ref().map_or(-1.0, |worst| worst.value);
         if larger(here.value, before) != before {
             worst = Some(here);

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::UnderTest;
-use super::answer::{NoAnswer, caught};
+use super::answer::{Unanswered, caught};
 use super::rung::{Expected, Ladder, Measured, Rung};
 use fem::contact::KKT_ALLOWED;
 
@@ -11,13 +11,10 @@ use fem::contact::KKT_ALLOWED;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
-    /// It measured what was expected.
     AsExpected,
-    /// It was refused, as expected.
     RefusedAsExpected,
     /// It measured something else, or was refused against expectation, or was not.
     NotAsExpected,
-    /// It panicked.
     Failed,
 }
 
@@ -27,7 +24,6 @@ impl Standing {
         matches!(self, Self::AsExpected | Self::RefusedAsExpected)
     }
 
-    /// The outcome in words.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::AsExpected => "as expected",
@@ -40,7 +36,7 @@ impl Standing {
 
 /// One row of the table.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Row {
+pub struct RungRow {
     /// The ladder.
     pub ladder: &'static str,
     /// The value of its parameter.
@@ -67,14 +63,14 @@ pub struct Row {
 }
 
 /// Runs one rung; a panic is a failed row and not the end of the others.
-pub fn judge(ladder: &Ladder, rung: &Rung, under_test: &UnderTest<'_>) -> Row {
+pub fn judge(ladder: &Ladder, rung: &Rung, under_test: &UnderTest<'_>) -> RungRow {
     let start = Instant::now();
     let outcome = caught(|| (rung.run)(under_test));
     let (standing, note) = standing(&rung.expected, &outcome);
     let measured = outcome.ok();
     let value = measured.as_ref().map(|measured| measured.value);
     let error = matches!(rung.expected, Expected::AtMost(most) if most < LARGEST_ERROR);
-    Row {
+    RungRow {
         ladder: ladder.name,
         at: rung.at.clone(),
         quantity: ladder.quantity,
@@ -101,18 +97,18 @@ fn in_words(expected: &Expected) -> String {
 }
 
 /// The verdict on an outcome, with the remark or the reason. NaN is as expected nowhere.
-pub fn standing(expected: &Expected, outcome: &Result<Measured, NoAnswer>) -> (Standing, String) {
+pub fn standing(expected: &Expected, outcome: &Result<Measured, Unanswered>) -> (Standing, String) {
     let not = |reason: String| (Standing::NotAsExpected, reason);
     match (outcome, expected) {
-        (Err(error @ NoAnswer::Panicked(_)), _) => (Standing::Failed, error.to_string()),
-        (Err(NoAnswer::Refused(said)), Expected::Refused(saying)) => {
+        (Err(error @ Unanswered::Panicked(_)), _) => (Standing::Failed, error.to_string()),
+        (Err(Unanswered::Refused(said)), Expected::Refused(saying)) => {
             if said.contains(saying) {
                 (Standing::RefusedAsExpected, said.clone())
             } else {
                 not(format!("refused for another reason: {said}"))
             }
         }
-        (Err(NoAnswer::Refused(said)), _) => not(format!("refused: {said}")),
+        (Err(Unanswered::Refused(said)), _) => not(format!("refused: {said}")),
         (Ok(measured), Expected::Refused(_)) => {
             not(format!("not refused: it answered {:.3e}", measured.value))
         }
@@ -122,7 +118,7 @@ pub fn standing(expected: &Expected, outcome: &Result<Measured, NoAnswer>) -> (S
                 Expected::Within([low, high]) => (*low..=*high).contains(&measured.value),
                 Expected::Refused(_) => false,
             };
-            // A solver that does not watch its own residual is watched here.
+            // A solver may stop without a look at its residual.
             let balanced = measured.kkt.is_none_or(|kkt| kkt <= KKT_ALLOWED);
             match (met, balanced) {
                 (true, true) => (Standing::AsExpected, measured.note.clone()),

@@ -1,7 +1,7 @@
 //! Ladders of the projection, μ and κ, and of u(t) through zero, on exact solutions in V^h.
 
 use super::UnderTest;
-use super::answer::{Answer, NoAnswer, solve};
+use super::answer::{SceneAnswer, Unanswered, solve};
 use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
 use super::scene_text::SceneText;
 use super::small::step_in_words;
@@ -20,12 +20,12 @@ fn in_space(projection: &str, course: &str) -> String {
 }
 
 /// The largest error of the stresses relative to them.
-fn stress_error(answer: &Answer) -> f64 {
+fn stress_error(answer: &SceneAnswer) -> f64 {
     // An L² norm on the unit square against the largest entry: at most √3 above, and of its order.
     answer.errors.map_or(f64::NAN, |errors| errors[2]) / largest(&answer.stress)
 }
 
-fn strain_error(answer: &Answer) -> f64 {
+fn strain_error(answer: &SceneAnswer) -> f64 {
     // ‖ε(u)‖ of the profile is 0.5 at its largest; the displacement is 0.2 there.
     answer.errors.map_or(f64::NAN, |errors| errors[0]) / largest(&answer.displacement)
 }
@@ -33,9 +33,9 @@ fn strain_error(answer: &Answer) -> f64 {
 fn projected(
     mu: f64,
     kappa: f64,
-    value: fn(&Answer) -> f64,
+    value: fn(&SceneAnswer) -> f64,
     under_test: &UnderTest<'_>,
-) -> Result<Measured, NoAnswer> {
+) -> Result<Measured, Unanswered> {
     let projection = format!("[material.projection]\nmu = {mu:?}\nkappa = \"{kappa:?}\"\n");
     let answer = solve(in_space(&projection, "(0.2 + t)"), 8, 4, under_test.prepare)?;
     Ok(Measured::of(value(&answer), &answer))
@@ -97,7 +97,7 @@ pub(crate) fn through_zero() -> Ladder {
         let projection = "[material.projection]\nmu = 1.0\nkappa = \"0.02 + 0.5*zeta\"\n";
         let answer =
             solve(in_space(projection, &format!("(t - {at:?})")), 4, steps, under_test.prepare)?;
-        Ok::<_, NoAnswer>((strain_error(&answer), answer))
+        Ok::<_, Unanswered>((strain_error(&answer), answer))
     };
     let between = |label: &str, at: f64| {
         let slope = 2.0 + (kink(at, 8) / kink(at, 64)).log2() / 3.0;
@@ -188,7 +188,7 @@ fn remembered(
     steps: u32,
     n: u32,
     under_test: &UnderTest<'_>,
-) -> Result<(Answer, f64), NoAnswer> {
+) -> Result<(SceneAnswer, f64), Unanswered> {
     let answer = solve(remembering(factor, horizon), n, steps, under_test.prepare)?;
     let error = strain_error(&answer);
     Ok((answer, error))

@@ -19,9 +19,9 @@ mod touching;
 mod under_test;
 mod units;
 
-pub use answer::{Answer, NoAnswer, Prepare, march, set_up, solve};
+pub use answer::{Prepare, SceneAnswer, Unanswered, march, set_up, solve};
 pub use document::Climbed;
-pub use judge::{Row, Standing, judge, standing};
+pub use judge::{RungRow, Standing, judge, standing};
 pub use memory::admit;
 pub use rung::{Expected, Ladder, Largest, Measured, Run, Rung};
 pub use table::COLUMNS;

@@ -1,14 +1,12 @@
 //! Ladders: one parameter from the ordinary to the extreme, and what each rung must show.
 
 use super::UnderTest;
-use super::answer::{Answer, NoAnswer};
+use super::answer::{SceneAnswer, Unanswered};
 
 /// What a rung must show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Expected {
-    /// The measured number is at most this.
     AtMost(f64),
-    /// The measured number lies in this interval.
     Within([f64; 2]),
     /// A typed error whose first line holds these words.
     Refused(&'static str),
@@ -34,7 +32,7 @@ impl Measured {
     }
 
     /// A number about an answer.
-    pub(crate) fn of(value: f64, answer: &Answer) -> Self {
+    pub(crate) fn of(value: f64, answer: &SceneAnswer) -> Self {
         let iterations = f64::from(answer.iterations) / f64::from(answer.levels.max(1));
         Self { iterations: Some(iterations), kkt: Some(answer.kkt), ..Self::number(value) }
     }
@@ -46,7 +44,7 @@ impl Measured {
 }
 
 /// Runs a rung with the parts under test.
-pub type Run = dyn Fn(&UnderTest<'_>) -> Result<Measured, NoAnswer> + Send + Sync;
+pub type Run = dyn Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync;
 
 /// One value of the parameter.
 pub struct Rung {
@@ -71,16 +69,15 @@ pub struct Largest {
 }
 
 impl Rung {
-    /// A rung.
     pub(crate) fn new(
         at: impl Into<String>,
         expected: Expected,
-        run: impl Fn(&UnderTest<'_>) -> Result<Measured, NoAnswer> + Send + Sync + 'static,
+        run: impl Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync + 'static,
     ) -> Self {
         Self { at: at.into(), expected, run: Box::new(run), largest: None }
     }
 
-    /// With the largest run of a body in it.
+    /// Names the largest run of a body in the rung, for the limit of memory.
     pub(super) fn with_largest(self, text: String, n: u32, steps: u32) -> Self {
         Self { largest: Some(Largest { text, n, steps }), ..self }
     }

@@ -29,7 +29,6 @@ impl SceneText {
         Self { domain, ..Self::free(rest) }
     }
 
-    /// The scene file.
     pub(super) fn text(&self) -> String {
         let [lambda, mu] = self.lame;
         format!(

@@ -1,7 +1,7 @@
 //! Ladders of Problem 1 in ℝ: smallness m0 → 0±, and step sizes up to and beyond every bound of (3.4).
 
 use super::UnderTest;
-use super::answer::NoAnswer;
+use super::answer::Unanswered;
 use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
 use scene::setup::{AbstractSetup, Subject, check_step_sizes};
 use scene::{Scene, Source};
@@ -28,15 +28,15 @@ fn scalar(q: f64, alpha: f64, horizon: f64, u: &str) -> String {
 }
 
 /// The relative error of a scene in ℝ after so many steps.
-fn error(text: String, steps: u32, solver: &dyn StepSolver) -> Result<Measured, NoAnswer> {
+fn error(text: String, steps: u32, solver: &dyn StepSolver) -> Result<Measured, Unanswered> {
     let scene =
-        Scene::from_source(Source::from_text("scalar.toml", text)).map_err(NoAnswer::refused)?;
-    let setup = AbstractSetup::new(scene).map_err(NoAnswer::refused)?;
+        Scene::from_source(Source::from_text("scalar.toml", text)).map_err(Unanswered::refused)?;
+    let setup = AbstractSetup::new(scene).map_err(Unanswered::refused)?;
     // As every sweep does before it runs.
     let subject = Subject::Abstract(Box::new(setup));
-    check_step_sizes(&subject, &[steps]).map_err(NoAnswer::refused)?;
-    let Subject::Abstract(setup) = subject else { return Err(NoAnswer::refused("no body")) };
-    let run = setup.run(steps, solver).map_err(NoAnswer::refused)?;
+    check_step_sizes(&subject, &[steps]).map_err(Unanswered::refused)?;
+    let Subject::Abstract(setup) = subject else { return Err(Unanswered::refused("no body")) };
+    let run = setup.run(steps, solver).map_err(Unanswered::refused)?;
     let grid = setup.grid(steps);
     let size = grid.times().iter().map(|&t| setup.state(t).u[0].abs()).fold(0.0, f64::max);
     let levels = f64::from(steps + 1);

@@ -11,7 +11,7 @@
 //! hidden, whatever the shape of the cells: the V norm is that of strains.
 
 use super::UnderTest;
-use super::answer::{Answer, NoAnswer, march, set_up};
+use super::answer::{SceneAnswer, Unanswered, march, set_up};
 use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
 use super::scene_text::SceneText;
 use fem::contact::StepView;
@@ -24,7 +24,7 @@ pub(super) const QUADRATURE: f64 = 0.01;
 
 /// A run of a scene that does not depend on time, with what the bound needs.
 pub(super) struct InSpace {
-    pub(super) answer: Answer,
+    pub(super) answer: SceneAnswer,
     /// ‖ε(u - u_h)‖.
     error: f64,
     /// ‖ε(u - I_h u)‖.
@@ -34,9 +34,13 @@ pub(super) struct InSpace {
 }
 
 impl InSpace {
-    pub(super) fn run(text: String, n: u32, under_test: &UnderTest<'_>) -> Result<Self, NoAnswer> {
+    pub(super) fn run(
+        text: String,
+        n: u32,
+        under_test: &UnderTest<'_>,
+    ) -> Result<Self, Unanswered> {
         let setup = set_up(text, under_test.prepare)?;
-        let data = MeshData::new(&setup, n, None).map_err(NoAnswer::refused)?;
+        let data = MeshData::new(&setup, n, None).map_err(Unanswered::refused)?;
         let answer = march(&setup, &data, 1)?;
         let error = answer.errors.map_or(f64::NAN, |errors| errors[0]);
         let nothing = vec![0.0; data.space.nodes.len()];
@@ -74,8 +78,8 @@ fn interpolant(setup: &Setup, data: &MeshData) -> Vec<f64> {
 }
 
 /// ‖ε(u - v)‖ at t = 0.
-fn distance(setup: &Setup, data: &MeshData, v: &[f64]) -> Result<f64, NoAnswer> {
-    let moments = data.truth.moments(0.0).map_err(NoAnswer::refused)?;
+fn distance(setup: &Setup, data: &MeshData, v: &[f64]) -> Result<f64, Unanswered> {
+    let moments = data.truth.moments(0.0).map_err(Unanswered::refused)?;
     let view = StepView {
         n: 0,
         t: 0.0,
@@ -162,9 +166,9 @@ pub(crate) fn mesh_size(finest: u32) -> Ladder {
     let text = || SceneText::free(SMOOTH).text();
     let rung = |n: u32| {
         let run = move |under_test: &UnderTest<'_>| {
-            let own = InSpace::run(text(), n, under_test)?;
-            let note = format!("error {:.2e}", own.error);
-            Ok(Measured::of(own.ratio([1.0, 1.0]), &own.answer).noted(note))
+            let found = InSpace::run(text(), n, under_test)?;
+            let note = format!("error {:.2e}", found.error);
+            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer).noted(note))
         };
         Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(text(), n, 1)
     };
@@ -189,8 +193,8 @@ pub(crate) fn aspect_ratio() -> Ladder {
             let y = format!("(y/{height:?})");
             let exact = SMOOTH.replace('y', &y);
             let text = SceneText { domain, ..SceneText::free(exact) }.text();
-            let own = InSpace::run(text, 8, under_test)?;
-            Ok(Measured::of(own.ratio([1.0, 1.0]), &own.answer))
+            let found = InSpace::run(text, 8, under_test)?;
+            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer))
         };
         Rung::new(format!("1e{e}"), Expected::AtMost(1.0 + QUADRATURE), run)
     };

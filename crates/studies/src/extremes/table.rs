@@ -1,6 +1,6 @@
 //! Rows as CSV, JSON and a map.
 
-use super::judge::{Row, Standing};
+use super::judge::{RungRow, Standing};
 use super::rung::{Expected, Ladder};
 use report::{Cell, Map, ReportError, Shade};
 
@@ -19,7 +19,7 @@ pub const COLUMNS: [&str; 11] = [
     "seconds",
 ];
 
-impl Row {
+impl RungRow {
     /// The fields of a line, in the order of [`COLUMNS`].
     pub fn fields(&self) -> [String; 11] {
         let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:e}"));
@@ -44,10 +44,10 @@ impl Row {
 ///
 /// # Errors
 /// [`ReportError::Drawing`].
-pub(super) fn map(ladders: &[Ladder], rows: &[Row]) -> Result<String, ReportError> {
+pub(super) fn map(ladders: &[Ladder], rows: &[RungRow]) -> Result<String, ReportError> {
     let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
-        let own = rows.iter().filter(|row| row.ladder == ladder.name);
-        own.map(|row| {
+        let rows = rows.iter().filter(|row| row.ladder == ladder.name);
+        rows.map(|row| {
             let rung = ladder.rungs.iter().find(|rung| rung.at == row.at);
             (row.at.clone(), shade(row, rung.map(|rung| rung.expected)))
         })
@@ -71,7 +71,7 @@ pub(super) fn map(ladders: &[Ladder], rows: &[Row]) -> Result<String, ReportErro
 /// Decades over which the shade goes from the darkest to the lightest.
 const DECADES: f64 = 6.0;
 
-fn shade(row: &Row, expected: Option<Expected>) -> Shade {
+fn shade(row: &RungRow, expected: Option<Expected>) -> Shade {
     match (row.standing, expected, row.measured) {
         (Standing::RefusedAsExpected, ..) => Shade::Outside,
         (Standing::AsExpected, Some(Expected::AtMost(most)), Some(value)) => {

@@ -21,14 +21,14 @@ pub(crate) fn load() -> Ladder {
     });
     let to_scale = |e: i32, of: i32| {
         Rung::new(format!("1e{e}"), Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
-            let own = solve(punch("0.10", power_of_ten(e)), 4, 4, under_test.prepare)?;
+            let found = solve(punch("0.10", power_of_ten(e)), 4, 4, under_test.prepare)?;
             let known = solve(punch("0.10", power_of_ten(of)), 4, 4, under_test.prepare)?;
             let scaled = |field: &[f64], e: i32| -> Vec<f64> {
                 field.iter().map(|v| v / power_of_ten(e)).collect()
             };
             let distance =
-                relative(&scaled(&own.displacement, e), &scaled(&known.displacement, of));
-            Ok(Measured::of(distance, &own))
+                relative(&scaled(&found.displacement, e), &scaled(&known.displacement, of));
+            Ok(Measured::of(distance, &found))
         })
     };
     let mut rungs = vec![nothing];
@@ -48,15 +48,15 @@ pub(crate) fn gap() -> Ladder {
     const NOT_FINITE: &str = "`gap` is";
     let like = |gap: &'static str, other: &'static str| {
         Rung::new(gap, Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
-            let own = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
+            let found = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
             let known = solve(punch(other, 1.0), 4, 4, under_test.prepare)?;
-            Ok(Measured::of(own.distance(&known), &own).noted(format!("against g = {other}")))
+            Ok(Measured::of(found.distance(&known), &found).noted(format!("against g = {other}")))
         })
     };
     let refused = |gap: &'static str, saying: &'static str| {
         Rung::new(gap, Expected::Refused(saying), move |under_test: &UnderTest<'_>| {
-            let own = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
-            Ok(Measured::of(largest(&own.displacement), &own))
+            let found = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
+            Ok(Measured::of(largest(&found.displacement), &found))
         })
     };
     Ladder {

@@ -1,9 +1,9 @@
 //! Units of length, stiffness, time and displacement, and scenes written in them.
 
-use super::answer::Answer;
+use super::answer::SceneAnswer;
 
 /// The units in which a scene is written: a number of the scene is its nondimensional value times the
-/// unit of its dimension. Strains are small, so displacements have a unit of their own.
+/// unit of its dimension. Strains are small, so displacements are not measured in the unit of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
     /// Unit of x.
@@ -44,7 +44,7 @@ impl Units {
     }
 
     /// An answer with its fields in these units.
-    pub fn nondimensional(&self, mut answer: Answer, dimension: i32) -> Answer {
+    pub fn nondimensional(&self, mut answer: SceneAnswer, dimension: i32) -> SceneAnswer {
         let divide = |field: &mut Vec<f64>, unit: f64| field.iter_mut().for_each(|v| *v /= unit);
         divide(&mut answer.displacement, self.displacement);
         divide(&mut answer.stress, self.stress());
@@ -86,7 +86,6 @@ impl Unitless {
     /// All.
     pub const ALL: [Self; 4] = [Self::Linear, Self::EveryTerm, Self::SetValued, Self::Box];
 
-    /// Its name in tables.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",

@@ -76,12 +76,13 @@ impl Densities {
             for part in mesh.plane_parts(&facets) {
                 let normal = [part.normal[0], part.normal[1]];
                 let members = part.members.iter().map(|&at| facets[at]);
-                let own: Vec<(u32, [u32; 2])> = members.filter_map(|f| edges.on_facet(f)).collect();
-                let places = own
+                let on_part: Vec<(u32, [u32; 2])> =
+                    members.filter_map(|f| edges.on_facet(f)).collect();
+                let places = on_part
                     .iter()
                     .flat_map(|(_, ends)| outside.points.iter().map(|b| mesh.point(ends, b)));
                 let traction = program(&normal).bind(&places.collect::<Vec<_>>());
-                sides.push(Side { edges: own, normal, traction, kind });
+                sides.push(Side { edges: on_part, normal, traction, kind });
             }
         };
         let horizon = setup.scene.time.horizon;
@@ -136,18 +137,18 @@ impl Densities {
         }
         let count = self.inside.weights.len();
         let moments = (0..space.mesh.cell_count()).map(|c| {
-            let mut own = Moments::zeros();
+            let mut of_cell = Moments::zeros();
             for (q, (weight, shapes)) in
                 self.inside.weights.iter().zip(&self.inside.points).enumerate()
             {
                 let share = weight * space.geometry.measure[c];
                 for (a, shape) in shapes.iter().enumerate() {
                     for i in 0..2 {
-                        own[2 * a + i] += share * shape * body[i][count * c + q];
+                        of_cell[2 * a + i] += share * shape * body[i][count * c + q];
                     }
                 }
             }
-            own
+            of_cell
         });
         let moments: Vec<Moments> = moments.collect();
         // The inverse of |T|/12 (1 + δ).
@@ -243,8 +244,8 @@ impl Side {
             }
             let ends = [0, 1]
                 .map(|end: usize| [0, 1].map(|i| 4.0 * means[end][i] - 2.0 * means[1 - end][i]));
-            for (end, own) in ends.iter().enumerate() {
-                (0..2).for_each(|i| tractions[4 * *free as usize + 2 * end + i] += own[i]);
+            for (end, at_end) in ends.iter().enumerate() {
+                (0..2).for_each(|i| tractions[4 * *free as usize + 2 * end + i] += at_end[i]);
             }
             for (q, (weight, b)) in rule.weights.iter().zip(&rule.points).enumerate() {
                 for i in 0..2 {

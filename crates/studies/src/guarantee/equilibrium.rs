@@ -135,10 +135,10 @@ impl<'a> Equilibrium<'a> {
         let displacements = self.solve(right);
         for (c, stress) in stresses.iter_mut().enumerate() {
             let unknowns = self.edges.unknowns(mesh.cell(c), c);
-            let own = Tractions::from_fn(|i, _| {
+            let of_cell = Tractions::from_fn(|i, _| {
                 unknowns[i].map_or(0.0, |unknown| displacements[unknown as usize])
             });
-            *stress -= self.triangle(c).of_edges * own;
+            *stress -= self.triangle(c).of_edges * of_cell;
         }
         stresses
     }

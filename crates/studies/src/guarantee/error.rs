@@ -7,27 +7,14 @@ use scene::setup::SetupError;
 /// Why there is no bound.
 #[derive(Debug, thiserror::Error)]
 pub enum GuaranteeError {
-    /// The theorem does not apply.
     #[error("no guaranteed bound: {reason}")]
-    Refused {
-        /// Which hypothesis fails.
-        reason: String,
-    },
-    /// A load that is not finite.
+    Refused { reason: String },
     #[error("no guaranteed bound: {what} is not finite at t = {t}")]
-    NotFinite {
-        /// The load.
-        what: &'static str,
-        /// t_n.
-        t: f64,
-    },
-    /// The mesh could not be had.
+    NotFinite { what: &'static str, t: f64 },
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The dual problem could not be factorized.
     #[error("the problem of equilibrated stresses: {0}")]
     Factor(#[from] FactorError),
-    /// The run failed.
     #[error(transparent)]
     Case(#[from] CaseError),
 }

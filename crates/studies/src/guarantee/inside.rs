@@ -38,7 +38,7 @@ pub(super) struct Inside {
 }
 
 impl Inside {
-    /// That of a triangle; `None` where it is degenerate.
+    /// `None` for a degenerate triangle.
     pub(super) fn new(triangle: &Triangle) -> Option<Self> {
         // Cells are balanced in force and moment before: what is not would be rounding, and nothing balances it.
         let (conditions, asked) = conditions(triangle);
@@ -97,8 +97,8 @@ fn conditions(triangle: &Triangle) -> (SMatrix<f64, SIZE, SIZE>, SMatrix<f64, SI
         let (before, after) = ((v + 1) % 3, (v + 2) % 3);
         let [end, centre, middle] = nodes(0);
         let [other_centre, other_end, other_middle] = nodes(1);
-        for (own, other) in [(end, other_end), (centre, other_centre), (middle, other_middle)] {
-            add_traction(&mut matrix, row, 18 * before + 3 * own, normal);
+        for (node, other) in [(end, other_end), (centre, other_centre), (middle, other_middle)] {
+            add_traction(&mut matrix, row, 18 * before + 3 * node, normal);
             add_traction(&mut matrix, row, 18 * after + 3 * other, normal.map(|n| -n));
             row += 2;
         }
@@ -169,13 +169,13 @@ fn without_rigid_forces(triangle: &Triangle) -> SMatrix<f64, 12, 12> {
     let [a, b, c] = triangle.corners;
     let centre = triangle.centroid();
     let mut forces = SMatrix::<f64, 3, 12>::zeros();
-    for (corner, own) in [a, b, c].iter().enumerate() {
+    for (corner, x) in [a, b, c].iter().enumerate() {
         // ∫ψ_a = |T|/3, ∫ψ_a (x - x̄) = |T|/12 (x_a - x̄).
-        let arm: [f64; 2] = std::array::from_fn(|i| (own[i] - centre[i]) / 12.0);
+        let arm: [f64; 2] = std::array::from_fn(|i| (x[i] - centre[i]) / 12.0);
         (forces[(0, 2 * corner)], forces[(1, 2 * corner + 1)]) = (1.0 / 3.0, 1.0 / 3.0);
         (forces[(2, 2 * corner)], forces[(2, 2 * corner + 1)]) = (-arm[1], arm[0]);
         // The part opposite to the corner: its centroid lies at -(x_a - x̄)/3.
-        let arm: [f64; 2] = std::array::from_fn(|i| -(own[i] - centre[i]) / 9.0);
+        let arm: [f64; 2] = std::array::from_fn(|i| -(x[i] - centre[i]) / 9.0);
         (forces[(0, 6 + 2 * corner)], forces[(1, 7 + 2 * corner)]) = (1.0 / 3.0, 1.0 / 3.0);
         (forces[(2, 6 + 2 * corner)], forces[(2, 7 + 2 * corner)]) = (-arm[1], arm[0]);
     }

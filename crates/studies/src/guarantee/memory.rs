@@ -11,13 +11,13 @@ pub(super) fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
     let rule = model.time_rule.as_ref();
     let Some((first, others)) = model.memory.split_first() else { return Vec::new() };
     let weight = |j: usize| {
-        let own = |term: &fem::contact::MemoryTerm| {
+        let of_term = |term: &fem::contact::MemoryTerm| {
             rule.kernel_weight(&Convolution(&*term.kernel), grid, n, j)
         };
         let add = |sum: TensorField, term: &fem::contact::MemoryTerm| {
-            sum.plus(own(term), &term.tensor, 2)
+            sum.plus(of_term(term), &term.tensor, 2)
         };
-        let sum = others.iter().fold(first.tensor.scaled(own(first)), add);
+        let sum = others.iter().fold(first.tensor.scaled(of_term(first)), add);
         relative_norm(&sum, &model.elasticity)
     };
     (0..=n).map(weight).collect()
@@ -30,11 +30,11 @@ fn relative_norm(tensor: &TensorField, elasticity: &TensorField) -> f64 {
         let rows = field.on(region).matrix::<3>();
         Matrix3::from_fn(|i, j| rows[i][j])
     };
-    let own = |region: usize| {
+    let largest = |region: usize| {
         let Some(root) = matrix(elasticity, region).cholesky() else { return f64::NAN };
         let Some(inverse) = root.l().try_inverse() else { return f64::NAN };
         let scaled = inverse * matrix(tensor, region) * inverse.transpose();
         SymmetricEigen::new(scaled).eigenvalues.amax()
     };
-    (0..regions).map(own).fold(0.0, larger)
+    (0..regions).map(largest).fold(0.0, larger)
 }

@@ -190,7 +190,8 @@ fn has_densities(setup: &Setup) -> Result<(), GuaranteeError> {
     let Some(exact) = &setup.exact else { return Ok(()) };
     let findings = check(exact, &sides(&setup.body)).into_iter();
     let of_loads = |subject: &str| ["loads", "stress jump"].contains(&subject);
-    let mut other = findings.filter(|own| of_loads(&own.subject) && own.status != Status::Verified);
+    let mut other =
+        findings.filter(|finding| of_loads(&finding.subject) && finding.status != Status::Verified);
     match other.next() {
         Some(finding) => Err(GuaranteeError::refused(finding.text)),
         None => Ok(()),
@@ -277,8 +278,14 @@ impl<'a> Levels<'a> {
         Ok(())
     }
 
-    /// The larger zero of (1 - β_nn) e² - a e - G, a = `own` + Σ_{j<n} β_nj e_j.
-    fn bound(&self, model: &Model, n: usize, own: f64, gap: f64) -> Result<f64, GuaranteeError> {
+    /// The larger zero of (1 - β_nn) e² - a e - G, a = `estimate` + Σ_{j<n} β_nj e_j.
+    fn bound(
+        &self,
+        model: &Model,
+        n: usize,
+        estimate: f64,
+        gap: f64,
+    ) -> Result<f64, GuaranteeError> {
         let weights = memory::weights(model, &self.grid, n);
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);
@@ -289,7 +296,7 @@ impl<'a> Levels<'a> {
         }
         let past: f64 =
             weights.iter().zip(&self.found).map(|(weight, level)| weight * level.bound).sum();
-        let linear = own + past;
+        let linear = estimate + past;
         let keep = 1.0 - last;
         let bound = (linear + (linear * linear + 4.0 * keep * gap).sqrt()) / (2.0 * keep);
         if !bound.is_finite() {

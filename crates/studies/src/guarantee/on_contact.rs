@@ -25,14 +25,14 @@ pub(super) fn pressures(
         view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda).collect();
     for f in 0..trace.measure.len() {
         let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
-        for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
-            if !trace.points[own].clamped {
+        for (end, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
+            if !trace.points[end].clamped {
                 continue;
             }
-            let x = space.mesh.point(&[trace.points[own].vertex], &[1.0]);
+            let x = space.mesh.point(&[trace.points[end].vertex], &[1.0]);
             let (lo, hi) = boundary.potential_at(x).subdifferential(-(boundary.shift)(x));
             let hi = if (boundary.gap)(x) > 0.0 { hi } else { f64::INFINITY };
-            pressure[own] = pressure[other].max(lo).min(hi);
+            pressure[end] = pressure[other].max(lo).min(hi);
         }
     }
     pressure
@@ -43,11 +43,11 @@ pub(super) fn pressures(
 pub(super) fn along_edges(space: &Discretization, pressure: &[f64]) -> Vec<[f64; 2]> {
     let trace = &space.trace;
     let edge = |f: usize| {
-        let own: Vec<f64> = trace.facet(f).iter().map(|&i| pressure[i as usize]).collect();
-        let &[first, second, middle] = own.as_slice() else { return [own[0], own[1]] };
+        let on_edge: Vec<f64> = trace.facet(f).iter().map(|&i| pressure[i as usize]).collect();
+        let &[first, second, middle] = on_edge.as_slice() else { return [on_edge[0], on_edge[1]] };
         // λ_0 λ_1 is nearest to its mean 1/6.
         let raise = 2.0 / 3.0 * (middle - 0.5 * (first + second));
-        let (least, most) = own
+        let (least, most) = on_edge
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
         [first, second].map(|end| (end + raise).max(least).min(most))
@@ -66,10 +66,10 @@ pub(super) fn add_pressures(
     for (f, &facet) in trace.mesh_facet.iter().enumerate() {
         let Some((free, ends)) = edges.on_facet(facet) else { continue };
         for (&point, p) in trace.facet(f).iter().zip(&pressure[f]) {
-            let own = &trace.points[point as usize];
-            let end = usize::from(ends[1] == own.vertex);
+            let at = &trace.points[point as usize];
+            let end = usize::from(ends[1] == at.vertex);
             for i in 0..2 {
-                tractions[4 * free as usize + 2 * end + i] -= p * own.normal[i];
+                tractions[4 * free as usize + 2 * end + i] -= p * at.normal[i];
             }
         }
     }
@@ -101,8 +101,8 @@ pub(super) fn duality_gap(
                 let (law, shift) = (boundary.potential_at(x), (boundary.shift)(x));
                 let normal = mix(&space.element.values(&at), &normal);
                 let (r, p) = (normal - shift, mix(&at, &pressure[f]));
-                let own = at_point(&law, (boundary.gap)(x) - shift, r, p);
-                sum += weight * trace.measure[f] / PIECES as f64 * own;
+                let excess = at_point(&law, (boundary.gap)(x) - shift, r, p);
+                sum += weight * trace.measure[f] / PIECES as f64 * excess;
             }
         }
     }

@@ -74,8 +74,8 @@ mod tests {
             };
             let strain = mean(&|x| {
                 let [dx, dy] = gradient(x);
-                let (own, other) = if component == 0 { (dx, dy) } else { (dy, dx) };
-                own * own + 0.5 * other * other
+                let (along, across) = if component == 0 { (dx, dy) } else { (dy, dx) };
+                along * along + 0.5 * across * across
             });
             if strain < 1e-12 {
                 continue;

@@ -27,7 +27,6 @@ fn covered_scenes() -> Vec<Setup> {
         .collect()
 }
 
-/// Displacements of a run.
 fn run(setup: &Setup, data: &MeshData, steps: u32) -> Vec<Vec<f64>> {
     let mut found = Vec::new();
     data.march(setup, steps, &Newton::default(), &mut |view| {
@@ -55,11 +54,11 @@ fn the_bound_holds_on_every_scene_and_level() {
         };
         scenes += 1;
         let data = MeshData::new(&setup, n, None).unwrap();
-        let (own, fine) = (run(&setup, &data, steps), run(&setup, &data, 4 * steps));
+        let (coarse, fine) = (run(&setup, &data, steps), run(&setup, &data, 4 * steps));
         let mut of_scene = Vec::new();
         for level in &found.levels {
             let difference: Vec<f64> =
-                own[level.n].iter().zip(&fine[4 * level.n]).map(|(a, b)| a - b).collect();
+                coarse[level.n].iter().zip(&fine[4 * level.n]).map(|(a, b)| a - b).collect();
             let in_time =
                 4.0 / 3.0 * energy_norm(&data.space, &setup.model.elasticity, &difference);
             let error = level.error.unwrap();
@@ -88,7 +87,7 @@ fn the_bound_holds_on_every_scene_and_level() {
     assert!((1.0..=2.0).contains(&median), "{quotients:?}");
 }
 
-/// The theorem is true of any displacements in U^h. Half of the computed ones are far off; their own memory is then a
+/// The theorem is true of any displacements in U^h. Half of the computed ones are far off; their memory is then a
 /// part of the error, and where ℬ < 0 the bound without the sum over the past would be too small.
 #[test]
 fn the_bound_holds_for_displacements_that_are_far_off_and_needs_the_past() {
@@ -106,8 +105,8 @@ fn the_bound_holds_for_displacements_that_are_far_off_and_needs_the_past() {
     let error = last.error.unwrap();
     assert!(error > 0.4 * 2.0 * last.size, "half of a displacement is half off");
     assert!(levels.found.iter().all(|level| level.error.unwrap() <= level.bound * 1.01));
-    let own = last.residual + last.oscillation;
-    let alone = 0.5 * own + (0.25 * own * own + last.gap).sqrt();
+    let estimate = last.residual + last.oscillation;
+    let alone = 0.5 * estimate + (0.25 * estimate * estimate + last.gap).sqrt();
     assert!(alone < 0.95 * error, "{alone} {error}");
 }
 
@@ -187,9 +186,12 @@ fn imbalance_against_polynomials(
             let Some((free, ends)) = equilibrium.edges.on_facet(f as u32) else { continue };
             let length = fem::contact::facet_measure(mesh, f);
             for (weight, b) in along.weights.iter().zip(&along.points) {
-                let own =
+                let at_end =
                     |end: usize| loads.given.tractions[4 * free as usize + 2 * end + component];
-                add(-weight * length * (b[0] * own(0) + b[1] * own(1)) * v(mesh.point(&ends, b)));
+                add(-weight
+                    * length
+                    * (b[0] * at_end(0) + b[1] * at_end(1))
+                    * v(mesh.point(&ends, b)));
             }
         }
         worst = worst.max(sum.abs() / size);
@@ -205,9 +207,9 @@ fn the_bound_of_quadratic_elements_has_their_order() {
     for name in ["quadratic-elastic", "quadratic-compliance"] {
         let setup = setup(name).unwrap();
         let found = [8, 16].map(|n| guarantee(&setup, n, 4).unwrap());
-        let last = found.each_ref().map(|own| *own.largest().unwrap());
+        let last = found.each_ref().map(|found| *found.largest().unwrap());
         let (residual, all) =
-            (order(last.map(|own| own.residual)), order(last.map(|own| own.bound)));
+            (order(last.map(|level| level.residual)), order(last.map(|level| level.bound)));
         println!("{name}: {residual:.2}, {all:.2}, {:.2}", found[1].effectivity().unwrap());
         assert!((residual - 2.0).abs() < 0.15 && all > 1.85, "{name}: {residual} {all}");
         assert!((1.0..5.0).contains(&found[1].effectivity().unwrap()), "{name}");
@@ -219,11 +221,11 @@ fn the_bound_of_quadratic_elements_has_their_order() {
         levels.of_cell = |space, model, view, c| Triangle::constant(&view.stress(space, model, c));
         data.march(&setup, 4, &Newton::default(), &mut |view| {
             levels.add(&setup.model, view).unwrap();
-            assert!(levels.found.iter().all(|own| own.error.unwrap() <= own.bound + 1e-12));
+            assert!(levels.found.iter().all(|level| level.error.unwrap() <= level.bound + 1e-12));
             Ok(())
         })
         .unwrap();
-        levels.found.iter().map(|own| own.residual).fold(0.0, f64::max)
+        levels.found.iter().map(|level| level.residual).fold(0.0, f64::max)
     });
     assert!((order(residuals) - 1.0).abs() < 0.15, "{residuals:?}");
 }

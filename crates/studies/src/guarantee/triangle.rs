@@ -44,17 +44,17 @@ impl Triangle {
         let compliance = std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)]));
         let (of_edges, of_moments) = (SMatrix::zeros(), SMatrix::zeros());
         let to_tractions = SMatrix::zeros();
-        let mut own =
+        let mut triangle =
             Self { corners, area, compliance, elasticity, to_tractions, of_edges, of_moments };
-        own.to_tractions = own.traction_matrix();
-        let conditions = own.conditions();
+        triangle.to_tractions = triangle.traction_matrix();
+        let conditions = triangle.conditions();
         // M⁻¹Gᵀ and (G M⁻¹ Gᵀ)⁻¹.
-        let raised = own.inverse_mass(conditions.transpose());
+        let raised = triangle.inverse_mass(conditions.transpose());
         let inner = (conditions * raised).cholesky()?.inverse();
-        let free = own.inverse_mass(own.to_tractions.transpose());
-        own.of_edges = free - raised * (inner * (conditions * free));
-        own.of_moments = (raised * inner).fixed_columns::<6>(12).into();
-        Some(own)
+        let free = triangle.inverse_mass(triangle.to_tractions.transpose());
+        triangle.of_edges = free - raised * (inner * (conditions * free));
+        triangle.of_moments = (raised * inner).fixed_columns::<6>(12).into();
+        Some(triangle)
     }
 
     fn traction_matrix(&self) -> SMatrix<f64, 12, 27> {
@@ -68,7 +68,6 @@ impl Triangle {
         matrix
     }
 
-    /// A constant stress.
     pub(super) fn constant(stress: &[f64; 3]) -> Stress {
         Stress::from_fn(|i, _| stress[i % 3])
     }
@@ -92,9 +91,9 @@ impl Triangle {
             let normal = self.normal(v);
             let (before, after) = ((v + 1) % 3, (v + 2) % 3);
             // Corner v is the second corner of the part before and the first of the part after.
-            for (end, [own, other]) in [[1, 0], [2, 2]].into_iter().enumerate() {
+            for (end, [corner, other]) in [[1, 0], [2, 2]].into_iter().enumerate() {
                 let row = 4 * v + 2 * end;
-                add_traction(&mut matrix, row, 9 * before + 3 * own, normal);
+                add_traction(&mut matrix, row, 9 * before + 3 * corner, normal);
                 add_traction(&mut matrix, row, 9 * after + 3 * other, normal.map(|n| -n));
             }
         }
@@ -184,8 +183,9 @@ impl Triangle {
         for part in 0..3 {
             let at: [[f64; 3]; 3] =
                 std::array::from_fn(|l| std::array::from_fn(|i| stress[9 * part + 3 * l + i]));
-            let total: [f64; 3] = std::array::from_fn(|i| at.iter().map(|own| own[i]).sum());
-            sum += product(&total, &total) + at.iter().map(|own| product(own, own)).sum::<f64>();
+            let total: [f64; 3] = std::array::from_fn(|i| at.iter().map(|stress| stress[i]).sum());
+            sum += product(&total, &total)
+                + at.iter().map(|stress| product(stress, stress)).sum::<f64>();
         }
         self.area / 36.0 * sum
     }

@@ -1,4 +1,4 @@
-//! The distance of a run to the exact solution in the energy norm, by a rule of its own.
+//! The distance of a run to the exact solution in the energy norm, by a rule that is not the assembly's.
 
 use std::sync::Arc;
 
@@ -47,8 +47,8 @@ impl Strains {
                 let at = count * c + q;
                 let [xx, xy, yy] = [2, 3, 4].map(|output| values[output][at]);
                 let exact = [xx, yy, std::f64::consts::SQRT_2 * xy];
-                let own = shapes.tensor(&self.rule.points[q], &strains);
-                let off: [f64; 3] = std::array::from_fn(|i| exact[i] - own[i]);
+                let computed = shapes.tensor(&self.rule.points[q], &strains);
+                let off: [f64; 3] = std::array::from_fn(|i| exact[i] - computed[i]);
                 sum += weight
                     * space.geometry.measure[c]
                     * algebra::tensor::contract(&tensor.apply(&off), &off);

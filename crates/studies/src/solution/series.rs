@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::vtu::{Field, Grid, VtuError, write_pvd, write_vtu};
+use super::vtu::{Field, VtuError, VtuGrid, write_pvd, write_vtu};
 use fem::contact::{Discretization, Model, StepView};
 use files::make_directory;
 
@@ -54,7 +54,7 @@ impl VtuSeries {
             true => (space.nodes.cells.iter().map(vertex).collect(), space.nodes.a_cell),
             false => (mesh.cells.clone(), mesh.dimension + 1),
         };
-        let grid = Grid { points: &points, cells: &cells, vertices_per_cell };
+        let grid = VtuGrid { points: &points, cells: &cells, vertices_per_cell };
         let scalar = |name, values| Field { name, components: 1, values };
         let file = format!("{}_{:04}.vtu", self.name, view.n);
         write_vtu(
@@ -87,8 +87,8 @@ impl VtuSeries {
 fn displacement(space: &Discretization, view: &StepView<'_>) -> Vec<f64> {
     let d = space.mesh.dimension;
     let mut out = vec![0.0; 3 * space.mesh.vertices()];
-    for (own, values) in out.chunks_exact_mut(3).zip(space.at_vertices(view.u).chunks_exact(d)) {
-        own[..d].copy_from_slice(values);
+    for (vector, values) in out.chunks_exact_mut(3).zip(space.at_vertices(view.u).chunks_exact(d)) {
+        vector[..d].copy_from_slice(values);
     }
     out
 }

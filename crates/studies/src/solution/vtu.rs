@@ -7,7 +7,7 @@ mod grid;
 use std::path::Path;
 
 use self::appended::{Appended, escape};
-pub use self::grid::{Field, Grid, VtuError};
+pub use self::grid::{Field, VtuError, VtuGrid};
 use files::replace_file;
 
 /// Writes `grid` with its fields to `path`, replacing the file as a whole. Values need not be
@@ -18,7 +18,7 @@ use files::replace_file;
 /// reports.
 pub fn write_vtu(
     path: &Path,
-    grid: &Grid<'_>,
+    grid: &VtuGrid<'_>,
     point_fields: &[Field<'_>],
     cell_fields: &[Field<'_>],
 ) -> Result<(), VtuError> {
@@ -63,7 +63,7 @@ pub fn write_pvd(path: &Path, steps: &[(f64, String)]) -> Result<(), VtuError> {
 }
 
 /// The VTK number of the grid's cells, once its indices are known to be sound.
-fn cell_type(grid: &Grid<'_>) -> Result<u8, VtuError> {
+fn cell_type(grid: &VtuGrid<'_>) -> Result<u8, VtuError> {
     let cell_type = match grid.vertices_per_cell {
         3 => 5,
         4 => 10,

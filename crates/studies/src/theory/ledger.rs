@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use crate::theory::audit::{AuditError, SceneAudit, Summary};
+use crate::theory::audit::{AuditError, SceneAudit, SceneLine};
 use fem::contact::BoundaryRule;
 use report::{Chapter, Run, StudyDocument, Tone, number};
 use scene::setup::{Setup, SetupError};
@@ -14,15 +14,14 @@ use scene::setup::{Setup, SetupError};
 /// What an entry finds of a proved power or constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Finding {
+pub enum Agreement {
     /// Attained: no better power, or constant, holds in general.
     Sharp,
     /// The observed quantity is better than proved.
     Slack,
 }
 
-impl Finding {
-    /// One word.
+impl Agreement {
     fn name(self) -> &'static str {
         match self {
             Self::Sharp => "sharp",
@@ -47,7 +46,7 @@ pub struct Entry {
     /// The share of the proof's bound that is used, at most.
     pub used: Option<f64>,
     /// Which of the two the claim is.
-    pub claimed: Finding,
+    pub claimed: Agreement,
     /// Whether the runs confirm it, and every line of theirs holds.
     pub confirmed: bool,
     /// The smallest scene that shows it.
@@ -59,10 +58,8 @@ pub struct Entry {
 /// Why there is no ledger.
 #[derive(Debug, thiserror::Error)]
 pub enum LedgerError {
-    /// A scene is missing or at fault.
     #[error("{0}")]
     Scene(#[from] SetupError),
-    /// An audit could not be made.
     #[error("{0}")]
     Audit(#[from] AuditError),
 }
@@ -79,7 +76,6 @@ const ATTAINED: f64 = 0.02;
 enum Reading {
     /// Power of h of the left side of a line.
     PowerOfH(&'static str),
-    /// Power of k.
     PowerOfK(&'static str),
     /// Largest left/right of a line; the proof gives 1.
     Ratio(&'static str),
@@ -93,7 +89,7 @@ struct Question {
     hypotheses: &'static str,
     quantity: &'static str,
     proved: f64,
-    claimed: Finding,
+    claimed: Agreement,
     scene: &'static str,
     n: &'static [u32],
     steps: &'static [u32],
@@ -106,7 +102,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "(2.8b), (2.8c), the law without jump",
         quantity: "power of h in E_j, (4.16)",
         proved: 2.0,
-        claimed: Finding::Slack,
+        claimed: Agreement::Slack,
         scene: "unconstrained",
         n: &[8, 16, 32],
         steps: &[8],
@@ -117,7 +113,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "q in C2, u' in BV(0,T;V) with a jump at T/3",
         quantity: "power of k in |u - u_h|, (3.17)",
         proved: 2.0,
-        claimed: Finding::Sharp,
+        claimed: Agreement::Sharp,
         scene: "affine-kink",
         n: &[4],
         steps: &[16, 32, 64, 128],
@@ -128,7 +124,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "those of Theorem 6 but for (3.4)",
         quantity: "k over the bound (3.4), solved and audited",
         proved: 1.0,
-        claimed: Finding::Slack,
+        claimed: Agreement::Slack,
         scene: "pure-mild",
         n: &[8],
         steps: &[1],
@@ -139,7 +135,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "B(0) >= 0, no projection",
         quantity: "k over the bound (3.4), solved and audited",
         proved: 1.0,
-        claimed: Finding::Slack,
+        claimed: Agreement::Slack,
         scene: "positive-memory",
         n: &[8],
         steps: &[1],
@@ -150,7 +146,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "g constant, u_nu in H2 on the contact side",
         quantity: "power of h in E_n, (5.23)",
         proved: 2.0,
-        claimed: Finding::Slack,
+        claimed: Agreement::Slack,
         scene: "signorini",
         n: &[8, 16, 32],
         steps: &[4],
@@ -161,7 +157,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "g concave and not affine, u_nu in H2 on the contact side",
         quantity: "power of h in E_n, (5.23)",
         proved: 2.0,
-        claimed: Finding::Sharp,
+        claimed: Agreement::Sharp,
         scene: "pure-concave-gap",
         n: &[8, 16, 32],
         steps: &[4],
@@ -172,7 +168,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "u affine in space, on the falling branch",
         quantity: "left/right of (4.16)",
         proved: 1.0,
-        claimed: Finding::Sharp,
+        claimed: Agreement::Sharp,
         scene: "affine",
         n: &[4],
         steps: &[16],
@@ -183,7 +179,7 @@ const QUESTIONS: [Question; 8] = [
         hypotheses: "those of Theorem 10",
         quantity: "left/right of (4.20)",
         proved: 1.0,
-        claimed: Finding::Slack,
+        claimed: Agreement::Slack,
         scene: "pure-mild",
         n: &[8, 16],
         steps: &[4],
@@ -223,7 +219,7 @@ impl Question {
         };
         let used = line.and_then(|summary| summary.ratio);
         let observed = match self.reading {
-            Reading::PowerOfH(_) => line.and_then(|summary: &Summary| summary.power_h[0]),
+            Reading::PowerOfH(_) => line.and_then(|summary: &SceneLine| summary.power_h[0]),
             Reading::PowerOfK(_) => line.and_then(|summary| summary.power_k[0]),
             Reading::Ratio(_) => used,
             Reading::StepOverBound => {
@@ -256,23 +252,23 @@ impl Question {
     /// Whether the observed number is what the claim says of the proof.
     fn confirms(&self, observed: f64) -> bool {
         match (&self.reading, self.claimed) {
-            (Reading::Ratio(_), Finding::Sharp) => (observed - self.proved).abs() <= ATTAINED,
-            (Reading::Ratio(_), Finding::Slack) => observed < 0.5 * self.proved,
-            (_, Finding::Sharp) => (observed - self.proved).abs() <= NEAR,
-            (Reading::StepOverBound, Finding::Slack) => observed > self.proved,
-            (_, Finding::Slack) => observed >= self.proved + BETTER,
+            (Reading::Ratio(_), Agreement::Sharp) => (observed - self.proved).abs() <= ATTAINED,
+            (Reading::Ratio(_), Agreement::Slack) => observed < 0.5 * self.proved,
+            (_, Agreement::Sharp) => (observed - self.proved).abs() <= NEAR,
+            (Reading::StepOverBound, Agreement::Slack) => observed > self.proved,
+            (_, Agreement::Slack) => observed >= self.proved + BETTER,
         }
     }
 }
 
 /// The ledger as a document.
 pub fn document(entries: &[Entry]) -> StudyDocument {
-    let mut own = StudyDocument::new(Chapter::Ledger, "What runs say of the claims");
-    own.words("Proved is the power, or the constant, that the proof gives; observed is what the smallest scene that shows it has; used is the largest share of the bound.");
+    let mut document = StudyDocument::new(Chapter::Ledger, "What runs say of the claims");
+    document.words("Proved is the power, or the constant, that the proof gives; observed is what the smallest scene that shows it has; used is the largest share of the bound.");
     let wrong = entries.iter().filter(|entry| !entry.confirmed);
     let failures: Vec<String> = wrong.map(|entry| entry.claim.to_owned()).collect();
     let all = format!("{} claims, every one confirmed.", entries.len());
-    own.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
+    document.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
     let row = |(index, entry): (usize, &Entry)| {
         let claimed = entry.claimed.name();
         let used = entry.used.map_or_else(|| "–".into(), |used| format!("{:.2} %", 100.0 * used));
@@ -291,14 +287,15 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
             found,
         ]
     };
-    own.table(
+    document.table(
         "Claims on the proofs, each with what a run observes.",
         &["", "claim", "hypotheses", "quantity", ">proved", ">observed", ">used", "is"],
         entries.iter().enumerate().map(row).collect(),
     );
-    own.words("Each is shown by one command, in the same order:");
-    own.code(entries.iter().map(|entry| entry.command.as_str()).collect::<Vec<_>>().join("\n"));
-    own
+    document.words("Each is shown by one command, in the same order:");
+    document
+        .code(entries.iter().map(|entry| entry.command.as_str()).collect::<Vec<_>>().join("\n"));
+    document
 }
 
 #[cfg(test)]
@@ -309,11 +306,11 @@ mod tests {
     fn a_number_on_the_wrong_side_confirms_nothing() {
         for question in &QUESTIONS {
             let wrong = match (&question.reading, question.claimed) {
-                (Reading::Ratio(_), Finding::Sharp) => 0.9,
-                (Reading::Ratio(_), Finding::Slack) => 0.9,
+                (Reading::Ratio(_), Agreement::Sharp) => 0.9,
+                (Reading::Ratio(_), Agreement::Slack) => 0.9,
                 (Reading::StepOverBound, _) => 0.99,
-                (_, Finding::Sharp) => question.proved - 0.5,
-                (_, Finding::Slack) => question.proved,
+                (_, Agreement::Sharp) => question.proved - 0.5,
+                (_, Agreement::Slack) => question.proved,
             };
             assert!(!question.confirms(wrong), "{}", question.claim);
             assert!(!question.confirms(f64::NAN), "{}", question.claim);

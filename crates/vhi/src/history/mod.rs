@@ -2,6 +2,7 @@
 
 mod accumulated;
 mod fast;
+mod gauss;
 mod gregory;
 mod grid;
 mod left;

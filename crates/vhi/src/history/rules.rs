@@ -1,5 +1,6 @@
 //! Time rules for kernels that are not C², or infinite at s = t: a corrected end weight, and product integration.
 
+use super::gauss::GAUSS;
 use super::{TimeGrid, TimeRule, Trapezoid, powers};
 use crate::law::HistoryKernel;
 
@@ -127,20 +128,6 @@ impl TimeRule for ProductIntegration {
         powers::moments(power, 0.0, k).1
     }
 }
-
-/// Gauss's rule with 10 points on (0, 1): places and weights, exact to degree 19.
-pub(super) const GAUSS: [(f64, f64); 10] = [
-    (0.013_046_735_741_414_128, 0.033_335_672_154_344_07),
-    (0.067_468_316_655_507_73, 0.074_725_674_575_290_3),
-    (0.160_295_215_850_487_78, 0.109_543_181_257_991_02),
-    (0.283_302_302_935_376_4, 0.134_633_359_654_998_18),
-    (0.425_562_830_509_184_4, 0.147_762_112_357_376_43),
-    (0.574_437_169_490_815_6, 0.147_762_112_357_376_43),
-    (0.716_697_697_064_623_6, 0.134_633_359_654_998_18),
-    (0.839_704_784_149_512_2, 0.109_543_181_257_991_02),
-    (0.932_531_683_344_492_3, 0.074_725_674_575_290_3),
-    (0.986_953_264_258_585_9, 0.033_335_672_154_344_07),
-];
 
 #[cfg(test)]
 mod tests {

@@ -33,8 +33,8 @@ impl OneMatrix<'_> {
         let dofs = self.space.dofs();
         let Pending { scale, slot, state, .. } = &self.pending[self.shown];
         let past = self.volume.beta.zip(self.history.first());
-        let own = self.swept.iter().skip(self.shown).step_by(self.pending.len());
-        for (&value, &dof) in own.zip(&self.volume.order) {
+        let of_level = self.swept.iter().skip(self.shown).step_by(self.pending.len());
+        for (&value, &dof) in of_level.zip(&self.volume.order) {
             let dof = dof as usize;
             self.u[dof] = match past {
                 Some((beta, past)) => (value - beta * past[dof]) / scale,
@@ -46,9 +46,11 @@ impl OneMatrix<'_> {
         for (&dof, u) in unknowns.iter().zip(&state.u) {
             self.u[dof as usize] = *u;
         }
-        for ((memory, history), own) in self.memory.iter_mut().zip(&mut self.history).zip(slot) {
+        for ((memory, history), last_weight) in
+            self.memory.iter_mut().zip(&mut self.history).zip(slot)
+        {
             memory.commit(self.grid, &self.u[..dofs]);
-            axpy(*own, &self.u[..dofs], &mut history[..dofs]);
+            axpy(*last_weight, &self.u[..dofs], &mut history[..dofs]);
         }
         let held = self.memory.iter().map(Memory::bytes).sum::<usize>()
             + self.side.as_ref().map_or(0, Side::bytes);

@@ -43,8 +43,8 @@ fn cells_of_equal_volume_tile_and_meet_face_to_face() {
             let pieces = (n * n * n) as usize;
             assert_eq!(mesh.cell_count(), pieces * solid.cells.len());
             for c in 0..mesh.cell_count() {
-                let own = solid.volume(c / pieces) / pieces as f64;
-                assert!((volume(&mesh, c) / own - 1.0).abs() < 1e-12, "n = {n}, cell {c}");
+                let expected = solid.volume(c / pieces) / pieces as f64;
+                assert!((volume(&mesh, c) / expected - 1.0).abs() < 1e-12, "n = {n}, cell {c}");
             }
             let mut faces: BTreeMap<[u32; 3], usize> = BTreeMap::new();
             for c in 0..mesh.cell_count() {

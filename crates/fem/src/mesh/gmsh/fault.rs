@@ -19,36 +19,27 @@ pub struct GmshError {
 /// A fault in a `.msh` file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Fault {
-    /// The text ends too early.
     #[error("the file ends where {wanted} should stand")]
     Ends { wanted: &'static str },
-    /// Something else stands there.
     #[error("`{found}` where {wanted} should stand")]
     Unexpected { found: String, wanted: &'static str },
-    /// A version that is not read.
     #[error("version {found} of the format is not read: export as version 4.1 or 2.2")]
     Version { found: String },
-    /// Binary data.
     #[error("a binary file: export as ASCII")]
     Binary,
-    /// A part that must be there.
     #[error("the file has no part ${part}")]
     Missing { part: &'static str },
-    /// A part that comes twice.
     #[error("the part ${part} comes twice")]
     Twice { part: &'static str },
     /// Two nodes, groups or entities with one number.
     #[error("{what} {tag} is defined twice")]
     Defined { what: &'static str, tag: u64 },
-    /// A number that nothing has.
     #[error("there is no {what} {tag}")]
     Unknown { what: &'static str, tag: u64 },
-    /// Elements of a type that is not read.
     #[error(
         "elements of type {kind} ({name}) are not read: a plane mesh has lines (1) and triangles (2), a body triangles and tetrahedra (4)"
     )]
     Type { kind: u64, name: &'static str },
-    /// A vertex off the plane.
     #[error("node {tag} has z = {z}: the mesh is not in the plane z = 0")]
     OffPlane { tag: u64, z: f64 },
     /// An element that would belong to two sides or regions.

@@ -44,7 +44,7 @@ impl Sections {
     pub(crate) fn read(tokens: &mut Tokens<'_>) -> Result<Self, GmshError> {
         tokens.expect("$MeshFormat")?;
         let version = version(tokens)?;
-        let mut own = Self::default();
+        let mut sections = Self::default();
         let mut seen: Vec<&'static str> = Vec::new();
         while let Some((span, word)) = tokens.word() {
             let known = ["PhysicalNames", "Entities", "Nodes", "Elements"];
@@ -60,7 +60,7 @@ impl Sections {
                 return Err(tokens.at(span, Fault::Twice { part }));
             }
             seen.push(part);
-            own.part(tokens, part, version, span)?;
+            sections.part(tokens, part, version, span)?;
         }
         let needed: &[&'static str] = match version {
             Version::Two => &["Nodes", "Elements"],
@@ -68,7 +68,7 @@ impl Sections {
         };
         match needed.iter().find(|part| !seen.contains(part)) {
             Some(part) => Err(tokens.at(0..0, Fault::Missing { part })),
-            None => Ok(own),
+            None => Ok(sections),
         }
     }
 

@@ -39,8 +39,8 @@ fn tetrahedra_of_both_versions_are_one_body() {
     assert!((0..24).all(|c| solid.volume(c) > 0.0));
     // ∫ (0.8 + 0.2 y)² over (0, 1/2) and (1/2, 1), by hand.
     for (region, expected) in [(0, (0.729 - 0.512) / 0.6), (1, (1.0 - 0.729) / 0.6)] {
-        let own = (0..24).filter(|&c| solid.region[c] == region);
-        let volume: f64 = own.map(|c| solid.volume(c)).sum();
+        let of_region = (0..24).filter(|&c| solid.region[c] == region);
+        let volume: f64 = of_region.map(|c| solid.volume(c)).sum();
         assert!((volume - expected).abs() < 1e-12, "{region}: {volume}");
     }
     // Each of the four walls is one plane, and so are foot and top.

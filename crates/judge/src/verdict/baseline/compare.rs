@@ -2,25 +2,14 @@
 
 use serde::Serialize;
 
+use super::tolerance::{REPEATED_WITHIN, in_percent};
 use super::{Baseline, Owing, Recorded, RecordedCase};
 use crate::record::{CaseRecord, Key, Status};
 use crate::verdict::{Decision, Variable};
 
-/// Relative difference of an error between machines: elementary functions and fused products differ by 1e-16, amplified
-/// by the condition of the system (1e5 on the finest meshes) and by cancellation in errors of 1e-5 of the solution.
-pub const REPEATED_WITHIN: f64 = 1e-6;
-/// Floors by which two runs may differ near the floor: one each, and a factor of safety …
-const FLOORS_APART: f64 = 4.0;
-/// … but a deviation of one percent never passes.
-const LOOSEST: f64 = 5e-3;
-
 /// Share or number by which work may grow: an iteration more in a few steps is rounding.
 const WORK_SHARE: f64 = 0.10;
 const WORK_NUMBER: u64 = 2;
-
-pub(super) fn allowed(error: f64, floor: f64) -> f64 {
-    (FLOORS_APART * floor / error).clamp(REPEATED_WITHIN, LOOSEST)
-}
 
 /// What deviates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -285,15 +274,4 @@ impl Place<'_> {
             reason: format!("{}, {}{subject} {what}", self.scene, self.case.name()),
         }
     }
-}
-
-/// `n = 8, steps = 16`.
-pub(super) fn case_name(n: Option<u32>, steps: u32) -> String {
-    n.map_or(format!("steps = {steps}"), |n| format!("n = {n}, steps = {steps}"))
-}
-
-/// A relative change in percent, with enough digits to show it.
-pub(super) fn in_percent(change: f64) -> String {
-    let percent = 100.0 * change;
-    if percent.abs() < 0.1 { format!("{percent:+.1e} %") } else { format!("{percent:+.1} %") }
 }

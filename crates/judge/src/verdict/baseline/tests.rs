@@ -1,4 +1,4 @@
-use super::compare::in_percent;
+use super::tolerance::in_percent;
 use super::*;
 use crate::record::{Key, Status, V_MAX};
 use crate::verdict::Decision;

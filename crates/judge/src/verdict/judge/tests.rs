@@ -1,9 +1,9 @@
 use super::*;
-use crate::fit::Point;
+use crate::fit::{Claim, Correction, Point};
 use crate::record::{NormError, Status, V_MAX};
 use crate::verdict::{
-    Failure, ForeseenConstant, LeadingPoint, cell_texts, exit_code, failures, read_foreseen,
-    render_table, restore_reasons, write_json,
+    Failure, ForeseenConstant, LeadingPoint, NextCase, cell_texts, exit_code, failures,
+    read_foreseen, render_table, restore_reasons, write_json,
 };
 
 fn record(point: Point) -> CaseRecord {

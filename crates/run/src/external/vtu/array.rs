@@ -11,7 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
 use roxmltree::Node;
 
-use super::VtuReadError;
+use crate::external::VtuReadError;
 
 /// Binary encoding of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -18,7 +18,6 @@ impl Appended {
         self.declarations += &format!("      <{element}>\n");
     }
 
-    /// Closes it.
     pub(crate) fn close(&mut self, element: &str) {
         self.declarations += &format!("      </{element}>\n");
     }

@@ -16,7 +16,7 @@ pub struct Field<'a> {
 
 /// A mesh of triangles, of quadratic triangles or of tetrahedra.
 #[derive(Debug, Clone, Copy)]
-pub struct Grid<'a> {
+pub struct VtuGrid<'a> {
     /// Coordinates; z = 0 in the plane.
     pub points: &'a [[f64; 3]],
     /// Vertices of all cells, as positions in `points`.
@@ -28,18 +28,11 @@ pub struct Grid<'a> {
 /// Why a file could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum VtuError {
-    /// The file system refused.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    Io { path: PathBuf, source: io::Error },
     /// A field has no components, or does not cover its points or cells.
     #[error("field `{name}`: {found} values, expected {count} × {components}")]
     FieldLength {
-        /// Name of the field.
         name: String,
         /// Number of points or cells.
         count: usize,
@@ -48,12 +41,10 @@ pub enum VtuError {
         /// Number of values given.
         found: usize,
     },
-    /// Neither triangles nor tetrahedra.
     #[error(
         "cells of {0} vertices are neither triangles (3, or 6 with midpoints) nor tetrahedra (4)"
     )]
     CellShape(usize),
-    /// The last cell is incomplete.
     #[error("{found} cell vertices are no multiple of {vertices_per_cell}")]
     IncompleteCell {
         /// 3, 4 or 6.
@@ -64,7 +55,6 @@ pub enum VtuError {
     /// A cell names a point that does not exist.
     #[error("a cell has vertex {vertex}, but there are {points} points")]
     UnknownVertex {
-        /// The vertex.
         vertex: u32,
         /// Number of points.
         points: usize,

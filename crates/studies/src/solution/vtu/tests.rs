@@ -14,8 +14,8 @@ const SQUARE: [[f64; 3]; 5] =
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.25, 0.0]];
 const TRIANGLES: [u32; 12] = [0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4];
 
-fn triangles() -> Grid<'static> {
-    Grid { points: &SQUARE, cells: &TRIANGLES, vertices_per_cell: 3 }
+fn triangles() -> VtuGrid<'static> {
+    VtuGrid { points: &SQUARE, cells: &TRIANGLES, vertices_per_cell: 3 }
 }
 
 /// Every pair of values is bitwise equal.
@@ -45,7 +45,7 @@ fn every_bit_pattern_is_kept() {
 #[test]
 fn inconsistent_input_is_refused_and_leaves_no_file() {
     let path = scratch("refused.vtu");
-    let refused = |grid: Grid<'_>, field: Field<'_>| {
+    let refused = |grid: VtuGrid<'_>, field: Field<'_>| {
         let error = write_vtu(&path, &grid, &[], &[field]).expect_err("refused");
         assert!(!path.exists());
         error.to_string()
@@ -57,9 +57,11 @@ fn inconsistent_input_is_refused_and_leaves_no_file() {
         "field `p`: 4 values, expected 4 × 2"
     );
     assert!(refused(grid, Field { components: 0, values: &[], ..field }).contains("4 × 0"));
-    assert!(refused(Grid { vertices_per_cell: 2, ..grid }, field).contains("of 2 vertices"));
-    assert!(refused(Grid { cells: &TRIANGLES[1..], ..grid }, field).contains("11 cell vertices"));
-    assert!(refused(Grid { points: &SQUARE[..4], ..grid }, field).contains("has vertex 4"));
+    assert!(refused(VtuGrid { vertices_per_cell: 2, ..grid }, field).contains("of 2 vertices"));
+    assert!(
+        refused(VtuGrid { cells: &TRIANGLES[1..], ..grid }, field).contains("11 cell vertices")
+    );
+    assert!(refused(VtuGrid { points: &SQUARE[..4], ..grid }, field).contains("has vertex 4"));
     let absent = scratch("absent").join("grid.vtu");
     let error = write_vtu(&absent, &grid, &[], &[field]).expect_err("no such folder");
     assert!(matches!(error, VtuError::Io { path, .. } if path == absent));
@@ -68,7 +70,7 @@ fn inconsistent_input_is_refused_and_leaves_no_file() {
 #[test]
 fn an_empty_grid_is_a_file() {
     let path = scratch("empty.vtu");
-    let grid = Grid { points: &[], cells: &[], vertices_per_cell: 3 };
+    let grid = VtuGrid { points: &[], cells: &[], vertices_per_cell: 3 };
     write_vtu(&path, &grid, &[], &[]).expect("written");
     let back = read(&fs::read(&path).expect("readable")).expect("vtkio reads the file");
     fs::remove_file(&path).expect("removable");

@@ -6,9 +6,9 @@ use super::constants::AuditConstants;
 use super::fields::Fields;
 use super::in_space::InSpaceFields;
 use super::law::ClarkeLaw;
-use super::level::{Case, Levels};
-use super::lines::{Line, Relation, Standing, Statement, lines};
-use super::pointwise::Material;
+use super::level::{AuditedCase, PastLevels};
+use super::lines::{Line, LineStanding, Relation, Statement, lines};
+use super::pointwise::PlainMaterial;
 use super::smooth::SmoothFields;
 use exact::Truth;
 use fem::contact::{CaseError, Discretization, LoadError, StepView};
@@ -20,48 +20,32 @@ use vhi::history::TimeGrid;
 /// Why a scene cannot be audited.
 #[derive(Debug, thiserror::Error)]
 pub enum AuditError {
-    /// No exact solution: the lines need u.
     #[error(
         "scene `{scene}` has no exact solution, and every line of the proof needs u: choose a scene with [exact]"
     )]
-    NoTruth {
-        /// The scene.
-        scene: String,
-    },
-    /// Not plain.
+    NoTruth { scene: String },
     #[error(
         "scene `{scene}` has regions, an anisotropic tensor or several memory kernels: the audit knows one isotropic tensor and one kernel; `sweep run`, `bound` and `gronwall` serve this scene"
     )]
-    Material {
-        /// The scene.
-        scene: String,
-    },
-    /// Its integrals cut triangles and edges.
+    Material { scene: String },
     #[error(
         "scene `{scene}` is one in space, and the integrals of the audit cut triangles and edges: choose a plane scene"
     )]
-    Dimension {
-        /// The scene.
-        scene: String,
-    },
-    /// The set-up failed.
+    Dimension { scene: String },
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The run failed.
     #[error("n = {n}, N = {steps}: {source}")]
     Run {
         /// Cells per unit length.
         n: u32,
-        /// Steps.
         steps: u32,
-        /// What the solver said.
         source: CaseError,
     },
 }
 
 /// A line at one level of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AtLevel {
+pub struct SidesAtLevel {
     /// n.
     pub level: usize,
     /// Left side.
@@ -75,7 +59,7 @@ pub struct AtLevel {
 /// A line over all levels of a run.
 #[derive(Debug, Clone, Serialize)]
 #[serde(into = "LineOfRun")]
-pub struct Row {
+pub struct CaseLine {
     /// The line of the proof.
     pub statement: Statement,
     /// How its sides are related.
@@ -92,14 +76,14 @@ pub struct Row {
     /// Largest rounding.
     pub rounding: f64,
     /// The level at which it fails worst.
-    pub violation: Option<AtLevel>,
+    pub violation: Option<SidesAtLevel>,
     /// The level at which it is tightest, with its tightness; none where no level has one.
-    pub tightest: Option<(f64, AtLevel)>,
+    pub tightest: Option<(f64, SidesAtLevel)>,
     /// Its bound is not defined at some level.
     pub undefined: bool,
 }
 
-/// [`Row`] as JSON.
+/// [`CaseLine`] as JSON.
 #[derive(Serialize)]
 struct LineOfRun {
     line: &'static str,
@@ -110,10 +94,10 @@ struct LineOfRun {
     holds: bool,
 }
 
-impl From<Row> for LineOfRun {
-    fn from(row: Row) -> Self {
-        let holds = row.standing() == Standing::Holds;
-        let Row { statement, left, right, ratio, accuracy, .. } = row;
+impl From<CaseLine> for LineOfRun {
+    fn from(row: CaseLine) -> Self {
+        let holds = row.standing() == LineStanding::Holds;
+        let CaseLine { statement, left, right, ratio, accuracy, .. } = row;
         Self { line: statement.name, left, right, ratio, accuracy, holds }
     }
 }
@@ -131,7 +115,7 @@ pub struct CaseAudit {
     pub k: f64,
     /// The lines.
     #[serde(rename = "lines")]
-    pub rows: Vec<Row>,
+    pub rows: Vec<CaseLine>,
 }
 
 /// Sees the levels of a run.
@@ -141,11 +125,11 @@ pub struct Auditor<'a> {
     truth: &'a dyn Truth,
     grid: TimeGrid,
     constants: &'a AuditConstants,
-    material: Material,
+    material: PlainMaterial,
     law: ClarkeLaw,
     fields: Box<dyn Fields>,
-    levels: Levels,
-    rows: Vec<Row>,
+    levels: PastLevels,
+    rows: Vec<CaseLine>,
 }
 
 impl<'a> Auditor<'a> {
@@ -175,10 +159,10 @@ impl<'a> Auditor<'a> {
             truth: &*data.truth,
             grid: setup.grid(steps),
             constants,
-            material: Material::new(setup).ok_or_else(other)?,
+            material: PlainMaterial::new(setup).ok_or_else(other)?,
             law: ClarkeLaw::new(contact.and_then(|contact| contact.law.as_ref())),
             fields,
-            levels: Levels::default(),
+            levels: PastLevels::default(),
             rows: Vec::new(),
         })
     }
@@ -188,7 +172,7 @@ impl<'a> Auditor<'a> {
     /// # Errors
     /// The truth's.
     pub fn observe(&mut self, view: &StepView<'_>) -> Result<(), LoadError> {
-        let case = Case {
+        let case = AuditedCase {
             space: &self.space,
             grid: &self.grid,
             material: &self.material,
@@ -200,7 +184,7 @@ impl<'a> Auditor<'a> {
         let gap = self.setup.body.contact.as_ref().and_then(|contact| contact.gap);
         for (i, line) in lines(&level, self.constants, gap.is_none()).iter().enumerate() {
             if i == self.rows.len() {
-                self.rows.push(Row::new(line));
+                self.rows.push(CaseLine::new(line));
             }
             self.rows[i].add(view.n, line);
         }
@@ -208,12 +192,12 @@ impl<'a> Auditor<'a> {
     }
 
     /// The lines over all levels seen.
-    pub fn rows(self) -> Vec<Row> {
+    pub fn rows(self) -> Vec<CaseLine> {
         self.rows
     }
 }
 
-impl Row {
+impl CaseLine {
     fn new(line: &Line) -> Self {
         Self {
             statement: line.statement,
@@ -229,12 +213,12 @@ impl Row {
         }
     }
 
-    /// Over all levels; a violation is the worst that there is.
-    pub(crate) fn standing(&self) -> Standing {
+    /// Over all levels; a violation outweighs everything else.
+    pub(crate) fn standing(&self) -> LineStanding {
         match (self.violation, self.undefined) {
-            (Some(_), _) => Standing::Violated,
-            (None, true) => Standing::Undefined,
-            (None, false) => Standing::Holds,
+            (Some(_), _) => LineStanding::Violated,
+            (None, true) => LineStanding::Undefined,
+            (None, false) => LineStanding::Holds,
         }
     }
 
@@ -243,37 +227,38 @@ impl Row {
         self.right = larger(self.right, line.right.abs());
         self.accuracy = larger(self.accuracy, line.accuracy);
         self.rounding = larger(self.rounding, line.rounding);
-        let own = match line.relation {
+        let ratio = match line.relation {
             Relation::AtMost => line.ratio(),
             Relation::Equal => line
                 .ratio()
                 .map(|_| (line.left - line.right).abs() / line.left.abs().max(line.right.abs())),
         };
-        if let Some(own) = own {
-            self.ratio = Some(self.ratio.map_or(own, |ratio| larger(ratio, own)));
+        if let Some(ratio) = ratio {
+            self.ratio = Some(self.ratio.map_or(ratio, |known| larger(known, ratio)));
         }
-        self.undefined |= line.standing() == Standing::Undefined;
+        self.undefined |= line.standing() == LineStanding::Undefined;
         let Line { left, right, accuracy, .. } = *line;
-        let excess = |v: &AtLevel| line.relation.excess(v.left, v.right) - v.accuracy;
-        let here = AtLevel { level, left, right, accuracy };
-        let tighter = |own: &f64| self.tightest.is_none_or(|(known, _)| is_tighter(*own, known));
-        if let Some(own) = line.tightness().filter(tighter) {
-            self.tightest = Some((own, here));
+        let excess = |v: &SidesAtLevel| line.relation.excess(v.left, v.right) - v.accuracy;
+        let here = SidesAtLevel { level, left, right, accuracy };
+        let tighter =
+            |tightness: &f64| self.tightest.is_none_or(|(known, _)| is_tighter(*tightness, known));
+        if let Some(tightness) = line.tightness().filter(tighter) {
+            self.tightest = Some((tightness, here));
         }
         // A NaN is worst of all.
-        let worse = |known: &AtLevel| {
+        let worse = |known: &SidesAtLevel| {
             let (known, here) = (excess(known), excess(&here));
             !known.is_nan() && (here.is_nan() || here > known)
         };
-        if line.standing() == Standing::Violated && self.violation.as_ref().is_none_or(worse) {
+        if line.standing() == LineStanding::Violated && self.violation.as_ref().is_none_or(worse) {
             self.violation = Some(here);
         }
     }
 }
 
 /// Whether a tightness is worse than one that is known; a NaN is worst of all.
-pub(super) fn is_tighter(own: f64, known: f64) -> bool {
-    !known.is_nan() && (own.is_nan() || own > known)
+pub(super) fn is_tighter(tightness: f64, known: f64) -> bool {
+    !known.is_nan() && (tightness.is_nan() || tightness > known)
 }
 
 /// The larger of two numbers; a NaN is not lost.

@@ -16,7 +16,7 @@ pub(crate) struct Traces {
 
 /// What the lines of the proof need from Γ3.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Contact {
+pub(crate) struct ContactIntegrals {
     /// ‖u_ν - v^h_ν‖².
     pub delta: f64,
     /// ‖u_ν - u^{kh}_ν‖².
@@ -53,8 +53,8 @@ pub(crate) fn over_contact(
     traces: &Traces,
     boundary: &Boundary,
     nodal_multiplier: Option<&[f64]>,
-) -> Contact {
-    let mut sums = Contact::default();
+) -> ContactIntegrals {
+    let mut sums = ContactIntegrals::default();
     let samples = edges.iter().filter_map(|sample| Some((sample, sample.contact?)));
     for (sample, at) in samples {
         let value = |nodal: &[f64]| at.trace_of(&sample.shape, nodal);
@@ -116,8 +116,8 @@ pub(crate) fn scheme_terms(
     for (i, point) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
         let (v, u_h, x) = (traces.v[i], traces.u_h[i], place(space, i));
         if boundary.rule == BoundaryRule::Vertex {
-            let own = law.directional(u_h - (boundary.shift)(x), v - u_h);
-            let value = boundary.scale_at(x) * own;
+            let slope = law.directional(u_h - (boundary.shift)(x), v - u_h);
+            let value = boundary.scale_at(x) * slope;
             directional.add(point.weight * value);
             selection.add(point.weight * (value - view.compliance[i] * (v - u_h)));
         }
@@ -143,8 +143,8 @@ fn gauss(space: &Discretization, law: &ClarkeLaw, boundary: &Boundary, traces: &
             let between = |nodal: &[f64]| shape[0] * nodal[a] + shape[1] * nodal[b];
             let u_h = between(&traces.u_h);
             let x = space.mesh.point(&vertices, shape);
-            let own = law.directional(u_h - (boundary.shift)(x), between(&traces.v) - u_h);
-            sum.add(measure * weight * boundary.scale_at(x) * own);
+            let slope = law.directional(u_h - (boundary.shift)(x), between(&traces.v) - u_h);
+            sum.add(measure * weight * boundary.scale_at(x) * slope);
         }
     }
     sum

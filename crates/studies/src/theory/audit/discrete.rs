@@ -1,7 +1,7 @@
 //! The discrete solution as the audit reads it: u_j^{kh} and λ_n alone; strains, ζ and θ of (4.2) by
-//! trapezoidal sums of its own.
+//! trapezoidal sums made here.
 
-use super::pointwise::{Material, Plane, dot};
+use super::pointwise::{PlainMaterial, Plane, dot};
 use fem::contact::Discretization;
 use vhi::history::TimeGrid;
 
@@ -45,11 +45,10 @@ pub(crate) fn strains(space: &Discretization, nodal: &[f64]) -> Vec<Plane> {
 }
 
 impl Past {
-    /// Adds u_n and evaluates its level.
     pub(crate) fn level(
         &mut self,
         space: &Discretization,
-        material: &Material,
+        material: &PlainMaterial,
         grid: &TimeGrid,
         u: &[f64],
     ) -> DiscreteLevel {

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::case::CaseAudit;
 use super::constants::{AuditConstants, c_j_source};
-use super::lines::{Relation, Standing};
-use super::scene::{SceneAudit, Summary};
+use super::lines::{LineStanding, Relation};
+use super::scene::{SceneAudit, SceneLine};
 use fem::contact::BoundaryRule;
 use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
 
@@ -38,7 +38,7 @@ pub struct Checklist<'a> {
     rule: &'static str,
     holds: bool,
     constants: Listed<'a>,
-    lines: Vec<Summary>,
+    lines: Vec<SceneLine>,
     cases: &'a [CaseAudit],
     /// A sentence each.
     violations: Vec<String>,
@@ -49,7 +49,7 @@ pub struct Checklist<'a> {
 #[derive(Serialize)]
 struct Listed<'a> {
     #[serde(flatten)]
-    own: &'a AuditConstants,
+    constants: &'a AuditConstants,
     m0: f64,
 }
 
@@ -76,7 +76,7 @@ impl SceneAudit {
             theorem: self.theorem(),
             rule: self.rule_name(),
             holds: self.holds(),
-            constants: Listed { own: &self.constants, m0: self.constants.m0() },
+            constants: Listed { constants: &self.constants, m0: self.constants.m0() },
             lines: self.summaries(),
             cases: &self.cases,
             violations: self.violations(),
@@ -118,8 +118,9 @@ impl SceneAudit {
             false => "a constant in it is infinite".to_owned(),
         };
         let summaries = self.summaries();
-        let undefined = summaries.iter().filter(|summary| summary.standing == Standing::Undefined);
-        let sentence = |summary: &Summary| {
+        let undefined =
+            summaries.iter().filter(|summary| summary.standing == LineStanding::Undefined);
+        let sentence = |summary: &SceneLine| {
             format!("{} has no defined constant: {why}", summary.statement.name)
         };
         undefined.map(sentence).collect()
@@ -147,12 +148,12 @@ impl SceneAudit {
                     row.relation.sign().to_owned(),
                     format!("{:e}", row.left),
                     match row.standing() {
-                        Standing::Undefined => String::new(),
+                        LineStanding::Undefined => String::new(),
                         _ => format!("{:e}", row.right),
                     },
                     row.ratio.map_or(String::new(), |ratio| format!("{ratio:e}")),
                     format!("{:e}", row.accuracy),
-                    (row.standing() == Standing::Holds).to_string(),
+                    (row.standing() == LineStanding::Holds).to_string(),
                     worst.map_or(String::new(), |v| v.level.to_string()),
                     worst.map_or(String::new(), |v| {
                         format!("{:e}", row.relation.excess(v.left, v.right))
@@ -168,7 +169,7 @@ impl Checklist<'_> {
     /// The audit as a document; `svg` draws its shares.
     pub fn document(&self, svg: Option<String>) -> StudyDocument {
         let title = format!("Checklist: {}", self.scene);
-        let mut own =
+        let mut document =
             StudyDocument::new(Chapter::Audit, title).of_scene(self.scene, self.fingerprint);
         let grid = |of: fn(&CaseAudit) -> u32| {
             let mut all: Vec<u32> = self.cases.iter().map(of).collect();
@@ -176,7 +177,8 @@ impl Checklist<'_> {
             all.dedup();
             all.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
         };
-        let held_lines = self.lines.iter().filter(|line| line.standing == Standing::Holds).count();
+        let held_lines =
+            self.lines.iter().filter(|line| line.standing == LineStanding::Holds).count();
         let all = format!("{held_lines} of {} lines hold in all runs.", self.lines.len());
         let mut failures = self.violations.clone();
         failures.extend(self.undefined.iter().cloned());
@@ -184,15 +186,15 @@ impl Checklist<'_> {
             failures.push(all.clone());
         }
         let holds = self.holds && held_lines == self.lines.len() && failures.is_empty();
-        own.verdict(holds, &all, failures);
-        own.words(format!(
+        document.verdict(holds, &all, failures);
+        document.words(format!(
             "{}; boundary rule {}; runs with n = {} and N = {}.",
             self.theorem,
             self.rule,
             grid(|case| case.n),
             grid(|case| case.steps)
         ));
-        own.table(
+        document.table(
             "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
              identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
              accuracy; the powers of h and k with which the sides fall.",
@@ -202,27 +204,27 @@ impl Checklist<'_> {
             ],
             by_tightness(&self.lines).into_iter().map(line).collect(),
         );
-        own.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
+        document.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
         let shows = "shares of the bounds of the proofs against h (sweep audit).";
-        own.figure("audit", shows, svg);
-        own
+        document.figure("audit", shows, svg);
+        document
     }
 }
 
 /// The lines from what fails to what is furthest from it; those of one tightness in the order of the proof.
-pub(super) fn by_tightness(lines: &[Summary]) -> Vec<&Summary> {
-    let rank = |line: &Summary| match line.standing {
-        Standing::Holds => line.tightness.unwrap_or(f64::NEG_INFINITY),
-        Standing::Violated | Standing::Undefined => f64::INFINITY,
+pub(super) fn by_tightness(lines: &[SceneLine]) -> Vec<&SceneLine> {
+    let rank = |line: &SceneLine| match line.standing {
+        LineStanding::Holds => line.tightness.unwrap_or(f64::NEG_INFINITY),
+        LineStanding::Violated | LineStanding::Undefined => f64::INFINITY,
     };
-    let mut sorted: Vec<&Summary> = lines.iter().collect();
+    let mut sorted: Vec<&SceneLine> = lines.iter().collect();
     sorted.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
     sorted
 }
 
 impl Listed<'_> {
     fn rows(&self) -> Vec<Vec<Run>> {
-        let c = self.own;
+        let c = self.constants;
         let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
         let named = [
             ("m_A", c.m_a),
@@ -247,7 +249,7 @@ pub(super) fn in_signs(says: &str) -> String {
     signs.iter().fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-fn line(line: &Summary) -> Vec<Run> {
+fn line(line: &SceneLine) -> Vec<Run> {
     let sign = if line.relation == Relation::Equal { "=" } else { "≤" };
     let short = |value: Option<f64>| Run::plain(value.map_or_else(|| "–".into(), |v| digits(v, 3)));
     let powers = |[left, right]: [Option<f64>; 2]| {
@@ -269,8 +271,8 @@ fn line(line: &Summary) -> Vec<Run> {
         powers(line.power_h),
         powers(line.power_k),
         match line.standing {
-            Standing::Undefined => Run::of("is not defined", Tone::Miss),
-            standing => held(standing == Standing::Holds),
+            LineStanding::Undefined => Run::of("is not defined", Tone::Miss),
+            standing => held(standing == LineStanding::Holds),
         },
     ]
 }

@@ -58,10 +58,9 @@ pub(crate) fn between(trace: [usize; 3], shape: &[f64; 3], values: &[f64]) -> f6
     if shape[2] == 0.0 { ends } else { ends + shape[2] * values[trace[2]] }
 }
 
-/// Contact data at a point of Γ3.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactSample {
-    /// Those vertices as points of the trace.
+    /// The vertices of the edge as points of the trace.
     pub trace: [usize; 3],
     /// u_ν.
     pub normal: f64,

@@ -29,7 +29,7 @@ pub(crate) struct Volume {
     pub plain: CellValues,
     /// Cells that a curve crosses, in 16 parts.
     pub crossed: CellValues,
-    /// Those cells cut into 4 parts: the difference measures the quadrature error.
+    /// The same cells in 4 parts: the difference measures the quadrature error.
     pub check: CellValues,
 }
 
@@ -75,7 +75,6 @@ pub(crate) trait Fields {
     /// A formula that is not finite somewhere.
     fn remembered(&mut self, t: f64) -> Result<Remembered, LoadError>;
 
-    /// How F(w) is evaluated.
     fn forces(&self) -> Forces;
 
     /// λ at the points of the trace where it acts there (u(t) ∈ V^h); otherwise it is part of the edges.

@@ -130,8 +130,8 @@ impl Fields for InSpaceFields {
                 .evaluate(node, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
         };
         let shift = |e: usize, x: f64| formula(shift_node, 0.0, e, x);
-        let own: Vec<f64> = state.iter().map(|at| at[0]).collect();
-        let mut all = vec![own.as_slice()];
+        let normal: Vec<f64> = state.iter().map(|at| at[0]).collect();
+        let mut all = vec![normal.as_slice()];
         all.extend(traces);
         let sample = |(e, x, weight): (usize, f64, f64)| {
             let [a, b] = ends(e);

@@ -4,8 +4,8 @@
 use super::discrete::DiscreteLevel;
 use super::edges::EdgeSample;
 use super::fields::CellValues;
-use super::place::Place;
-use super::pointwise::{Material, Plane, dot, minus};
+use super::place::CellPoint;
+use super::pointwise::{PlainMaterial, Plane, dot, minus};
 use fem::contact::Discretization;
 
 /// A sum and the sum of its absolute terms.
@@ -18,18 +18,15 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    /// Adds a term.
     pub(crate) fn add(&mut self, term: f64) {
         self.value += term;
         self.size += term.abs();
     }
 
-    /// Both parts of another sum.
     pub(crate) fn plus(self, other: Self) -> Self {
         Self { value: self.value + other.value, size: self.size + other.size }
     }
 
-    /// The sum with the other sign.
     pub(crate) fn minus(self, other: Self) -> Self {
         Self { value: self.value - other.value, size: self.size + other.size }
     }
@@ -90,7 +87,7 @@ struct Tensors {
 /// The cells' integrals over `values`, and per cell (σ, ε(w)) - ∫ f0·w for both w.
 pub(crate) fn over_cells(
     space: &Discretization,
-    material: &Material,
+    material: &PlainMaterial,
     kappa: f64,
     values: &CellValues,
     discrete: &DiscreteLevel,
@@ -100,7 +97,7 @@ pub(crate) fn over_cells(
     let mut residuals = vec![[0.0; 2]; space.mesh.cell_count()];
     let (mut stresses, mut strains) = (0.0, 0.0);
     let points = values.at.points.iter().zip(values.at.cells.iter().zip(&values.at.weights));
-    let mut place = Place::new(space);
+    let mut place = CellPoint::new(space);
     for (p, (x, (&c, &weight))) in points.enumerate() {
         if weight == 0.0 {
             continue;
@@ -155,7 +152,7 @@ pub(crate) fn over_cells(
 
 impl Cells {
     /// Adds the products of the tensors at a point of this weight.
-    fn add_tensors(&mut self, weight: f64, material: &Material, at: &Tensors) {
+    fn add_tensors(&mut self, weight: f64, material: &PlainMaterial, at: &Tensors) {
         let psi_difference = minus(&at.psi, &at.psi_h);
         let moved = material.operator(&at.to_h);
         let theta_difference = minus(&at.theta, &at.theta_h);
@@ -172,14 +169,13 @@ impl Cells {
         self.operator.add(weight * dot(&moved, &at.to_v));
     }
 
-    /// Adds the integrals over other cells.
     pub(crate) fn join(&mut self, other: &Self) {
         self.e += other.e;
         self.d += other.d;
         self.theta += other.theta;
         self.strain += other.strain;
         self.natural = self.natural.hypot(other.natural);
-        for (own, other) in [
+        for (sum, other) in [
             (&mut self.monotone, other.monotone),
             (&mut self.phi1, other.phi1),
             (&mut self.phi2, other.phi2),
@@ -187,7 +183,7 @@ impl Cells {
             (&mut self.operator, other.operator),
             (&mut self.at_h, other.at_h),
         ] {
-            *own = own.plus(other);
+            *sum = sum.plus(other);
         }
         for i in 0..2 {
             self.stress[i] = self.stress[i].plus(other.stress[i]);
@@ -199,7 +195,7 @@ impl Cells {
 /// (∫ (σν)·w1, ∫ (σν)·w2) over Γ2 and Γ3.
 pub(crate) fn tractions(
     space: &Discretization,
-    material: &Material,
+    material: &PlainMaterial,
     kappa: f64,
     edges: &[EdgeSample],
     fields: [&[f64]; 2],

@@ -1,24 +1,24 @@
 //! Every quantity of the proofs at one level t_n.
 
-use super::contact::{Contact, Traces, over_contact, scheme_terms};
+use super::contact::{ContactIntegrals, Traces, over_contact, scheme_terms};
 use super::discrete::{Past, primed_weights, strains};
 use super::fields::{Fields, Forces, Remembered};
 use super::integrals::{Cells, NodalField, Sum, over_cells, tractions};
 use super::law::ClarkeLaw;
-use super::pointwise::{Material, Plane, dot};
+use super::pointwise::{PlainMaterial, Plane, dot};
 use fem::contact::{Boundary, Discretization, LoadError, StepView};
 use fem::space::Element;
 use vhi::history::TimeGrid;
 
 /// The numbers of one level, in the notation of section 4 of the paper; w1 = v^h - u, w2 = u^{kh} - u.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Level {
+pub struct LevelIntegrals {
     /// k, the largest step.
     pub k: f64,
     /// Integrals over Ω.
     pub cells: Cells,
     /// Integrals over Γ3.
-    pub contact: Contact,
+    pub contact: ContactIntegrals,
     /// F(w1), F(w2).
     pub load: [Sum; 2],
     /// Measured quadrature error of (σ, ε(w)) - F(w), both w.
@@ -41,7 +41,7 @@ pub struct Level {
 
 /// What is known of the levels so far.
 #[derive(Default)]
-pub(crate) struct Levels {
+pub(crate) struct PastLevels {
     past: Past,
     /// ‖u_j - u_j^{kh}‖_V.
     errors: Vec<f64>,
@@ -51,31 +51,31 @@ pub(crate) struct Levels {
 }
 
 /// What a level is computed from.
-pub(crate) struct Case<'a> {
+pub(crate) struct AuditedCase<'a> {
     /// V^h.
     pub space: &'a Discretization,
     /// t_0, …, t_N.
     pub grid: &'a TimeGrid,
     /// A, φ, S.
-    pub material: &'a Material,
+    pub material: &'a PlainMaterial,
     /// ∂j_ν.
     pub law: &'a ClarkeLaw,
     /// g, s and the rule of the scheme; none without contact.
     pub boundary: Option<&'a Boundary>,
 }
 
-impl Levels {
+impl PastLevels {
     /// The level that `view` shows; `load` is the scheme's F_n.
     ///
     /// # Errors
     /// The truth's.
     pub(crate) fn next(
         &mut self,
-        case: &Case<'_>,
+        case: &AuditedCase<'_>,
         fields: &mut dyn Fields,
         view: &StepView<'_>,
         load: &[f64],
-    ) -> Result<Level, LoadError> {
+    ) -> Result<LevelIntegrals, LoadError> {
         let (space, material) = (case.space, case.material);
         let t = view.t;
         let discrete = self.past.level(space, material, case.grid, view.u);
@@ -96,7 +96,7 @@ impl Levels {
             [0, 1].map(|i: usize| fine.iter().zip(&coarse).map(|(a, b)| (a[i] - b[i]).abs()).sum());
         let traces = Traces { v: traces(space, &v), u_h: traces(space, view.u) };
         let edges = fields.edges(t, zeta.unwrap_or(f64::NAN), &[&traces.v, &traces.u_h])?;
-        let (mut contact, mut scheme_contact) = (Contact::default(), [Sum::default(); 3]);
+        let (mut contact, mut scheme_contact) = (ContactIntegrals::default(), [Sum::default(); 3]);
         if let Some(boundary) = case.boundary {
             let lambda = fields.nodal_multiplier(t)?;
             contact = over_contact(space, case.law, &edges, &traces, boundary, lambda.as_deref());
@@ -120,7 +120,7 @@ impl Levels {
         self.errors.push(cells.e.sqrt());
         self.norms.push(cells.strain.sqrt());
         let remembered = fields.remembered(t)?;
-        Ok(Level {
+        Ok(LevelIntegrals {
             k: case.grid.largest_step(),
             load: load_of,
             quadrature,
@@ -137,7 +137,13 @@ impl Levels {
     }
 
     /// ‖S_n u - S_n^k u‖_Y: what the trapezoidal rule makes of the truth.
-    fn truncation(&mut self, case: &Case<'_>, n: usize, zeta: Option<f64>, now: Remembered) -> f64 {
+    fn truncation(
+        &mut self,
+        case: &AuditedCase<'_>,
+        n: usize,
+        zeta: Option<f64>,
+        now: Remembered,
+    ) -> f64 {
         let weights = primed_weights(case.grid, n);
         let sum: f64 = weights.iter().zip(&self.norms).map(|(w, norm)| w * norm).sum();
         let accumulated = zeta.map_or(0.0, |zeta| (zeta - sum).abs());
@@ -165,7 +171,7 @@ impl Levels {
 
 fn scheme_stress(
     space: &Discretization,
-    material: &Material,
+    material: &PlainMaterial,
     discrete: &super::discrete::DiscreteLevel,
     v: &[Plane],
 ) -> Sum {

@@ -2,7 +2,7 @@
 
 use super::constants::AuditConstants;
 use super::integrals::Sum;
-use super::level::Level;
+use super::level::LevelIntegrals;
 use serde::Serialize;
 
 /// Rounding of a sum, relative to the sum of its absolute terms: up to 10⁶ terms round to 1e-13 of it
@@ -47,7 +47,7 @@ impl Relation {
 /// How a line stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(into = "Flags")]
-pub enum Standing {
+pub enum LineStanding {
     /// It holds to its accuracy.
     Holds,
     /// It does not, or a side is no number.
@@ -56,16 +56,19 @@ pub enum Standing {
     Undefined,
 }
 
-/// [`Standing`] as JSON.
+/// [`LineStanding`] as JSON.
 #[derive(Serialize)]
 struct Flags {
     holds: bool,
     defined: bool,
 }
 
-impl From<Standing> for Flags {
-    fn from(standing: Standing) -> Self {
-        Self { holds: standing == Standing::Holds, defined: standing != Standing::Undefined }
+impl From<LineStanding> for Flags {
+    fn from(standing: LineStanding) -> Self {
+        Self {
+            holds: standing == LineStanding::Holds,
+            defined: standing != LineStanding::Undefined,
+        }
     }
 }
 
@@ -98,12 +101,12 @@ pub struct Line {
 
 impl Line {
     /// Whether the line holds to its accuracy; never with a NaN, nor because its bound is infinite.
-    pub fn standing(&self) -> Standing {
+    pub fn standing(&self) -> LineStanding {
         if self.relation == Relation::AtMost && self.right == f64::INFINITY {
-            return Standing::Undefined;
+            return LineStanding::Undefined;
         }
         let excess = self.relation.excess(self.left, self.right);
-        if excess <= self.accuracy { Standing::Holds } else { Standing::Violated }
+        if excess <= self.accuracy { LineStanding::Holds } else { LineStanding::Violated }
     }
 
     /// How near the line comes to failing, 1 where it just holds: left/right of an inequality, of an identity the
@@ -123,7 +126,7 @@ impl Line {
     /// left/right; `None` where both sides are below the accuracy and the ratio would be noise, and where the bound is not
     /// defined.
     pub(crate) fn ratio(&self) -> Option<f64> {
-        if self.standing() == Standing::Undefined {
+        if self.standing() == LineStanding::Undefined {
             return None;
         }
         let seen = self.left.abs().max(self.right.abs()) > self.accuracy;
@@ -132,7 +135,11 @@ impl Line {
 }
 
 /// The lines of a level: Theorem 10, and those of Theorem 11 where K = X.
-pub(crate) fn lines(level: &Level, constants: &AuditConstants, unconstrained: bool) -> Vec<Line> {
+pub(crate) fn lines(
+    level: &LevelIntegrals,
+    constants: &AuditConstants,
+    unconstrained: bool,
+) -> Vec<Line> {
     let mut sheet = Sheet { level, constants, lines: Vec::new() };
     sheet.estimates();
     sheet.residual();
@@ -144,7 +151,7 @@ pub(crate) fn lines(level: &Level, constants: &AuditConstants, unconstrained: bo
 }
 
 struct Sheet<'a> {
-    level: &'a Level,
+    level: &'a LevelIntegrals,
     constants: &'a AuditConstants,
     lines: Vec<Line>,
 }
@@ -292,7 +299,7 @@ impl Sheet<'_> {
     }
 }
 
-impl Level {
+impl LevelIntegrals {
     /// E_j of (4.12).
     fn e_j(&self) -> Sum {
         let contact = &self.contact;
@@ -324,15 +331,15 @@ impl Level {
 
 impl AuditConstants {
     /// 2 c0 + c1‖u_ν‖ + c1‖u^{kh}_ν‖ of (4.16).
-    fn growth(&self, level: &Level) -> f64 {
+    fn growth(&self, level: &LevelIntegrals) -> f64 {
         let [u, u_h] = level.contact.arguments;
         2.0 * self.c0 + self.c1 * (u.sqrt() + u_h.sqrt())
     }
 
     /// (4.18) solved for e = ‖u - u^{kh}‖: m0 e² ≤ b e + c gives e ≤ b/m0 + √(c/m0), where
     /// b = β_φ Y + (α_φ + L_A) d and c = β_φ Y d + C_j δ + |E_n|, and √(β_φ Y d/m0) ≤ (β_φ Y/m0 + d)/2.
-    /// Infinite where m0 ≤ 0: then the proof says nothing, see [`Standing::Undefined`].
-    fn bound(&self, level: &Level, history: f64, residual: f64) -> f64 {
+    /// Infinite where m0 ≤ 0: then the proof says nothing, see [`LineStanding::Undefined`].
+    fn bound(&self, level: &LevelIntegrals, history: f64, residual: f64) -> f64 {
         let m0 = self.m0();
         if m0 <= 0.0 {
             return f64::INFINITY;

@@ -4,7 +4,7 @@
 //! u is known, u^{kh} is a run's, v^h is the nodal interpolant of u. A, φ, S and j⁰ are evaluated here,
 //! apart from the solver; of a run only u_j^{kh} and the multipliers are read. The load of the truth
 //! enters in strong form (f0 by differentiation), so that the two forms of E_n, over the body and on the
-//! contact side, are two computations. What a run's own quadrature (boundary rule, load vector) adds to
+//! contact side, are two computations. What the quadrature of a run (boundary rule, load vector) adds to
 //! (4.9) is a separate term there, E_q.
 
 mod case;
@@ -28,8 +28,8 @@ mod sides;
 mod smooth;
 mod strips;
 
-pub use case::{AtLevel, AuditError, Auditor, CaseAudit, Row, audit_case};
+pub use case::{AuditError, Auditor, CaseAudit, CaseLine, SidesAtLevel, audit_case};
 pub use constants::AuditConstants;
-pub use lines::{Line, Relation, Standing, Statement};
+pub use lines::{Line, LineStanding, Relation, Statement};
 pub use memory::audit_runs;
-pub use scene::{SceneAudit, Summary};
+pub use scene::{SceneAudit, SceneLine};

@@ -1,8 +1,8 @@
 //! How tight each line is: a bar per line.
 
 use super::document::{by_tightness, in_signs};
-use super::lines::{Relation, Standing};
-use super::scene::{SceneAudit, Summary};
+use super::lines::{LineStanding, Relation};
+use super::scene::{SceneAudit, SceneLine};
 use report::{Bar, Bars, ReportError, symbols};
 
 impl SceneAudit {
@@ -11,11 +11,11 @@ impl SceneAudit {
     /// # Errors
     /// The drawing library's.
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
-        let bar = |line: &&Summary| {
+        let bar = |line: &&SceneLine| {
             let length = line.tightness?;
             let [name, says] = [line.statement.name, line.statement.says];
             let second = line.relation == Relation::Equal;
-            let fails = line.standing != Standing::Holds;
+            let fails = line.standing != LineStanding::Holds;
             Some(Bar { name: name.into(), says: symbols(&in_signs(says)), length, second, fails })
         };
         let lines = self.summaries();

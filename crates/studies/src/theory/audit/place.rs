@@ -8,7 +8,7 @@ use fem::space::StrainShapes;
 const MOST: usize = 3;
 
 /// A point of a cell.
-pub(crate) struct Place<'a> {
+pub(crate) struct CellPoint<'a> {
     space: &'a Discretization,
     strains: StrainShapes,
     /// Strain points a cell.
@@ -20,7 +20,7 @@ pub(crate) struct Place<'a> {
     pub shape: Vec<f64>,
 }
 
-impl<'a> Place<'a> {
+impl<'a> CellPoint<'a> {
     /// No point yet.
     pub(crate) fn new(space: &'a Discretization) -> Self {
         let count = space.geometry.shares.len();
@@ -36,7 +36,6 @@ impl<'a> Place<'a> {
         self.strains.at(&b, &mut self.weights[..self.count]);
     }
 
-    /// Whether strains are constant on cells.
     pub(crate) fn is_constant(&self) -> bool {
         self.count == 1
     }

@@ -12,13 +12,12 @@ pub(crate) fn dot(a: &Plane, b: &Plane) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// a - b.
 pub(crate) fn minus(a: &Plane, b: &Plane) -> Plane {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// The tensors and functions of a scene's material.
-pub(crate) struct Material {
+pub(crate) struct PlainMaterial {
     elastic: [f64; 2],
     memory: Option<[f64; 2]>,
     /// μ, 0 without projection.
@@ -28,7 +27,7 @@ pub(crate) struct Material {
     graph: Graph,
 }
 
-impl Material {
+impl PlainMaterial {
     /// The material of a scene; none unless it is plain: one isotropic tensor, one term of memory at most.
     pub(crate) fn new(setup: &Setup) -> Option<Self> {
         let material = &setup.body.material;
@@ -95,7 +94,6 @@ impl Material {
         self.kernel.map_or(0.0, |kernel| self.graph.evaluate(kernel, &at))
     }
 
-    /// Whether there is memory.
     pub(crate) fn remembers(&self) -> bool {
         self.memory.is_some()
     }

@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::case::{AtLevel, AuditError, CaseAudit, Row, audit_case, is_tighter};
+use super::case::{AuditError, CaseAudit, CaseLine, SidesAtLevel, audit_case, is_tighter};
 use super::constants::AuditConstants;
-use super::lines::{Relation, Standing, Statement};
+use super::lines::{LineStanding, Relation, Statement};
 use fem::contact::BoundaryRule;
 use fem::space::Element;
 use judge::fit::{Sample, power_law};
@@ -32,7 +32,7 @@ pub struct SceneAudit {
 
 /// A line over all runs of a scene.
 #[derive(Debug, Clone, Serialize)]
-pub struct Summary {
+pub struct SceneLine {
     /// The line of the proof.
     #[serde(flatten)]
     pub statement: Statement,
@@ -42,11 +42,11 @@ pub struct Summary {
     pub left: f64,
     /// Largest |right| of the finest run.
     pub right: f64,
-    /// The worst ratio of all runs, as in [`Row::ratio`].
+    /// The worst ratio of all runs, as in [`CaseLine::ratio`].
     pub ratio: Option<f64>,
     /// The level of all runs at which the line is tightest, with its tightness.
     #[serde(skip)]
-    pub tightest: Option<(f64, AtLevel)>,
+    pub tightest: Option<(f64, SidesAtLevel)>,
     /// The tightness: left/right, of an identity the difference over the accuracy.
     pub tightness: Option<f64>,
     /// left - right there, of an identity its magnitude.
@@ -59,7 +59,7 @@ pub struct Summary {
     pub power_k: [Option<f64>; 2],
     /// Over all runs.
     #[serde(flatten)]
-    pub standing: Standing,
+    pub standing: LineStanding,
 }
 
 impl SceneAudit {
@@ -96,39 +96,39 @@ impl SceneAudit {
     /// True if every line holds in every run, and there is a run.
     pub fn holds(&self) -> bool {
         let rows = |case: &CaseAudit| {
-            let holds = |row: &Row| row.standing() == Standing::Holds;
+            let holds = |row: &CaseLine| row.standing() == LineStanding::Holds;
             !case.rows.is_empty() && case.rows.iter().all(holds)
         };
         !self.cases.is_empty() && self.cases.iter().all(rows)
     }
 
     /// The lines in the order of the proof.
-    pub fn summaries(&self) -> Vec<Summary> {
+    pub fn summaries(&self) -> Vec<SceneLine> {
         let finest = self.cases.iter().max_by(|a, b| (a.n, a.steps).cmp(&(b.n, b.steps)));
         let Some(finest) = finest else { return Vec::new() };
         finest.rows.iter().map(|row| self.summary(row, finest)).collect()
     }
 
-    fn summary(&self, row: &Row, finest: &CaseAudit) -> Summary {
-        let own = |case: &CaseAudit| -> Option<Row> {
+    fn summary(&self, row: &CaseLine, finest: &CaseAudit) -> SceneLine {
+        let row_of = |case: &CaseAudit| -> Option<CaseLine> {
             case.rows.iter().find(|other| other.statement == row.statement).cloned()
         };
-        let ratios = self.cases.iter().filter_map(|case| own(case)?.ratio);
+        let ratios = self.cases.iter().filter_map(|case| row_of(case)?.ratio);
         let ratio =
             ratios.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) });
         // What stands on the right of an identity has no volume integral in it.
-        let floors: [fn(&Row) -> f64; 2] = match row.relation {
+        let floors: [fn(&CaseLine) -> f64; 2] = match row.relation {
             Relation::Equal => [|row| row.accuracy, |row| row.rounding],
             Relation::AtMost => [|row| row.accuracy; 2],
         };
         let power = |along_h: bool, i: usize| {
-            let sides: [fn(&Row) -> f64; 2] = [|row| row.left, |row| row.right];
+            let sides: [fn(&CaseLine) -> f64; 2] = [|row| row.left, |row| row.right];
             let line = self.cases.iter().filter(|case| {
                 if along_h { case.steps == finest.steps } else { case.n == finest.n }
             });
             let samples: Vec<Sample> = line
                 .filter_map(|case| {
-                    let row = own(case)?;
+                    let row = row_of(case)?;
                     let (step, value) = (if along_h { case.h } else { case.k }, sides[i](&row));
                     // An undefined bound has no power.
                     (value.is_finite() && value > SEEN * floors[i](&row))
@@ -137,15 +137,15 @@ impl SceneAudit {
                 .collect();
             power_law(&samples).ok().map(|law| law.order)
         };
-        let violated = |case: &CaseAudit| own(case).is_some_and(|row| row.violation.is_some());
+        let violated = |case: &CaseAudit| row_of(case).is_some_and(|row| row.violation.is_some());
         let undefined = |case: &CaseAudit| {
             case.rows.iter().any(|other| other.statement == row.statement && other.undefined)
         };
-        let known = self.cases.iter().filter_map(|case| own(case)?.tightest);
+        let known = self.cases.iter().filter_map(|case| row_of(case)?.tightest);
         let tightest = known.reduce(|a, b| if is_tighter(b.0, a.0) { b } else { a });
-        Summary {
+        SceneLine {
             tightest,
-            tightness: tightest.map(|(own, _)| own),
+            tightness: tightest.map(|(tightness, _)| tightness),
             difference: tightest.map(|(_, at)| row.relation.excess(at.left, at.right)),
             accuracy: tightest.map(|(_, at)| at.accuracy),
             statement: row.statement,
@@ -156,9 +156,9 @@ impl SceneAudit {
             power_h: [power(true, 0), power(true, 1)],
             power_k: [power(false, 0), power(false, 1)],
             standing: match () {
-                () if self.cases.iter().any(violated) => Standing::Violated,
-                () if self.cases.iter().any(undefined) => Standing::Undefined,
-                () => Standing::Holds,
+                () if self.cases.iter().any(violated) => LineStanding::Violated,
+                () if self.cases.iter().any(undefined) => LineStanding::Undefined,
+                () => LineStanding::Holds,
             },
         }
     }

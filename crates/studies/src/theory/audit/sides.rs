@@ -8,11 +8,9 @@ use fem::mesh::PlanePart;
 use fem::space::Element;
 use formula::{EvaluationPoint, Node, Program};
 
-/// The edges of one side.
 pub(crate) struct SideEdges {
     normal: [f64; 2],
     edges: Vec<[u32; 3]>,
-    /// Length of each.
     lengths: Vec<f64>,
     /// Guards of σ.
     guards: Program,
@@ -73,8 +71,8 @@ impl SideEdges {
                 [formulas.normal, formulas.xi, formulas.lambda, formulas.gap];
             let guards = formulas.graph.guards(&[u, xi, lambda, gap]);
             let position = |f: &usize| {
-                let own = |&m: &u32| m as usize == *f;
-                let at = space.trace.mesh_facet.iter().position(own).unwrap_or(0);
+                let is_facet = |&m: &u32| m as usize == *f;
+                let at = space.trace.mesh_facet.iter().position(is_facet).unwrap_or(0);
                 padded(space.trace.facet(at)).map(|a| a as usize)
             };
             let law = exact.data.contact.as_ref().and_then(|contact| contact.law.as_ref());
@@ -132,9 +130,9 @@ impl SideEdges {
         };
         let (now, first) = (guards(t), guards(0.0));
         let crossings = |places: &[f64]| {
-            let own = values(&contact.formulas.program, 5, places, t);
+            let exact_values = values(&contact.formulas.program, 5, places, t);
             let shifts = self.values(exact, shift_of, 0.0, space, places);
-            contact.crossings(space.element, places, &own[0], &shifts, traces)
+            contact.crossings(space.element, places, &exact_values[0], &shifts, traces)
         };
         let points = cut_points(self.edges.len(), &[&stress, &now, &first, &crossings]);
         self.at(exact, space, t, &points)
@@ -220,7 +218,7 @@ impl ContactSide {
         &self,
         element: Element,
         places: &[f64],
-        own: &[f64],
+        normal: &[f64],
         shifts: &[f64],
         traces: &[&[f64]],
     ) -> Vec<Vec<f64>> {
@@ -231,7 +229,7 @@ impl ContactSide {
             };
             places.iter().map(at).collect()
         };
-        let mut fields = vec![own.to_vec()];
+        let mut fields = vec![normal.to_vec()];
         fields.extend(traces.iter().map(trace));
         let mut rows = Vec::new();
         for field in &fields {

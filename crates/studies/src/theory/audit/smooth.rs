@@ -38,7 +38,6 @@ pub(crate) struct SmoothFields {
 }
 
 impl SmoothFields {
-    /// The fields of the exact solution of `setup` on `space`.
     pub(crate) fn new(setup: &Setup, exact: &Arc<Exact>, space: &Arc<Discretization>) -> Self {
         let horizon = exact.data.horizon;
         let mut graph = exact.data.graph.clone();
@@ -148,7 +147,7 @@ impl Fields for SmoothFields {
     fn volume(&mut self, t: f64, zeta: f64) -> Result<Volume, LoadError> {
         let cuts = self.cuts(t);
         let crossed = self.crossed(t, zeta);
-        let (mut own, mut fine, mut coarse) =
+        let (mut cut, mut fine, mut coarse) =
             (CellPoints::default(), CellPoints::default(), CellPoints::default());
         let mut elsewhere = vec![false; crossed.len()];
         for (c, crossed) in crossed.iter().enumerate() {
@@ -159,7 +158,7 @@ impl Fields for SmoothFields {
                 fine.add_refined(c as u32, &corners, &cuts, 2);
                 coarse.add_refined(c as u32, &corners, &cuts, 1);
             } else if cuts.iter().any(inside) {
-                own.add(c as u32, &corners, &cuts);
+                cut.add(c as u32, &corners, &cuts);
             } else {
                 continue;
             }
@@ -168,13 +167,13 @@ impl Fields for SmoothFields {
         let outputs = 5 + self.exact.memory.len();
         let (interior, forces) = (&mut self.interior, &mut self.forces);
         let mut plain = values(self.plain.clone(), outputs, interior, forces, [t, zeta]);
-        // Cells with cuts are integrated by their own points.
+        // Cells with cuts are integrated by the points of their parts.
         for (weight, &c) in plain.at.weights.iter_mut().zip(&plain.at.cells) {
             if elsewhere[c as usize] {
                 *weight = 0.0;
             }
         }
-        append(&mut plain, self.at(own, t, zeta));
+        append(&mut plain, self.at(cut, t, zeta));
         Ok(Volume { plain, crossed: self.at(fine, t, zeta), check: self.at(coarse, t, zeta) })
     }
 

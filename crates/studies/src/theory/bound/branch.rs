@@ -5,9 +5,9 @@
 //! contract any more because of a positive eigenvalue; where the eigenvalues are negative, as for
 //! ℬ(0) ≥ 0, Λ stops converging and the step stays solvable.
 
+use super::crossing::{Crossing, crossing};
 use super::factor::{eigenvalues, operator_norm};
 use super::ladder::BoundError;
-use super::threshold::{Crossing, crossing};
 use vhi::{FrozenDerivative, Newton, Scratch, StepError, StepState};
 
 /// Where the followed solution ends.
@@ -24,11 +24,9 @@ pub struct Loss {
 /// How the solution ends.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reason {
-    /// Newton's method finds no solution.
     NoSolution(StepError),
     /// It finds one at this distance, relative to the size of the last one: another one.
     Jump(f64),
-    /// The tangent has become singular in between.
     Singular,
     /// Nothing: it changes so fast with k that it was not followed further.
     NotFollowed,

@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::constants::TraceConstants;
-use Provenance::{Computed, Declared, Extrapolated, Proved};
+use Obtained::{Computed, Declared, Extrapolated, Proved};
 use scene::setup::{Constants, MemoryNorms, Setup};
 use vhi::law::Potential;
 
 /// How a number was obtained.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Provenance {
+pub enum Obtained {
     /// By an argument on paper.
     Proved,
     /// As a number: of one mesh to rounding, or as the largest of many samples.
@@ -21,8 +21,7 @@ pub enum Provenance {
     Declared,
 }
 
-impl Provenance {
-    /// The word for tables.
+impl Obtained {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Proved => "proved",
@@ -43,7 +42,7 @@ pub struct Constant {
     /// How far off it may be; none if it is exact to rounding or a bound.
     pub uncertainty: Option<f64>,
     /// How it was obtained.
-    pub how: Provenance,
+    pub how: Obtained,
     /// Whether the true constant is certainly on the safe side of it: an upper bound, or for m_A, m0 a
     /// lower one.
     pub safe: bool,
@@ -57,15 +56,14 @@ impl Constant {
     pub(super) fn new(
         name: impl Into<String>,
         value: f64,
-        how: Provenance,
+        how: Obtained,
         note: impl Into<String>,
     ) -> Self {
-        let safe = matches!(how, Provenance::Proved | Provenance::Declared);
+        let safe = matches!(how, Obtained::Proved | Obtained::Declared);
         Self { name: name.into(), value, uncertainty: None, how, safe, note: note.into() }
     }
 }
 
-/// The table of constants.
 pub(crate) fn table(
     setup: &Setup,
     constants: &Constants,
@@ -109,9 +107,9 @@ fn friction_rows(setup: &Setup, c: &Constants) -> Vec<Constant> {
         let note = "steepest descent of the friction bound over the slip";
         rows.push(row("alpha_tau", c.alpha_tau, note));
     }
-    if let Some(own) = &c.coulomb {
-        rows.push(row("mu_f", own.coefficient, "S = mu_f p(u_nu)"));
-        rows.push(row("L_p", own.rise, "steepest rise of p"));
+    if let Some(friction) = &c.coulomb {
+        rows.push(row("mu_f", friction.coefficient, "S = mu_f p(u_nu)"));
+        rows.push(row("L_p", friction.rise, "steepest rise of p"));
     }
     rows
 }

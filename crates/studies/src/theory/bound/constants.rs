@@ -7,7 +7,6 @@ use scene::setup::{
 };
 use vhi::law::TensorField;
 
-/// Trace constants of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TraceConstants {
     /// sup ‖v_ν‖²/‖ε(v)‖² with the consistent mass, and with the vertex rule's.
@@ -20,7 +19,7 @@ pub(crate) struct TraceConstants {
 
 /// The meshes on which trace constants are computed.
 const LEVELS: [u32; 6] = [8, 16, 32, 64, 128, 256];
-/// More cells than this none of them has: the finest of a unit square eightfold.
+/// None of them has more cells: eight times those of the finest mesh of a unit square.
 const MOST_CELLS: f64 = 1_048_576.0;
 /// Meshes in space, up to 15,000 unknowns.
 const LEVELS_IN_SPACE: [u32; 4] = [2, 4, 8, 16];
@@ -65,11 +64,11 @@ impl TraceConstants {
         whole.enumerate().filter(fits).map(|(_, n)| n).collect()
     }
 
-    /// The limit of a pair of families, and how far they and their own extrapolations lie apart.
+    /// The limit of a pair of families, and how far they and their extrapolations lie apart.
     pub(crate) fn limit(pair: &[TraceFamily; 2]) -> (f64, f64) {
         let apart = (pair[0].limit - pair[1].limit).abs();
-        let own = pair[0].uncertainty.max(pair[1].uncertainty);
-        (pair[0].limit, apart.max(own))
+        let extrapolated = pair[0].uncertainty.max(pair[1].uncertainty);
+        (pair[0].limit, apart.max(extrapolated))
     }
 }
 
@@ -105,11 +104,11 @@ pub(crate) fn on_mesh(
     let above = |(limit, uncertainty): (f64, f64)| {
         limit + if uncertainty.is_nan() { 0.0 } else { uncertainty }
     };
-    let own = above((limit, uncertainty)).max(consistent).max(lumped);
-    let found = with_trace_constant(setup, own);
+    let normal = above((limit, uncertainty)).max(consistent).max(lumped);
+    let found = with_trace_constant(setup, normal);
     let Some(tangential) = &traces.tangential else { return Ok(found) };
     let consistent = tangential_trace_constant(space, TraceMass::Consistent)?.value;
     let lumped = tangential_trace_constant(space, TraceMass::Lumped)?.value;
-    let own = above(TraceConstants::limit(tangential)).max(consistent).max(lumped);
-    Ok(found.with_friction(own))
+    let tangential = above(TraceConstants::limit(tangential)).max(consistent).max(lumped);
+    Ok(found.with_friction(tangential))
 }

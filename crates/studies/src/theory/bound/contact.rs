@@ -3,7 +3,7 @@
 use super::constants::TraceConstants;
 use super::ladder::BoundError;
 use super::linear::linear_loss;
-use super::run::{self, AtLevel, AtWorst, Study};
+use super::run::{self, AtWorst, ContractionStudy, FactorAtLevel};
 use ::run::sweep::{Runs, run_cost};
 use fem::contact::{Discretization, Evolution, OpenLevel};
 use scene::setup::{MeshData, Setup, TruthLoad};
@@ -13,7 +13,12 @@ use vhi::{StepBounds, StepState};
 ///
 /// # Errors
 /// [`BoundError`].
-pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<Study, BoundError> {
+pub fn study(
+    setup: &Setup,
+    bounds: &StepBounds,
+    n: u32,
+    steps: u32,
+) -> Result<ContractionStudy, BoundError> {
     let levels = levels_of_run(setup, bounds, n, steps)?;
     let worst = run::worst(&levels, steps)?;
     let mut meshes = Vec::new();
@@ -28,7 +33,7 @@ pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<S
         at_level(setup, &data, steps, worst.level, |level, state| {
             run::at_worst(level, state, bounds, exact)
         })?;
-    Ok(Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear })
+    Ok(ContractionStudy { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear })
 }
 
 /// The mesh n and its neighbours, as far as the domain has them.
@@ -39,11 +44,11 @@ fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
 
 /// The runs of a study, and those of a single step with the factors of the trace constants.
 pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
-    let own: Vec<u32> = meshes_beside(setup, n).collect();
-    let traces = TraceConstants::meshes(setup).into_iter().filter(|n| !own.contains(n));
-    let grid = own.iter().map(|&n| (n, steps)).chain(traces.map(|n| (n, 1))).collect();
-    // Of earlier levels a run keeps its history alone; a factor of its own has no loads.
-    let beside = move |space: &Discretization, steps: u32| match own.contains(&space.mesh.n) {
+    let studied: Vec<u32> = meshes_beside(setup, n).collect();
+    let traces = TraceConstants::meshes(setup).into_iter().filter(|n| !studied.contains(n));
+    let grid = studied.iter().map(|&n| (n, steps)).chain(traces.map(|n| (n, 1))).collect();
+    // Of earlier levels a run keeps the history alone; a mesh that is only factored has no loads.
+    let beside = move |space: &Discretization, steps: u32| match studied.contains(&space.mesh.n) {
         true => 0.0,
         false => -run_cost(setup, space, steps).load_bytes,
     };
@@ -56,7 +61,7 @@ fn levels_of_run(
     bounds: &StepBounds,
     n: u32,
     steps: u32,
-) -> Result<Vec<AtLevel>, BoundError> {
+) -> Result<Vec<FactorAtLevel>, BoundError> {
     let data = MeshData::new(setup, n, None)?;
     on_run(setup, &data, steps, |level| run::all_levels(level, bounds, Some(n)))
 }

@@ -2,10 +2,10 @@
 
 use super::BoundStudy;
 use super::constant_table::Constant;
-use super::ladder::{Outcome, Rung};
-use super::run::AtLevel;
+use super::crossing::Crossing;
+use super::ladder::{StepOutcome, StepRung};
+use super::run::FactorAtLevel;
 use super::sampled::Sampled;
-use super::threshold::Crossing;
 use report::{Chapter, ReportError, Run, StudyDocument, digits, held, number, precise, sides};
 
 impl BoundStudy {
@@ -15,44 +15,48 @@ impl BoundStudy {
     /// The drawing library's.
     pub fn document(&self) -> Result<StudyDocument, ReportError> {
         let title = format!("The bound measured: {}", self.scene);
-        let mut own =
+        let mut document =
             StudyDocument::new(Chapter::Bound, title).of_scene(&self.scene, &self.fingerprint);
-        own.threshold = Some(match self.thresholds.not_followed {
+        document.threshold = Some(match self.thresholds.not_followed {
             Some(_) => "–".into(),
             None => crossing(self.thresholds.radius_one),
         });
-        own.words(self.answer());
-        own.table("The bound in four numbers, k below each.", &["number", ">k"], self.numbers());
+        document.words(self.answer());
+        document.table(
+            "The bound in four numbers, k below each.",
+            &["number", ">k"],
+            self.numbers(),
+        );
         let violated = self.violations.iter().map(|v| {
             let at = v.k.map_or_else(String::new, |k| format!("k = {}: ", digits(k, 7)));
             format!("{at}{}: {}", v.what, sides(v.left, v.right))
         });
         let all = "Every inequality between measured and proved factors holds, and every declared constant.";
-        own.verdict(self.holds(), all, violated.collect());
+        document.verdict(self.holds(), all, violated.collect());
         let worst = &self.study.worst;
-        own.words(format!(
+        document.words(format!(
             "Measured in a run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k.",
             self.grids(),
             worst.level,
             digits(worst.t, 5)
         ));
-        self.ladder(&mut own);
-        own.table(
+        self.ladder(&mut document);
+        document.table(
             "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
             &["constant", ">value", ">±", "how", "note"],
             self.constants.iter().map(constant).collect(),
         );
-        own.table(
+        document.table(
             "Declared constants, and what samples need of them.",
             &["constant", ">declared", ">needed", ">samples", ""],
             self.samples.iter().map(sampled).collect(),
         );
-        own.figure(
+        document.figure(
             "bound",
             "contraction factor of Λ against k, with the bounds of (3.4) (sweep bound).",
             self.svg()?,
         );
-        Ok(own)
+        Ok(document)
     }
 
     /// The four numbers in a sentence each.
@@ -87,26 +91,26 @@ impl BoundStudy {
     }
 
     /// The last step taken with other k.
-    fn ladder(&self, own: &mut StudyDocument) {
+    fn ladder(&self, document: &mut StudyDocument) {
         let (study, k) = (&self.study, digits(self.study.worst.k, 6));
-        own.words(format!(
+        document.words(format!(
             "{} random starts at k = {k}: {} at the same solution, {} elsewhere, {} nowhere.",
             study.starts.same + study.starts.distinct + study.starts.failed,
             study.starts.same,
             study.starts.distinct,
             study.starts.failed
         ));
-        own.table(
+        document.table(
             "The contraction factor of Λ at that level, on this and other meshes.",
             &[">n", ">k", ">‖DΛ‖", ">spectral radius", ">sharpened"],
             study.meshes.iter().map(on_mesh).collect(),
         );
         if let Some(reason) = &study.not_followed {
-            own.words(format!(
+            document.words(format!(
                 "A last step of size k after the same past: not followed: {reason}."
             ));
         }
-        own.table(
+        document.table(
             "Contraction factor of Λ for a last step of size k after the same past, bounds, what solves the step, and other solutions from random starts.",
             &[
                 ">k",
@@ -184,16 +188,16 @@ fn crossing(found: Option<Crossing>) -> String {
     }
 }
 
-fn on_mesh(at: &AtLevel) -> Vec<Run> {
+fn on_mesh(at: &FactorAtLevel) -> Vec<Run> {
     let mesh = at.mesh.map_or_else(|| "–".into(), |n| n.to_string());
     let factors = [at.norm, at.radius, at.sharpened].map(|factor| precise(factor, 11));
     [Run::plain(mesh), precise(at.k, 6)].into_iter().chain(factors).collect()
 }
 
-fn rung(rung: &Rung) -> Vec<Run> {
-    let solved = |outcome: &Outcome| match outcome {
-        Outcome::Solved(iterations) => Run::plain(format!("{iterations} it.")),
-        Outcome::Failed(_) => Run::plain("fails"),
+fn rung(rung: &StepRung) -> Vec<Run> {
+    let solved = |outcome: &StepOutcome| match outcome {
+        StepOutcome::Solved(iterations) => Run::plain(format!("{iterations} it.")),
+        StepOutcome::Failed(_) => Run::plain("fails"),
     };
     vec![
         precise(rung.k, 5),
@@ -210,23 +214,23 @@ fn rung(rung: &Rung) -> Vec<Run> {
     ]
 }
 
-fn constant(own: &Constant) -> Vec<Run> {
-    let side = if own.safe { "safe side" } else { "no bound" };
+fn constant(constant: &Constant) -> Vec<Run> {
+    let side = if constant.safe { "safe side" } else { "no bound" };
     vec![
-        Run::formula(&own.name),
-        precise(own.value, 11),
-        Run::plain(own.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"))),
-        Run::plain(format!("{}, {side}", own.how.name())),
-        Run::formula(&own.note),
+        Run::formula(&constant.name),
+        precise(constant.value, 11),
+        Run::plain(constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"))),
+        Run::plain(format!("{}, {side}", constant.how.name())),
+        Run::formula(&constant.note),
     ]
 }
 
-fn sampled(own: &Sampled) -> Vec<Run> {
+fn sampled(sample: &Sampled) -> Vec<Run> {
     vec![
-        Run::formula(&own.what),
-        precise(own.declared, 9),
-        precise(own.needed, 9),
-        number(f64::from(own.samples)),
-        held(own.holds),
+        Run::formula(&sample.what),
+        precise(sample.declared, 9),
+        precise(sample.needed, 9),
+        number(f64::from(sample.samples)),
+        held(sample.holds),
     ]
 }

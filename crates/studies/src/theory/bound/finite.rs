@@ -3,9 +3,9 @@
 use nalgebra::DVector;
 
 use super::BoundStudy;
-use super::constant_table::{Constant, Provenance};
+use super::constant_table::{Constant, Obtained};
 use super::ladder::BoundError;
-use super::run::{self, AtWorst, Study};
+use super::run::{self, AtWorst, ContractionStudy};
 use super::sampled::Sampled;
 use algebra::linalg::signed_unit;
 use scene::setup::{AbstractConstants, AbstractLoad, AbstractSetup};
@@ -13,7 +13,7 @@ use vhi::finite::{FiniteEvolution, FiniteModel};
 
 /// Pairs of random states.
 const SAMPLES: u32 = 2000;
-/// Their components lie within this, as those in which slopes are sampled.
+/// Their components are at most this large, as in the samples of slopes.
 const REACH: f64 = 10.0;
 
 impl BoundStudy {
@@ -38,8 +38,16 @@ impl BoundStudy {
         let AtWorst { starts, rungs, thresholds, not_followed } =
             run::at_worst(&mut level, state, &limits, f64::INFINITY)?;
         let (meshes, linear) = (Vec::new(), None);
-        let study =
-            Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear };
+        let study = ContractionStudy {
+            levels,
+            worst,
+            meshes,
+            starts,
+            rungs,
+            thresholds,
+            not_followed,
+            linear,
+        };
         let samples = samples(&setup.model, &setup.constants);
         let constants = table(&setup.constants, &setup.model);
         Ok(Self::of(&setup.scene, (None, steps), constants, samples, limits, study, Vec::new()))
@@ -52,9 +60,9 @@ fn table(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
     let row = |name: &str, value: f64, sampled: bool, note: &str| match sampled {
         true => {
             let note = format!("{note}; slopes sampled on [-10, 10]");
-            Constant { safe: false, ..Constant::new(name, value, Provenance::Declared, note) }
+            Constant { safe: false, ..Constant::new(name, value, Obtained::Declared, note) }
         }
-        false => Constant { safe: true, ..Constant::new(name, value, Provenance::Computed, note) },
+        false => Constant { safe: true, ..Constant::new(name, value, Obtained::Computed, note) },
     };
     let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
     let mut rows = vec![

@@ -1,12 +1,12 @@
 //! The order of things: measured factors ≤ sharpened ≤ (3.15) at every k, thresholds the other way.
 
 use super::branch::Branch;
-use super::ladder::Rung;
+use super::ladder::StepRung;
 use vhi::StepBounds;
 
 /// An inequality that does not hold.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Violation {
+pub struct BoundViolation {
     /// k, if it is of one step size.
     pub k: Option<f64>,
     /// What should hold.
@@ -29,7 +29,11 @@ const THRESHOLD: f64 = 5e-6;
 const SURE: f64 = 0.9;
 
 /// All inequalities that do not hold.
-pub fn violations(bounds: &StepBounds, rungs: &[Rung], thresholds: &Branch) -> Vec<Violation> {
+pub fn violations(
+    bounds: &StepBounds,
+    rungs: &[StepRung],
+    thresholds: &Branch,
+) -> Vec<BoundViolation> {
     let mut found = Vec::new();
     for rung in rungs {
         of_rung(bounds, rung, &mut found);
@@ -39,13 +43,13 @@ pub fn violations(bounds: &StepBounds, rungs: &[Rung], thresholds: &Branch) -> V
 }
 
 /// Notes left ≤ right unless it holds; a NaN does not.
-fn demand(found: &mut Vec<Violation>, k: Option<f64>, what: &str, left: f64, right: f64) {
+fn demand(found: &mut Vec<BoundViolation>, k: Option<f64>, what: &str, left: f64, right: f64) {
     if left.is_nan() || right.is_nan() || left > right {
-        found.push(Violation { k, what: what.into(), left, right });
+        found.push(BoundViolation { k, what: what.into(), left, right });
     }
 }
 
-fn of_rung(bounds: &StepBounds, rung: &Rung, found: &mut Vec<Violation>) {
+fn of_rung(bounds: &StepBounds, rung: &StepRung, found: &mut Vec<BoundViolation>) {
     let k = Some(rung.k);
     let sharp = rung.sharpened;
     demand(found, k, "|DLambda| <= sharpened factor", rung.norm, sharp * (1.0 + NORM));
@@ -69,7 +73,7 @@ fn of_rung(bounds: &StepBounds, rung: &Rung, found: &mut Vec<Violation>) {
     }
 }
 
-fn of_thresholds(bounds: &StepBounds, thresholds: &Branch, found: &mut Vec<Violation>) {
+fn of_thresholds(bounds: &StepBounds, thresholds: &Branch, found: &mut Vec<BoundViolation>) {
     let slack = 1.0 + THRESHOLD;
     let mut ordered = |what: &str, left: f64, right: f64| {
         demand(found, None, what, left, right * slack);

@@ -11,7 +11,7 @@ use vhi::{
 /// The outcome of a solver at one step size: as JSON the number of iterations, or the reason.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Outcome {
+pub enum StepOutcome {
     /// It found a solution in this many iterations.
     Solved(u32),
     /// It did not, and says why.
@@ -26,7 +26,7 @@ fn distinct<S: Serializer>(starts: &Starts, serializer: S) -> Result<S::Ok, S::E
     serializer.serialize_u32(starts.distinct)
 }
 
-impl Outcome {
+impl StepOutcome {
     /// Whether it found a solution.
     pub fn solved(&self) -> bool {
         matches!(self, Self::Solved(_))
@@ -35,7 +35,7 @@ impl Outcome {
 
 /// What was measured at one step size.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Rung {
+pub struct StepRung {
     /// k.
     pub k: f64,
     /// ‖DΛ‖ at η, the worst direction.
@@ -52,9 +52,9 @@ pub struct Rung {
     /// solution of the largest step that had one.
     pub at_solution: bool,
     /// Newton's method from the solution of the step size before.
-    pub newton: Outcome,
-    /// The iteration η ← Λη from the run's own u_n.
-    pub fixed_point: Outcome,
+    pub newton: StepOutcome,
+    /// The iteration η ← Λη from u_n of the run.
+    pub fixed_point: StepOutcome,
     /// Solutions that Newton's method finds from random starts.
     #[serde(rename = "distinct", serialize_with = "distinct")]
     pub starts: Starts,
@@ -76,32 +76,32 @@ const STARTS: u64 = 3;
 const ITERATIONS: u32 = 400;
 
 /// Λ at the open level, with solutions followed from one step size to the next.
-pub struct Ladder<'a, L> {
+pub struct StepLadder<'a, L> {
     level: &'a mut L,
     bounds: StepBounds,
-    /// The run's own solution of the level.
-    own: StepState,
+    /// The solution of the level in the run.
+    of_run: StepState,
     /// The last solution found.
     followed: StepState,
 }
 
-impl<'a, L: FrozenDerivative> Ladder<'a, L> {
-    /// The open `level` whose solution is `own`.
-    pub fn new(level: &'a mut L, bounds: StepBounds, own: StepState) -> Self {
-        Self { level, bounds, followed: own.clone(), own }
+impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
+    /// The open `level` whose solution in the run is `of_run`.
+    pub fn new(level: &'a mut L, bounds: StepBounds, of_run: StepState) -> Self {
+        Self { level, bounds, followed: of_run.clone(), of_run }
     }
 
     /// The solution at step size k, from the last one found.
-    fn follow(&mut self, k: f64) -> Outcome {
+    fn follow(&mut self, k: f64) -> StepOutcome {
         self.level.set_step(k);
         self.level.freeze(None);
         let mut state = self.followed.clone();
         match Newton::default().solve(self.level, &mut state, &mut Scratch::default()) {
             Ok(info) => {
                 self.followed = state;
-                Outcome::Solved(info.iterations)
+                StepOutcome::Solved(info.iterations)
             }
-            Err(error) => Outcome::Failed(error),
+            Err(error) => StepOutcome::Failed(error),
         }
     }
 
@@ -118,7 +118,7 @@ impl<'a, L: FrozenDerivative> Ladder<'a, L> {
     ///
     /// # Errors
     /// A frozen level that cannot be solved, an eigenvalue that does not settle.
-    pub fn rung(&mut self, k: f64) -> Result<Rung, BoundError> {
+    pub fn rung(&mut self, k: f64) -> Result<StepRung, BoundError> {
         let newton = self.follow(k);
         let at = |source: StepError| BoundError::Frozen { k, source };
         let eta = self.followed.u.clone();
@@ -131,7 +131,7 @@ impl<'a, L: FrozenDerivative> Ladder<'a, L> {
         };
         let finite_random =
             random_finite_factor(self.level, &eta, &state, DIRECTIONS).map_err(at)?;
-        Ok(Rung {
+        Ok(StepRung {
             k,
             norm: found.norm,
             radius: found.radius,
@@ -148,14 +148,14 @@ impl<'a, L: FrozenDerivative> Ladder<'a, L> {
         })
     }
 
-    /// The iteration from the run's own solution.
-    fn fixed_point(&mut self, k: f64) -> Outcome {
+    /// The iteration from the solution of the run.
+    fn fixed_point(&mut self, k: f64) -> StepOutcome {
         self.level.set_step(k);
         let solver = FixedPoint { max_iterations: ITERATIONS, ..FixedPoint::default() };
-        let mut state = self.own.clone();
+        let mut state = self.of_run.clone();
         match solver.solve_level(self.level, &mut state, &mut Scratch::default()) {
-            Ok(info) => Outcome::Solved(info.fixed_point_iterations),
-            Err(error) => Outcome::Failed(error),
+            Ok(info) => StepOutcome::Solved(info.fixed_point_iterations),
+            Err(error) => StepOutcome::Failed(error),
         }
     }
 }
@@ -163,32 +163,17 @@ impl<'a, L: FrozenDerivative> Ladder<'a, L> {
 /// Why a step-size study could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum BoundError {
-    /// Λ could not be evaluated.
     #[error("k = {k}: the level with frozen last slot was not solved: {source}")]
-    Frozen {
-        /// k.
-        k: f64,
-        /// What the solver said.
-        source: StepError,
-    },
-    /// A factor could not be computed.
+    Frozen { k: f64, source: StepError },
     #[error("k = {k}: the contraction factor was not found: {source}")]
-    Factor {
-        /// k.
-        k: f64,
-        /// Why.
-        source: EigenError,
-    },
-    /// The scene could not be set up.
+    Factor { k: f64, source: EigenError },
     #[error(transparent)]
     Setup(#[from] scene::setup::SetupError),
-    /// The run to the level failed.
     #[error("the run to the level: {0}")]
     Run(#[from] fem::contact::CaseError),
     /// A level of an abstract problem in ℝ^m failed.
     #[error("the run to the level: {0}")]
     Finite(#[from] vhi::finite::FiniteError),
-    /// A step of the run failed.
     #[error("the run to the level: {0}")]
     Step(#[from] vhi::FailedStep),
     /// The rule gives the last slot no weight: Λ is constant.

@@ -9,6 +9,7 @@ pub mod branch;
 pub mod constant_table;
 pub mod constants;
 pub mod contact;
+mod crossing;
 mod document;
 pub mod factor;
 mod finite;
@@ -23,11 +24,12 @@ pub mod threshold;
 
 use constant_table::Constant;
 use constants::TraceConstants;
-use gate::Violation;
-use ladder::{BoundError, Rung};
-use run::Study;
+use crossing::Crossing;
+use gate::BoundViolation;
+use ladder::{BoundError, StepRung};
+use run::ContractionStudy;
 use sampled::Sampled;
-use threshold::{Crossing, Thresholds};
+use threshold::Thresholds;
 
 use scene::Scene;
 use scene::setup::Setup;
@@ -54,7 +56,7 @@ pub struct BoundStudy {
     pub limits: StepBounds,
     /// Factors.
     #[serde(flatten)]
-    pub study: Study,
+    pub study: ContractionStudy,
     /// Step sizes up to which something holds.
     pub thresholds: Thresholds,
     /// The measured threshold of Λ over (3.4) with the paper's norms: how many times too strict that is; none if Λ has no
@@ -63,7 +65,7 @@ pub struct BoundStudy {
     /// Whether the measured factor equals the sharpened bound at some step size.
     pub attained: bool,
     /// Inequalities that do not hold.
-    pub violations: Vec<Violation>,
+    pub violations: Vec<BoundViolation>,
 }
 
 /// The mesh of the samples: eight unknowns a unit length suffice for tensors of every kind.
@@ -101,15 +103,15 @@ impl BoundStudy {
         constants: Vec<Constant>,
         samples: Vec<Sampled>,
         limits: StepBounds,
-        study: Study,
-        of_traces: Vec<Violation>,
+        study: ContractionStudy,
+        of_traces: Vec<BoundViolation>,
     ) -> Self {
         let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
         violations.extend(of_traces);
         violations.extend(sample_violations(&samples));
         violations.extend(start_violations(&limits, &study));
         violations.extend(smallness_violation(&limits));
-        let attained = |r: &Rung| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened;
+        let attained = |r: &StepRung| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened;
         let measured = study.thresholds.radius.map(Crossing::lower);
         Self {
             scene: scene.name.clone(),
@@ -127,7 +129,6 @@ impl BoundStudy {
         }
     }
 
-    /// The grids in words.
     pub(crate) fn grids(&self) -> String {
         let mesh = self.n.map_or(String::new(), |n| format!("n = {n}, "));
         format!("{mesh}N = {}", self.steps)
@@ -143,7 +144,7 @@ impl BoundStudy {
 fn trace_violations(
     traces: Option<&TraceConstants>,
     constants: &scene::setup::Constants,
-) -> Vec<Violation> {
+) -> Vec<BoundViolation> {
     let (Some(traces), Some(bound)) = (traces, constants.c_j_squared_bound) else {
         return Vec::new();
     };
@@ -152,7 +153,7 @@ fn trace_violations(
     let values = traces.strain.iter().flat_map(|family| &family.values);
     values
         .filter(|(_, value)| value.is_nan() || *value > most)
-        .map(|(n, value)| Violation {
+        .map(|(n, value)| BoundViolation {
             k: None,
             what: format!("c_j^2 on the mesh n = {n} <= its proved bound"),
             left: *value,
@@ -161,8 +162,8 @@ fn trace_violations(
         .collect()
 }
 
-fn sample_violations(samples: &[Sampled]) -> impl Iterator<Item = Violation> {
-    samples.iter().filter(|sample| !sample.holds).map(|sample| Violation {
+fn sample_violations(samples: &[Sampled]) -> impl Iterator<Item = BoundViolation> {
+    samples.iter().filter(|sample| !sample.holds).map(|sample| BoundViolation {
         k: None,
         what: format!("{}: needed <= declared", sample.what),
         left: sample.needed,
@@ -171,9 +172,9 @@ fn sample_violations(samples: &[Sampled]) -> impl Iterator<Item = Violation> {
 }
 
 /// 0 < m0: everything that the bound says rests on it.
-fn smallness_violation(limits: &StepBounds) -> Option<Violation> {
+fn smallness_violation(limits: &StepBounds) -> Option<BoundViolation> {
     let m0 = limits.m0;
-    (m0.is_nan() || m0 <= 0.0).then(|| Violation {
+    (m0.is_nan() || m0 <= 0.0).then(|| BoundViolation {
         k: None,
         what: "0 < m0, (2.9)".into(),
         left: 0.0,
@@ -181,9 +182,9 @@ fn smallness_violation(limits: &StepBounds) -> Option<Violation> {
     })
 }
 
-fn start_violations(limits: &StepBounds, study: &Study) -> Option<Violation> {
+fn start_violations(limits: &StepBounds, study: &ContractionStudy) -> Option<BoundViolation> {
     let k = study.worst.k;
-    (k < limits.solvable_limit() && study.starts.distinct > 0).then(|| Violation {
+    (k < limits.solvable_limit() && study.starts.distinct > 0).then(|| BoundViolation {
         k: Some(k),
         what: "other solutions from random starts <= 0".into(),
         left: f64::from(study.starts.distinct),

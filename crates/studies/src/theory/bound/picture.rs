@@ -1,8 +1,8 @@
 //! The picture of a step-size study: factors against k, with bounds and thresholds.
 
 use super::BoundStudy;
-use super::ladder::Rung;
-use super::threshold::Crossing;
+use super::crossing::Crossing;
+use super::ladder::StepRung;
 use report::{Axis, Chart, LegendKey, Mark, Part, ReportError, Scale, Series};
 
 impl BoundStudy {
@@ -20,7 +20,7 @@ impl BoundStudy {
         let x = Axis::new("step size k (time)", Scale::Log);
         let y = Axis::new("contraction factor", Scale::Log);
         let mut chart = Chart::new(&self.scene, &question, x, y);
-        let points = |of: fn(&Rung) -> f64| -> Vec<(f64, f64)> {
+        let points = |of: fn(&StepRung) -> f64| -> Vec<(f64, f64)> {
             self.study.rungs.iter().map(|rung| (rung.k, of(rung))).collect()
         };
         let norms = |at_solution: bool| {

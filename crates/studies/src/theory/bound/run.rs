@@ -1,15 +1,15 @@
 //! The step-size study of any run: factors at all its levels, and the ladder at the worst of them.
 
 use super::branch::{self, Branch};
-use super::ladder::{BoundError, Ladder, Rung};
+use super::ladder::{BoundError, StepLadder, StepRung};
 use super::linear::LinearLoss;
 use super::{factor, starts};
 use vhi::history::TimeGrid;
 use vhi::{FailedStep, FrozenDerivative, Newton, Scratch, StepBounds, StepState};
 
-/// The factor of Λ at a level of the run, with the run's own step size.
+/// The factor of Λ at a level of the run, with the step size of the run.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct AtLevel {
+pub struct FactorAtLevel {
     /// Cells per unit length; none without a mesh.
     pub mesh: Option<u32>,
     /// n.
@@ -28,17 +28,17 @@ pub struct AtLevel {
 
 /// What the study found.
 #[derive(Debug, Clone, serde::Serialize)]
-pub struct Study {
+pub struct ContractionStudy {
     /// Every level of the run.
-    pub levels: Vec<AtLevel>,
+    pub levels: Vec<FactorAtLevel>,
     /// The level of the ladder: the one with the largest factor.
-    pub worst: AtLevel,
+    pub worst: FactorAtLevel,
     /// That level on this and other meshes; empty without a mesh.
-    pub meshes: Vec<AtLevel>,
-    /// Uniqueness at the run's own step size, by many starts.
+    pub meshes: Vec<FactorAtLevel>,
+    /// Uniqueness at the step size of the run, by many starts.
     pub starts: starts::Starts,
     /// The ladder.
-    pub rungs: Vec<Rung>,
+    pub rungs: Vec<StepRung>,
     /// Where factors reach one and solvability ends.
     #[serde(skip)]
     pub thresholds: Branch,
@@ -55,15 +55,15 @@ const RUNGS: u32 = 17;
 const REACH: f64 = 4.0;
 /// The share of the sharpened bound at which the solution begins to be followed.
 const SURE: f64 = 0.9;
-/// Random starts at the run's own step size.
+/// Random starts at the step size of the run.
 const MANY_STARTS: u64 = 24;
 
 /// What the level of the ladder shows.
 pub(crate) struct AtWorst {
-    /// Uniqueness at the run's own step size.
+    /// Uniqueness at the step size of the run.
     pub starts: starts::Starts,
     /// The ladder.
-    pub rungs: Vec<Rung>,
+    pub rungs: Vec<StepRung>,
     /// Where factors reach one and solvability ends.
     pub thresholds: Branch,
     /// Why there are neither rungs nor thresholds, where there are none.
@@ -74,8 +74,10 @@ pub(crate) struct AtWorst {
 ///
 /// # Errors
 /// [`BoundError::NoLevel`] if there is none.
-pub(crate) fn worst(levels: &[AtLevel], steps: u32) -> Result<AtLevel, BoundError> {
-    let worse = |best: AtLevel, next: &AtLevel| if next.norm > best.norm { *next } else { best };
+pub(crate) fn worst(levels: &[FactorAtLevel], steps: u32) -> Result<FactorAtLevel, BoundError> {
+    let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
+        if next.norm > best.norm { *next } else { best }
+    };
     let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
     Ok(levels.iter().fold(first, worse))
 }
@@ -101,7 +103,7 @@ pub(crate) fn at_worst<L: FrozenDerivative>(
     let sharpened = bounds.sharpened_limit();
     let from = if sharpened.is_finite() { SURE * sharpened } else { ks[0] };
     let thresholds = branch::follow(level, &state, from, ks[ks.len() - 1])?;
-    let mut ladder = Ladder::new(level, *bounds, state);
+    let mut ladder = StepLadder::new(level, *bounds, state);
     let rungs = ks.iter().map(|&k| ladder.rung(k)).collect::<Result<_, _>>()?;
     Ok(AtWorst { starts, rungs, thresholds, not_followed: None })
 }
@@ -131,7 +133,7 @@ pub(crate) fn all_levels<L: FrozenDerivative>(
     level: &mut L,
     bounds: &StepBounds,
     mesh: Option<u32>,
-) -> Result<Vec<AtLevel>, BoundError>
+) -> Result<Vec<FactorAtLevel>, BoundError>
 where
     BoundError: From<L::Error>,
 {
@@ -149,7 +151,7 @@ where
                 .map_err(|source| BoundError::Factor { k, source })?;
             // The level is solved once more with its last slot implicit, which commit records.
             solve(level, &mut state, number, t)?;
-            found.push(AtLevel {
+            found.push(FactorAtLevel {
                 mesh,
                 level: number,
                 t,

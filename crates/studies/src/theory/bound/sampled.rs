@@ -72,7 +72,8 @@ fn sample_in<const D: usize, const S: usize>(
             rows.push(scaled(boundary, space, constants.alpha_nu));
         }
     }
-    let mut fields = Fields::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
+    let mut fields =
+        RandomStates::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
     rows.extend(fields.elasticity(&model.elasticity, constants));
     rows.extend(fields.phi(&model.projection, setup.projection_mu(), constants));
     if let Some(limit) = model.projection.limit() {
@@ -144,7 +145,7 @@ fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, horizon: f64
 
 /// Random states on a mesh in dimension D, with strains of S numbers (Mandel) and Riesz representatives
 /// in V^h.
-pub(crate) struct Fields<'a, const D: usize, const S: usize> {
+pub(crate) struct RandomStates<'a, const D: usize, const S: usize> {
     space: &'a Discretization,
     gram: StiffnessInverse<'a>,
     seed: u64,
@@ -153,8 +154,8 @@ pub(crate) struct Fields<'a, const D: usize, const S: usize> {
 /// A tensor per strain point.
 type Tensors<const S: usize> = Vec<[f64; S]>;
 
-impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
-    /// Fields on a mesh of dimension D.
+impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
+    /// On a mesh of dimension D.
     ///
     /// # Errors
     /// The factorization of the strain products.
@@ -278,7 +279,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
         ]
     }
 
-    /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the solver's own history sums.
+    /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the history sums of the solver.
     pub(crate) fn history(
         &mut self,
         memory: &[MemoryTerm],
@@ -318,8 +319,8 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             for (past, term) in past.iter_mut().zip(memory) {
                 past.past(&*term.kernel, &Trapezoid, grid, &mut history[..dofs]);
                 past.commit(grid, &d[..dofs]);
-                let own = last * term.kernel.value(0.0);
-                algebra::linalg::axpy(own, &d[..dofs], &mut history[..dofs]);
+                let last_weight = last * term.kernel.value(0.0);
+                algebra::linalg::axpy(last_weight, &d[..dofs], &mut history[..dofs]);
                 for (at, stress) in self.space.points().zip(&mut stress) {
                     let strain = at.strain::<S>(&history);
                     let part = term.tensor.on(self.space.region(at.cell)).apply(&strain);

@@ -74,7 +74,7 @@ impl End {
 }
 
 /// The corners of a plane body of one isotropic material; empty in space, and where the material is another: an
-/// interface that meets the boundary is a singular point of its own kind. Memory and projection are left out:
+/// interface that meets the boundary is another kind of singular point. Memory and projection are left out:
 /// where the memory tensor is no multiple of the elasticity the exponents belong to the instantaneous response.
 pub fn corners(body: &ContactScene) -> Vec<Corner> {
     let domain = &body.domain;

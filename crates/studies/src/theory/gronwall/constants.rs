@@ -36,7 +36,7 @@ pub struct GronwallConstants {
 
 /// The constants of (3.24) of any scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub struct InequalityConstants {
     /// m0.
     pub m0: f64,
     /// β_φ.
@@ -55,7 +55,7 @@ pub struct Summary {
     pub details: BTreeMap<&'static str, f64>,
 }
 
-impl Summary {
+impl InequalityConstants {
     pub(super) fn new(
         m0: f64,
         beta: f64,
@@ -80,7 +80,7 @@ impl GronwallConstants {
             return Err(GronwallError::OwnWeights { scene: name() });
         };
         let friction = setup.body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-        if friction.is_some_and(|own| own.alpha() > 0.0 || own.coefficient() > 0.0) {
+        if friction.is_some_and(|law| law.alpha() > 0.0 || law.coefficient() > 0.0) {
             return Err(GronwallError::NoTangentialBound { scene: name() });
         }
         // The bound is that of V: functions that jump may be larger on Γ3.
@@ -107,12 +107,12 @@ impl GronwallConstants {
     }
 
     /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
-    pub(crate) fn summary(&self) -> Summary {
+    pub(crate) fn summary(&self) -> InequalityConstants {
         let mut details =
             BTreeMap::from([("yielding", self.yielding), ("memory_norm", self.memory)]);
         details.extend(self.trace_bound.map(|bound| ("c_j_squared_bound", bound)));
         let lipschitz = self.memory + if self.has_zeta() { self.accumulated } else { 0.0 };
-        Summary::new(self.m0, self.beta, lipschitz, details)
+        InequalityConstants::new(self.m0, self.beta, lipschitz, details)
     }
 
     /// True if ζ is a part of the history.
@@ -120,7 +120,6 @@ impl GronwallConstants {
         self.yielding > 0.0
     }
 
-    /// True if there is a memory stress.
     pub(crate) fn has_memory(&self) -> bool {
         self.memory > 0.0
     }

@@ -1,7 +1,7 @@
 //! A body in contact on one mesh as a scene in time.
 
 use super::GronwallError;
-use super::constants::{GronwallConstants, Summary};
+use super::constants::{GronwallConstants, InequalityConstants};
 use super::estimate::Estimate;
 use super::in_time::InTime;
 use super::measure::TemporalRun;
@@ -36,7 +36,7 @@ impl<'a> ContactInTime<'a> {
 }
 
 impl InTime for ContactInTime<'_> {
-    fn constants(&self) -> Summary {
+    fn constants(&self) -> InequalityConstants {
         self.constants.summary()
     }
 
@@ -111,7 +111,7 @@ struct Levels<'a> {
 
 impl Load for Levels<'_> {
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-        let found = self.grid.times().iter().position(|own| *own == t);
+        let found = self.grid.times().iter().position(|level| *level == t);
         let reason = || LoadError::Reference { reason: format!("no load is given at t = {t}") };
         out.copy_from_slice(&self.loads[found.ok_or_else(reason)?]);
         Ok(())

@@ -28,15 +28,15 @@ impl Study {
     /// The drawing library's.
     pub fn document(&self) -> Result<StudyDocument, ReportError> {
         let title = format!("Envelopes: {}", self.scene);
-        let mut own =
+        let mut document =
             StudyDocument::new(Chapter::Gronwall, title).of_scene(&self.scene, &self.fingerprint);
-        self.say_verdict(&mut own);
+        self.say_verdict(&mut document);
         if let Some(finest) = self.grids.iter().max_by_key(|grid| grid.run.steps) {
-            own.words(answer(finest));
+            document.words(answer(finest));
         }
         let mesh = self.n.map_or_else(String::new, |n| format!("n = {n}; "));
-        own.words(format!("{mesh}the truth is: {}.", self.truth));
-        own.table(
+        document.words(format!("{mesh}the truth is: {}.", self.truth));
+        document.table(
             "Bound over error at t = T for N steps; e and g at T.",
             &[
                 ">N",
@@ -53,7 +53,7 @@ impl Study {
             self.grids.iter().map(grid).collect(),
         );
         if let Some(horizons) = &self.horizons {
-            own.table(
+            document.table(
                 format!(
                     "Long times at k = {}; maxima over [0, T]; the truth is: {}. Growth is d(log error)/dT, to compare with C₂.",
                     digits(horizons.k, 5),
@@ -65,19 +65,19 @@ impl Study {
                 horizons.rows.iter().map(|row| horizon(row, horizons.k)).collect(),
             );
         }
-        own.table(
+        document.table(
             "Two loads f and f + δf at the largest N; growth is m0 max‖u − v‖/max‖δf‖, then the least bound over difference, and the largest primed bound over the largest difference.",
             &[
                 "shape", ">size", ">max ‖δf‖", ">max ‖u − v‖", ">growth", ">least", ">primed",
             ],
             self.perturbations.iter().map(perturbed).collect(),
         );
-        own.table("Constants of the inequality.", &["constant", ">value"], self.constants());
+        document.table("Constants of the inequality.", &["constant", ">value"], self.constants());
         for (stem, svg) in self.pictures()? {
-            let shows = PICTURES.iter().find(|(own, _)| *own == stem);
-            own.figure(stem, shows.map_or("", |(_, shows)| shows), Some(svg));
+            let shows = PICTURES.iter().find(|(name, _)| *name == stem);
+            document.figure(stem, shows.map_or("", |(_, shows)| shows), Some(svg));
         }
-        Ok(own)
+        Ok(document)
     }
 
     fn say_verdict(&self, document: &mut StudyDocument) {
@@ -142,10 +142,10 @@ fn answer(finest: &StudiedGrid) -> String {
 
 fn grid(grid: &StudiedGrid) -> Vec<Run> {
     let e = &grid.effectivity;
-    let at_end = |own: &Effectivity| precise(own.at_end, 7);
+    let at_end = |ratio: &Effectivity| precise(ratio.at_end, 7);
     let missing = if grid.c2_k < 1.0 { "–" } else { "C₂k ≥ 1" };
     let printed =
-        |own: &Option<Effectivity>| own.as_ref().map_or_else(|| Run::plain(missing), at_end);
+        |ratio: &Option<Effectivity>| ratio.as_ref().map_or_else(|| Run::plain(missing), at_end);
     vec![
         Run::plain(grid.steps.to_string()),
         precise(grid.c2_k, 6),
@@ -168,9 +168,12 @@ fn horizon(row: &HorizonRow, k: f64) -> Vec<Run> {
     [number(row.horizon)].into_iter().chain(bounds).chain(ends).collect()
 }
 
-fn perturbed(own: &Perturbation) -> Vec<Run> {
-    let cells = [own.load, own.difference, own.growth].map(number);
-    let ratios = [number(own.least_effectivity), number(own.primed / own.difference)];
-    let first = [Run::plain(own.shape.name()), number(own.size)];
+fn perturbed(perturbation: &Perturbation) -> Vec<Run> {
+    let cells = [perturbation.load, perturbation.difference, perturbation.growth].map(number);
+    let ratios = [
+        number(perturbation.least_effectivity),
+        number(perturbation.primed / perturbation.difference),
+    ];
+    let first = [Run::plain(perturbation.shape.name()), number(perturbation.size)];
     first.into_iter().chain(cells).chain(ratios).collect()
 }

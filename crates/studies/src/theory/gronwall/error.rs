@@ -54,22 +54,17 @@ pub enum GronwallError {
     /// Horizons are beginnings of one run, which holds on a uniform grid.
     #[error("scene `{scene}`: horizons at a fixed step need a uniform grid; leave --horizons out")]
     NotUniform { scene: String },
-    /// A load or an exact field failed.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A run failed.
     #[error("{steps} steps: {source}")]
     Case { steps: u32, source: CaseError },
-    /// A run in ℝ^m failed.
     #[error("{steps} steps: {source}")]
     FiniteCase { steps: u32, source: FiniteError },
     /// The inner product of an abstract scene has no inverse.
     #[error("the inner product is singular")]
     InnerProduct,
-    /// The strain stiffness could not be factorized.
     #[error("the dual norm: {0}")]
     Dual(#[from] FactorError),
-    /// The scene could not be set up.
     #[error(transparent)]
     Setup(#[from] SetupError),
 }

@@ -111,13 +111,13 @@ pub struct Envelopes {
     pub printed: Option<Vec<f64>>,
     /// C1 max g/(1 - c) exp(C2 t_n/(1 - c)).
     pub printed_closed: Option<Vec<f64>>,
-    /// What the floor of one step can grow to in e_n: its own primed envelope.
+    /// What the floor of one step can grow to in e_n: its primed envelope.
     pub allowance: Vec<f64>,
 }
 
 /// A link of the chain that does not hold.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Violation {
+pub struct LinkViolation {
     /// Which inequality, such as "e <= weighted envelope".
     pub link: &'static str,
     /// The first n at which it fails.
@@ -137,7 +137,7 @@ const ROUNDING: f64 = 1e-12;
 impl Envelopes {
     /// Every link e ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ printed closed that fails, by
     /// its first n. A number that is not finite fails.
-    pub fn violations(&self, estimate: &Estimate) -> Vec<Violation> {
+    pub fn violations(&self, estimate: &Estimate) -> Vec<LinkViolation> {
         let measured = "e <= weighted envelope";
         let mut links: Vec<(&'static str, &[f64], &[f64])> = vec![
             (measured, &estimate.error, &self.weighted),
@@ -153,7 +153,13 @@ impl Envelopes {
         let failing = |(link, left, right): (&'static str, &[f64], &[f64])| {
             if left.len() != steps.len() || right.len() != steps.len() {
                 let (left, right) = (left.len() as f64, right.len() as f64);
-                return Some(Violation { link: "one value per step", n: 0, t: 0.0, left, right });
+                return Some(LinkViolation {
+                    link: "one value per step",
+                    n: 0,
+                    t: 0.0,
+                    left,
+                    right,
+                });
             }
             let n = (0..steps.len()).find(|&n| {
                 let allowed = if link == measured { self.allowance[n] } else { 0.0 };
@@ -161,7 +167,7 @@ impl Envelopes {
                 // NaN and infinity fail.
                 !(left[n] <= bound && bound.is_finite() && left[n] >= 0.0)
             })?;
-            Some(Violation { link, n, t: steps[n], left: left[n], right: right[n] })
+            Some(LinkViolation { link, n, t: steps[n], left: left[n], right: right[n] })
         };
         links.into_iter().filter_map(failing).collect()
     }

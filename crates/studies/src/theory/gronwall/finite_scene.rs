@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::GronwallError;
-use super::constants::Summary;
+use super::constants::InequalityConstants;
 use super::estimate::Estimate;
 use super::in_time::InTime;
 use super::measure::TemporalRun;
@@ -27,7 +27,7 @@ pub struct FiniteInTime<'a> {
     /// G^{-1/2}: ‖y‖_{X*} = |G^{-1/2} y|.
     inverse_root: DMatrix<f64>,
     /// m0 and its kin; a test may spoil them.
-    pub constants: Summary,
+    pub constants: InequalityConstants,
     weights: Weights,
 }
 
@@ -57,7 +57,7 @@ impl<'a> FiniteInTime<'a> {
             ("r_norm", found.r_norm),
             ("q_norm", plain + found.b_norm),
         ]);
-        let constants = Summary::new(found.m0, found.beta_phi, lipschitz, details);
+        let constants = InequalityConstants::new(found.m0, found.beta_phi, lipschitz, details);
         let gram = SymmetricEigen::new(setup.model.inner_product.clone());
         if gram.eigenvalues.min() <= 0.0 {
             return Err(GronwallError::InnerProduct);
@@ -164,7 +164,7 @@ fn norm(matrix: &DMatrix<f64>) -> f64 {
 }
 
 impl InTime for FiniteInTime<'_> {
-    fn constants(&self) -> Summary {
+    fn constants(&self) -> InequalityConstants {
         self.constants.clone()
     }
 
@@ -235,7 +235,7 @@ struct Levels<'a> {
 
 impl FiniteLoad for Levels<'_> {
     fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
-        let found = self.grid.times().iter().position(|own| *own == t);
+        let found = self.grid.times().iter().position(|level| *level == t);
         let missing = FiniteError::Load { component: 0, value: f64::NAN, t };
         found.map(|n| DVector::from_column_slice(&self.loads[n])).ok_or(missing)
     }

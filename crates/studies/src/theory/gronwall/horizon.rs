@@ -2,9 +2,9 @@
 //! like e^{C2 T}? The theory is on R₊ with constants for each [0, T].
 
 use super::estimate::{Envelopes, Estimate, maximum};
-use super::in_time::prepare;
 use super::measure::TemporalRun;
-use super::{GronwallError, Violation};
+use super::prepare::prepare;
+use super::{GronwallError, LinkViolation};
 use scene::setup::Subject;
 
 /// Error and bounds on [0, T].
@@ -48,7 +48,7 @@ pub struct Horizons {
     pub rows: Vec<HorizonRow>,
     /// Links that fail on some horizon.
     #[serde(skip)]
-    pub violations: Vec<Violation>,
+    pub violations: Vec<LinkViolation>,
 }
 
 /// Runs the scene with the step k to the longest of `horizons`: on a uniform grid the run to a

@@ -1,19 +1,16 @@
 //! What a scene of either kind gives to the study of its error in time.
 
 use super::GronwallError;
-use super::constants::Summary;
-use super::contact_scene::ContactInTime;
+use super::constants::InequalityConstants;
 use super::estimate::Estimate;
-use super::finite_scene::FiniteInTime;
 use super::measure::TemporalRun;
-use scene::setup::Subject;
 use vhi::history::TimeGrid;
 
 /// A scene with its truth in time, ready to run on any of the grids it was prepared for. Vectors are
-/// loads and displacements in the scene's own layout.
+/// loads and displacements in the layout of the scene.
 pub trait InTime {
     /// The constants of (3.24).
-    fn constants(&self) -> Summary;
+    fn constants(&self) -> InequalityConstants;
 
     /// Where the truth comes from.
     fn truth(&self) -> String;
@@ -55,26 +52,4 @@ pub trait InTime {
     /// The bounds of a difference without truncation whose source is ‖δf_n‖_*: constants and parts
     /// of the history on this grid, everything else zero.
     fn blank(&self, grid: &TimeGrid) -> Estimate;
-}
-
-/// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells per unit length; an
-/// abstract scene has none.
-///
-/// # Errors
-/// Constants, loads or a reference run that cannot be had.
-pub fn prepare<'a>(
-    subject: &'a Subject,
-    n: Option<u32>,
-    steps: &[u32],
-) -> Result<Box<dyn InTime + 'a>, GronwallError> {
-    match (subject, n) {
-        (Subject::Contact(setup), Some(n)) => Ok(Box::new(ContactInTime::new(setup, n, steps)?)),
-        (Subject::Abstract(setup), None) => Ok(Box::new(FiniteInTime::new(setup)?)),
-        (Subject::Contact(_), None) => {
-            Err(GronwallError::Mesh { reason: "a body needs a mesh: give --n" })
-        }
-        (Subject::Abstract(_), Some(_)) => {
-            Err(GronwallError::Mesh { reason: "an abstract problem has no mesh: leave --n away" })
-        }
-    }
 }

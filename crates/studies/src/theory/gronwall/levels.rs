@@ -27,19 +27,19 @@ impl Study {
             "printed",
             "printed_closed",
         ])?;
-        for own in &self.grids {
-            let run = &own.run;
+        for grid in &self.grids {
+            let run = &grid.run;
             let truncation = Some([run.truncation_zeta.as_slice(), &run.truncation_memory]);
-            rows(&mut writer, "time", &run.estimate, &own.envelopes, truncation)?;
+            rows(&mut writer, "time", &run.estimate, &grid.envelopes, truncation)?;
         }
         if let Some(horizons) = &self.horizons {
             let run = &horizons.run;
             let truncation = Some([run.truncation_zeta.as_slice(), &run.truncation_memory]);
             rows(&mut writer, "horizon", &run.estimate, &horizons.envelopes, truncation)?;
         }
-        for own in &self.perturbations {
-            let part = format!("{}-{:e}", own.shape.name(), own.size);
-            rows(&mut writer, &part, &own.estimate, &own.envelopes, None)?;
+        for perturbation in &self.perturbations {
+            let part = format!("{}-{:e}", perturbation.shape.name(), perturbation.size);
+            rows(&mut writer, &part, &perturbation.estimate, &perturbation.envelopes, None)?;
         }
         writer.into_inner().map_err(|error| error.into_error().into())
     }
@@ -58,7 +58,8 @@ fn rows(
         let printed = |values: &Option<Vec<f64>>| {
             values.as_ref().map_or_else(String::new, |values| number(values[n]))
         };
-        let own = |index: usize| truncation.map_or_else(String::new, |all| number(all[index][n]));
+        let truncated =
+            |index: usize| truncation.map_or_else(String::new, |all| number(all[index][n]));
         writer.write_record([
             part.to_string(),
             grid.steps().to_string(),
@@ -66,8 +67,8 @@ fn rows(
             n.to_string(),
             number(grid.time(n)),
             number(estimate.error[n]),
-            own(0),
-            own(1),
+            truncated(0),
+            truncated(1),
             number(estimate.source[n]),
             number(envelopes.weighted[n]),
             number(envelopes.primed[n]),

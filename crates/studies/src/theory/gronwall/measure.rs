@@ -5,7 +5,7 @@ use super::GronwallError;
 use super::constants::GronwallConstants;
 use super::estimate::Estimate;
 use super::rule::Weights;
-use super::truth::{Level, TemporalTruth, difference};
+use super::truth::{TemporalTruth, TruthAtLevel, difference};
 use algebra::linalg::axpy;
 use algebra::tensor::contract;
 use fem::contact::{Discretization, MemoryTerm, Model, march, strain_distance, strain_norm};
@@ -94,10 +94,10 @@ fn truncation_of_zeta(
     space: &Discretization,
     weights: Weights,
     grid: &TimeGrid,
-    levels: &[Level],
+    levels: &[TruthAtLevel],
 ) -> Vec<f64> {
     let mut accumulated = Accumulated::default();
-    let defect = |level: &Level| {
+    let defect = |level: &TruthAtLevel| {
         accumulated.commit(grid, strain_norm(space, &level.u));
         (level.zeta - accumulated.value(weights.rule(), grid)).abs()
     };
@@ -109,7 +109,7 @@ fn truncation_of_memory(
     space: &Discretization,
     weights: Weights,
     grid: &TimeGrid,
-    levels: &[Level],
+    levels: &[TruthAtLevel],
 ) -> Vec<f64> {
     let terms = &setup.model.memory;
     if terms.is_empty() {
@@ -119,7 +119,7 @@ fn truncation_of_memory(
     let mut histories: Vec<Memory> =
         terms.iter().map(|term| Memory::new(&*term.kernel, rule, grid, length)).collect();
     let mut sum = vec![0.0; length];
-    let mut defect = |(n, level): (usize, &Level)| {
+    let mut defect = |(n, level): (usize, &TruthAtLevel)| {
         let missed = terms.iter().zip(&mut histories).zip(&level.memory);
         let missed: Vec<Vec<f64>> = missed
             .map(|((term, history), exact)| {

@@ -26,8 +26,8 @@ pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &StudyRuns) -> Runs<'a> {
     let a_level = 1.0 + setup.body.material.memory.len() as f64;
     let truth = f64::from(common.max(longest.unwrap_or(0))) + 1.0;
     let truth = if in_space { 0.0 } else { 2.0 * truth };
-    let own = f64::from(finest.max(longest.unwrap_or(0))) + 1.0;
-    let vectors = a_level * (truth + own) + PERTURBED * (f64::from(finest) + 1.0);
+    let of_grid = f64::from(finest.max(longest.unwrap_or(0))) + 1.0;
+    let vectors = a_level * (truth + of_grid) + PERTURBED * (f64::from(finest) + 1.0);
     let beside = move |space: &Discretization, _| 8.0 * space.nodes.len() as f64 * vectors;
     Runs { setup, grid: grid.collect(), beside: Box::new(beside) }
 }

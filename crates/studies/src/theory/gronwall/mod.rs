@@ -17,6 +17,7 @@ mod measure;
 mod memory;
 mod mittag_leffler;
 mod pictures;
+mod prepare;
 mod recurrence;
 mod rule;
 mod stability;
@@ -25,20 +26,21 @@ mod study;
 mod tests;
 mod truth;
 
-pub use constants::{GronwallConstants, Summary};
+pub use constants::{GronwallConstants, InequalityConstants};
 pub use contact_scene::{ContactInTime, DualNorm};
 pub use error::GronwallError;
-pub use estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
+pub use estimate::{Envelopes, Estimate, LinkViolation, effectivities, maximum};
 pub use finite_scene::FiniteInTime;
 pub use horizon::{HorizonRow, Horizons, horizons};
-pub use in_time::{InTime, prepare};
+pub use in_time::InTime;
 pub use measure::TemporalRun;
 pub use memory::study_runs;
+pub use prepare::prepare;
 pub use recurrence::{
     HistoryPart, KernelNorms, StepTooLarge, closed_limit, primed, primed_closed, unprimed,
     unprimed_closed, weighted,
 };
 pub use rule::Weights;
-pub use stability::{Perturbation, SIZES, Shape, perturbations};
+pub use stability::{LoadShape, Perturbation, SIZES, perturbations};
 pub use study::{Effectivity, FailedLink, StudiedGrid, Study, StudyRuns};
-pub use truth::{Level, ReferenceLevels, TemporalTruth};
+pub use truth::{ReferenceLevels, TemporalTruth, TruthAtLevel};

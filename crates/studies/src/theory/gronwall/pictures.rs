@@ -1,5 +1,5 @@
-//! The pictures of a study. For small k the bounds of the printed sum cover those with halved ends: a picture of their
-//! own shows by how much they differ.
+//! The pictures of a study. For small k the bounds of the printed sum cover those with halved ends: one picture shows
+//! by how much they differ.
 
 use super::estimate::{Envelopes, Estimate, effectivities};
 use super::horizon::Horizons;
@@ -17,9 +17,9 @@ impl Study {
     /// [`ReportError::Drawing`].
     pub(crate) fn pictures(&self) -> Result<Vec<Picture>, ReportError> {
         let mut charts = Vec::new();
-        let finest = self.grids.iter().max_by_key(|own| own.run.steps);
-        if let Some(own) = finest {
-            let (estimate, envelopes) = (&own.run.estimate, &own.envelopes);
+        let finest = self.grids.iter().max_by_key(|grid| grid.run.steps);
+        if let Some(grid) = finest {
+            let (estimate, envelopes) = (&grid.run.estimate, &grid.envelopes);
             charts.push(("gronwall-envelope", self.over_time(estimate, envelopes)));
             charts.push(("gronwall-effectivity-t", self.ratios_over_time(estimate, envelopes)));
         }
@@ -106,9 +106,9 @@ impl Study {
             Axis::new("effectivity: bound / measured error at T", Scale::Log),
         );
         let [weighted, primed, closed] = [
-            self.over_step(|own| own.effectivity.weighted.at_end),
-            self.over_step(|own| own.effectivity.primed.at_end),
-            self.over_step(|own| own.effectivity.closed.at_end),
+            self.over_step(|grid| grid.effectivity.weighted.at_end),
+            self.over_step(|grid| grid.effectivity.primed.at_end),
+            self.over_step(|grid| grid.effectivity.closed.at_end),
         ];
         chart.series =
             vec![curve(WEIGHTED, weighted), curve(PRIMED, primed), curve(CLOSED, closed)];
@@ -129,10 +129,10 @@ impl Study {
         let lost = |printed: Option<&Effectivity>, halved: &Effectivity| {
             Some(printed?.at_end? / halved.at_end? - 1.0)
         };
-        let envelope =
-            self.over_step(|own| lost(own.effectivity.printed.as_ref(), &own.effectivity.primed));
-        let closed = self.over_step(|own| {
-            lost(own.effectivity.printed_closed.as_ref(), &own.effectivity.closed)
+        let envelope = self
+            .over_step(|grid| lost(grid.effectivity.printed.as_ref(), &grid.effectivity.primed));
+        let closed = self.over_step(|grid| {
+            lost(grid.effectivity.printed_closed.as_ref(), &grid.effectivity.closed)
         });
         chart.series = vec![curve("envelopes", envelope), curve("closed forms", closed)];
         chart
@@ -141,8 +141,9 @@ impl Study {
     /// A value of each grid over its step, from the smallest step.
     fn over_step(&self, value: impl Fn(&StudiedGrid) -> Option<f64>) -> Vec<Datum> {
         let mut grids: Vec<&StudiedGrid> = self.grids.iter().collect();
-        grids.sort_by_key(|own| std::cmp::Reverse(own.run.steps));
-        let datum = |own: &&StudiedGrid| Some((own.run.estimate.grid.largest_step(), value(own)?));
+        grids.sort_by_key(|grid| std::cmp::Reverse(grid.run.steps));
+        let datum =
+            |grid: &&StudiedGrid| Some((grid.run.estimate.grid.largest_step(), value(grid)?));
         grids.iter().filter_map(datum).collect()
     }
 

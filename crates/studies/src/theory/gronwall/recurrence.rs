@@ -138,10 +138,10 @@ pub fn weighted(
             sum += (rule.weight(grid, n, j) * factor + weighed(n, j)) * known;
         }
         let factor = parts.iter().map(|part| part.factor(n, n)).sum::<f64>() / m0;
-        let (weight, own) = (rule.weight(grid, n, n), weighed(n, n) / m0);
-        let remaining = match own {
+        let (weight, share) = (rule.weight(grid, n, n), weighed(n, n) / m0);
+        let remaining = match share {
             0.0 => solvable(n, factor, weight)?,
-            own => solvable(n, factor * weight + own, 1.0)?,
+            share => solvable(n, factor * weight + share, 1.0)?,
         };
         envelope.push(sum / (m0 * remaining));
     }

@@ -9,7 +9,7 @@
 
 use super::estimate::{Estimate, effectivities, maximum};
 use super::in_time::InTime;
-use super::{Envelopes, GronwallError, Violation};
+use super::{Envelopes, GronwallError, LinkViolation};
 use algebra::linalg::signed_unit;
 use serde::Serialize;
 use vhi::history::TimeGrid;
@@ -17,15 +17,14 @@ use vhi::history::TimeGrid;
 /// How δf depends on time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Shape {
+pub enum LoadShape {
     /// δ sin(2πt/T + 1) f(t).
     Smooth,
     /// At each t_n a random vector of dual norm δ max_m ‖f_m‖_*.
     Random,
 }
 
-impl Shape {
-    /// One word.
+impl LoadShape {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Smooth => "smooth",
@@ -41,7 +40,7 @@ pub const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 /// What one perturbation did.
 #[derive(Debug, Clone, Serialize)]
 pub struct Perturbation {
-    pub shape: Shape,
+    pub shape: LoadShape,
     /// δ.
     pub size: f64,
     /// max_n ‖δf_n‖_*.
@@ -63,11 +62,11 @@ pub struct Perturbation {
     #[serde(skip)]
     pub envelopes: Envelopes,
     #[serde(skip)]
-    pub violations: Vec<Violation>,
+    pub violations: Vec<LinkViolation>,
 }
 
 impl Perturbation {
-    fn new((shape, size): (Shape, f64), estimate: Estimate, envelopes: Envelopes) -> Self {
+    fn new((shape, size): (LoadShape, f64), estimate: Estimate, envelopes: Envelopes) -> Self {
         let (load, difference) = (maximum(&estimate.source), maximum(&estimate.error));
         let ratios = effectivities(&envelopes.weighted, &estimate);
         Self {
@@ -98,7 +97,7 @@ pub fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Perturbation>
     let (undisturbed, floor) = scene.solutions(&grid, &loads)?;
     let blank = scene.blank(&grid);
     let mut found = Vec::new();
-    for shape in [Shape::Smooth, Shape::Random] {
+    for shape in [LoadShape::Smooth, LoadShape::Random] {
         let unit = directions(scene, shape, &grid, &loads, largest)?;
         for size in SIZES {
             let changes: Vec<Vec<f64>> =
@@ -129,13 +128,13 @@ pub fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Perturbation>
 /// δf for δ = 1.
 fn directions(
     scene: &dyn InTime,
-    shape: Shape,
+    shape: LoadShape,
     grid: &TimeGrid,
     loads: &[Vec<f64>],
     largest: f64,
 ) -> Result<Vec<Vec<f64>>, GronwallError> {
     match shape {
-        Shape::Smooth => {
+        LoadShape::Smooth => {
             let horizon = grid.time(grid.steps());
             let one = |(load, t): (&Vec<f64>, &f64)| {
                 let factor = (std::f64::consts::TAU * t / horizon + 1.0).sin();
@@ -143,7 +142,7 @@ fn directions(
             };
             Ok(loads.iter().zip(grid.times()).map(one).collect())
         }
-        Shape::Random => {
+        LoadShape::Random => {
             let mut state = 1;
             let mut noise: Vec<Vec<f64>> = loads
                 .iter()

@@ -1,11 +1,11 @@
 //! The study of a scene: grids, horizons and perturbations, with every link of the chain checked.
 
 use super::GronwallError;
-use super::constants::Summary;
-use super::estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
+use super::constants::InequalityConstants;
+use super::estimate::{Envelopes, Estimate, LinkViolation, effectivities, maximum};
 use super::horizon::{Horizons, horizons};
-use super::in_time::prepare;
 use super::measure::TemporalRun;
+use super::prepare::prepare;
 use super::stability::{Perturbation, perturbations};
 use scene::setup::Subject;
 use serde::Serialize;
@@ -46,7 +46,7 @@ pub struct StudiedGrid {
     #[serde(skip)]
     pub envelopes: Envelopes,
     #[serde(skip)]
-    pub violations: Vec<Violation>,
+    pub violations: Vec<LinkViolation>,
 }
 
 /// All that was found.
@@ -57,7 +57,7 @@ pub struct Study {
     pub fingerprint: String,
     /// Mesh cells per unit length; none for abstract scenes.
     pub n: Option<u32>,
-    pub constants: Summary,
+    pub constants: InequalityConstants,
     /// Where the truth of the error comes from.
     pub truth: String,
     pub grids: Vec<StudiedGrid>,
@@ -74,7 +74,7 @@ pub struct Study {
 pub struct FailedLink {
     pub part: String,
     #[serde(flatten)]
-    pub violation: Violation,
+    pub violation: LinkViolation,
 }
 
 /// bound/e of one grid, for every envelope.
@@ -101,7 +101,6 @@ pub struct Effectivity {
 }
 
 impl Effectivity {
-    /// Of one of the bounds.
     pub(crate) fn new(bound: &[f64], estimate: &Estimate) -> Self {
         let ratios = effectivities(bound, estimate);
         Self {
@@ -187,15 +186,15 @@ fn failed_links(
     horizons: Option<&Horizons>,
     perturbations: &[Perturbation],
 ) -> Vec<FailedLink> {
-    let grids = grids.iter().map(|own| (format!("N = {}", own.steps), &own.violations));
+    let grids = grids.iter().map(|grid| (format!("N = {}", grid.steps), &grid.violations));
     let horizons = horizons.iter().map(|h| (format!("horizons, k = {}", h.k), &h.violations));
     let perturbations = perturbations
         .iter()
         .map(|p| (format!("{} perturbation {:e}", p.shape.name(), p.size), &p.violations));
     let parts = grids.chain(horizons).chain(perturbations);
     parts
-        .flat_map(|(part, own)| {
-            own.iter().map(move |v| FailedLink { part: part.clone(), violation: v.clone() })
+        .flat_map(|(part, violations)| {
+            violations.iter().map(move |v| FailedLink { part: part.clone(), violation: v.clone() })
         })
         .collect()
 }

@@ -1,5 +1,5 @@
 //! The truth of a purely temporal error: exact u(t) in V^h, or a run with many more steps on the same
-//! mesh. Either solves the spatially discrete problem with its own history S_n u, which is all that
+//! mesh. Either solves the spatially discrete problem with the history S_n u of its solution, which is all that
 //! (3.21) asks of it.
 
 use super::GronwallError;
@@ -22,7 +22,7 @@ const IN_SPACE: f64 = 1e-9;
 
 /// The truth at one time.
 #[derive(Debug, Clone)]
-pub struct Level {
+pub struct TruthAtLevel {
     /// t.
     pub t: f64,
     /// u(t), a nodal vector.
@@ -50,7 +50,7 @@ pub struct ReferenceLevels {
     pub own_error: f64,
     /// Every `stride`-th level.
     stride: u32,
-    levels: Vec<Level>,
+    levels: Vec<TruthAtLevel>,
 }
 
 impl TemporalTruth {
@@ -75,7 +75,7 @@ impl TemporalTruth {
     ///
     /// # Errors
     /// A formula that is not finite, a grid that is not part of the reference's.
-    pub fn levels(&self, setup: &Setup, steps: u32) -> Result<Vec<Level>, GronwallError> {
+    pub fn levels(&self, setup: &Setup, steps: u32) -> Result<Vec<TruthAtLevel>, GronwallError> {
         let grid = setup.grid(steps);
         match self {
             Self::Exact(exact) => {
@@ -107,13 +107,17 @@ impl TemporalTruth {
     }
 }
 
-fn exact_level(setup: &Setup, exact: &InterpolatedOnMesh, t: f64) -> Result<Level, LoadError> {
+fn exact_level(
+    setup: &Setup,
+    exact: &InterpolatedOnMesh,
+    t: f64,
+) -> Result<TruthAtLevel, LoadError> {
     let (u, memory) = exact.displacements(t)?;
     let zeta = match &setup.body.material.projection {
         Some(_) => exact.zeta(t)?,
         None => f64::NAN,
     };
-    Ok(Level { t, u, memory, zeta })
+    Ok(TruthAtLevel { t, u, memory, zeta })
 }
 
 /// Whether the nodal interpolant of the exact solution, with its exact history, solves the spatially
@@ -155,7 +159,7 @@ fn pressures(
     setup: &Setup,
     data: &MeshData,
     exact: &InterpolatedOnMesh,
-    level: &Level,
+    level: &TruthAtLevel,
 ) -> (Vec<f64>, Vec<f64>) {
     let trace = &data.space.trace;
     let Some(boundary) = &setup.model.boundary else {
@@ -179,12 +183,13 @@ impl ReferenceLevels {
         let stride = total / common;
         let levels = kept(setup, data, total, stride)?;
         let half = kept(setup, data, total / 2, stride / 2)?;
-        let distance = |(a, b): (&Level, &Level)| strain_distance(&data.space, &a.u, &b.u);
+        let distance =
+            |(a, b): (&TruthAtLevel, &TruthAtLevel)| strain_distance(&data.space, &a.u, &b.u);
         let apart = levels.iter().zip(&half).map(distance).fold(0.0, f64::max);
         Ok(Self { steps: total, own_error: apart / 3.0, stride, levels })
     }
 
-    fn at(&self, grid: &TimeGrid, steps: u32) -> Result<Vec<Level>, GronwallError> {
+    fn at(&self, grid: &TimeGrid, steps: u32) -> Result<Vec<TruthAtLevel>, GronwallError> {
         let refused = || GronwallError::NotNested { steps, reference: self.steps };
         let every = self.steps / self.stride;
         if !every.is_multiple_of(steps) {
@@ -206,12 +211,12 @@ fn kept(
     data: &MeshData,
     steps: u32,
     stride: u32,
-) -> Result<Vec<Level>, GronwallError> {
+) -> Result<Vec<TruthAtLevel>, GronwallError> {
     let mut levels = Vec::new();
     data.march(setup, steps, &Newton::default(), &mut |view| {
         if view.n % stride as usize == 0 {
             let memory = view.history.to_vec();
-            levels.push(Level { t: view.t, u: view.u.to_vec(), memory, zeta: view.zeta });
+            levels.push(TruthAtLevel { t: view.t, u: view.u.to_vec(), memory, zeta: view.zeta });
         }
         Ok(())
     })
@@ -219,7 +224,6 @@ fn kept(
     Ok(levels)
 }
 
-/// a - b.
 pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = a.to_vec();
     axpy(-1.0, b, &mut out);

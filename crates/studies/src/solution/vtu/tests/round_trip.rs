@@ -6,7 +6,7 @@ use std::fs;
 
 use vtkio::model::CellType;
 
-use super::super::{Field, Grid, write_vtu};
+use super::super::{Field, VtuGrid, write_vtu};
 use super::reading::{attribute, block, read};
 use super::{same, scratch, triangles};
 
@@ -23,7 +23,7 @@ fn values(count: usize, mut seed: u64) -> Vec<f64> {
 }
 
 /// Writes the grid with a scalar, a plane vector and a tensor, and returns the file and the fields.
-fn written(grid: &Grid<'_>, name: &str) -> (Vec<u8>, [Vec<f64>; 3]) {
+fn written(grid: &VtuGrid<'_>, name: &str) -> (Vec<u8>, [Vec<f64>; 3]) {
     let cells = grid.cells.len() / grid.vertices_per_cell;
     let fields =
         [values(grid.points.len(), 1), values(2 * grid.points.len(), 2), values(9 * cells, 3)];
@@ -42,7 +42,7 @@ fn written(grid: &Grid<'_>, name: &str) -> (Vec<u8>, [Vec<f64>; 3]) {
     (bytes, fields)
 }
 
-fn check(grid: &Grid<'_>, cell_type: CellType, name: &str) {
+fn check(grid: &VtuGrid<'_>, cell_type: CellType, name: &str) {
     let (file, [zeta, vector, stress]) = written(grid, name);
     let back = read(&file).expect("vtkio reads the file");
     assert!(same(&back.points, grid.points.as_flattened()));
@@ -69,7 +69,7 @@ fn an_independent_reader_finds_every_number_of_triangles() {
 #[test]
 fn an_independent_reader_finds_every_number_of_tetrahedra() {
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0], [0.5, 0.25, 1.0]];
-    let grid = Grid { points: &points, cells: &TETRAHEDRA, vertices_per_cell: 4 };
+    let grid = VtuGrid { points: &points, cells: &TETRAHEDRA, vertices_per_cell: 4 };
     check(&grid, CellType::Tetra, "tetrahedra.vtu");
 }
 

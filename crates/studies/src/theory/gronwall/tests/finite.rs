@@ -12,7 +12,7 @@ fn abstract_setup(name: &str) -> AbstractSetup {
     }
 }
 
-fn violations(run: &TemporalRun) -> Vec<Violation> {
+fn violations(run: &TemporalRun) -> Vec<LinkViolation> {
     run.estimate.envelopes().unwrap().violations(&run.estimate)
 }
 

@@ -5,7 +5,7 @@ use super::setup;
 use scene::setup::MeshData;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 
-/// The run of a scene on its own grid, and the constants.
+/// The run of a scene, and the constants.
 fn measured(name: &str, n: u32, steps: u32) -> (TemporalRun, GronwallConstants) {
     let setup = setup(name);
     let data = MeshData::new(&setup, n, None).unwrap();
@@ -79,16 +79,16 @@ fn truncation_of_a_fading_memory_is_that_of_the_closed_form() {
     }
 }
 
-/// The reference's own error is that of its order: a reference of 8·16 steps against 8·8.
+/// The error that a reference states of itself is that of its order: a reference of 8·16 steps against 8·8.
 #[test]
 fn a_reference_knows_its_own_error() {
     let setup = setup("linear-punch");
     let data = MeshData::new(&setup, 8, None).unwrap();
-    let own = |steps: &[u32]| match TemporalTruth::new(&setup, &data, steps).unwrap() {
+    let stated_error = |steps: &[u32]| match TemporalTruth::new(&setup, &data, steps).unwrap() {
         TemporalTruth::Reference(reference) => reference.own_error,
         TemporalTruth::Exact(_) => panic!("linear-punch has no exact solution"),
     };
-    let (coarse, fine) = (own(&[8]), own(&[8, 16]));
+    let (coarse, fine) = (stated_error(&[8]), stated_error(&[8, 16]));
     // Order 2 within 5 %: local orders of this scene are 2.00 to 2.01.
     assert!((coarse / fine - 4.0).abs() < 0.2, "{coarse} {fine}");
     let (run, _) = measured("linear-punch", 8, 8);

@@ -105,7 +105,7 @@ fn envelopes_with_the_weights_of_a_power_tend_to_the_function_of_mittag_leffler(
             assert!(weights.closed(&grid, &[0.0, 1.0], 1.01 / whole).is_err());
         }
     }
-    // Of a kernel without a pole: the hat functions' own integrals.
+    // Of a kernel without a pole: the integrals of the hat functions.
     let grid = TimeGrid::graded(2.0, 9, 1.5);
     let (hats, halves) =
         (Weights::Product { power: 0.0 }.row(&grid, 7), Weights::Trapezoid.row(&grid, 7));

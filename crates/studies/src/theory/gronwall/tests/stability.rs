@@ -24,19 +24,34 @@ fn the_dual_norm_of_a_riesz_image_is_the_norm() {
 }
 
 fn random_is_caught(found: &[Perturbation]) -> bool {
-    found.iter().filter(|own| own.shape == Shape::Random).any(|own| {
-        own.violations.iter().any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
-    })
+    found.iter().filter(|perturbation| perturbation.shape == LoadShape::Random).any(
+        |perturbation| {
+            perturbation
+                .violations
+                .iter()
+                .any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
+        },
+    )
 }
 
 fn all_hold(found: &[Perturbation], name: &str) {
     assert_eq!(found.len(), 6);
-    for own in found {
-        assert_eq!(own.violations, [], "{name} {:?} {}", own.shape, own.size);
+    for perturbation in found {
+        assert_eq!(
+            perturbation.violations,
+            [],
+            "{name} {:?} {}",
+            perturbation.shape,
+            perturbation.size
+        );
         // Attained in long-growing: rounding decides.
-        assert!(own.least_effectivity.unwrap() > 1.0 - 1e-12);
+        assert!(perturbation.least_effectivity.unwrap() > 1.0 - 1e-12);
         // Something happened: the difference is far above the floor.
-        assert!(own.growth > 0.1 && own.load > 0.0, "{name} {}", own.growth);
+        assert!(
+            perturbation.growth > 0.1 && perturbation.load > 0.0,
+            "{name} {}",
+            perturbation.growth
+        );
     }
 }
 

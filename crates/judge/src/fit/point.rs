@@ -1,0 +1,36 @@
+//! Entries of an error table and the steps that they were computed with.
+
+/// Relative difference of steps that count as one level: tables carry 1/3 as 0.333333333.
+const SAME_LEVEL: f64 = 1e-9;
+
+/// Whether two positive steps are one up to rounding.
+pub fn same_level(a: f64, b: f64) -> bool {
+    a.min(b) >= a.max(b) * (1.0 - SAME_LEVEL)
+}
+
+/// One entry of an error table. A missing error or step is NaN, an unmeasured floor is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    pub h: f64,
+    pub k: f64,
+    pub error: f64,
+    /// Error that exact discretisation would leave: solver tolerance and rounding.
+    pub floor: f64,
+}
+
+/// The step that is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    Space,
+    Time,
+}
+
+impl Direction {
+    /// The step of a point in this direction.
+    pub fn step(self, point: &Point) -> f64 {
+        match self {
+            Self::Space => point.h,
+            Self::Time => point.k,
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Compares what a run settled with what its scenes owe, so that a gate which judges less than before fails.
+
+use super::Baseline;
+use super::compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_with_baseline};
+use super::owed::Owed;
+use crate::record::CaseRecord;
+use crate::verdict::Verdict;
+use files::counted;
+
+impl Baseline {
+    /// Records what these verdicts settle as owed.
+    #[must_use]
+    pub fn owing(mut self, verdicts: &[Verdict]) -> Self {
+        for (scene, recorded) in &mut self.scenes {
+            recorded.owes = Some(Owed::of_scene(scene, verdicts));
+        }
+        self
+    }
+
+    /// Compares runs of scenes with their records: errors and work, and what the verdicts leave owing.
+    pub fn compare(
+        &self,
+        runs: &[ComparedRun],
+        records: &[CaseRecord],
+        verdicts: &[Verdict],
+    ) -> Comparison {
+        let mut comparison = compare_with_baseline(self, runs, records);
+        compare_owed(self, runs, verdicts, &mut comparison);
+        comparison
+    }
+}
+
+/// Adds what `runs` still owe to a comparison. Scenes on other than their default grids, or left out of the comparison,
+/// owe nothing.
+pub fn compare_owed(
+    baseline: &Baseline,
+    runs: &[ComparedRun],
+    verdicts: &[Verdict],
+    comparison: &mut Comparison,
+) {
+    for run in runs.iter().filter(|run| run.own_grids) {
+        let recorded = baseline.scenes.get(&run.scene);
+        let Some(recorded) = recorded.filter(|recorded| recorded.hash == run.hash) else {
+            continue;
+        };
+        let Some(owes) = &recorded.owes else {
+            comparison.owed_not_said.push(run.scene.clone());
+            continue;
+        };
+        comparison.owed.verdicts += owes.len();
+        comparison.owed.constants += owes.iter().map(|owed| owed.constants.len()).sum::<usize>();
+        let settled = Owed::of_scene(&run.scene, verdicts);
+        comparison.deviations.extend(left_owing(&run.scene, owes, settled));
+    }
+}
+
+/// Every item counts once, in any order; settled items that are not owed are reported as well.
+fn left_owing(scene: &str, owes: &[Owed], mut settled: Vec<Owed>) -> Vec<Deviation> {
+    let mut found = Vec::new();
+    let mut say = |owed: &Owed, what: String| found.push(deviation(scene, owed, &what));
+    for owed in owes {
+        let Some(at) = settled.iter().position(|other| other.is_of(owed)) else {
+            say(owed, "the verdict is owed and was not judged".into());
+            continue;
+        };
+        let judged = settled.remove(at);
+        for name in owed.constants.iter().filter(|name| !judged.constants.contains(name)) {
+            say(owed, format!("the constant {name} is owed and was not compared"));
+        }
+        for name in judged.constants.iter().filter(|name| !owed.constants.contains(name)) {
+            say(owed, format!("the constant {name} was compared and is not owed"));
+        }
+    }
+    for other in &settled {
+        say(other, "the verdict was judged and is not owed".into());
+    }
+    found
+}
+
+fn deviation(scene: &str, owed: &Owed, what: &str) -> Deviation {
+    Deviation {
+        scene: scene.to_owned(),
+        n: None,
+        steps: None,
+        norm: Some(owed.norm.clone()),
+        variable: Some(owed.variable),
+        kind: DeviationKind::Owed,
+        recorded: None,
+        found: None,
+        verdict: DeviationKind::Owed.decision(),
+        reason: format!("{scene}: {}: {what}", owed.name()),
+    }
+}
+
+impl Comparison {
+    /// What was owed, and whether the baseline recorded it.
+    pub(super) fn owed_in_words(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if !self.owed_not_said.is_empty() {
+            let scenes = counted(self.owed_not_said.len(), "scene");
+            lines.push(format!(
+                "baseline: does not say what verdicts and constants are owed by {scenes}, the first is {}; sweep baseline records it",
+                self.owed_not_said[0]
+            ));
+        }
+        if self.owed.verdicts > 0 {
+            let left = self.deviations.iter().filter(|d| d.kind == DeviationKind::Owed).count();
+            let found = match left {
+                0 => "all judged".to_owned(),
+                left => format!("{left} not as owed"),
+            };
+            let verdicts = counted(self.owed.verdicts, "verdict");
+            let constants = counted(self.owed.constants, "compared constant");
+            lines.push(format!("baseline: {verdicts} and {constants} owed, {found}"));
+        }
+        lines
+    }
+}

@@ -1,0 +1,93 @@
+//! Judged predictions.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Decision, FittedConstant, Foreseen, NextCase, PointLeftOut, PointUsed, Variable};
+use crate::record::{CaseRecord, Status};
+
+/// The verdict a scene is built to get.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Expect {
+    #[default]
+    Pass,
+    Fail,
+    Unresolved,
+}
+
+impl Expect {
+    pub(crate) fn decision(self) -> Decision {
+        match self {
+            Self::Pass => Decision::Pass,
+            Self::Fail => Decision::Fail,
+            Self::Unresolved => Decision::Unresolved,
+        }
+    }
+}
+
+/// A judged prediction, an entry of `verdict.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    pub scene: String,
+    pub norm: String,
+    pub variable: Variable,
+    /// In h if joint.
+    pub predicted: f64,
+    /// In k if joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted_k: Option<f64>,
+    pub at_least: bool,
+    pub why: String,
+    /// Fitted order, in h if joint.
+    pub observed: Option<f64>,
+    /// Fitted order in k if joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub observed_k: Option<f64>,
+    /// Interval of the order, in h if joint.
+    pub interval: Option<[f64; 2]>,
+    /// Interval of the order in k if joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_k: Option<[f64; 2]>,
+    /// Probability that the prediction holds within its tolerance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
+    /// Order of the leading errors if the measured errors match them and not the prediction: then the prediction is
+    /// wrong and the program sound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contradicted_by: Option<f64>,
+    pub points_used: Vec<PointUsed>,
+    pub points_left_out: Vec<PointLeftOut>,
+    /// `C_h` and `C_k`, as far as fitted.
+    pub constants: BTreeMap<&'static str, FittedConstant>,
+    /// The predicted constant: leading errors, or why there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foreseen: Option<Foreseen>,
+    #[serde(rename = "verdict")]
+    pub decision: Decision,
+    pub reason: String,
+    /// The cases that would help an unresolved verdict.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub next: Vec<NextCase>,
+    /// Every expected case is there, converged and finite; otherwise the verdict is `fail` and never as expected.
+    pub complete: bool,
+    /// The verdict that the scene is built to get.
+    pub expect: Expect,
+}
+
+impl Verdict {
+    /// Whether the verdict is the expected one. An expected failure must come from the order, not from a missing case.
+    pub fn as_expected(&self) -> bool {
+        self.complete && self.decision == self.expect.decision()
+    }
+}
+
+/// 0 if all verdicts are as expected, 1 if one is not, 2 if a solver gave up on a case.
+pub fn exit_code(records: &[CaseRecord], verdicts: &[Verdict]) -> u8 {
+    if records.iter().any(|record| matches!(record.status, Status::Failed { .. })) {
+        2
+    } else {
+        u8::from(!verdicts.iter().all(Verdict::as_expected))
+    }
+}

@@ -1,0 +1,12 @@
+use nalgebra::DVector;
+
+use super::FiniteError;
+
+/// f(t).
+pub trait FiniteLoad {
+    /// f(t) as a vector of ℝ^m.
+    ///
+    /// # Errors
+    /// [`FiniteError::Load`] if it is not finite.
+    fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError>;
+}
