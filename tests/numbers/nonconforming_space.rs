@@ -7,7 +7,7 @@
 
 use super::differences::mismatch;
 use crate::shipped::{
-    Change, edited, errors, fixture, on_mesh, run, setup, setup_of, text, v_max_on_changed,
+    Change, edited, errors, fixture, on_mesh, run, setup_of, text, v_max_on_changed,
 };
 use gronwall::contact::{ContactProblem, LastSlot, LinearSolver};
 use gronwall::linalg::signed_unit;
@@ -81,10 +81,17 @@ fn loads_in_both_forms_are_one() {
     assert!(off < 1e-12 * largest, "{off:e} of {largest:e}");
 }
 
-/// Where the body remembers, and the law is curved.
+/// Where the body yields and remembers.
 #[test]
 fn the_tangent_with_jumps_is_the_derivative() {
-    let setup = setup("nonconforming-box");
+    let scene = text("nonconforming-box");
+    let (start, end) = (scene.find("[contact]"), scene.find("[discretization]"));
+    let (start, end) = (start.expect("contact"), end.expect("an element"));
+    let projection = "[material.projection]\nmu = 1.0\nkappa = \"0.10 + 0.05*zeta\"\n\n";
+    let scene = format!("{}{projection}{}", &scene[..start], &scene[end..]);
+    let scene = edited(&scene, "\"back\"]\ncontact = [\"bottom\"]", "\"back\", \"bottom\"]");
+    let after = scene.rfind("[[predicts]]").expect("two predictions");
+    let setup = setup_of(scene[..after].to_owned());
     let space = on_mesh(&setup, 2).space;
     let mut seed = 5;
     let u: Vec<f64> = (0..space.dofs()).map(|_| 0.05 * signed_unit(&mut seed)).collect();

@@ -15,7 +15,9 @@ use vhi::law::{Projection, graph_distance};
 /// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
 ///
 /// Where that is above [`KKT_ALLOWED`] and rounding of u moves forces by more, it is relative to what a solve may leave of
-/// their terms: (16 ε/1e-9) max Σ |B|ᵀ|C||B||u|. At λ/μ = 10⁶ these are 4·10⁷ times their sum on n = 32.
+/// their terms: (16 ε/1e-9) max Σ |B|ᵀ|C||B||u|. At λ/μ = 10⁶ these are 4·10⁷ times their sum on n = 32. At most, it is
+/// relative to (M - m)/m nodal forces, m and M the least and largest stiffness of 𝒜, by which forces λ tr ε outweigh their
+/// effect: a body that is held so badly that rounding turns it has no such excuse.
 ///
 /// Parts: force balance with ξ, λ and s; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) and s ∈ S ∂|u_τ| at the vertices.
 pub fn kkt_residual<P: Projection>(
@@ -119,7 +121,9 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     if relative(scale) > KKT_ALLOWED {
         // Terms that cancel leave more than a share of their sum. They are summed where this decides alone.
         let rounding = accepted_residual(largest_terms::<P, D, S>(space, model, view));
-        scale = scale.max(rounding / KKT_ALLOWED);
+        let (softest, stiffest) = model.elasticity.eigenvalues(D);
+        let by_stiffness = scale * (stiffest - softest) / softest;
+        scale = scale.max(by_stiffness.min(rounding / KKT_ALLOWED));
     }
     relative(scale)
 }
