@@ -72,3 +72,4 @@ done
 echo "quadratic elements by scikit-fem: the values that the tests compare with"
 "$python" tests/independent/quadratic.py 4 6 tests/fixtures/quadratic.json
 "$python" tests/independent/nonconforming.py 6 5 tests/fixtures/nonconforming.json
+"$python" tests/independent/nonconforming_space.py 2 4 tests/fixtures/nonconforming-space.json

@@ -36,10 +36,11 @@ class Case:
         Sizes, ``elasticity``, ``memory``, ``projection``, ``contact``, and ``as_written``, the scene with all its keys.
     points : ndarray, (vertices, d)
         Of quadratic elements (``data["element"] == "P2"``) and of those of Crouzeix and Raviart (``"CR"``) the last
-        ``data["midpoints"]`` are midpoints of edges. Of ``"CR"`` corners have no unknown: what an answer has there counts
-        nothing.
+        ``data["midpoints"]`` are midpoints of edges, of ``"CR"`` of facets. Of ``"CR"`` corners have no unknown: what an
+        answer has there counts nothing.
     cells : ndarray of int, (cells, d + 1)
-        Where there are midpoints corners, then the midpoints of edges 01, 12, 20 and in space 03, 13, 23.
+        Where there are midpoints corners, then the midpoints of edges 01, 12, 20 and in space 03, 13, 23, or of ``"CR"`` of
+        the facets 012, 123, 230, 301.
     regions : ndarray of int, (cells,)
         Indices into ``elasticity`` and ``memory``.
     clamped : ndarray of bool, (vertices,)

@@ -14,6 +14,28 @@ use gronwall::scene::Data;
 use gronwall::setup::{MeshData, Setup};
 use gronwall::vhi::Newton;
 
+/// Given loads on elements with further nodes, also on tetrahedra: midpoints of edges, barycentres of facets.
+#[test]
+fn given_loads_of_other_elements_are_those_of_their_formulas() {
+    for (scene, element) in
+        [("punch-box", "P2"), ("punch-box", "CR"), ("punch", "P2"), ("punch", "CR")]
+    {
+        let written = text(scene);
+        let written = &written[..written.find("[sweep]").expect("a sweep, which comes last")];
+        let chosen = format!("[discretization]\nelement = \"{element}\"\n\n[loads]");
+        let setup = setup_of(written.replacen("[loads]", &chosen, 1));
+        let data = on_mesh(&setup, 2);
+        march(&setup, &data).unwrap_or_else(|error| panic!("{scene} {element}: {error}"));
+        let mut more = vec![0.0; data.space.nodes.len()];
+        more[1] = 1e-3;
+        let refused = with(&setup, &data, more);
+        assert!(
+            matches!(refused, Err(CaseError::Load(LoadError::Resultant { .. }))),
+            "{refused:?}"
+        );
+    }
+}
+
 /// A load with something added to it from a time on.
 struct Changed {
     sound: Arc<dyn Truth>,

@@ -36,6 +36,7 @@ mod materials;
 mod multigrid;
 mod newton;
 mod nonconforming;
+mod nonconforming_space;
 mod oblique;
 mod orders;
 mod paths;

@@ -1,9 +1,9 @@
 //! Weak-form loads for functions of V^h that jump.
 //!
 //! By parts on each cell, f0·v + ∫_{Γ2} f2·v is ∫ σ:ε(v) less ∫ σν·v over the boundaries of all cells: these cancel for
-//! continuous functions, and otherwise are the consistency error, which belongs to the load. Across an edge both cells
-//! share the mean of v, its value at the midpoint; on the boundary of the body the load acts on that mean only, and on
-//! Γ1 it is zero. So v minus its mean remains on every edge.
+//! continuous functions, and otherwise are the consistency error, which belongs to the load. Across a facet both cells
+//! share the mean of v, its value at the barycentre; on the boundary of the body the load acts on that mean only, and on
+//! Γ1 it is zero. So v minus its mean remains on every facet.
 
 use super::constitutive::{Tensor, stress};
 use super::nodal_force::inward;
@@ -13,14 +13,16 @@ use super::shapes::shapes;
 use fem::contact::LoadError;
 use fem::space::quadrature::Rule;
 
-/// The points of a rule for edges on the three edges of a triangle, in the order of the opposite corners.
-pub(super) fn around(edge: &Rule) -> Rule {
+/// The points of a rule for facets on all facets of a cell, in the order of the opposite corners.
+pub(super) fn around(facet: &Rule) -> Rule {
+    let d = facet.points[0].len();
     let mut around = Rule { points: Vec::new(), weights: Vec::new() };
-    for opposite in 0..3 {
-        for (along, weight) in edge.points.iter().zip(&edge.weights) {
-            let mut b = vec![0.0; 3];
-            b[(opposite + 1) % 3] = along[0];
-            b[(opposite + 2) % 3] = along[1];
+    for opposite in 0..=d {
+        for (along, weight) in facet.points.iter().zip(&facet.weights) {
+            let mut b = vec![0.0; d + 1];
+            for (a, along) in along.iter().enumerate() {
+                b[(opposite + 1 + a) % (d + 1)] = *along;
+            }
             around.points.push(b);
             around.weights.push(*weight);
         }
@@ -29,18 +31,18 @@ pub(super) fn around(edge: &Rule) -> Rule {
 }
 
 impl Parts<'_> {
-    /// Subtracts ∫ σν·(v - v̄) over the boundaries of all cells, for each part; v̄ is the value of v at the midpoint of
-    /// an edge, and `points` are those of a rule [`around`] triangles.
+    /// Subtracts ∫ σν·(v - v̄) over the boundaries of all cells, for each part; v̄ is the value of v at the
+    /// barycentre of a facet, and `points` are those of a rule [`around`] cells.
     pub(super) fn subtract_consistency<const D: usize>(
         &self,
         points: &Sampled,
         forces: &mut [Vec<f64>],
     ) -> Result<(), LoadError> {
         let (space, rule, mut memory) = (self.space, &points.rule, Vec::new());
-        let on_edge = rule.points.len() / 3;
+        let (on_facet, share) = (rule.points.len() / (D + 1), 1.0 / D as f64);
         let beyond_mean = |(q, b): (usize, &Vec<f64>)| -> Vec<f64> {
             let middle: Vec<f64> =
-                (0..3).map(|corner| if corner == q / on_edge { 0.0 } else { 0.5 }).collect();
+                (0..=D).map(|corner| if corner == q / on_facet { 0.0 } else { share }).collect();
             let mean = shapes(space.element, &middle);
             shapes(space.element, b).iter().zip(mean).map(|(v, mean)| v - mean).collect()
         };
@@ -53,13 +55,13 @@ impl Parts<'_> {
                 let corners = space.mesh.cell(c);
                 for (q, (beyond, weight)) in beyond.iter().zip(&rule.weights).enumerate() {
                     let p = cells.len() * q + local;
-                    // The length of the edge times the inward normal is twice that.
-                    let normal: [f64; D] = inward(&space.mesh, corners, q / on_edge);
+                    // The measure of the facet times the inward normal is D times that.
+                    let normal: [f64; D] = inward(&space.mesh, corners, q / on_facet);
                     for (force, part) in forces.iter_mut().zip(values.chunks(self.fields())) {
                         let strain = self.exact.tensors(|k| part[k][p], &mut memory);
                         let sigma: Tensor<D> = stress(material, &strain, &memory, self.kappa);
                         let along = |row: [f64; D]| -> f64 {
-                            row.iter().zip(&normal).map(|(s, n)| 2.0 * weight * s * n).sum()
+                            row.iter().zip(&normal).map(|(s, n)| D as f64 * weight * s * n).sum()
                         };
                         let traction = sigma.map(along);
                         for (&node, beyond) in space.cell_nodes(c).iter().zip(beyond) {

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::exact::{Exact, LawNumbers};
-use super::shapes::shapes;
+use super::shapes::facet_shapes;
 use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
 use formula::{BoundProgram, EvaluationPoint};
@@ -38,8 +38,8 @@ impl StatePoints {
         let shift = contact.and_then(|contact| contact.shift);
         let nodes = [vec![1.0, 0.0], vec![0.0, 1.0], vec![0.5, 0.5]];
         let nodes = &nodes[..space.nodes.a_facet];
-        let shapes =
-            interpolated.then(|| rule.points.iter().map(|b| shapes(space.element, b)).collect());
+        let shapes = interpolated
+            .then(|| rule.points.iter().map(|b| facet_shapes(space.element, b)).collect());
         let mut sides = Vec::new();
         for part in mesh.plane_parts(&trace.mesh_facet) {
             let facets = part.members;

@@ -33,8 +33,8 @@ pub struct ExactOnMesh {
     /// Points of the error rule in the cells; points of σ in the weak form if different.
     error_points: Sampled,
     stress_points: Option<Sampled>,
-    /// Points on the edges of cells, in the weak form for discontinuous elements.
-    edge_points: Option<Sampled>,
+    /// Points on the facets of cells, in the weak form for discontinuous elements.
+    facet_points: Option<Sampled>,
     /// Points of the strong form in the cells.
     force_points: Sampled,
     /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
@@ -106,7 +106,7 @@ impl ExactOnMesh {
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
-            edge_points: jumps.then(|| cell_points(&around(&rules.side))),
+            facet_points: jumps.then(|| cell_points(&around(&rules.side))),
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
             regions,
@@ -179,7 +179,7 @@ impl ExactOnMesh {
 
     /// Whether loads use the moments of σ: both are then bit-identical, whichever comes first.
     fn is_shared(&self) -> bool {
-        self.form == LoadForm::Weak && self.stress_points.is_none() && self.edge_points.is_none()
+        self.form == LoadForm::Weak && self.stress_points.is_none() && self.facet_points.is_none()
     }
 
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
@@ -192,7 +192,7 @@ impl ExactOnMesh {
             }
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
             let mut forces = parts.stress_forces::<D>(points)?;
-            if let Some(points) = &self.edge_points {
+            if let Some(points) = &self.facet_points {
                 parts.subtract_consistency::<D>(points, &mut forces)?;
             }
             return Ok(forces);

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::lanes::{Lanes, Number};
 use super::reduction::{deviations, mean, remainders};
-use super::shapes::shapes;
+use super::shapes::{facet_shapes, shapes};
 use fem::space::Element;
 use fem::space::quadrature::Rule;
 
@@ -16,11 +16,25 @@ pub(super) struct Onto<'a> {
 }
 
 impl<'a> Onto<'a> {
+    /// Onto those of cells.
     pub(super) fn new(element: Element, rule: &'a Rule) -> Self {
+        let d = rule.points[0].len() - 1;
+        Self::functions_of(element, rule, |b| strain_shapes(element, d, b), shapes)
+    }
+
+    /// Onto the functions on facets, and constants: there are no strains.
+    pub(super) fn facets(element: Element, rule: &'a Rule) -> Self {
+        Self::functions_of(element, rule, |_| vec![1.0], facet_shapes)
+    }
+
+    fn functions_of(
+        element: Element,
+        rule: &'a Rule,
+        strains: impl Fn(&[f64]) -> Vec<f64>,
+        functions: impl Fn(Element, &[f64]) -> Vec<f64>,
+    ) -> Self {
         let others = (element != Element::P1).then(|| {
-            let dimension = rule.points[0].len() - 1;
-            let strains = Projector::new(rule, |b| strain_shapes(element, dimension, b));
-            [strains, Projector::new(rule, |b| shapes(element, b))]
+            [Projector::new(rule, strains), Projector::new(rule, |b| functions(element, b))]
         });
         Self { rule, others }
     }
@@ -83,8 +97,7 @@ impl<'a> Onto<'a> {
 /// Linear functions on a cell, each one at its strain point and zero at the others.
 fn strain_shapes(element: Element, dimension: usize, b: &[f64]) -> Vec<f64> {
     let points = element.strain_rule(dimension).points;
-    // On an edge there are no strains.
-    if points[0].len() != b.len() || points.len() == 1 {
+    if points.len() == 1 {
         return vec![1.0];
     }
     let places = DMatrix::from_fn(points.len(), b.len(), |p, a| points[p][a]);
@@ -168,7 +181,7 @@ mod tests {
         assert!(points.iter().zip(&out).all(|(b, at)| (at[0] - linear(b)[0]).abs() < 1e-14));
         assert!(values.iter().all(|[left]| left.abs() < 1e-14));
         let rule = edge(6);
-        let onto = Onto::new(Element::P2, &rule);
+        let onto = Onto::facets(Element::P2, &rule);
         let left = |f: &dyn Fn(f64) -> f64, expected: [f64; 3]| {
             let mut values: Vec<[f64; 1]> = rule.points.iter().map(|b| [f(b[1])]).collect();
             let mut out = Vec::new();

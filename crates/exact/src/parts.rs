@@ -14,7 +14,7 @@ use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::{add_means, facet_measure};
 use super::onto::{Onto, append};
 use super::sampled::{Sampled, tensor_names, vector_names};
-use super::shapes::{MOST_NODES, shapes};
+use super::shapes::{MOST_NODES, facet_shapes, shapes};
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::Rule;
 use formula::Program;
@@ -151,7 +151,7 @@ impl Parts<'_> {
         forces: &mut [Vec<f64>],
     ) -> Result<(), LoadError> {
         let (space, rule, mut memory) = (self.space, &group.strains.rule, Vec::new());
-        let shape: Vec<_> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
+        let shape: Vec<_> = rule.points.iter().map(|b| facet_shapes(space.element, b)).collect();
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
         let visit = |facets: Range<usize>, values: &[&[f64]]| {

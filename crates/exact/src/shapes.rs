@@ -14,7 +14,7 @@ pub(super) fn between(corners: usize) -> &'static [[usize; 2]] {
     &BETWEEN[..corners * (corners - 1) / 2]
 }
 
-/// Shape functions at barycentric coordinates: at corners, then at midpoints.
+/// Shape functions of a cell at barycentric coordinates: at corners, then at midpoints, or at barycentres of facets.
 pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
     match element {
         Element::P1 => b.to_vec(),
@@ -30,15 +30,26 @@ pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
             }
             all
         }
-        // On an edge its midpoint function is one; on a triangle each is linear and zero at the midpoints of the other
-        // edges, so -1 at the corner opposite to its edge.
-        Element::CR if b.len() == 2 => vec![1.0],
-        Element::CR => OPPOSITE.iter().map(|&corner| 1.0 - 2.0 * b[corner]).collect(),
+        // Linear, one on its facet and zero at the barycentres of the others: 1 - d at the corner opposite to it.
+        Element::CR => {
+            let d = b.len() - 1;
+            (0..=d).map(|facet| 1.0 - d as f64 * b[opposite(facet, d)]).collect()
+        }
     }
 }
 
-/// The corners opposite to the edges 01, 12, 20 of a triangle.
-const OPPOSITE: [usize; 3] = [2, 0, 1];
+/// Those of a facet. Functions of Crouzeix and Raviart count by their means there.
+pub fn facet_shapes(element: Element, b: &[f64]) -> Vec<f64> {
+    match element {
+        Element::P1 | Element::P2 => shapes(element, b),
+        Element::CR => vec![1.0],
+    }
+}
+
+/// The corner opposite to a facet of a cell: facets begin with corner 0, 1, … and go on in cyclic order.
+fn opposite(facet: usize, d: usize) -> usize {
+    if facet == 0 { d } else { facet - 1 }
+}
 
 /// Means of the shape functions over a facet in dimension d, as numerators per node and a common denominator.
 pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
@@ -80,10 +91,9 @@ pub(super) fn work<const D: usize>(
     };
     match element {
         Element::P1 => (0..inward.len()).for_each(|a| visit(a, times(&stress[0], a))),
-        Element::CR => OPPOSITE
-            .iter()
-            .enumerate()
-            .for_each(|(a, &corner)| visit(a, times(&stress[0], corner).map(|w| -2.0 * w))),
+        Element::CR => (0..=D).for_each(|facet| {
+            visit(facet, times(&stress[0], opposite(facet, D)).map(|w| -(D as f64) * w));
+        }),
         Element::P2 => {
             // Means of σ λ_b, from values at D + 1 points of equal weight: λ_b is 1/(D + 2 + √(D + 2)), plus 1/√(D + 2)
             // at the point of corner b. On triangles that is 1/6 and 2/3.
@@ -119,19 +129,16 @@ pub(super) fn work<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::space::quadrature::{Rule, edge, triangle_degree_4};
+    use fem::space::quadrature::{edge, triangle_degree_4};
 
     #[test]
     fn means_and_places_are_those_of_a_rule() {
         for element in Element::ALL {
-            // Plane elements have no triangles as facets.
-            let facets = [(2, edge(4)), (3, triangle_degree_4())];
-            let known = |&(d, _): &(usize, Rule)| d == 2 || element.is_conforming();
-            for (d, rule) in facets.into_iter().filter(known) {
+            for (d, rule) in [(2, edge(4)), (3, triangle_degree_4())] {
                 let (parts, sum) = facet_means(element, d);
                 for (a, part) in parts.iter().enumerate() {
                     let values = rule.points.iter().zip(&rule.weights);
-                    let mean: f64 = values.map(|(b, w)| w * shapes(element, b)[a]).sum();
+                    let mean: f64 = values.map(|(b, w)| w * facet_shapes(element, b)[a]).sum();
                     assert!((mean - part / sum).abs() < 1e-15, "{element:?} {d} {a}");
                 }
                 let places = strain_places(element, d);
@@ -139,6 +146,17 @@ mod tests {
                 assert_eq!(places.len(), known.len());
                 let pairs = places.iter().flatten().zip(known.iter().flatten());
                 pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{places:?}"));
+            }
+        }
+    }
+
+    /// The functions of the solver, written another way, in its order.
+    #[test]
+    fn functions_are_those_of_the_solver() {
+        for b in [vec![0.2, 0.5, 0.3], vec![0.1, 0.2, 0.3, 0.4]] {
+            for element in Element::ALL {
+                let pairs = shapes(element, &b).into_iter().zip(element.values(&b));
+                pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{element:?}: {a} {b}"));
             }
         }
     }

@@ -46,26 +46,19 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
         return None;
     }
     if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
-        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles; CR by midpoints";
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles; CR by barycentres of facets";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
-    }
-    if !element.is_conforming() {
-        return not_conforming(parts);
     }
     let rubs = |contact: &Contact| contact.friction.is_some();
     if parts.dimension == 3 && parts.contact.is_some_and(rubs) {
         let message = "friction on facets in space is known for P1 alone";
         return Some([message, "remove [contact.friction], or take P1"]);
     }
-    None
+    if element.is_conforming() { None } else { not_conforming(parts) }
 }
 
 /// Further restrictions of nonconforming elements.
 fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
-    if parts.dimension != 2 {
-        let message = "CR is known on triangles alone";
-        return Some([message, "take P1 or P2"]);
-    }
     if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
         let message =
             "interpolated = true takes an interpolant of u in V, and V^h of CR is not in V";

@@ -159,6 +159,31 @@ fn corners_without_unknowns_keep_their_rows() {
     assert!(rows.iter().all(|row| row[1] >= 25.0 && (row[4] - 0.25).abs() < 1e-15));
 }
 
+/// Cells by corners and the barycentres of their faces 012, 123, 230, 301, faces by corners and their own.
+#[test]
+fn barycentres_of_faces_are_rows_behind_the_corners() {
+    let files = Files::of(&setup("nonconforming-box"), 2, 1);
+    let points = files.numbers("vertices.csv");
+    // 27 corners of 8 cubes; of 48 tetrahedra and 48 faces on the boundary there are 120 faces.
+    assert_eq!(points.len(), 27 + 120);
+    let at_mean = |row: &[f64], node: f64, corners: &[usize]| {
+        let at = |node: f64, i: usize| points[node as usize][i];
+        let off = |i| at(node, i) - corners.iter().map(|c| at(row[*c], i) / 3.0).sum::<f64>();
+        node >= 27.0 && (1..4).all(|i| off(i).abs() < 1e-15)
+    };
+    let of_cell = [[0, 1, 2], [1, 2, 3], [2, 3, 0], [3, 0, 1]];
+    for row in files.numbers("cells.csv") {
+        let row = &row[1..9];
+        assert!(of_cell.iter().zip(&row[4..]).all(|(face, &node)| at_mean(row, node, face)));
+    }
+    for row in files.numbers("facets.csv") {
+        assert!(at_mean(&row[1..4], row[4], &[0, 1, 2]));
+    }
+    let rows = files.numbers("contact.csv");
+    assert_eq!(rows.len(), 8);
+    assert!(rows.iter().all(|row| row[1] >= 27.0 && (row[5] - 0.125).abs() < 1e-15), "{rows:?}");
+}
+
 /// A solver in this process: the same displacements have the same errors.
 #[test]
 fn midpoints_come_back_within_the_process() {

@@ -41,8 +41,8 @@ macro_rules! on_jumps {
     };
 }
 
-/// What the values at the four nodes of a jump count.
-fn count_jumps(space: &mut Discretization, change: impl Fn([f64; 4]) -> [f64; 4]) {
+/// What the values at the nodes of a jump count.
+fn count_jumps(space: &mut Discretization, change: impl Fn([f64; 6]) -> [f64; 6]) {
     space.jumps.iter_mut().for_each(|jump| jump.signs = change(jump.signs));
 }
 
@@ -82,21 +82,21 @@ pub fn defects() -> Vec<Defect> {
             vec![0.5, 0.25, 0.25]),
         on!("strain points 10 % nearer to the centroid", nearer),
         Defect::of(Term::Element, "midpoints shown between their corners", linear),
-        on_jumps!("jumps without a penalty", |s| count_jumps(s, |_| [0.0; 4])),
+        on_jumps!("jumps without a penalty", |s| count_jumps(s, |_| [0.0; 6])),
         on_jumps!("the penalty of jumps weighed 1e-3", |s| count_jumps(s, |signs| signs
             .map(|sign| 1e-3f64.sqrt() * sign))),
-        on_jumps!("jumps without orientation: sums of both sides", |s| count_jumps(
-            s,
-            |[a, b, c, d]| [a, b, -c, -d]
-        )),
+        on_jumps!("jumps without orientation: sums of both sides", |s| count_jumps(s, |signs| {
+            signs.map(f64::abs)
+        })),
         on_jumps!("jumps of other cells than those of the edge", |s| {
-            let nodes: Vec<[u32; 4]> = s.jumps.iter().map(|jump| jump.nodes).collect();
+            let d = s.mesh.dimension;
+            let nodes: Vec<[u32; 6]> = s.jumps.iter().map(|jump| jump.nodes).collect();
             let next = nodes.iter().cycle().skip(1);
-            // Two of the four nodes: the matrix has entries for them where the cells are neighbours.
+            // Those on one side: the matrix has entries for them where the cells are neighbours.
             s.jumps
                 .iter_mut()
                 .zip(next)
-                .for_each(|(jump, next)| jump.nodes[2..].copy_from_slice(&next[2..]));
+                .for_each(|(jump, next)| jump.nodes[d..2 * d].copy_from_slice(&next[d..2 * d]));
         }),
     ]
 }

@@ -3,7 +3,7 @@
 use super::ExactOnMesh;
 use crate::nodal_force::facet_measure;
 use crate::onto::Onto;
-use crate::shapes::shapes;
+use crate::shapes::facet_shapes;
 use fem::contact::LoadError;
 use fem::norms::{Piecewise, facet_samples, is_locked};
 
@@ -33,7 +33,8 @@ impl ExactOnMesh {
             let values = group.contact_values(&self.space.mesh, &group.points, t)?;
             let friction = group.friction(&self.space.mesh, t)?;
             let rule = &group.points.rule;
-            let shape: Vec<_> = rule.points.iter().map(|b| shapes(self.space.element, b)).collect();
+            let shape: Vec<_> =
+                rule.points.iter().map(|b| facet_shapes(self.space.element, b)).collect();
             for (index, (&f, &facet)) in group.facets.iter().zip(&group.mesh_facets).enumerate() {
                 let measure = facet_measure(&self.space.mesh, facet);
                 for (q, weight) in rule.weights.iter().enumerate() {
@@ -72,7 +73,7 @@ impl ExactOnMesh {
             let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
             let (rule, sampled) = (&group.points.rule, group.samples.rule.points.len());
             let count = rule.weights.len();
-            let (onto, mut of_nodes) = (Onto::new(self.space.element, rule), Vec::new());
+            let (onto, mut of_nodes) = (Onto::facets(self.space.element, rule), Vec::new());
             let mut at = vec![[0.0]; count];
             for (index, &f) in group.facets.iter().enumerate() {
                 let measure = self.space.trace.measure[f];

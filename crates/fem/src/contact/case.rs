@@ -89,8 +89,8 @@ pub struct CaseInfo {
     pub floors: Floors,
 }
 
-/// A relative KKT residual above this is a failure. Rounding of nodal forces against the largest of
-/// them is n·1e-16 at worst on the meshes of this project; 1e-9 is the accuracy promised for results.
+/// A relative KKT residual above this is a failure: the accuracy promised for results. Rounding of nodal forces against the
+/// largest of them is n·1e-16 for moduli of one size; where it is more, see [`super::kkt_residual`].
 pub const KKT_ALLOWED: f64 = 1e-9;
 
 impl CaseInfo {

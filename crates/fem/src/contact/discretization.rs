@@ -62,8 +62,8 @@ impl Discretization {
         let nodes = Nodes::new(&mut mesh, element, clamped);
         let geometry = Geometry::new(&mesh, element);
         let jumps = jumps(&mesh, element, &nodes);
-        let beside = jumps.iter().map(|jump| &jump.nodes[..]);
         let (d, free) = (mesh.dimension, nodes.free);
+        let beside = jumps.iter().map(|jump| jump.nodes(d));
         let pattern = BlockPattern::coupled(&nodes.cells, nodes.a_cell, d, free, beside);
         let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact);
         Self {

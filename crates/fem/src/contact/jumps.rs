@@ -1,38 +1,59 @@
 //! The penalty of jumps of an element whose functions are not continuous: to a tensor 𝒞 belongs the form
 //!
-//!   ∫ 𝒞ε(u):ε(v) + γ(𝒞) Σ_e (1/h_e) ∫_e [u]·[v]
+//!   ∫ 𝒞ε(u):ε(v) + γ(𝒞) Σ_F (1/h_F) ∫_F [u]·[v]
 //!
-//! over edges e between cells and on Γ1, γ(𝒞) its stiffness against shear, 2μ where it is isotropic, and over an edge
-//! between two materials their mean. Without it ε(v) = 0 for functions that are not rigid (Falk 1991), with it Korn's
-//! inequality holds (Brenner 2004); λ is no part of it, so that nothing locks (Hansbo and Larson 2003). As γ is linear
-//! in 𝒞, [u]/√h is a further strain to which 𝒜 and the ℬ_i do as they do to ε: a memory that is a multiple of the
+//! over facets F between cells and on Γ1, h_F = |F|^{1/(d-1)}, γ(𝒞) its stiffness against shear, 2μ where it is isotropic,
+//! and over a facet between two materials their mean. Without it ε(v) = 0 for functions that are not rigid (Falk 1991), with
+//! it Korn's inequality holds (Brenner 2004); λ is no part of it, so that nothing locks (Hansbo and Larson 2003). As γ is
+//! linear in 𝒞, [u]/√h is a further strain to which 𝒜 and the ℬ_i do as they do to ε: a memory that is a multiple of the
 //! elasticity stays one.
 
 use super::{Discretization, Frames};
-use crate::space::{Jump, MEAN_SQUARE};
+use crate::space::Jump;
 use vhi::law::TensorField;
 
 /// γ over the stiffness against shear. The order is seen to be one from 0.5 to 20, and the constant of Korn's inequality
 /// at 1 is no smaller on finer meshes.
 const WEIGHT: f64 = 1.0;
 
+/// The most unknowns at the nodes of a jump: 2d nodes in space.
+const MOST_UNKNOWNS: usize = 18;
+
 impl Discretization {
-    /// γ(𝒞)/3 of a jump.
+    /// γ(𝒞) of a jump.
     fn penalty(&self, law: &TensorField, jump: &Jump) -> f64 {
         let shear = |c: u32| law.on(self.region(c as usize)).shear(self.mesh.dimension);
         let [one, other] = jump.cells.map(shear);
-        WEIGHT * MEAN_SQUARE * 0.5 * (one + other)
+        WEIGHT * 0.5 * (one + other)
     }
 
     /// Adds the penalty of `law` at a nodal vector to forces by nodes.
     pub(crate) fn add_jump_force(&self, law: &TensorField, v: &[f64], force: &mut [f64]) {
-        // Jumps are those of plane elements.
+        match self.mesh.dimension {
+            2 => self.add_force_in::<2>(law, v, force),
+            _ => self.add_force_in::<3>(law, v, force),
+        }
+    }
+
+    fn add_force_in<const D: usize>(&self, law: &TensorField, v: &[f64], force: &mut [f64]) {
         for jump in &self.jumps {
-            let own = jump.of::<2>(v).map(|j| self.penalty(law, jump) * j);
-            for (&node, sign) in jump.nodes.iter().zip(jump.signs) {
-                let target = &mut force[2 * node as usize..][..2];
-                target.iter_mut().zip(own).for_each(|(target, j)| *target += sign * j);
-            }
+            let share = self.penalty(law, jump) * jump.at_a_corner::<D>();
+            let on_w = Jump::at_corners(&jump.of::<D>(v));
+            jump.add(&on_w.map(|own| own.map(|f| share * f)), |sign| sign, force);
+        }
+    }
+
+    /// Adds sums of the absolute values of the terms of [`Self::add_jump_force`].
+    pub(super) fn add_jump_terms<const D: usize>(
+        &self,
+        law: &TensorField,
+        v: &[f64],
+        sums: &mut [f64],
+    ) {
+        for jump in &self.jumps {
+            let share = self.penalty(law, jump) * jump.at_a_corner::<D>();
+            let on_w = Jump::terms_at_corners(&jump.terms::<D>(v));
+            jump.add(&on_w.map(|own| own.map(|f| share * f)), f64::abs, sums);
         }
     }
 
@@ -43,18 +64,22 @@ impl Discretization {
         law: &TensorField,
         values: &mut [f64],
     ) {
-        let dofs = self.dofs();
+        let (d, dofs) = (self.mesh.dimension, self.dofs());
+        let (order, mut room) = (2 * d * d, [0.0; MOST_UNKNOWNS * MOST_UNKNOWNS]);
         for jump in &self.jumps {
-            let penalty = self.penalty(law, jump);
-            let mut local = [0.0; 64];
-            for (ab, pair) in local.chunks_exact_mut(8).enumerate() {
-                let (a, i) = (ab / 2, ab % 2);
-                (0..4).for_each(|b| pair[2 * b + i] = penalty * jump.signs[a] * jump.signs[b]);
+            let local = &mut room[..order * order];
+            local.fill(0.0);
+            // Of Σ_q (Σ w - d w_q)²/(d(d+1)) = (d Σ w_q² - (Σ w)²)/(d+1), the same for all components.
+            let share = self.penalty(law, jump) * jump.weight / (d + 1) as f64;
+            for (a, b) in (0..2 * d).flat_map(|a| (0..2 * d).map(move |b| (a, b))) {
+                let form = if a % d == b % d { (d - 1) as f64 } else { -1.0 };
+                let value = share * jump.signs[a] * jump.signs[b] * form;
+                (0..d).for_each(|i| local[order * (d * a + i) + d * b + i] = value);
             }
-            frames.rotate_cell(&jump.nodes, &mut local);
-            let dof = |ai: usize| 2 * jump.nodes[ai / 2] as usize + ai % 2;
+            frames.rotate_cell(jump.nodes(d), local);
+            let dof = |ai: usize| d * jump.nodes[ai / d] as usize + ai % d;
             for (entry, value) in local.iter().enumerate() {
-                let at = [dof(entry / 8), dof(entry % 8)];
+                let at = [dof(entry / order), dof(entry % order)];
                 if *value != 0.0 && at[0] >= at[1] && at[0] < dofs {
                     self.pattern.add(at, *value, values);
                 }
@@ -62,26 +87,42 @@ impl Discretization {
         }
     }
 
-    /// Σ_e (1/h_e) ∫_e |Σ_i γ(𝒞_i) ⟦v_i⟧|²: what the penalties of several tensors, each at its own nodal vector, are besides
+    /// Σ_F (1/h_F) ∫_F |Σ_i γ(𝒞_i) ⟦v_i⟧|²: what the penalties of several tensors, each at its own nodal vector, are besides
     /// ‖Σ_i 𝒞_i ε(v_i)‖².
     pub fn jump_stress_square<'a>(
         &self,
         terms: impl Iterator<Item = (&'a TensorField, &'a [f64])> + Clone,
     ) -> f64 {
-        let square = |jump: &Jump| -> f64 {
-            let mut sum = [0.0; 2];
-            for (law, v) in terms.clone() {
-                let weight = self.penalty(law, jump) / MEAN_SQUARE;
-                sum.iter_mut().zip(jump.of::<2>(v)).for_each(|(sum, j)| *sum += weight * j);
-            }
-            sum.iter().map(|own| MEAN_SQUARE * own * own).sum()
-        };
-        self.jumps.iter().map(square).sum()
+        match self.mesh.dimension {
+            2 => self.sum_of_squares::<2>(terms.map(|(law, v)| (Some(law), v))),
+            _ => self.sum_of_squares::<3>(terms.map(|(law, v)| (Some(law), v))),
+        }
     }
 
-    /// Σ_e (1/h_e) ∫_e ⟦v⟧², the part of a norm of V^h that strains do not have.
+    /// Σ_F (1/h_F) ∫_F ⟦v⟧², the part of a norm of V^h that strains do not have.
     pub fn jump_square(&self, v: &[f64]) -> f64 {
-        let square = |jump: &Jump| jump.of::<2>(v).iter().map(|j| MEAN_SQUARE * j * j).sum::<f64>();
+        match self.mesh.dimension {
+            2 => self.sum_of_squares::<2>(std::iter::once((None, v))),
+            _ => self.sum_of_squares::<3>(std::iter::once((None, v))),
+        }
+    }
+
+    /// Σ_F (1/h_F) ∫_F of the squared sum of jumps, each times γ of its tensor if it has one.
+    fn sum_of_squares<'a, const D: usize>(
+        &self,
+        terms: impl Iterator<Item = (Option<&'a TensorField>, &'a [f64])> + Clone,
+    ) -> f64 {
+        let square = |jump: &Jump| -> f64 {
+            let mut sum = [[0.0; D]; D];
+            for (law, v) in terms.clone() {
+                let weight = law.map_or(1.0, |law| self.penalty(law, jump));
+                let own = jump.of::<D>(v);
+                let pairs = sum.as_flattened_mut().iter_mut().zip(own.as_flattened());
+                pairs.for_each(|(sum, j)| *sum += weight * j);
+            }
+            let squares: f64 = sum.as_flattened().iter().map(|j| j * j).sum();
+            jump.at_a_corner::<D>() * squares
+        };
         self.jumps.iter().map(square).sum()
     }
 }
@@ -89,29 +130,44 @@ impl Discretization {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, rectangle};
+    use crate::mesh::{Family, cuboid, rectangle};
     use crate::space::Element;
     use vhi::law::Isotropic;
 
-    /// With 𝒞ε for a strain, γ[v] is its jump: of several tensors γ adds up, and against one field with itself the force
-    /// of the penalty does the work γ Σ_e (1/h_e) ∫_e ⟦v⟧².
+    /// With 𝒞ε for a strain, γ[v] is its jump: of several tensors γ adds up, and against one field with itself force and matrix
+    /// of the penalty do the work γ Σ_F (1/h_F) ∫_F ⟦v⟧².
     #[test]
     fn jumps_of_stresses_are_those_of_displacements_times_the_stiffness_against_shear() {
-        let mesh = rectangle([1.0, 1.0], 3, Family::Structured);
-        let top = mesh.side("top").expect("a side");
-        let space = Discretization::of(Element::CR, mesh, &[top], &[]);
-        let mut v: Vec<f64> = (0..space.nodes.len()).map(|i| (1.7 * i as f64).sin()).collect();
-        v[space.dofs()..].fill(0.0);
-        let laws = [0.7, 1.1].map(|mu| TensorField::from(Isotropic { lambda: 2.0, mu }));
-        let terms = || laws.iter().map(|law| (law, &v[..]));
-        let square = space.jump_square(&v);
-        let mut force = vec![0.0; space.nodes.len()];
-        space.add_jump_force(&laws[0], &v, &mut force);
-        let work: f64 = force.iter().zip(&v).map(|(f, v)| f * v).sum();
-        // Sums of some fifty products each.
-        let close = |a: f64, b: f64| (a - b).abs() < 1e-13 * b;
-        assert!(close(work, 1.4 * square), "{work} {square}");
-        assert!(close(space.jump_stress_square(terms()), 3.6f64.powi(2) * square));
-        assert!(close(space.jump_stress_square(terms().take(1)), 1.4f64.powi(2) * square));
+        let family = Family::Perturbed { amplitude: 0.15, seed: 2, axes: [true; 3] };
+        for mesh in [rectangle([1.0, 1.0], 3, family), cuboid([1.0; 3], 2, family)] {
+            let (d, top) = (mesh.dimension, mesh.side("top").expect("a side"));
+            let space = Discretization::of(Element::CR, mesh, &[top], &[]);
+            let mut v: Vec<f64> = (0..space.nodes.len()).map(|i| (1.7 * i as f64).sin()).collect();
+            v[space.dofs()..].fill(0.0);
+            let laws = [0.7, 1.1].map(|mu| TensorField::from(Isotropic { lambda: 2.0, mu }));
+            let terms = || laws.iter().map(|law| (law, &v[..]));
+            let square = space.jump_square(&v);
+            let mut force = vec![0.0; space.nodes.len()];
+            space.add_jump_force(&laws[0], &v, &mut force);
+            let work: f64 = force.iter().zip(&v).map(|(f, v)| f * v).sum();
+            // Sums of some hundred products each.
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-12 * b;
+            assert!(close(work, 1.4 * square), "{d}: {work} {square}");
+            assert!(close(space.jump_stress_square(terms()), 3.6f64.powi(2) * square));
+            assert!(close(space.jump_stress_square(terms().take(1)), 1.4f64.powi(2) * square));
+            let mut values = vec![0.0; space.pattern.entries()];
+            space.add_jump_stiffness(&space.frames, &laws[0], &mut values);
+            let mut product = vec![0.0; space.dofs()];
+            space.pattern.multiply(&values, &v[..space.dofs()], &mut product);
+            let off = product.iter().zip(&force).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12 * work, "{d}: {off:e}");
+            // Terms are no smaller than their sums.
+            let mut terms = vec![0.0; space.nodes.len()];
+            match d {
+                2 => space.add_jump_terms::<2>(&laws[0], &v, &mut terms),
+                _ => space.add_jump_terms::<3>(&laws[0], &v, &mut terms),
+            }
+            assert!(terms.iter().zip(&force).all(|(terms, sum)| *terms >= 0.999 * sum.abs()));
+        }
     }
 }

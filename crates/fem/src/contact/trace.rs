@@ -146,7 +146,7 @@ impl ContactTrace {
     /// midpoints, and of several facets their mean.
     pub fn extend(&self, pressure: &mut [f64]) {
         let d = self.dimension;
-        if d == 2 || self.stride == d {
+        if d == 2 || self.stride <= d {
             return;
         }
         let mut found: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
@@ -218,16 +218,7 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 
 /// Length of an edge or area of a triangle.
 pub fn facet_measure(mesh: &Mesh, f: usize) -> f64 {
-    let corner: Vec<[f64; 3]> = mesh.facet(f).iter().map(|&v| mesh.point(&[v], &[1.0])).collect();
-    let edge =
-        |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| corner[b][i] - corner[a][i]) };
-    let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if corner.len() == 2 {
-        return length(edge(0, 1));
-    }
-    let (p, q) = (edge(0, 1), edge(0, 2));
-    let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-    0.5 * length(cross)
+    mesh.measure_of(mesh.facet(f))
 }
 
 #[cfg(test)]

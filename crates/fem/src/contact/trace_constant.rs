@@ -4,6 +4,7 @@
 //! itself whether the elastic part of a step is monotone.
 
 use super::{ContactTrace, Discretization, StiffnessInverse};
+use crate::space::Simplex;
 use algebra::linalg::{
     EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
 };
@@ -128,7 +129,7 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
             }
         }
         TraceMass::Consistent => {
-            let mean = space.element.mass(space.mesh.dimension);
+            let mean = space.element.mass(Simplex::facet(space.mesh.dimension));
             for (f, measure) in trace.measure.iter().enumerate() {
                 let members = trace.facet(f);
                 for (&i, row) in members.iter().zip(mean.chunks_exact(members.len())) {

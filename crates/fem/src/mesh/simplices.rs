@@ -1,5 +1,7 @@
 //! A mesh of simplices in flat lists, of any dimension d: cell c has the vertices `cells[c(d+1)..(c+1)(d+1)]`.
 
+use super::geometry::{cross, minus, norm};
+
 /// The region of a mesh that has only one.
 pub const WHOLE: &str = "body";
 
@@ -126,5 +128,15 @@ impl Mesh {
             }
         }
         x
+    }
+
+    /// Length of an edge or area of a triangle with these corners.
+    pub fn measure_of(&self, corners: &[u32]) -> f64 {
+        let corner = |a: usize| self.point(&corners[a..=a], &[1.0]);
+        let edge = minus(corner(1), corner(0));
+        match corners.len() {
+            2 => norm(edge),
+            _ => 0.5 * norm(cross(edge, minus(corner(2), corner(0)))),
+        }
     }
 }

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use super::moments::{AtPoints, Piecewise, linear_projection};
 use super::refinement::Parents;
 use crate::contact::Discretization;
-use crate::space::{Element, StrainPoint, StrainShapes};
+use crate::space::{Element, Simplex, StrainPoint, StrainShapes};
 
 /// L² projection onto the strains of the coarse cells of a tensor field that is one of the strains of the fine ones,
 /// given at their strain points.
@@ -148,7 +148,7 @@ impl<'a> Pieces<'a> {
         let rule = element.square_rule(corners);
         let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| element.values(b)).collect();
         let nodes = shapes[0].len();
-        let mass = DMatrix::from_row_slice(nodes, nodes, &element.mass(corners));
+        let mass = DMatrix::from_row_slice(nodes, nodes, &element.mass(Simplex::cell(corners - 1)));
         let inverse = mass.try_inverse().expect("functions that are linearly independent");
         let at = |s: usize, shape: &[f64], i: usize| {
             shape.iter().enumerate().map(|(a, shape)| shape * value(s, a, i)).sum::<f64>()
@@ -225,7 +225,7 @@ mod tests {
             let value = |c: usize, node: usize, _| nodal[fine.cell_nodes(c)[node] as usize];
             let measures = [&fine.geometry.measure[..], &coarse.geometry.measure];
             let projected = Pieces::new(element, &found.cells, measures).project(1, value);
-            let (rule, count) = (triangle_degree_8(), element.nodes_on(3));
+            let (rule, count) = (triangle_degree_8(), element.nodes_on(Simplex::cell(2)));
             let mut products = vec![0.0; count * coarse.mesh.cell_count()];
             let mut rest = 0.0;
             for c in 0..fine.mesh.cell_count() {

@@ -4,6 +4,7 @@
 
 use std::collections::HashMap;
 
+use super::mean_square::MeanSquare;
 use super::quadrature::{
     Rule, edge, tetrahedron_degree_2, tetrahedron_degree_5, triangle_degree_2, triangle_degree_4,
 };
@@ -17,10 +18,33 @@ pub enum Element {
     P1,
     /// Quadratic: nodes at the vertices and at the midpoints of edges, linear strains.
     P2,
-    /// Linear on triangles, continuous at the midpoints of edges alone, where the nodes are (Crouzeix and Raviart): V^h is
-    /// not in V, and jumps across edges are penalised. On a facet its functions count by their means, their values at the
-    /// midpoint: a constant.
+    /// Linear, continuous at the barycentres of facets alone, where the nodes are (Crouzeix and Raviart): V^h is not in V,
+    /// and jumps across facets are penalised. On a facet its functions count by their means, their values at the
+    /// barycentre: a constant.
     CR,
+}
+
+/// A cell or a facet in dimension d.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Simplex {
+    dimension: usize,
+    corners: usize,
+}
+
+impl Simplex {
+    /// A cell.
+    pub fn cell(dimension: usize) -> Self {
+        Self { dimension, corners: dimension + 1 }
+    }
+
+    /// A facet of one.
+    pub fn facet(dimension: usize) -> Self {
+        Self { dimension, corners: dimension }
+    }
+
+    fn is_facet(self) -> bool {
+        self.corners == self.dimension
+    }
 }
 
 /// Corners of the edges of an edge, of a triangle and of a tetrahedron, in the order of the nodes at their midpoints: those
@@ -66,13 +90,20 @@ impl Element {
         }
     }
 
-    /// Nodes on a simplex with so many corners; of an element of the plane alone an edge is a facet, a triangle a cell.
-    pub fn nodes_on(self, corners: usize) -> usize {
+    /// Nodes on a simplex.
+    pub fn nodes_on(self, simplex: Simplex) -> usize {
+        let Simplex { dimension, corners } = simplex;
         match self {
             Self::P1 => corners,
             Self::P2 => corners + edges(corners).len(),
-            Self::CR => edges(corners).len(),
+            Self::CR => facets(dimension, corners).count(),
         }
+    }
+
+    /// The corner of a cell that node a of an element with nodes on facets is opposite to.
+    pub(crate) fn opposite(self, a: usize, dimension: usize) -> usize {
+        debug_assert_eq!(self, Self::CR);
+        (a + dimension) % (dimension + 1)
     }
 
     /// The points of a cell at which strains live: as many as determine a strain of V^h, by a rule that is exact for
@@ -88,16 +119,27 @@ impl Element {
         }
     }
 
-    /// Values of the shape functions of a simplex at barycentric coordinates `b`.
+    /// Values of the shape functions of a cell at barycentric coordinates `b`.
     pub fn values(self, b: &[f64]) -> Vec<f64> {
+        self.values_on(Simplex::cell(b.len() - 1), b)
+    }
+
+    /// Values of the shape functions of a simplex at its barycentric coordinates `b`.
+    pub fn values_on(self, simplex: Simplex, b: &[f64]) -> Vec<f64> {
         match self {
             Self::P1 => b.to_vec(),
             Self::P2 => {
                 let corners = b.iter().map(|b| b * (2.0 * b - 1.0));
                 corners.chain(edges(b.len()).iter().map(|[i, j]| 4.0 * b[*i] * b[*j])).collect()
             }
-            // One at the midpoint of its edge, zero at those of the other two.
-            Self::CR => edges(b.len()).iter().map(|[i, j]| 2.0 * (b[*i] + b[*j]) - 1.0).collect(),
+            Self::CR if simplex.is_facet() => vec![1.0],
+            // One at the barycentre of its facet, zero at those of the others.
+            Self::CR => {
+                let d = simplex.dimension;
+                let on_facet = |facet: Facet| facet.map(|i| b[i]).sum::<f64>();
+                let value = |facet| d as f64 * on_facet(facet) - (d - 1) as f64;
+                facets(d, b.len()).map(value).collect()
+            }
         }
     }
 
@@ -117,8 +159,9 @@ impl Element {
                 }
             }
             Self::CR => {
-                for &[i, j] in edges(b.len()) {
-                    out.extend(of(i).iter().zip(of(j)).map(|(gi, gj)| 2.0 * (gi + gj)));
+                for facet in facets(d, b.len()) {
+                    let sum = |axis: usize| facet.clone().map(|i| of(i)[axis]).sum::<f64>();
+                    out.extend((0..d).map(|axis| d as f64 * sum(axis)));
                 }
             }
         }
@@ -145,13 +188,13 @@ impl Element {
         }
     }
 
-    /// Means of products of two shape functions over a simplex with so many corners, row by row.
-    pub fn mass(self, corners: usize) -> Vec<f64> {
-        let rule = self.square_rule(corners);
-        let count = self.nodes_on(corners);
+    /// Means of products of two shape functions over a simplex, row by row.
+    pub fn mass(self, simplex: Simplex) -> Vec<f64> {
+        let rule = self.square_rule(simplex.corners);
+        let count = self.nodes_on(simplex);
         let mut mass = vec![0.0; count * count];
         for (b, weight) in rule.points.iter().zip(&rule.weights) {
-            let values = self.values(b);
+            let values = self.values_on(simplex, b);
             for (ab, mean) in mass.iter_mut().enumerate() {
                 *mean += weight * values[ab / count] * values[ab % count];
             }
@@ -159,105 +202,78 @@ impl Element {
         mass
     }
 
-    /// How |v|² is integrated over a simplex with so many corners.
-    pub fn mean_square(self, corners: usize) -> MeanSquare {
+    /// How |v|² is integrated over a simplex.
+    pub fn mean_square(self, simplex: Simplex) -> MeanSquare {
         let mass = match self {
             Self::P1 => Vec::new(),
-            Self::P2 | Self::CR => self.mass(corners),
+            Self::P2 | Self::CR => self.mass(simplex),
         };
-        MeanSquare { scale: 1.0 / (corners * (corners + 1)) as f64, mass }
+        MeanSquare::new(simplex.corners, mass)
     }
 
-    /// The nodes of all cells and facets of `mesh`. Midpoints become further points of it, behind its vertices.
+    /// The nodes of all cells and facets of `mesh`. Those at no corner become further points of it, behind its vertices.
     pub(crate) fn places(self, mesh: &mut Mesh) -> Places {
-        let (mut cells, mut facets) = (Vec::new(), Vec::new());
-        let with_corners = match self {
-            Self::P1 => {
-                let (cells, facets) = (mesh.cells.clone(), mesh.facets.clone());
-                return Places { cells, facets, first: 0 };
-            }
-            Self::P2 => true,
-            Self::CR => false,
-        };
-        let first = if with_corners { 0 } else { mesh.vertices() as u32 };
-        let mut known = HashMap::new();
-        let mut add = |mesh: &mut Mesh, corners: Vec<u32>, out: &mut Vec<u32>| {
-            if with_corners {
-                out.extend_from_slice(&corners);
-            }
-            append_midpoints(mesh, &corners, &mut known, out);
-        };
-        for c in 0..mesh.cell_count() {
-            let corners = mesh.cell(c).to_vec();
-            add(mesh, corners, &mut cells);
+        let (d, mut known) = (mesh.dimension, HashMap::new());
+        let (cells, facets) = (mesh.cells.clone(), mesh.facets.clone());
+        if self == Self::P1 {
+            return Places { cells, facets, first: 0 };
         }
-        for f in 0..mesh.facet_side.len() {
-            let corners = mesh.facet(f).to_vec();
-            add(mesh, corners, &mut facets);
-        }
+        let first = if self.has_nodes_at_corners() { 0 } else { mesh.vertices() as u32 };
+        let mut nodes = |all: &[u32], simplex: Simplex| {
+            let centres = self.centres(simplex);
+            let mut out = Vec::new();
+            for corners in all.chunks_exact(simplex.corners) {
+                if self.has_nodes_at_corners() {
+                    out.extend_from_slice(corners);
+                }
+                for centre in &centres {
+                    let around: Vec<u32> = centre.iter().map(|&i| corners[i]).collect();
+                    out.push(centre_of(mesh, around, &mut known));
+                }
+            }
+            out
+        };
+        let cells = nodes(&cells, Simplex::cell(d));
+        let facets = nodes(&facets, Simplex::facet(d));
         Places { cells, facets, first }
     }
+
+    /// The corners that the nodes of a simplex at no corner are the barycentres of.
+    fn centres(self, simplex: Simplex) -> Vec<Vec<usize>> {
+        match self {
+            Self::P1 => Vec::new(),
+            Self::P2 => edges(simplex.corners).iter().map(|edge| edge.to_vec()).collect(),
+            Self::CR => facets(simplex.dimension, simplex.corners).map(Facet::collect).collect(),
+        }
+    }
+}
+
+/// Corners of a simplex.
+type Facet = std::iter::Take<std::iter::Skip<std::iter::Cycle<std::ops::Range<usize>>>>;
+
+/// The simplices with d corners of a simplex: the facets of a cell in cyclic order, on a triangle 01, 12, 20; of a facet
+/// itself.
+fn facets(dimension: usize, corners: usize) -> impl Iterator<Item = Facet> {
+    let count = if corners == dimension { 1 } else { corners };
+    (0..count).map(move |first| (0..corners).cycle().skip(first).take(dimension))
 }
 
 fn edges(corners: usize) -> &'static [[usize; 2]] {
     &EDGES[..corners * (corners - 1) / 2]
 }
 
-/// Appends the midpoints of the edges of a simplex.
-fn append_midpoints(
-    mesh: &mut Mesh,
-    corners: &[u32],
-    known: &mut HashMap<[u32; 2], u32>,
-    out: &mut Vec<u32>,
-) {
-    for &[i, j] in edges(corners.len()) {
-        let ends = [corners[i].min(corners[j]), corners[i].max(corners[j])];
-        out.push(*known.entry(ends).or_insert_with(|| {
-            let middle = mesh.point(&ends, &[0.5, 0.5]);
-            let number = mesh.vertices() as u32;
-            mesh.coordinates.extend_from_slice(&middle[..mesh.dimension]);
-            number
-        }));
+/// The point of the mesh at the barycentre of some of its vertices, which is added where there is none yet.
+fn centre_of(mesh: &mut Mesh, mut around: Vec<u32>, known: &mut HashMap<Vec<u32>, u32>) -> u32 {
+    around.sort_unstable();
+    if let Some(&number) = known.get(&around) {
+        return number;
     }
-}
-
-/// The mean of |v|² over a simplex for v in its element.
-pub struct MeanSquare {
-    /// Of linear functions: (Σ v_a² + (Σ v_a)²)/(N (N + 1)), N the number of corners.
-    scale: f64,
-    /// Of others: means of products of shape functions.
-    mass: Vec<f64>,
-}
-
-impl MeanSquare {
-    /// ∫ |v|² over a simplex of this measure, from the values of v at its nodes.
-    #[inline]
-    pub fn over<const D: usize>(&self, measure: f64, v: &[[f64; D]]) -> f64 {
-        if !self.mass.is_empty() {
-            let rows = v.iter().zip(self.mass.chunks_exact(v.len()));
-            let product = |a: &[f64; D], b: &[f64; D]| (0..D).map(|i| a[i] * b[i]).sum::<f64>();
-            let row =
-                |a, row: &[f64]| v.iter().zip(row).map(|(b, m)| m * product(a, b)).sum::<f64>();
-            return measure * rows.map(|(a, own)| row(a, own)).sum::<f64>();
-        }
-        // Corners of a triangle as a constant: loops are unrolled.
-        match v.first_chunk::<3>().filter(|_| v.len() == 3) {
-            Some(v) => self.linear(measure, v),
-            None => self.linear(measure, v),
-        }
-    }
-
-    #[inline(always)]
-    fn linear<const D: usize>(&self, measure: f64, v: &[[f64; D]]) -> f64 {
-        let (mut total, mut squares) = ([0.0; D], 0.0);
-        for value in v {
-            for i in 0..D {
-                total[i] += value[i];
-                squares += value[i] * value[i];
-            }
-        }
-        measure * self.scale * (squares + total.iter().map(|t| t * t).sum::<f64>())
-    }
+    let share = 1.0 / around.len() as f64;
+    let centre = mesh.point(&around, &[share; 3][..around.len()]);
+    let number = mesh.vertices() as u32;
+    mesh.coordinates.extend_from_slice(&centre[..mesh.dimension]);
+    known.insert(around, number);
+    number
 }
 
 #[cfg(test)]
@@ -269,15 +285,19 @@ mod tests {
     #[test]
     fn means_are_those_of_a_rule_that_is_exact_for_them() {
         for element in Element::ALL {
-            let rules = [(2, edge(5)), (3, triangle_degree_6()), (4, tetrahedron_degree_6())];
-            let in_plane = |corners: usize| element.is_conforming() || corners < 4;
-            for (corners, rule) in rules.into_iter().filter(|(corners, _)| in_plane(*corners)) {
-                let count = element.nodes_on(corners);
+            let simplices = [
+                (Simplex::facet(2), edge(5)),
+                (Simplex::cell(2), triangle_degree_6()),
+                (Simplex::facet(3), triangle_degree_6()),
+                (Simplex::cell(3), tetrahedron_degree_6()),
+            ];
+            for (simplex, rule) in simplices {
+                let count = element.nodes_on(simplex);
                 let v: Vec<[f64; 2]> =
                     (0..count).map(|a| [(a as f64 + 0.3).sin(), (2.0 * a as f64).cos()]).collect();
                 let (mut square, mut means) = (0.0, vec![0.0; count]);
                 for (b, weight) in rule.points.iter().zip(&rule.weights) {
-                    let shape = element.values(b);
+                    let shape = element.values_on(simplex, b);
                     assert!((shape.iter().sum::<f64>() - 1.0).abs() < 1e-14);
                     for i in 0..2 {
                         let at: f64 = shape.iter().zip(&v).map(|(s, v)| s * v[i]).sum();
@@ -285,10 +305,10 @@ mod tests {
                     }
                     means.iter_mut().zip(&shape).for_each(|(mean, s)| *mean += weight * s);
                 }
-                let found = element.mean_square(corners).over(3.0, &v);
-                assert!((found - 3.0 * square).abs() < 1e-14, "{element:?} {corners}");
-                if corners < 4 && in_plane(corners + 1) {
-                    let (weights, sum) = element.facet_weights(corners);
+                let found = element.mean_square(simplex).over(3.0, &v);
+                assert!((found - 3.0 * square).abs() < 2e-14, "{element:?} {simplex:?}");
+                if simplex.is_facet() {
+                    let (weights, sum) = element.facet_weights(simplex.dimension);
                     let mut pairs = means.iter().zip(&weights);
                     assert!(pairs.all(|(mean, weight)| (mean - weight / sum).abs() < 1e-15));
                 }
@@ -298,26 +318,65 @@ mod tests {
 
     #[test]
     fn gradients_are_those_of_the_values() {
-        // ∇λ of a triangle, and a step along x.
-        let linear = [-1.3, -0.4, 0.9, -0.6, 0.4, 1.0];
-        let (b, step) = ([0.2, 0.5, 0.3], 1e-5);
-        for element in Element::ALL {
-            let mut gradients = Vec::new();
-            element.append_gradients(&b, &linear, &mut gradients);
-            for axis in 0..2 {
+        // ∇λ of a triangle and of a tetrahedron, and a step along an axis.
+        let triangle = (vec![-1.3, -0.4, 0.9, -0.6, 0.4, 1.0], vec![0.2, 0.5, 0.3]);
+        let solid = vec![-1.3, -0.4, 0.2, 0.9, -0.6, 0.5, 0.4, 1.0, -0.1, 0.0, 0.0, -0.6];
+        let step = 1e-5;
+        for (linear, b) in [triangle, (solid, vec![0.2, 0.4, 0.3, 0.1])] {
+            let d = b.len() - 1;
+            for (element, axis) in
+                Element::ALL.into_iter().flat_map(|e| (0..d).map(move |i| (e, i)))
+            {
+                let mut gradients = Vec::new();
+                element.append_gradients(&b, &linear, &mut gradients);
                 let moved = |sign: f64| {
                     let at: Vec<f64> =
-                        (0..3).map(|a| b[a] + sign * step * linear[2 * a + axis]).collect();
+                        (0..=d).map(|a| b[a] + sign * step * linear[d * a + axis]).collect();
                     element.values(&at)
                 };
                 let (ahead, behind) = (moved(1.0), moved(-1.0));
                 for (a, (p, q)) in ahead.iter().zip(&behind).enumerate() {
                     // Quadratic: central differences are exact but for rounding, 1e-16/1e-5.
-                    let difference = (p - q) / (2.0 * step) - gradients[2 * a + axis];
+                    let difference = (p - q) / (2.0 * step) - gradients[d * a + axis];
                     assert!(difference.abs() < 1e-10, "{element:?} {a} {axis}: {difference:e}");
                 }
             }
         }
+    }
+
+    /// Values at nodes are those of the unit vectors, in both dimensions.
+    #[test]
+    fn functions_are_one_at_their_node_and_zero_at_the_others() {
+        for (element, d) in
+            Element::ALL.into_iter().flat_map(|element| [(element, 2), (element, 3)])
+        {
+            let corner = |a: usize| (0..=d).map(|b| f64::from(u8::from(a == b))).collect();
+            let corners = (0..=d).filter(|_| element.has_nodes_at_corners()).map(corner);
+            let centre = |around: Vec<usize>| -> Vec<f64> {
+                let share = 1.0 / around.len() as f64;
+                (0..=d).map(|a| if around.contains(&a) { share } else { 0.0 }).collect()
+            };
+            let centres = element.centres(Simplex::cell(d)).into_iter().map(centre);
+            for (a, b) in corners.chain(centres).enumerate() {
+                for (c, value) in element.values(&b).into_iter().enumerate() {
+                    assert!((value - f64::from(u8::from(a == c))).abs() < 1e-15, "{element:?} {d}");
+                }
+                if element == Element::CR {
+                    assert_eq!(b[element.opposite(a, d)], 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn each_facet_has_one_barycentre() {
+        let mut mesh = cuboid([1.0; 3], 2, Family::Structured);
+        let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());
+        let places = Element::CR.places(&mut mesh);
+        // Each facet belongs to two cells, but for those on the boundary.
+        assert_eq!(mesh.vertices() - vertices, (4 * cells + facets) / 2);
+        assert_eq!((places.cells.len(), places.facets.len()), (4 * cells, facets));
+        assert_eq!(places.first as usize, vertices);
     }
 
     #[test]

@@ -2,15 +2,17 @@
 
 mod element;
 mod jumps;
+mod mean_square;
 mod nodes;
 mod points;
 pub mod quadrature;
 mod shape;
 mod strain_shapes;
 
-pub use element::{Element, MeanSquare};
+pub use element::{Element, Simplex};
 pub use jumps::Jump;
-pub(crate) use jumps::{MEAN_SQUARE, jumps};
+pub(crate) use jumps::jumps;
+pub use mean_square::MeanSquare;
 pub use nodes::Nodes;
 pub use points::{StrainPoint, StrainPoints};
 pub use shape::{Geometry, strain_of};

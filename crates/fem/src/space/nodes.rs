@@ -1,11 +1,11 @@
 //! Numbering of the nodes of V^h: free nodes first, clamped nodes (Γ1) last, so that a vector of
 //! unknowns is a prefix of a nodal vector whose tail stays zero.
 
-use super::Element;
-use super::element::Places;
+use super::element::{Element, Places, Simplex};
 use crate::mesh::Mesh;
 
-/// Node numbers of the points of a mesh: its vertices, and midpoints where the element has nodes there.
+/// Node numbers of the points of a mesh: its vertices, and midpoints of edges or barycentres of facets where the element has
+/// nodes there.
 #[derive(Debug, Clone)]
 pub struct Nodes {
     /// Components per node: the space dimension d.
@@ -33,7 +33,8 @@ impl Nodes {
     /// Numbers the points of `mesh` at which the element has nodes; those of a facet on a side in `clamped` come last.
     pub(crate) fn new(mesh: &mut Mesh, element: Element, clamped: &[u32]) -> Self {
         let Places { cells, facets, first } = element.places(mesh);
-        let [a_cell, a_facet] = [1, 0].map(|more| element.nodes_on(mesh.dimension + more));
+        let simplices = [Simplex::cell(mesh.dimension), Simplex::facet(mesh.dimension)];
+        let [a_cell, a_facet] = simplices.map(|simplex| element.nodes_on(simplex));
         let mut is_clamped = vec![false; mesh.vertices()];
         for f in mesh.facets_on(clamped) {
             for &v in &facets[a_facet * f..a_facet * (f + 1)] {

@@ -193,7 +193,7 @@ fn strain_of_interpolant<const D: usize>(
 const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// The derivative by barycentric coordinate `a`, the others held. A quadratic function is Σ v_a b_a (2 b_a - 1) + 4 Σ
-/// v_ij b_i b_j, a Crouzeix–Raviart one Σ v_ij (2 b_i + 2 b_j - 1).
+/// v_ij b_i b_j, a Crouzeix–Raviart one Σ v_F (d Σ_{i on F} b_i - d + 1).
 fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) -> f64 {
     match element {
         Element::P1 => value(a),
@@ -207,8 +207,10 @@ fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) ->
             (4.0 * b[a] - 1.0) * value(a) + 4.0 * edges.map(of_edge).sum::<f64>()
         }
         Element::CR => {
-            let edges = BETWEEN[..3].iter().enumerate().filter(|(_, ends)| ends.contains(&a));
-            edges.map(|(e, _)| 2.0 * value(e)).sum()
+            // Node e is on the facet opposite to the corner before it in cyclic order.
+            let d = b.len() - 1;
+            let facets = (0..=d).filter(|e| (e + d) % (d + 1) != a);
+            facets.map(|e| d as f64 * value(e)).sum()
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::cells::{Mandel, add_force, inner};
 use algebra::linalg::larger;
 use fem::contact::Discretization;
-use fem::space::Element;
+use fem::space::{Element, Simplex};
 use scene::Norm;
 
 pub(super) struct Level<const S: usize> {
@@ -73,12 +73,12 @@ pub(super) fn normal(space: &Discretization, i: usize, nodal: &[f64]) -> f64 {
 }
 
 /// Mean of f² over a simplex of N corners, f linear: (Σ f_a² + (Σ f_a)²)/(N(N+1)); for quadratic f by the mass matrix.
-fn mean_square(element: Element, corners: usize, nodes: &[f64]) -> f64 {
+fn mean_square(element: Element, simplex: Simplex, nodes: &[f64]) -> f64 {
     if element != Element::P1 {
         let values: Vec<[f64; 1]> = nodes.iter().map(|&value| [value]).collect();
-        return element.mean_square(corners).over(1.0, &values);
+        return element.mean_square(simplex).over(1.0, &values);
     }
-    let count = corners as f64;
+    let count = nodes.len() as f64;
     let total: f64 = nodes.iter().sum();
     let squares: f64 = nodes.iter().map(|f| f * f).sum();
     (squares + total * total) / (count * (count + 1.0))
@@ -89,7 +89,7 @@ fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
     let component = |c: usize, i: usize| {
         let nodes = space.cell_nodes(c).iter();
         let values: Vec<f64> = nodes.map(|&node| nodal[d * node as usize + i]).collect();
-        mean_square(space.element, d + 1, &values)
+        mean_square(space.element, Simplex::cell(d), &values)
     };
     let cell = |(c, measure): (usize, &f64)| measure * (0..d).map(|i| component(c, i)).sum::<f64>();
     space.geometry.measure.iter().enumerate().map(cell).sum::<f64>().sqrt()
@@ -99,7 +99,7 @@ fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
 fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
     let facet = |(f, measure): (usize, &f64)| {
         let at_facet: Vec<f64> = space.trace.facet(f).iter().map(|&i| values[i as usize]).collect();
-        measure * mean_square(space.element, space.mesh.dimension, &at_facet)
+        measure * mean_square(space.element, Simplex::facet(space.mesh.dimension), &at_facet)
     };
     space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
 }

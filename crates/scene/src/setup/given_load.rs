@@ -8,6 +8,7 @@ use crate::Side;
 use exact::Truth;
 use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
+use fem::space::Simplex;
 use fem::space::quadrature::{Rule, TruthRules};
 use formula::{BoundProgram, EvaluationPoint, Graph, Node, Program};
 
@@ -177,7 +178,13 @@ impl Term {
     /// Adds the integral at time t to a nodal vector.
     fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
         let (rule, simplices) = self.part.simplices(space, rules);
-        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| space.element.values(b)).collect();
+        let d = space.mesh.dimension;
+        let simplex = match rule.points[0].len() == d {
+            true => Simplex::facet(d),
+            false => Simplex::cell(d),
+        };
+        let shapes: Vec<Vec<f64>> =
+            rule.points.iter().map(|b| space.element.values_on(simplex, b)).collect();
         let bind = || {
             let points: Vec<[f64; 3]> = simplices
                 .iter()

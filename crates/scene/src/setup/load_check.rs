@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::{Setup, load_form, side_numbers};
 use crate::{Data, Scene, Side};
-use exact::{Exact, ExactOnMesh, LoadForm, Truth, shapes};
+use exact::{Exact, ExactOnMesh, LoadForm, Truth, facet_shapes, shapes};
 use fem::contact::{Discretization, LoadError};
 use fem::space::Nodes;
 use fem::space::quadrature::{
@@ -234,7 +234,9 @@ impl<'a> Integrals<'a> {
             .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(&simplex.corners, b)))
             .collect();
         // Independent of the shape functions that assemble the loads.
-        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
+        let of_facets = rule.points[0].len() == space.mesh.dimension;
+        let shape = if of_facets { facet_shapes } else { shapes };
+        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| shape(space.element, b)).collect();
         let measures: Vec<f64> =
             acting.simplices.iter().map(|simplex| measure(space, &simplex.corners)).collect();
         let mut formula = acting.formula.bind(&points);
@@ -276,34 +278,55 @@ impl<'a> Integrals<'a> {
     }
 }
 
-/// The midpoint vertices of elements with such nodes, by their end points, from the nodes of cells.
-fn middles(space: &Discretization) -> HashMap<[u32; 2], u32> {
+/// The vertices with nodes at no corner, by the corners that they lie in the middle of, from the nodes of cells.
+fn middles(space: &Discretization) -> HashMap<Vec<u32>, u32> {
     let mut found = HashMap::new();
     for c in 0..space.mesh.cell_count() {
-        let corners = space.mesh.cell(c);
+        let around: Vec<Vec<u32>> = groups(space, space.mesh.cell(c)).collect();
         for &node in space.cell_nodes(c) {
             let vertex = space.nodes.vertex[node as usize];
             let place = space.mesh.vertex(vertex);
-            let is_between = |p: u32, q: u32| {
-                let ends = space.mesh.vertex(p).iter().zip(space.mesh.vertex(q));
-                ends.zip(place).all(|((p, q), x)| 0.5 * p + 0.5 * q == *x)
+            let is_between = |group: &&Vec<u32>| {
+                let share = 1.0 / group.len() as f64;
+                let mean = |i: usize| {
+                    group.iter().fold(0.0, |sum, &p| sum + share * space.mesh.vertex(p)[i])
+                };
+                place.iter().enumerate().all(|(i, x)| mean(i) == *x)
             };
-            let pairs = corners.iter().flat_map(|&p| corners.iter().map(move |&q| [p, q]));
-            let ends_of_edge = pairs.filter(|[p, q]| p < q && is_between(*p, *q));
-            found.extend(ends_of_edge.map(|pair| (pair, vertex)));
+            found.extend(around.iter().find(is_between).map(|group| (group.clone(), vertex)));
         }
     }
     found
 }
 
-/// The corners of an edge or triangle that have nodes, then the midpoints, in the order of shape functions.
-fn nodes_of(space: &Discretization, middles: &HashMap<[u32; 2], u32>, corners: &[u32]) -> Vec<u32> {
+/// The corners of a cell or facet whose middles have nodes, sorted, in the order of shape functions: edges, or the simplices
+/// with as many corners as a facet has.
+fn groups(space: &Discretization, corners: &[u32]) -> impl Iterator<Item = Vec<u32>> {
+    let (d, count) = (space.mesh.dimension, corners.len());
+    let local: Vec<Vec<usize>> = match space.element.is_conforming() {
+        true => {
+            let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+            edges
+                .iter()
+                .filter(|edge| edge.iter().all(|a| *a < count))
+                .map(|e| e.to_vec())
+                .collect()
+        }
+        false if count == d => vec![(0..d).collect()],
+        false => (0..count).map(|first| (0..d).map(|a| (first + a) % count).collect()).collect(),
+    };
+    local.into_iter().map(|group| {
+        let mut group: Vec<u32> = group.into_iter().map(|a| corners[a]).collect();
+        group.sort_unstable();
+        group
+    })
+}
+
+/// The corners of a simplex that have nodes, then the middles, in the order of shape functions.
+fn nodes_of(space: &Discretization, middles: &HashMap<Vec<u32>, u32>, corners: &[u32]) -> Vec<u32> {
     let has_node = |&&corner: &&u32| space.nodes.of_vertex[corner as usize] != Nodes::NONE;
     let mut nodes: Vec<u32> = corners.iter().filter(has_node).copied().collect();
-    let edges = if corners.len() == 2 { 1 } else { corners.len() };
-    for (&p, &q) in corners.iter().zip(corners.iter().cycle().skip(1)).take(edges) {
-        nodes.extend(middles.get(&[p.min(q), p.max(q)]));
-    }
+    nodes.extend(groups(space, corners).filter_map(|group| middles.get(&group)));
     nodes
 }
 
