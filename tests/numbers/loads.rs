@@ -226,6 +226,12 @@ fn integrated() -> impl Iterator<Item = (Setup, Arc<Exact>, Arc<Discretization>)
     })
 }
 
+/// 1e-11, and where λ is far above μ the rounding of λ div u, whose terms cancel.
+fn allowed(setup: &Setup) -> f64 {
+    let (least, largest) = setup.model.elasticity.eigenvalues(setup.scene.dimension);
+    f64::max(1e-11, f64::EPSILON * largest / least)
+}
+
 /// Fields that separate in time are integrated once and combined; the same as at each time alone. What moves in
 /// space, and what is projected, does not separate.
 #[test]
@@ -243,7 +249,7 @@ fn fields_in_parts_are_those_of_each_time() {
             for t in [0.0, 0.31 * horizon, horizon] {
                 let off = truths_apart(&parts, &whole, [t, t]);
                 // Sums of at most eight parts, of terms that hardly cancel; remainders are squares of small differences.
-                assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
+                assert!(off < allowed(&setup), "{name}, {form:?}, t = {t}: {off:e}");
             }
             let moves =
                 separation.factors.at(0.31 * horizon) != separation.factors.at(0.32 * horizon);
@@ -309,7 +315,7 @@ fn shorter_ways_to_the_moments_are_those_of_each_point() {
                 for t in [0.0, early, horizon] {
                     let off = truths_apart(&short, &points, [t, t]);
                     // Sums over 12 points and a few products of numbers of order one; remainders are squares of small differences.
-                    assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
+                    assert!(off < allowed(&setup), "{name}, {form:?}, t = {t}: {off:e}");
                 }
                 let load = |truth: &ExactOnMesh, t: f64| {
                     truth.load(t).unwrap_or_else(|error| panic!("{error}"))

@@ -90,8 +90,11 @@ fn both_precisions_of_all_scenes_have_the_same_solution() {
         let [double, single] = in_both(&mut setup, &Newton::default());
         let off = distance(&double, &single);
         assert!(off <= agree(&setup), "{name}: {off:e}");
-        // Rounding of the factor leaves its bits in the solution.
-        assert!(!same_bits(&double, &single), "{name}");
+        // Rounding of the factor leaves its bits in the solution. With stiffnesses a million apart single precision may
+        // find the matrix indefinite, and one more factor, in double precision, serves.
+        let factors = [&double, &single].map(|run| run.info.work.linear.factorizations);
+        let served = name.starts_with("locking") && factors[1] > factors[0];
+        assert!(served || !same_bits(&double, &single), "{name}");
         let passes = [&double, &single].map(|run| run.info.work.linear.solves);
         more += usize::from(passes[1] > passes[0]);
         fewer += usize::from(passes[1] < passes[0]);

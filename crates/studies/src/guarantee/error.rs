@@ -1,6 +1,5 @@
 //! Why there is no bound.
 
-use algebra::linalg::FactorError;
 use fem::contact::CaseError;
 use scene::setup::SetupError;
 
@@ -13,8 +12,6 @@ pub enum GuaranteeError {
     NotFinite { what: &'static str, t: f64 },
     #[error(transparent)]
     Setup(#[from] SetupError),
-    #[error("the problem of equilibrated stresses: {0}")]
-    Factor(#[from] FactorError),
     #[error(transparent)]
     Case(#[from] CaseError),
 }

@@ -232,7 +232,13 @@ impl<'a> Levels<'a> {
     ) -> Result<Self, GuaranteeError> {
         let elasticity = &setup.model.elasticity;
         let clamped = side_numbers(&setup.body.domain.clamped);
-        let equilibrium = Equilibrium::new(space, elasticity, &clamped)?;
+        let equilibrium = Equilibrium::new(space, elasticity, &clamped).map_err(|source| {
+            let (least, largest) = elasticity.eigenvalues(2);
+            GuaranteeError::refused(format!(
+                "{source} in the problem of equilibrated stresses; the largest stiffness is {:.1e} times the least",
+                largest / least
+            ))
+        })?;
         let densities = Densities::new(setup, space, &equilibrium.edges)?;
         let truth = setup.exact.as_ref().map(|exact| truth::Strains::new(exact, space));
         Ok(Self { space, grid, equilibrium, densities, truth, of_cell: of_run, found: Vec::new() })

@@ -239,8 +239,9 @@ fn other_scenes_are_refused_with_a_reason() {
         ("friction-front", "friction"),
         ("affine-box", "plane"),
         ("hertz", "exceeds the gap"),
+        ("locking-linear", "times the least"),
     ] {
-        let error = guarantee(&setup(name).unwrap(), 4, 2).unwrap_err().to_string();
+        let error = guarantee(&setup(name).unwrap(), 16, 2).unwrap_err().to_string();
         assert!(error.contains(reason), "{name}: {error}");
     }
 }
