@@ -157,7 +157,7 @@ fn trace_constants_are_those_of_quadratics() {
 fn the_step_bound_holds_and_wrong_constants_do_not() {
     for name in ["quadratic-memory", "quadratic-front"] {
         let setup = setup(name);
-        let bound = BoundStudy::new(&setup, 4, 4).unwrap_or_else(|error| panic!("{error}"));
+        let bound = BoundStudy::new(&setup, 2, 4).unwrap_or_else(|error| panic!("{error}"));
         assert!(bound.holds(), "{name}: {:?}", bound.violations);
         assert!(bound.study.thresholds.norm.is_some(), "{name}: memory makes a threshold");
     }
