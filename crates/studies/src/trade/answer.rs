@@ -91,11 +91,11 @@ impl Answered {
         let reference = reference.filter(|_| setup.exact.is_none());
         // A run as fine as the reference has no error against it.
         let most = reference.map_or(MOST, |r| [r.n as u32 / 2, r.steps as u32 / 2]);
-        let own = Candidates::new(setup, true)?;
+        let candidates = Candidates::new(setup, true)?;
         if plan.n.is_empty() || plan.steps.is_empty() {
             return Err(AnswerError::NothingRun);
         }
-        let by = |known: &Known<'_>, target: f64| known.cheapest(&own, most, target);
+        let by = |known: &Known<'_>, target: f64| known.cheapest(&candidates, most, target);
         let as_written = by(&plain, target).and_then(|mut choice| {
             let (knob, factors) = best_knob(setup, study, choice);
             let inner = target / factors[1].max(1.0);
@@ -106,10 +106,11 @@ impl Answered {
             choice.error *= factors[1];
             Ok((&plain, knob, choice, inner))
         });
-        let rivals = study.elements.iter().map(|own| known(study, &own.models, own.knob));
+        let rivals = study.elements.iter().map(|rival| known(study, &rival.models, rival.knob));
         let rivals: Vec<Known<'_>> = rivals.filter_map(Result::ok).collect();
-        let others =
-            rivals.iter().filter_map(|own| Some((own, own.knob, by(own, target).ok()?, target)));
+        let others = rivals
+            .iter()
+            .filter_map(|rival| Some((rival, rival.knob, by(rival, target).ok()?, target)));
         let all = as_written.iter().copied().chain(others);
         let best = all.min_by(|a, b| a.2.seconds.total_cmp(&b.2.seconds));
         let Some((known, knob, choice, inner)) = best else {
@@ -126,8 +127,8 @@ impl Answered {
             target,
             knob,
             bytes,
-            h: own.h(choice.n),
-            k: own.k(choice.steps),
+            h: candidates.h(choice.n),
+            k: candidates.k(choice.steps),
             optimum: optimum(known.error, known.cost, inner),
             extrapolates: known.beyond(&choice),
             choice,
@@ -178,17 +179,18 @@ fn known<'a>(study: &Study, models: &'a Models, knob: Knob) -> Result<Known<'a>,
 /// answer; it must save time wherever it was turned. Extrapolation in k is another scheme, and is left to the reader of the price list.
 fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
     let factors = |knob: Knob| -> Option<[f64; 2]> {
-        let own: Vec<_> = study.prices.iter().filter(|price| price.what == knob.name()).collect();
+        let prices: Vec<_> =
+            study.prices.iter().filter(|price| price.what == knob.name()).collect();
         let serves = |price: &&Price| {
             price.shows() && 1.0 / price.speed <= 1.0 - WORTH && price.error.abs() <= WORTH
         };
-        let all = !own.is_empty() && own.iter().all(serves);
+        let all = !prices.is_empty() && prices.iter().all(serves);
         all.then(|| {
             let away = |price: &Price| {
                 let ratio = |a: u32, b: u32| (f64::from(a) / f64::from(b)).ln().abs();
                 ratio(price.n, choice.n) + ratio(price.steps, choice.steps)
             };
-            let nearest = own.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            let nearest = prices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
             nearest.map_or([1.0; 2], |price| [1.0 / price.speed, 1.0 + price.error])
         })
     };

@@ -146,8 +146,8 @@ impl Part {
     fn limited(self, limits: Interval) -> Self {
         match self {
             Self::Known { order, readings, .. } => {
-                let finer = |own: Reading| own.finer.max(limits.lo).min(limits.hi);
-                let limit = |own: Reading| Reading { finer: finer(own), ..own };
+                let finer = |reading: Reading| reading.finer.max(limits.lo).min(limits.hi);
+                let limit = |reading: Reading| Reading { finer: finer(reading), ..reading };
                 let readings = readings.into_iter().map(limit).collect();
                 Self::Known { order, readings, most: limits.hi }
             }
@@ -232,19 +232,19 @@ fn how(norm: Norm) -> Alignment {
 }
 
 /// The error of the run in one norm.
-pub fn norm_estimate(setup: &Setup, found: &Companions, own: &NormDifferences) -> Estimate {
+pub fn norm_estimate(setup: &Setup, found: &Companions, differences: &NormDifferences) -> Estimate {
     let [in_h, in_k] =
-        [Direction::H, Direction::K].map(|own_step| theory(setup, own.norm, own_step));
+        [Direction::H, Direction::K].map(|step| theory(setup, differences.norm, step));
     // An order that is promised as a least one says nothing of a higher one that is observed.
     let exact = |theory: Option<&Prediction>| theory.filter(|p| !p.at_least).map(|p| p.order);
     let [no_space, no_time] = found.missing.clone().map(|missing| missing.map(Part::Unknown));
-    let space = match found.own_on_each_mesh {
+    let space = match found.on_mesh {
         true => Part::Below(0.0),
-        false => Part::of(own.space, own.floor, exact(in_h), how(own.norm)),
+        false => Part::of(differences.space, differences.floor, exact(in_h), how(differences.norm)),
     };
-    let time = Part::of(own.time, own.floor, exact(in_k), Alignment::Aligned);
+    let time = Part::of(differences.time, differences.floor, exact(in_k), Alignment::Aligned);
     let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
-    let [most_h, most_k] = of_scheme(setup, own.norm);
+    let [most_h, most_k] = of_scheme(setup, differences.norm);
     let [of_h, of_k] = [limits(&space, most_h, in_h), limits(&time, most_k, in_k)];
     Estimate { space: space.limited(of_h), time: time.limited(of_k) }
 }

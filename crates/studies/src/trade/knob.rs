@@ -34,7 +34,7 @@ pub enum Knob {
     HistoryTolerance(f64),
     /// (4 u_k - u_2k)/3 at the times of 2k, of the two runs: Richardson's extrapolation in k for order 2.
     Extrapolated,
-    /// Another element, on meshes of its own as well.
+    /// Another element, on other meshes as well.
     Element(Element),
 }
 
@@ -86,12 +86,12 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
         found.extend([Precision::Single, Precision::Double].map(Knob::Factors));
     }
     if let Data::Exact { interpolated: false, form, .. } = &body.data {
-        // That of the scene as written is no departure from it.
+        // The rule and the form of the scene as written are no departure from it.
         let rules = TruthRules::for_element(element, d);
-        let own = if *form == LoadForm::Weak { rules.stress } else { rules.load };
+        let as_written = if *form == LoadForm::Weak { rules.stress } else { rules.load };
         // σ is projected onto the strains of the element: fewer points do not tell these apart.
         let least = element.strain_rule(d).points.len();
-        let other = |rule: &Rule| *rule != own && rule.points.len() >= least;
+        let other = |rule: &Rule| *rule != as_written && rule.points.len() >= least;
         let others = [1, 2, 4, 6].into_iter().filter(|&degree| other(&load_rule(d, degree)));
         found.extend(others.map(Knob::LoadDegree));
         found.push(Knob::Form(match form {

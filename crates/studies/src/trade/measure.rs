@@ -218,14 +218,14 @@ impl Bench {
         let info = variant.march(data, steps, &mut |view| {
             let truth = judge.truth.moments(view.t)?;
             let errors = step_errors(&judge.space, &variant.setup.model, view, &truth);
-            let own = match self.norm {
+            let in_norm = match self.norm {
                 Norm::L2Max => errors.l2,
                 Norm::TraceL2Max => errors.trace,
                 Norm::PressureL2Max => errors.pressure,
                 Norm::StressL2Max => errors.stress,
                 _ => errors.v,
             };
-            error = if error.is_nan() || own <= error { error } else { own };
+            error = if error.is_nan() || in_norm <= error { error } else { in_norm };
             size = size.max(strain_error(&judge.space, &still, &truth));
             trajectory.times.push(view.t);
             trajectory.displacements.push(view.u.to_vec());

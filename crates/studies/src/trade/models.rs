@@ -21,7 +21,7 @@ pub struct Models {
 }
 
 impl Models {
-    /// Of the rows of a variant on its own meshes `n`, whose runs are in `bench`.
+    /// Fits the rows of a variant on the meshes `n`, whose runs are in `bench`.
     pub(super) fn fit(
         bench: &Bench,
         variant: &Variant,

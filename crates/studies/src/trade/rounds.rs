@@ -121,9 +121,9 @@ mod tests {
     #[test]
     fn a_base_that_was_slow_once_is_not_believed() {
         // The third round meets another program at its first run: 1.0 becomes 1.7.
-        let own = Rounds { times: [1.0, 1.01, 1.7, 0.99].map(|base| vec![base, 1.0]).into() };
-        assert_eq!(counts(&own), [3, 4]);
-        let found = second(&own);
+        let disturbed = Rounds { times: [1.0, 1.01, 1.7, 0.99].map(|base| vec![base, 1.0]).into() };
+        assert_eq!(counts(&disturbed), [3, 4]);
+        let found = second(&disturbed);
         assert!(!found.shows() && (found.value - 1.0).abs() < 0.01, "{found:?}");
         // Rounds go on until enough are believed, and no further than twice as many.
         let busy = rounds(4, |run| 1.0 + run as f64);

@@ -21,7 +21,7 @@ pub struct TradeRuns {
     pub steps: Vec<u32>,
     /// CPU seconds for the knobs.
     pub budget: f64,
-    /// The other elements, with the n of their own meshes.
+    /// The other elements, with the n of their meshes.
     pub elements: Vec<(Element, Vec<u32>)>,
 }
 
@@ -29,21 +29,21 @@ impl TradeRuns {
     /// The scene as written, and with each knob turned that is offered; of the other elements those of the plan.
     fn variants(&self, plain: Variant) -> Result<Vec<Variant>, SetupError> {
         let scene = plain.setup.scene.clone();
-        let planned = |element| self.elements.iter().any(|(own, _)| *own == element);
-        let taken = |knob: &Knob| !matches!(knob, Knob::Element(own) if !planned(*own));
+        let planned = |element| self.elements.iter().any(|(listed, _)| *listed == element);
+        let taken = |knob: &Knob| !matches!(knob, Knob::Element(element) if !planned(*element));
         let turned = knobs(&plain.setup).into_iter().filter(taken);
         let turned =
             turned.map(|knob| Variant::new(&scene, knob)).collect::<Result<Vec<_>, _>>()?;
         Ok(std::iter::once(plain).chain(turned.into_iter().flatten()).collect())
     }
 
-    /// The variants with another element, and the n of their own meshes.
+    /// The variants with another element, and the n of their meshes.
     fn rivals<'a>(
         &'a self,
         variants: &'a [Variant],
     ) -> impl Iterator<Item = (&'a Variant, &'a [u32])> {
         self.elements.iter().filter_map(|(element, n)| {
-            let of = |own: &&Variant| own.knob == Knob::Element(*element);
+            let of = |variant: &&Variant| variant.knob == Knob::Element(*element);
             Some((variants.iter().find(of)?, &n[..]))
         })
     }
@@ -273,7 +273,7 @@ fn halves(trials: &[Trial], n: u32, steps: u32, on_mesh: bool) -> Vec<(&'static 
     let there = |(n, steps): (u32, u32)| {
         plain(trials).any(|t| t.n == n && t.steps == steps && t.done().is_some())
     };
-    // Where each mesh has a solution of its own, half the cells are another problem.
+    // Where the data depend on the mesh, half the cells are another problem.
     let cells = (!on_mesh && n.is_multiple_of(2)).then_some(("half the cells", (n / 2, steps)));
     let fewer = steps.is_multiple_of(2).then_some(("half the steps", (n, steps / 2)));
     [cells, fewer].into_iter().flatten().filter(|(_, place)| there(*place)).collect()

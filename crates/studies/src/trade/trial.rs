@@ -73,10 +73,10 @@ impl Trial {
 /// Marks the knobs that are ties, and the runs that no other beats in error and time, and in error, time and memory.
 pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
     for trial in &mut *trials {
-        let own = |price: &&Price| {
+        let of_trial = |price: &&Price| {
             price.what == trial.knob && [price.n, price.steps] == [trial.n, trial.steps]
         };
-        trial.tie = prices.iter().find(own).is_some_and(Price::is_tie);
+        trial.tie = prices.iter().find(of_trial).is_some_and(Price::is_tie);
     }
     let place = |trial: &Trial| match trial.done().filter(|_| !trial.tie) {
         Some(run) => [run.seconds, run.bytes, run.error],
@@ -286,7 +286,8 @@ mod tests {
             reader.records().map(|row| row.expect("a row")).collect();
         std::fs::remove_file(&path).expect("no file left");
         let at = |row: usize, name: &str| {
-            rows[row][COLUMNS.iter().position(|own| *own == name).expect("a column")].to_owned()
+            rows[row][COLUMNS.iter().position(|column| *column == name).expect("a column")]
+                .to_owned()
         };
         assert_eq!(
             (rows.len(), at(0, "error"), at(0, "cpu_seconds")),

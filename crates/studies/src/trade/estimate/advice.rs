@@ -8,7 +8,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use super::{Companions, CostSource, Estimate, NormDifferences, costs, norm_estimate};
+use super::{Companions, CostSource, Estimate, costs, norm_estimate};
 use crate::trade::{Answer, AtSteps, Candidates, Choices, MOST, NoAnswer, cheapest};
 use fem::contact::Discretization;
 use judge::fit::{FLOORS_ABOVE, Interval};
@@ -91,7 +91,7 @@ pub struct Advice {
     pub cautious: Result<Advised, NoAdvice>,
     /// Where the seconds come from.
     pub source: CostSource,
-    /// The next n and N after the choice that have companions of their own: there the error can be estimated again.
+    /// The next n and N after the choice that have companions, so that the error can be estimated there again.
     pub check: [u32; 2],
 }
 
@@ -213,15 +213,15 @@ impl<'a> Search<'a> {
         seconds: &'a AtSteps<'a>,
     ) -> Result<Self, NoAdvice> {
         let norm = goal.norm.name();
-        let own = found.norms.iter().find(|own| own.norm == goal.norm);
+        let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
         let none = || NoAdvice::Unknown { norm, reasons: "the scene has no contact".into() };
-        let own = own.ok_or_else(none)?;
-        let estimate = norm_estimate(goal.setup, found, own);
-        asymptotic(goal, own, &estimate)?;
+        let differences = differences.ok_or_else(none)?;
+        let estimate = norm_estimate(goal.setup, found, differences);
+        asymptotic(goal, differences.floor, &estimate)?;
         let [n, steps] = goal.run;
-        // Where each mesh has a solution of its own, another mesh is another problem.
-        let reach = |own: u32, most: u32| own.saturating_mul(REACH).min(most);
-        let [least, most] = match found.own_on_each_mesh {
+        // Where the data depend on the mesh, another mesh is another problem.
+        let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
+        let [least, most] = match found.on_mesh {
             true => [n, n],
             false => [n / SPAN, reach(n, MOST[0])],
         };
@@ -313,15 +313,15 @@ impl<'a> Search<'a> {
         let Some([half, whole]) = self.finer.get() else { return Ok(f64::NAN) };
         let half = run_cost(setup, half, answer.steps);
         let whole = run_cost(setup, whole, answer.steps);
-        let [b, own] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
+        let [at_half, at_whole] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
         let finer = f64::from(answer.n) / f64::from(SPAN * n);
-        Ok(whole.memory_bytes + own * (finer.powf((own / b).log2()) - 1.0))
+        Ok(whole.memory_bytes + at_whole * (finer.powf((at_whole / at_half).log2()) - 1.0))
     }
 
     /// The next pair whose companions exist.
     fn check(&self, choice: &Advised) -> [u32; 2] {
-        let own = self.candidates;
-        let serves = |n: &u32| n.is_multiple_of(SPAN) && own.cells(*n) && own.cells(n / SPAN);
+        let cells = |n: u32| self.candidates.cells(n);
+        let serves = |n: &u32| n.is_multiple_of(SPAN) && cells(*n) && cells(n / SPAN);
         let n = match self.least[0] == self.most[0] {
             true => choice.n,
             // The n of the run serves, and so do its multiples.
@@ -347,7 +347,7 @@ impl<'a> Search<'a> {
 }
 
 /// Refuses an error that is not known, an order that is none, and a target at the floor of the solver.
-fn asymptotic(goal: &Goal<'_>, own: &NormDifferences, estimate: &Estimate) -> Result<(), NoAdvice> {
+fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAdvice> {
     let norm = goal.norm.name();
     let reasons = estimate.reasons();
     if !reasons.is_empty() {
@@ -359,7 +359,7 @@ fn asymptotic(goal: &Goal<'_>, own: &NormDifferences, estimate: &Estimate) -> Re
             return Err(NoAdvice::TooFast { norm, step, order, most });
         }
     }
-    let (target, floor) = (goal.target, own.floor);
+    let target = goal.target;
     if target <= FLOORS_ABOVE * floor {
         return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
     }
