@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::as_json;
+use super::candidates::finest;
 use super::resource::megabytes;
 use super::rival::Known;
 use super::{
@@ -87,10 +88,7 @@ impl Answered {
         if target <= FLOORS_ABOVE * floor {
             return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
         }
-        let reference = setup.scene.sweep.as_ref().and_then(|sweep| sweep.reference);
-        let reference = reference.filter(|_| setup.exact.is_none());
-        // A run as fine as the reference has no error against it.
-        let most = reference.map_or(MOST, |r| [r.n as u32 / 2, r.steps as u32 / 2]);
+        let most = finest(setup).unwrap_or(MOST);
         let candidates = Candidates::new(setup, true)?;
         if plan.n.is_empty() || plan.steps.is_empty() {
             return Err(AnswerError::NothingRun);
@@ -117,7 +115,7 @@ impl Answered {
             return Err(as_written.err().map_or(AnswerError::NothingRun, AnswerError::NoAnswer));
         };
         let variant = Variant::new(&setup.scene, knob)?.ok_or(AnswerError::NothingRun)?;
-        let setup = if variant.is_element() { &variant.setup } else { setup };
+        let setup = bench.judging(&variant);
         // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
         admit_run(setup, None, (choice.n, choice.steps), limit)
             .map_err(|source| AnswerError::Memory { n: choice.n, steps: choice.steps, source })?;

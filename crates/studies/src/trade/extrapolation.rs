@@ -5,7 +5,6 @@ use super::measure::Bench;
 use super::{Knob, Study, Trial};
 use fem::contact::strain_norm;
 use judge::fit::{Interval, Level, Sample, infer, local_slopes};
-use scene::Data;
 use serde::Serialize;
 
 /// Errors by step, with and without extrapolation.
@@ -69,7 +68,7 @@ pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
 /// lower degree on cells. None where the data depend on the mesh.
 pub(crate) fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
     let setup = &bench.plain.setup;
-    if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+    if setup.body.data.is_interpolated() {
         return None;
     }
     let steps = study.plain().map(|trial| trial.steps).max()?;

@@ -3,13 +3,14 @@
 
 use std::collections::HashMap;
 
-use super::Variant;
+use super::candidates::finest;
+use super::{Candidates, Variant};
 use fem::space::Element;
 use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, PlanCost, Refused, ScenePlan, admit_plan,
 };
 use scene::Scene;
-use scene::setup::{SetupError, Subject, check_step_sizes};
+use scene::setup::{SetupError, Subject};
 
 /// Levels of each direction that orders need.
 const LEVELS: usize = 3;
@@ -30,14 +31,10 @@ pub fn scene_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 
         let listed = sweep.map_or_else(|| default.to_vec(), |sweep| pick(sweep).clone());
         listed.into_iter().map(|value| value as u32).collect::<Vec<u32>>()
     };
-    let reference = sweep.and_then(|sweep| sweep.reference).filter(|_| plain.setup.exact.is_none());
-    let finest = reference.map_or([u32::MAX; 2], |r| [r.n as u32 / 2, r.steps as u32 / 2]);
-    let cells = |n: u32| n <= finest[0] && scene.check_cases(&[n], &[]).is_ok();
-    let subject = Subject::new(scene.clone())?;
-    let steps = |steps: u32| {
-        let safe = || check_step_sizes(&subject, &[steps]).is_ok();
-        steps <= finest[1] && scene.check_cases(&[], &[steps]).is_ok() && safe()
-    };
+    let finest = finest(&plain.setup).unwrap_or([u32::MAX; 2]);
+    let candidates = Candidates::new(&plain.setup, true)?;
+    let cells = |n: u32| n <= finest[0] && candidates.cells(n);
+    let steps = |steps: u32| steps <= finest[1] && candidates.steps(steps);
     let mut ns = completed(list(|sweep| &sweep.n, [8, 16, 32]), LEAST[0], &cells);
     let mut numbers = completed(list(|sweep| &sweep.steps, [4, 8, 16]), LEAST[1], &steps);
     ns.truncate(MOST[0]);

@@ -13,7 +13,7 @@ use super::trial::{Outcome, Trial};
 use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, strain_distance};
 use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
 use fem::space::Element;
-use run::sweep::{floor_in, run_cost};
+use run::sweep::{floor_in, run_cost, scene_reference};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
 
@@ -57,8 +57,7 @@ impl Bench {
     /// A reference run that fails.
     pub fn new(plain: Variant, norm: Norm, repeats: u32) -> Result<Self, SetupError> {
         let setup = &plain.setup;
-        let wanted = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
-        let reference = match wanted.and_then(|sweep| sweep.reference) {
+        let reference = match scene_reference(setup) {
             Some(wanted) => {
                 Some(Arc::new(reference_run(setup, wanted.n as u32, wanted.steps as u32, 1)?))
             }
@@ -68,8 +67,9 @@ impl Bench {
         Ok(Self { plain, norm, repeats, reference, judges, trajectories, size: 0.0 })
     }
 
-    fn setup(&self) -> &Setup {
-        &self.plain.setup
+    /// The scene by whose rules a run is judged: as written, or with the element of the variant.
+    pub(super) fn judging<'a>(&'a self, variant: &'a Variant) -> &'a Setup {
+        if variant.is_element() { &variant.setup } else { &self.plain.setup }
     }
 
     /// Runs in rounds, the first the one that the others are compared with; and for each its times, or why it failed.
@@ -104,46 +104,43 @@ impl Bench {
             self.judge(variant, n)?;
             self.judged(variant, &data, (n, steps), &times)
         });
-        self.row_of(variant, n, steps, outcome)
+        self.row(variant.knob, variant.element(), (n, steps), outcome)
     }
 
     /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
         let outcome = self.outcome(variant, n, steps);
-        self.row_of(variant, n, steps, outcome)
+        self.row(variant.knob, variant.element(), (n, steps), outcome)
     }
 
-    fn row_of(
-        &self,
-        variant: &Variant,
-        n: u32,
-        steps: u32,
-        outcome: Result<Outcome, String>,
-    ) -> Trial {
-        let judge = self.judges.get(&(variant.element(), n));
-        let dofs = judge.map_or(0, |data| data.space.dofs());
-        self.row(variant.knob.name(), n, steps, dofs, outcome)
-    }
-
+    /// The row of a run; it has no unknowns where there is no mesh to judge it on.
     fn row(
         &self,
-        knob: String,
-        n: u32,
-        steps: u32,
-        dofs: usize,
+        knob: Knob,
+        element: Element,
+        (n, steps): (u32, u32),
         outcome: Result<Outcome, String>,
     ) -> Trial {
-        let h = self.setup().body.domain.h(n);
-        let k = self.setup().grid(steps).largest_step();
-        Trial { knob, n, steps, h, k, dofs, outcome, tie: false, front: false, front_memory: false }
+        let setup = &self.plain.setup;
+        Trial {
+            knob: knob.name(),
+            n,
+            steps,
+            h: setup.body.domain.h(n),
+            k: setup.grid(steps).largest_step(),
+            dofs: self.judges.get(&(element, n)).map_or(0, |data| data.space.dofs()),
+            tie: false,
+            front: false,
+            front_memory: false,
+            outcome,
+        }
     }
 
     /// The truth on the mesh of n, by the rules of the scene with the element of the variant.
     fn judge(&mut self, variant: &Variant, n: u32) -> Result<(), String> {
         let key = (variant.element(), n);
         if !self.judges.contains_key(&key) {
-            let setup = if variant.is_element() { &variant.setup } else { self.setup() };
-            let data = MeshData::new(setup, n, self.reference.clone());
+            let data = MeshData::new(self.judging(variant), n, self.reference.clone());
             self.judges.insert(key, data.map_err(|error| error.to_string())?);
         }
         Ok(())
@@ -185,8 +182,7 @@ impl Bench {
         let Timed { seconds, load_share } = *least.ok_or("no run")?;
         let (info, error) =
             self.error(variant, data, (n, steps)).map_err(|error| error.to_string())?;
-        let setup = if variant.is_element() { &variant.setup } else { self.setup() };
-        let cost = run_cost(setup, &data.space, steps);
+        let cost = run_cost(self.judging(variant), &data.space, steps);
         // The prediction is that of the scene with this element; the history is counted.
         let bytes = cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes;
         Ok(Outcome {
@@ -269,7 +265,7 @@ impl Bench {
             factorizations: cheap.factorizations + dear.factorizations,
             ..dear.clone()
         });
-        Some(self.row(Knob::Extrapolated.name(), fine.n, fine.steps, fine.dofs, outcome))
+        Some(self.row(Knob::Extrapolated, element, (fine.n, fine.steps), outcome))
     }
 
     /// The last level of a run as written, and ‖ε(u(T))‖ of the truth.

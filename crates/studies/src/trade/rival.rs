@@ -2,7 +2,7 @@
 
 use super::as_json;
 use super::candidates::{Candidates, MOST};
-use super::{Answer, Choices, CostModel, ErrorModel, Knob, Models, NoAnswer, Trial, cheapest};
+use super::{Answer, CostModel, ErrorModel, Knob, Models, NoAnswer, Trial};
 use serde::Serialize;
 
 /// Errors at which elements are compared.
@@ -69,12 +69,8 @@ impl<'a> Known<'a> {
         most: [u32; 2],
         target: f64,
     ) -> Result<Answer, NoAnswer> {
-        let (h, k) = (|n: u32| candidates.h(n), |steps: u32| candidates.k(steps));
-        let (cells, steps) = (|n: u32| candidates.cells(n), |steps: u32| candidates.steps(steps));
-        let least = self.least;
-        let choices = Choices { least, most, h: &h, k: &k, cells: &cells, steps: &steps };
         let seconds = |h: f64, k: f64| self.models.seconds(self.cost, h, k);
-        cheapest(&|h, k| self.error.error(h, k), &seconds, target, &choices)
+        candidates.cheapest(&|h, k| self.error.error(h, k), &seconds, target, [self.least, most])
     }
 
     /// How many times beyond the runs an answer lies, in words; none within them.

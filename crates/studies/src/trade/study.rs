@@ -8,8 +8,8 @@ use super::trial::{Table, TableError, mark_fronts};
 use super::turned::turn;
 use super::{Candidates, Knob, Models, Price, Rival, Trial, Variant, knobs};
 use fem::space::Element;
+use scene::Norm;
 use scene::setup::{SetupError, Subject, check_step_sizes};
-use scene::{Data, Norm};
 use serde::Serialize;
 
 /// What a trade runs.
@@ -151,7 +151,7 @@ impl Study {
         if trials.iter().all(|trial| trial.done().is_none()) {
             return Err(TradeError::AllFailed { first: first.unwrap_or_default() });
         }
-        let on_mesh = matches!(bench.plain.setup.body.data, Data::Exact { interpolated: true, .. });
+        let on_mesh = bench.plain.setup.body.data.is_interpolated();
         let variants = plan.variants(plain)?;
         for (variant, n) in plan.rivals(&variants) {
             for &n in n {
@@ -170,8 +170,7 @@ impl Study {
             prices.extend(turn(bench, &variants, (n, steps), &halves, &mut trials, &mut keep)?);
         }
         // By knob, as a list of prices is read.
-        let rank = |price: &Price| prices_rank(&variants, price);
-        prices.sort_by_key(rank);
+        prices.sort_by_key(|price| prices_rank(&variants, price));
         let study = Self::of(bench, &variants, trials, prices, plan)?;
         table.rewrite(&study.trials)?;
         Ok(study)
@@ -200,6 +199,11 @@ impl Study {
             .collect();
         paths.sort_by(|a, b| a.exponent.total_cmp(&b.exponent));
         paths.dedup_by(|a, b| a.exponent == b.exponent);
+        let candidates = Candidates::new(setup, true)?;
+        let compared = |(variant, n): (&Variant, &[u32])| {
+            let rival = Models::fit(bench, variant, &trials, [n, &plan.steps]);
+            Rival::new(&candidates, &models, variant.knob, rival, &trials)
+        };
         let mut study = Self {
             scene: setup.scene.name.clone(),
             fingerprint: setup.scene.source.hash.clone(),
@@ -208,7 +212,7 @@ impl Study {
             coupling,
             paths,
             extrapolated: Vec::new(),
-            elements: rivals(bench, variants, &models, &trials, plan)?,
+            elements: plan.rivals(variants).map(compared).collect(),
             prices,
             trials,
             models,
@@ -250,22 +254,6 @@ fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u3
     let fewer = plain(trials).filter(done).filter(|t| t.n == first.n && t.steps < first.steps);
     let third = fewer.min_by_key(|trial| trial.steps);
     [Some(first), second, third].into_iter().flatten().map(|trial| [trial.n, trial.steps]).collect()
-}
-
-/// The other elements of the plan against the models of the scene as written.
-fn rivals(
-    bench: &Bench,
-    variants: &[Variant],
-    plain: &Models,
-    trials: &[Trial],
-    plan: &TradeRuns,
-) -> Result<Vec<Rival>, SetupError> {
-    let candidates = Candidates::new(&bench.plain.setup, true)?;
-    let compared = |(variant, n): (&Variant, &[u32])| {
-        let models = Models::fit(bench, variant, trials, [n, &plan.steps]);
-        Rival::new(&candidates, plain, variant.knob, models, trials)
-    };
-    Ok(plan.rivals(variants).map(compared).collect())
 }
 
 /// Half the cells and half the steps of a run, as far as the grid has them.

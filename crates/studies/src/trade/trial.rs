@@ -1,5 +1,6 @@
 //! One row of the trade: a knob, a mesh, a number of steps, and what came of it.
 
+use std::fmt::Display;
 use std::io::{Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -150,14 +151,19 @@ pub struct TableError {
     pub reason: String,
 }
 
+impl TableError {
+    fn of(path: &Path, error: &dyn Display) -> Self {
+        Self { path: path.into(), reason: error.to_string() }
+    }
+}
+
 impl Table {
     /// A new table in place of an old one.
     ///
     /// # Errors
     /// The file system's.
     pub fn create(path: &Path, scene: &str, norm: &str) -> Result<Self, TableError> {
-        let failed =
-            |error: std::io::Error| TableError { path: path.into(), reason: error.to_string() };
+        let failed = |error: std::io::Error| TableError::of(path, &error);
         // What a link in its place names is left alone.
         remove_if_there(path).map_err(failed)?;
         let file = std::fs::File::create_new(path).map_err(failed)?;
@@ -180,22 +186,18 @@ impl Table {
     /// # Errors
     /// The file system's.
     pub(crate) fn rewrite(&mut self, trials: &[Trial]) -> Result<(), TableError> {
-        let failed = |error: std::io::Error| TableError {
-            path: self.path.clone(),
-            reason: error.to_string(),
-        };
-        self.file.set_len(0).and_then(|()| self.file.rewind()).map_err(failed)?;
+        let emptied = self.file.set_len(0).and_then(|()| self.file.rewind());
+        emptied.map_err(|error| TableError::of(&self.path, &error))?;
         self.write(COLUMNS.map(str::to_owned))?;
         trials.iter().try_for_each(|trial| self.append(trial))
     }
 
     fn write(&mut self, row: [String; COLUMNS.len()]) -> Result<(), TableError> {
-        let failed = |reason: String| TableError { path: self.path.clone(), reason };
+        let failed = |error: &dyn Display| TableError::of(&self.path, error);
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&row).map_err(|error| failed(error.to_string()))?;
-        let bytes = writer.into_inner().map_err(|error| failed(error.to_string()))?;
-        self.file.write_all(&bytes).map_err(|error| failed(error.to_string()))?;
-        self.file.flush().map_err(|error| failed(error.to_string()))
+        writer.write_record(&row).map_err(|error| failed(&error))?;
+        let bytes = writer.into_inner().map_err(|error| failed(&error))?;
+        self.file.write_all(&bytes).and_then(|()| self.file.flush()).map_err(|error| failed(&error))
     }
 }
 

@@ -103,7 +103,7 @@ fn extrapolated(
     trials: &[Trial],
 ) -> Option<Price> {
     let name = Knob::Extrapolated.name();
-    let row = trials.iter().find(|t| t.knob == name && t.n == n && t.steps == steps)?;
+    let row = &trials[position_of(trials, &name, n, steps)?];
     let half = cases.iter().position(|case| (case.1, case.2) == (n, steps / 2))?;
     let as_written = &trials[position(trials, n, steps)?];
     Price::of(name, as_written, row, rounds.ratio(|times| times[0] + times[half]))

@@ -2,14 +2,14 @@
 //!
 //! The law of [`Estimate::at`] carries the error of the run to other steps,
 //! E(h, k)² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)², with an interval from the hull over all readings of the differences;
-//! towards finer steps no reading falls faster than elements, rule or theorem allow. [`cheapest`] takes the pair of
+//! towards finer steps no reading falls faster than elements, rule or theorem allow. [`Candidates::cheapest`] takes the pair of
 //! least cost with E ≤ target, and once more with the upper end of the interval in place of E.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
 
 use super::{Companions, CostSource, Estimate, costs, norm_estimate};
-use crate::trade::{Answer, AtSteps, Candidates, Choices, MOST, NoAnswer, cheapest};
+use crate::trade::{Answer, AtSteps, Candidates, MOST, NoAnswer};
 use fem::contact::Discretization;
 use judge::fit::{FLOORS_ABOVE, Interval};
 use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
@@ -272,16 +272,8 @@ impl<'a> Search<'a> {
             let (value, interval) = self.at(h, k);
             read(value, interval)
         };
-        let own = self.candidates;
-        let choices = Choices {
-            least: self.least,
-            most: [most, self.most[1]],
-            h: &|n| own.h(n),
-            k: &|steps| own.k(steps),
-            cells: &|n| own.cells(n),
-            steps: &|steps| own.steps(steps),
-        };
-        cheapest(&error, self.seconds, self.goal.target, &choices)
+        let range = [self.least, [most, self.most[1]]];
+        self.candidates.cheapest(&error, self.seconds, self.goal.target, range)
     }
 
     /// The memory of an answer, or that it is too much. A mesh within the span of the companions is made for that, unless a
@@ -305,12 +297,13 @@ impl<'a> Search<'a> {
     /// b(n) = b(4n₀) (n/4n₀)^e, e = log₂ b(4n₀)/b(2n₀), of mesh and march; the program itself does not grow.
     fn far_bytes(&self, answer: Answer) -> Result<f64, SetupError> {
         let (setup, [n, _]) = (self.goal.setup, self.goal.run);
-        if self.finer.get().is_none() {
-            let meshes = [setup.space(SPAN * n / 2)?, setup.space(SPAN * n)?];
-            // Nobody else fills it.
-            let _ = self.finer.set(meshes);
-        }
-        let Some([half, whole]) = self.finer.get() else { return Ok(f64::NAN) };
+        let [half, whole] = match self.finer.get() {
+            Some(meshes) => meshes,
+            None => {
+                let meshes = [setup.space(SPAN * n / 2)?, setup.space(SPAN * n)?];
+                self.finer.get_or_init(|| meshes)
+            }
+        };
         let half = run_cost(setup, half, answer.steps);
         let whole = run_cost(setup, whole, answer.steps);
         let [at_half, at_whole] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);

@@ -13,8 +13,8 @@ use fem::contact::{
 };
 use fem::norms::{ReferenceRun, step_errors};
 use run::sweep::{Runs, as_floors, floor_in};
+use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError};
-use scene::{Data, Norm};
 
 /// What the companions of a run show.
 pub struct Companions {
@@ -161,7 +161,7 @@ fn companions_beside(
     watch: &mut Observer<'_>,
 ) -> Result<Companions, SetupError> {
     let n = mesh.n;
-    let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    let on_mesh = setup.body.data.is_interpolated();
     let finest = run(setup, mesh, [steps, steps], None, watch)?;
     let (in_time, no_time) = split(time_companions(setup, mesh, steps));
     let (in_space, no_space) = match on_mesh {
