@@ -66,12 +66,12 @@ pub struct Answered {
     h: f64,
     k: f64,
     optimum: Option<Optimum>,
-    /// Over how many levels h and k are extrapolated, where they are beyond the grid.
+    /// How many times n and N exceed the largest that were run, where they do.
     extrapolates: Option<String>,
 }
 
 impl Answered {
-    /// Of a study whose runs are in `bench`.
+    /// The cheapest run whose predicted error is at most `target`, for a study whose runs are in `bench`.
     ///
     /// # Errors
     /// [`AnswerError`].

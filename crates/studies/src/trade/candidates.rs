@@ -21,7 +21,7 @@ pub struct Candidates<'a> {
     subject: Subject,
     /// Whether n and N must divide those of the scene's reference run.
     beside_reference: bool,
-    /// Whether (3.4) and solvability leave a number of steps, and its largest step: asked once for each.
+    /// Whether N steps satisfy (3.4) and solvability, and the largest step: worked out once for each N.
     safe: RefCell<HashMap<u32, bool>>,
     largest: RefCell<HashMap<u32, f64>>,
 }
@@ -42,7 +42,7 @@ impl<'a> Candidates<'a> {
         self.setup.body.domain.h(n)
     }
 
-    /// The largest step of N steps.
+    /// The largest time step of N.
     pub(crate) fn k(&self, steps: u32) -> f64 {
         let largest = || self.setup.grid(steps).largest_step();
         *self.largest.borrow_mut().entry(steps).or_insert_with(largest)

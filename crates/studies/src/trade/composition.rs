@@ -64,7 +64,7 @@ impl Composition {
     }
 }
 
-/// The f_i.
+/// The f_i at (h, k).
 fn features(dimension: usize, horizon: f64, h: f64, k: f64) -> [f64; PARTS] {
     let (cells, levels) = (h.powi(-(dimension as i32)), horizon / k + 1.0);
     let operations = h.powi(-3 * (dimension as i32 - 1));

@@ -152,7 +152,6 @@ fn trial(trial: &Trial) -> Vec<Run> {
     cells
 }
 
-/// Who wins, and the cheapest runs of both.
 fn at_equal_error(document: &mut StudyDocument, rival: &Rival) {
     document.words(format!("{}.", rival.words));
     let run = |answer: &Answer, beyond: bool| {

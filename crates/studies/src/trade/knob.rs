@@ -71,7 +71,7 @@ impl Knob {
     }
 }
 
-/// The knobs of a scene beside h and k. What it lacks it does not offer.
+/// The knobs of a scene beside h and k, without those of parts that it lacks.
 pub fn knobs(setup: &Setup) -> Vec<Knob> {
     let (body, d, element) = (&setup.body, setup.scene.dimension, setup.body.element);
     let projected = setup.projection_mu() > 0.0;
@@ -121,7 +121,7 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
 }
 
 impl Knob {
-    /// Whether a run of so many steps is another one with this knob turned: short sums over the past are direct anyway.
+    /// Whether the knob changes a run of so many steps: short sums over the past are direct anyway.
     pub(crate) fn matters(self, setup: &Setup, steps: u32) -> bool {
         let kernels = || setup.model.memory.iter().map(|term| &term.kernel);
         let long = |error| steps as usize >= FastConvolution::foreseen_from(error);
@@ -222,8 +222,8 @@ impl Variant {
     }
 }
 
-/// The rule of a degree: 1 and 2 are the centroid and the rule of d + 1 points; the degrees of the usual rules (4, in
-/// space 5) and of the next ones (6) are theirs.
+/// The rule of a degree: the centroid for 1, d + 1 points for 2, else the usual rule (of degree 4, in space 5) or the next
+/// stronger one (6).
 fn load_rule(dimension: usize, degree: u32) -> Rule {
     let corners = dimension + 1;
     match degree {

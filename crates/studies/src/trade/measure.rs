@@ -27,7 +27,7 @@ pub struct Bench {
     pub plain: Variant,
     /// The norm of the errors.
     pub norm: Norm,
-    /// Runs for the clock.
+    /// How often each run is timed.
     pub repeats: u32,
     reference: Option<Arc<ReferenceRun>>,
     /// By element and n, the truth by the rules of the scene with that element.
@@ -72,7 +72,7 @@ impl Bench {
         if variant.is_element() { &variant.setup } else { &self.plain.setup }
     }
 
-    /// Runs in rounds, the first the one that the others are compared with; and for each its times, or why it failed.
+    /// Times all cases in rounds, to compare them with the first; for each its times, or why it failed.
     pub(super) fn rounds(&self, cases: &[Case<'_>]) -> (Rounds, Vec<Result<Vec<Timed>, String>>) {
         let mut all: Vec<Result<Vec<Timed>, String>> = vec![Ok(Vec::new()); cases.len()];
         let rounds = Rounds::run(cases.len(), self.repeats.max(1) as usize, |run| {
@@ -152,7 +152,7 @@ impl Bench {
         let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
         let info = variant.march(&data, steps, &mut |_| Ok(())).map_err(|e| e.to_string())?;
         let seconds = clock.elapsed().as_secs_f64();
-        // A share of the wall is one of the CPU time, wherever the thread had to wait.
+        // The share is one of wall time, since the thread may have waited in between.
         let load_share = info.seconds_load / wall.elapsed().as_secs_f64();
         Ok((Timed { seconds, load_share }, data))
     }
@@ -170,7 +170,7 @@ impl Bench {
         self.judged(variant, &data, (n, steps), &times)
     }
 
-    /// What a run on this mesh costs by its times, with its error.
+    /// The cost of a run on this mesh, by `times`, with the error of a run that is not timed.
     fn judged(
         &mut self,
         variant: &Variant,
@@ -235,7 +235,7 @@ impl Bench {
     }
 
     /// (4 u_k - u_2k)/3 of two runs that were made, `coarse` with 2k; its error in the V norm at the times of both, and
-    /// the time of both. None where one of them has no row.
+    /// the CPU time of both. None where one of them has no row.
     pub(crate) fn extrapolated(&self, fine: &Trial, coarse: &Trial) -> Option<Trial> {
         let (cheap, dear) = (coarse.done()?, fine.done()?);
         let element = self.plain.element();

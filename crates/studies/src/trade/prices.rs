@@ -62,12 +62,11 @@ impl Price {
         Ratio { value: self.speed, interval: self.range }.shows()
     }
 
-    /// Whether neither time nor error is another one.
+    /// Whether neither time nor error changes.
     pub(super) fn is_tie(&self) -> bool {
         self.failure.is_none() && !self.shows() && self.error.abs() <= TIE
     }
 
-    /// The price in words.
     fn sentence(&self) -> String {
         let place = format!("n = {}, N = {}", self.n, self.steps);
         if let Some(reason) = &self.failure {
@@ -94,7 +93,6 @@ impl Price {
     }
 }
 
-/// What becomes of the error.
 fn errors(change: f64) -> String {
     match percent(change) {
         none if none == "0 %" => "same error".to_owned(),

@@ -49,7 +49,7 @@ pub(super) struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// Of the rows with a knob; none without both models.
+    /// The models of the rows with a knob; none unless both were fitted.
     pub(super) fn new(models: &'a Models, knob: Knob, trials: &[Trial]) -> Option<Self> {
         let (error, cost) = models.both()?;
         let name = knob.name();

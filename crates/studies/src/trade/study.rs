@@ -26,7 +26,7 @@ pub struct TradeRuns {
 }
 
 impl TradeRuns {
-    /// The scene as written, and with each knob turned that is offered; of the other elements those of the plan.
+    /// The scene as written, then with each of its knobs turned; other elements only as planned.
     fn variants(&self, plain: Variant) -> Result<Vec<Variant>, SetupError> {
         let scene = plain.setup.scene.clone();
         let planned = |element| self.elements.iter().any(|(listed, _)| *listed == element);
@@ -66,7 +66,7 @@ pub enum TradeError {
     },
 }
 
-/// Hears of each run.
+/// Called with each row as soon as it is known.
 pub(crate) type Heard<'a> = dyn FnMut(&Trial) + 'a;
 
 /// A power s of k = c h^s, with the exponents by which cost grows as the error falls on such a path.
@@ -236,14 +236,14 @@ fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> + Clone {
 /// Runs at which knobs are turned: the largest that the budget bears `runs` times, the one with the next coarser mesh and
 /// the same steps, and the one with the fewest steps on the same mesh, to see on what a price depends.
 ///
-/// Which is the largest is a matter of cells and steps: short runs swap their seconds.
+/// The largest is that of most cells and steps: the seconds of short runs depend on chance.
 fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u32; 2]> {
     let done = |trial: &&Trial| trial.done().is_some();
     let seconds = |trial: &Trial| trial.done().map_or(f64::INFINITY, |run| run.seconds);
     // The others cost less than the first.
     let borne = |trial: &&Trial| 3.0 * f64::from(runs) * seconds(trial) <= budget;
     let size = |trial: &Trial| f64::from(trial.n).powi(dimension as i32) * f64::from(trial.steps);
-    // Of two the one with more steps: others have fewer.
+    // Of equal ones that with more steps, so that there are fewer steps to compare with.
     let by_size = |a: &&Trial, b: &&Trial| size(a).total_cmp(&size(b)).then(a.steps.cmp(&b.steps));
     let first = plain(trials).filter(done).filter(borne).max_by(by_size);
     let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_size)) else {
@@ -299,7 +299,7 @@ mod tests {
         trial(&Knob::AsWritten.name(), [n, steps], 1.0, seconds)
     }
 
-    /// The clock may say that the run with the fewest steps took longest; three places it must be.
+    /// Even where the run with the fewest steps took longest there are three places.
     #[test]
     fn knobs_are_turned_at_the_same_places_whatever_the_clock_says() {
         let expected = vec![[8, 4], [4, 4], [8, 2]];

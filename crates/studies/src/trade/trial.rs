@@ -29,7 +29,7 @@ pub struct Trial {
     pub tie: bool,
     /// No other run is as good in time and error, and better in one beyond a tie.
     pub front: bool,
-    /// Nor in time, error and memory.
+    /// No other run is as good in time, error and memory, and better in one beyond a tie.
     pub front_memory: bool,
     /// The run, or why there is none.
     #[serde(flatten, serialize_with = "ended")]
@@ -46,7 +46,7 @@ pub struct Outcome {
     /// CPU seconds of the thread, the least of all repeats: mesh, analysis, loads and march.
     #[serde(rename = "cpu_seconds")]
     pub seconds: f64,
-    /// The most of them.
+    /// The most of all repeats.
     #[serde(rename = "cpu_slowest")]
     pub slowest: f64,
     /// How often it was run.
@@ -87,12 +87,11 @@ pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
     let flat: Vec<(f64, f64)> =
         places.iter().map(|&[seconds, _, error]| (seconds, error)).collect();
     front(&flat, TIE).into_iter().for_each(|i| trials[i].front = true);
-    // Who is best in two is not beaten in three.
+    // What is on the front in two is not beaten in three.
     front_of_three(&places, TIE).into_iter().for_each(|i| trials[i].front_memory = true);
     trials.iter_mut().for_each(|trial| trial.front_memory |= trial.front);
 }
 
-/// Columns of the table.
 const COLUMNS: [&str; 20] = [
     "scene",
     "knob",
@@ -181,7 +180,7 @@ impl Table {
         self.write(row)
     }
 
-    /// All rows anew: runs as written were timed beside the knobs as well, after their rows were written.
+    /// Writes all rows anew: runs as written are timed again beside the knobs, after their rows were written.
     ///
     /// # Errors
     /// The file system's.
@@ -278,7 +277,7 @@ mod tests {
             table.append(&row).expect("a row");
             rows.push(row);
         }
-        // Written anew it is the same.
+        // Rewriting changes nothing.
         let text = std::fs::read(&path).expect("a table");
         table.rewrite(&rows).expect("rows");
         assert_eq!(std::fs::read(&path).expect("a table"), text);

@@ -5,7 +5,7 @@ use super::rounds::Rounds;
 use super::trial::TableError;
 use super::{Knob, Price, Trial, Variant};
 
-/// Takes a row to the others and to the table.
+/// Adds a row to the others and to the table.
 type Keep<'a> = dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), TableError> + 'a;
 
 /// A run beside the one as written.

@@ -21,11 +21,11 @@ const SPAN: u32 = 4;
 /// No pair is proposed with more than so many times the n or N of the run: twice the span of the companions, on
 /// logarithms. Farther off half an order of doubt is more than a factor 4.
 const REACH: u32 = 16;
-/// An order so far above what elements and rule can have is one of coarse companions: the half that is admitted around
-/// an order, and another one as in [`super::Part::of`].
+/// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
+/// that is admitted around an order, and another one as in [`super::Part::of`].
 const ABOVE: f64 = 1.0;
-/// A choice that does not fit into memory is followed by smaller n, each by the bytes of the one before; memory grows
-/// a little faster than cells, and a few rounds make up for that.
+/// Attempts to find an n that fits into memory, each from the bytes of the one before: memory grows a little faster than
+/// cells, and a few attempts make up for that.
 const ROUNDS: usize = 12;
 
 /// What is wanted of which run.
@@ -87,7 +87,7 @@ pub struct Advice {
     pub target: f64,
     /// The cheapest pair whose predicted error is the target or less.
     pub choice: Advised,
-    /// The cheapest pair at which the upper end of the interval is, or why there is none.
+    /// The cheapest pair at which the upper end of the interval is the target or less, or why there is none.
     pub cautious: Result<Advised, NoAdvice>,
     /// Where the seconds come from.
     pub source: CostSource,
@@ -122,7 +122,7 @@ pub enum NoAdvice {
         /// What elements, rule or theorem allow.
         most: f64,
     },
-    /// Beyond what the run says anything of.
+    /// The error is too small to be predicted from this run.
     #[error(
         "no recommendation: an error of {target:.3e} is out of reach of this run: the least on n <= {n}, N <= {steps}, {REACH} times its own at most, is predicted to be {least:.3e}; start from a finer run"
     )]
@@ -139,7 +139,7 @@ pub enum NoAdvice {
     /// No whole numbers serve.
     #[error("no recommendation: {0}")]
     Answer(NoAnswer),
-    /// None of those that serve fits into memory.
+    /// No pair that has the error fits into memory.
     #[error(
         "no recommendation: an error of {target:.3e} asks for n = {n}, N = {steps}: {source}; no n that fits has it"
     )]
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
         self.estimate.at([h / h0, k / k0]).unwrap_or(nowhere)
     }
 
-    /// The cheapest pair that fits into memory and at which what `read` takes of error and interval is small enough.
+    /// The cheapest pair that fits into memory and at which `read`, of the error and its interval, is the target or less.
     fn advised(&self, read: &dyn Fn(f64, Interval) -> f64) -> Result<Advised, NoAdvice> {
         let mut most = self.most[0];
         let mut refused: Option<NoAdvice> = None;
@@ -339,7 +339,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Refuses an error that is not known, an order that is none, and a target at the floor of the solver.
+/// Refuses an unknown error, an order that is too high to be believed, and a target at the floor of the solver.
 fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAdvice> {
     let norm = goal.norm.name();
     let reasons = estimate.reasons();

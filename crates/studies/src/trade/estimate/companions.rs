@@ -74,7 +74,7 @@ pub struct NormDifferences {
 
 /// Levels of the coarsest companion in time that are compared at most, beside the last.
 const COMPARED: u32 = 64;
-/// Two times are the same within rounding.
+/// Times that differ by less than this part of T are the same, but for rounding.
 const SAME_TIME: f64 = 1e-9;
 
 /// A mesh with its loads, and the CPU seconds that it took.
@@ -92,7 +92,7 @@ impl Meshed {
     }
 }
 
-/// CPU seconds of a run: mesh, loads, and all else of the march.
+/// CPU seconds of a run: mesh, loads, and the rest of the march.
 #[derive(Clone, Copy)]
 struct Clock {
     mesh: f64,
@@ -122,8 +122,7 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
     companions_beside(setup, &Meshed::new(setup, n)?, steps, &mut |_| Ok(()))
 }
 
-/// The same, and the guaranteed bound of the error in space of the run itself, or why there is none: of one run, not of
-/// another one like it.
+/// [`companions`], and the guaranteed bound of the error in space of that very run, or why there is none.
 ///
 /// # Errors
 /// Of the run, and of a bound that the theorem covers.
@@ -153,7 +152,7 @@ pub fn companions_and_bound(
     Ok((found, bound))
 }
 
-/// `watch` sees every level of the run itself.
+/// [`companions`] on a mesh that is made; `watch` sees every level of the run itself.
 fn companions_beside(
     setup: &Setup,
     mesh: &Meshed,
@@ -214,8 +213,8 @@ fn companions_beside(
     })
 }
 
-/// The runs of [`companions`], the finest of which is the run itself: beside it, the levels of that and of two companions
-/// that are compared, u and σ of each twice over.
+/// The run of [`companions`] with the memory that it takes: beside the run, the compared levels of it and of two
+/// companions, with u and σ held twice.
 pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
     let beside = move |space: &Discretization, _| {
         let d = space.mesh.dimension;
@@ -234,7 +233,7 @@ fn split<T>(outcome: Result<T, String>) -> (Option<T>, Option<String>) {
     }
 }
 
-/// Half and a quarter of the steps on the same mesh.
+/// The runs with N/2 and N/4 steps on the same mesh.
 fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2], String> {
     if !steps.is_multiple_of(4) {
         return Err(format!("N = {steps} is no multiple of 4"));
@@ -251,7 +250,7 @@ fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2],
     Ok([companion(steps / 2)?, companion(steps / 4)?])
 }
 
-/// Half and a quarter of the cells per unit length with the same steps, each beside the finer run.
+/// The runs on n/2 and n/4 with the same steps, each compared with the run on the next finer mesh.
 fn space_companions(setup: &Setup, n: u32, steps: u32, finest: &Run) -> Result<[Run; 2], String> {
     if !n.is_multiple_of(4) {
         return Err(format!("n = {n} is no multiple of 4"));
@@ -273,7 +272,8 @@ fn space_companions(setup: &Setup, n: u32, steps: u32, finest: &Run) -> Result<[
 }
 
 impl Run {
-    /// The seconds of this run alone. Loads are those of the first run on a mesh, a level: companions may find them there.
+    /// The seconds of this run as if it were alone. On the mesh of `first` a level's loads cost what they cost `first`:
+    /// companions may find them made.
     fn alone(&self, first: &Self) -> RunTime {
         let levels = |run: &Self| f64::from(run.steps + 1);
         let Clock { mesh, load, march } = self.clock;
@@ -285,7 +285,7 @@ impl Run {
     }
 }
 
-/// One run, kept at the times of N/4 steps (thinned), N being the steps of the finest one.
+/// A run whose levels are kept at the times of N/4 steps (thinned), N = `finest`; `finer` is what it is compared with.
 fn run(
     setup: &Setup,
     mesh: &Meshed,
@@ -350,7 +350,7 @@ fn timed(
         outcome
     })?;
     let taken = clock.elapsed().as_secs_f64();
-    // A share of the wall is one of the CPU time, wherever the thread had to wait.
+    // The share is one of wall time, since the thread may have waited in between.
     let load = taken * (info.seconds_load / wall.elapsed().as_secs_f64()).min(1.0);
     let march = (taken - keeping.as_secs_f64() - load).max(0.0);
     Ok((info, Clock { mesh: mesh.seconds, load, march }))

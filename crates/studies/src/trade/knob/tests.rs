@@ -156,9 +156,9 @@ fn linear_solves_of_any_kind_have_the_same_solution_and_are_really_others() {
     });
     let [(_, loose), (_, strict), (single, _), (double, _)] = solves;
     assert!(loose < strict, "{loose} and {strict} passes");
-    // Iterations may be as many; the last bits are others.
+    // The numbers of iterations may agree; the last bits differ.
     assert!(single != double);
-    // So few unknowns have factors in double precision as they are.
+    // With so few unknowns factors are in double precision as written.
     assert_eq!(double, as_written);
 }
 
