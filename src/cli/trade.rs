@@ -17,7 +17,7 @@ use scene::setup::Setup;
 use scene::{Extension, Norm, Scene};
 use studies::trade::{
     Answered, Bench, Knob, Study, Table, TradeRuns, Trial, Variant, admit_trade, element_meshes,
-    held, knobs, own_grid,
+    held, knobs, scene_grid,
 };
 
 /// `sweep trade`.
@@ -204,7 +204,7 @@ impl TradeCommand {
         }
         let default_grid = match (&self.n, &self.steps) {
             (Some(_), Some(_)) => [Vec::new(), Vec::new()],
-            _ => own_grid(plain, self.repeats + 1, self.budget)?,
+            _ => scene_grid(plain, self.repeats + 1, self.budget)?,
         };
         let listed = |given: &Option<Vec<u32>>, defaults: &Vec<u32>| {
             let mut list = given.clone().unwrap_or_else(|| defaults.clone());

@@ -187,9 +187,9 @@ mod tests {
         write_named(&link, b"new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&file).unwrap(), b"new");
-        replace_file(&link, b"own").unwrap();
+        replace_file(&link, b"put").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_file());
-        assert_eq!([fs::read(&file).unwrap(), fs::read(&link).unwrap()], [b"new", b"own"]);
+        assert_eq!([fs::read(&file).unwrap(), fs::read(&link).unwrap()], [b"new", b"put"]);
         fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -50,6 +50,11 @@ pub enum Data {
 }
 
 impl Data {
+    /// Whether u is in V^h: the nodal interpolant of a formula on each mesh, so that another mesh is another problem.
+    pub fn is_interpolated(&self) -> bool {
+        matches!(self, Self::Exact { interpolated: true, .. })
+    }
+
     pub(super) fn validate(
         reading: &mut Reading,
         file: &written::File,

@@ -59,7 +59,7 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
 
 /// Further restrictions of nonconforming elements.
 fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
-    if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
+    if parts.data.is_interpolated() {
         let message =
             "interpolated = true takes an interpolant of u in V, and V^h of CR is not in V";
         return Some([message, "remove `interpolated`, or take P1 or P2"]);

@@ -65,7 +65,7 @@ impl Scene {
         command: &str,
         why: &str,
     ) -> Result<(), SceneError> {
-        let asked = |own: &Extension| Some((own.way_out(), own.asked_by(self)?));
+        let asked = |extension: &Extension| Some((extension.way_out(), extension.asked_by(self)?));
         match extensions.iter().find_map(asked) {
             None => Ok(()),
             Some((way_out, (key, what))) => {

@@ -39,7 +39,7 @@ impl Discretization {
         for jump in &self.jumps {
             let share = self.penalty(law, jump) * jump.at_a_corner::<D>();
             let on_w = Jump::at_corners(&jump.of::<D>(v));
-            jump.add(&on_w.map(|own| own.map(|f| share * f)), |sign| sign, force);
+            jump.add(&on_w.map(|at_corner| at_corner.map(|f| share * f)), |sign| sign, force);
         }
     }
 
@@ -53,7 +53,7 @@ impl Discretization {
         for jump in &self.jumps {
             let share = self.penalty(law, jump) * jump.at_a_corner::<D>();
             let on_w = Jump::terms_at_corners(&jump.terms::<D>(v));
-            jump.add(&on_w.map(|own| own.map(|f| share * f)), f64::abs, sums);
+            jump.add(&on_w.map(|at_corner| at_corner.map(|f| share * f)), f64::abs, sums);
         }
     }
 
@@ -87,7 +87,7 @@ impl Discretization {
         }
     }
 
-    /// Σ_F (1/h_F) ∫_F |Σ_i γ(𝒞_i) ⟦v_i⟧|²: what the penalties of several tensors, each at its own nodal vector, are besides
+    /// Σ_F (1/h_F) ∫_F |Σ_i γ(𝒞_i) ⟦v_i⟧|²: what the penalties of several tensors, each at a nodal vector v_i, add to
     /// ‖Σ_i 𝒞_i ε(v_i)‖².
     pub fn jump_stress_square<'a>(
         &self,
@@ -116,8 +116,8 @@ impl Discretization {
             let mut sum = [[0.0; D]; D];
             for (law, v) in terms.clone() {
                 let weight = law.map_or(1.0, |law| self.penalty(law, jump));
-                let own = jump.of::<D>(v);
-                let pairs = sum.as_flattened_mut().iter_mut().zip(own.as_flattened());
+                let at_corners = jump.of::<D>(v);
+                let pairs = sum.as_flattened_mut().iter_mut().zip(at_corners.as_flattened());
                 pairs.for_each(|(sum, j)| *sum += weight * j);
             }
             let squares: f64 = sum.as_flattened().iter().map(|j| j * j).sum();

@@ -41,8 +41,8 @@ fn add_terms<const D: usize, const S: usize>(
         let columns = &mut columns[..at.gradients.len()];
         strain_columns::<D, S>(at.gradients, columns);
         let mut strain = [0.0; S];
-        let own = at.nodes.iter().flat_map(|&node| &v[D * node as usize..][..D]);
-        for (column, v) in columns.iter().zip(own) {
+        let at_nodes = at.nodes.iter().flat_map(|&node| &v[D * node as usize..][..D]);
+        for (column, v) in columns.iter().zip(at_nodes) {
             strain.iter_mut().zip(column).for_each(|(sum, b)| *sum += (b * v).abs());
         }
         let matrix = law.on(space.region(at.cell)).matrix::<S>();

@@ -387,8 +387,8 @@ mod tests {
         // Euler: edges of a disc.
         assert_eq!(mesh.vertices() - vertices, vertices + cells - 1);
         assert_eq!((places.cells.len(), places.facets.len()), (6 * cells, 3 * facets));
-        for own in places.facets.chunks_exact(3) {
-            assert_eq!(mesh.point(&own[..2], &[0.5, 0.5]), mesh.point(&own[2..], &[1.0]));
+        for nodes in places.facets.chunks_exact(3) {
+            assert_eq!(mesh.point(&nodes[..2], &[0.5, 0.5]), mesh.point(&nodes[2..], &[1.0]));
         }
         let mut mesh = cuboid([1.0; 3], 2, Family::Structured);
         let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());

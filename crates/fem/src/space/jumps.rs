@@ -42,14 +42,14 @@ impl Jump {
 
     /// Σ w - d w_q at all corners q: a symmetric matrix, so that it also takes what acts on jumps at corners to what acts on w.
     pub(crate) fn at_corners<const D: usize>(w: &[[f64; D]; D]) -> [[f64; D]; D] {
-        let sum: [f64; D] = std::array::from_fn(|i| w.iter().map(|own| own[i]).sum());
-        w.map(|own| std::array::from_fn(|i| sum[i] - D as f64 * own[i]))
+        let sum: [f64; D] = std::array::from_fn(|i| w.iter().map(|w_q| w_q[i]).sum());
+        w.map(|w_q| std::array::from_fn(|i| sum[i] - D as f64 * w_q[i]))
     }
 
     /// The same with the absolute values of the matrix, 1 and d - 1.
     pub(crate) fn terms_at_corners<const D: usize>(w: &[[f64; D]; D]) -> [[f64; D]; D] {
-        let sum: [f64; D] = std::array::from_fn(|i| w.iter().map(|own| own[i]).sum());
-        w.map(|own| std::array::from_fn(|i| sum[i] + (D - 2) as f64 * own[i]))
+        let sum: [f64; D] = std::array::from_fn(|i| w.iter().map(|w_q| w_q[i]).sum());
+        w.map(|w_q| std::array::from_fn(|i| sum[i] + (D - 2) as f64 * w_q[i]))
     }
 
     /// w by the corners that its nodes are opposite to, from functions of signs and values.
@@ -62,8 +62,8 @@ impl Jump {
     ) -> [[f64; D]; D] {
         let mut apart = [[0.0; D]; D];
         for (a, (&node, count)) in self.nodes(D).iter().zip(self.signs).enumerate() {
-            let own = &v[D * node as usize..][..D];
-            apart[a % D].iter_mut().zip(own).for_each(|(w, v)| *w += sign(count) * value(*v));
+            let at_node = &v[D * node as usize..][..D];
+            apart[a % D].iter_mut().zip(at_node).for_each(|(w, v)| *w += sign(count) * value(*v));
         }
         apart
     }
@@ -78,7 +78,7 @@ impl Jump {
     ) {
         for (a, (&node, count)) in self.nodes(D).iter().zip(self.signs).enumerate() {
             let target = out[D * node as usize..][..D].iter_mut();
-            target.zip(on_w[a % D]).for_each(|(target, own)| *target += sign(count) * own);
+            target.zip(on_w[a % D]).for_each(|(target, value)| *target += sign(count) * value);
         }
     }
 
@@ -129,10 +129,10 @@ fn between(mesh: &Mesh, one: &Side, other: &Side, sign: f64) -> Jump {
 
 /// That of node a of cell c.
 fn side(mesh: &Mesh, element: Element, nodes: &Nodes, c: usize, a: usize) -> Side {
-    let (cell, own) = (mesh.cell(c), nodes.of_cell(c));
+    let (cell, of_cell) = (mesh.cell(c), nodes.of_cell(c));
     let opposite = |a: usize| cell[element.opposite(a, mesh.dimension)];
     let mut others: Vec<(u32, u32)> =
-        (0..own.len()).filter(|&b| b != a).map(|b| (opposite(b), own[b])).collect();
+        (0..of_cell.len()).filter(|&b| b != a).map(|b| (opposite(b), of_cell[b])).collect();
     others.sort_unstable();
     let (corners, nodes) = others.into_iter().unzip();
     Side { cell: c as u32, corners, nodes }
@@ -151,8 +151,8 @@ mod tests {
         let matrix = nalgebra::DMatrix::from_fn(d + 1, d + 1, entry);
         let right = nalgebra::DVector::from_fn(d + 1, |row, _| if row == d { 1.0 } else { x[row] });
         let b = matrix.lu().solve(&right).expect("a cell");
-        let own = nodes.of_cell(c).iter().zip(Element::CR.values(b.as_slice()));
-        own.map(|(&node, s)| s * v[d * node as usize + i]).sum()
+        let shapes = nodes.of_cell(c).iter().zip(Element::CR.values(b.as_slice()));
+        shapes.map(|(&node, s)| s * v[d * node as usize + i]).sum()
     }
 
     /// The facets between cells and on a side, each once, with its cells.
@@ -168,8 +168,8 @@ mod tests {
         }
         let on_side = |facet: &[u32]| {
             let sides = [side];
-            let mut own = mesh.facets_on(&sides);
-            own.any(|f| mesh.facet(f).iter().all(|v| facet.contains(v)))
+            let mut on_sides = mesh.facets_on(&sides);
+            on_sides.any(|f| mesh.facet(f).iter().all(|v| facet.contains(v)))
         };
         found.into_iter().filter(|(facet, cells)| cells.len() == 2 || on_side(facet)).collect()
     }

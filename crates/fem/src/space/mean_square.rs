@@ -22,7 +22,7 @@ impl MeanSquare {
             let product = |a: &[f64; D], b: &[f64; D]| (0..D).map(|i| a[i] * b[i]).sum::<f64>();
             let row =
                 |a, row: &[f64]| v.iter().zip(row).map(|(b, m)| m * product(a, b)).sum::<f64>();
-            return measure * rows.map(|(a, own)| row(a, own)).sum::<f64>();
+            return measure * rows.map(|(a, masses)| row(a, masses)).sum::<f64>();
         }
         // Corners of a triangle as a constant: loops are unrolled.
         match v.first_chunk::<3>().filter(|_| v.len() == 3) {

@@ -48,7 +48,7 @@ use fem::contact::Discretization;
 use fem::space::Element;
 use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
-use scene::{Data, Direction, Hypothesis, MeshFamily, Norm};
+use scene::{Direction, Hypothesis, MeshFamily, Norm};
 
 /// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
 /// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
@@ -153,7 +153,7 @@ fn in_time_direction(
     known: &mut InTime,
 ) -> Result<LeadingErrors, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    let interpolated = setup.body.data.is_interpolated();
     // A reference of M times the steps has M^-order of the error.
     let share = match measured.norm {
         Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => {

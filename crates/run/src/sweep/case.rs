@@ -200,7 +200,8 @@ pub fn floor_in(floors: &Floors, norm: Norm) -> f64 {
     }
 }
 
-pub(super) fn scene_reference(setup: &Setup) -> Option<Reference> {
+/// The reference run that errors are measured against; none where there is an exact solution.
+pub fn scene_reference(setup: &Setup) -> Option<Reference> {
     let sweep = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
     sweep.and_then(|sweep| sweep.reference)
 }

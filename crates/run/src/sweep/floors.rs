@@ -15,7 +15,7 @@ use fem::contact::{CaseError, CaseInfo, Floors, LevelFields, LoadError, strain_d
 use fem::norms::step_errors;
 use fem::space::quadrature::TruthRules;
 use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, SetupError, reference_run};
-use scene::{Data, Norm, Reference};
+use scene::{Norm, Reference};
 use vhi::finite::{FiniteError, march};
 use vhi::{Newton, Polished, StepSolver};
 
@@ -127,7 +127,7 @@ pub fn contact_floors(
     if let Some(direct) = direct {
         parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
     }
-    if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+    if setup.body.data.is_interpolated() {
         // Nothing is integrated: the fields are in V^h.
         parts.retain(|(part, ..)| !matches!(part, FloorPart::Load | FloorPart::Error));
     }

@@ -97,7 +97,7 @@ impl MeshData {
     pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
         let known = self.rule_check.get_or_init(|| {
             let remainders = self.with_remainders(setup);
-            let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+            let interpolated = setup.body.data.is_interpolated();
             if interpolated && remainders.is_none() {
                 return Ok(RuleCheck::default());
             }

@@ -22,9 +22,7 @@ fn covered_scenes() -> Vec<Setup> {
     let registry = registry();
     let known = registry.names().filter_map(setup);
     let covered = known.filter(|setup| setup.exact.is_some() && covered(setup).is_ok());
-    covered
-        .filter(|setup| !matches!(&setup.body.data, scene::Data::Exact { interpolated: true, .. }))
-        .collect()
+    covered.filter(|setup| !setup.body.data.is_interpolated()).collect()
 }
 
 fn run(setup: &Setup, data: &MeshData, steps: u32) -> Vec<Vec<f64>> {

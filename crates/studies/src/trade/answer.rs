@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::as_json;
+use super::candidates::finest;
 use super::resource::megabytes;
 use super::rival::Known;
 use super::{
@@ -65,12 +66,12 @@ pub struct Answered {
     h: f64,
     k: f64,
     optimum: Option<Optimum>,
-    /// Over how many levels h and k are extrapolated, where they are beyond the grid.
+    /// How many times n and N exceed the largest that were run, where they do.
     extrapolates: Option<String>,
 }
 
 impl Answered {
-    /// Of a study whose runs are in `bench`.
+    /// The cheapest run whose predicted error is at most `target`, for a study whose runs are in `bench`.
     ///
     /// # Errors
     /// [`AnswerError`].
@@ -87,15 +88,12 @@ impl Answered {
         if target <= FLOORS_ABOVE * floor {
             return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
         }
-        let reference = setup.scene.sweep.as_ref().and_then(|sweep| sweep.reference);
-        let reference = reference.filter(|_| setup.exact.is_none());
-        // A run as fine as the reference has no error against it.
-        let most = reference.map_or(MOST, |r| [r.n as u32 / 2, r.steps as u32 / 2]);
-        let own = Candidates::new(setup, true)?;
+        let most = finest(setup).unwrap_or(MOST);
+        let candidates = Candidates::new(setup, true)?;
         if plan.n.is_empty() || plan.steps.is_empty() {
             return Err(AnswerError::NothingRun);
         }
-        let by = |known: &Known<'_>, target: f64| known.cheapest(&own, most, target);
+        let by = |known: &Known<'_>, target: f64| known.cheapest(&candidates, most, target);
         let as_written = by(&plain, target).and_then(|mut choice| {
             let (knob, factors) = best_knob(setup, study, choice);
             let inner = target / factors[1].max(1.0);
@@ -106,17 +104,18 @@ impl Answered {
             choice.error *= factors[1];
             Ok((&plain, knob, choice, inner))
         });
-        let rivals = study.elements.iter().map(|own| known(study, &own.models, own.knob));
+        let rivals = study.elements.iter().map(|rival| known(study, &rival.models, rival.knob));
         let rivals: Vec<Known<'_>> = rivals.filter_map(Result::ok).collect();
-        let others =
-            rivals.iter().filter_map(|own| Some((own, own.knob, by(own, target).ok()?, target)));
+        let others = rivals
+            .iter()
+            .filter_map(|rival| Some((rival, rival.knob, by(rival, target).ok()?, target)));
         let all = as_written.iter().copied().chain(others);
         let best = all.min_by(|a, b| a.2.seconds.total_cmp(&b.2.seconds));
         let Some((known, knob, choice, inner)) = best else {
             return Err(as_written.err().map_or(AnswerError::NothingRun, AnswerError::NoAnswer));
         };
         let variant = Variant::new(&setup.scene, knob)?.ok_or(AnswerError::NothingRun)?;
-        let setup = if variant.is_element() { &variant.setup } else { setup };
+        let setup = bench.judging(&variant);
         // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
         admit_run(setup, None, (choice.n, choice.steps), limit)
             .map_err(|source| AnswerError::Memory { n: choice.n, steps: choice.steps, source })?;
@@ -126,8 +125,8 @@ impl Answered {
             target,
             knob,
             bytes,
-            h: own.h(choice.n),
-            k: own.k(choice.steps),
+            h: candidates.h(choice.n),
+            k: candidates.k(choice.steps),
             optimum: optimum(known.error, known.cost, inner),
             extrapolates: known.beyond(&choice),
             choice,
@@ -178,17 +177,18 @@ fn known<'a>(study: &Study, models: &'a Models, knob: Knob) -> Result<Known<'a>,
 /// answer; it must save time wherever it was turned. Extrapolation in k is another scheme, and is left to the reader of the price list.
 fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
     let factors = |knob: Knob| -> Option<[f64; 2]> {
-        let own: Vec<_> = study.prices.iter().filter(|price| price.what == knob.name()).collect();
+        let prices: Vec<_> =
+            study.prices.iter().filter(|price| price.what == knob.name()).collect();
         let serves = |price: &&Price| {
             price.shows() && 1.0 / price.speed <= 1.0 - WORTH && price.error.abs() <= WORTH
         };
-        let all = !own.is_empty() && own.iter().all(serves);
+        let all = !prices.is_empty() && prices.iter().all(serves);
         all.then(|| {
             let away = |price: &Price| {
                 let ratio = |a: u32, b: u32| (f64::from(a) / f64::from(b)).ln().abs();
                 ratio(price.n, choice.n) + ratio(price.steps, choice.steps)
             };
-            let nearest = own.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            let nearest = prices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
             nearest.map_or([1.0; 2], |price| [1.0 / price.speed, 1.0 + price.error])
         })
     };

@@ -25,8 +25,8 @@ pub struct Composition {
 }
 
 impl Composition {
-    /// Least squares of the relative error over all non-negative c: the best of all choices of parts whose own least
-    /// squares have no negative one (the minimum has such a support). None without a choice that fits.
+    /// Least squares of the relative error over all non-negative c: the best of all choices of parts whose least
+    /// squares have no negative coefficient (the minimum has such a support). None without a choice that fits.
     pub(crate) fn fit(samples: &[CostSample], dimension: usize, horizon: f64) -> Option<Self> {
         let mut best: Option<(f64, [f64; PARTS])> = None;
         for chosen in 1u32..1 << PARTS {
@@ -64,7 +64,7 @@ impl Composition {
     }
 }
 
-/// The f_i.
+/// The f_i at (h, k).
 fn features(dimension: usize, horizon: f64, h: f64, k: f64) -> [f64; PARTS] {
     let (cells, levels) = (h.powi(-(dimension as i32)), horizon / k + 1.0);
     let operations = h.powi(-3 * (dimension as i32 - 1));
@@ -91,8 +91,8 @@ mod tests {
         let law = |h: f64, k: f64| 1e-3 + 2e-6 * h.powi(-2) * (1.0 / k + 1.0) + 3e-8 * h.powi(-3);
         let found = Composition::fit(&runs(law), 2, 1.0).expect("a composition");
         // Columns of five parts on twelve runs: some digits of 16 are lost.
-        for (own, part) in found.parts.iter().zip([1e-3, 0.0, 2e-6, 3e-8, 0.0]) {
-            assert!((own - part).abs() <= 1e-7 * part.max(1e-3), "{:?}", found.parts);
+        for (fitted, part) in found.parts.iter().zip([1e-3, 0.0, 2e-6, 3e-8, 0.0]) {
+            assert!((fitted - part).abs() <= 1e-7 * part.max(1e-3), "{:?}", found.parts);
         }
         let (h, k) = (1.0 / 256.0, 1.0 / 40.0);
         assert!((found.seconds(h, k) / law(h, k) - 1.0).abs() < 1e-3);

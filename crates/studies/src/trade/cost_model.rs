@@ -110,7 +110,7 @@ impl CostModel {
     }
 }
 
-/// log(t - t₀) on 1, -log h, -log k.
+/// Least squares of log(t - t₀) in 1, -log h, -log k; none where the runs do not determine them.
 fn plane(samples: &[CostSample], base: f64) -> Option<LinearFit> {
     let design = DMatrix::from_fn(samples.len(), 3, |row, column| match column {
         0 => 1.0,
@@ -118,7 +118,7 @@ fn plane(samples: &[CostSample], base: f64) -> Option<LinearFit> {
         _ => -samples[row].k.ln(),
     });
     let values = DVector::from_fn(samples.len(), |row, _| (samples[row].seconds - base).ln());
-    // A path is a plane on its edge: one of its columns is the others' sum but for rounding.
+    // On a path one column is a combination of the others but for rounding.
     let fit = linear_fit(design, &values)?;
     let sound = fit.coefficients.iter().chain(&fit.standard_errors).all(|x| x.abs() < LARGEST);
     sound.then_some(fit)

@@ -13,15 +13,15 @@ impl Study {
     /// The drawing library's.
     pub fn document(&self, answer: Option<&Answered>) -> Result<StudyDocument, ReportError> {
         let title = format!("Cost and error: {}", self.scene);
-        let mut own =
+        let mut document =
             StudyDocument::new(Chapter::Trade, title).of_scene(&self.scene, &self.fingerprint);
-        own.words(format!(
+        document.words(format!(
             "Errors in {}; the largest strain norm of the truth is {}.",
             self.norm.name(),
             digits(self.size, 5)
         ));
-        self.models(&mut own);
-        own.table(
+        self.models(&mut document);
+        document.table(
             "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
             &["what a knob changes"],
             self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
@@ -29,7 +29,7 @@ impl Study {
         let cost = |value: Option<f64>| {
             Run::plain(value.map_or("unknown".into(), |value| format!("E^-{value:.2}")))
         };
-        own.table(
+        document.table(
             "What an error E costs along k ~ h^s: by the models, and between the ends of the grid.",
             &[">s", ">models", ">measured"],
             self.paths
@@ -40,9 +40,9 @@ impl Study {
                 })
                 .collect(),
         );
-        self.elements.iter().for_each(|rival| at_equal_error(&mut own, rival));
-        self.extrapolated.iter().for_each(|found| extrapolated(&mut own, found));
-        own.table(
+        self.elements.iter().for_each(|rival| at_equal_error(&mut document, rival));
+        self.extrapolated.iter().for_each(|found| extrapolated(&mut document, found));
+        document.table(
             "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
             &[
                 "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
@@ -55,14 +55,14 @@ impl Study {
             ("trade-memory", "error against predicted memory", Resource::Memory),
         ] {
             let caption = format!("{shows}, with the Pareto front (sweep trade).");
-            own.figure(stem, &caption, self.svg(resource, answer)?);
+            document.figure(stem, &caption, self.svg(resource, answer)?);
         }
-        Ok(own)
+        Ok(document)
     }
 
-    fn models(&self, own: &mut StudyDocument) {
+    fn models(&self, document: &mut StudyDocument) {
         let models = &self.models;
-        own.words(match &models.error {
+        document.words(match &models.error {
             Ok(error) => format!(
                 "Error: {} and {} as {} ({}; off by {:.1} % at most).",
                 term("h", &error.space),
@@ -73,7 +73,7 @@ impl Study {
             ),
             Err(reason) => format!("Error: no model; the reason: {reason}."),
         });
-        own.words(match &models.cost {
+        document.words(match &models.cost {
             Ok(cost) => format!(
                 "Cost: t = {:.2e} s + {:.2e} s h^-a k^-b, a = {:.2} in {}, b = {:.2} in {} (off by {:.0} % at most).",
                 cost.base,
@@ -88,12 +88,12 @@ impl Study {
         });
         if let Some(sum) = &models.composition {
             let [constant, cell, level, factor, factors] = sum.parts;
-            own.words(format!(
+            document.words(format!(
                 "For predictions {constant:.1e} s + {cell:.1e} s a cell + {level:.1e} s a cell and level + {factor:.1e} s an operation of a factorization + {factors:.1e} s one and level (cells h^-d, operations h^-3(d-1))."
             ));
         }
         if let Some(path) = &self.coupling {
-            own.words(format!(
+            document.words(format!(
                 "Cheapest coupling: k = {:.3} h^{:.3}, where space has {:.0} % of the error (of its square, for root-sum-square); an error E costs E^-{:.2}.",
                 path.factor,
                 path.exponent,
@@ -152,9 +152,8 @@ fn trial(trial: &Trial) -> Vec<Run> {
     cells
 }
 
-/// Who wins, and the cheapest runs of both.
-fn at_equal_error(own: &mut StudyDocument, rival: &Rival) {
-    own.words(format!("{}.", rival.words));
+fn at_equal_error(document: &mut StudyDocument, rival: &Rival) {
+    document.words(format!("{}.", rival.words));
     let run = |answer: &Answer, beyond: bool| {
         let sign = if beyond { "*" } else { "" };
         format!("n = {}, N = {}, {:.2e} s{sign}", answer.n, answer.steps, answer.seconds)
@@ -172,7 +171,7 @@ fn at_equal_error(own: &mut StudyDocument, rival: &Rival) {
         ];
         cells.map(Run::plain).into()
     };
-    own.table(
+    document.table(
         format!(
             "{} at equal error: the cheapest runs by the models of error and cost; * finer than what was run.",
             rival.knob.name()
@@ -182,7 +181,7 @@ fn at_equal_error(own: &mut StudyDocument, rival: &Rival) {
     );
 }
 
-fn extrapolated(own: &mut StudyDocument, found: &Extrapolated) {
+fn extrapolated(document: &mut StudyDocument, found: &Extrapolated) {
     let [plain, better] = found.orders.map(|order| match order {
         Some(LastOrder { last, interval: Some(i) }) => format!("{last:.2} in {}", bracketed(i)),
         Some(LastOrder { last, interval: None }) => format!("{last:.2}"),
@@ -193,7 +192,7 @@ fn extrapolated(own: &mut StudyDocument, found: &Extrapolated) {
         [format!("{step:.6}"), format!("{plain:.3e}"), better].map(Run::plain).into()
     };
     let step = format!(">{}", found.step);
-    own.table(
+    document.table(
         format!("Extrapolated: {}; last order {plain}, extrapolated {better}.", found.what),
         &[&step, ">error", ">extrapolated"],
         found.rows.iter().map(row).collect(),

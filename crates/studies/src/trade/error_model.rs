@@ -140,8 +140,8 @@ fn line_of(points: &[Point], direction: Direction) -> Vec<Point> {
     points.iter().filter(|p| same_level(other(p), level)).copied().collect()
 }
 
-/// The order of the runs as they are, by least squares, which predicts steps beside theirs best; its interval is the
-/// range of orders by which it may go on.
+/// The term by least squares, which predicts steps near those of the runs best; its interval is the range of orders by
+/// which it may go on.
 fn term(samples: &[Sample]) -> Result<Term, String> {
     let (order, interval) = match samples.len() {
         // Two runs have an order and nothing that bounds it.

@@ -25,9 +25,10 @@ use judge::fit::{FLOORS_ABOVE, Interval};
 use scene::setup::Setup;
 use scene::{Direction, Norm, Prediction};
 
-/// Half of the width of the orders that are admitted around an observed one. A run on h ≤ 1/8 of the shipped scenes of
-/// P1 and P2 has local orders within 0.3 of their limit; a half leaves room for singular corners.
+/// Half of the width of the orders that are admitted around an observed one. On h ≤ 1/8 the shipped scenes with P1 and P2
+/// have local orders within 0.3 of their limit; a half leaves room for singular corners.
 const HALF: f64 = 0.5;
+
 /// How the errors of two refinements lie to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Alignment {
@@ -104,7 +105,7 @@ impl Part {
         }
         let near = theory.filter(|theory| (theory - order).abs() <= HALF);
         let orders = [order, order - HALF, order + HALF].into_iter();
-        // The last two agree with a theorem better than with each other's noise.
+        // A theorem's order that is near the observed one is the likelier of both.
         let orders = std::iter::once(near.unwrap_or(order)).chain(orders).chain(near);
         let read = |order: f64| {
             let values = factors(order, how).into_iter().map(move |factor| factor * fine);
@@ -142,12 +143,12 @@ impl Part {
         }
     }
 
-    /// Readings fall with orders within `limits` towards finer steps.
+    /// Keeps the orders of the readings towards finer steps within `limits`.
     fn limited(self, limits: Interval) -> Self {
         match self {
             Self::Known { order, readings, .. } => {
-                let finer = |own: Reading| own.finer.max(limits.lo).min(limits.hi);
-                let limit = |own: Reading| Reading { finer: finer(own), ..own };
+                let finer = |reading: Reading| reading.finer.max(limits.lo).min(limits.hi);
+                let limit = |reading: Reading| Reading { finer: finer(reading), ..reading };
                 let readings = readings.into_iter().map(limit).collect();
                 Self::Known { order, readings, most: limits.hi }
             }
@@ -207,8 +208,8 @@ fn theory(setup: &Setup, norm: Norm, variable: Direction) -> Option<&Prediction>
 
 /// Orders towards finer steps. The most is that of elements and rule (strains and stresses have the degree of the
 /// element, displacements one more; the trapezoidal rule k²), and no more than a theorem says, unless it says "at least".
-/// The least is zero without a theorem; with one, and an order that was observed within the half of it, twice as far below
-/// the theorem's as the observed one is away: the rule of `fit` for a drift, ± 2 |last - limit|.
+/// The least is zero, unless the observed order is within `HALF` of that of a theorem: then it is below the theorem's by
+/// twice their distance, the rule of `fit` for a drift, ± 2 |last - limit|.
 fn limits(part: &Part, scheme: f64, theory: Option<&Prediction>) -> Interval {
     let hi = theory.filter(|p| !p.at_least).map_or(scheme, |p| p.order.min(scheme));
     let away = theory.zip(part.order()).map(|(p, order)| (p.order, (p.order - order).abs()));
@@ -232,19 +233,19 @@ fn how(norm: Norm) -> Alignment {
 }
 
 /// The error of the run in one norm.
-pub fn norm_estimate(setup: &Setup, found: &Companions, own: &NormDifferences) -> Estimate {
+pub fn norm_estimate(setup: &Setup, found: &Companions, differences: &NormDifferences) -> Estimate {
     let [in_h, in_k] =
-        [Direction::H, Direction::K].map(|own_step| theory(setup, own.norm, own_step));
-    // An order that is promised as a least one says nothing of a higher one that is observed.
+        [Direction::H, Direction::K].map(|step| theory(setup, differences.norm, step));
+    // A theorem that says "at least" does not contradict a higher order that is observed.
     let exact = |theory: Option<&Prediction>| theory.filter(|p| !p.at_least).map(|p| p.order);
     let [no_space, no_time] = found.missing.clone().map(|missing| missing.map(Part::Unknown));
-    let space = match found.own_on_each_mesh {
+    let space = match found.on_mesh {
         true => Part::Below(0.0),
-        false => Part::of(own.space, own.floor, exact(in_h), how(own.norm)),
+        false => Part::of(differences.space, differences.floor, exact(in_h), how(differences.norm)),
     };
-    let time = Part::of(own.time, own.floor, exact(in_k), Alignment::Aligned);
+    let time = Part::of(differences.time, differences.floor, exact(in_k), Alignment::Aligned);
     let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
-    let [most_h, most_k] = of_scheme(setup, own.norm);
+    let [most_h, most_k] = of_scheme(setup, differences.norm);
     let [of_h, of_k] = [limits(&space, most_h, in_h), limits(&time, most_k, in_k)];
     Estimate { space: space.limited(of_h), time: time.limited(of_k) }
 }

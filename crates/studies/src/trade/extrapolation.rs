@@ -5,7 +5,6 @@ use super::measure::Bench;
 use super::{Knob, Study, Trial};
 use fem::contact::strain_norm;
 use judge::fit::{Interval, Level, Sample, infer, local_slopes};
-use scene::Data;
 use serde::Serialize;
 
 /// Errors by step, with and without extrapolation.
@@ -55,10 +54,10 @@ pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
     let name = Knob::Extrapolated.name();
     let n = study.trials.iter().filter(|t| t.knob == name).map(|t| t.n).max()?;
     let error = |trial: &Trial| trial.done().map(|run| run.error);
-    let rows = study.plain().filter(|trial| trial.n == n).filter_map(|own| {
+    let rows = study.plain().filter(|trial| trial.n == n).filter_map(|plain| {
         let other =
-            study.trials.iter().find(|t| t.knob == name && t.n == n && t.steps == own.steps);
-        Some((own.k, error(own)?, other.and_then(error)))
+            study.trials.iter().find(|t| t.knob == name && t.n == n && t.steps == plain.steps);
+        Some((plain.k, error(plain)?, other.and_then(error)))
     });
     let what = format!("(4 u_k - u_2k)/3 on n = {n}, V_max");
     Some(Extrapolated::new(what, "k", rows.collect()))
@@ -66,10 +65,10 @@ pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
 
 /// ‖ε(u_h(T))‖ by (4^p Q_h - Q_2h)/(4^p - 1) with the most steps: the discrete solutions of nested meshes are nearly
 /// orthogonal, so that Q has twice the degree p of the element as its order. The strain itself gains nothing: it is of
-/// lower degree on cells. None where each mesh has a solution of its own.
+/// lower degree on cells. None where the data depend on the mesh.
 pub(crate) fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
     let setup = &bench.plain.setup;
-    if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+    if setup.body.data.is_interpolated() {
         return None;
     }
     let steps = study.plain().map(|trial| trial.steps).max()?;
@@ -82,11 +81,11 @@ pub(crate) fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
         })
         .collect();
     let gain = 4f64.powi(setup.body.element.degree() as i32);
-    let row = |&(n, own, exact): &(u32, f64, f64)| {
+    let row = |&(n, fine, exact): &(u32, f64, f64)| {
         let coarse = values.iter().find(|(other, ..)| 2 * other == n);
         let better =
-            coarse.map(|(_, coarse, _)| ((gain * own - coarse) / (gain - 1.0) - exact).abs());
-        (setup.body.domain.h(n), (own - exact).abs(), better)
+            coarse.map(|(_, coarse, _)| ((gain * fine - coarse) / (gain - 1.0) - exact).abs());
+        (setup.body.domain.h(n), (fine - exact).abs(), better)
     };
     let what = format!("({gain} Q_h - Q_2h)/{} of Q = |eps(u(T))|, N = {steps}", gain - 1.0);
     let rows: Vec<_> = values.iter().map(row).collect();
@@ -98,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extrapolated_values_have_their_own_order() {
+    fn extrapolated_values_have_a_higher_order() {
         let rows = [4, 8, 16, 32].map(|steps| {
             let k = 1.0 / f64::from(steps);
             (k, k * k, (steps > 4).then(|| 3.0 * k.powi(4)))

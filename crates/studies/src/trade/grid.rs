@@ -3,13 +3,14 @@
 
 use std::collections::HashMap;
 
-use super::Variant;
+use super::candidates::finest;
+use super::{Candidates, Variant};
 use fem::space::Element;
 use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, PlanCost, Refused, ScenePlan, admit_plan,
 };
 use scene::Scene;
-use scene::setup::{SetupError, Subject, check_step_sizes};
+use scene::setup::{SetupError, Subject};
 
 /// Levels of each direction that orders need.
 const LEVELS: usize = 3;
@@ -18,26 +19,22 @@ const MOST: [usize; 2] = [4, 5];
 /// No mesh coarser than this, no fewer steps.
 const LEAST: [u32; 2] = [2, 2];
 
-/// The grid of a scene: its own lists, completed by halves (or doubles) up to three levels, and without its finest
+/// The grid of a scene: its lists, completed by halves (or doubles) up to three levels, and without its finest
 /// levels while the predicted seconds of all runs, `runs` per case, are above `budget`.
 ///
 /// # Errors
 /// The scene cannot be set up.
-pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
+pub fn scene_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
     let scene = &plain.setup.scene;
     let sweep = scene.sweep.as_ref();
     let list = |pick: fn(&scene::Sweep) -> &Vec<usize>, default: [usize; 3]| {
-        let own = sweep.map_or_else(|| default.to_vec(), |sweep| pick(sweep).clone());
-        own.into_iter().map(|value| value as u32).collect::<Vec<u32>>()
+        let listed = sweep.map_or_else(|| default.to_vec(), |sweep| pick(sweep).clone());
+        listed.into_iter().map(|value| value as u32).collect::<Vec<u32>>()
     };
-    let reference = sweep.and_then(|sweep| sweep.reference).filter(|_| plain.setup.exact.is_none());
-    let finest = reference.map_or([u32::MAX; 2], |r| [r.n as u32 / 2, r.steps as u32 / 2]);
-    let cells = |n: u32| n <= finest[0] && scene.check_cases(&[n], &[]).is_ok();
-    let subject = Subject::new(scene.clone())?;
-    let steps = |steps: u32| {
-        let safe = || check_step_sizes(&subject, &[steps]).is_ok();
-        steps <= finest[1] && scene.check_cases(&[], &[steps]).is_ok() && safe()
-    };
+    let finest = finest(&plain.setup).unwrap_or([u32::MAX; 2]);
+    let candidates = Candidates::new(&plain.setup, true)?;
+    let cells = |n: u32| n <= finest[0] && candidates.cells(n);
+    let steps = |steps: u32| steps <= finest[1] && candidates.steps(steps);
     let mut ns = completed(list(|sweep| &sweep.n, [8, 16, 32]), LEAST[0], &cells);
     let mut numbers = completed(list(|sweep| &sweep.steps, [4, 8, 16]), LEAST[1], &steps);
     ns.truncate(MOST[0]);
@@ -60,10 +57,10 @@ pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2]
 }
 
 /// Meshes on which `other` has about as many nodes as the element of `scene` on each of `n`: at least three, as in
-/// [`own_grid`], where the domain has them.
+/// [`scene_grid`], where the domain has them.
 pub fn element_meshes(scene: &Scene, n: &[u32], other: Element) -> Vec<u32> {
-    let own = scene.as_contact().map_or(1, |body| body.element.degree());
-    let nodes = |&n: &u32| (n * own as u32).div_ceil(other.degree() as u32).max(LEAST[0]);
+    let degree = scene.as_contact().map_or(1, |body| body.element.degree());
+    let nodes = |&n: &u32| (n * degree as u32).div_ceil(other.degree() as u32).max(LEAST[0]);
     let admitted = |n: u32| scene.check_cases(&[n], &[]).is_ok();
     completed(n.iter().map(nodes).filter(|&n| admitted(n)).collect(), LEAST[0], &admitted)
 }

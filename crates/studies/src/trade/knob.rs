@@ -34,7 +34,7 @@ pub enum Knob {
     HistoryTolerance(f64),
     /// (4 u_k - u_2k)/3 at the times of 2k, of the two runs: Richardson's extrapolation in k for order 2.
     Extrapolated,
-    /// Another element, on meshes of its own as well.
+    /// Another element, on other meshes as well.
     Element(Element),
 }
 
@@ -71,7 +71,7 @@ impl Knob {
     }
 }
 
-/// The knobs of a scene beside h and k. What it lacks it does not offer.
+/// The knobs of a scene beside h and k, without those of parts that it lacks.
 pub fn knobs(setup: &Setup) -> Vec<Knob> {
     let (body, d, element) = (&setup.body, setup.scene.dimension, setup.body.element);
     let projected = setup.projection_mu() > 0.0;
@@ -86,12 +86,12 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
         found.extend([Precision::Single, Precision::Double].map(Knob::Factors));
     }
     if let Data::Exact { interpolated: false, form, .. } = &body.data {
-        // That of the scene as written is no departure from it.
+        // The rule and the form of the scene as written are no departure from it.
         let rules = TruthRules::for_element(element, d);
-        let own = if *form == LoadForm::Weak { rules.stress } else { rules.load };
+        let as_written = if *form == LoadForm::Weak { rules.stress } else { rules.load };
         // σ is projected onto the strains of the element: fewer points do not tell these apart.
         let least = element.strain_rule(d).points.len();
-        let other = |rule: &Rule| *rule != own && rule.points.len() >= least;
+        let other = |rule: &Rule| *rule != as_written && rule.points.len() >= least;
         let others = [1, 2, 4, 6].into_iter().filter(|&degree| other(&load_rule(d, degree)));
         found.extend(others.map(Knob::LoadDegree));
         found.push(Knob::Form(match form {
@@ -121,7 +121,7 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
 }
 
 impl Knob {
-    /// Whether a run of so many steps is another one with this knob turned: short sums over the past are direct anyway.
+    /// Whether the knob changes a run of so many steps: short sums over the past are direct anyway.
     pub(crate) fn matters(self, setup: &Setup, steps: u32) -> bool {
         let kernels = || setup.model.memory.iter().map(|term| &term.kernel);
         let long = |error| steps as usize >= FastConvolution::foreseen_from(error);
@@ -222,8 +222,8 @@ impl Variant {
     }
 }
 
-/// The rule of a degree: 1 and 2 are the centroid and the rule of d + 1 points; the degrees of the usual rules (4, in
-/// space 5) and of the next ones (6) are theirs.
+/// The rule of a degree: the centroid for 1, d + 1 points for 2, else the usual rule (of degree 4, in space 5) or the next
+/// stronger one (6).
 fn load_rule(dimension: usize, degree: u32) -> Rule {
     let corners = dimension + 1;
     match degree {

@@ -13,7 +13,7 @@ use super::trial::{Outcome, Trial};
 use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, strain_distance};
 use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
 use fem::space::Element;
-use run::sweep::{floor_in, run_cost};
+use run::sweep::{floor_in, run_cost, scene_reference};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
 
@@ -27,7 +27,7 @@ pub struct Bench {
     pub plain: Variant,
     /// The norm of the errors.
     pub norm: Norm,
-    /// Runs for the clock.
+    /// How often each run is timed.
     pub repeats: u32,
     reference: Option<Arc<ReferenceRun>>,
     /// By element and n, the truth by the rules of the scene with that element.
@@ -57,8 +57,7 @@ impl Bench {
     /// A reference run that fails.
     pub fn new(plain: Variant, norm: Norm, repeats: u32) -> Result<Self, SetupError> {
         let setup = &plain.setup;
-        let wanted = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
-        let reference = match wanted.and_then(|sweep| sweep.reference) {
+        let reference = match scene_reference(setup) {
             Some(wanted) => {
                 Some(Arc::new(reference_run(setup, wanted.n as u32, wanted.steps as u32, 1)?))
             }
@@ -68,11 +67,12 @@ impl Bench {
         Ok(Self { plain, norm, repeats, reference, judges, trajectories, size: 0.0 })
     }
 
-    fn setup(&self) -> &Setup {
-        &self.plain.setup
+    /// The scene by whose rules a run is judged: as written, or with the element of the variant.
+    pub(super) fn judging<'a>(&'a self, variant: &'a Variant) -> &'a Setup {
+        if variant.is_element() { &variant.setup } else { &self.plain.setup }
     }
 
-    /// Runs in rounds, the first the one that the others are compared with; and for each its times, or why it failed.
+    /// Times all cases in rounds, to compare them with the first; for each its times, or why it failed.
     pub(super) fn rounds(&self, cases: &[Case<'_>]) -> (Rounds, Vec<Result<Vec<Timed>, String>>) {
         let mut all: Vec<Result<Vec<Timed>, String>> = vec![Ok(Vec::new()); cases.len()];
         let rounds = Rounds::run(cases.len(), self.repeats.max(1) as usize, |run| {
@@ -104,46 +104,43 @@ impl Bench {
             self.judge(variant, n)?;
             self.judged(variant, &data, (n, steps), &times)
         });
-        self.row_of(variant, n, steps, outcome)
+        self.row(variant.knob, variant.element(), (n, steps), outcome)
     }
 
     /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
         let outcome = self.outcome(variant, n, steps);
-        self.row_of(variant, n, steps, outcome)
+        self.row(variant.knob, variant.element(), (n, steps), outcome)
     }
 
-    fn row_of(
-        &self,
-        variant: &Variant,
-        n: u32,
-        steps: u32,
-        outcome: Result<Outcome, String>,
-    ) -> Trial {
-        let judge = self.judges.get(&(variant.element(), n));
-        let dofs = judge.map_or(0, |data| data.space.dofs());
-        self.row(variant.knob.name(), n, steps, dofs, outcome)
-    }
-
+    /// The row of a run; it has no unknowns where there is no mesh to judge it on.
     fn row(
         &self,
-        knob: String,
-        n: u32,
-        steps: u32,
-        dofs: usize,
+        knob: Knob,
+        element: Element,
+        (n, steps): (u32, u32),
         outcome: Result<Outcome, String>,
     ) -> Trial {
-        let h = self.setup().body.domain.h(n);
-        let k = self.setup().grid(steps).largest_step();
-        Trial { knob, n, steps, h, k, dofs, outcome, tie: false, front: false, front_memory: false }
+        let setup = &self.plain.setup;
+        Trial {
+            knob: knob.name(),
+            n,
+            steps,
+            h: setup.body.domain.h(n),
+            k: setup.grid(steps).largest_step(),
+            dofs: self.judges.get(&(element, n)).map_or(0, |data| data.space.dofs()),
+            tie: false,
+            front: false,
+            front_memory: false,
+            outcome,
+        }
     }
 
     /// The truth on the mesh of n, by the rules of the scene with the element of the variant.
     fn judge(&mut self, variant: &Variant, n: u32) -> Result<(), String> {
         let key = (variant.element(), n);
         if !self.judges.contains_key(&key) {
-            let setup = if variant.is_element() { &variant.setup } else { self.setup() };
-            let data = MeshData::new(setup, n, self.reference.clone());
+            let data = MeshData::new(self.judging(variant), n, self.reference.clone());
             self.judges.insert(key, data.map_err(|error| error.to_string())?);
         }
         Ok(())
@@ -155,7 +152,7 @@ impl Bench {
         let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
         let info = variant.march(&data, steps, &mut |_| Ok(())).map_err(|e| e.to_string())?;
         let seconds = clock.elapsed().as_secs_f64();
-        // A share of the wall is one of the CPU time, wherever the thread had to wait.
+        // The share is one of wall time, since the thread may have waited in between.
         let load_share = info.seconds_load / wall.elapsed().as_secs_f64();
         Ok((Timed { seconds, load_share }, data))
     }
@@ -173,7 +170,7 @@ impl Bench {
         self.judged(variant, &data, (n, steps), &times)
     }
 
-    /// What a run on this mesh costs by its times, with its error.
+    /// The cost of a run on this mesh, by `times`, with the error of a run that is not timed.
     fn judged(
         &mut self,
         variant: &Variant,
@@ -185,8 +182,7 @@ impl Bench {
         let Timed { seconds, load_share } = *least.ok_or("no run")?;
         let (info, error) =
             self.error(variant, data, (n, steps)).map_err(|error| error.to_string())?;
-        let setup = if variant.is_element() { &variant.setup } else { self.setup() };
-        let cost = run_cost(setup, &data.space, steps);
+        let cost = run_cost(self.judging(variant), &data.space, steps);
         // The prediction is that of the scene with this element; the history is counted.
         let bytes = cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes;
         Ok(Outcome {
@@ -218,14 +214,14 @@ impl Bench {
         let info = variant.march(data, steps, &mut |view| {
             let truth = judge.truth.moments(view.t)?;
             let errors = step_errors(&judge.space, &variant.setup.model, view, &truth);
-            let own = match self.norm {
+            let in_norm = match self.norm {
                 Norm::L2Max => errors.l2,
                 Norm::TraceL2Max => errors.trace,
                 Norm::PressureL2Max => errors.pressure,
                 Norm::StressL2Max => errors.stress,
                 _ => errors.v,
             };
-            error = if error.is_nan() || own <= error { error } else { own };
+            error = if error.is_nan() || in_norm <= error { error } else { in_norm };
             size = size.max(strain_error(&judge.space, &still, &truth));
             trajectory.times.push(view.t);
             trajectory.displacements.push(view.u.to_vec());
@@ -239,7 +235,7 @@ impl Bench {
     }
 
     /// (4 u_k - u_2k)/3 of two runs that were made, `coarse` with 2k; its error in the V norm at the times of both, and
-    /// the time of both. None where one of them has no row.
+    /// the CPU time of both. None where one of them has no row.
     pub(crate) fn extrapolated(&self, fine: &Trial, coarse: &Trial) -> Option<Trial> {
         let (cheap, dear) = (coarse.done()?, fine.done()?);
         let element = self.plain.element();
@@ -269,7 +265,7 @@ impl Bench {
             factorizations: cheap.factorizations + dear.factorizations,
             ..dear.clone()
         });
-        Some(self.row(Knob::Extrapolated.name(), fine.n, fine.steps, fine.dofs, outcome))
+        Some(self.row(Knob::Extrapolated, element, (fine.n, fine.steps), outcome))
     }
 
     /// The last level of a run as written, and ‖ε(u(T))‖ of the truth.

@@ -31,7 +31,7 @@ pub use candidates::{Candidates, MOST};
 pub use composition::Composition;
 pub use cost_model::{CostModel, CostSample, NoCost};
 pub use error_model::{ErrorModel, Term};
-pub use grid::{admit_trade, element_meshes, held, own_grid};
+pub use grid::{admit_trade, element_meshes, held, scene_grid};
 pub use knob::{Knob, Variant, knobs};
 pub use measure::{Bench, NORMS};
 pub use models::Models;

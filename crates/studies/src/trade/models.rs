@@ -4,7 +4,6 @@ use super::as_json::or_reason;
 use super::measure::Bench;
 use super::{Composition, CostModel, CostSample, ErrorModel, Trial, Variant};
 use judge::fit::{Point, Sample};
-use scene::Data;
 use serde::Serialize;
 
 /// Models of error and cost.
@@ -21,7 +20,7 @@ pub struct Models {
 }
 
 impl Models {
-    /// Of the rows of a variant on its own meshes `n`, whose runs are in `bench`.
+    /// Fits the rows of a variant on the meshes `n`, whose runs are in `bench`.
     pub(super) fn fit(
         bench: &Bench,
         variant: &Variant,
@@ -29,7 +28,7 @@ impl Models {
         [n, steps]: [&[u32]; 2],
     ) -> Self {
         let setup = &variant.setup;
-        let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let on_mesh = setup.body.data.is_interpolated();
         let name = variant.knob.name();
         let rows = || trials.iter().filter(|trial| trial.knob == name);
         let done = || rows().filter_map(|trial| Some((trial, trial.done()?)));

@@ -124,9 +124,9 @@ mod tests {
                     // On the constraint, but for roundings of powers.
                     assert!((error.error(h, k) / target - 1.0).abs() < 1e-12);
                     let least = searched(&error, &cost, target);
-                    let own = cost.seconds(h, k);
+                    let seconds = cost.seconds(h, k);
                     // The search looks at every 7e-5 of log h, where the cost is flat.
-                    assert!((own / least - 1.0).abs() < 1e-6, "{own} {least}");
+                    assert!((seconds / least - 1.0).abs() < 1e-6, "{seconds} {least}");
                     let path = coupling(&error, &cost).expect("a path");
                     assert!((path.factor * h.powf(path.exponent) / k - 1.0).abs() < 1e-12);
                     // The balance of the doc comment with a wrong exponent of the cost is dearer.

@@ -121,7 +121,6 @@ fn label_of(trial: &Trial) -> String {
     }
 }
 
-/// Resource and error.
 fn place(trial: &Trial, resource: Resource) -> Option<Datum> {
     trial.done().map(|run| match resource {
         Resource::Time => (run.seconds, run.error),

@@ -31,7 +31,7 @@ pub struct Price {
 impl Price {
     /// The price of `turned` against `plain`, whose times have this ratio.
     pub(super) fn of(what: String, plain: &Trial, turned: &Trial, ratio: Ratio) -> Option<Self> {
-        let own = plain.done()?;
+        let without = plain.done()?;
         let (n, steps) = (plain.n, plain.steps);
         let none = Self {
             what,
@@ -46,11 +46,11 @@ impl Price {
         };
         let found = match &turned.outcome {
             Err(reason) => Self { failure: Some(reason.clone()), ..none },
-            Ok(other) => Self {
+            Ok(with) => Self {
                 speed: ratio.value,
                 range: ratio.interval,
-                error: other.error / own.error - 1.0,
-                bytes: other.bytes / own.bytes,
+                error: with.error / without.error - 1.0,
+                bytes: with.bytes / without.bytes,
                 ..none
             },
         };
@@ -62,12 +62,11 @@ impl Price {
         Ratio { value: self.speed, interval: self.range }.shows()
     }
 
-    /// Whether neither time nor error is another one.
+    /// Whether neither time nor error changes.
     pub(super) fn is_tie(&self) -> bool {
         self.failure.is_none() && !self.shows() && self.error.abs() <= TIE
     }
 
-    /// The price in words.
     fn sentence(&self) -> String {
         let place = format!("n = {}, N = {}", self.n, self.steps);
         if let Some(reason) = &self.failure {
@@ -94,7 +93,6 @@ impl Price {
     }
 }
 
-/// What becomes of the error.
 fn errors(change: f64) -> String {
     match percent(change) {
         none if none == "0 %" => "same error".to_owned(),

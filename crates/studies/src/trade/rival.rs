@@ -2,13 +2,13 @@
 
 use super::as_json;
 use super::candidates::{Candidates, MOST};
-use super::{Answer, Choices, CostModel, ErrorModel, Knob, Models, NoAnswer, Trial, cheapest};
+use super::{Answer, CostModel, ErrorModel, Knob, Models, NoAnswer, Trial};
 use serde::Serialize;
 
 /// Errors at which elements are compared.
 const LEVELS: u32 = 5;
 
-/// Another element on meshes of its own, beside the scene as written.
+/// Another element, on meshes of about as many nodes, beside the scene as written.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rival {
     /// The knob.
@@ -49,7 +49,7 @@ pub(super) struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// Of the rows with a knob; none without both models.
+    /// The models of the rows with a knob; none unless both were fitted.
     pub(super) fn new(models: &'a Models, knob: Knob, trials: &[Trial]) -> Option<Self> {
         let (error, cost) = models.both()?;
         let name = knob.name();
@@ -65,16 +65,12 @@ impl<'a> Known<'a> {
     /// [`NoAnswer`].
     pub(super) fn cheapest(
         &self,
-        own: &Candidates<'_>,
+        candidates: &Candidates<'_>,
         most: [u32; 2],
         target: f64,
     ) -> Result<Answer, NoAnswer> {
-        let (h, k) = (|n: u32| own.h(n), |steps: u32| own.k(steps));
-        let (cells, steps) = (|n: u32| own.cells(n), |steps: u32| own.steps(steps));
-        let least = self.least;
-        let choices = Choices { least, most, h: &h, k: &k, cells: &cells, steps: &steps };
         let seconds = |h: f64, k: f64| self.models.seconds(self.cost, h, k);
-        cheapest(&|h, k| self.error.error(h, k), &seconds, target, &choices)
+        candidates.cheapest(&|h, k| self.error.error(h, k), &seconds, target, [self.least, most])
     }
 
     /// How many times beyond the runs an answer lies, in words; none within them.
@@ -92,7 +88,7 @@ impl<'a> Known<'a> {
 impl Rival {
     /// Compares the models of a knob with those of the scene as written.
     pub(super) fn new(
-        own: &Candidates<'_>,
+        candidates: &Candidates<'_>,
         plain: &Models,
         knob: Knob,
         models: Models,
@@ -113,7 +109,7 @@ impl Rival {
         );
         if let Some((first, second)) = &known {
             let equal = |error: f64| {
-                let answer = |known: &Known<'_>| known.cheapest(own, MOST, error).ok();
+                let answer = |known: &Known<'_>| known.cheapest(candidates, MOST, error).ok();
                 let (as_written, rival) = (answer(first)?, answer(second)?);
                 let extrapolates =
                     [first.beyond(&as_written), second.beyond(&rival)].map(|far| far.is_some());

@@ -1,7 +1,7 @@
 //! Times that are compared: every run once a round, and ratios of runs of the same round.
 //!
-//! A machine that does other work slows down and recovers over seconds. Runs that follow each other are slow together, and
-//! their ratio is not; the least of one run's repeats against the least of another's is. Rounds go forwards and backwards in
+//! A machine that does other work slows down and recovers over seconds. Runs that follow each other are slow together, so
+//! that their ratio is steady; the ratio of the least time of each is not. Rounds go forwards and backwards in
 //! turn, which cancels what grows evenly.
 
 use judge::fit::student_quantile;
@@ -26,7 +26,7 @@ pub(super) struct Ratio {
 }
 
 impl Rounds {
-    /// Runs `count` runs in `wanted` rounds that are believed, or in twice as many if the machine does not rest. A run
+    /// Runs `count` runs in `wanted` rounds that are believed, or in twice as many if the machine stays busy. A run
     /// without a time is not tried again.
     pub(super) fn run(
         count: usize,
@@ -53,7 +53,7 @@ impl Rounds {
         rounds
     }
 
-    /// The rounds that count.
+    /// The rounds whose first run was not slow.
     fn believed(&self) -> impl Iterator<Item = &Vec<f64>> {
         let least = self.times.iter().map(|times| times[0]).fold(f64::INFINITY, f64::min);
         self.times.iter().filter(move |times| times[0] <= SLOW * least)
@@ -121,9 +121,9 @@ mod tests {
     #[test]
     fn a_base_that_was_slow_once_is_not_believed() {
         // The third round meets another program at its first run: 1.0 becomes 1.7.
-        let own = Rounds { times: [1.0, 1.01, 1.7, 0.99].map(|base| vec![base, 1.0]).into() };
-        assert_eq!(counts(&own), [3, 4]);
-        let found = second(&own);
+        let disturbed = Rounds { times: [1.0, 1.01, 1.7, 0.99].map(|base| vec![base, 1.0]).into() };
+        assert_eq!(counts(&disturbed), [3, 4]);
+        let found = second(&disturbed);
         assert!(!found.shows() && (found.value - 1.0).abs() < 0.01, "{found:?}");
         // Rounds go on until enough are believed, and no further than twice as many.
         let busy = rounds(4, |run| 1.0 + run as f64);

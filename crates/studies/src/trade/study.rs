@@ -8,8 +8,8 @@ use super::trial::{Table, TableError, mark_fronts};
 use super::turned::turn;
 use super::{Candidates, Knob, Models, Price, Rival, Trial, Variant, knobs};
 use fem::space::Element;
+use scene::Norm;
 use scene::setup::{SetupError, Subject, check_step_sizes};
-use scene::{Data, Norm};
 use serde::Serialize;
 
 /// What a trade runs.
@@ -21,29 +21,29 @@ pub struct TradeRuns {
     pub steps: Vec<u32>,
     /// CPU seconds for the knobs.
     pub budget: f64,
-    /// The other elements, with the n of their own meshes.
+    /// The other elements, with the n of their meshes.
     pub elements: Vec<(Element, Vec<u32>)>,
 }
 
 impl TradeRuns {
-    /// The scene as written, and with each knob turned that is offered; of the other elements those of the plan.
+    /// The scene as written, then with each of its knobs turned; other elements only as planned.
     fn variants(&self, plain: Variant) -> Result<Vec<Variant>, SetupError> {
         let scene = plain.setup.scene.clone();
-        let planned = |element| self.elements.iter().any(|(own, _)| *own == element);
-        let taken = |knob: &Knob| !matches!(knob, Knob::Element(own) if !planned(*own));
+        let planned = |element| self.elements.iter().any(|(listed, _)| *listed == element);
+        let taken = |knob: &Knob| !matches!(knob, Knob::Element(element) if !planned(*element));
         let turned = knobs(&plain.setup).into_iter().filter(taken);
         let turned =
             turned.map(|knob| Variant::new(&scene, knob)).collect::<Result<Vec<_>, _>>()?;
         Ok(std::iter::once(plain).chain(turned.into_iter().flatten()).collect())
     }
 
-    /// The variants with another element, and the n of their own meshes.
+    /// The variants with another element, and the n of their meshes.
     fn rivals<'a>(
         &'a self,
         variants: &'a [Variant],
     ) -> impl Iterator<Item = (&'a Variant, &'a [u32])> {
         self.elements.iter().filter_map(|(element, n)| {
-            let of = |own: &&Variant| own.knob == Knob::Element(*element);
+            let of = |variant: &&Variant| variant.knob == Knob::Element(*element);
             Some((variants.iter().find(of)?, &n[..]))
         })
     }
@@ -66,7 +66,7 @@ pub enum TradeError {
     },
 }
 
-/// Hears of each run.
+/// Called with each row as soon as it is known.
 pub(crate) type Heard<'a> = dyn FnMut(&Trial) + 'a;
 
 /// A power s of k = c h^s, with the exponents by which cost grows as the error falls on such a path.
@@ -151,7 +151,7 @@ impl Study {
         if trials.iter().all(|trial| trial.done().is_none()) {
             return Err(TradeError::AllFailed { first: first.unwrap_or_default() });
         }
-        let on_mesh = matches!(bench.plain.setup.body.data, Data::Exact { interpolated: true, .. });
+        let on_mesh = bench.plain.setup.body.data.is_interpolated();
         let variants = plan.variants(plain)?;
         for (variant, n) in plan.rivals(&variants) {
             for &n in n {
@@ -170,8 +170,7 @@ impl Study {
             prices.extend(turn(bench, &variants, (n, steps), &halves, &mut trials, &mut keep)?);
         }
         // By knob, as a list of prices is read.
-        let rank = |price: &Price| prices_rank(&variants, price);
-        prices.sort_by_key(rank);
+        prices.sort_by_key(|price| prices_rank(&variants, price));
         let study = Self::of(bench, &variants, trials, prices, plan)?;
         table.rewrite(&study.trials)?;
         Ok(study)
@@ -200,6 +199,11 @@ impl Study {
             .collect();
         paths.sort_by(|a, b| a.exponent.total_cmp(&b.exponent));
         paths.dedup_by(|a, b| a.exponent == b.exponent);
+        let candidates = Candidates::new(setup, true)?;
+        let compared = |(variant, n): (&Variant, &[u32])| {
+            let rival = Models::fit(bench, variant, &trials, [n, &plan.steps]);
+            Rival::new(&candidates, &models, variant.knob, rival, &trials)
+        };
         let mut study = Self {
             scene: setup.scene.name.clone(),
             fingerprint: setup.scene.source.hash.clone(),
@@ -208,7 +212,7 @@ impl Study {
             coupling,
             paths,
             extrapolated: Vec::new(),
-            elements: rivals(bench, variants, &models, &trials, plan)?,
+            elements: plan.rivals(variants).map(compared).collect(),
             prices,
             trials,
             models,
@@ -232,14 +236,14 @@ fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> + Clone {
 /// Runs at which knobs are turned: the largest that the budget bears `runs` times, the one with the next coarser mesh and
 /// the same steps, and the one with the fewest steps on the same mesh, to see on what a price depends.
 ///
-/// Which is the largest is a matter of cells and steps: short runs swap their seconds.
+/// The largest is that of most cells and steps: the seconds of short runs depend on chance.
 fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u32; 2]> {
     let done = |trial: &&Trial| trial.done().is_some();
     let seconds = |trial: &Trial| trial.done().map_or(f64::INFINITY, |run| run.seconds);
     // The others cost less than the first.
     let borne = |trial: &&Trial| 3.0 * f64::from(runs) * seconds(trial) <= budget;
     let size = |trial: &Trial| f64::from(trial.n).powi(dimension as i32) * f64::from(trial.steps);
-    // Of two the one with more steps: others have fewer.
+    // Of equal ones that with more steps, so that there are fewer steps to compare with.
     let by_size = |a: &&Trial, b: &&Trial| size(a).total_cmp(&size(b)).then(a.steps.cmp(&b.steps));
     let first = plain(trials).filter(done).filter(borne).max_by(by_size);
     let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_size)) else {
@@ -252,28 +256,12 @@ fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u3
     [Some(first), second, third].into_iter().flatten().map(|trial| [trial.n, trial.steps]).collect()
 }
 
-/// The other elements of the plan against the models of the scene as written.
-fn rivals(
-    bench: &Bench,
-    variants: &[Variant],
-    plain: &Models,
-    trials: &[Trial],
-    plan: &TradeRuns,
-) -> Result<Vec<Rival>, SetupError> {
-    let candidates = Candidates::new(&bench.plain.setup, true)?;
-    let compared = |(variant, n): (&Variant, &[u32])| {
-        let models = Models::fit(bench, variant, trials, [n, &plan.steps]);
-        Rival::new(&candidates, plain, variant.knob, models, trials)
-    };
-    Ok(plan.rivals(variants).map(compared).collect())
-}
-
 /// Half the cells and half the steps of a run, as far as the grid has them.
 fn halves(trials: &[Trial], n: u32, steps: u32, on_mesh: bool) -> Vec<(&'static str, (u32, u32))> {
     let there = |(n, steps): (u32, u32)| {
         plain(trials).any(|t| t.n == n && t.steps == steps && t.done().is_some())
     };
-    // Where each mesh has a solution of its own, half the cells are another problem.
+    // Where the data depend on the mesh, half the cells are another problem.
     let cells = (!on_mesh && n.is_multiple_of(2)).then_some(("half the cells", (n / 2, steps)));
     let fewer = steps.is_multiple_of(2).then_some(("half the steps", (n, steps / 2)));
     [cells, fewer].into_iter().flatten().filter(|(_, place)| there(*place)).collect()
@@ -311,7 +299,7 @@ mod tests {
         trial(&Knob::AsWritten.name(), [n, steps], 1.0, seconds)
     }
 
-    /// The clock may say that the run with the fewest steps took longest; three places it must be.
+    /// Even where the run with the fewest steps took longest there are three places.
     #[test]
     fn knobs_are_turned_at_the_same_places_whatever_the_clock_says() {
         let expected = vec![[8, 4], [4, 4], [8, 2]];

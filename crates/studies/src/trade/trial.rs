@@ -1,5 +1,6 @@
 //! One row of the trade: a knob, a mesh, a number of steps, and what came of it.
 
+use std::fmt::Display;
 use std::io::{Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -28,7 +29,7 @@ pub struct Trial {
     pub tie: bool,
     /// No other run is as good in time and error, and better in one beyond a tie.
     pub front: bool,
-    /// Nor in time, error and memory.
+    /// No other run is as good in time, error and memory, and better in one beyond a tie.
     pub front_memory: bool,
     /// The run, or why there is none.
     #[serde(flatten, serialize_with = "ended")]
@@ -45,7 +46,7 @@ pub struct Outcome {
     /// CPU seconds of the thread, the least of all repeats: mesh, analysis, loads and march.
     #[serde(rename = "cpu_seconds")]
     pub seconds: f64,
-    /// The most of them.
+    /// The most of all repeats.
     #[serde(rename = "cpu_slowest")]
     pub slowest: f64,
     /// How often it was run.
@@ -73,10 +74,10 @@ impl Trial {
 /// Marks the knobs that are ties, and the runs that no other beats in error and time, and in error, time and memory.
 pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
     for trial in &mut *trials {
-        let own = |price: &&Price| {
+        let of_trial = |price: &&Price| {
             price.what == trial.knob && [price.n, price.steps] == [trial.n, trial.steps]
         };
-        trial.tie = prices.iter().find(own).is_some_and(Price::is_tie);
+        trial.tie = prices.iter().find(of_trial).is_some_and(Price::is_tie);
     }
     let place = |trial: &Trial| match trial.done().filter(|_| !trial.tie) {
         Some(run) => [run.seconds, run.bytes, run.error],
@@ -86,12 +87,11 @@ pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
     let flat: Vec<(f64, f64)> =
         places.iter().map(|&[seconds, _, error]| (seconds, error)).collect();
     front(&flat, TIE).into_iter().for_each(|i| trials[i].front = true);
-    // Who is best in two is not beaten in three.
+    // What is on the front in two is not beaten in three.
     front_of_three(&places, TIE).into_iter().for_each(|i| trials[i].front_memory = true);
     trials.iter_mut().for_each(|trial| trial.front_memory |= trial.front);
 }
 
-/// Columns of the table.
 const COLUMNS: [&str; 20] = [
     "scene",
     "knob",
@@ -150,14 +150,19 @@ pub struct TableError {
     pub reason: String,
 }
 
+impl TableError {
+    fn of(path: &Path, error: &dyn Display) -> Self {
+        Self { path: path.into(), reason: error.to_string() }
+    }
+}
+
 impl Table {
     /// A new table in place of an old one.
     ///
     /// # Errors
     /// The file system's.
     pub fn create(path: &Path, scene: &str, norm: &str) -> Result<Self, TableError> {
-        let failed =
-            |error: std::io::Error| TableError { path: path.into(), reason: error.to_string() };
+        let failed = |error: std::io::Error| TableError::of(path, &error);
         // What a link in its place names is left alone.
         remove_if_there(path).map_err(failed)?;
         let file = std::fs::File::create_new(path).map_err(failed)?;
@@ -175,27 +180,23 @@ impl Table {
         self.write(row)
     }
 
-    /// All rows anew: runs as written were timed beside the knobs as well, after their rows were written.
+    /// Writes all rows anew: runs as written are timed again beside the knobs, after their rows were written.
     ///
     /// # Errors
     /// The file system's.
     pub(crate) fn rewrite(&mut self, trials: &[Trial]) -> Result<(), TableError> {
-        let failed = |error: std::io::Error| TableError {
-            path: self.path.clone(),
-            reason: error.to_string(),
-        };
-        self.file.set_len(0).and_then(|()| self.file.rewind()).map_err(failed)?;
+        let emptied = self.file.set_len(0).and_then(|()| self.file.rewind());
+        emptied.map_err(|error| TableError::of(&self.path, &error))?;
         self.write(COLUMNS.map(str::to_owned))?;
         trials.iter().try_for_each(|trial| self.append(trial))
     }
 
     fn write(&mut self, row: [String; COLUMNS.len()]) -> Result<(), TableError> {
-        let failed = |reason: String| TableError { path: self.path.clone(), reason };
+        let failed = |error: &dyn Display| TableError::of(&self.path, error);
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&row).map_err(|error| failed(error.to_string()))?;
-        let bytes = writer.into_inner().map_err(|error| failed(error.to_string()))?;
-        self.file.write_all(&bytes).map_err(|error| failed(error.to_string()))?;
-        self.file.flush().map_err(|error| failed(error.to_string()))
+        writer.write_record(&row).map_err(|error| failed(&error))?;
+        let bytes = writer.into_inner().map_err(|error| failed(&error))?;
+        self.file.write_all(&bytes).and_then(|()| self.file.flush()).map_err(|error| failed(&error))
     }
 }
 
@@ -276,7 +277,7 @@ mod tests {
             table.append(&row).expect("a row");
             rows.push(row);
         }
-        // Written anew it is the same.
+        // Rewriting changes nothing.
         let text = std::fs::read(&path).expect("a table");
         table.rewrite(&rows).expect("rows");
         assert_eq!(std::fs::read(&path).expect("a table"), text);
@@ -286,7 +287,8 @@ mod tests {
             reader.records().map(|row| row.expect("a row")).collect();
         std::fs::remove_file(&path).expect("no file left");
         let at = |row: usize, name: &str| {
-            rows[row][COLUMNS.iter().position(|own| *own == name).expect("a column")].to_owned()
+            rows[row][COLUMNS.iter().position(|column| *column == name).expect("a column")]
+                .to_owned()
         };
         assert_eq!(
             (rows.len(), at(0, "error"), at(0, "cpu_seconds")),

@@ -5,7 +5,7 @@ use super::rounds::Rounds;
 use super::trial::TableError;
 use super::{Knob, Price, Trial, Variant};
 
-/// Takes a row to the others and to the table.
+/// Adds a row to the others and to the table.
 type Keep<'a> = dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), TableError> + 'a;
 
 /// A run beside the one as written.
@@ -56,7 +56,7 @@ pub(super) fn turn(
             }
             Some(Beside::Knob(at)) => {
                 let what = variants[*at].knob.name();
-                // Another element may have been run there on a mesh of its own.
+                // Another element may have been run there on one of its meshes.
                 if let Some((at, times)) =
                     position_of(trials, &what, case.1, case.2).zip(times.as_ref().ok())
                 {
@@ -69,8 +69,8 @@ pub(super) fn turn(
                 }
             }
         };
-        let own = position(trials, n, steps).map(|at| &trials[at]);
-        prices.extend(own.and_then(|own| Price::of(what, own, &other, ratio)));
+        let as_written = position(trials, n, steps).map(|at| &trials[at]);
+        prices.extend(as_written.and_then(|plain| Price::of(what, plain, &other, ratio)));
     }
     prices.extend(extrapolated((n, steps), &cases, &rounds, trials));
     Ok(prices)
@@ -103,8 +103,8 @@ fn extrapolated(
     trials: &[Trial],
 ) -> Option<Price> {
     let name = Knob::Extrapolated.name();
-    let row = trials.iter().find(|t| t.knob == name && t.n == n && t.steps == steps)?;
+    let row = &trials[position_of(trials, &name, n, steps)?];
     let half = cases.iter().position(|case| (case.1, case.2) == (n, steps / 2))?;
-    let own = &trials[position(trials, n, steps)?];
-    Price::of(name, own, row, rounds.ratio(|times| times[0] + times[half]))
+    let as_written = &trials[position(trials, n, steps)?];
+    Price::of(name, as_written, row, rounds.ratio(|times| times[0] + times[half]))
 }

@@ -48,9 +48,9 @@ pub fn tetrahedron_degree_6() -> Rule {
 
 fn tetrahedron(orbits: &[SpatialOrbit]) -> Rule {
     let (mut points, mut weights) = (Vec::new(), Vec::new());
-    let mut put = |weight: f64, others: f64, own: &[(usize, f64)]| {
+    let mut put = |weight: f64, others: f64, corners: &[(usize, f64)]| {
         let mut point = vec![others; 4];
-        own.iter().for_each(|&(corner, value)| point[corner] = value);
+        corners.iter().for_each(|&(corner, value)| point[corner] = value);
         points.push(point);
         weights.push(weight);
     };

@@ -57,7 +57,7 @@ pub(super) fn truth(setup: &Setup, space: &Discretization) -> TruthCost {
     // ε and σ at the strain points, and u at the nodes of each cell.
     let moments = 2 * tensor_numbers(space) * space.geometry.points() + d * space.nodes.cells.len();
     let a_time = 8.0 * (moments as f64 + dofs);
-    let exact = setup.exact.as_ref().filter(|_| !is_interpolated(setup));
+    let exact = setup.exact.as_ref().filter(|_| !setup.body.data.is_interpolated());
     let Some(exact) = exact else { return TruthCost { a_time, ..TruthCost::default() } };
     let [load, error] = points(setup, &TruthRules::for_element(space.element, d));
     let [next_load, next_error] = points(setup, &TruthRules::stronger_for(space.element, d));
@@ -105,7 +105,7 @@ fn shorter_way(setup: &Setup, exact: &Exact, space: &Discretization) -> Option<f
 /// Bytes that the formulas of an exact solution keep at so many points.
 fn formulas(setup: &Setup, points: f64) -> f64 {
     match &setup.exact {
-        Some(exact) if !is_interpolated(setup) && points <= MOST_STORED => {
+        Some(exact) if !setup.body.data.is_interpolated() && points <= MOST_STORED => {
             exact.interior.bytes(points, setup.scene.dimension, setup.scene.time.horizon)
         }
         _ => 0.0,
@@ -126,9 +126,4 @@ fn points(setup: &Setup, rules: &TruthRules) -> [f64; 2] {
 /// Whether loads follow from the moments.
 fn is_shared(setup: &Setup) -> bool {
     matches!(setup.body.data, Data::Exact { form: LoadForm::Weak, .. })
-}
-
-/// Whether u is in V^h, so that nothing is integrated.
-fn is_interpolated(setup: &Setup) -> bool {
-    matches!(setup.body.data, Data::Exact { interpolated: true, .. })
 }

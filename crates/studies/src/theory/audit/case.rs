@@ -12,7 +12,6 @@ use super::pointwise::PlainMaterial;
 use super::smooth::SmoothFields;
 use exact::Truth;
 use fem::contact::{CaseError, Discretization, LoadError, StepView};
-use scene::Data;
 use scene::setup::{MeshData, Setup, SetupError};
 use serde::Serialize;
 use vhi::history::TimeGrid;
@@ -146,7 +145,7 @@ impl<'a> Auditor<'a> {
         let missing = || AuditError::NoTruth { scene: setup.scene.name.clone() };
         let other = || AuditError::Material { scene: setup.scene.name.clone() };
         let exact = setup.exact.as_ref().ok_or_else(missing)?;
-        let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let interpolated = setup.body.data.is_interpolated();
         let fields: Box<dyn Fields> = if interpolated {
             Box::new(InSpaceFields::new(exact, &data.space, setup.compliance_rule()))
         } else {

@@ -3,7 +3,6 @@
 use super::smooth::point_count;
 use fem::contact::Discretization;
 use run::sweep::{Runs, run_cost};
-use scene::Data;
 use scene::setup::Setup;
 
 /// Numbers a point of the volume: place, area and cell, kept and copied, and u, ε, H, f0 of a time.
@@ -26,7 +25,7 @@ pub fn audit_runs<'a>(setup: &'a Setup, ns: &[u32], steps: &[u32], jobs: usize) 
 /// Bytes of the auditor of one run: formulas at the points of its rules, what they give at a time, and the past. Cells
 /// that a front crosses have more points, and are few.
 fn auditor(setup: &Setup, space: &Discretization, steps: u32) -> f64 {
-    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    let interpolated = setup.body.data.is_interpolated();
     let formulas = setup.exact.as_ref().filter(|_| !interpolated);
     let cells = space.mesh.cell_count() as f64;
     let remembered = REMEMBERED[usize::from(formulas.is_none())] * cells;

@@ -10,7 +10,7 @@ use fem::contact::BoundaryRule;
 use fem::space::Element;
 use judge::fit::{Sample, power_law};
 use scene::setup::{MeshData, Setup, SetupError};
-use scene::{Data, Extension, TimeRule};
+use scene::{Extension, TimeRule};
 use serde::Serialize;
 
 /// An audited scene.
@@ -181,7 +181,7 @@ fn covered(setup: &Setup) -> Result<(), SetupError> {
         let message = "`sweep audit` knows the sums of the trapezoidal rule alone, which is that of the theorems";
         return Err(setup.scene.error("time.rule", message, "remove `rule`").into());
     }
-    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    let interpolated = setup.body.data.is_interpolated();
     if interpolated && setup.body.element != Element::P1 {
         let message = "`sweep audit` knows interpolants of u as linear functions alone";
         let hint = "remove `interpolated`, or take P1";

@@ -5,7 +5,6 @@ use super::study::StudyRuns;
 use super::truth::REFERENCE_STEPS;
 use fem::contact::Discretization;
 use run::sweep::{Runs, lowest_common_multiple};
-use scene::Data;
 use scene::setup::Setup;
 
 /// Nodal vectors of a level that the perturbations hold: f, δf in two sizes, f + δf, and u of f and of f + δf.
@@ -19,7 +18,7 @@ pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &StudyRuns) -> Runs<'a> {
     let k = setup.scene.time.horizon / f64::from(finest);
     // Horizons that cannot be are refused by the study.
     let longest = plan.horizons.iter().filter_map(|&horizon| whole_steps(horizon, k).ok()).max();
-    let in_space = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    let in_space = setup.body.data.is_interpolated();
     let finer = |steps: u32| if in_space { steps } else { REFERENCE_STEPS.saturating_mul(steps) };
     let grid = [Some(common), longest].into_iter().flatten().map(|steps| (n, finer(steps)));
     // u and its histories at the levels of the truth, of another with half the steps, and of the grid itself.

@@ -2,14 +2,14 @@
 //!
 //! The law of [`Estimate::at`] carries the error of the run to other steps,
 //! E(h, k)² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)², with an interval from the hull over all readings of the differences;
-//! towards finer steps no reading falls faster than elements, rule or theorem allow. [`cheapest`] takes the pair of
+//! towards finer steps no reading falls faster than elements, rule or theorem allow. [`Candidates::cheapest`] takes the pair of
 //! least cost with E ≤ target, and once more with the upper end of the interval in place of E.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use super::{Companions, CostSource, Estimate, NormDifferences, costs, norm_estimate};
-use crate::trade::{Answer, AtSteps, Candidates, Choices, MOST, NoAnswer, cheapest};
+use super::{Companions, CostSource, Estimate, costs, norm_estimate};
+use crate::trade::{Answer, AtSteps, Candidates, MOST, NoAnswer};
 use fem::contact::Discretization;
 use judge::fit::{FLOORS_ABOVE, Interval};
 use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
@@ -21,11 +21,11 @@ const SPAN: u32 = 4;
 /// No pair is proposed with more than so many times the n or N of the run: twice the span of the companions, on
 /// logarithms. Farther off half an order of doubt is more than a factor 4.
 const REACH: u32 = 16;
-/// An order so far above what elements and rule can have is one of coarse companions: the half that is admitted around
-/// an order, and another one as in [`super::Part::of`].
+/// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
+/// that is admitted around an order, and another one as in [`super::Part::of`].
 const ABOVE: f64 = 1.0;
-/// A choice that does not fit into memory is followed by smaller n, each by the bytes of the one before; memory grows
-/// a little faster than cells, and a few rounds make up for that.
+/// Attempts to find an n that fits into memory, each from the bytes of the one before: memory grows a little faster than
+/// cells, and a few attempts make up for that.
 const ROUNDS: usize = 12;
 
 /// What is wanted of which run.
@@ -87,11 +87,11 @@ pub struct Advice {
     pub target: f64,
     /// The cheapest pair whose predicted error is the target or less.
     pub choice: Advised,
-    /// The cheapest pair at which the upper end of the interval is, or why there is none.
+    /// The cheapest pair at which the upper end of the interval is the target or less, or why there is none.
     pub cautious: Result<Advised, NoAdvice>,
     /// Where the seconds come from.
     pub source: CostSource,
-    /// The next n and N after the choice that have companions of their own: there the error can be estimated again.
+    /// The next n and N after the choice that have companions, so that the error can be estimated there again.
     pub check: [u32; 2],
 }
 
@@ -122,7 +122,7 @@ pub enum NoAdvice {
         /// What elements, rule or theorem allow.
         most: f64,
     },
-    /// Beyond what the run says anything of.
+    /// The error is too small to be predicted from this run.
     #[error(
         "no recommendation: an error of {target:.3e} is out of reach of this run: the least on n <= {n}, N <= {steps}, {REACH} times its own at most, is predicted to be {least:.3e}; start from a finer run"
     )]
@@ -139,7 +139,7 @@ pub enum NoAdvice {
     /// No whole numbers serve.
     #[error("no recommendation: {0}")]
     Answer(NoAnswer),
-    /// None of those that serve fits into memory.
+    /// No pair that has the error fits into memory.
     #[error(
         "no recommendation: an error of {target:.3e} asks for n = {n}, N = {steps}: {source}; no n that fits has it"
     )]
@@ -213,15 +213,15 @@ impl<'a> Search<'a> {
         seconds: &'a AtSteps<'a>,
     ) -> Result<Self, NoAdvice> {
         let norm = goal.norm.name();
-        let own = found.norms.iter().find(|own| own.norm == goal.norm);
+        let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
         let none = || NoAdvice::Unknown { norm, reasons: "the scene has no contact".into() };
-        let own = own.ok_or_else(none)?;
-        let estimate = norm_estimate(goal.setup, found, own);
-        asymptotic(goal, own, &estimate)?;
+        let differences = differences.ok_or_else(none)?;
+        let estimate = norm_estimate(goal.setup, found, differences);
+        asymptotic(goal, differences.floor, &estimate)?;
         let [n, steps] = goal.run;
-        // Where each mesh has a solution of its own, another mesh is another problem.
-        let reach = |own: u32, most: u32| own.saturating_mul(REACH).min(most);
-        let [least, most] = match found.own_on_each_mesh {
+        // Where the data depend on the mesh, another mesh is another problem.
+        let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
+        let [least, most] = match found.on_mesh {
             true => [n, n],
             false => [n / SPAN, reach(n, MOST[0])],
         };
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
         self.estimate.at([h / h0, k / k0]).unwrap_or(nowhere)
     }
 
-    /// The cheapest pair that fits into memory and at which what `read` takes of error and interval is small enough.
+    /// The cheapest pair that fits into memory and at which `read`, of the error and its interval, is the target or less.
     fn advised(&self, read: &dyn Fn(f64, Interval) -> f64) -> Result<Advised, NoAdvice> {
         let mut most = self.most[0];
         let mut refused: Option<NoAdvice> = None;
@@ -272,16 +272,8 @@ impl<'a> Search<'a> {
             let (value, interval) = self.at(h, k);
             read(value, interval)
         };
-        let own = self.candidates;
-        let choices = Choices {
-            least: self.least,
-            most: [most, self.most[1]],
-            h: &|n| own.h(n),
-            k: &|steps| own.k(steps),
-            cells: &|n| own.cells(n),
-            steps: &|steps| own.steps(steps),
-        };
-        cheapest(&error, self.seconds, self.goal.target, &choices)
+        let range = [self.least, [most, self.most[1]]];
+        self.candidates.cheapest(&error, self.seconds, self.goal.target, range)
     }
 
     /// The memory of an answer, or that it is too much. A mesh within the span of the companions is made for that, unless a
@@ -305,23 +297,24 @@ impl<'a> Search<'a> {
     /// b(n) = b(4n₀) (n/4n₀)^e, e = log₂ b(4n₀)/b(2n₀), of mesh and march; the program itself does not grow.
     fn far_bytes(&self, answer: Answer) -> Result<f64, SetupError> {
         let (setup, [n, _]) = (self.goal.setup, self.goal.run);
-        if self.finer.get().is_none() {
-            let meshes = [setup.space(SPAN * n / 2)?, setup.space(SPAN * n)?];
-            // Nobody else fills it.
-            let _ = self.finer.set(meshes);
-        }
-        let Some([half, whole]) = self.finer.get() else { return Ok(f64::NAN) };
+        let [half, whole] = match self.finer.get() {
+            Some(meshes) => meshes,
+            None => {
+                let meshes = [setup.space(SPAN * n / 2)?, setup.space(SPAN * n)?];
+                self.finer.get_or_init(|| meshes)
+            }
+        };
         let half = run_cost(setup, half, answer.steps);
         let whole = run_cost(setup, whole, answer.steps);
-        let [b, own] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
+        let [at_half, at_whole] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
         let finer = f64::from(answer.n) / f64::from(SPAN * n);
-        Ok(whole.memory_bytes + own * (finer.powf((own / b).log2()) - 1.0))
+        Ok(whole.memory_bytes + at_whole * (finer.powf((at_whole / at_half).log2()) - 1.0))
     }
 
     /// The next pair whose companions exist.
     fn check(&self, choice: &Advised) -> [u32; 2] {
-        let own = self.candidates;
-        let serves = |n: &u32| n.is_multiple_of(SPAN) && own.cells(*n) && own.cells(n / SPAN);
+        let cells = |n: u32| self.candidates.cells(n);
+        let serves = |n: &u32| n.is_multiple_of(SPAN) && cells(*n) && cells(n / SPAN);
         let n = match self.least[0] == self.most[0] {
             true => choice.n,
             // The n of the run serves, and so do its multiples.
@@ -346,8 +339,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Refuses an error that is not known, an order that is none, and a target at the floor of the solver.
-fn asymptotic(goal: &Goal<'_>, own: &NormDifferences, estimate: &Estimate) -> Result<(), NoAdvice> {
+/// Refuses an unknown error, an order that is too high to be believed, and a target at the floor of the solver.
+fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAdvice> {
     let norm = goal.norm.name();
     let reasons = estimate.reasons();
     if !reasons.is_empty() {
@@ -359,7 +352,7 @@ fn asymptotic(goal: &Goal<'_>, own: &NormDifferences, estimate: &Estimate) -> Re
             return Err(NoAdvice::TooFast { norm, step, order, most });
         }
     }
-    let (target, floor) = (goal.target, own.floor);
+    let target = goal.target;
     if target <= FLOORS_ABOVE * floor {
         return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
     }

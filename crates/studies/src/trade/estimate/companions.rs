@@ -13,8 +13,8 @@ use fem::contact::{
 };
 use fem::norms::{ReferenceRun, step_errors};
 use run::sweep::{Runs, as_floors, floor_in};
+use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError};
-use scene::{Data, Norm};
 
 /// What the companions of a run show.
 pub struct Companions {
@@ -26,8 +26,8 @@ pub struct Companions {
     pub quantities: Vec<Scalar>,
     /// Why there are no companions in h, and in k.
     pub missing: [Option<String>; 2],
-    /// The data depend on the mesh, so that each mesh has a solution of its own and h no error.
-    pub own_on_each_mesh: bool,
+    /// The data depend on the mesh: another mesh is another problem, and h has no error.
+    pub on_mesh: bool,
     /// Largest ‖ε(u_n)‖ of the run.
     pub size: f64,
     /// What each run took, the run itself first.
@@ -74,7 +74,7 @@ pub struct NormDifferences {
 
 /// Levels of the coarsest companion in time that are compared at most, beside the last.
 const COMPARED: u32 = 64;
-/// Two times are the same within rounding.
+/// Times that differ by less than this part of T are the same, but for rounding.
 const SAME_TIME: f64 = 1e-9;
 
 /// A mesh with its loads, and the CPU seconds that it took.
@@ -92,7 +92,7 @@ impl Meshed {
     }
 }
 
-/// CPU seconds of a run: mesh, loads, and all else of the march.
+/// CPU seconds of a run: mesh, loads, and the rest of the march.
 #[derive(Clone, Copy)]
 struct Clock {
     mesh: f64,
@@ -122,8 +122,7 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
     companions_beside(setup, &Meshed::new(setup, n)?, steps, &mut |_| Ok(()))
 }
 
-/// The same, and the guaranteed bound of the error in space of the run itself, or why there is none: of one run, not of
-/// another one like it.
+/// [`companions`], and the guaranteed bound of the error in space of that very run, or why there is none.
 ///
 /// # Errors
 /// Of the run, and of a bound that the theorem covers.
@@ -138,11 +137,11 @@ pub fn companions_and_bound(
         other => Err(other),
     };
     let mut bounding = match Bounding::new(setup, &mesh.data, steps) {
-        Ok(own) => Ok(own),
+        Ok(bounding) => Ok(bounding),
         Err(error) => Err(refused(error)?),
     };
     let found = companions_beside(setup, &mesh, steps, &mut |view| {
-        bounding.iter_mut().for_each(|own| own.see(view));
+        bounding.iter_mut().for_each(|bounding| bounding.see(view));
         Ok(())
     })?;
     let bound = match bounding.map(Bounding::finish) {
@@ -153,7 +152,7 @@ pub fn companions_and_bound(
     Ok((found, bound))
 }
 
-/// `watch` sees every level of the run itself.
+/// [`companions`] on a mesh that is made; `watch` sees every level of the run itself.
 fn companions_beside(
     setup: &Setup,
     mesh: &Meshed,
@@ -161,22 +160,22 @@ fn companions_beside(
     watch: &mut Observer<'_>,
 ) -> Result<Companions, SetupError> {
     let n = mesh.n;
-    let own_on_each_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    let own = run(setup, mesh, [steps, steps], None, watch)?;
+    let on_mesh = setup.body.data.is_interpolated();
+    let finest = run(setup, mesh, [steps, steps], None, watch)?;
     let (in_time, no_time) = split(time_companions(setup, mesh, steps));
-    let (in_space, no_space) = match own_on_each_mesh {
+    let (in_space, no_space) = match on_mesh {
         true => (None, None),
-        false => split(space_companions(setup, n, steps, &own)),
+        false => split(space_companions(setup, n, steps, &finest)),
     };
     let data = &mesh.data;
     let floors = [&in_time, &in_space]
         .into_iter()
         .flatten()
         .flatten()
-        .fold(own.floors, |floors, run| floors.max(run.floors));
+        .fold(finest.floors, |floors, run| floors.max(run.floors));
     let time = in_time
         .as_ref()
-        .map(|[half, quarter]| [distance(data, &own, half), distance(data, half, quarter)]);
+        .map(|[half, quarter]| [distance(data, &finest, half), distance(data, half, quarter)]);
     let space = in_space.as_ref().map(|[half, quarter]| [half.apart, quarter.apart]);
     let read = |pair: &Option<[Floors; 2]>, norm: Norm| {
         pair.map_or([f64::NAN; 2], |pair| pair.map(|floors| floor_in(&floors, norm)))
@@ -194,9 +193,9 @@ fn companions_beside(
         Some([scalar(&quarter.state, name)?, scalar(&half.state, name)?, value])
     };
     let runs = [&in_time, &in_space].into_iter().flatten().flatten();
-    let times = std::iter::once(&own).chain(runs).map(|run| run.alone(&own)).collect();
-    let quantities = scalars(&own.state).into_iter().map(|(name, value)| {
-        let space = match own_on_each_mesh {
+    let times = std::iter::once(&finest).chain(runs).map(|run| run.alone(&finest)).collect();
+    let quantities = scalars(&finest.state).into_iter().map(|(name, value)| {
+        let space = match on_mesh {
             true => Some([value; 3]),
             false => triple(&in_space, &name, value),
         };
@@ -207,15 +206,15 @@ fn companions_beside(
         norms: norms.collect(),
         quantities: quantities.collect(),
         missing: [no_space, no_time],
-        own_on_each_mesh,
-        size: own.size,
+        on_mesh,
+        size: finest.size,
         times,
-        state: own.state,
+        state: finest.state,
     })
 }
 
-/// The runs of [`companions`], the finest of which is the run itself: beside it, the levels of that and of two companions
-/// that are compared, u and σ of each twice over.
+/// The run of [`companions`] with the memory that it takes: beside the run, the compared levels of it and of two
+/// companions, with u and σ held twice.
 pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
     let beside = move |space: &Discretization, _| {
         let d = space.mesh.dimension;
@@ -234,7 +233,7 @@ fn split<T>(outcome: Result<T, String>) -> (Option<T>, Option<String>) {
     }
 }
 
-/// Half and a quarter of the steps on the same mesh.
+/// The runs with N/2 and N/4 steps on the same mesh.
 fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2], String> {
     if !steps.is_multiple_of(4) {
         return Err(format!("N = {steps} is no multiple of 4"));
@@ -244,35 +243,37 @@ fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2],
     if (0..=coarse.steps()).any(|j| apart(j) > SAME_TIME * fine.time(fine.steps())) {
         return Err("the grids of N and N/4 steps share no times".into());
     }
-    let companion = |own: u32| {
-        run(setup, mesh, [own, steps], None, &mut |_| Ok(()))
-            .map_err(|error| format!("the companion with N = {own} fails: {error}"))
+    let companion = |count: u32| {
+        run(setup, mesh, [count, steps], None, &mut |_| Ok(()))
+            .map_err(|error| format!("the companion with N = {count} fails: {error}"))
     };
     Ok([companion(steps / 2)?, companion(steps / 4)?])
 }
 
-/// Half and a quarter of the cells per unit length with the same steps, each beside the finer run.
-fn space_companions(setup: &Setup, n: u32, steps: u32, own: &Run) -> Result<[Run; 2], String> {
+/// The runs on n/2 and n/4 with the same steps, each compared with the run on the next finer mesh.
+fn space_companions(setup: &Setup, n: u32, steps: u32, finest: &Run) -> Result<[Run; 2], String> {
     if !n.is_multiple_of(4) {
         return Err(format!("n = {n} is no multiple of 4"));
     }
     if setup.scene.check_cells(n / 4).is_err() {
         return Err(format!("the domain has no mesh with n = {}", n / 4));
     }
-    let companion = |own: u32, finer: &Run| -> Result<Run, String> {
-        let failed =
-            |error: &dyn std::fmt::Display| format!("the companion with n = {own} fails: {error}");
-        let mesh = Meshed::new(setup, own).map_err(|error| failed(&error))?;
+    let companion = |cells: u32, finer: &Run| -> Result<Run, String> {
+        let failed = |error: &dyn std::fmt::Display| {
+            format!("the companion with n = {cells} fails: {error}")
+        };
+        let mesh = Meshed::new(setup, cells).map_err(|error| failed(&error))?;
         run(setup, &mesh, [steps, steps], Some(&finer.kept), &mut |_| Ok(()))
             .map_err(|error| failed(&error))
     };
-    let half = companion(n / 2, own)?;
+    let half = companion(n / 2, finest)?;
     let quarter = companion(n / 4, &half)?;
     Ok([half, quarter])
 }
 
 impl Run {
-    /// The seconds of this run alone. Loads are those of the first run on a mesh, a level: companions may find them there.
+    /// The seconds of this run as if it were alone. On the mesh of `first` a level's loads cost what they cost `first`:
+    /// companions may find them made.
     fn alone(&self, first: &Self) -> RunTime {
         let levels = |run: &Self| f64::from(run.steps + 1);
         let Clock { mesh, load, march } = self.clock;
@@ -284,11 +285,11 @@ impl Run {
     }
 }
 
-/// One run, kept at the times of N/4 steps (thinned), N being the steps of the finest one.
+/// A run whose levels are kept at the times of N/4 steps (thinned), N = `finest`; `finer` is what it is compared with.
 fn run(
     setup: &Setup,
     mesh: &Meshed,
-    [own, finest]: [u32; 2],
+    [steps, finest]: [u32; 2],
     finer: Option<&ReferenceRun>,
     watch: &mut Observer<'_>,
 ) -> Result<Run, CaseError> {
@@ -297,12 +298,12 @@ fn run(
     let (n, space) = (mesh.n, &mesh.data.space);
     let refinement = finer.map(|finer| finer.refinement(space)).transpose();
     let refinement = refinement.map_err(|error| refused(&error))?;
-    let stride = stride(own, finest);
+    let stride = stride(steps, finest);
     let mut kept = ReferenceRun::new(space.clone());
     let (mut levels, mut state, mut apart) = (Vec::new(), None, Floors::default());
     let mut keep = |view: &StepView<'_>| -> Result<(), CaseError> {
         watch(view)?;
-        let last = view.n == own as usize;
+        let last = view.n == steps as usize;
         if !(last || view.n.is_multiple_of(stride as usize)) {
             return Ok(());
         }
@@ -318,12 +319,12 @@ fn run(
         }
         Ok(())
     };
-    let (info, clock) = timed(setup, mesh, own, &mut keep)?;
+    let (info, clock) = timed(setup, mesh, steps, &mut keep)?;
     let missing =
         || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
     Ok(Run {
         n,
-        steps: own,
+        steps,
         clock,
         size: info.strain_norm,
         levels,
@@ -349,16 +350,16 @@ fn timed(
         outcome
     })?;
     let taken = clock.elapsed().as_secs_f64();
-    // A share of the wall is one of the CPU time, wherever the thread had to wait.
+    // The share is one of wall time, since the thread may have waited in between.
     let load = taken * (info.seconds_load / wall.elapsed().as_secs_f64()).min(1.0);
     let march = (taken - keeping.as_secs_f64() - load).max(0.0);
     Ok((info, Clock { mesh: mesh.seconds, load, march }))
 }
 
-/// Levels of a run with `own` steps between two compared ones, N = `finest` being the steps of the finest.
-fn stride(own: u32, finest: u32) -> u32 {
+/// Levels of a run with `steps` steps between two compared ones, N = `finest` being the steps of the finest.
+fn stride(steps: u32, finest: u32) -> u32 {
     let compared = if finest.is_multiple_of(4) { finest / 4 } else { finest };
-    compared.div_ceil(COMPARED).max(1) * (own / compared).max(1)
+    compared.div_ceil(COMPARED).max(1) * (steps / compared).max(1)
 }
 
 /// The largest distance of two runs on one mesh.
@@ -377,5 +378,5 @@ fn scalars(state: &FinalState) -> Vec<(String, f64)> {
 }
 
 fn scalar(state: &FinalState, name: &str) -> Option<f64> {
-    scalars(state).into_iter().find(|(own, _)| own == name).map(|(_, value)| value)
+    scalars(state).into_iter().find(|(field, _)| field == name).map(|(_, value)| value)
 }

@@ -5,8 +5,7 @@ use crate::trade::{Composition, CostSample};
 use run::sweep::run_cost;
 use scene::setup::{Setup, SetupError};
 
-/// From here on a run has a time that can be told from noise, in CPU seconds: page faults and a cold cache are about a millisecond, a
-/// tenth of it.
+/// Least CPU seconds that can be told from noise: page faults and a cold cache take about a millisecond, a tenth of it.
 const TIMED: f64 = 0.01;
 
 /// Where predicted seconds come from.

@@ -22,7 +22,7 @@ pub struct QuantityEstimate {
     pub reason: Option<String>,
 }
 
-/// Reads the values of a quantity on [4h, 2h, h] and on [4k, 2k, k]; a direction that was not run is none.
+/// Reads the values of a quantity on [4h, 2h, h] and on [4k, 2k, k]; None for a direction that was not run.
 pub fn quantity(
     name: &str,
     space: Option<[f64; 3]>,
