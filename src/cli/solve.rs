@@ -13,7 +13,7 @@ use super::machine::Allowance;
 use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
 };
-use fem::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
+use fem::contact::{CaseInfo, Discretization, LinearSolver, MULTIGRID_RATIO, Path, StepView};
 use fem::space::Element;
 use pictures::Pictures;
 use report::digits;
@@ -269,10 +269,19 @@ impl Solve {
     }
 
     fn check_levels(&self, setup: &Setup, n: u32, data: &MeshData) -> Result<(), CliError> {
-        if setup.linear_solver != Some(LinearSolver::Multigrid) || data.space.levels().is_some() {
+        if setup.linear_solver != Some(LinearSolver::Multigrid) {
             return Ok(());
         }
         let name = &setup.scene.name;
+        let ratio = setup.model.elasticity.ratio(setup.scene.dimension);
+        if ratio > MULTIGRID_RATIO {
+            return Err(CliError::other(format!(
+                "{name}: multigrid sweeps in single precision, for elasticities whose eigenvalues are at most {MULTIGRID_RATIO:.0} times apart; here {ratio:.3e}: --linear-solver direct factorizes"
+            )));
+        }
+        if data.space.levels().is_some() {
+            return Ok(());
+        }
         if data.space.element != Element::P1 {
             return Err(CliError::other(format!(
                 "{name}: multigrid is made for {} elements, and the scene has {}: --linear-solver direct factorizes",

@@ -46,9 +46,7 @@ pub struct StepInfo {
 /// Why a time level has no computed solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StepError {
-    #[error(
-        "{source} in Newton iteration {iteration}; a smaller time step restores it if memory at lag 0 is negative, a smaller descent slope of the contact law otherwise"
-    )]
+    #[error("{source} in Newton iteration {iteration}{}", way_out(source))]
     Factor { iteration: u32, source: FactorError },
     #[error("the residual became {value} in Newton iteration {iteration}")]
     NotFinite { iteration: u32, value: f64 },
@@ -64,6 +62,16 @@ pub enum StepError {
         "the decomposition of Remark 3 does not contract: after {problems} convex problems it still changes by {change:.3e}, {factor:.3} times the change before; it contracts where alpha_nu c_j^2 is below the constant of monotonicity (2.9), and Newton's method does not need that"
     )]
     Expanding { problems: u32, change: f64, factor: f64 },
+}
+
+fn way_out(error: &FactorError) -> &'static str {
+    match error {
+        FactorError::NotPositiveDefinite { .. } => {
+            "; a smaller time step restores it if memory at lag 0 is negative, a smaller descent slope of the contact law otherwise"
+        }
+        FactorError::SingularInZeta { .. } => "; a smaller time step restores it",
+        _ => "",
+    }
 }
 
 /// Iterations without a new best residual after which steps are halved, which breaks cycles of the active set.

@@ -1,6 +1,6 @@
 //! Factors and conjugate gradients with multigrid, for every scene with a mesh that has levels.
 
-use gronwall::contact::{LinearSolver, Plan};
+use gronwall::contact::{LinearSolver, MULTIGRID_RATIO, Plan};
 use gronwall::setup::{MeshData, Setup};
 use gronwall::space::Element;
 use gronwall::vhi::{Newton, StepSolver};
@@ -31,7 +31,8 @@ fn long_factors_and_multigrid_have_the_same_solution_on_all_scenes() {
     let (mut taken, mut without) = ([0; 4], Vec::new());
     for mut setup in bodies() {
         let name = setup.scene.name.clone();
-        let Some(data) = with_levels(&setup) else {
+        let softer = setup.model.elasticity.ratio(setup.scene.dimension) <= MULTIGRID_RATIO;
+        let Some(data) = with_levels(&setup).filter(|_| softer) else {
             without.push(name);
             continue;
         };
@@ -44,11 +45,11 @@ fn long_factors_and_multigrid_have_the_same_solution_on_all_scenes() {
         assert!(of_multigrid.iterations > 0, "{name}");
         assert!(off <= AGREE, "{name}: {off:e}");
     }
-    // Every plan has scenes that multigrid takes over; a mesh from a file refines nothing that is known,
-    // and other elements than linear ones have no transfers.
+    // Every plan has scenes that multigrid takes over; a mesh from a file refines nothing that is known, other elements
+    // than linear ones have no transfers, and eigenvalues 10⁶ apart are too far for single precision.
     assert!(taken.iter().all(|&count| count >= 4), "{taken:?}");
     without.retain(|name| crate::shipped::setup(name).body.element == Element::P1);
-    assert_eq!(without, ["frustum", "frustum-affine"]);
+    assert_eq!(without, ["frustum", "frustum-affine", "locking-linear"]);
 }
 
 #[test]

@@ -102,19 +102,29 @@ const MULTIGRID_FROM: usize = 5_000;
 /// solves at 104,544 unknowns; a factor in three dimensions grows with the square of the unknowns, a solve in
 /// proportion to them.
 const UNKNOWNS_A_SOLVE: usize = 7_000;
+/// M/m of the elasticity from which on conjugate gradients take longer than factors at 45,000 unknowns: iterations grow
+/// like its root. `multigrid-box`, n = 24, one step: 88 iterations with λ/μ_L = 1, 303 with 100, 848 with 1,000 (3.7 s
+/// against 2.8 s with factors), 2,862 with 10⁴.
+const RATIO_OF_SPEED: f64 = 1e3;
+/// M/m up to which sweeps in single precision, with a unit roundoff of 2⁻²⁴, are right to a thousandth. At 60 times this
+/// their rounding makes the cycle indefinite.
+pub const MULTIGRID_RATIO: f64 = 1e-3 * 16_777_216.0;
 
 impl LinearSolver {
     /// The solver of a run of `steps` steps: the one that `space` names, or the cheaper one by size and number of
-    /// solves with one matrix. Factors where the mesh has no levels.
+    /// solves with one matrix. Factors where the mesh has no levels, or the elasticity is too stiff one way.
     pub fn of(space: &Discretization, model: &Model, steps: usize) -> Self {
         // Linear runs and condensed ones have one matrix; a step of the others factorizes anew about once.
         let one =
             model.is_linear() || Plan::foreseen(model, space.mesh.dimension) == Plan::Condensed;
         let least = if one { UNKNOWNS_A_SOLVE * (steps + 1) } else { MULTIGRID_FROM };
-        let large = space.mesh.dimension == 3 && space.dofs() >= least;
-        let by_size = if large { Self::Multigrid } else { Self::Direct };
-        match space.linear_solver.unwrap_or(by_size) {
-            Self::Multigrid if space.levels().is_some() => Self::Multigrid,
+        let (d, ratio) = (space.mesh.dimension, model.elasticity.ratio(space.mesh.dimension));
+        let faster = d == 3 && space.dofs() >= least && ratio <= RATIO_OF_SPEED;
+        let of_least_cost = if faster { Self::Multigrid } else { Self::Direct };
+        match space.linear_solver.unwrap_or(of_least_cost) {
+            Self::Multigrid if ratio <= MULTIGRID_RATIO && space.levels().is_some() => {
+                Self::Multigrid
+            }
             _ => Self::Direct,
         }
     }
