@@ -9,7 +9,8 @@
 //! ```
 //!
 //! a viscoelastic body in frictionless contact with a nonmonotone layer over a rigid one. P1 elements
-//! in space and the trapezoidal rule in time give errors of order h + k² (5.26). Equation numbers are
+//! in space and the trapezoidal rule in time give errors of order h + k² (5.26). Beyond the paper there are friction,
+//! quadratic and nonconforming elements, other rules in time and singular kernels. Equation numbers are
 //! those of W. Xu, Z. Huang, W. Han, W. Chen, C. Wang, J. Comput. Appl. Math. (2019),
 //! doi 10.1016/j.cam.2018.08.046.
 //!
@@ -36,7 +37,7 @@
 //! |---|---|---|
 //! | `algebra` | | [`tensor`]: symmetric tensors in Mandel notation; [`linalg`]: sparse matrices on node blocks, Cholesky factorization, GMRES, multigrid |
 //! | `vhi` | `algebra` | [`law`]: elasticity, projection, memory kernels, contact potentials; [`history`]: time grids and rules, the sums Σ' over the past; [`vhi`]: Problem 9 as a trait, semismooth Newton, fixed point Λ, march; [`finite`]: Problem 9 in ℝ^m |
-//! | `fem` | `algebra`, `vhi` | [`mesh`]; [`space`]: P1 geometry, node numbering, quadrature; [`contact`]: Problem 14 assembled and marched in time, KKT residual; [`norms`]: errors against moments of the truth |
+//! | `fem` | `algebra`, `vhi` | [`mesh`]; [`space`]: elements, node numbering, quadrature; [`contact`]: Problem 14 assembled and marched in time, KKT residual; [`norms`]: errors against moments of the truth |
 //! | `formula` | | [`formula`]: parsing, exact derivatives, hereditary integrals, evaluation in blocks |
 //! | `exact` | `formula`, `fem` without its laws and assembly | [`manufactured`]: exact fields and loads from formulas, and their verification |
 //! | `files` | | [`files`]: bounded reading, replacement that is whole or not at all |

@@ -9,7 +9,7 @@ use super::constitutive::{Tensor, stress};
 use super::nodal_force::inward;
 use super::parts::Parts;
 use super::sampled::Sampled;
-use super::shapes::shapes;
+use super::shapes::Shapes;
 use fem::contact::LoadError;
 use fem::space::quadrature::Rule;
 
@@ -40,11 +40,12 @@ impl Parts<'_> {
     ) -> Result<(), LoadError> {
         let (space, rule, mut memory) = (self.space, &points.rule, Vec::new());
         let (on_facet, share) = (rule.points.len() / (D + 1), 1.0 / D as f64);
+        let functions = Shapes::of_cell(space.element, D);
         let beyond_mean = |(q, b): (usize, &Vec<f64>)| -> Vec<f64> {
             let middle: Vec<f64> =
                 (0..=D).map(|corner| if corner == q / on_facet { 0.0 } else { share }).collect();
-            let mean = shapes(space.element, &middle);
-            shapes(space.element, b).iter().zip(mean).map(|(v, mean)| v - mean).collect()
+            let mean = functions.at(&middle);
+            functions.at(b).iter().zip(mean).map(|(v, mean)| v - mean).collect()
         };
         let beyond: Vec<Vec<f64>> = rule.points.iter().enumerate().map(beyond_mean).collect();
         let (program, names) = self.inside();

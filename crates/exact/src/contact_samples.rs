@@ -3,9 +3,10 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::exact::{Exact, LawNumbers};
-use super::shapes::facet_shapes;
+use super::shapes::Shapes;
 use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
+use fem::space::Simplex;
 use formula::{BoundProgram, EvaluationPoint};
 
 /// Relative distance within which r counts as the place of a jump: formulas round.
@@ -36,10 +37,9 @@ impl StatePoints {
         let (mesh, trace, rule) = (&space.mesh, &space.trace, state_rule());
         let contact = exact.data.contact.as_ref();
         let shift = contact.and_then(|contact| contact.shift);
-        let nodes = [vec![1.0, 0.0], vec![0.0, 1.0], vec![0.5, 0.5]];
-        let nodes = &nodes[..space.nodes.a_facet];
-        let shapes = interpolated
-            .then(|| rule.points.iter().map(|b| facet_shapes(space.element, b)).collect());
+        let nodes = space.element.nodes(Simplex::facet(2));
+        let functions = Shapes::of_facet(space.element, 2);
+        let shapes = interpolated.then(|| rule.points.iter().map(|b| functions.at(b)).collect());
         let mut sides = Vec::new();
         for part in mesh.plane_parts(&trace.mesh_facet) {
             let facets = part.members;

@@ -13,7 +13,7 @@ use super::nodal_force::{add_force_along, facet_measure, force_of_means};
 use super::nodal_strain::NodalStrain;
 use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
-use super::shapes::facet_shapes;
+use super::shapes::Shapes;
 use super::side_points::{SidePoints, side_points};
 use super::sign_changes::sign_changes;
 use super::truth::{ByTime, Truth};
@@ -282,8 +282,8 @@ impl InterpolatedOnMesh {
         }
         let mut state = self.contact_state(t);
         self.pressures_between_laws(&mut state);
-        let samples: Vec<Vec<f64>> =
-            facet_samples(D).iter().map(|b| facet_shapes(self.space.element, b)).collect();
+        let functions = Shapes::of_facet(self.space.element, D);
+        let samples: Vec<Vec<f64>> = facet_samples(D).iter().map(|b| functions.at(b)).collect();
         for f in 0..self.space.trace.measure.len() {
             let at = self.space.trace.facet(f).iter().map(|&i| state[i as usize]);
             moments.normal.node.extend(at.clone().map(|at| at[0]));

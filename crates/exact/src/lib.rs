@@ -64,6 +64,6 @@ pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
 pub use separation::Separation;
-pub use shapes::{facet_shapes, shapes};
+pub use shapes::Shapes;
 pub use sign_changes::sign_changes;
 pub use truth::Truth;

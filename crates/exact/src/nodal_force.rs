@@ -6,19 +6,18 @@
 use std::ops::Range;
 
 use super::constitutive::{Tensor, from_mandel};
-use super::shapes::work;
+use super::shapes::{MOST_STRAINS, Work};
 use fem::contact::Discretization;
 use fem::mesh::Mesh;
-use fem::space::Element;
 
-/// Adds ∫_K σ:ε(φ_a e_i) for the shape functions of cell c to the nodal vector `force`; `stress` is the projection of σ
-/// at its strain points (the mean over K for linear elements), and `nodes` are its nodes.
+/// Adds ∫_K σ:ε(φ_a e_i) for the shape functions of cell c to the nodal vector `force`, by the `work` of its element;
+/// `stress` is the projection of σ at its strain points (the mean over K for linear elements), and `nodes` are its nodes.
 ///
 /// σ is symmetric, so the integrand is Σ_j σ_ij ∂_jφ_a, and by the divergence theorem ∫_K ∇λ_a = ∫_∂K λ_a n = -|F_a|
 /// n_a/D with F_a the facet opposite vertex a: cells are positively oriented.
 #[inline]
 pub(crate) fn add_stress<const D: usize>(
-    (mesh, element): (&Mesh, Element),
+    (mesh, work): (&Mesh, &Work),
     c: usize,
     nodes: &[u32],
     stress: &[Tensor<D>],
@@ -29,13 +28,11 @@ pub(crate) fn add_stress<const D: usize>(
     for (a, opposite_corner) in inwards.iter_mut().enumerate().take(D + 1) {
         *opposite_corner = inward(mesh, corner, a);
     }
-    work(element, stress, &inwards[..=D], |a, work: [f64; D]| {
+    work.each(stress, &inwards[..=D], |a, work: [f64; D]| {
         let target = &mut force[D * nodes[a] as usize..][..D];
         target.iter_mut().zip(work).for_each(|(target, w)| *target += w);
     });
 }
-
-const MOST_STRAINS: usize = 4;
 
 /// Adds a force of given size along a unit vector at a point of the trace.
 pub(super) fn add_force_along(
@@ -56,13 +53,13 @@ pub(super) fn add_force_along(
 /// Adds ∫ σ:ε(v) over some cells from the projection of σ at their strain points, in the notation of moments; empty
 /// where σ vanishes.
 pub(super) fn add_means<const D: usize>(
-    space: &Discretization,
+    (space, work): (&Discretization, &Work),
     cells: Range<usize>,
     means: &[f64],
     force: &mut [f64],
 ) {
-    let (numbers, points) = (D * (D + 1) / 2, space.geometry.shares.len());
-    let (at, mut stress) = ((&space.mesh, space.element), [[[0.0; D]; D]; MOST_STRAINS]);
+    let (numbers, points) = (D * (D + 1) / 2, work.points());
+    let (at, mut stress) = ((&space.mesh, work), [[[0.0; D]; D]; MOST_STRAINS]);
     for (c, cell_means) in cells.zip(means.chunks_exact(numbers * points)) {
         let tensors = cell_means.chunks_exact(numbers).map(from_mandel::<D>);
         stress.iter_mut().zip(tensors).for_each(|(stress, tensor)| *stress = tensor);
@@ -72,7 +69,8 @@ pub(super) fn add_means<const D: usize>(
 
 pub(super) fn force_of_means<const D: usize>(space: &Discretization, means: &[f64]) -> Vec<f64> {
     let mut force = vec![0.0; space.nodes.len()];
-    add_means::<D>(space, 0..space.mesh.cell_count(), means, &mut force);
+    let work = Work::new(space.element, D);
+    add_means::<D>((space, &work), 0..space.mesh.cell_count(), means, &mut force);
     force
 }
 
@@ -113,13 +111,14 @@ pub(crate) fn facet_measure(mesh: &Mesh, facet: usize) -> f64 {
 mod tests {
     use super::*;
     use fem::mesh::{Family, cuboid, rectangle};
+    use fem::space::Element;
 
     /// Nodal forces of one stress on every cell of a perturbed mesh, nodes numbered as vertices.
     fn forces(mesh: &Mesh, stress: &Tensor<2>) -> Vec<f64> {
         let mut force = vec![0.0; 2 * mesh.vertices()];
         for c in 0..mesh.cell_count() {
             add_stress(
-                (mesh, Element::P1),
+                (mesh, &Work::new(Element::P1, mesh.dimension)),
                 c,
                 mesh.cell(c),
                 std::slice::from_ref(stress),
@@ -180,7 +179,7 @@ mod tests {
         let mut force = vec![0.0; 3 * mesh.vertices()];
         for c in 0..mesh.cell_count() {
             add_stress(
-                (mesh, Element::P1),
+                (mesh, &Work::new(Element::P1, mesh.dimension)),
                 c,
                 mesh.cell(c),
                 std::slice::from_ref(stress),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::constitutive::Tensor;
 use super::linear::edge_slopes;
-use super::shapes::{between, strain_places};
+use super::shapes::Shapes;
 use fem::contact::Discretization;
 
 /// Data independent of the function.
@@ -13,8 +13,9 @@ pub(super) struct NodalStrain {
     space: Arc<Discretization>,
     /// ∇λ of all corners of a cell but its first, cell by cell.
     slopes: Vec<f64>,
-    /// Barycentric coordinates of the strain points of a cell.
-    places: Vec<Vec<f64>>,
+    /// At each strain point of a cell, where they are not zero: node but the first, corner, and the derivative of its shape
+    /// function by that coordinate.
+    at_points: Vec<Vec<(usize, usize, f64)>>,
 }
 
 impl NodalStrain {
@@ -24,11 +25,20 @@ impl NodalStrain {
             2 => edge_slopes::<2>(&space.mesh),
             _ => edge_slopes::<3>(&space.mesh),
         };
-        Self { slopes, places: strain_places(space.element, d), space }
+        let functions = Shapes::of_cell(space.element, d);
+        let at_point = |b: &Vec<f64>| {
+            let all = functions.slopes(b).into_iter().enumerate().skip(1);
+            let each = all.flat_map(|(a, of_a)| {
+                of_a.into_iter().enumerate().map(move |(corner, slope)| (a, corner, slope))
+            });
+            each.filter(|(_, _, slope)| *slope != 0.0).collect()
+        };
+        let at_points = space.element.strain_rule(d).points.iter().map(at_point).collect();
+        Self { slopes, at_points, space }
     }
 
     pub(super) fn points(&self) -> usize {
-        self.places.len()
+        self.at_points.len()
     }
 
     /// ε of a nodal vector at strain point p of cell c, as a full tensor.
@@ -37,31 +47,19 @@ impl NodalStrain {
         let slopes = &self.slopes.as_chunks::<D>().0[D * c..D * (c + 1)];
         let values = nodal.as_chunks::<D>().0;
         let from = &values[nodes[0] as usize];
-        let mut gradient = [[0.0; D]; D];
-        for (slope, &node) in slopes.iter().zip(&nodes[1..]) {
-            let to = &values[node as usize];
-            for i in 0..D {
-                for j in 0..D {
-                    gradient[i][j] += (to[i] - from[i]) * slope[j];
-                }
-            }
-        }
-        // The deviation of midpoints from linear: 4 λ_a λ_b of each edge.
         let slope = |corner: usize| -> [f64; D] {
             match corner {
                 0 => std::array::from_fn(|j| -slopes.iter().map(|slope| slope[j]).sum::<f64>()),
                 _ => slopes[corner - 1],
             }
         };
-        let place = &self.places[p];
-        for (&node, &[a, b]) in nodes[D + 1..].iter().zip(between(D + 1)) {
-            let [middle, first, second] =
-                [node, nodes[a], nodes[b]].map(|node| &values[node as usize]);
-            let (of_a, of_b) = (slope(a), slope(b));
+        let mut gradient = [[0.0; D]; D];
+        // Shape functions sum up to one: differences to the first node, which do not cancel.
+        for &(a, corner, factor) in &self.at_points[p] {
+            let (to, of_corner) = (&values[nodes[a] as usize], slope(corner));
             for i in 0..D {
-                let lift = 4.0 * (middle[i] - 0.5 * (first[i] + second[i]));
                 for j in 0..D {
-                    gradient[i][j] += lift * (place[a] * of_b[j] + place[b] * of_a[j]);
+                    gradient[i][j] += factor * (to[i] - from[i]) * of_corner[j];
                 }
             }
         }
@@ -79,8 +77,8 @@ impl NodalStrain {
     pub(super) fn norm<const D: usize>(&self, nodal: &[f64]) -> f64 {
         let mut sum = 0.0;
         for (c, measure) in self.space.geometry.measure.iter().enumerate() {
-            let mut squares = 0.0;
-            for p in 0..self.points() {
+            for (p, share) in self.space.geometry.shares.iter().enumerate() {
+                let mut squares = 0.0;
                 let strain: Tensor<D> = self.at(nodal, c, p);
                 for i in 0..D {
                     squares += strain[i][i] * strain[i][i];
@@ -88,8 +86,8 @@ impl NodalStrain {
                         squares += 2.0 * strain[i][j] * strain[i][j];
                     }
                 }
+                sum += measure * share * squares;
             }
-            sum += measure * squares / self.points() as f64;
         }
         sum.sqrt()
     }

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::lanes::{Lanes, Number};
 use super::reduction::{deviations, mean, remainders};
-use super::shapes::{facet_shapes, shapes};
+use super::shapes::Shapes;
 use fem::space::Element;
 use fem::space::quadrature::Rule;
 
@@ -19,24 +19,20 @@ impl<'a> Onto<'a> {
     /// Onto those of cells.
     pub(super) fn new(element: Element, rule: &'a Rule) -> Self {
         let d = rule.points[0].len() - 1;
-        Self::functions_of(element, rule, |b| strain_shapes(element, d, b), shapes)
+        Self::functions_of(element, rule, || {
+            [Shapes::of_strains(element, d), Shapes::of_cell(element, d)]
+        })
     }
 
-    /// Onto the functions on facets, and constants: there are no strains.
+    /// Onto the functions on facets; there are no strains.
     pub(super) fn facets(element: Element, rule: &'a Rule) -> Self {
-        Self::functions_of(element, rule, |_| vec![1.0], facet_shapes)
+        let d = rule.points[0].len();
+        Self::functions_of(element, rule, || [(); 2].map(|()| Shapes::of_facet(element, d)))
     }
 
-    fn functions_of(
-        element: Element,
-        rule: &'a Rule,
-        strains: impl Fn(&[f64]) -> Vec<f64>,
-        functions: impl Fn(Element, &[f64]) -> Vec<f64>,
-    ) -> Self {
-        let others = (element != Element::P1).then(|| {
-            [Projector::new(rule, strains), Projector::new(rule, |b| functions(element, b))]
-        });
-        Self { rule, others }
+    fn functions_of(element: Element, rule: &'a Rule, functions: impl Fn() -> [Shapes; 2]) -> Self {
+        let projectors = || functions().map(|functions| Projector::new(rule, &functions));
+        Self { rule, others: (element != Element::P1).then(projectors) }
     }
 
     /// Replaces tensors point by point by their remainders; `out` are the projections, at the strain points.
@@ -94,17 +90,6 @@ impl<'a> Onto<'a> {
     }
 }
 
-/// Linear functions on a cell, each one at its strain point and zero at the others.
-fn strain_shapes(element: Element, dimension: usize, b: &[f64]) -> Vec<f64> {
-    let points = element.strain_rule(dimension).points;
-    if points.len() == 1 {
-        return vec![1.0];
-    }
-    let places = DMatrix::from_fn(points.len(), b.len(), |p, a| points[p][a]);
-    let inverse = places.try_inverse().expect("strain points that span the cell");
-    (0..points.len()).map(|p| (0..b.len()).map(|a| b[a] * inverse[(a, p)]).sum()).collect()
-}
-
 /// A projection onto the span of some functions.
 struct Projector {
     /// For each point the values of all functions.
@@ -114,8 +99,8 @@ struct Projector {
 }
 
 impl Projector {
-    fn new(rule: &Rule, functions: impl Fn(&[f64]) -> Vec<f64>) -> Self {
-        let shape: Vec<Vec<f64>> = rule.points.iter().map(|b| functions(b)).collect();
+    fn new(rule: &Rule, functions: &Shapes) -> Self {
+        let shape: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
         let (points, count) = (shape.len(), shape[0].len());
         let product = |i: usize, j: usize| {
             (0..points).map(|q| rule.weights[q] * shape[q][i] * shape[q][j]).sum::<f64>()

@@ -14,7 +14,7 @@ use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::{add_means, facet_measure};
 use super::onto::{Onto, append};
 use super::sampled::{Sampled, tensor_names, vector_names};
-use super::shapes::{MOST_NODES, facet_shapes, shapes};
+use super::shapes::{MOST_NODES, Shapes, Work};
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::Rule;
 use formula::Program;
@@ -83,6 +83,7 @@ impl Parts<'_> {
         points: &Sampled,
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         let (space, onto) = (self.space, &Onto::new(self.space.element, &points.rule));
+        let work = Work::new(space.element, D);
         let (mut forces, mut means) = (self.zeros(), vec![Vec::new(); self.count]);
         let rule = &points.rule;
         let (program, names) = self.inside();
@@ -100,7 +101,7 @@ impl Parts<'_> {
                 }
             }
             for (mean, force) in means.iter().zip(&mut forces) {
-                add_means::<D>(space, cells.clone(), mean, force);
+                add_means::<D>((space, &work), cells.clone(), mean, force);
             }
         })?;
         Ok(forces)
@@ -113,7 +114,8 @@ impl Parts<'_> {
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         let space = self.space;
         let (mut forces, rule) = (self.zeros(), &points.rule);
-        let shape: Vec<_> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
+        let functions = Shapes::of_cell(space.element, D);
+        let shape: Vec<_> = rule.points.iter().map(|b| functions.at(b)).collect();
         let names = self.of_all(vector_names("f0", D), D);
         let at = (self.t, self.zeta);
         points.each_block(&space.mesh, self.forces, at, self.again, &names, |cells, values| {
@@ -151,7 +153,8 @@ impl Parts<'_> {
         forces: &mut [Vec<f64>],
     ) -> Result<(), LoadError> {
         let (space, rule, mut memory) = (self.space, &group.strains.rule, Vec::new());
-        let shape: Vec<_> = rule.points.iter().map(|b| facet_shapes(space.element, b)).collect();
+        let functions = Shapes::of_facet(space.element, D);
+        let shape: Vec<_> = rule.points.iter().map(|b| functions.at(b)).collect();
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
         let visit = |facets: Range<usize>, values: &[&[f64]]| {

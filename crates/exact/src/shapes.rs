@@ -1,127 +1,167 @@
-//! Shape functions of the elements on a simplex and the work of σ on them, independent of the solver's.
+//! Shape functions of an element on a simplex and the work of σ on them, independent of the solver's: from the places of
+//! the nodes alone, as the polynomials that are one at a node and zero at the others.
+
+use nalgebra::DMatrix;
 
 use super::constitutive::Tensor;
-use fem::space::Element;
+use fem::space::{Element, Simplex};
 
-pub(super) const MOST_NODES: usize = 10;
+/// Nodes of a cell of the most that an element may have: those of cubics on tetrahedra; likewise strain points.
+pub(super) const MOST_NODES: usize = 20;
+pub(super) const MOST_STRAINS: usize = 10;
 
-/// End points of the midpoint nodes of a tetrahedron, in the order of its nodes; those of its first edge and facet come
-/// first.
-const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
-
-/// Ends of the edges with midpoint nodes of a simplex with so many corners.
-pub(super) fn between(corners: usize) -> &'static [[usize; 2]] {
-    &BETWEEN[..corners * (corners - 1) / 2]
+/// The polynomials of degree p on a simplex that are one at a point and zero at others, Σ_α c_α b^α with |α| = p: products
+/// of p barycentric coordinates span all of degree p, since Σ b_i = 1.
+pub struct Shapes {
+    powers: Vec<Vec<i32>>,
+    /// Row a: c_α of function a.
+    coefficients: Vec<Vec<f64>>,
 }
 
-/// Shape functions of a cell at barycentric coordinates: at corners, then at midpoints, or at barycentres of facets.
-pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
-    match element {
-        Element::P1 => b.to_vec(),
-        Element::P2 => {
-            // A quadratic is linear through the corners plus a bubble 4 b_i b_j per edge, which lifts the midpoint;
-            // half of each bubble is subtracted at both ends.
-            let mut all = b.to_vec();
-            for &[i, j] in between(b.len()) {
-                let bubble = 4.0 * b[i] * b[j];
-                all[i] -= 0.5 * bubble;
-                all[j] -= 0.5 * bubble;
-                all.push(bubble);
-            }
-            all
-        }
-        // Linear, one on its facet and zero at the barycentres of the others: 1 - d at the corner opposite to it.
-        Element::CR => {
-            let d = b.len() - 1;
-            (0..=d).map(|facet| 1.0 - d as f64 * b[opposite(facet, d)]).collect()
-        }
+impl Shapes {
+    /// The shape functions of a cell.
+    pub fn of_cell(element: Element, dimension: usize) -> Self {
+        Self::through(&element.nodes(Simplex::cell(dimension)), element.degree())
+    }
+
+    /// Those of a facet; where there are few nodes they count by their means.
+    pub fn of_facet(element: Element, dimension: usize) -> Self {
+        Self::through(&element.nodes(Simplex::facet(dimension)), element.facet_degree())
+    }
+
+    /// Of strains, at the strain points of a cell.
+    pub(super) fn of_strains(element: Element, dimension: usize) -> Self {
+        Self::through(&element.strain_rule(dimension).points, element.degree() - 1)
+    }
+
+    fn through(points: &[Vec<f64>], degree: usize) -> Self {
+        let powers = powers(points[0].len(), degree as i32);
+        let at = |p: usize, m: usize| product(&points[p], &powers[m]);
+        let values = DMatrix::from_fn(points.len(), powers.len(), at);
+        let inverse = values.try_inverse().expect("nodes that determine a polynomial");
+        let row = |a| inverse.column(a).iter().copied().collect();
+        Self { coefficients: (0..points.len()).map(row).collect(), powers }
+    }
+
+    /// Values at barycentric coordinates.
+    pub fn at(&self, b: &[f64]) -> Vec<f64> {
+        let terms: Vec<f64> = self.powers.iter().map(|powers| product(b, powers)).collect();
+        let value = |row: &Vec<f64>| row.iter().zip(&terms).map(|(c, term)| c * term).sum();
+        self.coefficients.iter().map(value).collect()
+    }
+
+    /// ∂/∂b_i of each function, as if the coordinates were independent: ∇φ = Σ (∂φ/∂b_i) ∇b_i.
+    pub fn slopes(&self, b: &[f64]) -> Vec<Vec<f64>> {
+        let along = |i: usize, row: &Vec<f64>| -> f64 {
+            let terms = self.derivatives(i, row);
+            terms.map(|(c, powers)| c * product(b, &powers)).sum()
+        };
+        let of = |row| (0..b.len()).map(|i| along(i, row)).collect();
+        self.coefficients.iter().map(of).collect()
+    }
+
+    fn derivatives<'a>(
+        &'a self,
+        i: usize,
+        row: &'a [f64],
+    ) -> impl Iterator<Item = (f64, Vec<i32>)> + use<'a> {
+        let terms = row.iter().zip(&self.powers).filter(move |(_, powers)| powers[i] > 0);
+        terms.map(move |(c, powers)| {
+            let mut lower = powers.clone();
+            lower[i] -= 1;
+            (c * f64::from(powers[i]), lower)
+        })
+    }
+
+    /// Means over the simplex.
+    pub(super) fn means(&self) -> Vec<f64> {
+        // Of quadratics some are zero, up to rounding of sums of six numbers.
+        const NOTHING: f64 = 1e-14;
+        let sum = |row: &Vec<f64>| -> f64 {
+            row.iter().zip(&self.powers).map(|(c, powers)| c * mean(powers)).sum()
+        };
+        let snapped = |mean: f64| if mean.abs() < NOTHING { 0.0 } else { mean };
+        self.coefficients.iter().map(|row| snapped(sum(row))).collect()
     }
 }
 
-/// Those of a facet. Functions of Crouzeix and Raviart count by their means there.
-pub fn facet_shapes(element: Element, b: &[f64]) -> Vec<f64> {
-    match element {
-        Element::P1 | Element::P2 => shapes(element, b),
-        Element::CR => vec![1.0],
+/// All lists of `count` powers with this sum.
+fn powers(count: usize, sum: i32) -> Vec<Vec<i32>> {
+    if count == 1 {
+        return vec![vec![sum]];
     }
-}
-
-/// The corner opposite to a facet of a cell: facets begin with corner 0, 1, … and go on in cyclic order.
-fn opposite(facet: usize, d: usize) -> usize {
-    if facet == 0 { d } else { facet - 1 }
-}
-
-/// Means of the shape functions over a facet in dimension d, as numerators per node and a common denominator.
-pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
-    match element {
-        Element::P1 => (vec![1.0; d], d as f64),
-        // Of a linear function 1/d; of a bubble 2/3 on an edge and 1/3 on a triangle, half of which each end loses.
-        Element::P2 if d == 2 => (vec![1.0, 1.0, 4.0], 6.0),
-        Element::P2 => (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 3.0),
-        Element::CR => (vec![1.0], 1.0),
-    }
-}
-
-/// Barycentric coordinates of the strain points of a cell: its centre for linear elements; for quadratic ones a point
-/// near each corner, with all other coordinates equal.
-pub(super) fn strain_places(element: Element, d: usize) -> Vec<Vec<f64>> {
-    match element {
-        Element::P1 | Element::CR => vec![vec![1.0 / (d + 1) as f64; d + 1]],
-        Element::P2 => {
-            let root = ((d + 2) as f64).sqrt();
-            let (far, near) = (1.0 / ((d + 2) as f64 + root), 1.0 / root);
-            let place = |corner: usize| {
-                (0..=d).map(|b| if b == corner { far + near } else { far }).collect()
-            };
-            (0..=d).map(place).collect()
-        }
-    }
-}
-
-/// ∫ σ·∇φ_a of all nodes of a cell: `stress` is the projection of σ at its strain points, and `inward` is ∫ ∇λ_b of its
-/// corners.
-pub(super) fn work<const D: usize>(
-    element: Element,
-    stress: &[Tensor<D>],
-    inward: &[[f64; D]],
-    mut visit: impl FnMut(usize, [f64; D]),
-) {
-    let times = |tensor: &Tensor<D>, b: usize| -> [f64; D] {
-        std::array::from_fn(|i| tensor[i].iter().zip(&inward[b]).map(|(s, n)| s * n).sum())
+    let with = |first: i32| {
+        powers(count - 1, sum - first).into_iter().map(move |rest| [vec![first], rest].concat())
     };
-    match element {
-        Element::P1 => (0..inward.len()).for_each(|a| visit(a, times(&stress[0], a))),
-        Element::CR => (0..=D).for_each(|facet| {
-            visit(facet, times(&stress[0], opposite(facet, D)).map(|w| -(D as f64) * w));
-        }),
-        Element::P2 => {
-            // Means of σ λ_b, from values at D + 1 points of equal weight: λ_b is 1/(D + 2 + √(D + 2)), plus 1/√(D + 2)
-            // at the point of corner b. On triangles that is 1/6 and 2/3.
-            let root = ((D + 2) as f64).sqrt();
-            let moment = |b: usize| -> Tensor<D> {
-                let of = |i: usize, j: usize| {
-                    let all: f64 = stress.iter().map(|s| s[i][j]).sum();
-                    (all / ((D + 2) as f64 + root) + stress[b][i][j] / root) / (D + 1) as f64
-                };
-                std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)))
-            };
-            let moments: Vec<Tensor<D>> = (0..inward.len()).map(moment).collect();
-            // ∇φ_a = ∇λ_a - 2 Σ_b ∇(λ_a λ_b), ∇φ_ab = 4 ∇(λ_a λ_b), and Σ λ_b is one.
-            for a in 0..inward.len() {
-                let mut at_corner = [0.0; D];
-                for (b, moment) in moments.iter().enumerate() {
-                    let factor = if b == a { 3.0 } else { -1.0 };
-                    at_corner
-                        .iter_mut()
-                        .zip(times(moment, a))
-                        .for_each(|(at_corner, w)| *at_corner += factor * w);
+    (0..=sum).rev().flat_map(with).collect()
+}
+
+fn product(b: &[f64], powers: &[i32]) -> f64 {
+    b.iter().zip(powers).map(|(b, &power)| b.powi(power)).product()
+}
+
+/// The mean of Π b_i^α_i over a simplex of dimension d: d! Π α_i!/(d + Σ α_i)!.
+fn mean(powers: &[i32]) -> f64 {
+    let factorial = |m: i32| (1..=m).map(f64::from).product::<f64>();
+    let d = powers.len() as i32 - 1;
+    let above: f64 = powers.iter().map(|&power| factorial(power)).product();
+    factorial(d) * above / factorial(d + powers.iter().sum::<i32>())
+}
+
+/// ∫ σ·∇φ_a over a cell from the values of σ at its strain points: Σ σ(x_p) ∫ ψ_p (∂φ_a/∂b_i) ∇b_i with ψ_p of
+/// [`Shapes::of_strains`].
+pub(super) struct Work {
+    points: usize,
+    /// Node a, strain point p, corner i, and the mean of ψ_p ∂φ_a/∂b_i, where that is not zero.
+    factors: Vec<(usize, usize, usize, f64)>,
+}
+
+impl Work {
+    pub(super) fn new(element: Element, dimension: usize) -> Self {
+        let strains = Shapes::of_strains(element, dimension);
+        let functions = Shapes::of_cell(element, dimension);
+        let (points, mut factors) = (strains.coefficients.len(), Vec::new());
+        for (a, function) in functions.coefficients.iter().enumerate() {
+            for (p, strain) in strains.coefficients.iter().enumerate() {
+                for i in 0..=dimension {
+                    let of_slope = |(slope, lower): (f64, Vec<i32>)| -> f64 {
+                        let pairs = strain.iter().zip(&strains.powers);
+                        let both = |powers: &Vec<i32>| -> Vec<i32> {
+                            powers.iter().zip(&lower).map(|(a, b)| a + b).collect()
+                        };
+                        pairs.map(|(c, powers)| c * slope * mean(&both(powers))).sum()
+                    };
+                    let factor: f64 = functions.derivatives(i, function).map(of_slope).sum();
+                    if factor != 0.0 {
+                        factors.push((a, p, i, factor));
+                    }
                 }
-                visit(a, at_corner);
             }
-            for (edge, &[a, b]) in between(inward.len()).iter().enumerate() {
-                let (p, q) = (times(&moments[a], b), times(&moments[b], a));
-                visit(inward.len() + edge, std::array::from_fn(|i| 4.0 * (p[i] + q[i])));
+        }
+        Self { points, factors }
+    }
+
+    /// Strain points a cell.
+    pub(super) fn points(&self) -> usize {
+        self.points
+    }
+
+    /// Visits nodes with what they add: `stress` are the values at the strain points, `inward` is ∫ ∇b_i of the corners.
+    #[inline]
+    pub(super) fn each<const D: usize>(
+        &self,
+        stress: &[Tensor<D>],
+        inward: &[[f64; D]],
+        mut visit: impl FnMut(usize, [f64; D]),
+    ) {
+        let mut along = [[[0.0; D]; 4]; MOST_STRAINS];
+        for (along, tensor) in along.iter_mut().zip(stress) {
+            for (along, normal) in along.iter_mut().zip(inward) {
+                *along = tensor.map(|row| row.iter().zip(normal).map(|(s, n)| s * n).sum());
             }
+        }
+        for &(a, p, i, factor) in &self.factors {
+            visit(a, along[p][i].map(|work| factor * work));
         }
     }
 }
@@ -132,20 +172,15 @@ mod tests {
     use fem::space::quadrature::{edge, triangle_degree_4};
 
     #[test]
-    fn means_and_places_are_those_of_a_rule() {
+    fn means_are_those_of_a_rule() {
         for element in Element::ALL {
             for (d, rule) in [(2, edge(4)), (3, triangle_degree_4())] {
-                let (parts, sum) = facet_means(element, d);
-                for (a, part) in parts.iter().enumerate() {
+                let functions = Shapes::of_facet(element, d);
+                for (a, found) in functions.means().into_iter().enumerate() {
                     let values = rule.points.iter().zip(&rule.weights);
-                    let mean: f64 = values.map(|(b, w)| w * facet_shapes(element, b)[a]).sum();
-                    assert!((mean - part / sum).abs() < 1e-15, "{element:?} {d} {a}");
+                    let mean: f64 = values.map(|(b, w)| w * functions.at(b)[a]).sum();
+                    assert!((mean - found).abs() < 1e-15, "{element:?} {d} {a}");
                 }
-                let places = strain_places(element, d);
-                let known = element.strain_rule(d).points;
-                assert_eq!(places.len(), known.len());
-                let pairs = places.iter().flatten().zip(known.iter().flatten());
-                pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{places:?}"));
             }
         }
     }
@@ -155,8 +190,24 @@ mod tests {
     fn functions_are_those_of_the_solver() {
         for b in [vec![0.2, 0.5, 0.3], vec![0.1, 0.2, 0.3, 0.4]] {
             for element in Element::ALL {
-                let pairs = shapes(element, &b).into_iter().zip(element.values(&b));
+                let functions = Shapes::of_cell(element, b.len() - 1);
+                let pairs = functions.at(&b).into_iter().zip(element.values(&b));
                 pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{element:?}: {a} {b}"));
+            }
+        }
+    }
+
+    /// Differences along an edge of the simplex, on which Σ b_i stays one.
+    #[test]
+    fn slopes_are_differences() {
+        let (b, step) = ([0.1, 0.2, 0.3, 0.4], 1e-5);
+        for element in Element::ALL {
+            let functions = Shapes::of_cell(element, 3);
+            let moved = |sign: f64| functions.at(&[0.1 - sign * step, 0.2, 0.3, 0.4 + sign * step]);
+            let differences = moved(1.0).into_iter().zip(moved(-1.0));
+            for (slopes, (ahead, behind)) in functions.slopes(&b).iter().zip(differences) {
+                // Quadratic: central differences are exact but for rounding, 1e-16/1e-5.
+                assert!(((ahead - behind) / (2.0 * step) - slopes[3] + slopes[0]).abs() < 1e-10);
             }
         }
     }
@@ -164,31 +215,23 @@ mod tests {
     /// Of σ = (1, x; x, y) on the unit triangle and v = (x², xy): σ:∇v = 2x + x (y + 0) + y x, of mean 2/3 + 1/6.
     #[test]
     fn work_on_quadratics_is_exact_for_linear_stresses() {
-        let place = |b: [f64; 3]| [b[1], b[2]];
-        let near =
-            [0, 1, 2].map(|c| std::array::from_fn(|a| if a == c { 2.0 / 3.0 } else { 1.0 / 6.0 }));
-        let stress = near.map(|b| {
-            let [x, y] = place(b);
-            [[1.0, x], [x, y]]
-        });
+        let place = |b: &[f64]| [b[1], b[2]];
+        let stress: Vec<Tensor<2>> = Element::P2
+            .strain_rule(2)
+            .points
+            .iter()
+            .map(|b| {
+                let [x, y] = place(b);
+                [[1.0, x], [x, y]]
+            })
+            .collect();
         let inward = [[-0.5, -0.5], [0.5, 0.0], [0.0, 0.5]];
-        let nodes = [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.5, 0.5, 0.0],
-            [0.0, 0.5, 0.5],
-            [0.5, 0.0, 0.5],
-        ];
+        let nodes = Element::P2.nodes(Simplex::cell(2));
         let mut sum = 0.0;
-        work(Element::P2, &stress, &inward, |a, force: [f64; 2]| {
-            let [x, y] = place(nodes[a]);
+        Work::new(Element::P2, 2).each(&stress, &inward, |a, force: [f64; 2]| {
+            let [x, y] = place(&nodes[a]);
             sum += force[0] * x * x + force[1] * x * y;
         });
         assert!((sum - 0.5 * (2.0 / 3.0 + 1.0 / 6.0)).abs() < 1e-15, "{sum}");
-        for (a, b) in nodes.iter().enumerate() {
-            let at = shapes(Element::P2, b);
-            assert!(at.iter().enumerate().all(|(i, s)| *s == f64::from(u8::from(i == a))));
-        }
     }
 }

@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use super::exact::Exact;
 use super::friction::{Sliding, Tangents};
 use super::nodal_force::facet_measure;
-use super::shapes::facet_means;
+use super::shapes::Shapes;
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
 use formula::BoundProgram;
@@ -55,11 +55,11 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
         normal[..d].copy_from_slice(&part.normal[..d]);
         let formulas = exact.boundary(&normal[..d]);
         let mut of_vertex = HashMap::new();
-        let (parts, sum) = facet_means(space.element, d);
+        let means = Shapes::of_facet(space.element, d).means();
         for &f in &facets {
             let facet = trace.mesh_facet[f] as usize;
-            for (&vertex, part) in space.nodes.on_facet(facet).iter().zip(&parts) {
-                let share = part * facet_measure(mesh, facet) / sum;
+            for (&vertex, mean) in space.nodes.on_facet(facet).iter().zip(&means) {
+                let share = mean * facet_measure(mesh, facet);
                 *of_vertex.entry(vertex).or_insert(0.0) += share;
             }
         }

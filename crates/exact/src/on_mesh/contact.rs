@@ -3,7 +3,7 @@
 use super::ExactOnMesh;
 use crate::nodal_force::facet_measure;
 use crate::onto::Onto;
-use crate::shapes::facet_shapes;
+use crate::shapes::Shapes;
 use fem::contact::LoadError;
 use fem::norms::{Piecewise, facet_samples, is_locked};
 
@@ -33,8 +33,8 @@ impl ExactOnMesh {
             let values = group.contact_values(&self.space.mesh, &group.points, t)?;
             let friction = group.friction(&self.space.mesh, t)?;
             let rule = &group.points.rule;
-            let shape: Vec<_> =
-                rule.points.iter().map(|b| facet_shapes(self.space.element, b)).collect();
+            let functions = Shapes::of_facet(self.space.element, d);
+            let shape: Vec<_> = rule.points.iter().map(|b| functions.at(b)).collect();
             for (index, (&f, &facet)) in group.facets.iter().zip(&group.mesh_facets).enumerate() {
                 let measure = facet_measure(&self.space.mesh, facet);
                 for (q, weight) in rule.weights.iter().enumerate() {

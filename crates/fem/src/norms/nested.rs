@@ -91,10 +91,12 @@ impl<'a> Pieces<'a> {
         components: usize,
         value: impl Fn(usize, usize, usize) -> f64,
     ) -> Piecewise {
-        match (self.parents.corners, self.element) {
-            (0, _) => Piecewise::default(),
-            (_, Element::P1) => self.linear(components, value),
-            _ => self.by_points(components, value),
+        if self.parents.corners == 0 {
+            Piecewise::default()
+        } else if self.element == Element::P1 {
+            self.linear(components, value)
+        } else {
+            self.by_points(components, value)
         }
     }
 

@@ -1,27 +1,102 @@
-//! Elements on simplices: their nodes, shape functions, the points where strain, stress and projection live, and how the
-//! squares of their functions are integrated. What the rest of the program knows of an element is here, but for the jumps
-//! of one whose functions are not continuous (`jumps`).
+//! What an element is: nodes, shape functions, and the points where strain, stress and projection live. All that the
+//! program needs of one besides is derived from these here, but for the jumps of functions that are not continuous
+//! (`jumps`).
 
 use std::collections::HashMap;
+use std::fmt;
+use std::hash::{Hash, Hasher};
+use std::ops::Deref;
 
 use super::mean_square::MeanSquare;
 use super::quadrature::{
-    Rule, edge, tetrahedron_degree_2, tetrahedron_degree_5, triangle_degree_2, triangle_degree_4,
+    Rule, edge, tetrahedron_degree_5, tetrahedron_product, triangle_degree_4, triangle_product,
 };
 use crate::mesh::Mesh;
 
-/// Polynomials on simplices, continuous over the mesh unless an element says otherwise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Element {
-    /// Linear: nodes at the vertices, one strain a cell.
-    #[default]
-    P1,
-    /// Quadratic: nodes at the vertices and at the midpoints of edges, linear strains.
-    P2,
-    /// Linear, continuous at the barycentres of facets alone, where the nodes are (Crouzeix and Raviart): V^h is not in V,
-    /// and jumps across facets are penalised. On a facet its functions count by their means, their values at the
-    /// barycentre: a constant.
-    CR,
+/// A finite element on simplices with values at points as degrees of freedom: V^h has all polynomials of its degree on each
+/// cell.
+///
+/// Points are given by their barycentric coordinates b_0, …, b_d. Of a facet they are those of the cell but for the one
+/// that is zero there, and its nodes are nodes of the cell.
+pub trait FiniteElement: fmt::Debug + Send + Sync {
+    /// Its name in scenes and records, which no other element has.
+    fn name(&self) -> &'static str;
+
+    /// The degree p of its polynomials.
+    fn degree(&self) -> usize;
+
+    /// Nodes of a cell or of a facet in the order of the shape functions; if there are some at corners, all of these
+    /// come first.
+    fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>>;
+
+    /// Values of the shape functions of a simplex at `b`.
+    fn values_on(&self, simplex: Simplex, b: &[f64]) -> Vec<f64>;
+
+    /// ∂φ_a/∂b_i of the shape functions φ_a of a cell at `b`, as if the d + 1 coordinates were independent.
+    fn slopes(&self, b: &[f64]) -> Vec<Vec<f64>>;
+
+    /// The points of a cell at which strains live: as many as determine polynomials of degree p - 1, by a rule that is exact
+    /// for the products of two.
+    fn strain_rule(&self, dimension: usize) -> Rule;
+
+    /// Weights of the nodes of a facet, and their sum: the means of the shape functions. Nodes of weight zero carry no law
+    /// on Γ3.
+    fn facet_weights(&self, dimension: usize) -> (Vec<f64>, f64);
+
+    /// The degree of its functions on a facet, as far as they are determined by the nodes there.
+    fn facet_degree(&self) -> usize {
+        self.degree()
+    }
+
+    /// Whether V^h is a part of V. If not, functions are linear, and continuous at the barycentres of facets.
+    fn is_conforming(&self) -> bool {
+        true
+    }
+}
+
+/// An element of the program or of its user; two are equal if they have one name.
+#[derive(Clone, Copy)]
+pub struct Element(&'static dyn FiniteElement);
+
+impl Element {
+    /// One that is not among [`Element::ALL`].
+    pub const fn new(element: &'static dyn FiniteElement) -> Self {
+        Self(element)
+    }
+}
+
+impl Deref for Element {
+    type Target = dyn FiniteElement;
+
+    fn deref(&self) -> &Self::Target {
+        self.0
+    }
+}
+
+impl fmt::Debug for Element {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl PartialEq for Element {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for Element {}
+
+impl Hash for Element {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.name().hash(state);
+    }
+}
+
+impl Default for Element {
+    fn default() -> Self {
+        Self::P1
+    }
 }
 
 /// A cell or a facet in dimension d.
@@ -42,14 +117,27 @@ impl Simplex {
         Self { dimension, corners: dimension }
     }
 
-    fn is_facet(self) -> bool {
+    /// d, also of a facet.
+    pub fn dimension(self) -> usize {
+        self.dimension
+    }
+
+    /// Number of corners.
+    pub fn corners(self) -> usize {
+        self.corners
+    }
+
+    /// Whether it is a facet.
+    pub fn is_facet(self) -> bool {
         self.corners == self.dimension
     }
-}
 
-/// Corners of the edges of an edge, of a triangle and of a tetrahedron, in the order of the nodes at their midpoints: those
-/// of a simplex are the first ones.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+    /// The barycentre of some of its corners; of one, this corner.
+    pub fn barycentre(self, of: &[usize]) -> Vec<f64> {
+        let share = 1.0 / of.len() as f64;
+        (0..self.corners).map(|a| if of.contains(&a) { share } else { 0.0 }).collect()
+    }
+}
 
 /// Nodes of cells and of boundary facets, as points of the mesh.
 pub(crate) struct Places {
@@ -60,63 +148,14 @@ pub(crate) struct Places {
 }
 
 impl Element {
-    /// Every element.
-    pub const ALL: [Self; 3] = [Self::P1, Self::P2, Self::CR];
-
-    /// Its name in scenes and records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::P1 => "P1",
-            Self::P2 => "P2",
-            Self::CR => "CR",
-        }
-    }
-
-    /// Whether V^h is a part of V.
-    pub fn is_conforming(self) -> bool {
-        self != Self::CR
-    }
-
     /// Whether the corners of a cell are among its nodes.
     pub fn has_nodes_at_corners(self) -> bool {
-        self != Self::CR
-    }
-
-    /// The degree of its polynomials.
-    pub fn degree(self) -> usize {
-        match self {
-            Self::P1 | Self::CR => 1,
-            Self::P2 => 2,
-        }
+        self.nodes(Simplex::cell(2))[0].contains(&1.0)
     }
 
     /// Nodes on a simplex.
     pub fn nodes_on(self, simplex: Simplex) -> usize {
-        let Simplex { dimension, corners } = simplex;
-        match self {
-            Self::P1 => corners,
-            Self::P2 => corners + edges(corners).len(),
-            Self::CR => facets(dimension, corners).count(),
-        }
-    }
-
-    /// The corner of a cell that node a of an element with nodes on facets is opposite to.
-    pub(crate) fn opposite(self, a: usize, dimension: usize) -> usize {
-        debug_assert_eq!(self, Self::CR);
-        (a + dimension) % (dimension + 1)
-    }
-
-    /// The points of a cell at which strains live: as many as determine a strain of V^h, by a rule that is exact for
-    /// the products of two.
-    pub fn strain_rule(self, dimension: usize) -> Rule {
-        match self {
-            Self::P1 | Self::CR => {
-                let centre = vec![1.0 / (dimension + 1) as f64; dimension + 1];
-                Rule { points: vec![centre], weights: vec![1.0] }
-            }
-            Self::P2 if dimension == 2 => triangle_degree_2(),
-            Self::P2 => tetrahedron_degree_2(),
-        }
+        self.nodes(simplex).len()
     }
 
     /// Values of the shape functions of a cell at barycentric coordinates `b`.
@@ -124,67 +163,15 @@ impl Element {
         self.values_on(Simplex::cell(b.len() - 1), b)
     }
 
-    /// Values of the shape functions of a simplex at its barycentric coordinates `b`.
-    pub fn values_on(self, simplex: Simplex, b: &[f64]) -> Vec<f64> {
-        match self {
-            Self::P1 => b.to_vec(),
-            Self::P2 => {
-                let corners = b.iter().map(|b| b * (2.0 * b - 1.0));
-                corners.chain(edges(b.len()).iter().map(|[i, j]| 4.0 * b[*i] * b[*j])).collect()
-            }
-            Self::CR if simplex.is_facet() => vec![1.0],
-            // One at the barycentre of its facet, zero at those of the others.
-            Self::CR => {
-                let d = simplex.dimension;
-                let on_facet = |facet: Facet| facet.map(|i| b[i]).sum::<f64>();
-                let value = |facet| d as f64 * on_facet(facet) - (d - 1) as f64;
-                facets(d, b.len()).map(value).collect()
-            }
-        }
-    }
-
-    /// Appends their gradients at `b`, d numbers each, from those of the barycentric coordinates.
-    pub(super) fn append_gradients(self, b: &[f64], linear: &[f64], out: &mut Vec<f64>) {
-        let d = b.len() - 1;
-        let of = |corner: usize| &linear[d * corner..d * (corner + 1)];
-        match self {
-            Self::P1 => out.extend_from_slice(linear),
-            Self::P2 => {
-                for (a, value) in b.iter().enumerate() {
-                    out.extend(of(a).iter().map(|g| (4.0 * value - 1.0) * g));
-                }
-                for &[i, j] in edges(b.len()) {
-                    let both = of(i).iter().zip(of(j));
-                    out.extend(both.map(|(gi, gj)| 4.0 * (b[j] * gi + b[i] * gj)));
-                }
-            }
-            Self::CR => {
-                for facet in facets(d, b.len()) {
-                    let sum = |axis: usize| facet.clone().map(|i| of(i)[axis]).sum::<f64>();
-                    out.extend((0..d).map(|axis| d as f64 * sum(axis)));
-                }
-            }
-        }
-    }
-
-    /// Weights of the vertex rule on a facet with so many corners, over their sum. They are the means of the shape
-    /// functions: equal ones, or Simpson's on an edge; on a triangle those of quadratics are zero at the vertices, where
-    /// nothing carries a law.
-    pub fn facet_weights(self, corners: usize) -> (Vec<f64>, f64) {
-        match self {
-            Self::P1 => (vec![1.0; corners], corners as f64),
-            Self::P2 if corners == 2 => (vec![1.0, 1.0, 4.0], 6.0),
-            Self::P2 => (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 3.0),
-            Self::CR => (vec![1.0], 1.0),
-        }
-    }
-
-    /// A rule on a simplex with so many corners that is exact for the product of two of its functions, up to degree 4.
+    /// A rule on a simplex with so many corners that is exact for the product of two of its functions.
     pub fn square_rule(self, corners: usize) -> Rule {
+        let degree = self.degree();
         match corners {
-            2 => edge(3),
-            3 => triangle_degree_4(),
-            _ => tetrahedron_degree_5(),
+            2 => edge(degree.max(2) + 1),
+            3 if degree <= 2 => triangle_degree_4(),
+            3 => triangle_product(degree + 1),
+            _ if degree <= 2 => tetrahedron_degree_5(),
+            _ => tetrahedron_product(degree + 1),
         }
     }
 
@@ -204,10 +191,7 @@ impl Element {
 
     /// How |v|² is integrated over a simplex.
     pub fn mean_square(self, simplex: Simplex) -> MeanSquare {
-        let mass = match self {
-            Self::P1 => Vec::new(),
-            Self::P2 | Self::CR => self.mass(simplex),
-        };
+        let mass = if self == Self::P1 { Vec::new() } else { self.mass(simplex) };
         MeanSquare::new(simplex.corners, mass)
     }
 
@@ -220,15 +204,12 @@ impl Element {
         }
         let first = if self.has_nodes_at_corners() { 0 } else { mesh.vertices() as u32 };
         let mut nodes = |all: &[u32], simplex: Simplex| {
-            let centres = self.centres(simplex);
-            let mut out = Vec::new();
+            let places = self.nodes(simplex);
+            let mut out = Vec::with_capacity(all.len() / simplex.corners * places.len());
             for corners in all.chunks_exact(simplex.corners) {
-                if self.has_nodes_at_corners() {
-                    out.extend_from_slice(corners);
-                }
-                for centre in &centres {
-                    let around: Vec<u32> = centre.iter().map(|&i| corners[i]).collect();
-                    out.push(centre_of(mesh, around, &mut known));
+                for b in &places {
+                    let all = corners.iter().copied().zip(b.iter().copied());
+                    out.push(point_of(mesh, all.filter(|(_, b)| *b != 0.0).collect(), &mut known));
                 }
             }
             out
@@ -237,43 +218,26 @@ impl Element {
         let facets = nodes(&facets, Simplex::facet(d));
         Places { cells, facets, first }
     }
+}
 
-    /// The corners that the nodes of a simplex at no corner are the barycentres of.
-    fn centres(self, simplex: Simplex) -> Vec<Vec<usize>> {
-        match self {
-            Self::P1 => Vec::new(),
-            Self::P2 => edges(simplex.corners).iter().map(|edge| edge.to_vec()).collect(),
-            Self::CR => facets(simplex.dimension, simplex.corners).map(Facet::collect).collect(),
-        }
+/// The point of the mesh with these weights of vertices, which is added where there is none yet.
+fn point_of(
+    mesh: &mut Mesh,
+    mut weights: Vec<(u32, f64)>,
+    known: &mut HashMap<Vec<(u32, u64)>, u32>,
+) -> u32 {
+    if let [(corner, _)] = weights[..] {
+        return corner;
     }
-}
-
-/// Corners of a simplex.
-type Facet = std::iter::Take<std::iter::Skip<std::iter::Cycle<std::ops::Range<usize>>>>;
-
-/// The simplices with d corners of a simplex: the facets of a cell in cyclic order, on a triangle 01, 12, 20; of a facet
-/// itself.
-fn facets(dimension: usize, corners: usize) -> impl Iterator<Item = Facet> {
-    let count = if corners == dimension { 1 } else { corners };
-    (0..count).map(move |first| (0..corners).cycle().skip(first).take(dimension))
-}
-
-fn edges(corners: usize) -> &'static [[usize; 2]] {
-    &EDGES[..corners * (corners - 1) / 2]
-}
-
-/// The point of the mesh at the barycentre of some of its vertices, which is added where there is none yet.
-fn centre_of(mesh: &mut Mesh, mut around: Vec<u32>, known: &mut HashMap<Vec<u32>, u32>) -> u32 {
-    around.sort_unstable();
-    if let Some(&number) = known.get(&around) {
-        return number;
-    }
-    let share = 1.0 / around.len() as f64;
-    let centre = mesh.point(&around, &[share; 3][..around.len()]);
-    let number = mesh.vertices() as u32;
-    mesh.coordinates.extend_from_slice(&centre[..mesh.dimension]);
-    known.insert(around, number);
-    number
+    weights.sort_unstable_by_key(|(vertex, _)| *vertex);
+    let key = weights.iter().map(|(vertex, weight)| (*vertex, weight.to_bits())).collect();
+    *known.entry(key).or_insert_with(|| {
+        let (around, b): (Vec<u32>, Vec<f64>) = weights.into_iter().unzip();
+        let at = mesh.point(&around, &b);
+        let number = mesh.vertices() as u32;
+        mesh.coordinates.extend_from_slice(&at[..mesh.dimension]);
+        number
+    })
 }
 
 #[cfg(test)]
@@ -281,6 +245,7 @@ mod tests {
     use super::*;
     use crate::mesh::{Family, cuboid, rectangle};
     use crate::space::quadrature::{tetrahedron_degree_6, triangle_degree_6};
+    use crate::space::shape::append_gradients;
 
     #[test]
     fn means_are_those_of_a_rule_that_is_exact_for_them() {
@@ -328,7 +293,7 @@ mod tests {
                 Element::ALL.into_iter().flat_map(|e| (0..d).map(move |i| (e, i)))
             {
                 let mut gradients = Vec::new();
-                element.append_gradients(&b, &linear, &mut gradients);
+                append_gradients(&element.slopes(&b), &linear, &mut gradients);
                 let moved = |sign: f64| {
                     let at: Vec<f64> =
                         (0..=d).map(|a| b[a] + sign * step * linear[d * a + axis]).collect();
@@ -350,19 +315,9 @@ mod tests {
         for (element, d) in
             Element::ALL.into_iter().flat_map(|element| [(element, 2), (element, 3)])
         {
-            let corner = |a: usize| (0..=d).map(|b| f64::from(u8::from(a == b))).collect();
-            let corners = (0..=d).filter(|_| element.has_nodes_at_corners()).map(corner);
-            let centre = |around: Vec<usize>| -> Vec<f64> {
-                let share = 1.0 / around.len() as f64;
-                (0..=d).map(|a| if around.contains(&a) { share } else { 0.0 }).collect()
-            };
-            let centres = element.centres(Simplex::cell(d)).into_iter().map(centre);
-            for (a, b) in corners.chain(centres).enumerate() {
+            for (a, b) in element.nodes(Simplex::cell(d)).into_iter().enumerate() {
                 for (c, value) in element.values(&b).into_iter().enumerate() {
                     assert!((value - f64::from(u8::from(a == c))).abs() < 1e-15, "{element:?} {d}");
-                }
-                if element == Element::CR {
-                    assert_eq!(b[element.opposite(a, d)], 0.0);
                 }
             }
         }

@@ -4,7 +4,7 @@
 //! v_F + Σ_i (1 - d δ_iq) v_i at corner q of its facet F, v_i the value at the facet opposite to corner i of F: with w_i,
 //! the v_i of one cell less those of the other, its jump is linear on F, zero in the middle, and Σ w - d w_q at corner q.
 
-use super::{Element, Nodes};
+use super::{Element, Nodes, Simplex};
 use crate::mesh::Mesh;
 
 /// Where v jumps: a facet F between two cells, or one on Γ1, beyond which v is zero.
@@ -93,10 +93,13 @@ pub(crate) fn jumps(mesh: &Mesh, element: Element, nodes: &Nodes) -> Vec<Jump> {
     if element.is_conforming() {
         return Vec::new();
     }
+    let on_facet = element.nodes(Simplex::cell(mesh.dimension));
+    let opposite: Vec<usize> =
+        on_facet.iter().filter_map(|b| b.iter().position(|b| *b == 0.0)).collect();
     let mut sides: Vec<Vec<Side>> = vec![Vec::new(); nodes.vertex.len()];
     for c in 0..mesh.cell_count() {
         for (a, &node) in nodes.of_cell(c).iter().enumerate() {
-            sides[node as usize].push(side(mesh, element, nodes, c, a));
+            sides[node as usize].push(side(mesh, &opposite, nodes, c, a));
         }
     }
     let jump = |(node, sides): (usize, Vec<Side>)| match &sides[..] {
@@ -127,10 +130,10 @@ fn between(mesh: &Mesh, one: &Side, other: &Side, sign: f64) -> Jump {
     Jump { nodes, signs, cells: [one.cell, other.cell], weight }
 }
 
-/// That of node a of cell c.
-fn side(mesh: &Mesh, element: Element, nodes: &Nodes, c: usize, a: usize) -> Side {
+/// That of node a of cell c; `opposite` are the corners that the nodes are opposite to.
+fn side(mesh: &Mesh, opposite: &[usize], nodes: &Nodes, c: usize, a: usize) -> Side {
     let (cell, of_cell) = (mesh.cell(c), nodes.of_cell(c));
-    let opposite = |a: usize| cell[element.opposite(a, mesh.dimension)];
+    let opposite = |a: usize| cell[opposite[a]];
     let mut others: Vec<(u32, u32)> =
         (0..of_cell.len()).filter(|&b| b != a).map(|b| (opposite(b), of_cell[b])).collect();
     others.sort_unstable();

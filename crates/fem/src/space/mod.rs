@@ -1,6 +1,7 @@
 //! Elements: nodes with the clamped ones last, shape functions, strains at the points where they live, quadrature.
 
 mod element;
+mod elements;
 mod jumps;
 mod mean_square;
 mod nodes;
@@ -9,7 +10,7 @@ pub mod quadrature;
 mod shape;
 mod strain_shapes;
 
-pub use element::{Element, Simplex};
+pub use element::{Element, FiniteElement, Simplex};
 pub use jumps::Jump;
 pub(crate) use jumps::jumps;
 pub use mean_square::MeanSquare;

@@ -30,6 +30,7 @@ impl Geometry {
         let mut measure = Vec::with_capacity(cells);
         let mut gradient = Vec::with_capacity(cells * rule.points.len() * stride);
         let mut linear = Vec::with_capacity(d * (d + 1));
+        let slopes: Vec<_> = rule.points.iter().map(|b| element.slopes(b)).collect();
         for c in 0..cells {
             let cell = mesh.cell(c);
             let origin = mesh.vertex(cell[0]);
@@ -46,8 +47,8 @@ impl Geometry {
             for a in 0..d {
                 linear.extend((0..d).map(|i| inverse[(a, i)]));
             }
-            for b in &rule.points {
-                element.append_gradients(b, &linear, &mut gradient);
+            for at_point in &slopes {
+                append_gradients(at_point, &linear, &mut gradient);
             }
         }
         Self { dimension: d, measure, shares: rule.weights, gradient, stride }
@@ -62,6 +63,16 @@ impl Geometry {
     #[inline]
     pub fn gradients(&self, p: usize) -> &[f64] {
         &self.gradient[self.stride * p..self.stride * (p + 1)]
+    }
+}
+
+/// Appends the gradients of shape functions, d numbers each, from their slopes ∂φ_a/∂b_i and the gradients of b_i.
+pub(super) fn append_gradients(slopes: &[Vec<f64>], linear: &[f64], out: &mut Vec<f64>) {
+    for of_function in slopes {
+        let d = of_function.len() - 1;
+        let along =
+            |axis| of_function.iter().zip(linear.chunks_exact(d)).map(move |(s, g)| s * g[axis]);
+        out.extend((0..d).map(|axis| along(axis).sum::<f64>()));
     }
 }
 

@@ -4,47 +4,67 @@ use nalgebra::DMatrix;
 
 use super::Element;
 
+/// Strain points of the most that an element may have: those of cubics on tetrahedra.
+const MOST_STRAINS: usize = 10;
+
 /// The functions of a cell, one a strain point; of products of two the strain rule has the mean exactly.
 #[derive(Debug, Clone)]
 pub struct StrainShapes {
-    /// Row p: the factors of the barycentric coordinates in function p. Empty for the constant.
+    /// p - 1, the degree of the functions.
+    degree: usize,
+    /// Row p: the factors of the monomials in function p.
     factors: Vec<Vec<f64>>,
 }
 
 impl StrainShapes {
     /// Those of an element in dimension d.
     pub fn new(element: Element, dimension: usize) -> Self {
-        let points = element.strain_rule(dimension).points;
-        let factors = match points.len() {
-            1 => Vec::new(),
-            count => {
-                let places = DMatrix::from_fn(count, dimension + 1, |p, a| points[p][a]);
-                let inverse = places.try_inverse().expect("strain points that span the cell");
-                (0..count).map(|p| inverse.column(p).iter().copied().collect()).collect()
-            }
-        };
-        Self { factors }
+        let (points, degree) = (element.strain_rule(dimension).points, element.degree() - 1);
+        let at: Vec<Vec<f64>> = points.iter().map(|b| monomials(degree, b)).collect();
+        let places = DMatrix::from_fn(points.len(), at[0].len(), |p, m| at[p][m]);
+        let inverse = places.try_inverse().expect("strain points that determine polynomials");
+        let factors = (0..points.len()).map(|p| inverse.column(p).iter().copied().collect());
+        Self { degree, factors: factors.collect() }
     }
 
     /// All of them at barycentric coordinates `b`.
     pub fn at(&self, b: &[f64], out: &mut [f64]) {
-        if self.factors.is_empty() {
+        if self.degree == 0 {
             out.fill(1.0);
             return;
         }
+        let powers;
+        let terms = if self.degree == 1 {
+            b
+        } else {
+            powers = monomials(self.degree, b);
+            &powers
+        };
         for (value, factors) in out.iter_mut().zip(&self.factors) {
-            *value = factors.iter().zip(b).map(|(f, b)| f * b).sum();
+            *value = factors.iter().zip(terms).map(|(f, b)| f * b).sum();
         }
     }
 
     /// The tensor at `b` that has these values at the strain points.
     pub fn tensor<const S: usize>(&self, b: &[f64], values: &[[f64; S]]) -> [f64; S] {
-        let (mut shape, mut sum) = ([1.0; 4], [0.0; S]);
+        let (mut shape, mut sum) = ([1.0; MOST_STRAINS], [0.0; S]);
         self.at(b, &mut shape[..values.len()]);
         for (shape, value) in shape.iter().zip(values) {
             (0..S).for_each(|i| sum[i] += shape * value[i]);
         }
         sum
+    }
+}
+
+/// Products of `degree` of the coordinates `b`, which span all polynomials of this degree, since Σ b_i = 1.
+fn monomials(degree: usize, b: &[f64]) -> Vec<f64> {
+    match (degree, b) {
+        (0, _) => vec![1.0],
+        (_, []) => Vec::new(),
+        (_, [first, rest @ ..]) => {
+            let with_first = monomials(degree - 1, b).into_iter().map(|term| first * term);
+            with_first.chain(monomials(degree, rest)).collect()
+        }
     }
 }
 
@@ -65,6 +85,11 @@ mod tests {
             // Rounding of sums of three numbers below four.
             assert!((0..2).all(|i| (found[i] - exact[i]).abs() < 1e-14), "{found:?} {exact:?}");
         }
+        let edges = StrainShapes { degree: 2, factors: vec![vec![1.0; 6]] };
+        let mut one = [0.0];
+        edges.at(&[0.2, 0.3, 0.5], &mut one);
+        // Σ_{i ≤ j} b_i b_j = (1 + Σ b_i²)/2.
+        assert!((one[0] - 0.69).abs() < 1e-15);
         let constant = StrainShapes::new(Element::P1, 2).tensor(&[0.2, 0.3, 0.5], &[[3.0, 4.0]]);
         assert_eq!(constant, [3.0, 4.0]);
     }

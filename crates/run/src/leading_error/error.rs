@@ -18,6 +18,10 @@ pub enum NoConstant {
     /// Only P1 interpolants and tangents are implemented.
     #[error("{element} has a predicted constant in h for V_max alone")]
     Element { element: &'static str },
+    #[error(
+        "{element} has no predicted constant in h: interpolants of a degree above 2 are not superclose"
+    )]
+    Degree { element: &'static str },
     /// Interpolants in nonconforming spaces are not superclose.
     #[error(
         "{element} functions jump: consistency error and jumps are of the order of the interpolation error, and no constant of their sum is derived"

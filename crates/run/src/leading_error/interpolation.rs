@@ -6,13 +6,13 @@ use super::interpolation_stress::StressInterpolationError;
 use super::quadratic::QuadraticError;
 use super::time::{largest_step, times};
 use super::{Case, LeadingError, LeadingErrors, NoConstant};
-use exact::Exact;
 use exact::constitutive::{Tensor, full};
 use exact::linear::gradient_of;
+use exact::{Exact, Shapes};
 use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::space::Element;
-use fem::space::quadrature::{Rule, gauss_legendre, tetrahedron_degree_5, triangle_degree_4};
+use fem::space::quadrature::{Rule, gauss_legendre};
 use formula::{BoundProgram, Program, Variable};
 use scene::Shape;
 use scene::setup::Setup;
@@ -126,7 +126,7 @@ impl<'a> InterpolationError<'a> {
         let horizon = exact.data.horizon;
         let vertices: Vec<[f64; 3]> =
             (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
-        let rule = if mesh.dimension == 2 { triangle_degree_4() } else { tetrahedron_degree_5() };
+        let rule = space.element.square_rule(mesh.dimension + 1);
         let points: Vec<[f64; 3]> = (0..mesh.cell_count())
             .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
             .collect();
@@ -149,16 +149,17 @@ impl<'a> InterpolationError<'a> {
         let mut strain = vec![Vec::new(); D * (D + 1) / 2];
         self.strain.evaluate(t, 0.0, &mut strain);
         let mut sum = 0.0;
-        let cell_points = self.rule.points.iter().zip(&self.rule.weights);
+        let functions = Shapes::of_cell(self.space.element, D);
+        let slopes: Vec<_> = self.rule.points.iter().map(|b| functions.slopes(b)).collect();
         for c in 0..self.space.mesh.cell_count() {
             let edges = edges_of::<D>(&self.space.mesh, c);
             let measure = measure(&edges);
-            let at = |b: &[f64]| strain_of_interpolant(self.space, (c, b), &edges, &nodal);
+            let at = |q: usize| strain_of_interpolant(self.space, (c, &slopes[q]), &edges, &nodal);
             // The strain of a linear function is constant.
-            let constant = (self.space.element == Element::P1).then(|| at(&self.rule.points[0]));
-            for (q, (b, weight)) in cell_points.clone().enumerate() {
+            let constant = (self.space.element.degree() == 1).then(|| at(0));
+            for (q, weight) in self.rule.weights.iter().enumerate() {
                 let p = c * self.rule.weights.len() + q;
-                let interpolant: Tensor<D> = constant.unwrap_or_else(|| at(b));
+                let interpolant: Tensor<D> = constant.unwrap_or_else(|| at(q));
                 let exact: Tensor<D> = full(|k| strain[k][p]);
                 let pairs = exact.as_flattened().iter().zip(interpolant.as_flattened());
                 sum += weight * measure * pairs.map(|(e, i)| (e - i).powi(2)).sum::<f64>();
@@ -174,45 +175,22 @@ fn edges_of<const D: usize>(mesh: &Mesh, c: usize) -> [[f64; D]; D] {
     std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]))
 }
 
-/// ε at barycentric coordinates of a cell, for the element's function with these nodal values.
+/// ε at a point of a cell, where shape functions have these slopes by barycentric coordinates, for the function with these
+/// nodal values.
 fn strain_of_interpolant<const D: usize>(
     space: &Discretization,
-    (c, b): (usize, &[f64]),
+    (c, slopes): (usize, &[Vec<f64>]),
     edges: &[[f64; D]; D],
     nodal: &[Vec<f64>],
 ) -> Tensor<D> {
     let vertex = |a: usize| space.nodes.vertex[space.cell_nodes(c)[a] as usize] as usize;
     let gradient: [[f64; D]; D] = std::array::from_fn(|i| {
-        let slope = |a: usize| slope(space.element, b, a, |node| nodal[i][vertex(node)]);
+        let slope = |corner: usize| -> f64 {
+            slopes.iter().enumerate().map(|(a, of_a)| of_a[corner] * nodal[i][vertex(a)]).sum()
+        };
         gradient_of(edges, &std::array::from_fn(|a| slope(a + 1) - slope(0)))
     });
     std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (gradient[i][j] + gradient[j][i])))
-}
-
-/// End points of the midpoint nodes of a tetrahedron, in order; those of a triangle come first.
-const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
-
-/// The derivative by barycentric coordinate `a`, the others held. A quadratic function is Σ v_a b_a (2 b_a - 1) + 4 Σ
-/// v_ij b_i b_j, a Crouzeix–Raviart one Σ v_F (d Σ_{i on F} b_i - d + 1).
-fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) -> f64 {
-    match element {
-        Element::P1 => value(a),
-        Element::P2 => {
-            let corners = b.len();
-            let edges = BETWEEN[..corners * (corners - 1) / 2].iter().enumerate();
-            let of_edge = |(e, [i, j]): (usize, &[usize; 2])| {
-                let other = if *i == a { Some(*j) } else { (*j == a).then_some(*i) };
-                other.map_or(0.0, |other| b[other] * value(corners + e))
-            };
-            (4.0 * b[a] - 1.0) * value(a) + 4.0 * edges.map(of_edge).sum::<f64>()
-        }
-        Element::CR => {
-            // Node e is on the facet opposite to the corner before it in cyclic order.
-            let d = b.len() - 1;
-            let facets = (0..=d).filter(|e| (e + d) % (d + 1) != a);
-            facets.map(|e| d as f64 * value(e)).sum()
-        }
-    }
 }
 
 fn measure<const D: usize>(edges: &[[f64; D]; D]) -> f64 {

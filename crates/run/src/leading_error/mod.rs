@@ -137,6 +137,9 @@ fn in_space_direction(
     if setup.body.domain.mesh != MeshFamily::Structured {
         return Err(NoConstant::Mesh);
     }
+    if setup.body.element.degree() > 2 {
+        return Err(NoConstant::Degree { element: setup.body.element.name() });
+    }
     if of_stress && setup.body.element != Element::P1 {
         return Err(NoConstant::Element { element: setup.body.element.name() });
     }

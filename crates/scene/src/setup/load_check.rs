@@ -10,12 +10,12 @@ use std::sync::Arc;
 
 use super::{Setup, load_form, side_numbers};
 use crate::{Data, Scene, Side};
-use exact::{Exact, ExactOnMesh, LoadForm, Truth, facet_shapes, shapes};
+use exact::{Exact, ExactOnMesh, LoadForm, Shapes, Truth};
 use fem::contact::{Discretization, LoadError};
-use fem::space::Nodes;
 use fem::space::quadrature::{
     Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8, triangle_product,
 };
+use fem::space::{Nodes, Simplex};
 use formula::{Node, Program};
 
 /// Shares of [0, T] at which a load is checked.
@@ -234,9 +234,10 @@ impl<'a> Integrals<'a> {
             .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(&simplex.corners, b)))
             .collect();
         // Independent of the shape functions that assemble the loads.
-        let of_facets = rule.points[0].len() == space.mesh.dimension;
-        let shape = if of_facets { facet_shapes } else { shapes };
-        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| shape(space.element, b)).collect();
+        let (d, corners) = (space.mesh.dimension, rule.points[0].len());
+        let of = if corners == d { Shapes::of_facet } else { Shapes::of_cell };
+        let functions = of(space.element, d);
+        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
         let measures: Vec<f64> =
             acting.simplices.iter().map(|simplex| measure(space, &simplex.corners)).collect();
         let mut formula = acting.formula.bind(&points);
@@ -278,55 +279,50 @@ impl<'a> Integrals<'a> {
     }
 }
 
-/// The vertices with nodes at no corner, by the corners that they lie in the middle of, from the nodes of cells.
-fn middles(space: &Discretization) -> HashMap<Vec<u32>, u32> {
+/// A node as a mean of corners: their numbers, sorted, and the bits of their weights.
+type Place = Vec<(u32, u64)>;
+
+/// The vertices with nodes at no corner by their places, from the nodes of cells.
+fn middles(space: &Discretization) -> HashMap<Place, u32> {
     let mut found = HashMap::new();
     for c in 0..space.mesh.cell_count() {
-        let around: Vec<Vec<u32>> = groups(space, space.mesh.cell(c)).collect();
+        let places: Vec<Place> = places(space, space.mesh.cell(c)).collect();
         for &node in space.cell_nodes(c) {
             let vertex = space.nodes.vertex[node as usize];
-            let place = space.mesh.vertex(vertex);
-            let is_between = |group: &&Vec<u32>| {
-                let share = 1.0 / group.len() as f64;
+            let at = space.mesh.vertex(vertex);
+            let is_there = |place: &&Place| {
                 let mean = |i: usize| {
-                    group.iter().fold(0.0, |sum, &p| sum + share * space.mesh.vertex(p)[i])
+                    let part = |sum, &(p, weight): &(u32, u64)| {
+                        sum + f64::from_bits(weight) * space.mesh.vertex(p)[i]
+                    };
+                    place.iter().fold(0.0, part)
                 };
-                place.iter().enumerate().all(|(i, x)| mean(i) == *x)
+                at.iter().enumerate().all(|(i, x)| mean(i) == *x)
             };
-            found.extend(around.iter().find(is_between).map(|group| (group.clone(), vertex)));
+            found.extend(places.iter().find(is_there).map(|place| (place.clone(), vertex)));
         }
     }
     found
 }
 
-/// The corners of a cell or facet whose middles have nodes, sorted, in the order of shape functions: edges, or the simplices
-/// with as many corners as a facet has.
-fn groups(space: &Discretization, corners: &[u32]) -> impl Iterator<Item = Vec<u32>> {
-    let (d, count) = (space.mesh.dimension, corners.len());
-    let local: Vec<Vec<usize>> = match space.element.is_conforming() {
-        true => {
-            let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
-            edges
-                .iter()
-                .filter(|edge| edge.iter().all(|a| *a < count))
-                .map(|e| e.to_vec())
-                .collect()
-        }
-        false if count == d => vec![(0..d).collect()],
-        false => (0..count).map(|first| (0..d).map(|a| (first + a) % count).collect()).collect(),
+/// The places of the nodes of a cell or facet at no corner, in the order of shape functions.
+fn places(space: &Discretization, corners: &[u32]) -> impl Iterator<Item = Place> {
+    let d = space.mesh.dimension;
+    let simplex = if corners.len() == d { Simplex::facet(d) } else { Simplex::cell(d) };
+    let place = |b: Vec<f64>| {
+        let pairs = corners.iter().zip(b).filter(|(_, b)| *b != 0.0);
+        let mut place: Place = pairs.map(|(&corner, b)| (corner, b.to_bits())).collect();
+        place.sort_unstable();
+        place
     };
-    local.into_iter().map(|group| {
-        let mut group: Vec<u32> = group.into_iter().map(|a| corners[a]).collect();
-        group.sort_unstable();
-        group
-    })
+    space.element.nodes(simplex).into_iter().map(place).filter(|place| place.len() > 1)
 }
 
 /// The corners of a simplex that have nodes, then the middles, in the order of shape functions.
-fn nodes_of(space: &Discretization, middles: &HashMap<Vec<u32>, u32>, corners: &[u32]) -> Vec<u32> {
+fn nodes_of(space: &Discretization, middles: &HashMap<Place, u32>, corners: &[u32]) -> Vec<u32> {
     let has_node = |&&corner: &&u32| space.nodes.of_vertex[corner as usize] != Nodes::NONE;
     let mut nodes: Vec<u32> = corners.iter().filter(has_node).copied().collect();
-    nodes.extend(groups(space, corners).filter_map(|group| middles.get(&group)));
+    nodes.extend(places(space, corners).filter_map(|place| middles.get(&place)));
     nodes
 }
 

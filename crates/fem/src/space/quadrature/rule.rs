@@ -9,6 +9,14 @@ pub struct Rule {
     pub weights: Vec<f64>,
 }
 
+impl Rule {
+    /// The barycentre of a simplex: degree 1.
+    pub fn barycentre(dimension: usize) -> Self {
+        let share = 1.0 / (dimension + 1) as f64;
+        Self { points: vec![vec![share; dimension + 1]], weights: vec![1.0] }
+    }
+}
+
 /// Gauss-Legendre rule with `count` points on an edge, exact for degree 2·count - 1.
 pub fn edge(count: usize) -> Rule {
     let (mut points, mut weights) = (Vec::new(), Vec::new());

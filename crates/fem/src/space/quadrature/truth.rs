@@ -37,31 +37,32 @@ impl TruthRules {
     }
 
     /// The rules for an element: for quadratic ones two degrees more in the cells, in space on the sides as well, and as many
-    /// points as keep what a kink leaves out far below the smaller error.
+    /// points as keep what a kink leaves out far below the smaller error; of higher degree p for polynomials of degree 2p + 4 and more.
     pub fn for_element(element: Element, dimension: usize) -> Self {
         let linear = Self::of(dimension);
-        match element {
-            Element::P1 | Element::CR => linear,
-            Element::P2 if dimension == 2 => {
-                linear.with_cells(triangle_degree_6(), triangle_product(5))
-            }
-            Element::P2 => linear
+        match (dimension, element.degree()) {
+            (_, ..=1) => linear,
+            (2, 2) => linear.with_cells(triangle_degree_6(), triangle_product(5)),
+            (2, p) => linear.with_cells(triangle_product(p + 3), triangle_product(p + 4)),
+            (_, 2) => linear
                 .with_cells(tetrahedron_product(4), tetrahedron_product(5))
                 .with_sides(triangle_degree_8()),
+            (_, p) => linear
+                .with_cells(tetrahedron_product(p + 2), tetrahedron_product(p + 3))
+                .with_sides(triangle_product(p + 3)),
         }
     }
 
     /// The next rule of each of [`Self::for_element`].
     pub fn stronger_for(element: Element, dimension: usize) -> Self {
         let linear = Self::stronger(dimension);
-        match element {
-            Element::P1 | Element::CR => linear,
-            Element::P2 if dimension == 2 => {
-                linear.with_cells(triangle_degree_8(), triangle_product(7))
-            }
-            Element::P2 => linear
-                .with_cells(tetrahedron_product(5), tetrahedron_product(6))
-                .with_sides(triangle_product(6)),
+        match (dimension, element.degree()) {
+            (_, ..=1) => linear,
+            (2, 2) => linear.with_cells(triangle_degree_8(), triangle_product(7)),
+            (2, p) => linear.with_cells(triangle_product(p + 5), triangle_product(p + 6)),
+            (_, p) => linear
+                .with_cells(tetrahedron_product(p + 3), tetrahedron_product(p + 4))
+                .with_sides(triangle_product(p + 4)),
         }
     }
 
