@@ -1,6 +1,7 @@
 //! Elements: nodes with the clamped ones last, shape functions, strains at the points where they live, quadrature.
 
 mod element;
+mod element_check;
 mod elements;
 mod jumps;
 mod mean_square;
@@ -11,6 +12,7 @@ mod shape;
 mod strain_shapes;
 
 pub use element::{Element, FiniteElement, Simplex};
+pub use element_check::{ElementError, ElementFault};
 pub use jumps::Jump;
 pub(crate) use jumps::jumps;
 pub use mean_square::MeanSquare;

@@ -57,7 +57,7 @@ impl StrainShapes {
 }
 
 /// Products of `degree` of the coordinates `b`, which span all polynomials of this degree, since Σ b_i = 1.
-fn monomials(degree: usize, b: &[f64]) -> Vec<f64> {
+pub(super) fn monomials(degree: usize, b: &[f64]) -> Vec<f64> {
     match (degree, b) {
         (0, _) => vec![1.0],
         (_, []) => Vec::new(),
