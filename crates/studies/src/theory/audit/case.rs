@@ -10,6 +10,7 @@ use super::level::{AuditedCase, PastLevels};
 use super::lines::{Line, LineStanding, Relation, Statement, lines};
 use super::pointwise::PlainMaterial;
 use super::smooth::SmoothFields;
+use algebra::linalg::larger;
 use exact::Truth;
 use fem::contact::{CaseError, Discretization, LoadError, StepView};
 use scene::setup::{MeshData, Setup, SetupError};
@@ -258,11 +259,6 @@ impl CaseLine {
 /// Whether a tightness is worse than one that is known; a NaN is worst of all.
 pub(super) fn is_tighter(tightness: f64, known: f64) -> bool {
     !known.is_nan() && (tightness.is_nan() || tightness > known)
-}
-
-/// The larger of two numbers; a NaN is not lost.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
 /// Runs a case of `setup` by its scheme and audits every level.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::case::{AuditError, CaseAudit, CaseLine, SidesAtLevel, audit_case, is_tighter};
 use super::constants::AuditConstants;
 use super::lines::{LineStanding, Relation, Statement};
+use algebra::linalg::larger;
 use fem::contact::BoundaryRule;
 use fem::space::Element;
 use judge::fit::{Sample, power_law};
@@ -114,8 +115,7 @@ impl SceneAudit {
             case.rows.iter().find(|other| other.statement == row.statement).cloned()
         };
         let ratios = self.cases.iter().filter_map(|case| row_of(case)?.ratio);
-        let ratio =
-            ratios.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) });
+        let ratio = ratios.reduce(larger);
         // What stands on the right of an identity has no volume integral in it.
         let floors: [fn(&CaseLine) -> f64; 2] = match row.relation {
             Relation::Equal => [|row| row.accuracy, |row| row.rounding],

@@ -3,7 +3,7 @@
 use super::GronwallError;
 use super::constants::{GronwallConstants, InequalityConstants};
 use super::estimate::Estimate;
-use super::in_time::InTime;
+use super::in_time::{InTime, Levels};
 use super::measure::TemporalRun;
 use super::truth::TemporalTruth;
 use algebra::linalg::dot;
@@ -89,31 +89,14 @@ impl InTime for ContactInTime<'_> {
     }
 
     fn blank(&self, grid: &TimeGrid) -> Estimate {
-        Estimate {
-            grid: grid.clone(),
-            weights: self.constants.weights,
-            error: Vec::new(),
-            weighted_source: Vec::new(),
-            source: Vec::new(),
-            m0: self.constants.m0,
-            beta: self.constants.beta,
-            parts: self.constants.parts(self.setup, grid),
-            floor: 0.0,
-        }
+        self.constants.blank(self.setup, grid)
     }
-}
-
-/// Loads given at the times of a grid.
-struct Levels<'a> {
-    grid: &'a TimeGrid,
-    loads: &'a [Vec<f64>],
 }
 
 impl Load for Levels<'_> {
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-        let found = self.grid.times().iter().position(|level| *level == t);
         let reason = || LoadError::Reference { reason: format!("no load is given at t = {t}") };
-        out.copy_from_slice(&self.loads[found.ok_or_else(reason)?]);
+        out.copy_from_slice(self.load(t).ok_or_else(reason)?);
         Ok(())
     }
 }

@@ -1,7 +1,8 @@
 //! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
 //! mesh, fills an [`Estimate`] and has its [`Envelopes`].
 
-use super::recurrence::{HistoryPart, StepTooLarge, larger, unprimed, unprimed_closed, weighted};
+use super::GronwallError;
+use super::recurrence::{HistoryPart, StepTooLarge, unprimed, unprimed_closed, weighted};
 use super::rule::Weights;
 use vhi::history::TimeGrid;
 
@@ -73,6 +74,17 @@ impl Estimate {
             parts: self.parts.iter().map(part).collect(),
             ..*self
         }
+    }
+
+    /// The envelopes, and the links of the chain that do not hold.
+    ///
+    /// # Errors
+    /// [`GronwallError::Step`].
+    pub(super) fn judged(&self) -> Result<(Envelopes, Vec<LinkViolation>), GronwallError> {
+        let steps = self.grid.steps() as u32;
+        let envelopes = self.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        let violations = envelopes.violations(self);
+        Ok((envelopes, violations))
     }
 
     /// The bounds, each above the one before.
@@ -177,9 +189,4 @@ impl Envelopes {
 pub fn effectivities(bound: &[f64], estimate: &Estimate) -> Vec<Option<f64>> {
     let serves = |n: usize| n > 0 && estimate.error[n] > 20.0 * estimate.floor;
     (0..bound.len()).map(|n| serves(n).then(|| bound[n] / estimate.error[n])).collect()
-}
-
-/// max over n; NaN if one value is.
-pub fn maximum(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| larger(most, *value))
 }

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::GronwallError;
 use super::constants::InequalityConstants;
 use super::estimate::Estimate;
-use super::in_time::InTime;
+use super::in_time::{InTime, Levels};
 use super::measure::TemporalRun;
 use super::recurrence::{HistoryPart, KernelNorms};
 use super::rule::Weights;
@@ -227,16 +227,9 @@ impl InTime for FiniteInTime<'_> {
     }
 }
 
-/// Loads given at the times of a grid.
-struct Levels<'a> {
-    grid: &'a TimeGrid,
-    loads: &'a [Vec<f64>],
-}
-
 impl FiniteLoad for Levels<'_> {
     fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
-        let found = self.grid.times().iter().position(|level| *level == t);
         let missing = FiniteError::Load { component: 0, value: f64::NAN, t };
-        found.map(|n| DVector::from_column_slice(&self.loads[n])).ok_or(missing)
+        self.load(t).map(DVector::from_column_slice).ok_or(missing)
     }
 }

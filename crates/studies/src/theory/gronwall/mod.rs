@@ -29,7 +29,7 @@ mod truth;
 pub use constants::{GronwallConstants, InequalityConstants};
 pub use contact_scene::{ContactInTime, DualNorm};
 pub use error::GronwallError;
-pub use estimate::{Envelopes, Estimate, LinkViolation, effectivities, maximum};
+pub use estimate::{Envelopes, Estimate, LinkViolation, effectivities};
 pub use finite_scene::FiniteInTime;
 pub use horizon::{HorizonRow, Horizons, horizons};
 pub use in_time::InTime;

@@ -4,6 +4,7 @@
 //! is an upper bound of e_n (induction over n), and E_n depends on g monotonically. Without
 //! C2 w_nn < 1 nothing follows: see [`StepTooLarge`].
 
+use algebra::linalg::larger;
 use vhi::history::{TimeGrid, TimeRule};
 
 /// The lemma's hypothesis fails: e_n stands on both sides with a factor of at least 1, so that the
@@ -211,9 +212,4 @@ impl KernelNorms {
             Self::Weighed(_) => return None,
         })
     }
-}
-
-/// The maximum; NaN if one of them is.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }

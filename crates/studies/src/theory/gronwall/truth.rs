@@ -3,7 +3,6 @@
 //! (3.21) asks of it.
 
 use super::GronwallError;
-use algebra::linalg::axpy;
 use exact::InterpolatedOnMesh;
 use fem::contact::{Load, LoadError, StepView, kkt_residual, strain_distance};
 use run::sweep::lowest_common_multiple;
@@ -222,10 +221,4 @@ fn kept(
     })
     .map_err(|source| GronwallError::Case { steps, source })?;
     Ok(levels)
-}
-
-pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut out = a.to_vec();
-    axpy(-1.0, b, &mut out);
-    out
 }
