@@ -102,7 +102,8 @@ mod tests {
     fn searched(error: &ErrorModel, cost: &CostModel, target: f64) -> f64 {
         let time = error.time.expect("a term of k");
         let at = |log_h: f64| {
-            let left = error.left_for_time(target, log_h.exp());
+            let (m, space) = (error.exponent(), error.space.map_or(0.0, |s| s.at(log_h.exp())));
+            let left = (target.powf(m) - space.powf(m)).max(0.0).powf(1.0 / m);
             let k = (left / time.constant).powf(1.0 / time.order);
             if k > 0.0 { cost.seconds(log_h.exp(), k) } else { f64::INFINITY }
         };

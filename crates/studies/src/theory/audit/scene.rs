@@ -3,7 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::case::{AuditError, CaseAudit, CaseLine, SidesAtLevel, audit_case, is_tighter};
+use super::case::{
+    AuditError, CaseAudit, CaseLine, SidesAtLevel, audit_case, is_tighter, is_unconstrained,
+};
 use super::constants::AuditConstants;
 use super::lines::{LineStanding, Relation, Statement};
 use algebra::linalg::larger;
@@ -192,8 +194,3 @@ fn covered(setup: &Setup) -> Result<(), SetupError> {
 
 /// A side counts in a fitted power if it is above so many times its accuracy.
 const SEEN: f64 = 10.0;
-
-/// Whether K = X: no gap anywhere.
-fn is_unconstrained(setup: &Setup) -> bool {
-    setup.body.contact.as_ref().is_none_or(|contact| contact.gap.is_none())
-}

@@ -26,7 +26,7 @@ impl Study {
             let part = format!("{}-{:e}", perturbation.shape.name(), perturbation.size);
             rows.extend(levels(&part, &perturbation.estimate, &perturbation.envelopes, None));
         }
-        table::csv(rows.into_iter())
+        table::csv(rows, true)
     }
 }
 
