@@ -4,11 +4,10 @@
 use serde::Serialize;
 
 use super::ladder::BoundError;
+use crate::theory::dual_norm::DualNorm;
 use algebra::linalg::{FactorError, larger, signed_unit};
 use algebra::tensor::contract;
-use fem::contact::{
-    Boundary, Discretization, MemoryTerm, StiffnessInverse, strain_norm, stress_force,
-};
+use fem::contact::{Boundary, Discretization, MemoryTerm, strain_norm, stress_force};
 use scene::setup::{Constants, Setup};
 use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
 use vhi::law::{AnyProjection, Potential, Projection, TensorField};
@@ -147,7 +146,7 @@ fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, horizon: f64
 /// in V^h.
 pub(crate) struct RandomStates<'a, const D: usize, const S: usize> {
     space: &'a Discretization,
-    gram: StiffnessInverse<'a>,
+    dual: DualNorm<'a>,
     seed: u64,
 }
 
@@ -160,8 +159,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     /// # Errors
     /// The factorization of the strain products.
     pub(crate) fn new(space: &'a Discretization) -> Result<Self, FactorError> {
-        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
-        Ok(Self { space, gram, seed: 47 })
+        Ok(Self { space, dual: DualNorm::new(space)?, seed: 47 })
     }
 
     fn unit(&mut self) -> f64 {
@@ -200,10 +198,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             let stress = tensor.map(|t| t * at.weight);
             stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
         }
-        let mut riesz = force.clone();
-        self.gram.solve(&mut riesz[..space.dofs()]);
-        riesz[space.dofs()..].fill(0.0);
-        algebra::linalg::dot(&force, &riesz).max(0.0).sqrt()
+        self.dual.of(&force[..space.dofs()])
     }
 
     /// m_A and L_A of A = 𝒜 + μ, which is linear.

@@ -127,17 +127,8 @@ impl GronwallConstants {
 
     /// An estimate with these constants on a grid, before anything is measured.
     pub(crate) fn blank(&self, setup: &Setup, grid: &TimeGrid) -> Estimate {
-        Estimate {
-            grid: grid.clone(),
-            weights: self.weights,
-            error: Vec::new(),
-            weighted_source: Vec::new(),
-            source: Vec::new(),
-            m0: self.m0,
-            beta: self.beta,
-            parts: self.parts(setup, grid),
-            floor: 0.0,
-        }
+        let parts = self.parts(setup, grid);
+        Estimate::blank(grid, self.weights, self.m0, self.beta, parts)
     }
 
     /// The parts of the history on a grid: ζ with κ = 1, the memory stress with κ(n, j) =

@@ -6,12 +6,11 @@ use super::estimate::Estimate;
 use super::in_time::{InTime, Levels};
 use super::measure::TemporalRun;
 use super::truth::TemporalTruth;
-use algebra::linalg::dot;
-use fem::contact::{Discretization, Load, LoadError, StiffnessInverse, march, strain_distance};
+use crate::theory::dual_norm::DualNorm;
+use fem::contact::{Load, LoadError, march, strain_distance};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
 use vhi::history::TimeGrid;
-use vhi::law::TensorField;
 
 /// A body on one mesh with its truth in time.
 pub struct ContactInTime<'a> {
@@ -98,28 +97,5 @@ impl Load for Levels<'_> {
         let reason = || LoadError::Reference { reason: format!("no load is given at t = {t}") };
         out.copy_from_slice(self.load(t).ok_or_else(reason)?);
         Ok(())
-    }
-}
-
-/// ‖F‖_* = sup F(v)/‖ε(v)‖ over V^h, by one solve with the strain stiffness.
-pub struct DualNorm<'a> {
-    gram: StiffnessInverse<'a>,
-}
-
-impl<'a> DualNorm<'a> {
-    /// Factorizes (ε(u), ε(v)).
-    ///
-    /// # Errors
-    /// The factorization's.
-    pub(crate) fn new(space: &'a Discretization) -> Result<Self, GronwallError> {
-        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
-        Ok(Self { gram })
-    }
-
-    /// ‖F‖_* of a vector over the unknowns.
-    pub(crate) fn of(&mut self, load: &[f64]) -> f64 {
-        let mut riesz = load.to_vec();
-        self.gram.solve(&mut riesz);
-        dot(load, &riesz).max(0.0).sqrt()
     }
 }

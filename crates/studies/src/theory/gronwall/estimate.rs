@@ -38,6 +38,28 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// One with these constants, before anything is measured.
+    pub(super) fn blank(
+        grid: &TimeGrid,
+        weights: Weights,
+        m0: f64,
+        beta: f64,
+        parts: Vec<HistoryPart>,
+    ) -> Self {
+        let (error, weighted_source, source) = Default::default();
+        Self {
+            grid: grid.clone(),
+            weights,
+            error,
+            weighted_source,
+            source,
+            m0,
+            beta,
+            parts,
+            floor: 0.0,
+        }
+    }
+
     /// ‖R‖‖q‖, or the Lipschitz constant of S: Σ_p sup κ_p.
     pub(crate) fn lipschitz(&self) -> f64 {
         self.parts.iter().map(|part| part.supremum).sum()

@@ -213,17 +213,9 @@ impl InTime for FiniteInTime<'_> {
         let norms = self.kernel_norms(grid);
         let lipschitz = self.constants.lipschitz;
         let supremum = norms.maximum(grid.steps()).map_or(lipschitz, |found| found.max(lipschitz));
-        Estimate {
-            grid: grid.clone(),
-            weights: self.weights,
-            error: Vec::new(),
-            weighted_source: Vec::new(),
-            source: Vec::new(),
-            m0: self.constants.m0,
-            beta: self.constants.beta,
-            parts: vec![HistoryPart { coefficient: self.constants.beta, norms, supremum }],
-            floor: 0.0,
-        }
+        let Self { constants: InequalityConstants { m0, beta, .. }, weights, .. } = *self;
+        let parts = vec![HistoryPart { coefficient: beta, norms, supremum }];
+        Estimate::blank(grid, weights, m0, beta, parts)
     }
 }
 

@@ -27,7 +27,7 @@ mod tests;
 mod truth;
 
 pub use constants::{GronwallConstants, InequalityConstants};
-pub use contact_scene::{ContactInTime, DualNorm};
+pub use contact_scene::ContactInTime;
 pub use error::GronwallError;
 pub use estimate::{Envelopes, Estimate, LinkViolation, effectivities};
 pub use finite_scene::FiniteInTime;

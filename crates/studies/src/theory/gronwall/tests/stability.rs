@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::{setup, subject};
+use crate::theory::dual_norm::DualNorm;
 use fem::contact::{strain_norm, stress_force};
 use fem::space::strain_of;
 use scene::setup::{MeshData, Subject};
