@@ -19,8 +19,9 @@ use rayon::prelude::*;
 
 pub use culprit::{Finding, culprit, sentence};
 pub use outcome::{EXACT_WITHIN, Outcome, Prepare};
-pub use term::{SceneTerms, Suspect};
-pub use trial::{Question, Trial, trials_in_space, trials_in_time};
+pub use term::Suspect;
+pub use trial::Question;
+pub(crate) use trial::{Trial, trials_in_space, trials_in_time};
 
 use judge::verdict::{Decision, Variable, Verdict};
 use run::sweep::{

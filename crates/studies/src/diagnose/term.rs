@@ -4,7 +4,7 @@ use scene::ContactScene;
 
 /// The terms of (5.1)-(5.5) that a variant of a scene has: whether it has each of [`SceneTerms::ALL`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SceneTerms([bool; 5]);
+pub(crate) struct SceneTerms([bool; 5]);
 
 impl SceneTerms {
     /// Every term there is: the first of [`Suspect::ALL`].

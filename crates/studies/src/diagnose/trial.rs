@@ -18,7 +18,7 @@ pub enum Question {
 
 /// One variant to run.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub(crate) struct Trial {
     /// The variant; its name says what it is.
     pub scene: Scene,
     /// What is asked of it.
@@ -48,7 +48,7 @@ struct Design<'a> {
 }
 
 /// The trials in V^h: all terms, each term removed, each term alone. Without contact scene: none.
-pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
+pub(crate) fn trials_in_time(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
     let terms = SceneTerms::of(body);
     let n = coarse_mesh(scene);
@@ -59,7 +59,7 @@ pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
 }
 
 /// The trials outside V^h, for an order in h: all terms, each term removed, elasticity alone.
-pub fn trials_in_space(scene: &Scene) -> Vec<Trial> {
+pub(crate) fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
     let terms = SceneTerms::of(body);
     let listed = scene.sweep.as_ref().map_or(Vec::new(), |sweep| sweep.n.clone());

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// C s^p of one step s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Term {
+pub(crate) struct Term {
     /// C.
     pub constant: f64,
     /// p.
@@ -21,7 +21,7 @@ pub struct Term {
 
 /// E^m = (C_h h^p)^m + (C_k k^q)^m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ErrorModel {
+pub(crate) struct ErrorModel {
     /// m = 1 or 2.
     #[serde(serialize_with = "as_json::model")]
     pub model: ErrorCombination,

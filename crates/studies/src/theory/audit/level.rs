@@ -14,7 +14,7 @@ use vhi::history::TimeGrid;
 
 /// The numbers of one level, in the notation of section 4 of the paper; w1 = v^h - u, w2 = u^{kh} - u.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct LevelIntegrals {
+pub(crate) struct LevelIntegrals {
     /// k, the largest step.
     pub k: f64,
     /// Integrals over Ω.

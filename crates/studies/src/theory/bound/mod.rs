@@ -6,8 +6,8 @@
 //! `sampled` are about Problem 14, `finite` about Problem 9 in ℝ^m.
 
 pub mod branch;
-pub mod constant_table;
-pub mod constants;
+mod constant_table;
+mod constants;
 pub mod contact;
 mod crossing;
 mod document;
@@ -15,11 +15,11 @@ pub mod factor;
 mod finite;
 pub mod gate;
 pub mod ladder;
-pub mod linear;
+mod linear;
 mod picture;
 pub mod run;
 pub mod sampled;
-pub mod starts;
+mod starts;
 pub mod threshold;
 
 use constant_table::Constant;

@@ -13,7 +13,7 @@ use vhi::Newton;
 use vhi::history::TimeGrid;
 
 /// A body on one mesh with its truth in time.
-pub struct ContactInTime<'a> {
+pub(crate) struct ContactInTime<'a> {
     setup: &'a Setup,
     data: MeshData,
     truth: TemporalTruth,

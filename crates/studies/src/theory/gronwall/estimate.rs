@@ -208,7 +208,7 @@ impl Envelopes {
 }
 
 /// bound/measured, for steps n ≥ 1 whose e_n is above 20 floors; `None` elsewhere.
-pub fn effectivities(bound: &[f64], estimate: &Estimate) -> Vec<Option<f64>> {
+pub(crate) fn effectivities(bound: &[f64], estimate: &Estimate) -> Vec<Option<f64>> {
     let serves = |n: usize| n > 0 && estimate.error[n] > 20.0 * estimate.floor;
     (0..bound.len()).map(|n| serves(n).then(|| bound[n] / estimate.error[n])).collect()
 }

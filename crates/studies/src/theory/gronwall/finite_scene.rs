@@ -22,7 +22,7 @@ use vhi::law::HistoryKernel;
 const EXACT: f64 = 1e-12;
 
 /// An abstract scene with the square roots of its inner product.
-pub struct FiniteInTime<'a> {
+pub(crate) struct FiniteInTime<'a> {
     setup: &'a AbstractSetup,
     /// G^{-1/2}: ‖y‖_{X*} = |G^{-1/2} y|.
     inverse_root: DMatrix<f64>,

@@ -57,7 +57,7 @@ pub struct Horizons {
 ///
 /// # Errors
 /// A horizon that is no multiple of k; those of the run.
-pub fn horizons(
+pub(crate) fn horizons(
     subject: &Subject,
     n: Option<u32>,
     k: f64,

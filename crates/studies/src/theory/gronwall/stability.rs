@@ -35,7 +35,7 @@ impl LoadShape {
 
 /// Relative sizes δ of the perturbations. The difference stays far above the floor, and the largest
 /// changes contact and yielding states.
-pub const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
+pub(crate) const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
 /// What one perturbation did.
 #[derive(Debug, Clone, Serialize)]
@@ -91,7 +91,10 @@ impl Perturbation {
 ///
 /// # Errors
 /// A load or a run fails.
-pub fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Perturbation>, GronwallError> {
+pub(crate) fn perturbations(
+    scene: &dyn InTime,
+    steps: u32,
+) -> Result<Vec<Perturbation>, GronwallError> {
     let grid = scene.grid(steps);
     let loads = scene.loads(&grid)?;
     let size = largest(&scene.dual_norms(&loads)?);

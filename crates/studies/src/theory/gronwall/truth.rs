@@ -12,7 +12,7 @@ use vhi::history::TimeGrid;
 
 /// Steps of the reference, in multiples of the least common multiple of the steps that are judged.
 /// The error of the reference is then below 1/64 of the smallest error measured against it.
-pub const REFERENCE_STEPS: u32 = 8;
+pub(crate) const REFERENCE_STEPS: u32 = 8;
 
 /// An exact state is in V^h and compatible with the quadrature on Γ3 if its KKT residual is below
 /// this, relative to the largest force: history integrals are good to 1e-12, and a field that is not
