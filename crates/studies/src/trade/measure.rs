@@ -13,7 +13,7 @@ use super::trial::{Outcome, Trial};
 use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, strain_distance};
 use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
 use fem::space::Element;
-use run::sweep::{floor_in, run_cost, scene_reference};
+use run::sweep::{as_floors, floor_in, run_cost, scene_reference};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
 
@@ -201,13 +201,7 @@ impl Bench {
         let info = variant.march(data, steps, &mut |view| {
             let truth = judge.truth.moments(view.t)?;
             let errors = step_errors(&judge.space, &variant.setup.model, view, &truth);
-            let in_norm = match self.norm {
-                Norm::L2Max => errors.l2,
-                Norm::TraceL2Max => errors.trace,
-                Norm::PressureL2Max => errors.pressure,
-                Norm::StressL2Max => errors.stress,
-                _ => errors.v,
-            };
+            let in_norm = floor_in(&as_floors(&errors), self.norm);
             error = if error.is_nan() || in_norm <= error { error } else { in_norm };
             size = size.max(strain_error(&judge.space, &still, &truth));
             trajectory.times.push(view.t);

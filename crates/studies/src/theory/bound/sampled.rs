@@ -256,13 +256,13 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             let y_r = (r1 - r2).abs();
             of_y = larger(of_y, self.dual_norm(&subtract(&s11, &s12)) / y_r);
             of_y = larger(of_y, self.dual_norm(&theta) / self.size(&theta));
-            let both = subtract(&subtract(&theta, &s11), &negative(&s22));
+            let both = combined(&subtract(&theta, &s11), 1.0, &s22);
             let right = alpha * u + beta * (y_r + self.size(&theta));
             of_both = larger(of_both, self.dual_norm(&both) / right);
             let tau = subtract(&theta, &s11);
             let (at1, at2) = (self.product(&tau, &e1), self.product(&tau, &e2));
             let half: Tensors<S> =
-                subtract(&e1, &negative(&e2)).iter().map(|e| e.map(|x| 0.5 * x)).collect();
+                combined(&e1, 1.0, &e2).iter().map(|e| e.map(|x| 0.5 * x)).collect();
             let bend = at1 + at2 - 2.0 * self.product(&tau, &half);
             convex = larger(convex, bend.abs() / (at1.abs() + at2.abs()));
         }
@@ -349,10 +349,10 @@ fn projected<const S: usize>(
     strain.iter().map(tensor).collect()
 }
 
-fn subtract<const S: usize>(a: &Tensors<S>, b: &Tensors<S>) -> Tensors<S> {
-    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect()
+fn combined<const S: usize>(a: &Tensors<S>, factor: f64, b: &Tensors<S>) -> Tensors<S> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|i| a[i] + factor * b[i])).collect()
 }
 
-fn negative<const S: usize>(a: &Tensors<S>) -> Tensors<S> {
-    a.iter().map(|a| a.map(|x| -x)).collect()
+fn subtract<const S: usize>(a: &Tensors<S>, b: &Tensors<S>) -> Tensors<S> {
+    combined(a, -1.0, b)
 }
