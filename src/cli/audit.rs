@@ -11,8 +11,8 @@ use fem::contact::BoundaryRule;
 use fem::space::Element;
 use run::sweep::admit_constants;
 use scene::setup::Setup;
-use studies::theory::audit::{SceneAudit, audit_runs};
-use studies::theory::ledger::{LedgerError, document, ledger};
+use studies::theory::audit::{AuditError, SceneAudit, audit_runs};
+use studies::theory::ledger::{document, ledger};
 
 /// Largest n taken from a scene's list: a level costs some 60 evaluations of the exact solution per cell.
 const FINEST: u32 = 64;
@@ -52,8 +52,8 @@ pub(crate) struct Audit {
     out: Option<PathBuf>,
 }
 
-impl From<LedgerError> for CliError {
-    fn from(error: LedgerError) -> Self {
+impl From<AuditError> for CliError {
+    fn from(error: AuditError) -> Self {
         Self::Other(error.to_string())
     }
 }

@@ -12,7 +12,7 @@ use scene::setup::Setup;
 use scene::{Extension, Norm};
 use studies::guarantee::Guarantee;
 use studies::trade::estimate::{
-    Companions, Estimate, Part, QuantityEstimate, companions_and_bound, norm_estimate, quantity,
+    Companions, Estimate, Part, QuantityEstimate, companions_and_bound, norm_estimate,
 };
 
 /// Runs a case with its companions; prints its estimated error, and the recommendation for a wanted error.
@@ -33,11 +33,6 @@ pub(super) fn execute(
         .iter()
         .map(|measured| (measured.norm, norm_estimate(setup, &found, measured)))
         .collect();
-    let quantities: Vec<QuantityEstimate> = found
-        .quantities
-        .iter()
-        .map(|result| quantity(&result.name, result.space, result.time, result.value))
-        .collect();
     let advice = wanted.map(|wanted| (wanted.norm(), wanted.advise(setup, [n, steps], &found)));
     if as_json {
         let mut document = json!({
@@ -45,7 +40,7 @@ pub(super) fn execute(
             "n": n,
             "steps": steps,
             "norms": estimates.iter().map(|(norm, estimate)| norm_json(&found, *norm, estimate)).collect::<Vec<_>>(),
-            "quantities": quantities.iter().map(quantity_json).collect::<Vec<_>>(),
+            "quantities": found.quantities.iter().map(quantity_json).collect::<Vec<_>>(),
             "state": found.state,
             "bound": bound_json(&bound),
         });
@@ -56,7 +51,7 @@ pub(super) fn execute(
     } else {
         let name = &setup.scene.name;
         print_text(&format!("{name} n = {n}, N = {steps}: estimated error of this run"));
-        print(&found, &estimates, &quantities);
+        print(&found, &estimates);
         print_text(&format!("\n{}", bound_words(&bound)));
     }
     // The estimate is printed before a target is refused.
@@ -69,14 +64,14 @@ pub(super) fn execute(
     Ok(0)
 }
 
-fn print(found: &Companions, estimates: &[(Norm, Estimate)], quantities: &[QuantityEstimate]) {
+fn print(found: &Companions, estimates: &[(Norm, Estimate)]) {
     for (norm, estimate) in estimates {
         print_text(&norm_words(found, *norm, estimate));
     }
     print_text(
         "\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k",
     );
-    for quantity in quantities {
+    for quantity in &found.quantities {
         print_text(&quantity_words(quantity));
     }
 }

@@ -30,10 +30,10 @@ use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{AnyProjection, MemoryKernel, PiecewiseLinear, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::theory::audit::{
-    AuditConstants, Auditor, CaseLine, Line, LineStanding, Relation, SceneAudit, SidesAtLevel,
-    Statement, audit_case,
+    AuditConstants, AuditError, Auditor, CaseLine, Line, LineStanding, Relation, SceneAudit,
+    SidesAtLevel, Statement, audit_case,
 };
-use gronwall::theory::ledger::{LedgerError, ledger};
+use gronwall::theory::ledger::ledger;
 use gronwall::vhi::Newton;
 
 /// A shipped scene with a boundary rule.
@@ -396,14 +396,14 @@ fn what_is_tightest_stands_first() {
 /// The ledger is confirmed by its runs; a run with a violated line, or without a number, confirms nothing.
 #[test]
 fn the_ledger_is_confirmed_by_its_runs() {
-    let entries = ledger::<LedgerError>(|name| Ok(crate::shipped::setup(name))).expect("audits");
+    let entries = ledger::<AuditError>(|name| Ok(crate::shipped::setup(name))).expect("audits");
     assert!(entries.len() >= 8);
     for entry in &entries {
         assert!(entry.confirmed, "{entry:?}");
         assert!(entry.command.starts_with("sweep audit "), "{entry:?}");
     }
     // A scene whose interpolants are exact has no power to fit: its entry cannot be confirmed.
-    let swapped = ledger::<LedgerError>(|name| {
+    let swapped = ledger::<AuditError>(|name| {
         Ok(crate::shipped::setup(if name == "pure-concave-gap" { "affine" } else { name }))
     });
     let swapped = swapped.expect("audits");

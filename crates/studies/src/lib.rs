@@ -4,5 +4,6 @@ pub mod diagnose;
 pub mod extremes;
 pub mod guarantee;
 pub mod solution;
+mod table;
 pub mod theory;
 pub mod trade;

@@ -19,8 +19,9 @@ use rayon::prelude::*;
 
 pub use culprit::{Finding, culprit, sentence};
 pub use outcome::{EXACT_WITHIN, Outcome, Prepare};
-pub use term::{SceneTerms, Suspect};
-pub use trial::{Question, Trial, trials_in_space, trials_in_time};
+pub use term::Suspect;
+pub use trial::Question;
+pub(crate) use trial::{Trial, trials_in_space, trials_in_time};
 
 use judge::verdict::{Decision, Variable, Verdict};
 use run::sweep::{
@@ -64,34 +65,35 @@ pub fn diagnose(
     has_exact_solution(scene)?;
     let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
     let foreseen = foresee(&plan.subject, &records);
-    let verdicts = judge_scene(scene, &records, &plan.keys(), &foreseen);
-    let wrong = |verdict: &&Verdict| !verdict.as_expected();
-    if !always && !verdicts.iter().any(|verdict| wrong(&verdict)) {
-        let sentence = match verdicts.is_empty() {
+    let mut found = Diagnosis {
+        scene: scene.name.clone(),
+        verdicts: judge_scene(scene, &records, &plan.keys(), &foreseen),
+        outcomes: Vec::new(),
+        finding: None,
+        sentence: String::new(),
+    };
+    let wrongly: Vec<&Verdict> =
+        found.verdicts.iter().filter(|verdict| !verdict.as_expected()).collect();
+    let contradicted: Vec<String> =
+        wrongly.iter().filter_map(|verdict| contradiction(verdict)).collect();
+    if !always && wrongly.is_empty() {
+        found.sentence = match found.verdicts.is_empty() {
             true => "nothing to diagnose: the scene is not judged (judge = false)".into(),
             false => "nothing to diagnose: every verdict is as expected".into(),
         };
-        let (scene, outcomes, finding) = (scene.name.clone(), Vec::new(), None);
-        return Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence });
+    } else if !always && contradicted.len() == wrongly.len() {
+        let finding = found.finding.insert(Finding::Prediction);
+        found.sentence = format!("{}: {}", sentence(finding, &[]), contradicted.join("; "));
+    } else {
+        let in_space = wrongly.iter().any(|verdict| verdict.variable != Variable::K);
+        let (outcomes, finding) = examine(scene, prepare, in_space || always);
+        found.sentence = match finding == Finding::NothingFails && wrongly.is_empty() {
+            true => "nothing is wrong: every variant shows what it must".into(),
+            false => [vec![sentence(&finding, &outcomes)], contradicted].concat().join("; "),
+        };
+        (found.outcomes, found.finding) = (outcomes, Some(finding));
     }
-    let wrongly: Vec<&Verdict> = verdicts.iter().filter(wrong).collect();
-    let contradicted: Vec<String> =
-        wrongly.iter().filter_map(|verdict| contradiction(verdict)).collect();
-    if !always && contradicted.len() == wrongly.len() {
-        let finding = Finding::Prediction;
-        let sentence = format!("{}: {}", sentence(&finding, &[]), contradicted.join("; "));
-        let (scene, outcomes, finding) = (scene.name.clone(), Vec::new(), Some(finding));
-        return Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence });
-    }
-    let in_space = verdicts.iter().filter(wrong).any(|verdict| verdict.variable != Variable::K);
-    let (outcomes, finding) = examine(scene, prepare, in_space || always);
-    let all_is_well = finding == Finding::NothingFails && verdicts.iter().all(Verdict::as_expected);
-    let sentence = match all_is_well {
-        true => "nothing is wrong: every variant shows what it must".into(),
-        false => [vec![sentence(&finding, &outcomes)], contradicted].concat().join("; "),
-    };
-    let (scene, finding) = (scene.name.clone(), Some(finding));
-    Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence })
+    Ok(found)
 }
 
 /// Where the errors are those that the exact solution predicts, and the scene predicts another order of them.

@@ -2,94 +2,82 @@
 
 use scene::ContactScene;
 
-/// The terms of (5.1)-(5.5) that a variant of a scene has.
+/// The terms of (5.1)-(5.5) that a variant of a scene has: whether it has each of [`SceneTerms::ALL`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SceneTerms {
-    /// ℬ.
-    pub memory: bool,
-    /// μ(ε - P ε).
-    pub projection: bool,
-    /// κ depends on ζ.
-    pub accumulation: bool,
-    /// The law p = ∂j_ν.
-    pub compliance: bool,
-    /// u_ν ≤ g.
-    pub gap: bool,
-}
+pub(crate) struct SceneTerms([bool; 5]);
 
 impl SceneTerms {
+    /// Every term there is: the first of [`Suspect::ALL`].
+    const ALL: [Suspect; 5] = [
+        Suspect::Projection,
+        Suspect::Accumulation,
+        Suspect::Memory,
+        Suspect::Compliance,
+        Suspect::Gap,
+    ];
+
     /// No term: linear elasticity.
-    pub const NONE: SceneTerms = SceneTerms {
-        memory: false,
-        projection: false,
-        accumulation: false,
-        compliance: false,
-        gap: false,
-    };
+    pub const NONE: SceneTerms = SceneTerms([false; 5]);
 
     pub(crate) fn of(body: &ContactScene) -> Self {
         let projection = body.material.projection.as_ref().filter(|p| p.mu > 0.0);
         let contact = body.contact.as_ref();
-        Self {
-            memory: !body.material.memory.is_empty(),
-            projection: projection.is_some(),
-            accumulation: projection.is_some_and(|projection| projection.lipschitz > 0.0),
-            compliance: contact.is_some_and(|contact| contact.law.is_some()),
-            gap: contact.is_some_and(|contact| contact.gap.is_some()),
+        Self([
+            projection.is_some(),
+            projection.is_some_and(|projection| projection.lipschitz > 0.0),
+            !body.material.memory.is_empty(),
+            contact.is_some_and(|contact| contact.law.is_some()),
+            contact.is_some_and(|contact| contact.gap.is_some()),
+        ])
+    }
+
+    /// Whether the term is there; what is no term is everywhere.
+    pub(crate) fn has(self, term: Suspect) -> bool {
+        self.0.get(term as usize).is_none_or(|present| *present)
+    }
+
+    /// These terms and another one.
+    pub(crate) fn with(mut self, term: Suspect) -> Self {
+        self.0[term as usize] = true;
+        self
+    }
+
+    /// These terms but for one; ζ goes with the projection that it acts on.
+    pub(crate) fn without(mut self, term: Suspect) -> Self {
+        self.0[term as usize] = false;
+        match term {
+            Suspect::Projection => self.without(Suspect::Accumulation),
+            _ => self,
         }
     }
 
-    /// Each term with the terms that remain without it; ζ goes with the projection that it acts on.
-    pub(crate) fn removals(self) -> Vec<(Suspect, SceneTerms)> {
-        let without_projection = SceneTerms { projection: false, accumulation: false, ..self };
-        [
-            (self.projection, Suspect::Projection, without_projection),
-            (self.accumulation, Suspect::Accumulation, SceneTerms { accumulation: false, ..self }),
-            (self.memory, Suspect::Memory, SceneTerms { memory: false, ..self }),
-            (self.compliance, Suspect::Compliance, SceneTerms { compliance: false, ..self }),
-            (self.gap, Suspect::Gap, SceneTerms { gap: false, ..self }),
-        ]
-        .into_iter()
-        .filter(|(present, ..)| *present)
-        .map(|(_, suspect, rest)| (suspect, rest))
-        .collect()
+    fn present(self) -> impl Iterator<Item = Suspect> {
+        Self::ALL.into_iter().filter(move |&term| self.has(term))
+    }
+
+    /// Each term with the terms that remain without it.
+    pub(crate) fn removals(self) -> impl Iterator<Item = (Suspect, SceneTerms)> {
+        self.present().map(move |term| (term, self.without(term)))
     }
 
     /// Whether an integral over the past remains.
     pub(crate) fn has_history(self) -> bool {
-        self.memory || self.accumulation
+        self.has(Suspect::Memory) || self.has(Suspect::Accumulation)
     }
 
     /// What takes part in a run with these terms.
     pub(crate) fn suspects(self) -> Vec<Suspect> {
-        let nonlinear = self.projection || self.compliance || self.gap;
-        [
-            (self.projection, Suspect::Projection),
-            (self.accumulation, Suspect::Accumulation),
-            (self.memory, Suspect::Memory),
-            (self.compliance, Suspect::Compliance),
-            (self.gap, Suspect::Gap),
-            (self.has_history(), Suspect::TimeRule),
-            (nonlinear, Suspect::Solver),
-            (true, Suspect::Elasticity),
-            (true, Suspect::Loads),
-        ]
-        .into_iter()
-        .filter_map(|(present, suspect)| present.then_some(suspect))
-        .collect()
+        let nonlinear =
+            [Suspect::Projection, Suspect::Compliance, Suspect::Gap].iter().any(|&t| self.has(t));
+        let shared = [(self.has_history(), Suspect::TimeRule), (nonlinear, Suspect::Solver)];
+        let shared = shared.into_iter().filter_map(|(used, suspect)| used.then_some(suspect));
+        self.present().chain(shared).chain([Suspect::Elasticity, Suspect::Loads]).collect()
     }
 
     /// In a few words: `elasticity, mu, zeta, memory, law, gap`.
     pub(crate) fn words(self) -> String {
-        let named = [
-            (self.projection, "mu"),
-            (self.accumulation, "zeta"),
-            (self.memory, "memory"),
-            (self.compliance, "law"),
-            (self.gap, "gap"),
-        ];
-        let present = named.into_iter().filter_map(|(present, word)| present.then_some(word));
-        let words: Vec<&str> = ["elasticity"].into_iter().chain(present).collect();
+        let word = |term: Suspect| if term == Suspect::Projection { "mu" } else { term.name() };
+        let words: Vec<&str> = ["elasticity"].into_iter().chain(self.present().map(word)).collect();
         words.join(", ")
     }
 }
@@ -171,13 +159,6 @@ impl Suspect {
 
     /// Whether a variant of a scene can do without it.
     pub(crate) fn is_term(self) -> bool {
-        matches!(
-            self,
-            Suspect::Projection
-                | Suspect::Accumulation
-                | Suspect::Memory
-                | Suspect::Compliance
-                | Suspect::Gap
-        )
+        SceneTerms::ALL.contains(&self)
     }
 }

@@ -18,7 +18,7 @@ pub enum Question {
 
 /// One variant to run.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub(crate) struct Trial {
     /// The variant; its name says what it is.
     pub scene: Scene,
     /// What is asked of it.
@@ -48,7 +48,7 @@ struct Design<'a> {
 }
 
 /// The trials in V^h: all terms, each term removed, each term alone. Without contact scene: none.
-pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
+pub(crate) fn trials_in_time(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
     let terms = SceneTerms::of(body);
     let n = coarse_mesh(scene);
@@ -59,7 +59,7 @@ pub fn trials_in_time(scene: &Scene) -> Vec<Trial> {
 }
 
 /// The trials outside V^h, for an order in h: all terms, each term removed, elasticity alone.
-pub fn trials_in_space(scene: &Scene) -> Vec<Trial> {
+pub(crate) fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
     let terms = SceneTerms::of(body);
     let listed = scene.sweep.as_ref().map_or(Vec::new(), |sweep| sweep.n.clone());
@@ -103,19 +103,14 @@ impl Design<'_> {
 
     /// Each term alone, on a course on which its history is integrated exactly where there is one.
     fn alone(&mut self) {
-        let SceneTerms { projection, compliance, gap, .. } = self.terms;
-        let pointwise = [
-            (projection, "projection alone", SceneTerms { projection, ..SceneTerms::NONE }),
-            (compliance, "law alone", SceneTerms { compliance, ..SceneTerms::NONE }),
-            (gap, "gap alone", SceneTerms { gap, ..SceneTerms::NONE }),
-        ];
         self.course_of_scene("elasticity alone".into(), SceneTerms::NONE, None);
-        for (present, name, kept) in pointwise {
-            if present && kept != self.terms {
-                self.course_of_scene(name.into(), kept, None);
+        for term in [Suspect::Projection, Suspect::Compliance, Suspect::Gap] {
+            let kept = SceneTerms::NONE.with(term);
+            if self.terms.has(term) && kept != self.terms {
+                self.course_of_scene(format!("{} alone", term.name()), kept, None);
             }
         }
-        let still = SceneTerms { memory: false, ..self.terms };
+        let still = self.terms.without(Suspect::Memory);
         if self.terms.has_history() && still != SceneTerms::NONE {
             self.exact("u constant in time", still, Course::Constant, |scene| scene);
         }
@@ -125,13 +120,13 @@ impl Design<'_> {
 
     /// κ(ζ) of the scene, or of a control: the time rule must serve it as well as memory.
     fn zeta_alone(&mut self) {
-        let kept = SceneTerms { projection: true, accumulation: true, ..SceneTerms::NONE };
+        let kept = SceneTerms::NONE.with(Suspect::Projection).with(Suspect::Accumulation);
         // What the rule integrates exactly.
         let course = match self.scene.time.rule {
             TimeRule::Left => Course::Constant,
             _ => Course::Linear,
         };
-        if self.terms.accumulation {
+        if self.terms.has(Suspect::Accumulation) {
             self.exact("zeta alone", kept, course, |scene| scene);
         } else {
             self.exact("zeta alone, a control", kept, course, with_projection);
@@ -139,7 +134,7 @@ impl Design<'_> {
     }
 
     fn memory_alone(&mut self) {
-        let kept = SceneTerms { memory: true, ..SceneTerms::NONE };
+        let kept = SceneTerms::NONE.with(Suspect::Memory);
         let control = 1.0 / self.scene.time.horizon;
         // Of several terms none is taken alone: their course is that of the scene.
         let terms = &self.body.material.memory;

@@ -3,7 +3,7 @@
 //! The loads of a variant are derived from its exact solution and its terms, so each of them is
 //! a sound manufactured scene, and whatever it shows is the solver's doing.
 
-use super::term::SceneTerms;
+use super::term::{SceneTerms, Suspect};
 use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 use scene::{
     Body, ContactScene, Data, Direction, Domain, Expectation, Hypothesis, LoadForm, Norm,
@@ -42,22 +42,23 @@ pub(super) fn with_terms(scene: &Scene, kept: SceneTerms) -> Scene {
         .retain(|claim| !matches!(claim, Hypothesis::RegularInTime | Hypothesis::RegularInSpace));
     let mut graph = std::mem::take(&mut scene.formulas);
     if let Some(body) = body_mut(&mut scene) {
-        if !kept.memory {
+        if !kept.has(Suspect::Memory) {
             body.material.memory.clear();
         }
-        if !kept.projection {
+        if !kept.has(Suspect::Projection) {
             body.material.projection = None;
         }
-        if let Some(projection) = body.material.projection.as_mut().filter(|_| !kept.accumulation) {
+        let projection = body.material.projection.as_mut();
+        if let Some(projection) = projection.filter(|_| !kept.has(Suspect::Accumulation)) {
             *projection = frozen(&mut graph, projection);
         }
         if let Some(contact) = &mut body.contact {
-            contact.law = contact.law.take().filter(|_| kept.compliance);
-            contact.gap = contact.gap.filter(|_| kept.gap);
+            contact.law = contact.law.take().filter(|_| kept.has(Suspect::Compliance));
+            contact.gap = contact.gap.filter(|_| kept.has(Suspect::Gap));
         }
         if let Data::Exact { multiplier, selection, .. } = &mut body.data {
-            *multiplier = multiplier.filter(|_| kept.gap);
-            *selection = selection.filter(|_| kept.compliance);
+            *multiplier = multiplier.filter(|_| kept.has(Suspect::Gap));
+            *selection = selection.filter(|_| kept.has(Suspect::Compliance));
         }
     }
     scene.formulas = graph;

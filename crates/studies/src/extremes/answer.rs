@@ -59,7 +59,7 @@ pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, Unanswered>) -> Result<T
 ///
 /// # Errors
 /// What scene or setup refuse.
-pub fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, Unanswered> {
+pub(crate) fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, Unanswered> {
     let source = Source::from_text("extreme.toml", text);
     let scene = Scene::from_source(source).map_err(Unanswered::refused)?;
     Ok(prepare(Setup::new(scene).map_err(Unanswered::refused)?))
@@ -84,7 +84,7 @@ pub fn solve(
 ///
 /// # Errors
 /// The solver's.
-pub fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<SceneAnswer, Unanswered> {
+pub(crate) fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<SceneAnswer, Unanswered> {
     let mut answer = SceneAnswer::default();
     let exact = setup.exact.is_some();
     let info = setup.scheme.march(setup, data, steps, &mut |view| {

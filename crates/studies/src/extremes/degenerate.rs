@@ -1,6 +1,5 @@
 //! Ladders of what is next to nothing: subnormal numbers in a scene, slivers, and memories whose parts cancel.
 
-use super::UnderTest;
 use super::answer::{relative, solve};
 use super::history::opposed;
 use super::rung::{Expected, Ladder, Measured, Rung};
@@ -18,7 +17,7 @@ pub(crate) fn subnormal() -> Ladder {
     const LOAD: &str = "[loads]\nbody = [\"0\", \"-3*t*x\"]\n";
     type Body = fn(String) -> SceneText;
     let beside = |label: &'static str, body: Body, with: &'static str, without: &'static str| {
-        Rung::new(label, Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
+        Rung::new(label, Expected::AtMost(SAME), move |under_test| {
             let [found, known] = [with, without].map(|term| {
                 let text = body(format!("{term}{LOAD}")).text();
                 solve(text, 4, 4, under_test.prepare)
@@ -31,7 +30,7 @@ pub(crate) fn subnormal() -> Ladder {
     let alone = Rung::new(
         "load alone",
         Expected::Refused("state the scene in other units"),
-        |under_test: &UnderTest<'_>| {
+        |under_test| {
             let load = "[loads]\nbody = [\"0\", \"-1e-310*t*x\"]\n";
             let answer = solve(SceneText::free(load).text(), 4, 4, under_test.prepare)?;
             Ok(Measured::of(largest(&answer.displacement), &answer))
@@ -65,7 +64,7 @@ pub(crate) fn subnormal() -> Ladder {
 /// interpolant is poor on such cells, and Céa's bound is in terms of it: it holds all the same.
 pub(crate) fn sliver() -> Ladder {
     let rung = |label: &str, shear: f64| {
-        Rung::new(label, Expected::AtMost(1.0 + QUADRATURE), move |under_test: &UnderTest<'_>| {
+        Rung::new(label, Expected::AtMost(1.0 + QUADRATURE), move |under_test| {
             let domain = format!(
                 "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [{:?}, 1.0], [{shear:?}, 1.0]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"bottom\"]\n",
                 1.0 + shear

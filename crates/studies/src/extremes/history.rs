@@ -38,7 +38,7 @@ fn allowed(rate: f64, k: f64, steps: usize) -> f64 {
 }
 
 fn against_the_sum(at: String, rate: f64, k: f64, steps: usize) -> Rung {
-    Rung::new(at, Expected::AtMost(allowed(rate, k, steps)), move |under_test: &UnderTest<'_>| {
+    Rung::new(at, Expected::AtMost(allowed(rate, k, steps)), move |under_test| {
         let full = in_full(rate, k, steps);
         let value = ((under_test.history)(rate, k, steps) - full).abs() / full;
         Ok(Measured::number(value))

@@ -104,7 +104,7 @@ pub(crate) fn together() -> Ladder {
         ("1e50", Units { length: 1e50, stiffness: 1e50, time: 1e50, displacement: 1e50 }),
     ];
     let rung = |(label, units): (&str, Units)| {
-        Rung::new(label, Expected::AtMost(INVARIANT), move |under_test: &UnderTest<'_>| {
+        Rung::new(label, Expected::AtMost(INVARIANT), move |under_test| {
             difference(PLANE, units, under_test)
         })
     };

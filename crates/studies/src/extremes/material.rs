@@ -45,7 +45,7 @@ fn projected(
 pub(crate) fn projection() -> Ladder {
     let rung = |at: &str, mu: f64| {
         let bound = ROUNDING * (1.0 + mu);
-        Rung::new(at, Expected::AtMost(bound), move |under_test: &UnderTest<'_>| {
+        Rung::new(at, Expected::AtMost(bound), move |under_test| {
             projected(mu, 0.1, strain_error, under_test)
         })
     };
@@ -102,7 +102,7 @@ pub(crate) fn through_zero() -> Ladder {
     let between = |label: &str, at: f64| {
         let slope = 2.0 + (kink(at, 8) / kink(at, 64)).log2() / 3.0;
         let expected = Expected::Within([slope - NEXT_ORDER, slope + NEXT_ORDER]);
-        Rung::new(label, expected, move |under_test: &UnderTest<'_>| {
+        Rung::new(label, expected, move |under_test| {
             let ((coarse, _), (fine, answer)) =
                 (errors(at, 8, under_test)?, errors(at, 64, under_test)?);
             Ok(Measured::of((coarse / fine).log2() / 3.0, &answer))
@@ -110,7 +110,7 @@ pub(crate) fn through_zero() -> Ladder {
     };
     let on_level = |label: &str, at: f64| {
         let expected = Expected::AtMost(2.0 * ROUNDING);
-        Rung::new(label, expected, move |under_test: &UnderTest<'_>| {
+        Rung::new(label, expected, move |under_test| {
             let (error, answer) = errors(at, 8, under_test)?;
             Ok(Measured::of(error, &answer))
         })
@@ -138,7 +138,7 @@ pub(crate) fn body_step() -> Ladder {
             true => Expected::AtMost(ROUNDING / (1.0 - 0.5 * k)),
             false => Expected::Refused("not positive definite"),
         };
-        Rung::new(step_in_words(k), expected, move |under_test: &UnderTest<'_>| {
+        Rung::new(step_in_words(k), expected, move |under_test| {
             let (answer, error) = remembered(-1.0, k, 1, 8, under_test)?;
             Ok(Measured::of(error, &answer))
         })

@@ -19,7 +19,7 @@ mod touching;
 mod under_test;
 mod units;
 
-pub use answer::{Prepare, SceneAnswer, Unanswered, march, set_up, solve};
+pub use answer::{Prepare, SceneAnswer, Unanswered, solve};
 pub use document::Climbed;
 pub use judge::{RungRow, Standing, judge, standing};
 pub use memory::admit;

@@ -74,7 +74,7 @@ pub(crate) fn smallness() -> Ladder {
 /// One step k from u linear in time, which the trapezoidal rule integrates exactly: what is left is rounding.
 /// The step's equation is (1 + (k/2) q) u_1 = …, so the condition is (1 + k/2)/|1 + (k/2) q|.
 fn one_step(k: f64, q: f64, expected: Expected, solver: Solver) -> Rung {
-    Rung::new(step_in_words(k), expected, move |under_test: &UnderTest<'_>| {
+    Rung::new(step_in_words(k), expected, move |under_test| {
         let text = scalar(q, 0.0, k, &format!("1 + t/{k:?}"));
         match solver {
             Solver::Newton => error(text, 1, &under_test.newton),

@@ -14,7 +14,7 @@ const SAME: f64 = 1e-12;
 /// of reach, and the rest is homogeneous of degree one: the answer is that at 1e-6 to scale, while the pressures that
 /// the law gives to u_ν scale as well. At 1e20 and above, gap, law and κ are nothing beside the load: homogeneous again.
 pub(crate) fn load() -> Ladder {
-    let nothing = Rung::new("0", Expected::AtMost(0.0), |under_test: &UnderTest<'_>| {
+    let nothing = Rung::new("0", Expected::AtMost(0.0), |under_test| {
         let answer = solve(punch("0.10", 0.0), 4, 4, under_test.prepare)?;
         let size = largest(&answer.displacement) + f64::from(answer.iterations);
         Ok(Measured::of(size, &answer).noted("u = 0 without an iteration"))
@@ -47,14 +47,14 @@ pub(crate) fn load() -> Ladder {
 pub(crate) fn gap() -> Ladder {
     const NOT_FINITE: &str = "`gap` is";
     let like = |gap: &'static str, other: &'static str| {
-        Rung::new(gap, Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
+        Rung::new(gap, Expected::AtMost(SAME), move |under_test| {
             let found = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
             let known = solve(punch(other, 1.0), 4, 4, under_test.prepare)?;
             Ok(Measured::of(found.distance(&known), &found).noted(format!("against g = {other}")))
         })
     };
     let refused = |gap: &'static str, saying: &'static str| {
-        Rung::new(gap, Expected::Refused(saying), move |under_test: &UnderTest<'_>| {
+        Rung::new(gap, Expected::Refused(saying), move |under_test| {
             let found = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
             Ok(Measured::of(largest(&found.displacement), &found))
         })
@@ -83,7 +83,7 @@ pub(crate) fn gap() -> Ladder {
 pub(crate) fn one_vertex() -> Ladder {
     let rung = |label: &str, c: f64| {
         let bound = Expected::AtMost(16.0 * f64::EPSILON);
-        Rung::new(label, bound, move |under_test: &UnderTest<'_>| {
+        Rung::new(label, bound, move |under_test| {
             let domain = "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]\nsides = [\"bottom\", \"slope\", \"left\"]\nclamped = [\"left\"]\ntraction = [\"slope\"]\ncontact = [\"bottom\"]\n".to_owned();
             let rest = format!(
                 "[contact]\ngap = \"0.1\"\nlaw = {{ kind = \"none\" }}\n[loads]\nbody = [\"0\", \"{:?}\"]\n",

@@ -28,20 +28,7 @@ pub(super) struct Densities {
 struct Side {
     /// Free edges, with their ends in the order of the points.
     edges: Vec<(u32, [u32; 2])>,
-    normal: [f64; 2],
     traction: BoundProgram,
-    kind: Kind,
-}
-
-/// What the values of a side are.
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    /// The components of f2.
-    Traction,
-    /// σ_xx, σ_xy, σ_yy.
-    Stress,
-    /// σ_xx, σ_xy, σ_yy, and the contact pressure ξ + λ.
-    StressAndPressure,
 }
 
 /// The loads at one time, with what they miss of f0 and of the tractions.
@@ -71,7 +58,7 @@ impl Densities {
         let points: Vec<[f64; 3]> =
             cells.flat_map(|cell| inside.points.iter().map(|b| mesh.point(cell, b))).collect();
         let mut sides = Vec::new();
-        let mut add = |numbers: &[u32], kind: Kind, program: &dyn Fn(&[f64]) -> Program| {
+        let mut add = |numbers: &[u32], program: &dyn Fn(&[f64]) -> Program| {
             let facets: Vec<u32> = mesh.facets_on(numbers).map(|f| f as u32).collect();
             for part in mesh.plane_parts(&facets) {
                 let normal = [part.normal[0], part.normal[1]];
@@ -82,21 +69,20 @@ impl Densities {
                     .iter()
                     .flat_map(|(_, ends)| outside.points.iter().map(|b| mesh.point(ends, b)));
                 let traction = program(&normal).bind(&places.collect::<Vec<_>>());
-                sides.push(Side { edges: on_part, normal, traction, kind });
+                sides.push(Side { edges: on_part, traction });
             }
         };
         let horizon = setup.scene.time.horizon;
-        let compile = |graph: &Graph, outputs: &[Node]| {
-            Program::compile(&mut graph.clone(), outputs, horizon)
-        };
+        let compile =
+            |mut graph: Graph, outputs: &[Node]| Program::compile(&mut graph, outputs, horizon);
         let domain = &setup.body.domain;
         let body = match (&setup.body.data, &setup.exact) {
             (Data::Loads { body, traction }, _) => {
                 let graph = &setup.scene.formulas;
                 for (side, formulas) in traction {
-                    add(&[side.0], Kind::Traction, &|_| compile(graph, formulas));
+                    add(&[side.0], &|_| compile(graph.clone(), formulas));
                 }
-                compile(graph, body).bind(&points)
+                compile(graph.clone(), body).bind(&points)
             }
             (Data::Exact { interpolated: true, .. }, _) | (_, None) => {
                 return Err(GuaranteeError::refused(
@@ -104,15 +90,17 @@ impl Densities {
                 ));
             }
             (Data::Exact { .. }, Some(exact)) => {
-                let graph = &exact.data.graph;
-                add(&side_numbers(&domain.traction), Kind::Stress, &|_| {
-                    compile(graph, &exact.stress)
+                add(&side_numbers(&domain.traction), &|normal| {
+                    let mut graph = exact.data.graph.clone();
+                    let traction = traction(&mut graph, &exact.stress, normal, None);
+                    compile(graph, &traction)
                 });
-                add(&side_numbers(&domain.contact), Kind::StressAndPressure, &|normal| {
+                add(&side_numbers(&domain.contact), &|normal| {
                     let formulas = exact.boundary(normal);
-                    let mut graph = formulas.graph.clone();
+                    let mut graph = formulas.graph;
                     let pressure = graph.add(formulas.xi, formulas.lambda);
-                    compile(&graph, &[&exact.stress[..], &[pressure]].concat())
+                    let traction = traction(&mut graph, &exact.stress, normal, Some(pressure));
+                    compile(graph, &traction)
                 });
                 exact.forces.bind(&points)
             }
@@ -202,6 +190,24 @@ impl Densities {
     }
 }
 
+/// σν + p ν by its components, σ given as xx, xy, yy.
+fn traction(
+    graph: &mut Graph,
+    stress: &[Node],
+    normal: &[f64],
+    pressure: Option<Node>,
+) -> [Node; 2] {
+    let nu = [normal[0], normal[1]].map(|component| graph.constant(component));
+    [0, 1].map(|i: usize| {
+        let [first, second] = [stress[i], stress[i + 1]];
+        let (first, second) = (graph.mul(first, nu[0]), graph.mul(second, nu[1]));
+        let sum = graph.add(first, second);
+        let Some(pressure) = pressure else { return sum };
+        let pressed = graph.mul(pressure, nu[i]);
+        graph.add(sum, pressed)
+    })
+}
+
 impl Side {
     /// Adds the linear functions nearest to σν on the edges of the side, and what they miss.
     fn project(
@@ -212,25 +218,12 @@ impl Side {
         tractions: &mut [f64],
         rough: &mut [f64],
     ) -> Result<(), GuaranteeError> {
-        let outputs = match self.kind {
-            Kind::Traction => 2,
-            Kind::Stress => 3,
-            Kind::StressAndPressure => 4,
-        };
-        let mut values = vec![Vec::new(); outputs];
+        let mut values = vec![Vec::new(); 2];
         self.traction.evaluate(t, 0.0, &mut values);
         if values.iter().flatten().any(|value| !value.is_finite()) {
             return Err(GuaranteeError::NotFinite { what: "a traction", t });
         }
-        let [nx, ny] = self.normal;
-        let density = |at: usize| match self.kind {
-            Kind::Traction => [values[0][at], values[1][at]],
-            kind => {
-                let [xx, xy, yy] = [0, 1, 2].map(|i| values[i][at]);
-                let pressure = if kind == Kind::StressAndPressure { values[3][at] } else { 0.0 };
-                [xx * nx + xy * ny + pressure * nx, xy * nx + yy * ny + pressure * ny]
-            }
-        };
+        let density = |at: usize| [values[0][at], values[1][at]];
         for (e, (free, ends)) in self.edges.iter().enumerate() {
             let corner = ends.map(|v| space.mesh.vertex(v));
             let length = (corner[1][0] - corner[0][0]).hypot(corner[1][1] - corner[0][1]);

@@ -112,39 +112,15 @@ pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee, Guarant
 /// The bounds of a run that is seen level by level.
 pub struct Bounding<'a> {
     model: &'a Model,
-    levels: Levels<'a>,
+    space: &'a Discretization,
+    grid: TimeGrid,
+    equilibrium: Equilibrium<'a>,
+    densities: Densities,
+    truth: Option<truth::Strains>,
+    /// What the stress in equilibrium is to be near to.
+    of_cell: OfCell,
+    found: Vec<BoundedLevel>,
     failed: Option<GuaranteeError>,
-}
-
-impl<'a> Bounding<'a> {
-    /// Before the first level of a run on these data with `steps` steps.
-    ///
-    /// # Errors
-    /// A scene that the theorem does not cover.
-    pub fn new(setup: &'a Setup, data: &'a MeshData, steps: u32) -> Result<Self, GuaranteeError> {
-        covered(setup)?;
-        has_densities(setup)?;
-        let levels = Levels::new(setup, &data.space, setup.grid(steps))?;
-        Ok(Self { model: &setup.model, levels, failed: None })
-    }
-
-    /// Bounds the next level.
-    pub fn see(&mut self, view: &StepView<'_>) {
-        if self.failed.is_none() {
-            self.failed = self.levels.add(self.model, view).err();
-        }
-    }
-
-    /// What was found.
-    ///
-    /// # Errors
-    /// A bound that is infinite.
-    pub fn finish(self) -> Result<Guarantee, GuaranteeError> {
-        match self.failed {
-            Some(error) => Err(error),
-            None => Ok(Guarantee { levels: self.levels.found }),
-        }
-    }
 }
 
 /// Bytes beside those of the run, by measurements on meshes of n = 32 to 128: the factor, whose entries a cell grow as the
@@ -198,18 +174,6 @@ fn has_densities(setup: &Setup) -> Result<(), GuaranteeError> {
     }
 }
 
-/// The levels bounded so far, with what the next one needs.
-struct Levels<'a> {
-    space: &'a Discretization,
-    grid: TimeGrid,
-    equilibrium: Equilibrium<'a>,
-    densities: Densities,
-    truth: Option<truth::Strains>,
-    /// What the stress in equilibrium is to be near to.
-    of_cell: OfCell,
-    found: Vec<BoundedLevel>,
-}
-
 /// A stress on one cell.
 type OfCell = fn(&Discretization, &Model, &StepView<'_>, usize) -> Stress;
 
@@ -224,13 +188,15 @@ fn of_run(space: &Discretization, model: &Model, view: &StepView<'_>, c: usize) 
     Triangle::linear(|b| shapes.tensor(b, &values))
 }
 
-impl<'a> Levels<'a> {
-    fn new(
-        setup: &'a Setup,
-        space: &'a Discretization,
-        grid: TimeGrid,
-    ) -> Result<Self, GuaranteeError> {
-        let elasticity = &setup.model.elasticity;
+impl<'a> Bounding<'a> {
+    /// Before the first level of a run on these data with `steps` steps.
+    ///
+    /// # Errors
+    /// A scene that the theorem does not cover.
+    pub fn new(setup: &'a Setup, data: &'a MeshData, steps: u32) -> Result<Self, GuaranteeError> {
+        covered(setup)?;
+        has_densities(setup)?;
+        let (space, elasticity) = (&*data.space, &setup.model.elasticity);
         let clamped = side_numbers(&setup.body.domain.clamped);
         let equilibrium = Equilibrium::new(space, elasticity, &clamped).map_err(|source| {
             let (least, largest) = elasticity.eigenvalues(2);
@@ -239,13 +205,40 @@ impl<'a> Levels<'a> {
                 largest / least
             ))
         })?;
-        let densities = Densities::new(setup, space, &equilibrium.edges)?;
-        let truth = setup.exact.as_ref().map(|exact| truth::Strains::new(exact, space));
-        Ok(Self { space, grid, equilibrium, densities, truth, of_cell: of_run, found: Vec::new() })
+        Ok(Self {
+            model: &setup.model,
+            space,
+            grid: setup.grid(steps),
+            densities: Densities::new(setup, space, &equilibrium.edges)?,
+            equilibrium,
+            truth: setup.exact.as_ref().map(|exact| truth::Strains::new(exact, space)),
+            of_cell: of_run,
+            found: Vec::new(),
+            failed: None,
+        })
     }
 
-    fn add(&mut self, model: &Model, view: &StepView<'_>) -> Result<(), GuaranteeError> {
-        let (space, elasticity) = (self.space, &model.elasticity);
+    /// Bounds the next level.
+    pub fn see(&mut self, view: &StepView<'_>) {
+        if self.failed.is_none() {
+            self.failed = self.add(view).err();
+        }
+    }
+
+    /// What was found.
+    ///
+    /// # Errors
+    /// A bound that is infinite.
+    pub fn finish(self) -> Result<Guarantee, GuaranteeError> {
+        match self.failed {
+            Some(error) => Err(error),
+            None => Ok(Guarantee { levels: self.found }),
+        }
+    }
+
+    fn add(&mut self, view: &StepView<'_>) -> Result<(), GuaranteeError> {
+        let (space, model) = (self.space, self.model);
+        let elasticity = &model.elasticity;
         let start = |c: usize| (self.of_cell)(space, model, view, c);
         let start: Vec<Stress> = (0..space.mesh.cell_count()).map(start).collect();
         let edges = &self.equilibrium.edges;
@@ -268,7 +261,7 @@ impl<'a> Levels<'a> {
         let square = self.equilibrium.distance(&stresses, &start, &loads.corners);
         let residual = square.max(0.0).sqrt();
         let oscillation = self.densities.oscillation(space, &self.equilibrium, &loads, elasticity);
-        let bound = self.bound(model, view.n, residual + oscillation, gap)?;
+        let bound = self.bound(view.n, residual + oscillation, gap)?;
         let error =
             self.truth.as_mut().map(|truth| truth.distance(space, elasticity, view.u, view.t));
         self.found.push(BoundedLevel {
@@ -285,14 +278,8 @@ impl<'a> Levels<'a> {
     }
 
     /// The larger zero of (1 - β_nn) e² - a e - G, a = `estimate` + Σ_{j<n} β_nj e_j.
-    fn bound(
-        &self,
-        model: &Model,
-        n: usize,
-        estimate: f64,
-        gap: f64,
-    ) -> Result<f64, GuaranteeError> {
-        let weights = memory::weights(model, &self.grid, n);
+    fn bound(&self, n: usize, estimate: f64, gap: f64) -> Result<f64, GuaranteeError> {
+        let weights = memory::weights(self.model, &self.grid, n);
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);
         if last.is_nan() || last >= 1.0 {

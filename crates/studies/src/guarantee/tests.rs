@@ -91,11 +91,11 @@ fn the_bound_holds_on_every_scene_and_level() {
 fn the_bound_holds_for_displacements_that_are_far_off_and_needs_the_past() {
     let setup = setup("viscoelastic").unwrap();
     let data = MeshData::new(&setup, 8, None).unwrap();
-    let mut levels = Levels::new(&setup, &data.space, setup.grid(32)).unwrap();
+    let mut levels = Bounding::new(&setup, &data, 32).unwrap();
     data.march(&setup, 32, &Newton::default(), &mut |view| {
         let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|value| 0.5 * value).collect() };
         let (u, history) = (half(view.u), view.history.iter().map(|v| half(v)).collect::<Vec<_>>());
-        levels.add(&setup.model, &StepView { u: &u, history: &history, ..*view }).unwrap();
+        levels.add(&StepView { u: &u, history: &history, ..*view }).unwrap();
         Ok(())
     })
     .unwrap();
@@ -215,10 +215,10 @@ fn the_bound_of_quadratic_elements_has_their_order() {
     let setup = setup("quadratic-elastic").unwrap();
     let residuals = [8, 16].map(|n| {
         let data = MeshData::new(&setup, n, None).unwrap();
-        let mut levels = Levels::new(&setup, &data.space, setup.grid(4)).unwrap();
+        let mut levels = Bounding::new(&setup, &data, 4).unwrap();
         levels.of_cell = |space, model, view, c| Triangle::constant(&view.stress(space, model, c));
         data.march(&setup, 4, &Newton::default(), &mut |view| {
-            levels.add(&setup.model, view).unwrap();
+            levels.add(view).unwrap();
             assert!(levels.found.iter().all(|level| level.error.unwrap() <= level.bound + 1e-12));
             Ok(())
         })

@@ -8,7 +8,7 @@ use fem::contact::{Discretization, Model, StepView};
 use fem::norms::is_locked;
 
 /// Named quantities; the field names are the JSON keys that other programs rely on.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct FinalState {
     /// The element of displacements.
     pub element: &'static str,
@@ -66,22 +66,12 @@ impl FinalState {
             strain_norm: view.strain_norm,
             zeta: view.zeta,
             elastic_energy,
-            contact_force: 0.0,
-            locked_vertices: 0,
-            compliance_force: 0.0,
-            multiplier_force: 0.0,
             yielding_elements,
             min_uy,
             min_uy_vertex,
-            min_normal_gap: None,
-            max_normal_displacement: None,
             pressed: PressedZone::new(space, view),
-            normal_displacement: Vec::new(),
-            compliance_pressure: Vec::new(),
-            jump_vertices: 0,
             friction_force: vec![0.0; space.mesh.dimension],
-            stick_vertices: 0,
-            slip_vertices: 0,
+            ..Self::default()
         };
         state.add_trace(space, model, view);
         state.add_friction(space, view);

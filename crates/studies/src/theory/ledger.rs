@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::theory::audit::{AuditError, SceneAudit, SceneLine};
 use fem::contact::BoundaryRule;
 use report::{Chapter, Run, StudyDocument, Tone, number};
-use scene::setup::{Setup, SetupError};
+use scene::setup::Setup;
 
 /// What an entry finds of a proved power or constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -53,15 +53,6 @@ pub struct Entry {
     pub scene: &'static str,
     /// What to type.
     pub command: String,
-}
-
-/// Why there is no ledger.
-#[derive(Debug, thiserror::Error)]
-pub enum LedgerError {
-    #[error("{0}")]
-    Scene(#[from] SetupError),
-    #[error("{0}")]
-    Audit(#[from] AuditError),
 }
 
 /// A fitted power confirms a proved one within this distance: half of the distance of neighbouring
@@ -190,10 +181,10 @@ const QUESTIONS: [Question; 8] = [
 /// All entries; `scene` loads a scene by its name.
 ///
 /// # Errors
-/// [`LedgerError`].
+/// That of `scene`, and [`AuditError`].
 pub fn ledger<E>(scene: impl Fn(&str) -> Result<Setup, E>) -> Result<Vec<Entry>, E>
 where
-    E: From<LedgerError>,
+    E: From<AuditError>,
 {
     QUESTIONS
         .iter()
@@ -203,8 +194,7 @@ where
                 boundary.rule = BoundaryRule::Exact;
             }
             let audit = SceneAudit::new(&setup, question.n, question.steps);
-            let audit = audit.map_err(|error| E::from(LedgerError::from(error)))?;
-            Ok(question.entry(&setup, &audit))
+            Ok(question.entry(&setup, &audit?))
         })
         .collect()
 }

@@ -8,7 +8,7 @@ use run::sweep::scene_reference;
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
 
 /// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a separate campaign.
-pub const MOST: [u32; 2] = [4096, 100_000];
+pub(crate) const MOST: [u32; 2] = [4096, 100_000];
 
 /// Finest n and N whose errors show: half of those of the scene's reference run, which has no error against itself.
 pub(super) fn finest(setup: &Setup) -> Option<[u32; 2]> {
@@ -16,7 +16,7 @@ pub(super) fn finest(setup: &Setup) -> Option<[u32; 2]> {
 }
 
 /// The whole numbers n and N that suit a scene.
-pub struct Candidates<'a> {
+pub(crate) struct Candidates<'a> {
     setup: &'a Setup,
     subject: Subject,
     /// Whether n and N must divide those of the scene's reference run.

@@ -8,7 +8,7 @@ use judge::fit::{FittedValue, Interval, LinearFit, linear_fit, same_level};
 
 /// A measured run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CostSample {
+pub(crate) struct CostSample {
     /// Mesh size.
     pub h: f64,
     /// Time step.
@@ -19,7 +19,7 @@ pub struct CostSample {
 
 /// t = t₀ + c h^-a k^-b.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CostModel {
+pub(crate) struct CostModel {
     /// t₀, seconds; 0 unless the runs refute that.
     pub base: f64,
     /// c, seconds at h = k = 1.
@@ -37,7 +37,7 @@ pub struct CostModel {
 
 /// Why a cost was not fitted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum NoCost {
+pub(crate) enum NoCost {
     /// Three numbers and a spare run are needed.
     #[error("{found} runs, a cost in h and k needs {NEEDED}")]
     TooFew {

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// C s^p of one step s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Term {
+pub(crate) struct Term {
     /// C.
     pub constant: f64,
     /// p.
@@ -21,7 +21,7 @@ pub struct Term {
 
 /// E^m = (C_h h^p)^m + (C_k k^q)^m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ErrorModel {
+pub(crate) struct ErrorModel {
     /// m = 1 or 2.
     #[serde(serialize_with = "as_json::model")]
     pub model: ErrorCombination,
@@ -56,13 +56,6 @@ impl ErrorModel {
         let parts = [self.space.map(|term| term.at(h)), self.time.map(|term| term.at(k))];
         let m = self.exponent();
         parts.into_iter().flatten().map(|part| part.powf(m)).sum::<f64>().powf(1.0 / m)
-    }
-
-    /// What is left of `target` for the term of k at a given h: nothing where space takes it all.
-    pub fn left_for_time(&self, target: f64, h: f64) -> f64 {
-        let m = self.exponent();
-        let space = self.space.map_or(0.0, |term| term.at(h));
-        (target.powf(m) - space.powf(m)).max(0.0).powf(1.0 / m)
     }
 
     /// Fits the errors of a grid. Where both terms show, by the joint fit of `fit`; where one hides below the other,
@@ -219,26 +212,7 @@ mod tests {
         let found = ErrorModel::fit(&grid(|_, k| 3.0 * k * k), &[], true).expect("a model");
         assert!(found.space.is_none());
         assert!((found.error(0.5, 0.1) - 0.03).abs() < 1e-10);
-        assert_eq!(found.left_for_time(0.25, 0.5), 0.25);
         // One that does not fall is no model.
         assert!(ErrorModel::fit(&grid(|_, k| 1.0 / k), &[], true).is_err());
-    }
-
-    #[test]
-    fn what_space_takes_is_not_left_for_time() {
-        let term =
-            |constant, order| Term { constant, order, interval: Interval::around(order, 0.0) };
-        let found = ErrorModel {
-            model: ErrorCombination::RootSumSquare,
-            space: Some(term(1.0, 1.0)),
-            time: Some(term(1.0, 2.0)),
-            source: String::new(),
-            residual: 0.0,
-        };
-        // 3-4-5.
-        assert!((found.left_for_time(0.5, 0.3) - 0.4).abs() < 1e-15);
-        assert_eq!(found.left_for_time(0.2, 0.3), 0.0);
-        let sum = ErrorModel { model: ErrorCombination::Sum, ..found };
-        assert!((sum.left_for_time(0.5, 0.3) - 0.2).abs() < 1e-15);
     }
 }

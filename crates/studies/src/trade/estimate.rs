@@ -15,11 +15,11 @@ mod quantity;
 
 pub use advice::{Advice, Advised, Goal, NoAdvice, advise};
 pub use companions::{
-    Companions, NormDifferences, RunTime, Scalar, companion_runs, companions, companions_and_bound,
+    Companions, NormDifferences, RunTime, companion_runs, companions, companions_and_bound,
 };
 pub use costs::{CostSource, costs};
 use quantity::LEAST_ORDER;
-pub use quantity::{QuantityEstimate, quantity};
+pub use quantity::QuantityEstimate;
 
 use judge::fit::{FLOORS_ABOVE, Interval};
 use scene::setup::Setup;

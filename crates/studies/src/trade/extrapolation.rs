@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// Errors by step, with and without extrapolation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Extrapolated {
+pub(crate) struct Extrapolated {
     /// What is extrapolated.
     pub what: String,
     /// k or h.
@@ -22,7 +22,7 @@ pub struct Extrapolated {
 
 /// The order between the two finest rows, and what all of them say of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LastOrder {
+pub(crate) struct LastOrder {
     /// Its value.
     pub last: f64,
     /// The interval of all rows, where there are enough.

@@ -13,7 +13,7 @@ use super::trial::{Outcome, Trial};
 use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, strain_distance};
 use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
 use fem::space::Element;
-use run::sweep::{floor_in, run_cost, scene_reference};
+use run::sweep::{as_floors, floor_in, run_cost, scene_reference};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
 
@@ -78,7 +78,7 @@ impl Bench {
         let rounds = Rounds::run(cases.len(), self.repeats.max(1) as usize, |run| {
             let (variant, n, steps) = cases[run];
             match self.timed(variant, n, steps) {
-                Ok((timed, _)) => {
+                Ok(timed) => {
                     if let Ok(times) = &mut all[run] {
                         times.push(timed);
                     }
@@ -109,8 +109,8 @@ impl Bench {
 
     /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
-        let outcome = self.outcome(variant, n, steps);
-        self.row(variant.knob, variant.element(), (n, steps), outcome)
+        let times = (0..self.repeats.max(1)).map(|_| self.timed(variant, n, steps)).collect();
+        self.after_rounds((variant, n, steps), times)
     }
 
     /// The row of a run; it has no unknowns where there is no mesh to judge it on.
@@ -147,27 +147,14 @@ impl Bench {
     }
 
     /// One run for the clock, from nothing.
-    fn timed(&self, variant: &Variant, n: u32, steps: u32) -> Result<(Timed, MeshData), String> {
+    fn timed(&self, variant: &Variant, n: u32, steps: u32) -> Result<Timed, String> {
         let (clock, wall) = (ThreadTime::now(), Instant::now());
         let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
         let info = variant.march(&data, steps, &mut |_| Ok(())).map_err(|e| e.to_string())?;
         let seconds = clock.elapsed().as_secs_f64();
         // The share is one of wall time, since the thread may have waited in between.
         let load_share = info.seconds_load / wall.elapsed().as_secs_f64();
-        Ok((Timed { seconds, load_share }, data))
-    }
-
-    fn outcome(&mut self, variant: &Variant, n: u32, steps: u32) -> Result<Outcome, String> {
-        self.judge(variant, n)?;
-        let mut times = Vec::new();
-        let mut last = None;
-        for _ in 0..self.repeats.max(1) {
-            let (timed, data) = self.timed(variant, n, steps)?;
-            times.push(timed);
-            last = Some(data);
-        }
-        let data = last.ok_or("no run")?;
-        self.judged(variant, &data, (n, steps), &times)
+        Ok(Timed { seconds, load_share })
     }
 
     /// The cost of a run on this mesh, by `times`, with the error of a run that is not timed.
@@ -214,13 +201,7 @@ impl Bench {
         let info = variant.march(data, steps, &mut |view| {
             let truth = judge.truth.moments(view.t)?;
             let errors = step_errors(&judge.space, &variant.setup.model, view, &truth);
-            let in_norm = match self.norm {
-                Norm::L2Max => errors.l2,
-                Norm::TraceL2Max => errors.trace,
-                Norm::PressureL2Max => errors.pressure,
-                Norm::StressL2Max => errors.stress,
-                _ => errors.v,
-            };
+            let in_norm = floor_in(&as_floors(&errors), self.norm);
             error = if error.is_nan() || in_norm <= error { error } else { in_norm };
             size = size.max(strain_error(&judge.space, &still, &truth));
             trajectory.times.push(view.t);

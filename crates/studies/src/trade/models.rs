@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// Models of error and cost.
 #[derive(Debug, Clone, Serialize)]
-pub struct Models {
+pub(crate) struct Models {
     /// The error, or why it was not fitted.
     #[serde(rename = "error_model", serialize_with = "or_reason")]
     pub error: Result<ErrorModel, String>,

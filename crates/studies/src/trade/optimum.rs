@@ -9,7 +9,7 @@ use super::{CostModel, ErrorModel, Term};
 
 /// The cheapest h and k for an error.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Optimum {
+pub(crate) struct Optimum {
     /// Mesh size; none where the error does not depend on it.
     pub h: Option<f64>,
     /// Time step, likewise.
@@ -18,7 +18,7 @@ pub struct Optimum {
 
 /// The path k = c h^s of the optima of all errors.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Coupling {
+pub(crate) struct Coupling {
     /// s = p/q.
     pub exponent: f64,
     /// c.
@@ -30,7 +30,7 @@ pub struct Coupling {
 }
 
 /// The coupling, where both terms are there and both exponents of the cost are positive.
-pub fn coupling(error: &ErrorModel, cost: &CostModel) -> Option<Coupling> {
+pub(crate) fn coupling(error: &ErrorModel, cost: &CostModel) -> Option<Coupling> {
     let (space, time) = (error.space?, error.time?);
     let (a, b) = (cost.space.value, cost.time.value);
     let (alpha, beta) = (a / space.order, b / time.order);
@@ -49,7 +49,7 @@ pub fn coupling(error: &ErrorModel, cost: &CostModel) -> Option<Coupling> {
 }
 
 /// The cheapest real h and k for the error `target`; none where a cost falls with a finer step, so that there is none.
-pub fn optimum(error: &ErrorModel, cost: &CostModel, target: f64) -> Option<Optimum> {
+pub(crate) fn optimum(error: &ErrorModel, cost: &CostModel, target: f64) -> Option<Optimum> {
     let step = |term: Term, share: f64| {
         let part = target * share.powf(1.0 / error.exponent());
         (part / term.constant).powf(1.0 / term.order)
@@ -68,7 +68,7 @@ pub fn optimum(error: &ErrorModel, cost: &CostModel, target: f64) -> Option<Opti
 
 /// The exponent with which cost grows as the error falls along k = c h^s, and that of the error itself in h there: the
 /// worse of p and s q.
-pub fn along_path(error: &ErrorModel, cost: &CostModel, s: f64) -> Option<f64> {
+pub(crate) fn along_path(error: &ErrorModel, cost: &CostModel, s: f64) -> Option<f64> {
     let (space, time) = (error.space?, error.time?);
     let order = space.order.min(s * time.order);
     Some((cost.space.value + s * cost.time.value) / order)
@@ -102,7 +102,8 @@ mod tests {
     fn searched(error: &ErrorModel, cost: &CostModel, target: f64) -> f64 {
         let time = error.time.expect("a term of k");
         let at = |log_h: f64| {
-            let left = error.left_for_time(target, log_h.exp());
+            let (m, space) = (error.exponent(), error.space.map_or(0.0, |s| s.at(log_h.exp())));
+            let left = (target.powf(m) - space.powf(m)).max(0.0).powf(1.0 / m);
             let k = (left / time.constant).powf(1.0 / time.order);
             if k > 0.0 { cost.seconds(log_h.exp(), k) } else { f64::INFINITY }
         };

@@ -26,7 +26,7 @@ pub fn front(points: &[(f64, f64)], tie: f64) -> Vec<usize> {
 
 /// Indices of the points (cost, memory, error) that no other point dominates, in the order of `points`; of equal points the
 /// first is kept, and of errors that are a tie that of the cheaper run. A point that is not finite is not on the front.
-pub fn front_of_three(points: &[[f64; 3]], tie: f64) -> Vec<usize> {
+pub(crate) fn front_of_three(points: &[[f64; 3]], tie: f64) -> Vec<usize> {
     let finite = |i: &usize| points[*i].iter().all(|value| value.is_finite());
     let mut order: Vec<usize> = (0..points.len()).filter(finite).collect();
     order.sort_by(|&a, &b| {

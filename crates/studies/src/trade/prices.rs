@@ -6,7 +6,7 @@ use super::rounds::Ratio;
 
 /// What a knob does to time and error.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Price {
+pub(crate) struct Price {
     /// The knob, or the coarser step.
     pub what: String,
     /// Where: n and N of the run that it is compared with.

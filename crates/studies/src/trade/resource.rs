@@ -2,7 +2,7 @@
 
 /// What a run costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Resource {
+pub(crate) enum Resource {
     /// CPU seconds.
     Time,
     /// Peak memory of a process that does it alone, predicted.

@@ -10,7 +10,7 @@ const LEVELS: u32 = 5;
 
 /// Another element, on meshes of about as many nodes, beside the scene as written.
 #[derive(Debug, Clone, Serialize)]
-pub struct Rival {
+pub(crate) struct Rival {
     /// The knob.
     #[serde(serialize_with = "as_json::knob")]
     pub knob: Knob,
@@ -25,7 +25,7 @@ pub struct Rival {
 
 /// The cheapest runs of the scene as written and of the rival whose errors are predicted to be at most this.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Equal {
+pub(crate) struct Equal {
     /// The error.
     pub error: f64,
     /// The scene as written.

@@ -71,7 +71,7 @@ pub(crate) type Heard<'a> = dyn FnMut(&Trial) + 'a;
 
 /// A power s of k = c h^s, with the exponents by which cost grows as the error falls on such a path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Path {
+pub(crate) struct Path {
     /// s.
     pub exponent: f64,
     /// The exponent by the models.
@@ -96,18 +96,18 @@ pub struct Study {
     pub trials: Vec<Trial>,
     /// What the runs as written say.
     #[serde(flatten)]
-    pub models: Models,
+    pub(crate) models: Models,
     /// The path of optima.
-    pub coupling: Option<Coupling>,
+    pub(crate) coupling: Option<Coupling>,
     /// The price list.
-    pub prices: Vec<Price>,
+    pub(crate) prices: Vec<Price>,
     /// What couplings of k to h cost.
-    pub paths: Vec<Path>,
+    pub(crate) paths: Vec<Path>,
     /// What Richardson's extrapolation is worth, in time and in space.
     #[serde(rename = "extrapolation")]
-    pub extrapolated: Vec<Extrapolated>,
+    pub(crate) extrapolated: Vec<Extrapolated>,
     /// The other elements, compared at equal error.
-    pub elements: Vec<Rival>,
+    pub(crate) elements: Vec<Rival>,
 }
 
 impl Study {

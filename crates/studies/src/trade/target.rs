@@ -1,7 +1,7 @@
 //! "Which n and N for this error?": the cheapest whole numbers that the models allow.
 
 /// What may be chosen from.
-pub struct Choices<'a> {
+pub(crate) struct Choices<'a> {
     /// Smallest n, and smallest N: models are not trusted on coarser grids than were run.
     pub least: [u32; 2],
     /// Largest n, and largest N.
@@ -68,14 +68,14 @@ pub enum NoAnswer {
 }
 
 /// A number at (h, k).
-pub type AtSteps<'a> = dyn Fn(f64, f64) -> f64 + 'a;
+pub(crate) type AtSteps<'a> = dyn Fn(f64, f64) -> f64 + 'a;
 
 /// The cheapest choice whose predicted error is at most `target`: the least `seconds` under `error` ≤ `target`, the one
 /// growing and the other falling with either refinement.
 ///
 /// # Errors
 /// [`NoAnswer`].
-pub fn cheapest(
+pub(crate) fn cheapest(
     error: &AtSteps<'_>,
     seconds: &AtSteps<'_>,
     target: f64,

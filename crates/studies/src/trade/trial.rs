@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 
 use super::Price;
 use super::pareto::{TIE, front, front_of_three};
+use crate::table;
 use files::remove_if_there;
 
 /// What one run cost and how wrong it is.
@@ -92,29 +93,6 @@ pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
     trials.iter_mut().for_each(|trial| trial.front_memory |= trial.front);
 }
 
-const COLUMNS: [&str; 20] = [
-    "scene",
-    "knob",
-    "n",
-    "steps",
-    "h",
-    "k",
-    "dofs",
-    "norm",
-    "error",
-    "floor",
-    "cpu_seconds",
-    "cpu_slowest",
-    "repeats",
-    "load_share",
-    "predicted_bytes",
-    "history_bytes",
-    "newton_iterations",
-    "factorizations",
-    "status",
-    "reason",
-];
-
 /// A run with its status, or why there is none.
 fn ended<S: Serializer>(
     outcome: &Result<Outcome, String>,
@@ -166,9 +144,7 @@ impl Table {
         // What a link in its place names is left alone.
         remove_if_there(path).map_err(failed)?;
         let file = std::fs::File::create_new(path).map_err(failed)?;
-        let mut table = Self { file, path: path.into(), scene: scene.into(), norm: norm.into() };
-        table.write(COLUMNS.map(str::to_owned))?;
-        Ok(table)
+        Ok(Self { file, path: path.into(), scene: scene.into(), norm: norm.into() })
     }
 
     /// Appends a row and hands it to the system.
@@ -177,7 +153,10 @@ impl Table {
     /// The file system's.
     pub(crate) fn append(&mut self, trial: &Trial) -> Result<(), TableError> {
         let row = row(&self.scene, &self.norm, trial);
-        self.write(row)
+        let failed = |error: &dyn Display| TableError::of(&self.path, error);
+        let head = self.file.stream_position().map_err(|error| failed(&error))? == 0;
+        let bytes = table::csv([row], head).map_err(|error| failed(&error))?;
+        self.file.write_all(&bytes).and_then(|()| self.file.flush()).map_err(|error| failed(&error))
     }
 
     /// Writes all rows anew: runs as written are timed again beside the knobs, after their rows were written.
@@ -187,48 +166,34 @@ impl Table {
     pub(crate) fn rewrite(&mut self, trials: &[Trial]) -> Result<(), TableError> {
         let emptied = self.file.set_len(0).and_then(|()| self.file.rewind());
         emptied.map_err(|error| TableError::of(&self.path, &error))?;
-        self.write(COLUMNS.map(str::to_owned))?;
         trials.iter().try_for_each(|trial| self.append(trial))
-    }
-
-    fn write(&mut self, row: [String; COLUMNS.len()]) -> Result<(), TableError> {
-        let failed = |error: &dyn Display| TableError::of(&self.path, error);
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&row).map_err(|error| failed(&error))?;
-        let bytes = writer.into_inner().map_err(|error| failed(&error))?;
-        self.file.write_all(&bytes).and_then(|()| self.file.flush()).map_err(|error| failed(&error))
     }
 }
 
-fn row(scene: &str, norm: &str, trial: &Trial) -> [String; COLUMNS.len()] {
-    let done = trial.done();
-    let number = |value: fn(&Outcome) -> f64| done.map_or(String::new(), |o| value(o).to_string());
-    let count = |value: fn(&Outcome) -> u64| done.map_or(String::new(), |o| value(o).to_string());
-    let (status, reason) = match &trial.outcome {
-        Ok(_) => ("converged", String::new()),
-        Err(reason) => ("failed", reason.clone()),
-    };
+fn row(scene: &str, norm: &str, trial: &Trial) -> [(&'static str, String); 20] {
+    let done = |cell: fn(&Outcome) -> String| trial.done().map_or_else(String::new, cell);
+    let reason = trial.outcome.as_ref().err();
     [
-        scene.into(),
-        trial.knob.clone(),
-        trial.n.to_string(),
-        trial.steps.to_string(),
-        trial.h.to_string(),
-        trial.k.to_string(),
-        trial.dofs.to_string(),
-        norm.into(),
-        number(|o| o.error),
-        number(|o| o.floor),
-        number(|o| o.seconds),
-        number(|o| o.slowest),
-        count(|o| o.repeats.into()),
-        number(|o| o.load_share),
-        number(|o| o.bytes),
-        count(|o| o.history_bytes as u64),
-        count(|o| o.newton_iterations.into()),
-        count(|o| o.factorizations.into()),
-        status.into(),
-        reason,
+        ("scene", scene.into()),
+        ("knob", trial.knob.clone()),
+        ("n", trial.n.to_string()),
+        ("steps", trial.steps.to_string()),
+        ("h", trial.h.to_string()),
+        ("k", trial.k.to_string()),
+        ("dofs", trial.dofs.to_string()),
+        ("norm", norm.into()),
+        ("error", done(|run| run.error.to_string())),
+        ("floor", done(|run| run.floor.to_string())),
+        ("cpu_seconds", done(|run| run.seconds.to_string())),
+        ("cpu_slowest", done(|run| run.slowest.to_string())),
+        ("repeats", done(|run| run.repeats.to_string())),
+        ("load_share", done(|run| run.load_share.to_string())),
+        ("predicted_bytes", done(|run| run.bytes.to_string())),
+        ("history_bytes", done(|run| run.history_bytes.to_string())),
+        ("newton_iterations", done(|run| run.newton_iterations.to_string())),
+        ("factorizations", done(|run| run.factorizations.to_string())),
+        ("status", if reason.is_none() { "converged" } else { "failed" }.into()),
+        ("reason", reason.cloned().unwrap_or_default()),
     ]
 }
 
@@ -283,12 +248,12 @@ mod tests {
         assert_eq!(std::fs::read(&path).expect("a table"), text);
         // Read while the table is still open: what a killed program leaves.
         let mut reader = csv::Reader::from_path(&path).expect("a table");
+        let head = reader.headers().expect("a head").clone();
         let rows: Vec<csv::StringRecord> =
             reader.records().map(|row| row.expect("a row")).collect();
         std::fs::remove_file(&path).expect("no file left");
         let at = |row: usize, name: &str| {
-            rows[row][COLUMNS.iter().position(|column| *column == name).expect("a column")]
-                .to_owned()
+            rows[row][head.iter().position(|column| column == name).expect("a column")].to_owned()
         };
         assert_eq!(
             (rows.len(), at(0, "error"), at(0, "cpu_seconds")),

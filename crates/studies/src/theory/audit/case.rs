@@ -1,7 +1,5 @@
 //! One run audited: the lines at every level, and what they come to over all of them.
 
-use std::sync::Arc;
-
 use super::constants::AuditConstants;
 use super::fields::Fields;
 use super::in_space::InSpaceFields;
@@ -10,11 +8,11 @@ use super::level::{AuditedCase, PastLevels};
 use super::lines::{Line, LineStanding, Relation, Statement, lines};
 use super::pointwise::PlainMaterial;
 use super::smooth::SmoothFields;
+use algebra::linalg::larger;
 use exact::Truth;
-use fem::contact::{CaseError, Discretization, LoadError, StepView};
+use fem::contact::{CaseError, LoadError, StepView};
 use scene::setup::{MeshData, Setup, SetupError};
 use serde::Serialize;
-use vhi::history::TimeGrid;
 
 /// Why a scene cannot be audited.
 #[derive(Debug, thiserror::Error)]
@@ -119,13 +117,10 @@ pub struct CaseAudit {
 
 /// Sees the levels of a run.
 pub struct Auditor<'a> {
-    setup: &'a Setup,
-    space: Arc<Discretization>,
     truth: &'a dyn Truth,
-    grid: TimeGrid,
     constants: &'a AuditConstants,
-    material: PlainMaterial,
-    law: ClarkeLaw,
+    case: AuditedCase<'a>,
+    unconstrained: bool,
     fields: Box<dyn Fields>,
     levels: PastLevels,
     rows: Vec<CaseLine>,
@@ -151,15 +146,18 @@ impl<'a> Auditor<'a> {
         } else {
             Box::new(SmoothFields::new(setup, exact, &data.space))
         };
-        let contact = setup.body.contact.as_ref();
-        Ok(Self {
-            setup,
+        let case = AuditedCase {
             space: data.space.clone(),
-            truth: &*data.truth,
             grid: setup.grid(steps),
-            constants,
             material: PlainMaterial::new(setup).ok_or_else(other)?,
-            law: ClarkeLaw::new(contact.and_then(|contact| contact.law.as_ref())),
+            law: ClarkeLaw::of(setup),
+            boundary: setup.model.boundary.as_ref(),
+        };
+        Ok(Self {
+            truth: &*data.truth,
+            constants,
+            case,
+            unconstrained: is_unconstrained(setup),
             fields,
             levels: PastLevels::default(),
             rows: Vec::new(),
@@ -171,17 +169,9 @@ impl<'a> Auditor<'a> {
     /// # Errors
     /// The truth's.
     pub fn observe(&mut self, view: &StepView<'_>) -> Result<(), LoadError> {
-        let case = AuditedCase {
-            space: &self.space,
-            grid: &self.grid,
-            material: &self.material,
-            law: &self.law,
-            boundary: self.setup.model.boundary.as_ref(),
-        };
         let load = self.truth.load(view.t)?;
-        let level = self.levels.next(&case, &mut *self.fields, view, &load)?;
-        let gap = self.setup.body.contact.as_ref().and_then(|contact| contact.gap);
-        for (i, line) in lines(&level, self.constants, gap.is_none()).iter().enumerate() {
+        let level = self.levels.next(&self.case, &mut *self.fields, view, &load)?;
+        for (i, line) in lines(&level, self.constants, self.unconstrained).iter().enumerate() {
             if i == self.rows.len() {
                 self.rows.push(CaseLine::new(line));
             }
@@ -260,9 +250,9 @@ pub(super) fn is_tighter(tightness: f64, known: f64) -> bool {
     !known.is_nan() && (tightness.is_nan() || tightness > known)
 }
 
-/// The larger of two numbers; a NaN is not lost.
-fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+/// Whether K = X: no gap.
+pub(super) fn is_unconstrained(setup: &Setup) -> bool {
+    setup.body.contact.as_ref().is_none_or(|contact| contact.gap.is_none())
 }
 
 /// Runs a case of `setup` by its scheme and audits every level.
@@ -276,7 +266,6 @@ pub fn audit_case(
     constants: &AuditConstants,
 ) -> Result<CaseAudit, AuditError> {
     let mut auditor = Auditor::new(setup, data, steps, constants)?;
-    let grid = setup.grid(steps);
     let mut observe = |view: &StepView<'_>| auditor.observe(view).map_err(CaseError::from);
     setup.scheme.march(setup, data, steps, &mut observe).map_err(|source| AuditError::Run {
         n: data.space.mesh.n,
@@ -287,7 +276,7 @@ pub fn audit_case(
         n: data.space.mesh.n,
         steps,
         h: data.space.mesh.h(),
-        k: grid.largest_step(),
+        k: setup.grid(steps).largest_step(),
         rows: auditor.rows(),
     })
 }

@@ -52,8 +52,7 @@ impl AuditConstants {
     /// As [`constants`].
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         let known = constants(setup)?;
-        let contact = setup.body.contact.as_ref();
-        let [c0, c1] = ClarkeLaw::new(contact.and_then(|contact| contact.law.as_ref())).growth();
+        let [c0, c1] = ClarkeLaw::of(setup).growth();
         Ok(Self {
             m_a: known.m_a,
             l_a: known.l_a,

@@ -2,6 +2,7 @@
 //! trapezoidal sums made here.
 
 use super::pointwise::{PlainMaterial, Plane, dot};
+use algebra::linalg::axpy;
 use fem::contact::Discretization;
 use vhi::history::TimeGrid;
 
@@ -63,9 +64,7 @@ impl Past {
         if material.remembers() {
             for (j, past) in self.displacements.iter().enumerate() {
                 let factor = weights[j] * material.kernel(grid.time(n) - grid.time(j));
-                for (target, value) in history.iter_mut().zip(past) {
-                    *target += factor * value;
-                }
+                axpy(factor, past, &mut history);
             }
         }
         let theta: Vec<Plane> =

@@ -2,32 +2,13 @@
 
 use serde::Serialize;
 
-use super::case::CaseAudit;
+use super::case::{CaseAudit, CaseLine};
 use super::constants::{AuditConstants, c_j_source};
 use super::lines::{LineStanding, Relation};
 use super::scene::{SceneAudit, SceneLine};
+use crate::table;
 use fem::contact::BoundaryRule;
 use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
-
-/// Columns of `SCENE-audit.csv`: a row per run and line.
-const COLUMNS: [&str; 16] = [
-    "scene",
-    "rule",
-    "n",
-    "steps",
-    "h",
-    "k",
-    "line",
-    "says",
-    "relation",
-    "left",
-    "right",
-    "ratio",
-    "accuracy",
-    "holds",
-    "worst_level",
-    "worst_excess",
-];
 
 /// An audit as JSON.
 #[derive(Serialize)]
@@ -131,37 +112,32 @@ impl SceneAudit {
     /// # Errors
     /// The writer's.
     pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(COLUMNS)?;
-        for case in &self.cases {
-            for row in &case.rows {
-                let worst = row.violation;
-                writer.write_record([
-                    self.scene.clone(),
-                    self.rule_name().to_owned(),
-                    case.n.to_string(),
-                    case.steps.to_string(),
-                    case.h.to_string(),
-                    case.k.to_string(),
-                    row.statement.name.to_owned(),
-                    row.statement.says.to_owned(),
-                    row.relation.sign().to_owned(),
-                    format!("{:e}", row.left),
-                    match row.standing() {
-                        LineStanding::Undefined => String::new(),
-                        _ => format!("{:e}", row.right),
-                    },
-                    row.ratio.map_or(String::new(), |ratio| format!("{ratio:e}")),
-                    format!("{:e}", row.accuracy),
-                    (row.standing() == LineStanding::Holds).to_string(),
-                    worst.map_or(String::new(), |v| v.level.to_string()),
-                    worst.map_or(String::new(), |v| {
-                        format!("{:e}", row.relation.excess(v.left, v.right))
-                    }),
-                ])?;
-            }
-        }
-        writer.into_inner().map_err(|error| error.into_error().into())
+        let exponential = |value: f64| format!("{value:e}");
+        let row = |case: &CaseAudit, row: &CaseLine| {
+            let (standing, worst) = (row.standing(), row.violation);
+            let excess = worst.map(|v| row.relation.excess(v.left, v.right));
+            let right = Some(row.right).filter(|_| standing != LineStanding::Undefined);
+            [
+                ("scene", self.scene.clone()),
+                ("rule", self.rule_name().to_owned()),
+                ("n", case.n.to_string()),
+                ("steps", case.steps.to_string()),
+                ("h", case.h.to_string()),
+                ("k", case.k.to_string()),
+                ("line", row.statement.name.to_owned()),
+                ("says", row.statement.says.to_owned()),
+                ("relation", row.relation.sign().to_owned()),
+                ("left", exponential(row.left)),
+                ("right", right.map_or_else(String::new, exponential)),
+                ("ratio", row.ratio.map_or_else(String::new, exponential)),
+                ("accuracy", exponential(row.accuracy)),
+                ("holds", (standing == LineStanding::Holds).to_string()),
+                ("worst_level", worst.map_or_else(String::new, |v| v.level.to_string())),
+                ("worst_excess", excess.map_or_else(String::new, exponential)),
+            ]
+        };
+        let rows = self.cases.iter().flat_map(|case| case.rows.iter().map(move |r| (case, r)));
+        table::csv(rows.map(|(case, line)| row(case, line)), true)
     }
 }
 

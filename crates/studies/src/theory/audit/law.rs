@@ -1,53 +1,45 @@
 //! j_ν⁰ of ∂j_ν, evaluated apart from the solver's law.
 
-use exact::CurveNumbers;
-use scene::setup::law_numbers;
+use exact::{CurveNumbers, LawNumbers};
+use scene::setup::{Setup, law_numbers};
 
-/// ∂j_ν by its points, outer slopes and curve, without the factor c(x).
+/// ∂j_ν without the factor c(x).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ClarkeLaw {
-    points: Vec<[f64; 2]>,
-    before: f64,
-    after: f64,
-    curve: Option<CurveNumbers>,
+    law: LawNumbers,
     /// The largest c on Γ3.
     largest_factor: f64,
 }
 
 impl ClarkeLaw {
     /// The law of a scene; j_ν ≡ 0 without one.
-    pub(crate) fn new(law: Option<&scene::Law>) -> Self {
-        match law {
-            Some(law) => Self {
-                points: law.points.clone(),
-                before: law.slope_before,
-                after: law.slope_after,
-                curve: law_numbers(law).curve,
-                largest_factor: law.scale.map_or(1.0, |scale| scale.largest),
-            },
-            None => Self {
-                points: vec![[0.0, 0.0]],
-                before: 0.0,
-                after: 0.0,
-                curve: None,
-                largest_factor: 1.0,
-            },
-        }
+    pub(crate) fn of(setup: &Setup) -> Self {
+        let contact = setup.body.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let none = || LawNumbers {
+            points: vec![[0.0; 2]],
+            slope_before: 0.0,
+            slope_after: 0.0,
+            curve: None,
+        };
+        let largest_factor = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
+        Self { law: law.map_or_else(none, law_numbers), largest_factor }
     }
 
     /// ∂j_ν(r) as an interval.
     pub(crate) fn interval(&self, r: f64) -> [f64; 2] {
         let on = |p: [f64; 2], slope: f64| p[1] + slope * (r - p[0]);
-        let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
+        let points = &self.law.points;
+        let (first, last) = (points[0], points[points.len() - 1]);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut include = |value: f64| (low, high) = (low.min(value), high.max(value));
         if r <= first[0] {
-            include(on(first, self.before));
+            include(on(first, self.law.slope_before));
         }
         if r >= last[0] {
-            include(on(last, self.after));
+            include(on(last, self.law.slope_after));
         }
-        for pair in self.points.windows(2).filter(|pair| pair[0][0] <= r && r <= pair[1][0]) {
+        for pair in points.windows(2).filter(|pair| pair[0][0] <= r && r <= pair[1][0]) {
             if pair[0][0] == pair[1][0] {
                 include(pair[0][1]);
                 include(pair[1][1]);
@@ -55,7 +47,7 @@ impl ClarkeLaw {
                 include(on(pair[0], (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])));
             }
         }
-        let curve = self.curve.map_or(0.0, |curve| curve.value(r));
+        let curve = self.law.curve.map_or(0.0, |curve| curve.value(r));
         [low + curve, high + curve]
     }
 
@@ -65,26 +57,20 @@ impl ClarkeLaw {
         if r.is_nan() { f64::NAN } else { (low * d).max(high * d) }
     }
 
-    /// Where value or slope of the graph change.
-    pub(crate) fn kinks(&self) -> Vec<f64> {
-        let mut kinks: Vec<f64> = self.points.iter().map(|point| point[0]).collect();
-        kinks.dedup();
-        kinks
-    }
-
     /// c̄0, c̄1 with |ξ| ≤ c̄0 + c̄1|r| for all ξ ∈ ∂j_ν(r): c̄1 is the steeper of the outer slopes, and
     /// |ξ| - c̄1|r|, which does not grow outward, is largest at a point of the law or at 0. A curve adds its
     /// largest value, c r0/2 or c r0/e at r0, and the slope of the power's tangent; a factor multiplies both.
     pub(crate) fn growth(&self) -> [f64; 2] {
-        let graph = Self { curve: None, ..self.clone() };
-        let slope = self.before.abs().max(self.after.abs());
+        let mut graph = self.clone();
+        graph.law.curve = None;
+        let slope = self.law.slope_before.abs().max(self.law.slope_after.abs());
         let excess = |r: f64| {
             let [low, high] = graph.interval(r);
             low.abs().max(high.abs()) - slope * r.abs()
         };
-        let places = self.kinks().into_iter().chain([0.0]);
+        let places = self.law.points.iter().map(|point| point[0]).chain([0.0]);
         let largest = places.map(excess).fold(0.0, f64::max);
-        let curve = match self.curve {
+        let curve = match self.law.curve {
             None => [0.0, 0.0],
             Some(
                 curve @ (CurveNumbers::Rational { r0, .. } | CurveNumbers::Exponential { r0, .. }),
@@ -101,7 +87,8 @@ mod tests {
 
     fn jump() -> ClarkeLaw {
         let points = vec![[0.0, 0.0], [0.1, 0.2], [0.1, 0.5], [0.3, 0.4]];
-        ClarkeLaw { points, before: 0.0, after: -0.3, curve: None, largest_factor: 1.0 }
+        let law = LawNumbers { points, slope_before: 0.0, slope_after: -0.3, curve: None };
+        ClarkeLaw { law, largest_factor: 1.0 }
     }
 
     #[test]

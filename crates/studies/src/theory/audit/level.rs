@@ -1,5 +1,7 @@
 //! Every quantity of the proofs at one level t_n.
 
+use std::sync::Arc;
+
 use super::contact::{ContactIntegrals, Traces, over_contact, scheme_terms};
 use super::discrete::{Past, primed_weights, strains};
 use super::fields::{Fields, Forces, Remembered};
@@ -12,7 +14,7 @@ use vhi::history::TimeGrid;
 
 /// The numbers of one level, in the notation of section 4 of the paper; w1 = v^h - u, w2 = u^{kh} - u.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct LevelIntegrals {
+pub(crate) struct LevelIntegrals {
     /// k, the largest step.
     pub k: f64,
     /// Integrals over Ω.
@@ -53,13 +55,13 @@ pub(crate) struct PastLevels {
 /// What a level is computed from.
 pub(crate) struct AuditedCase<'a> {
     /// V^h.
-    pub space: &'a Discretization,
+    pub space: Arc<Discretization>,
     /// t_0, …, t_N.
-    pub grid: &'a TimeGrid,
+    pub grid: TimeGrid,
     /// A, φ, S.
-    pub material: &'a PlainMaterial,
+    pub material: PlainMaterial,
     /// ∂j_ν.
-    pub law: &'a ClarkeLaw,
+    pub law: ClarkeLaw,
     /// g, s and the rule of the scheme; none without contact.
     pub boundary: Option<&'a Boundary>,
 }
@@ -76,9 +78,9 @@ impl PastLevels {
         view: &StepView<'_>,
         load: &[f64],
     ) -> Result<LevelIntegrals, LoadError> {
-        let (space, material) = (case.space, case.material);
+        let (space, material) = (&*case.space, &case.material);
         let t = view.t;
-        let discrete = self.past.level(space, material, case.grid, view.u);
+        let discrete = self.past.level(space, material, &case.grid, view.u);
         let zeta = fields.zeta(t)?;
         let kappa = material.kappa(zeta.unwrap_or(f64::NAN));
         let v = fields.interpolant(t)?;
@@ -99,8 +101,8 @@ impl PastLevels {
         let (mut contact, mut scheme_contact) = (ContactIntegrals::default(), [Sum::default(); 3]);
         if let Some(boundary) = case.boundary {
             let lambda = fields.nodal_multiplier(t)?;
-            contact = over_contact(space, case.law, &edges, &traces, boundary, lambda.as_deref());
-            scheme_contact = scheme_terms(space, case.law, boundary, view, &traces, contact.j_h_v);
+            contact = over_contact(space, &case.law, &edges, &traces, boundary, lambda.as_deref());
+            scheme_contact = scheme_terms(space, &case.law, boundary, view, &traces, contact.j_h_v);
         }
         let by_vector = |w: &mut dyn Iterator<Item = f64>| product(load, w);
         let load_of = match fields.forces() {
@@ -144,7 +146,7 @@ impl PastLevels {
         zeta: Option<f64>,
         now: Remembered,
     ) -> f64 {
-        let weights = primed_weights(case.grid, n);
+        let weights = primed_weights(&case.grid, n);
         let sum: f64 = weights.iter().zip(&self.norms).map(|(w, norm)| w * norm).sum();
         let accumulated = zeta.map_or(0.0, |zeta| (zeta - sum).abs());
         if !case.material.remembers() {

@@ -1,50 +1,41 @@
-//! A point of a cell: the functions of displacements there, and tensors by their values at the strain points.
+//! A point of a cell: the shape functions there, and tensors between the strain points.
 
 use super::pointwise::Plane;
 use fem::contact::Discretization;
 use fem::space::StrainShapes;
 
-/// The most strain points of a triangle.
-const MOST: usize = 3;
-
-/// A point of a cell.
+/// A point of the cells of a plane mesh, put from cell to cell.
 pub(crate) struct CellPoint<'a> {
     space: &'a Discretization,
     strains: StrainShapes,
-    /// Strain points a cell.
-    count: usize,
     cell: usize,
-    /// Values of the functions of tensors.
-    weights: [f64; MOST],
-    /// Values of the shape functions of the cell.
+    barycentric: [f64; 3],
+    /// Values of the cell's functions there.
     pub shape: Vec<f64>,
 }
 
 impl<'a> CellPoint<'a> {
-    /// No point yet.
     pub(crate) fn new(space: &'a Discretization) -> Self {
-        let count = space.geometry.shares.len();
         let strains = StrainShapes::new(space.element, 2);
-        Self { space, strains, count, cell: 0, weights: [1.0; MOST], shape: vec![0.0; 3] }
+        Self { space, strains, cell: 0, barycentric: [0.0; 3], shape: Vec::new() }
     }
 
     /// Moves to x in cell c.
     pub(crate) fn at(&mut self, c: usize, x: &[f64; 3]) {
         self.cell = c;
-        let b = self.barycentric(c, x);
-        self.shape = self.space.element.values(&b);
-        self.strains.at(&b, &mut self.weights[..self.count]);
+        self.barycentric = self.barycentric(c, x);
+        self.shape = self.space.element.values(&self.barycentric);
     }
 
+    /// Whether tensors are constant on a cell.
     pub(crate) fn is_constant(&self) -> bool {
-        self.count == 1
+        self.space.geometry.shares.len() == 1
     }
 
-    /// A tensor by its values at all strain points.
+    /// A tensor there, by its values at the strain points.
     pub(crate) fn tensor(&self, field: &[Plane]) -> Plane {
-        let of_cell = &field[self.count * self.cell..self.count * (self.cell + 1)];
-        let sum = |i: usize| of_cell.iter().zip(&self.weights).map(|(at, w)| w * at[i]).sum();
-        [sum(0), sum(1), sum(2)]
+        let count = self.space.geometry.shares.len();
+        self.strains.tensor(&self.barycentric, &field[count * self.cell..count * (self.cell + 1)])
     }
 
     fn barycentric(&self, c: usize, x: &[f64; 3]) -> [f64; 3] {

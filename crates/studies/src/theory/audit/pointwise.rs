@@ -16,6 +16,12 @@ pub(crate) fn minus(a: &Plane, b: &Plane) -> Plane {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// λ tr(ε) I + 2μ ε.
+fn isotropic(lambda: f64, twice_mu: f64, strain: &Plane) -> Plane {
+    let volumetric = lambda * (strain[0] + strain[1]);
+    [twice_mu * strain[0] + volumetric, twice_mu * strain[1] + volumetric, twice_mu * strain[2]]
+}
+
 /// The tensors and functions of a scene's material.
 pub(crate) struct PlainMaterial {
     elastic: [f64; 2],
@@ -49,20 +55,14 @@ impl PlainMaterial {
 
     /// A of (5.8): 𝒜ε + με.
     pub(crate) fn operator(&self, strain: &Plane) -> Plane {
-        let volumetric = self.elastic[0] * (strain[0] + strain[1]);
-        let twice = 2.0 * self.elastic[1] + self.mu;
-        [twice * strain[0] + volumetric, twice * strain[1] + volumetric, twice * strain[2]]
+        let [lambda, mu] = self.elastic;
+        isotropic(lambda, 2.0 * mu + self.mu, strain)
     }
 
     /// θ = ℬ₀ H of a remembered strain H = ∫ b(t-s) ε(u(s)) ds.
     pub(crate) fn remembered(&self, history: &Plane) -> Plane {
         let Some([lambda, mu]) = self.memory else { return [0.0; 3] };
-        let volumetric = lambda * (history[0] + history[1]);
-        [
-            2.0 * mu * history[0] + volumetric,
-            2.0 * mu * history[1] + volumetric,
-            2.0 * mu * history[2],
-        ]
+        isotropic(lambda, 2.0 * mu, history)
     }
 
     /// The tensor ψ with φ(y, u, v) = (ψ, ε(v)) in (5.10): -μ P_κ ε + θ.
@@ -75,11 +75,7 @@ impl PlainMaterial {
         let size = (2.0 * half * half + strain[2] * strain[2]).sqrt();
         let factor = if size > kappa { kappa / size } else { 1.0 };
         let projected = [mean + factor * half, mean - factor * half, factor * strain[2]];
-        [
-            theta[0] - self.mu * projected[0],
-            theta[1] - self.mu * projected[1],
-            theta[2] - self.mu * projected[2],
-        ]
+        std::array::from_fn(|i| theta[i] - self.mu * projected[i])
     }
 
     /// κ(ζ), infinite without projection.

@@ -3,9 +3,12 @@
 
 use rayon::prelude::*;
 
-use super::case::{AuditError, CaseAudit, CaseLine, SidesAtLevel, audit_case, is_tighter};
+use super::case::{
+    AuditError, CaseAudit, CaseLine, SidesAtLevel, audit_case, is_tighter, is_unconstrained,
+};
 use super::constants::AuditConstants;
 use super::lines::{LineStanding, Relation, Statement};
+use algebra::linalg::larger;
 use fem::contact::BoundaryRule;
 use fem::space::Element;
 use judge::fit::{Sample, power_law};
@@ -110,12 +113,10 @@ impl SceneAudit {
     }
 
     fn summary(&self, row: &CaseLine, finest: &CaseAudit) -> SceneLine {
-        let row_of = |case: &CaseAudit| -> Option<CaseLine> {
-            case.rows.iter().find(|other| other.statement == row.statement).cloned()
-        };
-        let ratios = self.cases.iter().filter_map(|case| row_of(case)?.ratio);
-        let ratio =
-            ratios.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) });
+        let same = |other: &&CaseLine| other.statement == row.statement;
+        let of_case = self.cases.iter().map(|case| (case, case.rows.iter().find(same)));
+        let all: Vec<(&CaseAudit, &CaseLine)> =
+            of_case.filter_map(|(case, row)| Some((case, row?))).collect();
         // What stands on the right of an identity has no volume integral in it.
         let floors: [fn(&CaseLine) -> f64; 2] = match row.relation {
             Relation::Equal => [|row| row.accuracy, |row| row.rounding],
@@ -123,25 +124,20 @@ impl SceneAudit {
         };
         let power = |along_h: bool, i: usize| {
             let sides: [fn(&CaseLine) -> f64; 2] = [|row| row.left, |row| row.right];
-            let line = self.cases.iter().filter(|case| {
+            let line = all.iter().filter(|(case, _)| {
                 if along_h { case.steps == finest.steps } else { case.n == finest.n }
             });
             let samples: Vec<Sample> = line
-                .filter_map(|case| {
-                    let row = row_of(case)?;
-                    let (step, value) = (if along_h { case.h } else { case.k }, sides[i](&row));
+                .filter_map(|(case, row)| {
+                    let (step, error) = (if along_h { case.h } else { case.k }, sides[i](row));
                     // An undefined bound has no power.
-                    (value.is_finite() && value > SEEN * floors[i](&row))
-                        .then_some(Sample { step, error: value })
+                    (error.is_finite() && error > SEEN * floors[i](row))
+                        .then_some(Sample { step, error })
                 })
                 .collect();
             power_law(&samples).ok().map(|law| law.order)
         };
-        let violated = |case: &CaseAudit| row_of(case).is_some_and(|row| row.violation.is_some());
-        let undefined = |case: &CaseAudit| {
-            case.rows.iter().any(|other| other.statement == row.statement && other.undefined)
-        };
-        let known = self.cases.iter().filter_map(|case| row_of(case)?.tightest);
+        let known = all.iter().filter_map(|(_, row)| row.tightest);
         let tightest = known.reduce(|a, b| if is_tighter(b.0, a.0) { b } else { a });
         SceneLine {
             tightest,
@@ -152,12 +148,12 @@ impl SceneAudit {
             relation: row.relation,
             left: row.left,
             right: row.right,
-            ratio,
+            ratio: all.iter().filter_map(|(_, row)| row.ratio).reduce(larger),
             power_h: [power(true, 0), power(true, 1)],
             power_k: [power(false, 0), power(false, 1)],
             standing: match () {
-                () if self.cases.iter().any(violated) => LineStanding::Violated,
-                () if self.cases.iter().any(undefined) => LineStanding::Undefined,
+                () if all.iter().any(|(_, row)| row.violation.is_some()) => LineStanding::Violated,
+                () if all.iter().any(|(_, row)| row.undefined) => LineStanding::Undefined,
                 () => LineStanding::Holds,
             },
         }
@@ -192,8 +188,3 @@ fn covered(setup: &Setup) -> Result<(), SetupError> {
 
 /// A side counts in a fitted power if it is above so many times its accuracy.
 const SEEN: f64 = 10.0;
-
-/// Whether K = X: no gap anywhere.
-fn is_unconstrained(setup: &Setup) -> bool {
-    setup.body.contact.as_ref().is_none_or(|contact| contact.gap.is_none())
-}

@@ -6,9 +6,9 @@
 //! ℬ(0) ≥ 0, Λ stops converging and the step stays solvable.
 
 use super::crossing::{Crossing, crossing};
-use super::factor::{eigenvalues, operator_norm};
+use super::factor::{self, eigenvalues, operator_norm};
 use super::ladder::BoundError;
-use vhi::{FrozenDerivative, Newton, Scratch, StepError, StepState};
+use vhi::{FrozenDerivative, StepError, StepState};
 
 /// Where the followed solution ends.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ impl std::fmt::Display for Reason {
 }
 
 /// What following the solution found.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Branch {
     /// The k at which ‖DΛ‖ reaches one; none if Λ does not depend on η.
     pub norm: Option<Crossing>,
@@ -169,9 +169,8 @@ fn solve<L: FrozenDerivative>(
     start: &StepState,
 ) -> Result<StepState, StepError> {
     level.set_step(k);
-    level.freeze(None);
     let mut state = start.clone();
-    match Newton::default().solve(level, &mut state, &mut Scratch::default()) {
+    match factor::solve(level, None, &mut state) {
         Ok(_) => Ok(state),
         Err(StepError::NotConverged { residual, tolerance, .. })
             if residual <= STALLED * tolerance =>

@@ -40,14 +40,12 @@ impl TraceConstants {
         let follow: Vec<u32> =
             levels.iter().copied().filter(|&n| setup.check_regions(n).is_ok()).collect();
         Ok(Some(Self {
-            strain: both_masses(setup, &strain, &levels)?,
-            energy: both_masses(setup, elastic, &follow)?,
-            tangential: setup
-                .model
-                .friction
-                .as_ref()
-                .map(|_| tangential(setup, &levels))
-                .transpose()?,
+            strain: both_masses(|mass| trace_family(setup, &strain, mass, &levels))?,
+            energy: both_masses(|mass| trace_family(setup, elastic, mass, &follow))?,
+            tangential: match setup.model.friction {
+                Some(_) => Some(both_masses(|mass| tangential_trace_family(setup, mass, &levels))?),
+                None => None,
+            },
         }))
     }
 
@@ -72,18 +70,8 @@ impl TraceConstants {
     }
 }
 
-fn both_masses(
-    setup: &Setup,
-    tensor: &TensorField,
-    levels: &[u32],
-) -> Result<[TraceFamily; 2], BoundError> {
-    let family = |mass| trace_family(setup, tensor, mass, levels);
-    Ok([family(TraceMass::Consistent)?, family(TraceMass::Lumped)?])
-}
-
-fn tangential(setup: &Setup, levels: &[u32]) -> Result<[TraceFamily; 2], BoundError> {
-    let family = |mass| tangential_trace_family(setup, mass, levels);
-    Ok([family(TraceMass::Consistent)?, family(TraceMass::Lumped)?])
+fn both_masses<T, E>(of: impl Fn(TraceMass) -> Result<T, E>) -> Result<[T; 2], E> {
+    Ok([of(TraceMass::Consistent)?, of(TraceMass::Lumped)?])
 }
 
 /// The constants that judge the discrete problem on the mesh of `space`: c_j² is the largest of the
@@ -97,18 +85,16 @@ pub(crate) fn on_mesh(
     space: &Discretization,
 ) -> Result<Constants, BoundError> {
     let Some(traces) = traces else { return Ok(with_trace_constant(setup, 0.0)) };
-    let (limit, uncertainty) = TraceConstants::limit(&traces.strain);
     let strain = TensorField::identity();
-    let consistent = trace_constant(space, &strain, TraceMass::Consistent)?.value;
-    let lumped = trace_constant(space, &strain, TraceMass::Lumped)?.value;
-    let above = |(limit, uncertainty): (f64, f64)| {
-        limit + if uncertainty.is_nan() { 0.0 } else { uncertainty }
+    let largest = |pair: &[TraceFamily; 2], [consistent, lumped]: [f64; 2]| {
+        let (limit, uncertainty) = TraceConstants::limit(pair);
+        let above = limit + if uncertainty.is_nan() { 0.0 } else { uncertainty };
+        above.max(consistent).max(lumped)
     };
-    let normal = above((limit, uncertainty)).max(consistent).max(lumped);
-    let found = with_trace_constant(setup, normal);
-    let Some(tangential) = &traces.tangential else { return Ok(found) };
-    let consistent = tangential_trace_constant(space, TraceMass::Consistent)?.value;
-    let lumped = tangential_trace_constant(space, TraceMass::Lumped)?.value;
-    let tangential = above(TraceConstants::limit(tangential)).max(consistent).max(lumped);
-    Ok(found.with_friction(tangential))
+    let normal = both_masses(|mass| trace_constant(space, &strain, mass).map(|found| found.value))?;
+    let found = with_trace_constant(setup, largest(&traces.strain, normal));
+    let Some(family) = &traces.tangential else { return Ok(found) };
+    let tangential =
+        both_masses(|mass| tangential_trace_constant(space, mass).map(|found| found.value))?;
+    Ok(found.with_friction(largest(family, tangential)))
 }

@@ -3,7 +3,7 @@
 use super::constants::TraceConstants;
 use super::ladder::BoundError;
 use super::linear::linear_loss;
-use super::run::{self, AtWorst, ContractionStudy, FactorAtLevel};
+use super::run::{self, ContractionStudy, FactorAtLevel};
 use ::run::sweep::{Runs, run_cost};
 use fem::contact::{Discretization, Evolution, OpenLevel};
 use scene::setup::{MeshData, Setup, TruthLoad};
@@ -20,20 +20,16 @@ pub fn study(
     steps: u32,
 ) -> Result<ContractionStudy, BoundError> {
     let levels = levels_of_run(setup, bounds, n, steps)?;
-    let worst = run::worst(&levels, steps)?;
-    let mut meshes = Vec::new();
+    let mut study = ContractionStudy::of_levels(levels, steps)?;
+    let worst = study.worst.level;
     for other in meshes_beside(setup, n) {
         let all = levels_of_run(setup, bounds, other, steps)?;
-        meshes.extend(all.get(worst.level - 1));
+        study.meshes.extend(all.get(worst - 1));
     }
     let data = MeshData::new(setup, n, None)?;
-    let linear = linear_loss(&data.space, &setup.model)?;
-    let exact = linear.map_or(f64::INFINITY, |loss| loss.mesh);
-    let AtWorst { starts, rungs, thresholds, not_followed } =
-        at_level(setup, &data, steps, worst.level, |level, state| {
-            run::at_worst(level, state, bounds, exact)
-        })?;
-    Ok(ContractionStudy { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear })
+    study.linear = linear_loss(&data.space, &setup.model)?;
+    at_level(setup, &data, steps, worst, |level, state| study.climb(level, state, bounds))?;
+    Ok(study)
 }
 
 /// The mesh n and its neighbours, as far as the domain has them.

@@ -1,9 +1,9 @@
 //! The contraction factor of Λ at a state: by its derivative, and by finite perturbations.
 
 use algebra::linalg::{
-    EigenError, FactorError, LinearMap, Spectrum, largest_eigenvalue, signed_unit, spectrum,
+    EigenError, FactorError, LinearMap, Spectrum, larger, largest_eigenvalue, signed_unit, spectrum,
 };
-use vhi::{FrozenDerivative, Newton, Scratch, StepError, StepState};
+use vhi::{FrozenDerivative, Newton, Scratch, StepError, StepInfo, StepState};
 
 /// What DΛ does at one state.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +38,19 @@ impl<L: FrozenDerivative> LinearMap for Map<'_, L> {
     fn gram(&mut self, x: &[f64], out: &mut [f64]) {
         self.level.gram(x, out);
     }
+}
+
+/// Solves the open level by Newton's method from `state`, with its last slot frozen at η where one is given.
+///
+/// # Errors
+/// Newton's.
+pub(super) fn solve<L: FrozenDerivative>(
+    level: &mut L,
+    eta: Option<&[f64]>,
+    state: &mut StepState,
+) -> Result<StepInfo, StepError> {
+    level.freeze(eta);
+    Newton::default().solve(level, state, &mut Scratch::default())
 }
 
 /// A direction with a part of everything.
@@ -105,9 +118,8 @@ pub fn finite_factor<L: FrozenDerivative>(
     let size = PERTURBATION * level.norm(eta).max(f64::MIN_POSITIVE) / level.norm(direction);
     let moved: Vec<f64> = eta.iter().zip(direction).map(|(e, d)| e + size * d).collect();
     let solved = |level: &mut L, eta: &[f64]| {
-        level.freeze(Some(eta));
         let mut out = state.clone();
-        Newton::default().solve(level, &mut out, &mut Scratch::default())?;
+        solve(level, Some(eta), &mut out)?;
         Ok::<_, StepError>(out.u)
     };
     let (here, there) = (solved(level, eta)?, solved(level, &moved)?);
@@ -128,7 +140,7 @@ pub(crate) fn random_finite_factor<L: FrozenDerivative>(
     let mut worst = 0f64;
     for seed in 0..count {
         let factor = finite_factor(level, eta, state, &start(eta.len(), 100 + seed))?;
-        worst = if factor.is_nan() { f64::NAN } else { worst.max(factor) };
+        worst = larger(worst, factor);
     }
     Ok(worst)
 }

@@ -5,9 +5,9 @@ use nalgebra::DVector;
 use super::BoundStudy;
 use super::constant_table::{Constant, Obtained};
 use super::ladder::BoundError;
-use super::run::{self, AtWorst, ContractionStudy};
+use super::run::{self, ContractionStudy};
 use super::sampled::Sampled;
-use algebra::linalg::signed_unit;
+use algebra::linalg::{larger, signed_unit};
 use scene::setup::{AbstractConstants, AbstractLoad, AbstractSetup};
 use vhi::finite::{FiniteEvolution, FiniteModel};
 
@@ -32,22 +32,10 @@ impl BoundStudy {
             let mut level = FiniteEvolution::new(&setup.model, &grid, &mut load)?;
             run::all_levels(&mut level, &limits, None)?
         };
-        let worst = run::worst(&levels, steps)?;
+        let mut study = ContractionStudy::of_levels(levels, steps)?;
         let mut level = FiniteEvolution::new(&setup.model, &grid, &mut load)?;
-        let state = run::run_to(&mut level, worst.level)?;
-        let AtWorst { starts, rungs, thresholds, not_followed } =
-            run::at_worst(&mut level, state, &limits, f64::INFINITY)?;
-        let (meshes, linear) = (Vec::new(), None);
-        let study = ContractionStudy {
-            levels,
-            worst,
-            meshes,
-            starts,
-            rungs,
-            thresholds,
-            not_followed,
-            linear,
-        };
+        let state = run::run_to(&mut level, study.worst.level)?;
+        study.climb(&mut level, state, &limits)?;
         let samples = samples(&setup.model, &setup.constants);
         let constants = table(&setup.constants, &setup.model);
         Ok(Self::of(&setup.scene, (None, steps), constants, samples, limits, study, Vec::new()))
@@ -95,18 +83,16 @@ fn samples(model: &FiniteModel, c: &AbstractConstants) -> Vec<Sampled> {
     };
     let (mut monotone, mut lipschitz, mut by_state, mut by_history) = (f64::MIN, 0f64, 0f64, 0f64);
     // A NaN must not vanish in a maximum.
-    let raise = |worst: &mut f64, value: f64| {
-        *worst = if value.is_nan() { f64::NAN } else { worst.max(value) };
-    };
     for _ in 0..SAMPLES {
         let (u, v, y, z) = (draw(), draw(), draw(), draw());
         let (off, force) = (&u - &v, model.operator(&u) - model.operator(&v));
         let size = model.norm(&off);
-        raise(&mut monotone, -force.dot(&off) / (size * size));
-        raise(&mut lipschitz, dual(&force) / size);
-        raise(&mut by_state, dual(&(model.force_of(&y, &u) - model.force_of(&y, &v))) / size);
+        monotone = larger(monotone, -force.dot(&off) / (size * size));
+        lipschitz = larger(lipschitz, dual(&force) / size);
+        let moved = model.force_of(&y, &u) - model.force_of(&y, &v);
+        by_state = larger(by_state, dual(&moved) / size);
         let moved = model.force_of(&y, &u) - model.force_of(&z, &u);
-        raise(&mut by_history, dual(&moved) / dual(&(&y - &z)));
+        by_history = larger(by_history, dual(&moved) / dual(&(&y - &z)));
     }
     vec![
         Sampled::new("(2.5b): -m_A", -c.m_a, monotone, SAMPLES),

@@ -17,6 +17,13 @@ pub struct BoundViolation {
     pub right: f64,
 }
 
+impl BoundViolation {
+    /// One that belongs to no k.
+    pub(super) fn new(what: impl Into<String>, left: f64, right: f64) -> Self {
+        Self { k: None, what: what.into(), left, right }
+    }
+}
+
 /// Rounding of a norm: eigenvalues settle to 1e-13, and the norm is their root.
 const NORM: f64 = 1e-9;
 /// Rounding of finite perturbations: 1e-13 over 1e-6, with room for the condition.
@@ -45,7 +52,7 @@ pub fn violations(
 /// Notes left ≤ right unless it holds; a NaN does not.
 fn demand(found: &mut Vec<BoundViolation>, k: Option<f64>, what: &str, left: f64, right: f64) {
     if left.is_nan() || right.is_nan() || left > right {
-        found.push(BoundViolation { k, what: what.into(), left, right });
+        found.push(BoundViolation { k, ..BoundViolation::new(what, left, right) });
     }
 }
 

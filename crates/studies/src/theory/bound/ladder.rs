@@ -1,12 +1,10 @@
 //! Λ and Newton's method at one level over a ladder of step sizes.
 
-use super::factor::{contraction, finite_factor, random_finite_factor};
+use super::factor::{contraction, finite_factor, random_finite_factor, solve};
 use super::starts::{Starts, random_starts};
 use algebra::linalg::EigenError;
 use serde::{Serialize, Serializer};
-use vhi::{
-    FixedPoint, FrozenDerivative, Newton, Scratch, StepBounds, StepError, StepSolver, StepState,
-};
+use vhi::{FixedPoint, FrozenDerivative, Scratch, StepBounds, StepError, StepSolver, StepState};
 
 /// The outcome of a solver at one step size: as JSON the number of iterations, or the reason.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -94,9 +92,8 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     /// The solution at step size k, from the last one found.
     fn follow(&mut self, k: f64) -> StepOutcome {
         self.level.set_step(k);
-        self.level.freeze(None);
         let mut state = self.followed.clone();
-        match Newton::default().solve(self.level, &mut state, &mut Scratch::default()) {
+        match solve(self.level, None, &mut state) {
             Ok(info) => {
                 self.followed = state;
                 StepOutcome::Solved(info.iterations)
@@ -107,10 +104,8 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
 
     /// η: the solution at k where there is one; and Λη.
     fn state(&mut self) -> Result<StepState, StepError> {
-        let eta = self.followed.u.clone();
-        self.level.freeze(Some(&eta));
         let mut state = self.followed.clone();
-        Newton::default().solve(self.level, &mut state, &mut Scratch::default())?;
+        solve(self.level, Some(&self.followed.u), &mut state)?;
         Ok(state)
     }
 

@@ -6,8 +6,8 @@
 //! `sampled` are about Problem 14, `finite` about Problem 9 in ℝ^m.
 
 pub mod branch;
-pub mod constant_table;
-pub mod constants;
+mod constant_table;
+mod constants;
 pub mod contact;
 mod crossing;
 mod document;
@@ -15,11 +15,11 @@ pub mod factor;
 mod finite;
 pub mod gate;
 pub mod ladder;
-pub mod linear;
+mod linear;
 mod picture;
 pub mod run;
 pub mod sampled;
-pub mod starts;
+mod starts;
 pub mod threshold;
 
 use constant_table::Constant;
@@ -151,43 +151,30 @@ fn trace_violations(
     // Rounding of an eigenvalue that settles to 1e-13.
     let most = bound * (1.0 + 1e-10);
     let values = traces.strain.iter().flat_map(|family| &family.values);
-    values
-        .filter(|(_, value)| value.is_nan() || *value > most)
-        .map(|(n, value)| BoundViolation {
-            k: None,
-            what: format!("c_j^2 on the mesh n = {n} <= its proved bound"),
-            left: *value,
-            right: bound,
-        })
-        .collect()
+    let above = values.filter(|(_, value)| value.is_nan() || *value > most);
+    let what = |n: &u32| format!("c_j^2 on the mesh n = {n} <= its proved bound");
+    above.map(|(n, value)| BoundViolation::new(what(n), *value, bound)).collect()
 }
 
 fn sample_violations(samples: &[Sampled]) -> impl Iterator<Item = BoundViolation> {
-    samples.iter().filter(|sample| !sample.holds).map(|sample| BoundViolation {
-        k: None,
-        what: format!("{}: needed <= declared", sample.what),
-        left: sample.needed,
-        right: sample.declared,
-    })
+    let violation = |sample: &Sampled| {
+        let what = format!("{}: needed <= declared", sample.what);
+        BoundViolation::new(what, sample.needed, sample.declared)
+    };
+    samples.iter().filter(|sample| !sample.holds).map(violation)
 }
 
 /// 0 < m0: everything that the bound says rests on it.
 fn smallness_violation(limits: &StepBounds) -> Option<BoundViolation> {
     let m0 = limits.m0;
-    (m0.is_nan() || m0 <= 0.0).then(|| BoundViolation {
-        k: None,
-        what: "0 < m0, (2.9)".into(),
-        left: 0.0,
-        right: m0,
-    })
+    (m0.is_nan() || m0 <= 0.0).then(|| BoundViolation::new("0 < m0, (2.9)", 0.0, m0))
 }
 
 fn start_violations(limits: &StepBounds, study: &ContractionStudy) -> Option<BoundViolation> {
     let k = study.worst.k;
-    (k < limits.solvable_limit() && study.starts.distinct > 0).then(|| BoundViolation {
-        k: Some(k),
-        what: "other solutions from random starts <= 0".into(),
-        left: f64::from(study.starts.distinct),
-        right: 0.0,
+    (k < limits.solvable_limit() && study.starts.distinct > 0).then(|| {
+        let what = "other solutions from random starts <= 0";
+        let distinct = f64::from(study.starts.distinct);
+        BoundViolation { k: Some(k), ..BoundViolation::new(what, distinct, 0.0) }
     })
 }

@@ -5,7 +5,7 @@ use super::ladder::{BoundError, StepLadder, StepRung};
 use super::linear::LinearLoss;
 use super::{factor, starts};
 use vhi::history::TimeGrid;
-use vhi::{FailedStep, FrozenDerivative, Newton, Scratch, StepBounds, StepState};
+use vhi::{FailedStep, FrozenDerivative, StepBounds, StepState};
 
 /// The factor of Λ at a level of the run, with the step size of the run.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -58,54 +58,53 @@ const SURE: f64 = 0.9;
 /// Random starts at the step size of the run.
 const MANY_STARTS: u64 = 24;
 
-/// What the level of the ladder shows.
-pub(crate) struct AtWorst {
-    /// Uniqueness at the step size of the run.
-    pub starts: starts::Starts,
-    /// The ladder.
-    pub rungs: Vec<StepRung>,
-    /// Where factors reach one and solvability ends.
-    pub thresholds: Branch,
-    /// Why there are neither rungs nor thresholds, where there are none.
-    pub not_followed: Option<String>,
-}
-
-/// The level with the largest factor.
-///
-/// # Errors
-/// [`BoundError::NoLevel`] if there is none.
-pub(crate) fn worst(levels: &[FactorAtLevel], steps: u32) -> Result<FactorAtLevel, BoundError> {
-    let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
-        if next.norm > best.norm { *next } else { best }
-    };
-    let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
-    Ok(levels.iter().fold(first, worse))
-}
-
-/// Starts, thresholds and ladder at the open `level` whose solution is `state`.
-///
-/// # Errors
-/// [`BoundError`].
-pub(crate) fn at_worst<L: FrozenDerivative>(
-    level: &mut L,
-    state: StepState,
-    bounds: &StepBounds,
-    exact: f64,
-) -> Result<AtWorst, BoundError> {
-    let starts = starts::random_starts(level, &state, MANY_STARTS);
-    if bounds.m0.is_nan() || bounds.m0 <= 0.0 {
-        let (rungs, thresholds) = (Vec::new(), Branch { norm: None, radius: None, loss: None });
-        let not_followed = Some(no_ladder(bounds.m0));
-        return Ok(AtWorst { starts, rungs, thresholds, not_followed });
+impl ContractionStudy {
+    /// The factors of a run, before its level with the largest one is looked at.
+    ///
+    /// # Errors
+    /// [`BoundError::NoLevel`] if there is none.
+    pub(crate) fn of_levels(levels: Vec<FactorAtLevel>, steps: u32) -> Result<Self, BoundError> {
+        let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
+            if next.norm > best.norm { *next } else { best }
+        };
+        let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
+        Ok(Self {
+            worst: levels.iter().fold(first, worse),
+            levels,
+            meshes: Vec::new(),
+            starts: starts::Starts::default(),
+            rungs: Vec::new(),
+            thresholds: Branch::default(),
+            not_followed: None,
+            linear: None,
+        })
     }
-    let ks = step_sizes(bounds, exact);
-    // Below the sharpened bound all factors are below one and the solution is unique.
-    let sharpened = bounds.sharpened_limit();
-    let from = if sharpened.is_finite() { SURE * sharpened } else { ks[0] };
-    let thresholds = branch::follow(level, &state, from, ks[ks.len() - 1])?;
-    let mut ladder = StepLadder::new(level, *bounds, state);
-    let rungs = ks.iter().map(|&k| ladder.rung(k)).collect::<Result<_, _>>()?;
-    Ok(AtWorst { starts, rungs, thresholds, not_followed: None })
+
+    /// Starts, thresholds and ladder at the open `level` whose solution is `state`; neither thresholds nor rungs where
+    /// m0 ≤ 0, with the reason.
+    ///
+    /// # Errors
+    /// [`BoundError`].
+    pub(crate) fn climb<L: FrozenDerivative>(
+        &mut self,
+        level: &mut L,
+        state: StepState,
+        bounds: &StepBounds,
+    ) -> Result<(), BoundError> {
+        self.starts = starts::random_starts(level, &state, MANY_STARTS);
+        if bounds.m0.is_nan() || bounds.m0 <= 0.0 {
+            self.not_followed = Some(no_ladder(bounds.m0));
+            return Ok(());
+        }
+        let ks = step_sizes(bounds, self.linear.map_or(f64::INFINITY, |loss| loss.mesh));
+        // Below the sharpened bound all factors are below one and the solution is unique.
+        let sharpened = bounds.sharpened_limit();
+        let from = if sharpened.is_finite() { SURE * sharpened } else { ks[0] };
+        self.thresholds = branch::follow(level, &state, from, ks[ks.len() - 1])?;
+        let mut ladder = StepLadder::new(level, *bounds, state);
+        self.rungs = ks.iter().map(|&k| ladder.rung(k)).collect::<Result<_, _>>()?;
+        Ok(())
+    }
 }
 
 /// A ladder begins below (3.4), and no k is below it.
@@ -200,9 +199,6 @@ fn solve<L: FrozenDerivative>(
     n: usize,
     t: f64,
 ) -> Result<(), BoundError> {
-    level.freeze(None);
-    Newton::default()
-        .solve(level, state, &mut Scratch::default())
-        .map_err(|source| FailedStep { n, t, source })?;
+    factor::solve(level, None, state).map_err(|source| FailedStep { n, t, source })?;
     Ok(())
 }

@@ -4,11 +4,10 @@
 use serde::Serialize;
 
 use super::ladder::BoundError;
+use crate::theory::dual_norm::DualNorm;
 use algebra::linalg::{FactorError, larger, signed_unit};
 use algebra::tensor::contract;
-use fem::contact::{
-    Boundary, Discretization, MemoryTerm, StiffnessInverse, strain_norm, stress_force,
-};
+use fem::contact::{Boundary, Discretization, MemoryTerm, strain_norm, stress_force};
 use scene::setup::{Constants, Setup};
 use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
 use vhi::law::{AnyProjection, Potential, Projection, TensorField};
@@ -147,7 +146,7 @@ fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, horizon: f64
 /// in V^h.
 pub(crate) struct RandomStates<'a, const D: usize, const S: usize> {
     space: &'a Discretization,
-    gram: StiffnessInverse<'a>,
+    dual: DualNorm<'a>,
     seed: u64,
 }
 
@@ -160,8 +159,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     /// # Errors
     /// The factorization of the strain products.
     pub(crate) fn new(space: &'a Discretization) -> Result<Self, FactorError> {
-        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
-        Ok(Self { space, gram, seed: 47 })
+        Ok(Self { space, dual: DualNorm::new(space)?, seed: 47 })
     }
 
     fn unit(&mut self) -> f64 {
@@ -200,10 +198,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             let stress = tensor.map(|t| t * at.weight);
             stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
         }
-        let mut riesz = force.clone();
-        self.gram.solve(&mut riesz[..space.dofs()]);
-        riesz[space.dofs()..].fill(0.0);
-        algebra::linalg::dot(&force, &riesz).max(0.0).sqrt()
+        self.dual.of(&force[..space.dofs()])
     }
 
     /// m_A and L_A of A = 𝒜 + μ, which is linear.
@@ -261,13 +256,13 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             let y_r = (r1 - r2).abs();
             of_y = larger(of_y, self.dual_norm(&subtract(&s11, &s12)) / y_r);
             of_y = larger(of_y, self.dual_norm(&theta) / self.size(&theta));
-            let both = subtract(&subtract(&theta, &s11), &negative(&s22));
+            let both = combined(&subtract(&theta, &s11), 1.0, &s22);
             let right = alpha * u + beta * (y_r + self.size(&theta));
             of_both = larger(of_both, self.dual_norm(&both) / right);
             let tau = subtract(&theta, &s11);
             let (at1, at2) = (self.product(&tau, &e1), self.product(&tau, &e2));
             let half: Tensors<S> =
-                subtract(&e1, &negative(&e2)).iter().map(|e| e.map(|x| 0.5 * x)).collect();
+                combined(&e1, 1.0, &e2).iter().map(|e| e.map(|x| 0.5 * x)).collect();
             let bend = at1 + at2 - 2.0 * self.product(&tau, &half);
             convex = larger(convex, bend.abs() / (at1.abs() + at2.abs()));
         }
@@ -354,10 +349,10 @@ fn projected<const S: usize>(
     strain.iter().map(tensor).collect()
 }
 
-fn subtract<const S: usize>(a: &Tensors<S>, b: &Tensors<S>) -> Tensors<S> {
-    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect()
+fn combined<const S: usize>(a: &Tensors<S>, factor: f64, b: &Tensors<S>) -> Tensors<S> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|i| a[i] + factor * b[i])).collect()
 }
 
-fn negative<const S: usize>(a: &Tensors<S>) -> Tensors<S> {
-    a.iter().map(|a| a.map(|x| -x)).collect()
+fn subtract<const S: usize>(a: &Tensors<S>, b: &Tensors<S>) -> Tensors<S> {
+    combined(a, -1.0, b)
 }

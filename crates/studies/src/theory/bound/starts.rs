@@ -1,7 +1,8 @@
 //! Uniqueness of a step, sampled: Newton's method from random starts.
 
+use super::factor::solve;
 use algebra::linalg::signed_unit;
-use vhi::{FrozenDerivative, Newton, Scratch, StepState};
+use vhi::{FrozenDerivative, StepState};
 
 /// Where the random starts ended.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -27,15 +28,13 @@ pub(crate) fn random_starts<L: FrozenDerivative>(
 ) -> Starts {
     let mut starts = Starts::default();
     let size = level.norm(&known.u).max(f64::MIN_POSITIVE);
-    level.freeze(None);
     for number in 0..count {
         let mut seed = 1000 + number;
         let mut u: Vec<f64> = known.u.iter().map(|_| signed_unit(&mut seed)).collect();
         let scale = size * (1.0 + (number % 3) as f64) / level.norm(&u);
         u.iter_mut().for_each(|value| *value *= scale);
         let mut state = StepState { u, pressure: vec![0.0; known.pressure.len()] };
-        let solved = Newton::default().solve(level, &mut state, &mut Scratch::default());
-        if solved.is_err() {
+        if solve(level, None, &mut state).is_err() {
             starts.failed += 1;
             continue;
         }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::GronwallError;
+use super::estimate::Estimate;
 use super::recurrence::{HistoryPart, KernelNorms};
 use super::rule::Weights;
 use scene::setup::{Setup, constants};
@@ -122,6 +123,12 @@ impl GronwallConstants {
 
     pub(crate) fn has_memory(&self) -> bool {
         self.memory > 0.0
+    }
+
+    /// An estimate with these constants on a grid, before anything is measured.
+    pub(crate) fn blank(&self, setup: &Setup, grid: &TimeGrid) -> Estimate {
+        let parts = self.parts(setup, grid);
+        Estimate::blank(grid, self.weights, self.m0, self.beta, parts)
     }
 
     /// The parts of the history on a grid: ζ with κ = 1, the memory stress with κ(n, j) =

@@ -3,18 +3,17 @@
 use super::GronwallError;
 use super::constants::{GronwallConstants, InequalityConstants};
 use super::estimate::Estimate;
-use super::in_time::InTime;
+use super::in_time::{InTime, Levels};
 use super::measure::TemporalRun;
 use super::truth::TemporalTruth;
-use algebra::linalg::dot;
-use fem::contact::{Discretization, Load, LoadError, StiffnessInverse, march, strain_distance};
+use crate::theory::dual_norm::DualNorm;
+use fem::contact::{Load, LoadError, march, strain_distance};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
 use vhi::history::TimeGrid;
-use vhi::law::TensorField;
 
 /// A body on one mesh with its truth in time.
-pub struct ContactInTime<'a> {
+pub(crate) struct ContactInTime<'a> {
     setup: &'a Setup,
     data: MeshData,
     truth: TemporalTruth,
@@ -89,54 +88,14 @@ impl InTime for ContactInTime<'_> {
     }
 
     fn blank(&self, grid: &TimeGrid) -> Estimate {
-        Estimate {
-            grid: grid.clone(),
-            weights: self.constants.weights,
-            error: Vec::new(),
-            weighted_source: Vec::new(),
-            source: Vec::new(),
-            m0: self.constants.m0,
-            beta: self.constants.beta,
-            parts: self.constants.parts(self.setup, grid),
-            floor: 0.0,
-        }
+        self.constants.blank(self.setup, grid)
     }
-}
-
-/// Loads given at the times of a grid.
-struct Levels<'a> {
-    grid: &'a TimeGrid,
-    loads: &'a [Vec<f64>],
 }
 
 impl Load for Levels<'_> {
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-        let found = self.grid.times().iter().position(|level| *level == t);
         let reason = || LoadError::Reference { reason: format!("no load is given at t = {t}") };
-        out.copy_from_slice(&self.loads[found.ok_or_else(reason)?]);
+        out.copy_from_slice(self.load(t).ok_or_else(reason)?);
         Ok(())
-    }
-}
-
-/// ‖F‖_* = sup F(v)/‖ε(v)‖ over V^h, by one solve with the strain stiffness.
-pub struct DualNorm<'a> {
-    gram: StiffnessInverse<'a>,
-}
-
-impl<'a> DualNorm<'a> {
-    /// Factorizes (ε(u), ε(v)).
-    ///
-    /// # Errors
-    /// The factorization's.
-    pub(crate) fn new(space: &'a Discretization) -> Result<Self, GronwallError> {
-        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
-        Ok(Self { gram })
-    }
-
-    /// ‖F‖_* of a vector over the unknowns.
-    pub(crate) fn of(&mut self, load: &[f64]) -> f64 {
-        let mut riesz = load.to_vec();
-        self.gram.solve(&mut riesz);
-        dot(load, &riesz).max(0.0).sqrt()
     }
 }

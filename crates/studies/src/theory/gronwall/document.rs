@@ -5,22 +5,6 @@ use super::stability::Perturbation;
 use super::study::{Effectivity, StudiedGrid, Study};
 use report::{Chapter, ReportError, Run, StudyDocument, digits, number, precise, sides};
 
-/// What each picture shows, by the rest of its file name.
-const PICTURES: [(&str, &str); 6] = [
-    ("gronwall-envelope", "measured error and the envelopes of (3.24) over t (sweep gronwall)."),
-    ("gronwall-effectivity-t", "bound over measured error, over t (sweep gronwall)."),
-    ("gronwall-effectivity-k", "bound over measured error, over k (sweep gronwall)."),
-    (
-        "gronwall-printed-k",
-        "what the printed sum of (3.24) loses against halved ends, over k (sweep gronwall).",
-    ),
-    ("gronwall-horizon", "error and bounds over the horizon (sweep gronwall --horizons)."),
-    (
-        "gronwall-effectivity-horizon",
-        "bound over measured error, over the horizon (sweep gronwall --horizons).",
-    ),
-];
-
 impl Study {
     /// The study as a document.
     ///
@@ -73,9 +57,8 @@ impl Study {
             self.perturbations.iter().map(perturbed).collect(),
         );
         document.table("Constants of the inequality.", &["constant", ">value"], self.constants());
-        for (stem, svg) in self.pictures()? {
-            let shows = PICTURES.iter().find(|(name, _)| *name == stem);
-            document.figure(stem, shows.map_or("", |(_, shows)| shows), Some(svg));
+        for (stem, shows, chart) in self.pictures() {
+            document.figure(stem, shows, chart.svg()?);
         }
         Ok(document)
     }

@@ -1,7 +1,8 @@
 //! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
 //! mesh, fills an [`Estimate`] and has its [`Envelopes`].
 
-use super::recurrence::{HistoryPart, StepTooLarge, larger, unprimed, unprimed_closed, weighted};
+use super::GronwallError;
+use super::recurrence::{HistoryPart, StepTooLarge, unprimed, unprimed_closed, weighted};
 use super::rule::Weights;
 use vhi::history::TimeGrid;
 
@@ -37,6 +38,28 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// One with these constants, before anything is measured.
+    pub(super) fn blank(
+        grid: &TimeGrid,
+        weights: Weights,
+        m0: f64,
+        beta: f64,
+        parts: Vec<HistoryPart>,
+    ) -> Self {
+        let (error, weighted_source, source) = Default::default();
+        Self {
+            grid: grid.clone(),
+            weights,
+            error,
+            weighted_source,
+            source,
+            m0,
+            beta,
+            parts,
+            floor: 0.0,
+        }
+    }
+
     /// ‖R‖‖q‖, or the Lipschitz constant of S: Σ_p sup κ_p.
     pub(crate) fn lipschitz(&self) -> f64 {
         self.parts.iter().map(|part| part.supremum).sum()
@@ -73,6 +96,17 @@ impl Estimate {
             parts: self.parts.iter().map(part).collect(),
             ..*self
         }
+    }
+
+    /// The envelopes, and the links of the chain that do not hold.
+    ///
+    /// # Errors
+    /// [`GronwallError::Step`].
+    pub(super) fn judged(&self) -> Result<(Envelopes, Vec<LinkViolation>), GronwallError> {
+        let steps = self.grid.steps() as u32;
+        let envelopes = self.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        let violations = envelopes.violations(self);
+        Ok((envelopes, violations))
     }
 
     /// The bounds, each above the one before.
@@ -174,12 +208,7 @@ impl Envelopes {
 }
 
 /// bound/measured, for steps n ≥ 1 whose e_n is above 20 floors; `None` elsewhere.
-pub fn effectivities(bound: &[f64], estimate: &Estimate) -> Vec<Option<f64>> {
+pub(crate) fn effectivities(bound: &[f64], estimate: &Estimate) -> Vec<Option<f64>> {
     let serves = |n: usize| n > 0 && estimate.error[n] > 20.0 * estimate.floor;
     (0..bound.len()).map(|n| serves(n).then(|| bound[n] / estimate.error[n])).collect()
-}
-
-/// max over n; NaN if one value is.
-pub fn maximum(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| larger(most, *value))
 }

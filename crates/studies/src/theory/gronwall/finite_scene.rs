@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::GronwallError;
 use super::constants::InequalityConstants;
 use super::estimate::Estimate;
-use super::in_time::InTime;
+use super::in_time::{InTime, Levels};
 use super::measure::TemporalRun;
 use super::recurrence::{HistoryPart, KernelNorms};
 use super::rule::Weights;
@@ -22,7 +22,7 @@ use vhi::law::HistoryKernel;
 const EXACT: f64 = 1e-12;
 
 /// An abstract scene with the square roots of its inner product.
-pub struct FiniteInTime<'a> {
+pub(crate) struct FiniteInTime<'a> {
     setup: &'a AbstractSetup,
     /// G^{-1/2}: ‖y‖_{X*} = |G^{-1/2} y|.
     inverse_root: DMatrix<f64>,
@@ -213,30 +213,15 @@ impl InTime for FiniteInTime<'_> {
         let norms = self.kernel_norms(grid);
         let lipschitz = self.constants.lipschitz;
         let supremum = norms.maximum(grid.steps()).map_or(lipschitz, |found| found.max(lipschitz));
-        Estimate {
-            grid: grid.clone(),
-            weights: self.weights,
-            error: Vec::new(),
-            weighted_source: Vec::new(),
-            source: Vec::new(),
-            m0: self.constants.m0,
-            beta: self.constants.beta,
-            parts: vec![HistoryPart { coefficient: self.constants.beta, norms, supremum }],
-            floor: 0.0,
-        }
+        let Self { constants: InequalityConstants { m0, beta, .. }, weights, .. } = *self;
+        let parts = vec![HistoryPart { coefficient: beta, norms, supremum }];
+        Estimate::blank(grid, weights, m0, beta, parts)
     }
-}
-
-/// Loads given at the times of a grid.
-struct Levels<'a> {
-    grid: &'a TimeGrid,
-    loads: &'a [Vec<f64>],
 }
 
 impl FiniteLoad for Levels<'_> {
     fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
-        let found = self.grid.times().iter().position(|level| *level == t);
         let missing = FiniteError::Load { component: 0, value: f64::NAN, t };
-        found.map(|n| DVector::from_column_slice(&self.loads[n])).ok_or(missing)
+        self.load(t).map(DVector::from_column_slice).ok_or(missing)
     }
 }

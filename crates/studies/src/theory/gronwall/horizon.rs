@@ -1,10 +1,11 @@
 //! Error and bounds over the horizon T at a fixed step k: is the error uniform in T, or does it grow
 //! like e^{C2 T}? The theory is on R₊ with constants for each [0, T].
 
-use super::estimate::{Envelopes, Estimate, maximum};
+use super::estimate::{Envelopes, Estimate};
 use super::measure::TemporalRun;
 use super::prepare::prepare;
 use super::{GronwallError, LinkViolation};
+use algebra::linalg::largest;
 use scene::setup::Subject;
 
 /// Error and bounds on [0, T].
@@ -56,7 +57,7 @@ pub struct Horizons {
 ///
 /// # Errors
 /// A horizon that is no multiple of k; those of the run.
-pub fn horizons(
+pub(crate) fn horizons(
     subject: &Subject,
     n: Option<u32>,
     k: f64,
@@ -83,29 +84,27 @@ pub fn horizons(
     let mut violations = Vec::new();
     for (&horizon, &steps) in sorted.iter().zip(&steps) {
         let estimate = run.estimate.up_to(steps as usize);
-        let envelopes =
-            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-        violations.extend(envelopes.violations(&estimate));
-        let error = maximum(&estimate.error);
+        let (envelopes, failed) = estimate.judged()?;
+        violations.extend(failed);
+        let error = largest(&estimate.error);
         let before = rows.last();
         rows.push(HorizonRow {
             horizon,
             steps,
             error,
-            truncation: maximum(&estimate.source) / estimate.m0,
-            weighted: maximum(&envelopes.weighted),
-            primed: maximum(&envelopes.primed),
-            closed: maximum(&envelopes.closed),
-            printed: envelopes.printed.as_deref().map(maximum),
-            printed_closed: envelopes.printed_closed.as_deref().map(maximum),
+            truncation: largest(&estimate.source) / estimate.m0,
+            weighted: largest(&envelopes.weighted),
+            primed: largest(&envelopes.primed),
+            closed: largest(&envelopes.closed),
+            printed: envelopes.printed.as_deref().map(largest),
+            printed_closed: envelopes.printed_closed.as_deref().map(largest),
             c2: estimate.c2(),
             growth: before
                 .filter(|before| resolved(&estimate, before.error))
                 .map(|before| (error / before.error).ln() / (horizon - before.horizon)),
         });
     }
-    let envelopes =
-        run.estimate.envelopes().map_err(|source| GronwallError::Step { steps: last, source })?;
+    let (envelopes, _) = run.estimate.judged()?;
     Ok(Horizons { envelopes, k, truth: in_time.truth(), run, rows, violations })
 }
 

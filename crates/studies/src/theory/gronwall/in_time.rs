@@ -53,3 +53,17 @@ pub trait InTime {
     /// of the history on this grid, everything else zero.
     fn blank(&self, grid: &TimeGrid) -> Estimate;
 }
+
+/// Loads given at the times of a grid.
+pub(super) struct Levels<'a> {
+    pub grid: &'a TimeGrid,
+    pub loads: &'a [Vec<f64>],
+}
+
+impl Levels<'_> {
+    /// The load at t; none between the times of the grid.
+    pub(super) fn load(&self, t: f64) -> Option<&[f64]> {
+        let n = self.grid.times().iter().position(|level| *level == t)?;
+        Some(&self.loads[n])
+    }
+}

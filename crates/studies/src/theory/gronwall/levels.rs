@@ -1,7 +1,9 @@
 //! Every level of a study as a table.
 
 use super::estimate::{Envelopes, Estimate};
+use super::measure::TemporalRun;
 use super::study::Study;
+use crate::table;
 
 impl Study {
     /// Every level of every run: `SCENE-gronwall.csv`.
@@ -9,74 +11,52 @@ impl Study {
     /// # Errors
     /// The writer's.
     pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record([
-            "part",
-            "steps",
-            "k",
-            "n",
-            "t",
-            "error",
-            "g_zeta",
-            "g_memory",
-            "source",
-            "weighted",
-            "primed",
-            "closed",
-            "limit",
-            "printed",
-            "printed_closed",
-        ])?;
+        let mut rows = Vec::new();
+        let of_run = |part: &str, run: &TemporalRun, envelopes: &Envelopes| {
+            let truncation = Some([&run.truncation_zeta, &run.truncation_memory]);
+            levels(part, &run.estimate, envelopes, truncation)
+        };
         for grid in &self.grids {
-            let run = &grid.run;
-            let truncation = Some([run.truncation_zeta.as_slice(), &run.truncation_memory]);
-            rows(&mut writer, "time", &run.estimate, &grid.envelopes, truncation)?;
+            rows.extend(of_run("time", &grid.run, &grid.envelopes));
         }
         if let Some(horizons) = &self.horizons {
-            let run = &horizons.run;
-            let truncation = Some([run.truncation_zeta.as_slice(), &run.truncation_memory]);
-            rows(&mut writer, "horizon", &run.estimate, &horizons.envelopes, truncation)?;
+            rows.extend(of_run("horizon", &horizons.run, &horizons.envelopes));
         }
         for perturbation in &self.perturbations {
             let part = format!("{}-{:e}", perturbation.shape.name(), perturbation.size);
-            rows(&mut writer, &part, &perturbation.estimate, &perturbation.envelopes, None)?;
+            rows.extend(levels(&part, &perturbation.estimate, &perturbation.envelopes, None));
         }
-        writer.into_inner().map_err(|error| error.into_error().into())
+        table::csv(rows, true)
     }
 }
 
-fn rows(
-    writer: &mut csv::Writer<Vec<u8>>,
+fn levels(
     part: &str,
     estimate: &Estimate,
     envelopes: &Envelopes,
-    truncation: Option<[&[f64]; 2]>,
-) -> Result<(), csv::Error> {
+    truncation: Option<[&Vec<f64>; 2]>,
+) -> Vec<[(&'static str, String); 15]> {
     let grid = &estimate.grid;
     let number = |value: f64| format!("{value:e}");
-    for n in 0..=grid.steps() {
-        let printed = |values: &Option<Vec<f64>>| {
-            values.as_ref().map_or_else(String::new, |values| number(values[n]))
-        };
-        let truncated =
-            |index: usize| truncation.map_or_else(String::new, |all| number(all[index][n]));
-        writer.write_record([
-            part.to_string(),
-            grid.steps().to_string(),
-            number(grid.largest_step()),
-            n.to_string(),
-            number(grid.time(n)),
-            number(estimate.error[n]),
-            truncated(0),
-            truncated(1),
-            number(estimate.source[n]),
-            number(envelopes.weighted[n]),
-            number(envelopes.primed[n]),
-            number(envelopes.closed[n]),
-            number(envelopes.limit[n]),
-            printed(&envelopes.printed),
-            printed(&envelopes.printed_closed),
-        ])?;
-    }
-    Ok(())
+    let level = |n: usize| {
+        let at_n = |values: Option<&Vec<f64>>| values.map_or_else(String::new, |v| number(v[n]));
+        [
+            ("part", part.to_string()),
+            ("steps", grid.steps().to_string()),
+            ("k", number(grid.largest_step())),
+            ("n", n.to_string()),
+            ("t", number(grid.time(n))),
+            ("error", number(estimate.error[n])),
+            ("g_zeta", at_n(truncation.map(|[zeta, _]| zeta))),
+            ("g_memory", at_n(truncation.map(|[_, memory]| memory))),
+            ("source", number(estimate.source[n])),
+            ("weighted", number(envelopes.weighted[n])),
+            ("primed", number(envelopes.primed[n])),
+            ("closed", number(envelopes.closed[n])),
+            ("limit", number(envelopes.limit[n])),
+            ("printed", at_n(envelopes.printed.as_ref())),
+            ("printed_closed", at_n(envelopes.printed_closed.as_ref())),
+        ]
+    };
+    (0..=grid.steps()).map(level).collect()
 }

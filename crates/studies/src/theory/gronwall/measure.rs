@@ -5,7 +5,7 @@ use super::GronwallError;
 use super::constants::GronwallConstants;
 use super::estimate::Estimate;
 use super::rule::Weights;
-use super::truth::{TemporalTruth, TruthAtLevel, difference};
+use super::truth::{TemporalTruth, TruthAtLevel};
 use algebra::linalg::axpy;
 use algebra::tensor::contract;
 use fem::contact::{Discretization, MemoryTerm, Model, march, strain_distance, strain_norm};
@@ -66,20 +66,13 @@ impl TemporalRun {
         };
         let truncation_memory =
             truncation_of_memory(setup, &data.space, constants.weights, &grid, &levels);
-        let parts = constants.parts(setup, &grid);
         let both = truncation_zeta.iter().zip(&truncation_memory);
-        let weighted_source = both.clone().map(|(z, b)| constants.yielding * z + b).collect();
-        let source = both.map(|(z, b)| constants.beta * (z + b)).collect();
         let estimate = Estimate {
-            grid,
-            weights: constants.weights,
             error,
-            weighted_source,
-            source,
-            m0: constants.m0,
-            beta: constants.beta,
-            parts,
+            weighted_source: both.clone().map(|(z, b)| constants.yielding * z + b).collect(),
+            source: both.map(|(z, b)| constants.beta * (z + b)).collect(),
             floor,
+            ..constants.blank(setup, &grid)
         };
         Ok(Self { steps, truncation_zeta, truncation_memory, estimate })
     }
@@ -127,7 +120,7 @@ fn truncation_of_memory(
                 history.past(kernel, rule, grid, &mut sum);
                 history.commit(grid, &level.u);
                 axpy(rule.kernel_weight(&Convolution(kernel), grid, n, n), &level.u, &mut sum);
-                difference(exact, &sum)
+                exact.iter().zip(&sum).map(|(exact, sum)| exact - sum).collect()
             })
             .collect();
         stress_norm(space, terms, &missed)

@@ -27,20 +27,15 @@ mod tests;
 mod truth;
 
 pub use constants::{GronwallConstants, InequalityConstants};
-pub use contact_scene::{ContactInTime, DualNorm};
 pub use error::GronwallError;
-pub use estimate::{Envelopes, Estimate, LinkViolation, effectivities, maximum};
-pub use finite_scene::FiniteInTime;
-pub use horizon::{HorizonRow, Horizons, horizons};
+pub use estimate::{Envelopes, Estimate, LinkViolation};
+pub use horizon::{HorizonRow, Horizons};
 pub use in_time::InTime;
 pub use measure::TemporalRun;
 pub use memory::study_runs;
 pub use prepare::prepare;
-pub use recurrence::{
-    HistoryPart, KernelNorms, StepTooLarge, closed_limit, primed, primed_closed, unprimed,
-    unprimed_closed, weighted,
-};
+pub use recurrence::{HistoryPart, KernelNorms, StepTooLarge};
 pub use rule::Weights;
-pub use stability::{LoadShape, Perturbation, SIZES, perturbations};
+pub use stability::{LoadShape, Perturbation};
 pub use study::{Effectivity, FailedLink, StudiedGrid, Study, StudyRuns};
 pub use truth::{ReferenceLevels, TemporalTruth, TruthAtLevel};

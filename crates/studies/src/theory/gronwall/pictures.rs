@@ -4,47 +4,61 @@
 use super::estimate::{Envelopes, Estimate, effectivities};
 use super::horizon::Horizons;
 use super::study::{Effectivity, StudiedGrid, Study};
-use report::{Axis, Chart, Datum, Part, ReportError, Scale, Series};
+use report::{Axis, Chart, Datum, Part, Scale, Series};
 
-/// A picture by the stem of its file name.
-pub(crate) type Picture = (&'static str, String);
+/// A picture: the stem of its file name, what it shows, and the chart, which may have nothing to show.
+pub(crate) type Picture = (&'static str, &'static str, Chart);
 
 impl Study {
-    /// The pictures that have something to show: bounds over t, effectivities over t, over k and over
-    /// the horizon, bounds over the horizon.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
-    pub(crate) fn pictures(&self) -> Result<Vec<Picture>, ReportError> {
+    /// Bounds over t, effectivities over t, over k and over the horizon, bounds over the horizon.
+    pub(crate) fn pictures(&self) -> Vec<Picture> {
         let mut charts = Vec::new();
         let finest = self.grids.iter().max_by_key(|grid| grid.run.steps);
         if let Some(grid) = finest {
             let (estimate, envelopes) = (&grid.run.estimate, &grid.envelopes);
-            charts.push(("gronwall-envelope", self.over_time(estimate, envelopes)));
-            charts.push(("gronwall-effectivity-t", self.ratios_over_time(estimate, envelopes)));
+            charts.push((
+                "gronwall-envelope",
+                "measured error and the envelopes of (3.24) over t (sweep gronwall).",
+                self.over_time(estimate, envelopes),
+            ));
+            charts.push((
+                "gronwall-effectivity-t",
+                "bound over measured error, over t (sweep gronwall).",
+                self.ratios_over_time(estimate, envelopes),
+            ));
         }
-        charts.push(("gronwall-effectivity-k", self.ratios_over_step()));
-        charts.push(("gronwall-printed-k", self.printed_over_step()));
+        charts.push((
+            "gronwall-effectivity-k",
+            "bound over measured error, over k (sweep gronwall).",
+            self.ratios_over_step(),
+        ));
+        charts.push((
+            "gronwall-printed-k",
+            "what the printed sum of (3.24) loses against halved ends, over k (sweep gronwall).",
+            self.printed_over_step(),
+        ));
         if let Some(horizons) = &self.horizons {
-            charts.push(("gronwall-horizon", self.over_horizon(horizons)));
-            charts.push(("gronwall-effectivity-horizon", self.ratios_over_horizon(horizons)));
+            charts.push((
+                "gronwall-horizon",
+                "error and bounds over the horizon (sweep gronwall --horizons).",
+                self.over_horizon(horizons),
+            ));
+            charts.push((
+                "gronwall-effectivity-horizon",
+                "bound over measured error, over the horizon (sweep gronwall --horizons).",
+                self.ratios_over_horizon(horizons),
+            ));
         }
-        let mut drawn = Vec::new();
-        for (name, chart) in charts {
-            if let Some(svg) = chart.svg()? {
-                drawn.push((name, svg));
-            }
-        }
-        Ok(drawn)
+        charts
     }
 
     fn mesh(&self) -> String {
         self.n.map_or_else(String::new, |n| format!(", n = {n}"))
     }
 
-    fn chart(&self, question: &str, x: Axis, y: Axis) -> Chart {
+    fn chart(&self, question: &str, x: Axis, y: &str) -> Chart {
         let title = format!("{}: Gronwall", self.scene);
-        Chart { direct: true, ..Chart::new(&title, question, x, y) }
+        Chart { direct: true, ..Chart::new(&title, question, x, Axis::new(y, Scale::Log)) }
     }
 
     fn over_time(&self, estimate: &Estimate, envelopes: &Envelopes) -> Chart {
@@ -53,11 +67,8 @@ impl Study {
             estimate.grid.steps(),
             self.mesh()
         );
-        let mut chart = self.chart(
-            &question,
-            Axis::new("time t_n", Scale::Linear),
-            Axis::new("norm of the error", Scale::Log),
-        );
+        let mut chart =
+            self.chart(&question, Axis::new("time t_n", Scale::Linear), "norm of the error");
         let times = estimate.grid.times();
         let data = |values: &[f64]| -> Vec<Datum> {
             times.iter().copied().zip(values.iter().copied()).skip(1).collect()
@@ -79,17 +90,12 @@ impl Study {
         let mut chart = self.chart(
             &question,
             Axis::new("time t_n", Scale::Linear),
-            Axis::new("effectivity: bound / measured error", Scale::Log),
+            "effectivity: bound / measured error",
         );
         for (name, values) in bounds(envelopes) {
             let ratios = effectivities(values, estimate).into_iter();
-            let data: Vec<Datum> = estimate
-                .grid
-                .times()
-                .iter()
-                .zip(ratios)
-                .map(|(t, ratio)| (*t, ratio.unwrap_or(f64::NAN)))
-                .collect();
+            let data = estimate.grid.times().iter().zip(ratios);
+            let data = data.map(|(t, ratio)| (*t, ratio.unwrap_or(f64::NAN))).collect();
             chart.series.push(Series::new(name, vec![Part::Line(data)]));
         }
         chart
@@ -103,7 +109,7 @@ impl Study {
         let mut chart = self.chart(
             &question,
             Axis::new("time step k = T/N", Scale::Steps),
-            Axis::new("effectivity: bound / measured error at T", Scale::Log),
+            "effectivity: bound / measured error at T",
         );
         let [weighted, primed, closed] = [
             self.over_step(|grid| grid.effectivity.weighted.at_end),
@@ -124,7 +130,7 @@ impl Study {
         let mut chart = self.chart(
             &question,
             Axis::new("time step k = T/N", Scale::Steps),
-            Axis::new("printed sum / halved ends − 1", Scale::Log),
+            "printed sum / halved ends − 1",
         );
         let lost = |printed: Option<&Effectivity>, halved: &Effectivity| {
             Some(printed?.at_end? / halved.at_end? - 1.0)
@@ -152,11 +158,8 @@ impl Study {
             "Error and bounds over the horizon at the fixed step k = {}: uniform in T, or like exp(C₂T)?",
             horizons.k
         );
-        let mut chart = self.chart(
-            &question,
-            Axis::new("horizon T", Scale::Log),
-            Axis::new("maximum over [0, T]", Scale::Log),
-        );
+        let mut chart =
+            self.chart(&question, Axis::new("horizon T", Scale::Log), "maximum over [0, T]");
         chart.series = horizon_curves(horizons, |_| 1.0);
         let rows = horizons.rows.iter();
         let error: Vec<Datum> = rows.map(|row| (row.horizon, row.error)).collect();
@@ -174,7 +177,7 @@ impl Study {
         let mut chart = self.chart(
             &question,
             Axis::new("horizon T", Scale::Log),
-            Axis::new("effectivity: ratio of the maxima over [0, T]", Scale::Log),
+            "effectivity: ratio of the maxima over [0, T]",
         );
         chart.series = horizon_curves(horizons, |error| error);
         chart

@@ -4,6 +4,7 @@
 //! is an upper bound of e_n (induction over n), and E_n depends on g monotonically. Without
 //! C2 w_nn < 1 nothing follows: see [`StepTooLarge`].
 
+use algebra::linalg::larger;
 use vhi::history::{TimeGrid, TimeRule};
 
 /// The lemma's hypothesis fails: e_n stands on both sides with a factor of at least 1, so that the
@@ -31,7 +32,7 @@ pub(super) fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTo
 ///
 /// # Errors
 /// C2 k_n/2 ≥ 1.
-pub fn primed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+pub(crate) fn primed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
     let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
     // Σ'_{j ≤ n} w_nj E_j.
     let mut sum = 0.0;
@@ -56,7 +57,11 @@ pub fn primed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, Step
 ///
 /// # Errors
 /// C2 k_n/2 ≥ 1.
-pub fn primed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+pub(crate) fn primed_closed(
+    grid: &TimeGrid,
+    source: &[f64],
+    c2: f64,
+) -> Result<Vec<f64>, StepTooLarge> {
     let mut largest = 0.0f64;
     let mut amplification = 1.0;
     let from_rest = source.first().is_none_or(|s| *s == 0.0);
@@ -74,7 +79,7 @@ pub fn primed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64
 }
 
 /// The limit of [`primed_closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}.
-pub fn closed_limit(grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
+pub(crate) fn closed_limit(grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
     let mut largest = 0.0f64;
     let times = grid.times().iter();
     let bound = |(s, t): (&f64, &f64)| {
@@ -88,7 +93,7 @@ pub fn closed_limit(grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
 ///
 /// # Errors
 /// C2 k ≥ 1.
-pub fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+pub(crate) fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
     let k = grid.largest_step();
     let mut envelope = Vec::with_capacity(source.len());
     let mut sum = 0.0;
@@ -106,7 +111,11 @@ pub fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, St
 ///
 /// # Errors
 /// C2 k ≥ 1.
-pub fn unprimed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+pub(crate) fn unprimed_closed(
+    grid: &TimeGrid,
+    source: &[f64],
+    c2: f64,
+) -> Result<Vec<f64>, StepTooLarge> {
     let k = grid.largest_step();
     let remaining = solvable(0, c2, k)?;
     let mut largest = 0.0f64;
@@ -122,7 +131,7 @@ pub fn unprimed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f
 ///
 /// # Errors
 /// w_nn Σ_p ω_p κ_p(n, n) ≥ m0.
-pub fn weighted(
+pub(crate) fn weighted(
     rule: &dyn TimeRule,
     grid: &TimeGrid,
     source: &[f64],
@@ -211,9 +220,4 @@ impl KernelNorms {
             Self::Weighed(_) => return None,
         })
     }
-}
-
-/// The maximum; NaN if one of them is.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }

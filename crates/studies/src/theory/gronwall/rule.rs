@@ -1,7 +1,8 @@
 //! Gronwall's inequality with the weights of a rule: the recurrence on any grid, and a closed form of it.
 
 use super::mittag_leffler::mittag_leffler;
-use super::recurrence::{StepTooLarge, closed_limit, larger, primed, primed_closed, solvable};
+use super::recurrence::{StepTooLarge, closed_limit, primed, primed_closed, solvable};
+use algebra::linalg::larger;
 use statrs::function::gamma::gamma;
 use vhi::history::{
     Gregory, GregoryOrder, Left, ProductIntegration, TimeGrid, TimeRule, Trapezoid,

@@ -7,10 +7,10 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::estimate::{Estimate, effectivities, maximum};
+use super::estimate::{Estimate, effectivities};
 use super::in_time::InTime;
 use super::{Envelopes, GronwallError, LinkViolation};
-use algebra::linalg::signed_unit;
+use algebra::linalg::{largest, signed_unit};
 use serde::Serialize;
 use vhi::history::TimeGrid;
 
@@ -35,7 +35,7 @@ impl LoadShape {
 
 /// Relative sizes δ of the perturbations. The difference stays far above the floor, and the largest
 /// changes contact and yielding states.
-pub const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
+pub(crate) const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
 /// What one perturbation did.
 #[derive(Debug, Clone, Serialize)]
@@ -66,23 +66,24 @@ pub struct Perturbation {
 }
 
 impl Perturbation {
-    fn new((shape, size): (LoadShape, f64), estimate: Estimate, envelopes: Envelopes) -> Self {
-        let (load, difference) = (maximum(&estimate.source), maximum(&estimate.error));
+    fn new((shape, size): (LoadShape, f64), estimate: Estimate) -> Result<Self, GronwallError> {
+        let (envelopes, violations) = estimate.judged()?;
+        let (load, difference) = (largest(&estimate.source), largest(&estimate.error));
         let ratios = effectivities(&envelopes.weighted, &estimate);
-        Self {
+        Ok(Self {
             shape,
             size,
             load,
             steps: estimate.grid.steps(),
             difference,
             growth: estimate.m0 * difference / load,
-            weighted: maximum(&envelopes.weighted),
-            primed: maximum(&envelopes.primed),
+            weighted: largest(&envelopes.weighted),
+            primed: largest(&envelopes.primed),
             least_effectivity: ratios.into_iter().flatten().reduce(f64::min),
-            violations: envelopes.violations(&estimate),
+            violations,
             estimate,
             envelopes,
-        }
+        })
     }
 }
 
@@ -90,15 +91,18 @@ impl Perturbation {
 ///
 /// # Errors
 /// A load or a run fails.
-pub fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Perturbation>, GronwallError> {
+pub(crate) fn perturbations(
+    scene: &dyn InTime,
+    steps: u32,
+) -> Result<Vec<Perturbation>, GronwallError> {
     let grid = scene.grid(steps);
     let loads = scene.loads(&grid)?;
-    let largest = maximum(&scene.dual_norms(&loads)?);
+    let size = largest(&scene.dual_norms(&loads)?);
     let (undisturbed, floor) = scene.solutions(&grid, &loads)?;
     let blank = scene.blank(&grid);
     let mut found = Vec::new();
     for shape in [LoadShape::Smooth, LoadShape::Random] {
-        let unit = directions(scene, shape, &grid, &loads, largest)?;
+        let unit = directions(scene, shape, &grid, &loads, size)?;
         for size in SIZES {
             let changes: Vec<Vec<f64>> =
                 unit.iter().map(|v| v.iter().map(|x| size * x).collect()).collect();
@@ -117,9 +121,7 @@ pub fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Perturbation>
                 floor: floor + other,
                 ..blank.clone()
             };
-            let envelopes =
-                estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-            found.push(Perturbation::new((shape, size), estimate, envelopes));
+            found.push(Perturbation::new((shape, size), estimate)?);
         }
     }
     Ok(found)

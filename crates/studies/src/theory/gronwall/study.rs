@@ -2,11 +2,12 @@
 
 use super::GronwallError;
 use super::constants::InequalityConstants;
-use super::estimate::{Envelopes, Estimate, LinkViolation, effectivities, maximum};
+use super::estimate::{Envelopes, Estimate, LinkViolation, effectivities};
 use super::horizon::{Horizons, horizons};
 use super::measure::TemporalRun;
 use super::prepare::prepare;
 use super::stability::{Perturbation, perturbations};
+use algebra::linalg::largest;
 use scene::setup::Subject;
 use serde::Serialize;
 
@@ -105,26 +106,27 @@ impl Effectivity {
         let ratios = effectivities(bound, estimate);
         Self {
             at_end: ratios.last().copied().flatten(),
-            of_maxima: maximum(bound) / maximum(&estimate.error),
+            of_maxima: largest(bound) / largest(&estimate.error),
             least: ratios.into_iter().flatten().reduce(f64::min),
         }
     }
 }
 
 impl StudiedGrid {
-    fn new(run: TemporalRun, envelopes: Envelopes) -> Self {
+    fn new(run: TemporalRun) -> Result<Self, GronwallError> {
+        let (envelopes, violations) = run.estimate.judged()?;
         let (estimate, truncation) = (&run.estimate, run.truncation());
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
         let of = |bound: &[f64]| Effectivity::new(bound, estimate);
         let k = estimate.grid.largest_step();
-        Self {
+        Ok(Self {
             steps: run.steps,
             k,
             c2_k: estimate.c2() * estimate.weights.of_step(k),
             error_end: last(&estimate.error),
-            error_max: maximum(&estimate.error),
+            error_max: largest(&estimate.error),
             truncation_end: last(&truncation),
-            truncation_max: maximum(&truncation),
+            truncation_max: largest(&truncation),
             floor: estimate.floor,
             effectivity: Effectivities {
                 weighted: of(&envelopes.weighted),
@@ -134,10 +136,10 @@ impl StudiedGrid {
                 printed: envelopes.printed.as_deref().map(of),
                 printed_closed: envelopes.printed_closed.as_deref().map(of),
             },
-            violations: envelopes.violations(estimate),
+            violations,
             run,
             envelopes,
-        }
+        })
     }
 }
 
@@ -151,10 +153,7 @@ impl Study {
         let in_time = prepare(subject, plan.n, &plan.steps)?;
         let mut grids = Vec::new();
         for &steps in &plan.steps {
-            let run = in_time.measure(steps)?;
-            let envelopes =
-                run.estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-            grids.push(StudiedGrid::new(run, envelopes));
+            grids.push(StudiedGrid::new(in_time.measure(steps)?)?);
         }
         let finest = plan.steps.iter().copied().max().unwrap_or(1);
         let perturbations = perturbations(&*in_time, finest)?;

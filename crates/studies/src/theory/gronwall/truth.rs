@@ -3,7 +3,6 @@
 //! (3.21) asks of it.
 
 use super::GronwallError;
-use algebra::linalg::axpy;
 use exact::InterpolatedOnMesh;
 use fem::contact::{Load, LoadError, StepView, kkt_residual, strain_distance};
 use run::sweep::lowest_common_multiple;
@@ -13,7 +12,7 @@ use vhi::history::TimeGrid;
 
 /// Steps of the reference, in multiples of the least common multiple of the steps that are judged.
 /// The error of the reference is then below 1/64 of the smallest error measured against it.
-pub const REFERENCE_STEPS: u32 = 8;
+pub(crate) const REFERENCE_STEPS: u32 = 8;
 
 /// An exact state is in V^h and compatible with the quadrature on Γ3 if its KKT residual is below
 /// this, relative to the largest force: history integrals are good to 1e-12, and a field that is not
@@ -222,10 +221,4 @@ fn kept(
     })
     .map_err(|source| GronwallError::Case { steps, source })?;
     Ok(levels)
-}
-
-pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut out = a.to_vec();
-    axpy(-1.0, b, &mut out);
-    out
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use serde_json::Value;
 
+use super::quantity::{QuantityEstimate, quantity};
 use crate::guarantee::{self, Bounding, Guarantee, GuaranteeError};
 use crate::solution::FinalState;
 use crate::trade::NORMS;
@@ -22,8 +23,8 @@ pub struct Companions {
     pub state: FinalState,
     /// Differences in each norm.
     pub norms: Vec<NormDifferences>,
-    /// Scalars of the state.
-    pub quantities: Vec<Scalar>,
+    /// Scalars of the state with what their companions say of them.
+    pub quantities: Vec<QuantityEstimate>,
     /// Why there are no companions in h, and in k.
     pub missing: [Option<String>; 2],
     /// The data depend on the mesh: another mesh is another problem, and h has no error.
@@ -44,19 +45,6 @@ pub struct RunTime {
     pub steps: u32,
     /// CPU seconds of the thread.
     pub seconds: f64,
-}
-
-/// A named quantity in a run and its companions.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scalar {
-    /// Its name, see [`FinalState`].
-    pub name: String,
-    /// Values for [4h, 2h, h]; none without companions.
-    pub space: Option<[f64; 3]>,
-    /// Values for [4k, 2k, k], likewise.
-    pub time: Option<[f64; 3]>,
-    /// Value in the run.
-    pub value: f64,
 }
 
 /// The differences [d₁, d₂] of one norm, of the two finest runs and of the two coarser ones.
@@ -195,12 +183,12 @@ fn companions_beside(
     let runs = [&in_time, &in_space].into_iter().flatten().flatten();
     let times = std::iter::once(&finest).chain(runs).map(|run| run.alone(&finest)).collect();
     let quantities = scalars(&finest.state).into_iter().map(|(name, value)| {
+        // A field of functions in V^h has no error in h.
         let space = match on_mesh {
             true => Some([value; 3]),
             false => triple(&in_space, &name, value),
         };
-        let time = triple(&in_time, &name, value);
-        Scalar { name, space, time, value }
+        quantity(&name, space, triple(&in_time, &name, value), value)
     });
     Ok(Companions {
         norms: norms.collect(),

@@ -23,7 +23,7 @@ pub struct QuantityEstimate {
 }
 
 /// Reads the values of a quantity on [4h, 2h, h] and on [4k, 2k, k]; None for a direction that was not run.
-pub fn quantity(
+pub(super) fn quantity(
     name: &str,
     space: Option<[f64; 3]>,
     time: Option<[f64; 3]>,

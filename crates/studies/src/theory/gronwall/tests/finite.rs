@@ -1,5 +1,6 @@
 //! Abstract scenes: the chain on every kind of grid, and defects of the solver.
 
+use super::super::finite_scene::FiniteInTime;
 use super::super::*;
 use super::subject;
 use scene::setup::{AbstractSetup, Subject};

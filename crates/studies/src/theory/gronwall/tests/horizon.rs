@@ -1,5 +1,6 @@
 //! Long horizons: uniform where the memory fades, e^{C2 T} where it does not.
 
+use super::super::horizon::horizons;
 use super::super::*;
 use super::subject;
 use scene::setup::Subject;

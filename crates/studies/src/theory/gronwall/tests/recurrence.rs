@@ -1,6 +1,9 @@
 //! The recurrences against their definitions, the closed forms, and the counter-example to the lemma
 //! without its hypothesis.
 
+use super::super::recurrence::{
+    closed_limit, primed, primed_closed, unprimed, unprimed_closed, weighted,
+};
 use super::super::*;
 use algebra::linalg::signed_unit;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};

@@ -1,7 +1,11 @@
 //! Perturbed loads: the dual norm, the chain, and a constant that is too good.
 
+use super::super::contact_scene::ContactInTime;
+use super::super::finite_scene::FiniteInTime;
+use super::super::stability::perturbations;
 use super::super::*;
 use super::{setup, subject};
+use crate::theory::dual_norm::DualNorm;
 use fem::contact::{strain_norm, stress_force};
 use fem::space::strain_of;
 use scene::setup::{MeshData, Subject};
