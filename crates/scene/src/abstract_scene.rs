@@ -135,6 +135,12 @@ impl AbstractScene {
             selection,
         })
     }
+
+    /// The key of the first exponent of a kernel that is infinite at s = t.
+    pub(super) fn singular_key(&self) -> Option<String> {
+        let at = self.kernels.iter().position(|kernel| kernel.power > 0.0);
+        at.map(|l| format!("history.kernels.{l}.singular"))
+    }
 }
 
 fn identity(m: usize) -> Rows {

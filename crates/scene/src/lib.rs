@@ -47,13 +47,15 @@ mod wording;
 pub mod written;
 
 pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
-pub use contact::{Contact, ContactQuadrature};
-pub use curve::Curve;
-pub use data::{Data, LoadForm};
+pub use contact::Contact;
+pub use data::Data;
 pub use diagnostic::{SceneError, TextFault};
-pub use domain::{Domain, Face, MeshFamily, Shape, Side};
+pub use domain::{Domain, Face, Shape, Side};
+pub use exact::{FrictionBound, LoadForm};
 pub use extension::Extension;
-pub use friction::{Friction, FrictionBound};
+pub use fem::contact::BoundaryRule as ContactQuadrature;
+pub use fem::mesh::Family as MeshFamily;
+pub use friction::Friction;
 pub use heading::{Expectation, Hypothesis};
 pub use law::Law;
 pub use material::{Material, Region};
@@ -69,6 +71,7 @@ pub use spans::Spans;
 pub use sweep::{Reference, Sweep};
 pub use time::{Time, TimeGrid, TimeRule};
 pub use validated::{Body, ContactScene, Scene};
+pub use vhi::law::Curve;
 
 #[cfg(test)]
 mod tests;

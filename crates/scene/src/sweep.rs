@@ -6,6 +6,7 @@ use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
 use super::validated::{Body, Scene};
 use super::written;
+use fem::mesh::Family as MeshFamily;
 use files::counted;
 
 /// The reference run of a scene without exact solution.
@@ -58,7 +59,7 @@ impl Sweep {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
         let reference = match &written.reference {
-            Some(_) if !domain.mesh.nests() => {
+            Some(_) if domain.mesh != MeshFamily::Structured => {
                 let message = "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
                 let hint = "use the structured mesh, or an exact solution";
                 return Err(reading.error("sweep.reference", message, hint));

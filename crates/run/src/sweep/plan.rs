@@ -200,8 +200,7 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     };
     let Some(body) = scene.as_contact() else { return vec![Norm::VMax] };
     let on_contact = body.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
-    Norm::ALL
-        .into_iter()
+    Norm::all()
         .filter(|&norm| match norm {
             Norm::VTimeMax | Norm::VProjectionMax => asked(norm),
             _ if norm.needs_contact() && !on_contact => false,

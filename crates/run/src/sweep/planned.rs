@@ -78,7 +78,7 @@ fn of_block(scene: &Scene, block: &Block) -> Vec<CasePlan> {
         None => norms(scene, n),
         Some(names) => {
             let listed = |norm: &Norm| names.iter().any(|name| name == norm.name());
-            Norm::ALL.into_iter().filter(listed).collect()
+            Norm::all().filter(listed).collect()
         }
     };
     let of_mesh = |&n: &Option<u32>| {
