@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::cost::PlanCost;
 use super::extend::AddedCase;
 use super::floors::{FloorError, FloorRow};
-use super::problem::problem;
+use super::problem;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::NextCase;
 use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
@@ -61,16 +61,20 @@ impl ScenePlan {
             Ok(record) => return record,
             Err(reason) => reason,
         };
-        let (scene, k) = (self.scene(), self.subject.grid(case.steps).largest_step());
-        let body = scene.as_contact();
+        let skipped = self.unmeasured(case.n, case.steps, &case.norms);
+        CaseRecord { status: Status::Failed { reason }, ..skipped }
+    }
+
+    /// The record of a case that did no work and has no error in any norm.
+    pub(crate) fn unmeasured(&self, n: Option<u32>, steps: u32, norms: &[Norm]) -> CaseRecord {
+        let (scene, k) = (self.scene(), self.subject.grid(steps).largest_step());
         let nothing =
             |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
         CaseRecord {
             dimension: scene.dimension as u32,
-            h: case.n.zip(body).map(|(n, body)| body.domain.h(n)),
-            status: Status::Failed { reason },
-            errors: case.norms.iter().map(nothing).collect(),
-            ..CaseRecord::without_work(&scene.name, case.n, case.steps, k)
+            h: n.zip(scene.as_contact()).map(|(n, body)| body.domain.h(n)),
+            errors: norms.iter().map(nothing).collect(),
+            ..CaseRecord::without_work(&scene.name, n, steps, k)
         }
     }
 
@@ -132,7 +136,7 @@ impl ScenePlan {
 
     /// Costs of any cases of the scene.
     pub(super) fn costs_of(&self, cases: &[CasePlan]) -> Result<PlanCost, SetupError> {
-        problem(&self.subject).costs(cases, self.reference, self.kept_steps())
+        problem::costs(&self.subject, cases, self.reference, self.kept_steps())
     }
 
     /// Measures every part of the floor of a case: four to six marches, more if a reference has to be repeated.
@@ -140,7 +144,7 @@ impl ScenePlan {
     /// # Errors
     /// A run that fails.
     pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
-        problem(&self.subject).floors(case)
+        problem::floors(&self.subject, case)
     }
 
     /// Interval of kept reference levels at which all cases find theirs.

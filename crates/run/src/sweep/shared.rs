@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::plan::{CasePlan, ScenePlan, without_panic};
-use super::problem::problem;
+use super::problem;
 use fem::norms::ReferenceRun;
 use judge::record::CaseRecord;
 use scene::setup::{MeshData, Setup, reference_run};
@@ -27,7 +27,7 @@ impl<'a> Shared<'a> {
     }
 
     pub(super) fn record(&self, case: &CasePlan) -> CaseRecord {
-        self.plan.record(case, || problem(&self.plan.subject).run(case, self))
+        self.plan.record(case, || problem::run(&self.plan.subject, case, self))
     }
 
     pub(super) fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {
