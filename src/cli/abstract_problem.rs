@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use nalgebra::DVector;
 
+use super::check::fact;
 use super::solve::words::in_words;
 use super::{CliError, print_json, print_text};
 use exact::{Finding, Status};
@@ -14,9 +15,6 @@ use vhi::StepSolver;
 /// Hypotheses of the abstract theory with their constants.
 pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let c = &setup.constants;
-    let fact = |subject: &str, value: f64, how: &str| {
-        Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
-    };
     let sampled = if setup.model.nonlinear.is_empty() { "computed" } else { "slopes sampled" };
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
     let mut findings = vec![

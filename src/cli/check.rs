@@ -132,7 +132,8 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
     })
 }
 
-fn fact(subject: &str, value: f64, how: &str) -> Finding {
+/// A number of a scene, and where it comes from.
+pub(super) fn fact(subject: &str, value: f64, how: &str) -> Finding {
     Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
 }
 

@@ -44,10 +44,8 @@ impl Sweep {
         let Some(written) = written else {
             return Ok(None);
         };
-        let pairs = match &written.pairs {
-            Some(pairs) => Some(path(reading, written, pairs, domain)?),
-            None => None,
-        };
+        let pairs = written.pairs.as_ref().map(|pairs| path(reading, written, pairs, domain));
+        let pairs = pairs.transpose()?;
         let (n, steps) = match &pairs {
             Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
             None => {
@@ -67,10 +65,8 @@ impl Sweep {
             Some(reference) => Some(Reference::validate(reading, reference, domain, &n, &steps)?),
             None => None,
         };
-        let norms = match &written.norms {
-            Some(words) => Some(norms(reading, words, has_contact)?),
-            None => None,
-        };
+        let norms = written.norms.as_ref().map(|words| norms(reading, words, has_contact));
+        let norms = norms.transpose()?;
         Ok(Some(Sweep { n, steps, pairs, reference, norms, by_state: written.by_state }))
     }
 }

@@ -1,5 +1,8 @@
 //! A result in words, and the words that results share.
 
+use std::fmt::Display;
+
+use super::asked::Answer;
 use judge::fit::Direction;
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -22,20 +25,17 @@ pub(super) fn plain(number: f64) -> String {
 }
 
 /// The verdict for gaps: as in a sweep, a missing case is a failure.
-pub(super) fn gap_verdict(group: &Group) -> Option<(Decision, String)> {
-    group.gaps_in_words().map(|gaps| (Decision::Fail, gaps))
+pub(super) fn gap_verdict(group: &Group) -> Option<Answer> {
+    group.gaps_in_words().map(|gaps| Answer::of(Decision::Fail, gaps))
 }
 
 /// `; predicted 1: pass, 1 lies in …`, to end a line.
-pub(super) fn verdict_text(
-    predicted: Option<String>,
-    verdict: Option<&(Decision, String)>,
-) -> String {
-    match (predicted, verdict) {
-        (Some(order), Some((decision, reason))) => {
+pub(super) fn verdict_text(predicted: Option<impl Display>, answer: Option<&Answer>) -> String {
+    match (predicted, answer) {
+        (Some(order), Some(Answer { decision, reason, .. })) => {
             format!("predicted {order}: {}, {reason}", decision.name())
         }
-        (_, Some((_, reason))) => reason.clone(),
+        (None, Some(answer)) => answer.reason.clone(),
         _ => String::new(),
     }
 }
@@ -61,12 +61,5 @@ pub(super) fn step_name(direction: Direction) -> &'static str {
     match direction {
         Direction::Space => "h",
         Direction::Time => "k",
-    }
-}
-
-pub(super) fn map(object: serde_json::Value) -> serde_json::Map<String, serde_json::Value> {
-    match object {
-        serde_json::Value::Object(map) => map,
-        _ => serde_json::Map::new(),
     }
 }

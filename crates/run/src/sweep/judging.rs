@@ -141,16 +141,21 @@ fn floor_source(scene: &Scene) -> FloorSource {
     }
 }
 
+/// The steps of a prediction, as verdicts name them.
+pub fn judged_variable(direction: Direction) -> Variable {
+    match direction {
+        Direction::H => Variable::H,
+        Direction::K => Variable::K,
+        Direction::Joint => Variable::Joint,
+        Direction::Path => Variable::Path,
+    }
+}
+
 fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
     let pair = |window: Option<[usize; 2]>| window.map(|w| w.map(|v| v as u32));
     verdict::Prediction {
         norm: written.norm.name().into(),
-        variable: match written.variable {
-            Direction::H => Variable::H,
-            Direction::K => Variable::K,
-            Direction::Joint => Variable::Joint,
-            Direction::Path => Variable::Path,
-        },
+        variable: judged_variable(written.variable),
         order: written.order,
         order_k: written.order_k,
         at_least: written.at_least,

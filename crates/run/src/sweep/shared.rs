@@ -1,5 +1,6 @@
 //! Data shared by the cases of one scene: its reference run, and a mesh with its exact solution for each n.
 
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::plan::{CasePlan, ScenePlan, without_panic};
@@ -19,9 +20,7 @@ pub(crate) struct Shared<'a> {
 
 impl<'a> Shared<'a> {
     pub(super) fn new(plan: &'a ScenePlan) -> Self {
-        let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
-        ns.sort_unstable();
-        ns.dedup();
+        let ns: BTreeSet<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
         let meshes = ns.into_iter().map(|n| (n, Slot::default())).collect();
         Self { plan, reference: Slot::default(), meshes }
     }
