@@ -73,11 +73,7 @@ impl Sketch {
     pub fn svg(&self) -> Result<String, ReportError> {
         let mut svg = String::new();
         let canvas = Canvas::of_size(&mut svg, SIZE, TEXT)?;
-        let strokes = self.strokes.iter().flat_map(|stroke| &stroke.path);
-        let areas = self.areas.iter().flat_map(|(corners, ..)| corners);
-        let words = self.words.iter().map(|(place, _)| place);
-        let all = strokes.chain(areas).chain(words).copied();
-        let view = View::of(all, ROOM, self.stretched).unwrap_or_default();
+        let view = self.view();
         let path = |points: &[_]| points.iter().map(|&p| view.place(p)).collect::<Vec<_>>();
         for (corners, ink, opacity) in &self.areas {
             canvas.fill(&path(corners), tint(*ink), *opacity)?;
@@ -97,6 +93,14 @@ impl Sketch {
         }
         canvas.finish()?;
         Ok(with_sheet(&svg))
+    }
+
+    fn view(&self) -> View {
+        let strokes = self.strokes.iter().flat_map(|stroke| &stroke.path);
+        let areas = self.areas.iter().flat_map(|(corners, ..)| corners);
+        let words = self.words.iter().map(|(place, _)| place);
+        let all = strokes.chain(areas).chain(words).copied();
+        View::of(all, ROOM, self.stretched).unwrap_or_default()
     }
 }
 
@@ -160,14 +164,14 @@ mod tests {
     fn lengths_keep_their_ratio_unless_axes_are_stretched() {
         let (plain, stretched) = (square(), Sketch { stretched: true, ..square() });
         let extent = |sketch: &Sketch| {
-            let view = View::of(sketch);
+            let view = sketch.view();
             let (a, b) = (view.place((0.0, 0.0)), view.place((2.0, 1.0)));
             ((b.0 - a.0) / (a.1 - b.1), a, b)
         };
         assert!((extent(&plain).0 - 2.0).abs() < 1e-12);
         let (_, a, b) = extent(&stretched);
-        let corners = ((ROOM.0, ROOM.1 + ROOM.3), (ROOM.0 + ROOM.2, ROOM.1));
-        assert!((a.0 - corners.0.0).abs() + (b.1 - corners.1.1).abs() < 1e-9);
+        let [left, top, ..] = ROOM;
+        assert!((a.0 - left).abs() + (b.1 - top).abs() < 1e-9);
         // Hatches mark what is clamped, dashes what is moved.
         let svg = plain.svg().expect("a picture");
         assert!(svg.matches('M').count() > 20 && svg.contains("contact"), "{svg}");

@@ -125,7 +125,7 @@ impl Law {
     }
 
     /// The steepest rise of a law without a curve, including the largest factor (a stiffness).
-    pub fn steepest_rise(&self) -> f64 {
+    pub(crate) fn steepest_rise(&self) -> f64 {
         let steepest = self.slopes().fold(0.0, f64::max);
         self.scale.map_or(1.0, |scale| scale.largest) * steepest
     }

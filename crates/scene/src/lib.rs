@@ -1,14 +1,14 @@
 //! Scene files: TOML as written, the scene as validated, and messages that name the way out.
 //!
 //! A file becomes a [`Scene`] in two stages, each of which may fail with a [`SceneError`] that points at the text:
-//! - [`written`]: keys and types; unknown keys are refused with the nearest known one;
+//! - `written`: keys and types; unknown keys are refused with the nearest known one;
 //! - `validated`: numbers and compiled formulas that satisfy every hypothesis that can be checked without a mesh or a
 //!   solve.
 //!
 //! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by `Scene::span`.
 
 mod abstract_scene;
-pub mod abstract_written;
+mod abstract_written;
 mod choices;
 mod contact;
 mod curve;
@@ -44,7 +44,7 @@ mod sweep;
 mod time;
 mod validated;
 mod wording;
-pub mod written;
+mod written;
 
 pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
 pub use contact::Contact;

@@ -39,7 +39,7 @@ pub struct ScenePlan {
 }
 
 /// Steps of the reference run for time errors, as a multiple of the case's.
-pub const TIME_REFERENCE: u32 = 8;
+pub(crate) const TIME_REFERENCE: u32 = 8;
 
 impl ScenePlan {
     /// The plan of a scene; `overrides` replace its grids.

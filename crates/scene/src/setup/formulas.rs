@@ -7,7 +7,7 @@ use formula::{EvaluationPoint, Graph, Node, Variable};
 use vhi::law::{MemoryKernel, YieldLimit};
 
 /// b(t) by a formula in t.
-pub struct KernelFormula {
+pub(crate) struct KernelFormula {
     graph: Arc<Graph>,
     node: Node,
 }

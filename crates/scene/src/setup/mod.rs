@@ -29,8 +29,9 @@ pub use constants::{
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 use formulas::on_contact;
-pub use formulas::{KernelFormula, YieldFormula};
-pub use given_load::{GivenLoad, ReferenceTruth};
+pub(crate) use formulas::KernelFormula;
+pub use formulas::YieldFormula;
+pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 pub use laws::law_numbers;
 use laws::potential;
 pub use material::{elasticity, memory_tensor};
