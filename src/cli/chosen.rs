@@ -25,8 +25,7 @@ impl<const STEPS: i64> Grid<STEPS> {
 
     /// Refuses numbers that the scene cannot have.
     pub(super) fn check(&self, scene: &Scene) -> Result<(), SceneError> {
-        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-        scene.check_grid(&listed(&self.n), &listed(&self.steps))
+        self.overrides().check(scene)
     }
 
     pub(super) fn overrides(&self) -> Overrides {

@@ -17,8 +17,8 @@ use judge::record::{CaseRecord, Key, RecordError};
 use judge::verdict::{Baseline, Verdict, write_json};
 use report::write_junit;
 use run::sweep::{
-    Machine, NotRun, OutputDirectory, Provenance, ScenePlan, Stepwise, SweepError, foresee,
-    judge_scene, reference_error, run_more, run_sweep,
+    Machine, NotRun, OutputDirectory, Provenance, ScenePlan, Stepwise, SweepError, judge_plan,
+    reference_error, run_more, run_sweep,
 };
 
 pub(super) const LATEST: &str = "reports/latest";
@@ -89,8 +89,7 @@ pub(super) struct What {
 }
 
 fn judged(plan: &ScenePlan, records: &[CaseRecord]) -> Vec<Verdict> {
-    let foreseen = foresee(&plan.subject, records);
-    judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
+    judge_plan(plan, records, true)
 }
 
 /// Default of --budget: as much as the main job.

@@ -20,9 +20,7 @@ use judge::record::CaseRecord;
 use judge::verdict::{Failure, TABLE_WIDTH, failures};
 use report::write_junit;
 use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
-use run::sweep::{
-    Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
-};
+use run::sweep::{Machine, OutputDirectory, Provenance, ScenePlan, judge_plan, run_sweep};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, Subject};
 
@@ -205,8 +203,7 @@ impl Verify {
         let records = run_sweep(&plans, &out, &machine, false, &progress)?;
         let provenance = Provenance::of_run(&plans, &machine).json();
         let [plan] = &plans;
-        let foreseen = if self.orders_only { Vec::new() } else { foresee(&plan.subject, &records) };
-        let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+        let verdicts = judge_plan(plan, &records, !self.orders_only);
         Ok(Swept {
             plans: plans.into(),
             records,

@@ -16,18 +16,10 @@ use super::law::Law;
 use super::reading::Reading;
 use super::singular;
 
-pub(crate) type Rows = Vec<Vec<f64>>;
-
 /// One kernel with its matrix: q_l(t, s) Q_l.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AbstractKernel {
-    /// q_l, a formula in t and, for s, the first space coordinate; the factor of (t - s)^{-a} if singular.
-    pub q: Node,
-    /// a, 0 ≤ a < 1.
-    pub power: f64,
-    /// Q_l; by default the identity.
-    pub matrix: Rows,
-}
+pub use exact::KernelFormulas as AbstractKernel;
+
+pub(crate) type Rows = Vec<Vec<f64>>;
 
 /// One functional a_i with the scene's data for a_i·u.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,9 +81,8 @@ impl AbstractScene {
         let force = file.phi.as_ref().map(|phi| &phi.force);
         let force = in_r("phi.force", &[Variable::Y], force)?;
         let written = file.history.as_ref();
-        let kernels = written.map_or(Ok(Vec::new()), |history| {
-            AbstractKernel::validate(reading, history, file.time.horizon, m)
-        })?;
+        let kernels = written
+            .map_or(Ok(Vec::new()), |history| kernels(reading, history, file.time.horizon, m))?;
         let r = written.and_then(|history| history.r.as_ref());
         let r = square_or_identity(reading, "history.R", r, m)?;
         let a_s = match written.and_then(|history| history.a_s.as_ref()) {
@@ -141,27 +132,25 @@ fn square_or_identity(
     rows.map_or_else(|| Ok((0..m).map(row).collect()), |rows| square(reading, key, rows, m))
 }
 
-impl AbstractKernel {
-    fn validate(
-        reading: &mut Reading,
-        history: &WrittenHistory,
-        horizon: f64,
-        m: usize,
-    ) -> Result<Vec<Self>, SceneError> {
-        let mut scope = reading.scope(&[Variable::T]);
-        scope.define("s", reading.formulas.variable(Variable::X));
-        let mut kernels = Vec::new();
-        for (l, kernel) in history.kernels.iter().enumerate() {
-            let key = format!("history.kernels.{l}");
-            let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
-            let matrix = kernel.matrix.as_ref();
-            let matrix = square_or_identity(reading, &format!("{key}.matrix"), matrix, m)?;
-            finite_at_the_end(reading, &format!("{key}.q"), q, horizon)?;
-            let power = singular::exponent(reading, &key, kernel.singular)?;
-            kernels.push(Self { q, power, matrix });
-        }
-        Ok(kernels)
+fn kernels(
+    reading: &mut Reading,
+    history: &WrittenHistory,
+    horizon: f64,
+    m: usize,
+) -> Result<Vec<AbstractKernel>, SceneError> {
+    let mut scope = reading.scope(&[Variable::T]);
+    scope.define("s", reading.formulas.variable(Variable::X));
+    let mut kernels = Vec::new();
+    for (l, kernel) in history.kernels.iter().enumerate() {
+        let key = format!("history.kernels.{l}");
+        let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
+        let matrix = kernel.matrix.as_ref();
+        let matrix = square_or_identity(reading, &format!("{key}.matrix"), matrix, m)?;
+        finite_at_the_end(reading, &format!("{key}.q"), q, horizon)?;
+        let power = singular::exponent(reading, &key, kernel.singular)?;
+        kernels.push(AbstractKernel { q, power, matrix });
     }
+    Ok(kernels)
 }
 
 impl AbstractTrace {

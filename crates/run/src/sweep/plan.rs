@@ -9,13 +9,24 @@ use super::problem;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::NextCase;
 use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
-use scene::{Norm, Prediction, Reference, Scene};
+use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     pub n: Option<Vec<u32>>,
     pub steps: Option<Vec<u32>>,
+}
+
+impl Overrides {
+    /// Refuses numbers that the scene cannot have.
+    ///
+    /// # Errors
+    /// The first of them, at its key in the scene.
+    pub fn check(&self, scene: &Scene) -> Result<(), SceneError> {
+        let [n, steps] = [&self.n, &self.steps].map(|list| list.as_deref().unwrap_or_default());
+        scene.check_grid(n, steps)
+    }
 }
 
 /// One case.

@@ -28,9 +28,9 @@ pub use constants::{
     Constants, Coulomb, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
-use formulas::on_contact;
 pub(crate) use formulas::KernelFormula;
 pub use formulas::YieldFormula;
+use formulas::on_contact;
 pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 pub use laws::law_numbers;
 use laws::potential;
