@@ -4,13 +4,17 @@ use std::time::Instant;
 
 use nalgebra::DVector;
 
-use super::check::fact;
 use super::solve::words::in_words;
 use super::{CliError, print_json, print_text};
 use exact::{Finding, Status};
 use scene::Scene;
 use scene::setup::{AbstractSetup, abstract_regularity};
 use vhi::StepSolver;
+
+/// A number of a scene, and where it comes from.
+pub(super) fn fact(subject: &str, value: f64, how: &str) -> Finding {
+    Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
+}
 
 /// Hypotheses of the abstract theory with their constants.
 pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use judge::fit::{Claim, Direction, Posterior, Ruling, TOLERANCE};
+use judge::table::Group;
 use judge::verdict::Decision;
 use serde_json::{Map, Value, json};
 
@@ -120,5 +121,21 @@ fn map(object: Value) -> Map<String, Value> {
     match object {
         Value::Object(map) => map,
         _ => Map::new(),
+    }
+}
+
+/// The verdict for gaps: as in a sweep, a missing case is a failure.
+pub(super) fn gap_verdict(group: &Group) -> Option<Answer> {
+    group.gaps_in_words().map(|gaps| Answer::of(Decision::Fail, gaps))
+}
+
+/// `; predicted 1: pass, 1 lies in …`, to end a line.
+pub(super) fn verdict_text(predicted: Option<impl Display>, answer: Option<&Answer>) -> String {
+    match (predicted, answer) {
+        (Some(order), Some(Answer { decision, reason, .. })) => {
+            format!("predicted {order}: {}, {reason}", decision.name())
+        }
+        (None, Some(answer)) => answer.reason.clone(),
+        _ => String::new(),
     }
 }

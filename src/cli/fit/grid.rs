@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::asked::{Answer, Asked};
-use super::wording::{Part, gap_verdict, next_steps, step_name, verdict_text};
+use super::asked::{Answer, Asked, gap_verdict, verdict_text};
+use super::wording::{Part, next_steps, step_name};
 use judge::fit::{
     Direction, FittedValue, GridPosterior, JointFit, JointFits, NotIdentifiable, Point,
     fit_constants, infer_grid, joint_fits, same_level, student_quantile,

@@ -2,9 +2,9 @@
 
 use serde_json::json;
 
-use super::asked::{Answer, Asked, next};
+use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::grid::Joint;
-use super::wording::{Part, gap_verdict, next_steps, plain, run, step_name, verdict_text};
+use super::wording::{Part, next_steps, plain, run, step_name};
 use files::counted;
 use judge::fit::{
     Correction, Direction, FitError, Interval, LARGEST_OTHER_SHARE, Level, NotIdentifiable, Point,

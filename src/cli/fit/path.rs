@@ -2,9 +2,9 @@
 
 use serde_json::json;
 
-use super::asked::{Answer, Asked, next};
+use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::line;
-use super::wording::{Part, gap_verdict, next_steps, verdict_text};
+use super::wording::{Part, next_steps};
 use judge::fit::{Direction, FitError, Posterior, RefinementPath, samples};
 use judge::table::Group;
 use judge::verdict::Decision;

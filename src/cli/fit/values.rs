@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::asked::{Answer, Asked, next};
+use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::eoc;
-use super::wording::{Part, gap_verdict, next_steps, run, step_name, verdict_text};
+use super::wording::{Part, next_steps, run, step_name};
 use files::counted;
 use judge::fit::{
     Direction, EcaHoekstra, Expansion, FitError, Posterior, Triple, ValueSample, eca_hoekstra,

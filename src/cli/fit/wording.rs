@@ -1,10 +1,6 @@
 //! A result in words, and the words that results share.
 
-use std::fmt::Display;
-
-use super::asked::Answer;
 use judge::fit::Direction;
-use judge::table::Group;
 use judge::verdict::Decision;
 
 /// The result for one table in one direction.
@@ -21,22 +17,6 @@ pub(super) fn plain(number: f64) -> String {
     match rounded.abs() {
         size if size == 0.0 || (1e-3..1e5).contains(&size) => rounded.to_string(),
         _ => format!("{rounded:e}"),
-    }
-}
-
-/// The verdict for gaps: as in a sweep, a missing case is a failure.
-pub(super) fn gap_verdict(group: &Group) -> Option<Answer> {
-    group.gaps_in_words().map(|gaps| Answer::of(Decision::Fail, gaps))
-}
-
-/// `; predicted 1: pass, 1 lies in …`, to end a line.
-pub(super) fn verdict_text(predicted: Option<impl Display>, answer: Option<&Answer>) -> String {
-    match (predicted, answer) {
-        (Some(order), Some(Answer { decision, reason, .. })) => {
-            format!("predicted {order}: {}, {reason}", decision.name())
-        }
-        (None, Some(answer)) => answer.reason.clone(),
-        _ => String::new(),
     }
 }
 

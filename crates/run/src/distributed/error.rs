@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::{CASES, PLAN};
+use super::names::{CASES, PLAN};
 use crate::sweep::{OutputError, SweepError, TooLarge};
 use files::counted;
 use judge::record::RecordError;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::CASES;
 use super::error::DistributedError;
+use super::names::CASES;
 use super::plan::{SweepPlan, id, rows};
 use files::counted;
 use judge::record::Key;

@@ -6,6 +6,7 @@ mod comparing;
 mod error;
 mod merge;
 mod missing;
+mod names;
 mod part;
 mod parts;
 mod plan;
@@ -21,10 +22,3 @@ pub use parts::Parts;
 pub use plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
 pub use planning::{Engine, PlannedCases, Planning};
 pub use sorted::AT_ONCE;
-
-/// Scenes, arguments and version of the plan, below its directory.
-const PLAN: &str = "plan.json";
-/// One row per case: its cost and job.
-const CASES: &str = "plan.csv";
-/// One row per job: its cost and request.
-const JOBS: &str = "jobs.csv";

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::DistributedError;
+use super::names::{CASES, PLAN};
 use super::plan::{CaseRow, SweepPlan};
-use super::{CASES, PLAN};
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, Overrides, Progress, Provenance, Resumed, ScenePlan,
     resume, run_sweep,

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::error::DistributedError;
-use super::{CASES, JOBS, PLAN};
+use super::names::{CASES, JOBS, PLAN};
 use crate::sweep::Overrides;
 use files::{Replacement, open_file, read_text, replace_file};
 use judge::record::Key;

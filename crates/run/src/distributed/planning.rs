@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::bundle::{Job, SceneCosts, bundle};
 use super::error::DistributedError;
+use super::names::PLAN;
 use super::plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
-use super::{PLAN, slurm};
+use super::slurm;
 use crate::sweep::{Overrides, ScenePlan};
 use files::{make_directory, replace_file};
 use judge::record::Key;
