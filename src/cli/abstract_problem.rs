@@ -11,12 +11,14 @@ use scene::Scene;
 use scene::setup::{AbstractSetup, abstract_regularity};
 use vhi::StepSolver;
 
+/// A number of a scene, and where it comes from.
+pub(super) fn fact(subject: &str, value: f64, how: &str) -> Finding {
+    Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
+}
+
 /// Hypotheses of the abstract theory with their constants.
 pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let c = &setup.constants;
-    let fact = |subject: &str, value: f64, how: &str| {
-        Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
-    };
     let sampled = if setup.model.nonlinear.is_empty() { "computed" } else { "slopes sampled" };
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
     let mut findings = vec![

@@ -9,7 +9,7 @@ use super::study::deliver;
 use super::{CliError, Scenes, create_dir, no_case, write_file};
 use fem::contact::BoundaryRule;
 use fem::space::Element;
-use run::sweep::admit_constants;
+use run::sweep::{Overrides, admit_constants};
 use scene::setup::Setup;
 use studies::theory::audit::{AuditError, SceneAudit, audit_runs};
 use studies::theory::ledger::{document, ledger};
@@ -97,8 +97,7 @@ impl Audit {
 
     fn grids(&self, setup: &Setup) -> Result<(Vec<u32>, Vec<u32>), CliError> {
         let scene = &setup.scene;
-        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-        scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
+        Overrides { n: self.n.clone(), steps: self.steps.clone() }.check(scene)?;
         let listed_in_scene = |list: fn(&scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
             scene.sweep.as_ref().map_or(Vec::new(), |s| list(s).iter().map(|&v| v as u32).collect())
         };

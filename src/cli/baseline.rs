@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::chosen::Chosen;
 use super::machine::Allowance;
 use super::run::{BASELINE, LATEST, What};
 use super::{CliError, Scenes, print_text};
@@ -40,8 +41,10 @@ pub(crate) struct BaselineCommand {
 impl BaselineCommand {
     pub(super) fn execute(self, scenes: &Scenes) -> Result<u8, CliError> {
         let old = Baseline::read(&self.file).map_err(CliError::other)?;
-        let (names, out) = (self.scenes.clone(), self.out.clone());
-        let what = What::on_own_grids(names, out, self.jobs, self.all, self.allowance);
+        let named = self.scenes.clone();
+        let chosen = Chosen { scenes: named, all: self.all, ..Chosen::default() };
+        let Self { out, jobs, allowance, .. } = self;
+        let what = What { chosen, out, jobs, allowance, ..What::default() };
         let swept = what.sweep(scenes, what.plans(scenes)?, false, false)?;
         let code = exit_code(&swept.records, &swept.verdicts);
         if code > 0 {

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::abstract_problem::fact;
 use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_beside, print_json};
 use exact::{Finding, Status, check};
@@ -130,10 +131,6 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
         }
         Some(error) => Finding::new(subject, Status::Failed, f64::NAN, error.to_string()),
     })
-}
-
-fn fact(subject: &str, value: f64, how: &str) -> Finding {
-    Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
 }
 
 /// α_φ of all of φ, including friction that follows the normal law.

@@ -7,7 +7,7 @@ use run::sweep::{MemoryLimit, Overrides, ScenePlan};
 use scene::{Scene, SceneError};
 
 /// Meshes and numbers of steps (at most `STEPS`) in place of the scene's.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct Grid<const STEPS: i64 = 10_000_000> {
     /// Cells per unit length, h = 1/n, in place of the scene's list
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -18,10 +18,6 @@ pub(super) struct Grid<const STEPS: i64 = 10_000_000> {
 }
 
 impl<const STEPS: i64> Grid<STEPS> {
-    pub(super) fn from_scene() -> Self {
-        Self { n: None, steps: None }
-    }
-
     /// Whether the grids are those of the scenes.
     pub(super) fn is_own(&self) -> bool {
         self.n.is_none() && self.steps.is_none()
@@ -29,8 +25,7 @@ impl<const STEPS: i64> Grid<STEPS> {
 
     /// Refuses numbers that the scene cannot have.
     pub(super) fn check(&self, scene: &Scene) -> Result<(), SceneError> {
-        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-        scene.check_grid(&listed(&self.n), &listed(&self.steps))
+        self.overrides().check(scene)
     }
 
     pub(super) fn overrides(&self) -> Overrides {
@@ -39,7 +34,7 @@ impl<const STEPS: i64> Grid<STEPS> {
 }
 
 /// Scenes and grids.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct Chosen {
     /// Names of scenes, or paths of TOML files; none: all that are not marked long
     #[arg(value_name = "SCENE")]

@@ -48,14 +48,7 @@ impl Explain {
         let rows = plan.cases.iter().zip(&costs.cases);
         let cases: Vec<_> = rows.map(|(case, cost)| case_json(&plan, case, cost)).collect();
         let reference = plan.reference.zip(costs.reference).map(|(reference, cost)| {
-            serde_json::json!({
-                "n": reference.n,
-                "steps": reference.steps,
-                "plan": cost.plan.name(),
-                "linear_solver": cost.linear_solver.name(),
-                "seconds_predicted": cost.seconds,
-                "memory_bytes_predicted": cost.memory_bytes.round() as u64,
-            })
+            run_json(Some(reference.n as u32), reference.steps as u32, &cost)
         });
         let Asked { regions, corners, history } = &asked;
         let scene = plan.scene();
@@ -81,20 +74,25 @@ impl Explain {
     }
 }
 
-fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> serde_json::Value {
+fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
     serde_json::json!({
-        "n": case.n,
-        "steps": case.steps,
-        "dofs": cost.dofs,
+        "n": n,
+        "steps": steps,
         "plan": cost.plan.name(),
         "linear_solver": cost.linear_solver.name(),
-        "factorizations": cost.work.map(|[factorizations, _]| factorizations),
-        "solves": cost.work.map(|[_, solves]| solves),
-        "history_bytes": history_bytes(&plan.subject, case.steps, cost.dofs),
-        "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
         "seconds_predicted": cost.seconds,
         "memory_bytes_predicted": cost.memory_bytes.round() as u64,
     })
+}
+
+fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> serde_json::Value {
+    let mut json = run_json(case.n, case.steps, cost);
+    json["dofs"] = cost.dofs.into();
+    json["factorizations"] = cost.work.map(|[factorizations, _]| factorizations).into();
+    json["solves"] = cost.work.map(|[_, solves]| solves).into();
+    json["history_bytes"] = history_bytes(&plan.subject, case.steps, cost.dofs).into();
+    json["norms"] = case.norms.iter().map(|norm| norm.name()).collect();
+    json
 }
 
 /// Prints the scene's totals first, its cases last.

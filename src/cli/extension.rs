@@ -28,10 +28,14 @@ pub(crate) fn extended(
     Ok(added)
 }
 
+/// The provenance of the records in `out`, if there are any.
+pub(crate) fn earlier(out: &Path) -> Result<Option<Provenance>, CliError> {
+    Provenance::read(out).map_err(|(path, reason)| CliError::about(path.display(), reason))
+}
+
 /// Adds the earlier extensions of the records in `out` to the plans.
 pub(crate) fn restore_added(plans: &mut [ScenePlan], out: &Path) -> Result<(), CliError> {
-    let known =
-        Provenance::read(out).map_err(|(path, reason)| CliError::about(path.display(), reason))?;
+    let known = earlier(out)?;
     for plan in plans {
         let added = known.as_ref().and_then(|known| known.added_cases.get(&plan.scene().name));
         added.into_iter().flatten().for_each(|added| plan.add(added.clone()));

@@ -6,10 +6,9 @@ use std::path::Path;
 
 use super::{CliError, print_as_it_is};
 use judge::record::CaseRecord;
-use judge::verdict::{Variable, Verdict};
+use judge::verdict::Verdict;
 use report::{AnnotationPlace, annotations, step_summary};
-use run::sweep::ScenePlan;
-use scene::Direction;
+use run::sweep::{ScenePlan, judged_variable};
 
 /// Whether annotations are wanted, by the option or because GitHub Actions runs.
 pub(super) fn on_github(option: bool) -> bool {
@@ -38,12 +37,7 @@ pub(crate) fn annotate(
 fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<AnnotationPlace> {
     let scene = plans.iter().map(ScenePlan::scene).find(|scene| scene.name == name)?;
     let predicts = scene.predicts.iter().position(|prediction| {
-        let variable = match prediction.variable {
-            Direction::H => Variable::H,
-            Direction::K => Variable::K,
-            Direction::Joint => Variable::Joint,
-            Direction::Path => Variable::Path,
-        };
+        let variable = judged_variable(prediction.variable);
         verdict.is_some_and(|v| v.norm == prediction.norm.name() && v.variable == variable)
     });
     let key = match predicts {

@@ -5,7 +5,7 @@ use clap::Args;
 use run::sweep::MemoryLimit;
 
 /// What a command may take of the memory.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct Allowance {
     /// Memory that may be used, as predicted before anything is solved, in bytes or as 512M, 8G. Larger cases are
     /// not started [default: what the machine has available]
@@ -14,10 +14,6 @@ pub(super) struct Allowance {
 }
 
 impl Allowance {
-    pub(super) fn of_machine() -> Self {
-        Self { memory_limit: None }
-    }
-
     pub(super) fn limit(&self) -> MemoryLimit {
         self.memory_limit.unwrap_or_else(MemoryLimit::of_machine)
     }

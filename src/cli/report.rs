@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::extension::earlier;
 use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
 use judge::record::{CaseRecord, CaseTable, Key, RecordError, read_table};
 use judge::verdict::{exit_code, read_failures, read_foreseen, restore_reasons};
@@ -53,8 +54,7 @@ impl Report {
             let failures = read_failures(&document).map_err(CliError::other)?;
             restore_reasons(&mut records, &failures);
         }
-        let known = Provenance::read(&self.dir)
-            .map_err(|(path, reason)| CliError::about(path.display(), reason))?;
+        let known = earlier(&self.dir)?;
         let of_records: Vec<Scene> = self
             .names(&records, known.as_ref())?
             .iter()

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::chosen::{Chosen, Grid};
+use super::chosen::Chosen;
 use super::extension::restore_added;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
@@ -17,8 +17,8 @@ use judge::record::{CaseRecord, Key, RecordError};
 use judge::verdict::{Baseline, Verdict, write_json};
 use report::write_junit;
 use run::sweep::{
-    Machine, NotRun, OutputDirectory, Provenance, ScenePlan, Stepwise, SweepError, foresee,
-    judge_scene, reference_error, run_more, run_sweep,
+    Machine, NotRun, OutputDirectory, Provenance, ScenePlan, Stepwise, SweepError, judge_plan,
+    reference_error, run_more, run_sweep,
 };
 
 pub(super) const LATEST: &str = "reports/latest";
@@ -58,39 +58,38 @@ pub(crate) struct Gate {
     github: bool,
 }
 
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct What {
     #[command(flatten)]
-    chosen: Chosen,
+    pub(super) chosen: Chosen,
     /// Directory for records and report
     #[arg(long, value_name = "DIR", default_value = LATEST)]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Cases at a time [default: number of processors]
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
+    pub(super) jobs: Option<u16>,
     // A case above the limit is recorded as failed; others wait until they fit.
     #[command(flatten)]
-    allowance: Allowance,
+    pub(super) allowance: Allowance,
     /// Begin with the three cheapest cases of every claim, and run a further one only where a claim is not settled: a
     /// pass by four levels, or by three with the predicted constant, a failure by five
     #[arg(long)]
-    until_resolved: bool,
+    pub(super) until_resolved: bool,
     /// Run the cases that unresolved verdicts name as well, for three rounds at most
     #[arg(long)]
-    extend: bool,
+    pub(super) extend: bool,
     /// CPU seconds that the added cases may take, as predicted
     #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, requires = "extend", value_parser = seconds)]
-    budget: f64,
+    pub(super) budget: f64,
     /// Compare errors and work with this baseline [default: reports/baseline.json for scenes of the
     /// default folder or of the program itself, where the file exists; else the program's own for its own scenes;
     /// `sweep baseline` writes it]
     #[arg(long, value_name = "FILE")]
-    baseline: Option<PathBuf>,
+    pub(super) baseline: Option<PathBuf>,
 }
 
 fn judged(plan: &ScenePlan, records: &[CaseRecord]) -> Vec<Verdict> {
-    let foreseen = foresee(&plan.subject, records);
-    judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
+    judge_plan(plan, records, true)
 }
 
 /// Default of --budget: as much as the main job.
@@ -99,13 +98,7 @@ const BUDGET: f64 = 60.0;
 impl Run {
     /// The main job: all scenes at gate size into reports/latest.
     pub(crate) fn main_job() -> Self {
-        let what = What::on_own_grids(
-            Vec::new(),
-            PathBuf::from(LATEST),
-            None,
-            false,
-            Allowance::of_machine(),
-        );
+        let what = What { out: PathBuf::from(LATEST), ..What::default() };
         Self { what, resume: false, json: false }
     }
 
@@ -154,26 +147,6 @@ impl Gate {
 }
 
 impl What {
-    /// Scenes on their default grids, not compared with a baseline.
-    pub(super) fn on_own_grids(
-        scenes: Vec<String>,
-        out: PathBuf,
-        jobs: Option<u16>,
-        all: bool,
-        allowance: Allowance,
-    ) -> Self {
-        Self {
-            chosen: Chosen { scenes, grid: Grid::from_scene(), all },
-            out,
-            jobs,
-            allowance,
-            until_resolved: false,
-            extend: false,
-            budget: BUDGET,
-            baseline: None,
-        }
-    }
-
     /// Runs and judges the plans, against the baseline if `compared`.
     pub(super) fn sweep(
         &self,
@@ -203,10 +176,9 @@ impl What {
         if resume {
             restore_added(&mut plans, &self.out)?;
         }
-        let mut stepwise = match self.until_resolved {
-            true => Some(until_resolved::hold(&mut plans, resume.then_some(&*self.out))?),
-            false => None,
-        };
+        let resumed = resume.then_some(&*self.out);
+        let held = self.until_resolved.then(|| until_resolved::hold(&mut plans, resumed));
+        let mut stepwise = held.transpose()?;
         let mut records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
         if let Some(stepwise) = stepwise.as_mut().filter(|_| resume) {
             stepwise.replay(&mut plans, &records, judged);
@@ -222,10 +194,7 @@ impl What {
             }
         }
         let verdicts = verdicts.concat();
-        let not_run = match &stepwise {
-            Some(stepwise) => stepwise.not_run(&plans)?,
-            None => Vec::new(),
-        };
+        let not_run = stepwise.map_or(Ok(Vec::new()), |stepwise| stepwise.not_run(&plans))?;
         let provenance = Provenance::of_run(&plans, &machine).json();
         let comparison = baseline.map(|baseline| {
             let held: Vec<Key> = not_run.iter().flat_map(NotRun::keys).collect();

@@ -185,10 +185,9 @@ impl Solve {
         let data = MeshData::new(setup, n, None)?;
         self.admit(setup, n, Some(&data.space))?;
         self.check_levels(setup, n, &data)?;
-        let bound = match self.decomposes() {
-            true => Some(decomposition_bound(setup, &data.space, n, self.steps)?),
-            false => None,
-        };
+        let bound = self.decomposes();
+        let bound = bound.then(|| decomposition_bound(setup, &data.space, n, self.steps));
+        let bound = bound.transpose()?;
         self.remark_on(&setup.scene.name, bound);
         let (info, state, seconds) = self.march(setup, n, &data, start)?;
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
@@ -214,10 +213,8 @@ impl Solve {
         start: Instant,
     ) -> Result<(CaseInfo, FinalState, f64), CliError> {
         let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
-        let mut series = match &self.vtu {
-            Some(dir) => Some(VtuSeries::new(dir, name).map_err(CliError::other)?),
-            None => None,
-        };
+        let series = self.vtu.as_ref().map(|dir| VtuSeries::new(dir, name));
+        let mut series = series.transpose().map_err(CliError::other)?;
         if self.pictures.is_some() && !plane {
             return Err(CliError::other(format!(
                 "{name}: --pictures draws plane bodies; --vtu is for any"

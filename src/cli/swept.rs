@@ -51,7 +51,7 @@ impl Swept {
             document["references"] = json!(self.references);
         }
         if !self.not_run.is_empty() {
-            document["not_run"] = super::until_resolved::as_json(&self.not_run);
+            document["not_run"] = json!(self.not_run);
         }
         document
     }

@@ -3,22 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde_json::{Value, json};
-
 use super::CliError;
 use super::explain::duration;
+use super::extension::earlier;
 use super::progress::note;
 use files::counted;
 use judge::verdict::NextCase;
-use run::sweep::{CasePlan, NotRun, Provenance, ScenePlan, Stepwise, planned};
+use run::sweep::{CasePlan, NotRun, ScenePlan, Stepwise, planned};
 
 /// Holds back cases that may not be needed, except those requested earlier by `resumed` records.
 pub(super) fn hold(plans: &mut [ScenePlan], resumed: Option<&Path>) -> Result<Stepwise, CliError> {
-    let known = match resumed {
-        None => None,
-        Some(out) => Provenance::read(out)
-            .map_err(|(path, reason)| CliError::about(path.display(), reason))?,
-    };
+    let known = resumed.map(earlier).transpose()?.flatten();
     let asked: BTreeMap<String, Vec<CasePlan>> = plans
         .iter()
         .map(ScenePlan::scene)
@@ -49,10 +44,4 @@ pub(super) fn in_words(left: &[NotRun], run: usize) -> String {
         duration(seconds),
         counted(left.len(), "scene")
     )
-}
-
-/// The skipped cases for programs.
-pub(super) fn as_json(left: &[NotRun]) -> Value {
-    let one = |skipped: &NotRun| json!({"scene": skipped.scene, "cases": skipped.cases, "seconds": skipped.seconds});
-    left.iter().map(one).collect()
 }

@@ -1,11 +1,13 @@
 //! `sweep verify`: runs another program's solver under the same sweep, measured and judged like the built-in one.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::chosen::Grid;
 use super::github::{annotate, on_github};
@@ -18,9 +20,7 @@ use judge::record::CaseRecord;
 use judge::verdict::{Failure, TABLE_WIDTH, failures};
 use report::write_junit;
 use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
-use run::sweep::{
-    Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
-};
+use run::sweep::{Machine, OutputDirectory, Provenance, ScenePlan, judge_plan, run_sweep};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, Subject};
 
@@ -99,15 +99,12 @@ impl Verify {
         if let Some(path) = &self.junit {
             write_junit(path, &judged.verdicts, &judged.provenance, None)?;
         }
-        let beside = match self.beside {
-            true => Some(self.run_built_in(scenes)?),
-            false => None,
-        };
+        let beside = self.beside.then(|| self.run_built_in(scenes)).transpose()?;
         let compared = beside.as_ref().map(|built_in| compare(&judged.records, &built_in.records));
         if self.json {
             let mut document = judged.document();
             if let Some(rows) = &compared {
-                document["beside"] = rows.iter().map(Beside::json).collect();
+                document["beside"] = json!(rows);
             }
             print_json(&document)?;
         } else {
@@ -206,8 +203,7 @@ impl Verify {
         let records = run_sweep(&plans, &out, &machine, false, &progress)?;
         let provenance = Provenance::of_run(&plans, &machine).json();
         let [plan] = &plans;
-        let foreseen = if self.orders_only { Vec::new() } else { foresee(&plan.subject, &records) };
-        let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+        let verdicts = judge_plan(plan, &records, !self.orders_only);
         Ok(Swept {
             plans: plans.into(),
             records,
@@ -251,11 +247,9 @@ fn with_solver(mut plan: ScenePlan, solver: ExternalSolver) -> ScenePlan {
 /// Writes the files of all runs of the plan, including those for time errors.
 fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
     let Subject::Contact(setup) = &plan.subject else { return Ok(0) };
-    let mut runs = plan.runs();
-    runs.sort_unstable();
-    runs.dedup();
+    let runs: BTreeSet<_> = plan.runs().into_iter().collect();
     let mut mesh: Option<(u32, MeshData)> = None;
-    for &(n, steps) in &runs {
+    for (n, steps) in runs {
         if mesh.as_ref().is_none_or(|(known, _)| *known != n) {
             mesh = Some((n, data(setup, n)?));
         }
@@ -273,23 +267,14 @@ fn data(setup: &Setup, n: u32) -> Result<MeshData, CliError> {
 }
 
 /// One error by both solvers.
+#[derive(Serialize)]
 struct Beside {
     n: Option<u32>,
     steps: u32,
     norm: String,
     solver: f64,
-    built_in: f64,
-}
-
-impl Beside {
-    fn difference(&self) -> f64 {
-        (self.solver - self.built_in).abs() / self.built_in
-    }
-
-    fn json(&self) -> Value {
-        let Self { n, steps, norm, solver, built_in } = self;
-        json!({ "n": n, "steps": steps, "norm": norm, "solver": solver, "own": built_in, "difference": self.difference() })
-    }
+    own: f64,
+    difference: f64,
 }
 
 /// The errors that both have.
@@ -301,11 +286,10 @@ fn compare(solver: &[CaseRecord], built_in: &[CaseRecord]) -> Vec<Beside> {
         };
         for entry in &record.errors {
             let other = same.errors.iter().find(|other| other.norm == entry.norm);
-            if let (Some(solver), Some(built_in)) =
-                (entry.error, other.and_then(|other| other.error))
-            {
-                let norm = entry.norm.clone();
-                rows.push(Beside { n: record.n, steps: record.steps, norm, solver, built_in });
+            if let (Some(solver), Some(own)) = (entry.error, other.and_then(|other| other.error)) {
+                let (norm, difference) = (entry.norm.clone(), (solver - own).abs() / own);
+                let (n, steps) = (record.n, record.steps);
+                rows.push(Beside { n, steps, norm, solver, own, difference });
             }
         }
     }
@@ -319,8 +303,8 @@ fn table(rows: &[Beside]) -> String {
             row.steps.to_string(),
             row.norm.clone(),
             format!("{:.6e}", row.solver),
-            format!("{:.6e}", row.built_in),
-            format!("{:.1e}", row.difference()),
+            format!("{:.6e}", row.own),
+            format!("{:.1e}", row.difference),
         ]
     };
     let rows: Vec<Vec<String>> = rows.iter().map(cells).collect();

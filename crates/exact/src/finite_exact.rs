@@ -32,6 +32,7 @@ pub struct FiniteData {
 }
 
 /// (t - s)^{-a} q(t, s) Q.
+#[derive(Debug, Clone, PartialEq)]
 pub struct KernelFormulas {
     /// q in t and, for s, the first space coordinate.
     pub q: Node,

@@ -60,12 +60,7 @@ impl Bars {
         let mut x = NAME;
         for (kind, words) in [(false, &self.first), (true, &self.second)] {
             if self.bars.iter().any(|bar| bar.second == kind) {
-                let [top, low] = [24.0, 48.0];
-                canvas.fill(
-                    &[(x, top), (x + 44.0, top), (x + 44.0, low), (x, low)],
-                    ink(kind),
-                    1.0,
-                )?;
+                canvas.fill_box([x, 24.0, x + 44.0, 48.0], ink(kind), 1.0)?;
                 canvas.text(words, (x + 58.0, 36.0), Anchor::Left)?;
                 x += 110.0 + CHARACTER * words.chars().count() as f64;
             }
@@ -92,9 +87,7 @@ fn draw(canvas: &Canvas<'_>, bar: &Bar, y: f64) -> Result<(), ReportError> {
     // Slightly beyond the limit may still be within the accuracy, so the caller decides.
     let colour = if bar.fails { COLOURS[1] } else { ink(bar.second) };
     let shown = if bar.length.is_nan() { 1.0 } else { bar.length.clamp(0.0, 1.08) };
-    let (left, right) = (across(0.0), across(shown));
-    let (top, low) = (y - 13.0, y + 13.0);
-    canvas.fill(&[(left, top), (right, top), (right, low), (left, low)], colour, 1.0)?;
+    canvas.fill_box([across(0.0), y - 13.0, across(shown), y + 13.0], colour, 1.0)?;
     let number = match bar.length {
         length if length.is_nan() => "no number".to_owned(),
         length if length.abs() >= 0.01 && length.abs() < 100.0 => format!("{length:.2}"),

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use plotters::style::RGBColor;
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, CanvasPoint};
-use super::palette::{INK, colour};
+use super::canvas::{Anchor, Canvas, CanvasPoint, View, span};
+use super::palette::{INK, colour, mixed};
 use super::sheet::with_sheet;
 
 /// A triangle of the deformed mesh.
@@ -58,8 +58,7 @@ const RAMP: [[f64; 3]; 4] =
 fn shade(part: f64) -> RGBColor {
     let at = part.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
     let i = (at.floor() as usize).min(RAMP.len() - 2);
-    let mixed = |c: usize| (RAMP[i][c] + (at - i as f64) * (RAMP[i + 1][c] - RAMP[i][c])) as u8;
-    RGBColor(mixed(0), mixed(1), mixed(2))
+    mixed(RAMP[i], RAMP[i + 1], at - i as f64)
 }
 
 impl Deformed {
@@ -68,7 +67,11 @@ impl Deformed {
     /// # Errors
     /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
-        let Some(view) = View::of(self) else { return Ok(None) };
+        let corners = self.cells.iter().flat_map(|cell| cell.corners);
+        let rest = self.rest.iter().flatten().copied();
+        let [left, top, right, bottom] = ROOM;
+        let room = [left, top, right, bottom - ARROW];
+        let Some(view) = View::of(corners.chain(rest), room, false) else { return Ok(None) };
         let mut svg = String::new();
         let canvas = Canvas::new(&mut svg)?;
         canvas.bold(&self.title, (30.0, 44.0))?;
@@ -121,13 +124,8 @@ impl Deformed {
         let (top, height) = (230.0, 330.0 / SHADES as f64);
         for i in 0..SHADES {
             let y = top + height * (SHADES - 1 - i) as f64;
-            let corners = [
-                (LEGEND, y),
-                (LEGEND + 60.0, y),
-                (LEGEND + 60.0, y + height),
-                (LEGEND, y + height),
-            ];
-            canvas.fill(&corners, shade((i as f64 + 0.5) / SHADES as f64), 1.0)?;
+            let sides = [LEGEND, y, LEGEND + 60.0, y + height];
+            canvas.fill_box(sides, shade((i as f64 + 0.5) / SHADES as f64), 1.0)?;
         }
         canvas.text(&format!("{most:.3}"), (LEGEND + 76.0, top), Anchor::Left)?;
         canvas.text("0", (LEGEND + 76.0, top + 330.0), Anchor::Left)?;
@@ -182,9 +180,7 @@ fn hatches(cells: Vec<[CanvasPoint; 3]>) -> Vec<[CanvasPoint; 2]> {
     let mut pieces: BTreeMap<i64, Vec<(f64, f64)>> = BTreeMap::new();
     for corners in cells {
         let sums = corners.map(|(x, y)| x + y);
-        let (low, high) = sums
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
+        let (low, high) = span(sums.into_iter());
         for line in (low / HATCH).ceil() as i64..=(high / HATCH).floor() as i64 {
             let sum = HATCH * line as f64;
             let crossing = |(a, b): (usize, usize)| {
@@ -193,8 +189,7 @@ fn hatches(cells: Vec<[CanvasPoint; 3]>) -> Vec<[CanvasPoint; 2]> {
                 (0.0..=1.0).contains(&part).then_some(x)
             };
             let ends = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(crossing);
-            let (from, to) =
-                ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
+            let (from, to) = span(ends);
             if to > from {
                 pieces.entry(line).or_default().push((from, to));
             }
@@ -239,42 +234,6 @@ fn arrow(
         (foot.0 - ux * head - sign * uy * 0.5 * head, foot.1 - uy * head + sign * ux * 0.5 * head)
     };
     canvas.fill(&[foot, side(1.0), side(-1.0)], colour(0), 1.0)
-}
-
-/// Maps the body to the canvas.
-struct View {
-    origin: (f64, f64),
-    scale: f64,
-    corner: (f64, f64),
-}
-
-impl View {
-    fn of(picture: &Deformed) -> Option<Self> {
-        let corners = picture.cells.iter().flat_map(|cell| cell.corners);
-        let rest = picture.rest.iter().flatten().copied();
-        let all: Vec<(f64, f64)> =
-            corners.chain(rest).filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
-        let span = |pick: fn(&(f64, f64)) -> f64| {
-            let values = all.iter().map(pick);
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
-        };
-        let (x, y) = (span(|p| p.0), span(|p| p.1));
-        if all.is_empty() {
-            return None;
-        }
-        // Leaves room for arrows outside the body.
-        let [left, top, right, bottom] = [ROOM[0], ROOM[1], ROOM[2], ROOM[3] - ARROW];
-        let wide = |(lo, hi): (f64, f64)| (hi - lo).max(f64::MIN_POSITIVE);
-        let scale = ((right - left) / wide(x)).min((bottom - top) / wide(y));
-        let rest = (right - left - scale * wide(x), bottom - top - scale * wide(y));
-        let corner = (left + 0.5 * rest.0, bottom - 0.5 * rest.1);
-        Some(Self { origin: (x.0, y.0), scale, corner })
-    }
-
-    fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
-        let away = (x - self.origin.0, y - self.origin.1);
-        (self.corner.0 + self.scale * away.0, self.corner.1 - self.scale * away.1)
-    }
 }
 
 #[cfg(test)]

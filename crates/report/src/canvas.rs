@@ -106,6 +106,26 @@ impl<'a> Canvas<'a> {
         self.area.draw(&shape).map_err(ReportError::drawing)
     }
 
+    /// A box from [left, top, right, bottom].
+    pub(super) fn fill_box(
+        &self,
+        sides: [f64; 4],
+        colour: RGBColor,
+        opacity: f64,
+    ) -> Result<(), ReportError> {
+        self.fill(&corners(sides), colour, opacity)
+    }
+
+    pub(super) fn line_box(
+        &self,
+        sides: [f64; 4],
+        colour: RGBColor,
+        width: u32,
+    ) -> Result<(), ReportError> {
+        let corners = corners(sides);
+        self.line(&[&corners[..], &corners[..1]].concat(), colour, width)
+    }
+
     /// One of four shapes by number; hollow for a point that is left out.
     pub(super) fn marker(
         &self,
@@ -175,6 +195,48 @@ fn outline(shape: usize, (x, y): CanvasPoint) -> Vec<CanvasPoint> {
         _ => &[(0.0, -1.4), (1.4, 0.0), (0.0, 1.4), (-1.4, 0.0)],
     };
     corners.iter().map(|(dx, dy)| (x + MARKER * dx, y + MARKER * dy)).collect()
+}
+
+pub(super) fn corners([left, top, right, bottom]: [f64; 4]) -> [CanvasPoint; 4] {
+    [(left, top), (right, top), (right, bottom), (left, bottom)]
+}
+
+/// The least and the largest of the values.
+pub(super) fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
+}
+
+/// Maps points, y upwards, to the middle of a room of the canvas.
+#[derive(Default)]
+pub(super) struct View {
+    origin: (f64, f64),
+    scale: (f64, f64),
+    corner: (f64, f64),
+}
+
+impl View {
+    /// The view of the finite points in a room [left, top, right, bottom]; both axes have one scale unless `stretched`.
+    pub(super) fn of(
+        points: impl Iterator<Item = (f64, f64)>,
+        [left, top, right, bottom]: [f64; 4],
+        stretched: bool,
+    ) -> Option<Self> {
+        let all: Vec<_> = points.filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
+        let (x, y) = (span(all.iter().map(|p| p.0)), span(all.iter().map(|p| p.1)));
+        let wide = |(lo, hi): (f64, f64)| (hi - lo).max(f64::MIN_POSITIVE);
+        let mut scale = ((right - left) / wide(x), (bottom - top) / wide(y));
+        if !stretched {
+            scale = (scale.0.min(scale.1), scale.0.min(scale.1));
+        }
+        let rest = (right - left - scale.0 * wide(x), bottom - top - scale.1 * wide(y));
+        let corner = (left + 0.5 * rest.0, bottom - 0.5 * rest.1);
+        (!all.is_empty()).then_some(Self { origin: (x.0, y.0), scale, corner })
+    }
+
+    pub(super) fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
+        let away = (x - self.origin.0, y - self.origin.1);
+        (self.corner.0 + self.scale.0 * away.0, self.corner.1 - self.scale.1 * away.1)
+    }
 }
 
 fn pixel((x, y): CanvasPoint) -> (i32, i32) {

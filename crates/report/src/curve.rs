@@ -21,8 +21,8 @@ pub(super) struct Curve<'a> {
     pub(super) fixed: Option<u32>,
 }
 
-pub(super) fn norms(records: &[CaseRecord]) -> Vec<&str> {
-    let mut norms: Vec<&str> = records.iter().flat_map(CaseRecord::norms).collect();
+pub(super) fn norms<'a>(records: impl IntoIterator<Item = &'a CaseRecord>) -> Vec<&'a str> {
+    let mut norms: Vec<&str> = records.into_iter().flat_map(CaseRecord::norms).collect();
     norms.sort_by_key(|norm| (norm_rank(norm), *norm));
     norms.dedup();
     norms

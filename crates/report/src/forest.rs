@@ -175,18 +175,16 @@ fn draw_row(
     }
     let at = (left + across(order), y);
     match row.decision {
-        Decision::Pass => canvas.fill(&square(at, POINT), ink, 1.0),
-        // Hollow points also differ without colours.
+        Decision::Pass => canvas.fill_box(square(at, POINT), ink, 1.0),
         Decision::Fail | Decision::Unresolved => {
-            canvas.fill(&square(at, POINT), super::sheet::PAPER, 1.0)?;
-            let corners = square(at, POINT);
-            canvas.line(&[&corners[..], &corners[..1]].concat(), ink, 2)
+            canvas.fill_box(square(at, POINT), super::sheet::PAPER, 1.0)?;
+            canvas.line_box(square(at, POINT), ink, 2)
         }
     }
 }
 
-fn square((x, y): CanvasPoint, half: f64) -> [CanvasPoint; 4] {
-    [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
+fn square((x, y): CanvasPoint, half: f64) -> [f64; 4] {
+    [x - half, y - half, x + half, y + half]
 }
 
 fn arrow(

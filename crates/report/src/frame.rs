@@ -100,8 +100,7 @@ impl Frame {
                 None => canvas.line(&[(LEFT, y), (LEFT + STROKE, y)], INK, 2)?,
             }
         }
-        let corners = [(LEFT, TOP), (RIGHT, TOP), (RIGHT, BOTTOM), (LEFT, BOTTOM), (LEFT, TOP)];
-        canvas.line(&corners, INK, 3)?;
+        canvas.line_box([LEFT, TOP, RIGHT, BOTTOM], INK, 3)?;
         canvas.text(&chart.x.label, (0.5 * (LEFT + RIGHT), BOTTOM + 96.0), Anchor::Centre)?;
         canvas.text(&chart.y.label, (30.0, 0.5 * (TOP + BOTTOM)), Anchor::Upwards)
     }

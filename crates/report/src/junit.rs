@@ -23,8 +23,7 @@ pub fn write_junit(
 ) -> Result<(), ReportError> {
     let text = junit_xml(verdicts, &origin(provenance), baseline)
         .map_err(|source| ReportError::Xml { source })?;
-    write_named(path, text.as_bytes())
-        .map_err(|source| ReportError::Io { path: path.to_owned(), source })
+    write_named(path, text.as_bytes()).map_err(ReportError::io(path))
 }
 
 /// Program version and circumstances of the run, as far as known.

@@ -68,9 +68,8 @@ impl<'a, 'b> Legend<'a, 'b> {
             }
             Sample::Hollow => self.canvas.marker((middle, self.y), 0, colour, true)?,
             Sample::Band => {
-                let (top, bottom) = (self.y - 12.0, self.y + 12.0);
-                let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-                self.canvas.fill(&corners, colour, 0.3)?;
+                let sides = [left, self.y - 12.0, right, self.y + 12.0];
+                self.canvas.fill_box(sides, colour, 0.3)?;
             }
             Sample::Text => {}
         }

@@ -138,6 +138,11 @@ pub enum ReportError {
 }
 
 impl ReportError {
+    /// What becomes of an error at a path.
+    fn io(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
+        |source| Self::Io { path: path.to_owned(), source }
+    }
+
     fn drawing(error: impl std::fmt::Display) -> Self {
         Self::Drawing { what: error.to_string() }
     }
@@ -158,7 +163,7 @@ pub fn write_all(
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
 ) -> Result<Document, ReportError> {
-    make_directory(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
+    make_directory(dir).map_err(ReportError::io(dir))?;
     let stems = stems(scenes)?;
     let drawn =
         scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
@@ -230,11 +235,7 @@ fn card(
         ("scene", "the body with the parts of its boundary", scene.picture.clone()),
         ("errors", "errors judged, with the observed order", errors),
     ];
-    let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
-        let names = (format!("{stem}-{suffix}.svg"), format!("{}: {caption}", scene.name));
-        svg.map(|svg| (names.0, names.1, svg))
-    };
-    Ok(drawn.into_iter().filter_map(picture).collect())
+    Ok(named(scene, stem, "", drawn))
 }
 
 /// The pictures of a scene, as far as there is something to draw.
@@ -250,12 +251,20 @@ fn figures(
         ("k", "error against k, on the mesh n named", along(Direction::Time)?),
         ("hk", "error over h and k, and which of them it is of", split_svg(scene, records)?),
     ];
+    Ok(named(scene, stem, ".", drawn))
+}
+
+/// Pictures of a scene, by the ends of their names, with captions that end with `end`.
+fn named<const COUNT: usize>(
+    scene: &SceneSummary,
+    stem: &str,
+    end: &str,
+    drawn: [(&str, &str, Option<String>); COUNT],
+) -> Vec<Picture> {
     let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
-        let (file, caption) =
-            (format!("{stem}-{suffix}.svg"), format!("{}: {caption}.", scene.name));
-        svg.map(|svg| (file, caption, svg))
+        Some((format!("{stem}-{suffix}.svg"), format!("{}: {caption}{end}", scene.name), svg?))
     };
-    Ok(drawn.into_iter().filter_map(picture).collect())
+    drawn.into_iter().filter_map(picture).collect()
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.

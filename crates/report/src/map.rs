@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, SIZE};
-use super::palette::INK;
+use super::palette::{INK, mixed};
 use super::sheet::with_sheet;
 
 /// How a cell ended.
@@ -52,10 +52,7 @@ const VERMILION: RGBColor = RGBColor(230, 130, 60);
 
 fn colour(shade: Shade) -> RGBColor {
     match shade {
-        Shade::Within(part) => {
-            let mixed = |i: usize| NEAR[i] + part.clamp(0.0, 1.0) * (FAR[i] - NEAR[i]);
-            RGBColor(mixed(0) as u8, mixed(1) as u8, mixed(2) as u8)
-        }
+        Shade::Within(part) => mixed(NEAR, FAR, part.clamp(0.0, 1.0)),
         Shade::Outside => GREY,
         Shade::Wrong => VERMILION,
     }
@@ -108,11 +105,7 @@ fn cell(
     words: &str,
     shade: Shade,
 ) -> Result<(), ReportError> {
-    canvas.fill(
-        &[(left, top), (right, top), (right, bottom), (left, bottom)],
-        colour(shade),
-        1.0,
-    )?;
+    canvas.fill_box([left, top, right, bottom], colour(shade), 1.0)?;
     if shade == Shade::Wrong {
         canvas.line(&[(left, top), (right, bottom)], INK, 3)?;
         canvas.line(&[(left, bottom), (right, top)], INK, 3)?;

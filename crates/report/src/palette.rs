@@ -22,3 +22,9 @@ pub(super) const INK: RGBColor = RGBColor(90, 90, 90);
 pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }
+
+/// The colour at a part of the way between two, by their numbers.
+pub(super) fn mixed(from: [f64; 3], to: [f64; 3], part: f64) -> RGBColor {
+    let [r, g, b] = [0, 1, 2].map(|i| (from[i] + part * (to[i] - from[i])) as u8);
+    RGBColor(r, g, b)
+}

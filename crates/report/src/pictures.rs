@@ -12,21 +12,26 @@ const ENDINGS: [(&str, &str); 2] = [
     ("-body.svg", "deformed body at the last time level"),
 ];
 
-/// The pictures in a directory, by kind, then by file name.
-pub(super) fn of_cases(dir: &Path) -> Result<Vec<Picture>, ReportError> {
-    let failed = |path: &Path, source| ReportError::Io { path: path.into(), source };
-    let mut names = Vec::new();
-    for entry in fs::read_dir(dir).map_err(|source| failed(dir, source))? {
-        let name = entry.map_err(|source| failed(dir, source))?.file_name();
+/// The names of the files in a directory, sorted.
+pub(super) fn names(dir: &Path) -> Result<Vec<String>, ReportError> {
+    let mut names: Vec<String> = Vec::new();
+    for entry in fs::read_dir(dir).map_err(ReportError::io(dir))? {
+        let name = entry.map_err(ReportError::io(dir))?.file_name();
         names.extend(name.into_string().ok());
     }
     names.sort();
+    Ok(names)
+}
+
+/// The pictures in a directory, by kind, then by file name.
+pub(super) fn of_cases(dir: &Path) -> Result<Vec<Picture>, ReportError> {
+    let names = names(dir)?;
     let mut found = Vec::new();
     for (ending, shows) in ENDINGS {
         for name in &names {
             let Some(case) = name.strip_suffix(ending) else { continue };
             let path = dir.join(name);
-            let svg = read_text(&path).map_err(|source| failed(&path, source))?;
+            let svg = read_text(&path).map_err(ReportError::io(&path))?;
             // Foreign files with such a name are ignored.
             if svg.trim_start().starts_with("<svg") {
                 let case = if case.is_empty() { String::new() } else { format!("{case}: ") };

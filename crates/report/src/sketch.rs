@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, CanvasPoint};
+use super::canvas::{Anchor, Canvas, CanvasPoint, View};
 use super::palette::{INK, colour};
 use super::sheet::with_sheet;
 
@@ -11,8 +11,8 @@ use super::sheet::with_sheet;
 const SIZE: (u32, u32) = (480, 404);
 /// Text height: 11 pixels.
 const TEXT: f64 = 22.0;
-/// Drawing area: left, top, width, height. The legend is below.
-const ROOM: (f64, f64, f64, f64) = (24.0, 16.0, 432.0, 276.0);
+/// Drawing area: left, top, right, bottom. The legend is below.
+const ROOM: [f64; 4] = [24.0, 16.0, 456.0, 292.0];
 /// Start of words at the left margin.
 const MARGIN: f64 = 1.0;
 /// Legend: entries per line, height of the first line, line spacing.
@@ -73,25 +73,34 @@ impl Sketch {
     pub fn svg(&self) -> Result<String, ReportError> {
         let mut svg = String::new();
         let canvas = Canvas::of_size(&mut svg, SIZE, TEXT)?;
-        let view = View::of(self);
+        let view = self.view();
+        let path = |points: &[_]| points.iter().map(|&p| view.place(p)).collect::<Vec<_>>();
         for (corners, ink, opacity) in &self.areas {
-            canvas.fill(&view.path(corners), tint(*ink), *opacity)?;
+            canvas.fill(&path(corners), tint(*ink), *opacity)?;
         }
         for stroke in &self.strokes {
-            draw(&canvas, stroke.ink, &view.path(&stroke.path))?;
+            draw(&canvas, stroke.ink, &path(&stroke.path))?;
         }
         for (place, words) in &self.words {
             canvas.text(words, (MARGIN, view.place(*place).1), Anchor::Left)?;
         }
-        let column = ROOM.2 / ENTRIES as f64;
+        let column = (ROOM[2] - ROOM[0]) / ENTRIES as f64;
         for (i, (ink, words)) in self.legend.iter().enumerate() {
-            let x = ROOM.0 + column * (i % ENTRIES) as f64;
+            let x = ROOM[0] + column * (i % ENTRIES) as f64;
             let y = FIRST_LINE + NEXT_LINE * (i / ENTRIES) as f64;
             draw(&canvas, *ink, &[(x, y), (x + 36.0, y)])?;
             canvas.text(words, (x + 44.0, y), Anchor::Left)?;
         }
         canvas.finish()?;
         Ok(with_sheet(&svg))
+    }
+
+    fn view(&self) -> View {
+        let strokes = self.strokes.iter().flat_map(|stroke| &stroke.path);
+        let areas = self.areas.iter().flat_map(|(corners, ..)| corners);
+        let words = self.words.iter().map(|(place, _)| place);
+        let all = strokes.chain(areas).chain(words).copied();
+        View::of(all, ROOM, self.stretched).unwrap_or_default()
     }
 }
 
@@ -137,49 +146,6 @@ fn hatches(canvas: &Canvas<'_>, from: CanvasPoint, to: CanvasPoint) -> Result<()
     })
 }
 
-/// Maps the drawing to the canvas.
-struct View {
-    origin: (f64, f64),
-    scale: (f64, f64),
-    corner: (f64, f64),
-}
-
-impl View {
-    fn of(sketch: &Sketch) -> Self {
-        let strokes = sketch.strokes.iter().flat_map(|stroke| &stroke.path);
-        let areas = sketch.areas.iter().flat_map(|(corners, ..)| corners);
-        let words = sketch.words.iter().map(|(place, _)| place);
-        let all = || strokes.clone().chain(areas.clone()).chain(words.clone()).copied();
-        let span = |pick: fn((f64, f64)) -> f64| {
-            all()
-                .map(pick)
-                .filter(|value| value.is_finite())
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                    (low.min(value), high.max(value))
-                })
-        };
-        let (x, y) = (span(|place| place.0), span(|place| place.1));
-        let wide = |(low, high): (f64, f64)| (high - low).max(f64::MIN_POSITIVE);
-        let (left, top, width, height) = ROOM;
-        let mut scale = (width / wide(x), height / wide(y));
-        if !sketch.stretched {
-            scale = (scale.0.min(scale.1), scale.0.min(scale.1));
-        }
-        let rest = (width - scale.0 * wide(x), height - scale.1 * wide(y));
-        let corner = (left + 0.5 * rest.0, top + height - 0.5 * rest.1);
-        Self { origin: (x.0, y.0), scale, corner }
-    }
-
-    fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
-        let away = (x - self.origin.0, y - self.origin.1);
-        (self.corner.0 + self.scale.0 * away.0, self.corner.1 - self.scale.1 * away.1)
-    }
-
-    fn path(&self, points: &[(f64, f64)]) -> Vec<CanvasPoint> {
-        points.iter().map(|&point| self.place(point)).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,14 +164,14 @@ mod tests {
     fn lengths_keep_their_ratio_unless_axes_are_stretched() {
         let (plain, stretched) = (square(), Sketch { stretched: true, ..square() });
         let extent = |sketch: &Sketch| {
-            let view = View::of(sketch);
+            let view = sketch.view();
             let (a, b) = (view.place((0.0, 0.0)), view.place((2.0, 1.0)));
             ((b.0 - a.0) / (a.1 - b.1), a, b)
         };
         assert!((extent(&plain).0 - 2.0).abs() < 1e-12);
         let (_, a, b) = extent(&stretched);
-        let corners = ((ROOM.0, ROOM.1 + ROOM.3), (ROOM.0 + ROOM.2, ROOM.1));
-        assert!((a.0 - corners.0.0).abs() + (b.1 - corners.1.1).abs() < 1e-9);
+        let [left, top, ..] = ROOM;
+        assert!((a.0 - left).abs() + (b.1 - top).abs() < 1e-9);
         // Hatches mark what is clamped, dashes what is moved.
         let svg = plain.svg().expect("a picture");
         assert!(svg.matches('M').count() > 20 && svg.contains("contact"), "{svg}");

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, CanvasPoint};
+use super::canvas::{Anchor, Canvas, CanvasPoint, corners, span};
 use super::chart::{Chart, Datum, Part};
 use super::frame::{BOTTOM, Frame, RIGHT};
 
@@ -100,7 +100,7 @@ fn label_box(corner: CanvasPoint, end: CanvasPoint, label: &str) -> [CanvasPoint
     let (left, middle) = (corner.0 + MOVE, 0.5 * (corner.1 + end.1));
     let right = left + CHARACTER * label.chars().count() as f64;
     let (top, bottom) = (middle - HALF_LINE, middle + HALF_LINE);
-    [(left, top), (right, top), (right, bottom), (left, bottom)]
+    corners([left, top, right, bottom])
 }
 
 fn edges(corners: &[CanvasPoint]) -> impl Iterator<Item = Segment> + '_ {
@@ -111,8 +111,7 @@ fn edges(corners: &[CanvasPoint]) -> impl Iterator<Item = Segment> + '_ {
 fn meets(shape: &[CanvasPoint], segment: &Segment, clear: f64) -> bool {
     let within = |point: CanvasPoint| {
         let turns = edges(shape).map(|[a, b]| turn(a, b, point));
-        let (least, most) =
-            turns.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), t| (lo.min(t), hi.max(t)));
+        let (least, most) = span(turns);
         least > 0.0 || most < 0.0
     };
     within(segment[0]) || edges(shape).any(|edge| distance(&edge, segment) < clear)

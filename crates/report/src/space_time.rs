@@ -97,7 +97,11 @@ impl SpaceTime {
         }
         let mut at = LEFT;
         for zone in [Zone::Open, Zone::Compliant, Zone::Locked] {
-            boxed(&canvas, [at, LEGEND - 18.0, at + 60.0, LEGEND + 18.0], zone.colour(), true)?;
+            let sides = [at, LEGEND - 18.0, at + 60.0, LEGEND + 18.0];
+            if let Some(colour) = zone.colour() {
+                canvas.fill_box(sides, colour, 1.0)?;
+            }
+            canvas.line_box(sides, INK, 3)?;
             canvas.text(zone.words(), (at + 78.0, LEGEND), Anchor::Left)?;
             at += 130.0 + 17.0 * zone.words().chars().count() as f64;
         }
@@ -126,7 +130,7 @@ fn draw(
             {
                 // Without the overlap viewers show the seam.
                 let corners = [across(first.0), up(to) - SEAM, across(end.1), up(from)];
-                boxed(canvas, corners, Some(colour), false)?;
+                canvas.fill_box(corners, colour, 1.0)?;
             }
         }
     }
@@ -149,24 +153,10 @@ fn draw(
     let ends = panel.levels.iter().flatten().map(|piece| piece.1).fold(0.0, f64::max);
     let (first, last) = (panel.times.first().copied(), panel.times.last().copied());
     if let (Some(first), Some(last)) = (first, last) {
-        boxed(canvas, [across(0.0), up(last), across(ends), up(first)], None, true)?;
+        canvas.line_box([across(0.0), up(last), across(ends), up(first)], INK, 3)?;
     }
     canvas.text("length along Γ3", (left + 0.5 * width, BOTTOM + 86.0), Anchor::Centre)?;
     canvas.text("time t", (left - 106.0, 0.5 * (TOP + BOTTOM)), Anchor::Upwards)
-}
-
-/// A box from left, top to right, bottom.
-fn boxed(
-    canvas: &Canvas<'_>,
-    [left, top, right, bottom]: [f64; 4],
-    colour: Option<RGBColor>,
-    framed: bool,
-) -> Result<(), ReportError> {
-    let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
-    if let Some(colour) = colour {
-        canvas.fill(&corners[..4], colour, 1.0)?;
-    }
-    if framed { canvas.line(&corners, INK, 3) } else { Ok(()) }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 
 use super::canvas::{Anchor, Canvas, CanvasPoint, SIZE};
 use super::curve::norms;
-use super::palette::INK;
+use super::palette::{INK, mixed};
 use super::sheet::with_sheet;
 use super::ticks::step_label;
 use super::{ReportError, SceneSummary};
@@ -83,8 +83,7 @@ fn cell(
     fit: &JointFit,
 ) -> Result<(), ReportError> {
     let of_k = share_of_k(fit, point.h, point.k);
-    let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-    canvas.fill(&corners, tint(of_k), 1.0)?;
+    canvas.fill_box([left, top, right, bottom], tint(of_k), 1.0)?;
     let (x, middle) = (0.5 * (left + right), 0.5 * (top + bottom));
     let error = match screen(point) {
         Ok(_) => format!("{:.1e}", point.error),
@@ -100,9 +99,9 @@ fn cell(
 
 fn legend(canvas: &Canvas<'_>, (mut x, y): CanvasPoint) -> Result<(), ReportError> {
     for (of_k, words) in [(0.0, "the error is of h"), (0.5, "of both alike"), (1.0, "of k")] {
-        let corners = [(x, y - 16.0), (x + 60.0, y - 16.0), (x + 60.0, y + 16.0), (x, y + 16.0)];
-        canvas.fill(&corners, tint(of_k), 1.0)?;
-        canvas.line(&[&corners[..], &corners[..1]].concat(), INK, 1)?;
+        let sides = [x, y - 16.0, x + 60.0, y + 16.0];
+        canvas.fill_box(sides, tint(of_k), 1.0)?;
+        canvas.line_box(sides, INK, 1)?;
         canvas.text(words, (x + 76.0, y), Anchor::Left)?;
         x += 120.0 + 16.0 * words.chars().count() as f64;
     }
@@ -112,8 +111,7 @@ fn legend(canvas: &Canvas<'_>, (mut x, y): CanvasPoint) -> Result<(), ReportErro
 fn tint(of_k: f64) -> RGBColor {
     let end = if of_k < 0.5 { OF_H } else { OF_K };
     let part = (2.0 * of_k - 1.0).abs().min(1.0);
-    let mixed = |i: usize| (OF_BOTH[i] + part * (end[i] - OF_BOTH[i])) as u8;
-    RGBColor(mixed(0), mixed(1), mixed(2))
+    mixed(OF_BOTH, end, part)
 }
 
 /// The share of E^m that the model attributes to the time step.

@@ -113,6 +113,18 @@ pub(crate) fn indexed(words: &str, set: impl Fn(char, &str) -> String) -> String
 }
 
 /// A formula without scripts and braces.
+/// The text without control characters, each sign as `set` has it for a format.
+pub(crate) fn replaced(text: &str, set: impl Fn(char) -> Option<&'static str>) -> String {
+    let mut result = String::with_capacity(text.len());
+    for character in files::harmless(text).chars() {
+        match set(character) {
+            Some(sign) => result.push_str(sign),
+            None => result.push(character),
+        }
+    }
+    result
+}
+
 pub(crate) fn in_line(formula: &str) -> String {
     formula.replace(['{', '}'], "")
 }

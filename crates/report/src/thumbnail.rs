@@ -1,7 +1,7 @@
 //! The judged errors of a scene, small enough for a card: points, fitted line, the order at its end.
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, CanvasPoint};
+use super::canvas::{Anchor, Canvas, CanvasPoint, span};
 use super::chart::Datum;
 use super::curve::{Curve, curve};
 use super::palette::{GRID, INK, colour};
@@ -99,11 +99,8 @@ struct Axes {
 impl Axes {
     fn of(curves: &[Curve<'_>]) -> Option<Self> {
         let points: Vec<Datum> = curves.iter().flat_map(Curve::points).collect();
-        let span = |pick: fn(&Datum) -> f64| {
-            let ends = points.iter().map(pick).map(f64::ln);
-            ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
-        };
-        let (x, y) = (span(|point| point.0), span(|point| point.1));
+        let x = span(points.iter().map(|point| point.0.ln()));
+        let y = span(points.iter().map(|point| point.1.ln()));
         (x.1 > x.0 && y.1 >= y.0).then(|| Self { x, y: (y.0, y.1.max(y.0 + 1e-3)) })
     }
 

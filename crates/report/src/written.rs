@@ -14,7 +14,7 @@ fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
     let path = dir.join(LIST);
     let text = match read_text(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeSet::new()),
-        other => other.map_err(|source| ReportError::Io { path: path.clone(), source })?,
+        other => other.map_err(ReportError::io(&path))?,
     };
     let names: BTreeSet<String> = serde_json::from_str(&text)
         .map_err(|error| ReportError::List { path: path.clone(), reason: error.to_string() })?;
@@ -35,12 +35,12 @@ fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
 fn write_list(dir: &Path, names: &BTreeSet<String>) -> Result<(), ReportError> {
     let path = dir.join(LIST);
     let text = serde_json::json!(names).to_string() + "\n";
-    replace_file(&path, text.as_bytes()).map_err(|source| ReportError::Io { path, source })
+    replace_file(&path, text.as_bytes()).map_err(ReportError::io(&path))
 }
 
 fn remove(dir: &Path, name: &str) -> Result<(), ReportError> {
     let path = dir.join(name);
-    remove_if_there(&path).map_err(|source| ReportError::Io { path, source })
+    remove_if_there(&path).map_err(ReportError::io(&path))
 }
 
 /// Writes the files, lists them, and removes obsolete ones of an earlier list. If killed at any point, the list
@@ -51,7 +51,7 @@ pub(super) fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), R
     write_list(dir, &earlier.union(&now).cloned().collect())?;
     for (name, text) in files {
         let path = dir.join(name);
-        replace_file(&path, text.as_bytes()).map_err(|source| ReportError::Io { path, source })?;
+        replace_file(&path, text.as_bytes()).map_err(ReportError::io(&path))?;
     }
     earlier.difference(&now).try_for_each(|name| remove(dir, name))?;
     write_list(dir, &now)

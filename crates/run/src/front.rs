@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::external::solver_first;
 use crate::sweep::{
-    Machine, OutputDirectory, OutputError, Overrides, Progress, ScenePlan, SweepError, foresee,
-    judge_scene, run_sweep,
+    Machine, OutputDirectory, OutputError, Overrides, Progress, ScenePlan, SweepError, judge_plan,
+    run_sweep,
 };
 use judge::record::CaseRecord;
 use judge::verdict::Verdict;
@@ -161,8 +161,7 @@ impl Sweep {
     pub fn run(mut self) -> Result<Swept, FrontError> {
         let tells = |norm: Norm| self.pressures || !norm.wants_pressure();
         self.scene.predicts.retain(|prediction| tells(prediction.norm));
-        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-        self.scene.check_grid(&listed(&self.overrides.n), &listed(&self.overrides.steps))?;
+        self.overrides.check(&self.scene)?;
         let name = self.scene.name.clone();
         let (other, constants) = (self.solver.is_some(), self.constants);
         let subject = match (self.solver, self.scene.as_contact().is_some()) {
@@ -190,8 +189,7 @@ impl Sweep {
             return Err(FrontError::Stopped { name });
         }
         let [plan] = &plan;
-        let foreseen = if constants { foresee(&plan.subject, &records) } else { Vec::new() };
-        let mut verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+        let mut verdicts = judge_plan(plan, &records, constants);
         if let (true, Subject::Contact(setup)) = (other, &plan.subject) {
             solver_first(&mut verdicts, setup);
         }

@@ -16,18 +16,10 @@ use super::law::Law;
 use super::reading::Reading;
 use super::singular;
 
-pub(crate) type Rows = Vec<Vec<f64>>;
-
 /// One kernel with its matrix: q_l(t, s) Q_l.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AbstractKernel {
-    /// q_l, a formula in t and, for s, the first space coordinate; the factor of (t - s)^{-a} if singular.
-    pub q: Node,
-    /// a, 0 ≤ a < 1.
-    pub power: f64,
-    /// Q_l; by default the identity.
-    pub matrix: Rows,
-}
+pub use exact::KernelFormulas as AbstractKernel;
+
+pub(crate) type Rows = Vec<Vec<f64>>;
 
 /// One functional a_i with the scene's data for a_i·u.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,39 +68,26 @@ impl AbstractScene {
         file: &AbstractFile,
         m: usize,
     ) -> Result<Self, SceneError> {
-        let inner_product = match &file.space {
-            Some(space) => square(reading, "space.inner_product", &space.inner_product, m)?,
-            None => identity(m),
-        };
+        let inner_product = file.space.as_ref().map(|space| &space.inner_product);
+        let inner_product = square_or_identity(reading, "space.inner_product", inner_product, m)?;
         symmetric(reading, "space.inner_product", &inner_product)?;
         let matrix = square(reading, "operator.matrix", &file.operator.matrix, m)?;
-        let nonlinear = match &file.operator.nonlinear {
-            Some(formulas) => {
-                let mut scope = reading.scope(&[]);
-                scope.define("r", reading.formulas.variable(Variable::X));
-                Some(reading.vector("operator.nonlinear", formulas, m, &scope)?)
-            }
-            None => None,
+        let mut in_r = |key: &str, variables: &[Variable], formulas: Option<&Vec<_>>| {
+            let mut scope = reading.scope(variables);
+            scope.define("r", reading.formulas.variable(Variable::X));
+            formulas.map(|list| reading.vector(key, list, m, &scope)).transpose()
         };
+        let nonlinear = in_r("operator.nonlinear", &[], file.operator.nonlinear.as_ref())?;
+        let force = file.phi.as_ref().map(|phi| &phi.force);
+        let force = in_r("phi.force", &[Variable::Y], force)?;
         let written = file.history.as_ref();
-        let kernels = written.map_or(Ok(Vec::new()), |history| {
-            AbstractKernel::validate(reading, history, file.time.horizon, m)
-        })?;
-        let r = match written.and_then(|history| history.r.as_ref()) {
-            Some(rows) => square(reading, "history.R", rows, m)?,
-            None => identity(m),
-        };
+        let kernels = written
+            .map_or(Ok(Vec::new()), |history| kernels(reading, history, file.time.horizon, m))?;
+        let r = written.and_then(|history| history.r.as_ref());
+        let r = square_or_identity(reading, "history.R", r, m)?;
         let a_s = match written.and_then(|history| history.a_s.as_ref()) {
             Some(values) => vector(reading, "history.a_S", values, m)?,
             None => vec![0.0; m],
-        };
-        let force = match &file.phi {
-            Some(phi) => {
-                let mut scope = reading.scope(&[Variable::Y]);
-                scope.define("r", reading.formulas.variable(Variable::X));
-                Some(reading.vector("phi.force", &phi.force, m, &scope)?)
-            }
-            None => None,
         };
         let traces = file.trace.iter().enumerate();
         let traces = traces.map(|(i, trace)| AbstractTrace::validate(reading, i, trace, m));
@@ -135,35 +114,43 @@ impl AbstractScene {
             selection,
         })
     }
-}
 
-fn identity(m: usize) -> Rows {
-    (0..m).map(|i| (0..m).map(|j| f64::from(u8::from(i == j))).collect()).collect()
-}
-
-impl AbstractKernel {
-    fn validate(
-        reading: &mut Reading,
-        history: &WrittenHistory,
-        horizon: f64,
-        m: usize,
-    ) -> Result<Vec<Self>, SceneError> {
-        let mut scope = reading.scope(&[Variable::T]);
-        scope.define("s", reading.formulas.variable(Variable::X));
-        let mut kernels = Vec::new();
-        for (l, kernel) in history.kernels.iter().enumerate() {
-            let key = format!("history.kernels.{l}");
-            let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
-            let matrix = match &kernel.matrix {
-                Some(rows) => square(reading, &format!("{key}.matrix"), rows, m)?,
-                None => identity(m),
-            };
-            finite_at_the_end(reading, &format!("{key}.q"), q, horizon)?;
-            let power = singular::exponent(reading, &key, kernel.singular)?;
-            kernels.push(Self { q, power, matrix });
-        }
-        Ok(kernels)
+    /// The key of the first exponent of a kernel that is infinite at s = t.
+    pub(super) fn singular_key(&self) -> Option<String> {
+        let at = self.kernels.iter().position(|kernel| kernel.power > 0.0);
+        at.map(|l| format!("history.kernels.{l}.singular"))
     }
+}
+
+fn square_or_identity(
+    reading: &Reading,
+    key: &str,
+    rows: Option<&Rows>,
+    m: usize,
+) -> Result<Rows, SceneError> {
+    let row = |i| (0..m).map(|j| f64::from(u8::from(i == j))).collect();
+    rows.map_or_else(|| Ok((0..m).map(row).collect()), |rows| square(reading, key, rows, m))
+}
+
+fn kernels(
+    reading: &mut Reading,
+    history: &WrittenHistory,
+    horizon: f64,
+    m: usize,
+) -> Result<Vec<AbstractKernel>, SceneError> {
+    let mut scope = reading.scope(&[Variable::T]);
+    scope.define("s", reading.formulas.variable(Variable::X));
+    let mut kernels = Vec::new();
+    for (l, kernel) in history.kernels.iter().enumerate() {
+        let key = format!("history.kernels.{l}");
+        let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
+        let matrix = kernel.matrix.as_ref();
+        let matrix = square_or_identity(reading, &format!("{key}.matrix"), matrix, m)?;
+        finite_at_the_end(reading, &format!("{key}.q"), q, horizon)?;
+        let power = singular::exponent(reading, &key, kernel.singular)?;
+        kernels.push(AbstractKernel { q, power, matrix });
+    }
+    Ok(kernels)
 }
 
 impl AbstractTrace {

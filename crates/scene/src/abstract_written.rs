@@ -93,6 +93,6 @@ pub(crate) struct Exact {
 /// `[sweep]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     pub steps: Vec<i64>,
 }

@@ -28,21 +28,43 @@ impl Reading<'_> {
         Err(self.error(key, format!("unknown value `{word}` of `{subject}`"), hint))
     }
 
-    /// Refuses a key that another `kind` of the table takes.
-    pub(super) fn surplus<T>(
+    /// One of the known words.
+    ///
+    /// # Errors
+    /// As [`Self::choice`].
+    pub(super) fn word<'k>(
         &self,
         key: &str,
-        value: Option<&T>,
+        word: &str,
+        known: &[&'k str],
+    ) -> Result<&'k str, SceneError> {
+        self.choice(key, word, &known.iter().map(|&name| (name, name)).collect::<Vec<_>>())
+    }
+
+    /// Refuses the first key that this `kind` of a table does not take. Each key comes with whether it is given, and
+    /// with the kinds that take it.
+    pub(super) fn only(
+        &self,
+        table: &str,
         kind: &str,
+        keys: &[(&str, bool, &[&str])],
     ) -> Result<(), SceneError> {
-        match value {
-            None => Ok(()),
-            Some(_) => {
-                let name = last(key);
-                let hint = format!("remove `{name}`, or choose the kind that takes it");
-                Err(self.key_error(key, format!("kind `{kind}` takes no `{name}`"), hint))
-            }
-        }
+        let surplus = keys.iter().find(|(_, given, kinds)| *given && !kinds.contains(&kind));
+        let Some((name, ..)) = surplus else { return Ok(()) };
+        let hint = format!("remove `{name}`, or choose the kind that takes it");
+        let message = format!("kind `{kind}` takes no `{name}`");
+        Err(self.key_error(&format!("{table}.{name}"), message, hint))
+    }
+
+    /// The finite number of a key that this `kind` needs.
+    pub(super) fn number(
+        &self,
+        key: &str,
+        value: Option<f64>,
+        kind: &str,
+        line: &str,
+    ) -> Result<f64, SceneError> {
+        self.finite(key, self.needed(key, value, kind, line)?)
     }
 
     /// The value of a key that this `kind` needs.

@@ -1,7 +1,9 @@
 //! `[contact]`: gap, shift, law, quadrature and friction on Γ3, all optional.
 
+use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::Node;
 
+use super::curve::has_exact_rule;
 use super::diagnostic::SceneError;
 use super::domain::Domain;
 use super::friction::Friction;
@@ -11,16 +13,6 @@ use super::reading::Reading;
 use super::scale::Scale;
 use super::time::Time;
 use super::written;
-
-/// The rule for the compliance term on Γ3; part of the discrete problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ContactQuadrature {
-    /// Trapezoidal on each edge: the conditions decouple by vertex.
-    Vertex,
-    Gauss,
-    /// The exact integral, as in (5.14).
-    Exact,
-}
 
 /// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).
 #[derive(Debug, Clone, PartialEq)]
@@ -74,14 +66,13 @@ impl Contact {
             Some(formula) => gap(reading, formula, domain)?,
             None => None,
         };
-        let shift = match &written.shift {
-            Some(formula) => Some(finite_on_contact(reading, "contact.shift", formula, domain)?),
-            None => None,
-        };
-        let mut law = match &written.law {
-            Some(law) => Law::validate(reading, "contact.law", law)?,
-            None => None,
-        };
+        let shift = written.shift.as_ref();
+        let shift =
+            shift.map(|formula| finite_on_contact(reading, "contact.shift", formula, domain));
+        let shift = shift.transpose()?;
+        let law = written.law.as_ref();
+        let law = law.and_then(|law| Law::validate(reading, "contact.law", law).transpose());
+        let mut law = law.transpose()?;
         let scale = written.law.as_ref().and_then(|law| law.scale.as_ref());
         if let (Some(law), Some(formula)) = (&mut law, scale) {
             law.scale = Some(Scale::validate(reading, "contact.law.scale", formula, domain)?);
@@ -122,7 +113,7 @@ fn quadrature(
         return Err(reading.error("contact.quadrature", message, hint));
     }
     let curve = law.and_then(|law| law.curve);
-    if chosen == ContactQuadrature::Exact && curve.is_some_and(|curve| !curve.has_exact_rule()) {
+    if chosen == ContactQuadrature::Exact && curve.is_some_and(|curve| !has_exact_rule(curve)) {
         let message = "the quadrature `exact` integrates powers by Gauss points, exactly for whole exponents up to 14";
         let hint = "use quadrature = \"vertex\" or \"gauss\", or a whole exponent";
         return Err(reading.error("contact.quadrature", message, hint));

@@ -1,5 +1,6 @@
 //! `[exact]` or `[loads]`: the data of a scene, and the solution to measure against.
 
+use exact::LoadForm;
 use formula::{EvaluationPoint, Node, Variable};
 
 use super::contact::Contact;
@@ -14,15 +15,6 @@ pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
 /// Intervals of each side and of [0, T] at whose ends loads are evaluated.
 const SAMPLES: u32 = 8;
-
-/// Form of the loads of an exact solution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LoadForm {
-    /// F(v) = ∫ σ:ε(v) + ∫_{Γ3} (ξ+λ) v_ν.
-    Weak,
-    /// F(v) = ∫ f0·v + ∫_{Γ2} f2·v + ∫_{Γ3} h3·v, f0 = -Div σ.
-    Strong,
-}
 
 /// Data of a scene; formulas in x, y, t, one per component.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,6 @@ mod polygon;
 mod shape;
 mod side;
 
-pub use family::MeshFamily;
 pub(super) use mesh_file::with_mesh;
 pub use side::{Face, Side};
 
@@ -61,7 +60,7 @@ pub struct Domain {
     pub traction: Vec<Side>,
     /// Γ3: contact.
     pub contact: Vec<Side>,
-    pub mesh: MeshFamily,
+    pub mesh: Family,
 }
 
 impl Domain {
@@ -72,7 +71,7 @@ impl Domain {
     ) -> Result<Domain, SceneError> {
         let (shape, size, sides) = shape::shape(reading, written, dimension)?;
         let (clamped, traction, contact) = Default::default();
-        let mesh = MeshFamily::Structured;
+        let mesh = Family::Structured;
         let mut domain = Domain { shape, size, sides, clamped, traction, contact, mesh };
         domain.clamped = domain.listed(reading, "domain.clamped", &written.clamped)?;
         domain.traction = domain.listed(reading, "domain.traction", &written.traction)?;
@@ -165,7 +164,7 @@ impl Domain {
 
     /// The mesh n.
     pub fn mesh(&self, n: u32) -> Mesh {
-        let family = self.mesh.of_mesh();
+        let family = self.mesh;
         match (&self.shape, &self.size[..]) {
             (Shape::Refined(coarse), _) => coarse.refined(n, family),
             (Shape::Box, &[a, b, c]) => cuboid([a, b, c], n, family),

@@ -34,7 +34,11 @@ impl Extension {
             }
             Self::SingularKernel => {
                 let name = "kernels that are infinite at s = t".into();
-                singular_key(&scene.body).map(|key| (key, name))
+                let key = match &scene.body {
+                    Body::Contact(body) => body.material.singular_key(),
+                    Body::Abstract(problem) => problem.singular_key(),
+                };
+                key.map(|key| (key, name))
             }
         }
     }
@@ -71,17 +75,6 @@ impl Scene {
             Some((way_out, (key, what))) => {
                 Err(self.error(&key, format!("`{command}` does not treat {what}: {why}"), way_out))
             }
-        }
-    }
-}
-
-/// The key of the first exponent of a kernel that is infinite at s = t.
-fn singular_key(body: &Body) -> Option<String> {
-    match body {
-        Body::Contact(body) => body.material.singular_key(),
-        Body::Abstract(problem) => {
-            let at = problem.kernels.iter().position(|kernel| kernel.power > 0.0);
-            at.map(|l| format!("history.kernels.{l}.singular"))
         }
     }
 }

@@ -1,9 +1,10 @@
 //! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a bound S that is given as S(x, t), depends on the slip, or
 //! follows the normal law.
 
-use formula::{EvaluationPoint, Node, Variable};
+use exact::FrictionBound;
+use fem::contact::BoundaryRule as ContactQuadrature;
+use formula::{EvaluationPoint, Variable};
 
-use super::contact::ContactQuadrature;
 use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
@@ -18,17 +19,6 @@ const SAMPLES: [u32; 2] = [256, 24];
 const TIMES: u32 = 32;
 /// Relative distance below which ends of faces are one vertex.
 const SAME_PLACE: f64 = 1e-9;
-
-/// The bound S of the friction stress.
-#[derive(Debug, Clone, PartialEq)]
-pub enum FrictionBound {
-    /// Tresca: S(x, t) ≥ 0, a formula in the coordinates and t.
-    Given(Node),
-    /// (r, S(r)) over the slip r = |u_τ|, starting at r = 0, piecewise linear and constant beyond the last.
-    Slip(Vec<[f64; 2]>),
-    /// S = μ_f p(u_ν) with the normal law p and this μ_f.
-    Coulomb(f64),
-}
 
 /// Friction on Γ3.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,10 +38,17 @@ impl Friction {
         let bound = match &written.bound {
             written::FrictionBound::Plain(formula) => given(reading, formula, domain, time)?,
             written::FrictionBound::Table(table) => {
-                let known = [("slip", false), ("coulomb", true)];
-                match reading.choice("contact.friction.bound.kind", &table.kind, &known)? {
-                    true => FrictionBound::Coulomb(coulomb(reading, table, normal)?),
-                    false => FrictionBound::Slip(slip(reading, table)?),
+                let key = "contact.friction.bound";
+                let kind =
+                    reading.word(&format!("{key}.kind"), &table.kind, &["slip", "coulomb"])?;
+                let keys: [(_, _, &[_]); 2] = [
+                    ("points", table.points.is_some(), &["slip"]),
+                    ("coefficient", table.coefficient.is_some(), &["coulomb"]),
+                ];
+                reading.only(key, kind, &keys)?;
+                match kind {
+                    "coulomb" => FrictionBound::Coulomb(coulomb(reading, table, normal)?),
+                    _ => FrictionBound::Slip(slip(reading, table)?),
                 }
             }
         };
@@ -117,7 +114,6 @@ fn coulomb(
     (law, quadrature): (Option<&Law>, ContactQuadrature),
 ) -> Result<f64, SceneError> {
     let key = "contact.friction.bound.coefficient";
-    reading.surplus("contact.friction.bound.points", table.points.as_ref(), &table.kind)?;
     let line = "coefficient = \"0.3\"";
     let formula = reading.needed(key, table.coefficient.as_ref(), &table.kind, line)?;
     let scope = reading.scope(&[]);
@@ -158,39 +154,25 @@ fn slip(
     reading: &Reading,
     table: &written::FrictionBoundTable,
 ) -> Result<Vec<[f64; 2]>, SceneError> {
-    let surplus = "contact.friction.bound.coefficient";
-    reading.surplus(surplus, table.coefficient.as_ref(), &table.kind)?;
     let key = "contact.friction.bound.points";
     let line = "points = [[0.0, 0.3], [0.1, 0.28]]";
     let written = reading.needed(key, table.points.as_ref(), &table.kind, line)?;
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    for (index, point) in written.iter().enumerate() {
+    let points = reading.points(key, written, "[r, S(r)]")?;
+    for (index, &[r, bound]) in points.iter().enumerate() {
         let here = format!("{key}.{index}");
-        let [r, bound] = match point[..] {
-            [r, bound] if r.is_finite() && bound.is_finite() => [r, bound],
-            _ => {
-                let message = format!("{point:?} is not a point");
-                return Err(reading.error(
-                    &here,
-                    message,
-                    "a point is two finite numbers: [r, S(r)]",
-                ));
-            }
-        };
         if bound < 0.0 {
             let message = format!("the bound is {bound} at r = {r}: it must not be negative");
             return Err(reading.error(&here, message, "give S >= 0"));
         }
-        let fits = match points.last() {
+        let fits = match index.checked_sub(1) {
             None => r == 0.0,
-            Some([before, _]) => r > *before,
+            Some(before) => r > points[before][0],
         };
         if !fits {
             let message = format!("the slip {r}: points start at r = 0, and r increases");
             let hint = "a jump of S would violate relaxed monotonicity (2.8c) on one side of r = 0: replace it by a steep slope";
             return Err(reading.error(&here, message, hint));
         }
-        points.push([r, bound]);
     }
     if points.is_empty() {
         let hint = format!("give at least one: {line}");

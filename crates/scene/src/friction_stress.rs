@@ -12,7 +12,7 @@ use super::written::Formula;
 
 /// `friction = "0.1"` in the plane, `friction = ["0.1", "0", "0.05"]` in space.
 #[derive(Debug, Clone)]
-pub enum FrictionStress {
+pub(crate) enum FrictionStress {
     /// Along the tangent.
     Along(Formula),
     /// By components.

@@ -3,7 +3,6 @@
 use super::abstract_scene::MOST;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
-use super::written;
 
 /// The verdict that a scene must reach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,26 +30,24 @@ pub enum Hypothesis {
 }
 
 impl Hypothesis {
-    const ALL: [Hypothesis; 6] = [
-        Hypothesis::Smallness,
-        Hypothesis::ConcaveGap,
-        Hypothesis::LipschitzKappa,
-        Hypothesis::StepSize,
-        Hypothesis::RegularInTime,
-        Hypothesis::RegularInSpace,
+    const NAMES: [(&str, Hypothesis); 6] = [
+        ("2.9", Hypothesis::Smallness),
+        ("concave_gap", Hypothesis::ConcaveGap),
+        ("5.1", Hypothesis::LipschitzKappa),
+        ("3.4", Hypothesis::StepSize),
+        ("3.17", Hypothesis::RegularInTime),
+        ("5.25", Hypothesis::RegularInSpace),
     ];
 
     /// Its name in `violates`.
     pub fn name(self) -> &'static str {
-        match self {
-            Hypothesis::Smallness => "2.9",
-            Hypothesis::ConcaveGap => "concave_gap",
-            Hypothesis::LipschitzKappa => "5.1",
-            Hypothesis::StepSize => "3.4",
-            Hypothesis::RegularInTime => "3.17",
-            Hypothesis::RegularInSpace => "5.25",
-        }
+        name_in(&Self::NAMES, self)
     }
+}
+
+/// The name of a value in a table of all of its type.
+pub(super) fn name_in<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
+    names.iter().find(|(_, known)| *known == value).map_or("", |(name, _)| name)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,41 +66,12 @@ impl SceneKind {
     }
 }
 
-pub(super) struct Heading {
-    pub name: String,
-    pub dimension: usize,
-    pub expect: Expectation,
-    pub window_n: Option<[usize; 2]>,
-    pub window_steps: Option<[usize; 2]>,
-    pub violates: Vec<Hypothesis>,
-}
-
-impl Heading {
-    pub(crate) fn validate(
-        reading: &Reading,
-        written: &written::Heading,
-        kind: SceneKind,
-    ) -> Result<Heading, SceneError> {
-        Ok(Heading {
-            name: name(reading, &written.name)?,
-            dimension: dimension(reading, written.dimension, kind)?,
-            expect: match &written.expect {
-                Some(word) => expectation(reading, word)?,
-                None => Expectation::Pass,
-            },
-            window_n: reading.window("scene.window_n", written.window_n.as_ref())?,
-            window_steps: reading.window("scene.window_steps", written.window_steps.as_ref())?,
-            violates: violates(reading, &written.violates)?,
-        })
-    }
-}
-
 /// Longest name of a scene, in bytes: file systems allow 255, and pictures and unfinished files add some 30, as in
 /// `NAME-trade-memory.svg.4194304.partial`.
 const LONGEST_NAME: usize = 200;
 
 /// A name becomes part of file names: letters, digits, `-` and `_`.
-fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
+pub(super) fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if name.len() > LONGEST_NAME {
         return Err(reading.error(
@@ -122,7 +90,11 @@ fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
     ))
 }
 
-fn dimension(reading: &Reading, dimension: i64, kind: SceneKind) -> Result<usize, SceneError> {
+pub(super) fn dimension(
+    reading: &Reading,
+    dimension: i64,
+    kind: SceneKind,
+) -> Result<usize, SceneError> {
     match dimension {
         1..=MOST if kind == SceneKind::Abstract => Ok(dimension.unsigned_abs() as usize),
         _ if kind == SceneKind::Abstract => Err(reading.error(
@@ -140,19 +112,21 @@ fn dimension(reading: &Reading, dimension: i64, kind: SceneKind) -> Result<usize
     }
 }
 
-fn expectation(reading: &Reading, word: &str) -> Result<Expectation, SceneError> {
+pub(super) fn expectation(
+    reading: &Reading,
+    word: Option<&str>,
+) -> Result<Expectation, SceneError> {
     let known = [
         ("pass", Expectation::Pass),
         ("fail", Expectation::Fail),
         ("unresolved", Expectation::Unresolved),
     ];
-    reading.choice("scene.expect", word, &known)
+    word.map_or(Ok(Expectation::Pass), |word| reading.choice("scene.expect", word, &known))
 }
 
-fn violates(reading: &Reading, words: &[String]) -> Result<Vec<Hypothesis>, SceneError> {
-    let known = Hypothesis::ALL.map(|hypothesis| (hypothesis.name(), hypothesis));
+pub(super) fn violates(reading: &Reading, words: &[String]) -> Result<Vec<Hypothesis>, SceneError> {
     let one = |(index, word): (usize, &String)| {
-        reading.choice(&format!("scene.violates.{index}"), word, &known)
+        reading.choice(&format!("scene.violates.{index}"), word, &Hypothesis::NAMES)
     };
     words.iter().enumerate().map(one).collect()
 }

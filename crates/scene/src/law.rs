@@ -1,10 +1,11 @@
 //! The compliance law p = ∂j_ν: piecewise linear or curved, with upward jumps only.
 
-use super::curve::Curve;
+use super::curve;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::scale::Scale;
 use super::written;
+use vhi::law::Curve;
 
 /// p = ∂j_ν as a graph: `slope_before`, the points joined by lines, `slope_after`. Two points of one abscissa are a
 /// jump, where p is the interval between them. A curve is added to the graph, and a factor multiplies the sum.
@@ -20,86 +21,57 @@ pub struct Law {
     pub scale: Option<Scale>,
 }
 
-#[derive(Clone, Copy)]
-enum LawKind {
-    None,
-    Linear,
-    PiecewiseLinear,
-    Rational,
-    Exponential,
-    Power,
-}
-
 impl Law {
     pub(super) fn validate(
         reading: &Reading,
         table: &str,
         written: &written::Law,
     ) -> Result<Option<Law>, SceneError> {
-        let key = |name: &str| format!("{table}.{name}");
-        let known = [
-            ("none", LawKind::None),
-            ("linear", LawKind::Linear),
-            ("piecewise-linear", LawKind::PiecewiseLinear),
-            ("rational", LawKind::Rational),
-            ("exponential", LawKind::Exponential),
-            ("power", LawKind::Power),
-        ];
-        let kind = reading.choice(&key("kind"), &written.kind, &known)?;
-        if matches!(kind, LawKind::None) {
-            reading.surplus(&key("scale"), written.scale.as_ref(), &written.kind)?;
-        }
-        let decays = matches!(kind, LawKind::Rational | LawKind::Exponential);
-        if !decays && !matches!(kind, LawKind::Linear) {
-            reading.surplus(&key("stiffness"), written.stiffness.as_ref(), &written.kind)?;
-        }
-        if !matches!(kind, LawKind::PiecewiseLinear) {
-            reading.surplus(&key("points"), written.points.as_ref(), &written.kind)?;
-            reading.surplus(&key("slope_before"), written.slope_before.as_ref(), &written.kind)?;
-            reading.surplus(&key("slope_after"), written.slope_after.as_ref(), &written.kind)?;
-        }
-        if !decays {
-            reading.surplus(&key("length"), written.length.as_ref(), &written.kind)?;
-        }
-        if !matches!(kind, LawKind::Power) {
-            reading.surplus(&key("coefficient"), written.coefficient.as_ref(), &written.kind)?;
-            reading.surplus(&key("exponent"), written.exponent.as_ref(), &written.kind)?;
-            reading.surplus(&key("until"), written.until.as_ref(), &written.kind)?;
-        }
-        if !decays && !matches!(kind, LawKind::Power) {
-            reading.surplus(&key("jump"), written.jump.as_ref(), &written.kind)?;
-        }
-        let curved = |curve: Curve| Law::curved(reading, table, written, curve).map(Some);
-        match kind {
-            LawKind::None => Ok(None),
-            LawKind::Linear => Law::linear(reading, table, written).map(Some),
-            LawKind::PiecewiseLinear => Law::piecewise_linear(reading, table, written).map(Some),
-            LawKind::Rational => curved(Curve::rational(reading, table, written)?),
-            LawKind::Exponential => curved(Curve::exponential(reading, table, written)?),
-            LawKind::Power => curved(Curve::power(reading, table, written)?),
-        }
-    }
-
-    fn linear(reading: &Reading, table: &str, written: &written::Law) -> Result<Law, SceneError> {
-        let key = format!("{table}.stiffness");
-        let stiffness =
-            reading.needed(&key, written.stiffness, &written.kind, "stiffness = 2.0")?;
-        reading.finite(&key, stiffness)?;
-        Ok(Law::graph(vec![[0.0, 0.0]], stiffness, stiffness))
-    }
-
-    /// A curve after an optional jump at r = 0: [0, jump] there, jump + p(r) beyond.
-    fn curved(
-        reading: &Reading,
-        table: &str,
-        written: &written::Law,
-        curve: Curve,
-    ) -> Result<Law, SceneError> {
+        let known = ["none", "linear", "piecewise-linear", "rational", "exponential", "power"];
+        let kind = reading.word(&format!("{table}.kind"), &written.kind, &known)?;
+        let (lines, power): (&[&str], &[&str]) = (&["piecewise-linear"], &["power"]);
+        reading.only(
+            table,
+            kind,
+            &[
+                ("scale", written.scale.is_some(), &known[1..]),
+                ("stiffness", written.stiffness.is_some(), &["linear", "rational", "exponential"]),
+                ("points", written.points.is_some(), lines),
+                ("slope_before", written.slope_before.is_some(), lines),
+                ("slope_after", written.slope_after.is_some(), lines),
+                ("length", written.length.is_some(), &["rational", "exponential"]),
+                ("coefficient", written.coefficient.is_some(), power),
+                ("exponent", written.exponent.is_some(), power),
+                ("until", written.until.is_some(), power),
+                ("jump", written.jump.is_some(), &["rational", "exponential", "power"]),
+            ],
+        )?;
+        let curve = match kind {
+            "none" => return Ok(None),
+            "linear" => return Law::linear(reading, table, written).map(Some),
+            "piecewise-linear" => return Law::piecewise_linear(reading, table, written).map(Some),
+            "power" => curve::power(reading, table, written)?,
+            decaying => {
+                let [stiffness, length] = curve::stiffness_and_length(reading, table, written)?;
+                match decaying {
+                    "rational" => Curve::Rational { stiffness, length },
+                    _ => Curve::Exponential { stiffness, length },
+                }
+            }
+        };
+        // A curve after an optional jump at r = 0: [0, jump] there, jump + p(r) beyond.
         let mut points = vec![[0.0, 0.0]];
         if let Some(jump) = written.jump {
             points.push([0.0, reading.positive(&format!("{table}.jump"), jump)?]);
         }
-        Ok(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) })
+        Ok(Some(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) }))
+    }
+
+    fn linear(reading: &Reading, table: &str, written: &written::Law) -> Result<Law, SceneError> {
+        let key = format!("{table}.stiffness");
+        let (value, kind) = (written.stiffness, &written.kind);
+        let stiffness = reading.number(&key, value, kind, "stiffness = 2.0")?;
+        Ok(Law::graph(vec![[0.0, 0.0]], stiffness, stiffness))
     }
 
     fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
@@ -111,27 +83,15 @@ impl Law {
         table: &str,
         written: &written::Law,
     ) -> Result<Law, SceneError> {
-        let key = |name: &str| format!("{table}.{name}");
+        let (key, kind) = (|name: &str| format!("{table}.{name}"), &written.kind);
         let line = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
-        let points =
-            reading.needed(&key("points"), written.points.as_ref(), &written.kind, line)?;
-        let before = reading.needed(
-            &key("slope_before"),
-            written.slope_before,
-            &written.kind,
-            "slope_before = 0.0",
-        )?;
-        let after = reading.needed(
-            &key("slope_after"),
-            written.slope_after,
-            &written.kind,
-            "slope_after = 0.0",
-        )?;
-        let law = Law::graph(
-            pairs(reading, table, points)?,
-            reading.finite(&key("slope_before"), before)?,
-            reading.finite(&key("slope_after"), after)?,
-        );
+        let points = reading.needed(&key("points"), written.points.as_ref(), kind, line)?;
+        let slope = |name: &str, value: Option<f64>| {
+            reading.number(&key(name), value, kind, &format!("{name} = 0.0"))
+        };
+        let before = slope("slope_before", written.slope_before)?;
+        let after = slope("slope_after", written.slope_after)?;
+        let law = Law::graph(pairs(reading, table, points)?, before, after);
         law.check_order(reading, table)?;
         Ok(law)
     }
@@ -159,21 +119,21 @@ impl Law {
     /// as beside every curve of a scene, no smaller constant does. A factor c(x) > 0 multiplies it; α includes the
     /// largest c. A downward jump by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
     pub fn alpha(&self) -> f64 {
-        let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
-        let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
-        let graph = slopes
-            .chain([self.slope_before, self.slope_after])
-            .fold(0.0f64, |alpha, slope| alpha.max(-slope));
-        let curve = self.curve.map_or(0.0, |curve| curve.alpha());
+        let graph = self.slopes().fold(0.0f64, |alpha, slope| alpha.max(-slope));
+        let curve = self.curve.map_or(0.0, curve::alpha);
         self.scale.map_or(1.0, |scale| scale.largest) * (graph + curve)
     }
 
     /// The steepest rise of a law without a curve, including the largest factor (a stiffness).
-    pub fn steepest_rise(&self) -> f64 {
+    pub(crate) fn steepest_rise(&self) -> f64 {
+        let steepest = self.slopes().fold(0.0, f64::max);
+        self.scale.map_or(1.0, |scale| scale.largest) * steepest
+    }
+
+    fn slopes(&self) -> impl Iterator<Item = f64> + '_ {
         let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
         let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
-        let steepest = slopes.chain([self.slope_before, self.slope_after]).fold(0.0, f64::max);
-        self.scale.map_or(1.0, |scale| scale.largest) * steepest
+        slopes.chain([self.slope_before, self.slope_after])
     }
 
     /// Whether p has a jump, where ξ ∈ p(r) is not determined by r.
@@ -225,15 +185,7 @@ fn pairs(reading: &Reading, table: &str, points: &[Vec<f64>]) -> Result<Vec<[f64
             "give at least one: points = [[0.0, 0.0]]",
         ));
     }
-    let pair = |(index, point): (usize, &Vec<f64>)| match point[..] {
-        [r, p] if r.is_finite() && p.is_finite() => Ok([r, p]),
-        _ => Err(reading.error(
-            &format!("{table}.points.{index}"),
-            format!("{point:?} is not a point"),
-            "a point is two finite numbers: [r, p(r)]",
-        )),
-    };
-    points.iter().enumerate().map(pair).collect()
+    reading.points(&format!("{table}.points"), points, "[r, p(r)]")
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! Scene files: TOML as written, the scene as validated, and messages that name the way out.
 //!
 //! A file becomes a [`Scene`] in two stages, each of which may fail with a [`SceneError`] that points at the text:
-//! - [`written`]: keys and types; unknown keys are refused with the nearest known one;
+//! - `written`: keys and types; unknown keys are refused with the nearest known one;
 //! - `validated`: numbers and compiled formulas that satisfy every hypothesis that can be checked without a mesh or a
 //!   solve.
 //!
 //! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by `Scene::span`.
 
 mod abstract_scene;
-pub mod abstract_written;
+mod abstract_written;
 mod choices;
 mod contact;
 mod curve;
@@ -44,16 +44,18 @@ mod sweep;
 mod time;
 mod validated;
 mod wording;
-pub mod written;
+mod written;
 
 pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
-pub use contact::{Contact, ContactQuadrature};
-pub use curve::Curve;
-pub use data::{Data, LoadForm};
+pub use contact::Contact;
+pub use data::Data;
 pub use diagnostic::{SceneError, TextFault};
-pub use domain::{Domain, Face, MeshFamily, Shape, Side};
+pub use domain::{Domain, Face, Shape, Side};
+pub use exact::{FrictionBound, LoadForm};
 pub use extension::Extension;
-pub use friction::{Friction, FrictionBound};
+pub use fem::contact::BoundaryRule as ContactQuadrature;
+pub use fem::mesh::Family as MeshFamily;
+pub use friction::Friction;
 pub use heading::{Expectation, Hypothesis};
 pub use law::Law;
 pub use material::{Material, Region};
@@ -69,6 +71,7 @@ pub use spans::Spans;
 pub use sweep::{Reference, Sweep};
 pub use time::{Time, TimeGrid, TimeRule};
 pub use validated::{Body, ContactScene, Scene};
+pub use vhi::law::Curve;
 
 #[cfg(test)]
 mod tests;

@@ -72,11 +72,9 @@ impl Material {
             return Err(reading.error("material.region", message, "merge regions of one material"));
         }
         let memory = memory::terms(reading, &base, &parts);
-        let projection = match &written.projection {
-            Some(projection) => Some(Projection::validate(reading, projection, horizon)?),
-            None => None,
-        };
-        Ok(Material { elastic, memory, projection, regions })
+        let projection = written.projection.as_ref();
+        let projection = projection.map(|p| Projection::validate(reading, p, horizon));
+        Ok(Material { elastic, memory, projection: projection.transpose()?, regions })
     }
 
     /// The key of the first exponent of a kernel that is infinite at s = t.
@@ -127,10 +125,8 @@ impl Region {
             table: written.elasticity.as_ref(),
         };
         let elastic = elastic(reading, &key, &given, dimension)?;
-        let region_memory = match &written.memory {
-            Some(memory) => Some(memory::parts(reading, Some(index), memory, horizon, dimension)?),
-            None => None,
-        };
-        Ok((Region { name: written.name.clone(), place, elastic }, region_memory))
+        let own = written.memory.as_ref();
+        let own = own.map(|own| memory::parts(reading, Some(index), own, horizon, dimension));
+        Ok((Region { name: written.name.clone(), place, elastic }, own.transpose()?))
     }
 }

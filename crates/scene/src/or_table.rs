@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer};
 
 /// `rule = "left"` or `rule = { kind = "corrected-end", exponent = 0.5 }`.
 #[derive(Debug, Clone)]
-pub enum OrTable<P, T> {
+pub(crate) enum OrTable<P, T> {
     /// A text or a number.
     Plain(P),
     Table(T),

@@ -1,6 +1,7 @@
 //! `[[predicts]]`: the orders that the theory promises, with their theorems.
 
 use super::diagnostic::SceneError;
+use super::heading::name_in;
 use super::reading::Reading;
 use super::written;
 use fem::norms::ContactState;
@@ -31,52 +32,37 @@ impl Norm {
         matches!(self, Norm::PressureL2Max | Norm::PressureMax(_))
     }
 
-    /// Every norm.
-    pub const ALL: [Norm; 19] = [
-        Norm::VMax,
-        Norm::L2Max,
-        Norm::TraceL2Max,
-        Norm::PressureL2Max,
-        Norm::StressL2Max,
-        Norm::ContactSetMax,
-        Norm::VTimeMax,
-        Norm::VProjectionMax,
-        Norm::TraceMax(ContactState::Open),
-        Norm::TraceMax(ContactState::Rising),
-        Norm::TraceMax(ContactState::Falling),
-        Norm::TraceMax(ContactState::AtJump),
-        Norm::TraceMax(ContactState::Locked),
-        Norm::PressureMax(ContactState::Open),
-        Norm::PressureMax(ContactState::Rising),
-        Norm::PressureMax(ContactState::Falling),
-        Norm::PressureMax(ContactState::AtJump),
-        Norm::PressureMax(ContactState::Locked),
-        Norm::ContactMeasureMax,
+    /// Every norm with its name.
+    const NAMES: [(&str, Norm); 19] = [
+        ("V_max", Norm::VMax),
+        ("L2_max", Norm::L2Max),
+        ("trace_L2_max", Norm::TraceL2Max),
+        ("pressure_L2_max", Norm::PressureL2Max),
+        ("stress_L2_max", Norm::StressL2Max),
+        ("contact_set_max", Norm::ContactSetMax),
+        ("V_time_max", Norm::VTimeMax),
+        ("V_projection_max", Norm::VProjectionMax),
+        ("trace_open_max", Norm::TraceMax(ContactState::Open)),
+        ("trace_rising_max", Norm::TraceMax(ContactState::Rising)),
+        ("trace_falling_max", Norm::TraceMax(ContactState::Falling)),
+        ("trace_jump_max", Norm::TraceMax(ContactState::AtJump)),
+        ("trace_locked_max", Norm::TraceMax(ContactState::Locked)),
+        ("pressure_open_max", Norm::PressureMax(ContactState::Open)),
+        ("pressure_rising_max", Norm::PressureMax(ContactState::Rising)),
+        ("pressure_falling_max", Norm::PressureMax(ContactState::Falling)),
+        ("pressure_jump_max", Norm::PressureMax(ContactState::AtJump)),
+        ("pressure_locked_max", Norm::PressureMax(ContactState::Locked)),
+        ("contact_measure_max", Norm::ContactMeasureMax),
     ];
+
+    /// Every norm.
+    pub fn all() -> impl Iterator<Item = Norm> {
+        Self::NAMES.into_iter().map(|(_, norm)| norm)
+    }
 
     /// Its name in scene files and in `cases.csv`.
     pub fn name(self) -> &'static str {
-        match self {
-            Norm::VMax => "V_max",
-            Norm::L2Max => "L2_max",
-            Norm::TraceL2Max => "trace_L2_max",
-            Norm::PressureL2Max => "pressure_L2_max",
-            Norm::StressL2Max => "stress_L2_max",
-            Norm::ContactSetMax => "contact_set_max",
-            Norm::VTimeMax => "V_time_max",
-            Norm::VProjectionMax => "V_projection_max",
-            Norm::TraceMax(ContactState::Open) => "trace_open_max",
-            Norm::TraceMax(ContactState::Rising) => "trace_rising_max",
-            Norm::TraceMax(ContactState::Falling) => "trace_falling_max",
-            Norm::TraceMax(ContactState::AtJump) => "trace_jump_max",
-            Norm::TraceMax(ContactState::Locked) => "trace_locked_max",
-            Norm::PressureMax(ContactState::Open) => "pressure_open_max",
-            Norm::PressureMax(ContactState::Rising) => "pressure_rising_max",
-            Norm::PressureMax(ContactState::Falling) => "pressure_falling_max",
-            Norm::PressureMax(ContactState::AtJump) => "pressure_jump_max",
-            Norm::PressureMax(ContactState::Locked) => "pressure_locked_max",
-            Norm::ContactMeasureMax => "contact_measure_max",
-        }
+        name_in(&Self::NAMES, self)
     }
 
     /// Whether the norm is on Γ3 and needs contact.
@@ -96,7 +82,7 @@ impl Norm {
         word: &str,
         has_contact: bool,
     ) -> Result<Norm, SceneError> {
-        let norm = reading.choice(key, word, &Norm::ALL.map(|norm| (norm.name(), norm)))?;
+        let norm = reading.choice(key, word, &Norm::NAMES)?;
         if norm.needs_contact() && !has_contact {
             let message = format!("`{word}` is measured on Γ3, and the scene has no contact");
             return Err(reading.error(

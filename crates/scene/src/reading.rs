@@ -116,6 +116,24 @@ impl<'a> Reading<'a> {
         }
     }
 
+    /// Points of a graph; `form` names their two numbers.
+    pub(crate) fn points(
+        &self,
+        key: &str,
+        written: &[Vec<f64>],
+        form: &str,
+    ) -> Result<Vec<[f64; 2]>, SceneError> {
+        let point = |(index, point): (usize, &Vec<f64>)| match point[..] {
+            [a, b] if a.is_finite() && b.is_finite() => Ok([a, b]),
+            _ => Err(self.error(
+                &format!("{key}.{index}"),
+                format!("{point:?} is not a point"),
+                format!("a point is two finite numbers: {form}"),
+            )),
+        };
+        written.iter().enumerate().map(point).collect()
+    }
+
     /// The given variables and the parameters of the scene.
     pub(crate) fn scope(&self, variables: &[Variable]) -> Scope {
         let mut scope = Scope::new(variables);

@@ -6,6 +6,7 @@ use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
 use super::validated::{Body, Scene};
 use super::written;
+use fem::mesh::Family as MeshFamily;
 use files::counted;
 
 /// The reference run of a scene without exact solution.
@@ -43,10 +44,8 @@ impl Sweep {
         let Some(written) = written else {
             return Ok(None);
         };
-        let pairs = match &written.pairs {
-            Some(pairs) => Some(path(reading, written, pairs, domain)?),
-            None => None,
-        };
+        let pairs = written.pairs.as_ref().map(|pairs| path(reading, written, pairs, domain));
+        let pairs = pairs.transpose()?;
         let (n, steps) = match &pairs {
             Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
             None => {
@@ -58,7 +57,7 @@ impl Sweep {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
         let reference = match &written.reference {
-            Some(_) if !domain.mesh.nests() => {
+            Some(_) if domain.mesh != MeshFamily::Structured => {
                 let message = "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
                 let hint = "use the structured mesh, or an exact solution";
                 return Err(reading.error("sweep.reference", message, hint));
@@ -66,10 +65,8 @@ impl Sweep {
             Some(reference) => Some(Reference::validate(reading, reference, domain, &n, &steps)?),
             None => None,
         };
-        let norms = match &written.norms {
-            Some(words) => Some(norms(reading, words, has_contact)?),
-            None => None,
-        };
+        let norms = written.norms.as_ref().map(|words| norms(reading, words, has_contact));
+        let norms = norms.transpose()?;
         Ok(Some(Sweep { n, steps, pairs, reference, norms, by_state: written.by_state }))
     }
 }

@@ -76,15 +76,6 @@ impl TimeRule {
     }
 }
 
-#[derive(Clone, Copy)]
-enum RuleKind {
-    Trapezoid,
-    Left,
-    Gregory,
-    CorrectedEnd,
-    ProductIntegration,
-}
-
 impl TimeRule {
     fn validate(reading: &Reading, written: &written::Rule) -> Result<TimeRule, SceneError> {
         let (key, written) = match written {
@@ -94,24 +85,17 @@ impl TimeRule {
             ),
             written::Rule::Table(table) => ("time.rule.kind", table),
         };
-        let known = [
-            ("trapezoid", RuleKind::Trapezoid),
-            ("left", RuleKind::Left),
-            ("gregory", RuleKind::Gregory),
-            ("corrected-end", RuleKind::CorrectedEnd),
-            ("product-integration", RuleKind::ProductIntegration),
+        let kinds = ["trapezoid", "left", "gregory", "corrected-end", "product-integration"];
+        let kind = reading.word(key, &written.kind, &kinds)?;
+        let keys: [(_, _, &[_]); 2] = [
+            ("exponent", written.exponent.is_some(), &["corrected-end"]),
+            ("order", written.order.is_some(), &["gregory"]),
         ];
-        let kind = reading.choice(key, &written.kind, &known)?;
-        if !matches!(kind, RuleKind::CorrectedEnd) {
-            reading.surplus("time.rule.exponent", written.exponent.as_ref(), &written.kind)?;
-        }
-        if !matches!(kind, RuleKind::Gregory) {
-            reading.surplus("time.rule.order", written.order.as_ref(), &written.kind)?;
-        }
+        reading.only("time.rule", kind, &keys)?;
         Ok(match kind {
-            RuleKind::Trapezoid => TimeRule::Trapezoid,
-            RuleKind::Left => TimeRule::Left,
-            RuleKind::Gregory => match written.order {
+            "trapezoid" => TimeRule::Trapezoid,
+            "left" => TimeRule::Left,
+            "gregory" => match written.order {
                 None | Some(3) => TimeRule::Gregory { order: 3 },
                 Some(4) => TimeRule::Gregory { order: 4 },
                 Some(order) => {
@@ -123,8 +107,8 @@ impl TimeRule {
                     ));
                 }
             },
-            RuleKind::ProductIntegration => TimeRule::ProductIntegration,
-            RuleKind::CorrectedEnd => {
+            "product-integration" => TimeRule::ProductIntegration,
+            _ => {
                 let key = "time.rule.exponent";
                 let line = "exponent = 0.5";
                 let exponent = reading.needed(key, written.exponent, &written.kind, line)?;
@@ -139,24 +123,13 @@ impl TimeRule {
     }
 }
 
-#[derive(Clone, Copy)]
-enum GridKind {
-    Uniform,
-    Graded,
-    Random,
-}
-
 impl Time {
     pub(super) fn validate(reading: &Reading, written: &written::Time) -> Result<Time, SceneError> {
         let horizon = reading.positive("time.horizon", written.horizon)?;
-        let grid = match &written.grid {
-            Some(grid) => TimeGrid::validate(reading, grid)?,
-            None => TimeGrid::Uniform,
-        };
-        let rule = match &written.rule {
-            Some(rule) => TimeRule::validate(reading, rule)?,
-            None => TimeRule::Trapezoid,
-        };
+        let grid = written.grid.as_ref().map(|grid| TimeGrid::validate(reading, grid));
+        let grid = grid.transpose()?.unwrap_or(TimeGrid::Uniform);
+        let rule = written.rule.as_ref().map(|rule| TimeRule::validate(reading, rule));
+        let rule = rule.transpose()?.unwrap_or(TimeRule::Trapezoid);
         if matches!(rule, TimeRule::Gregory { .. }) && grid != TimeGrid::Uniform {
             let message = "the rule of Gregory is for equal steps: its corrections are differences";
             let hint = "leave the grid out, or take the rule \"trapezoid\"";
@@ -168,33 +141,23 @@ impl Time {
 
 impl TimeGrid {
     fn validate(reading: &Reading, written: &written::Grid) -> Result<TimeGrid, SceneError> {
-        let known = [
-            ("uniform", GridKind::Uniform),
-            ("graded", GridKind::Graded),
-            ("random", GridKind::Random),
+        let kind =
+            reading.word("time.grid.kind", &written.kind, &["uniform", "graded", "random"])?;
+        let (exponent, seed) = ("time.grid.exponent", "time.grid.seed");
+        let keys: [(_, _, &[_]); 2] = [
+            ("exponent", written.exponent.is_some(), &["graded"]),
+            ("seed", written.seed.is_some(), &["random"]),
         ];
-        let kind = reading.choice("time.grid.kind", &written.kind, &known)?;
-        if !matches!(kind, GridKind::Graded) {
-            reading.surplus("time.grid.exponent", written.exponent.as_ref(), &written.kind)?;
-        }
-        if !matches!(kind, GridKind::Random) {
-            reading.surplus("time.grid.seed", written.seed.as_ref(), &written.kind)?;
-        }
+        reading.only("time.grid", kind, &keys)?;
         match kind {
-            GridKind::Uniform => Ok(TimeGrid::Uniform),
-            GridKind::Graded => {
-                let exponent = reading.needed(
-                    "time.grid.exponent",
-                    written.exponent,
-                    &written.kind,
-                    "exponent = 2.0",
-                )?;
-                graded(reading, exponent)
+            "uniform" => Ok(TimeGrid::Uniform),
+            "graded" => {
+                let line = "exponent = 2.0";
+                graded(reading, reading.needed(exponent, written.exponent, kind, line)?)
             }
-            GridKind::Random => {
-                let seed =
-                    reading.needed("time.grid.seed", written.seed, &written.kind, "seed = 1")?;
-                Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed", seed)? })
+            _ => {
+                let given = reading.needed(seed, written.seed, kind, "seed = 1")?;
+                Ok(TimeGrid::Random { seed: reading.seed(seed, given)? })
             }
         }
     }

@@ -17,7 +17,7 @@ use super::definitions::parameters;
 use super::diagnostic::SceneError;
 use super::discretization::{Parts, element};
 use super::domain::{Domain, with_mesh};
-use super::heading::{Expectation, Heading, Hypothesis, SceneKind};
+use super::heading::{self, Expectation, Hypothesis, SceneKind};
 use super::material::Material;
 use super::prediction::Prediction;
 use super::reading::Reading;
@@ -103,12 +103,15 @@ impl Scene {
         let kind = SceneKind::validate(&Reading::new(&source, &spans), kind_of(table.get_ref()))?;
         match kind {
             SceneKind::Contact => {
-                let file = structured(table, &source, &spans)?;
-                validate_contact(file, source, spans)
+                let file: written::File = structured(table, &source, &spans)?;
+                let source = with_mesh(source, &spans, &file.domain)?;
+                let content = |reading: &mut Reading, m| contact(reading, &file, m);
+                validated(kind, &file.scene, source, spans, content)
             }
             SceneKind::Abstract => {
-                let file = structured(table, &source, &spans)?;
-                validate_abstract(file, source, spans)
+                let file: AbstractFile = structured(table, &source, &spans)?;
+                let content = |reading: &mut Reading, m| abstract_problem(reading, &file, m);
+                validated(kind, &file.scene, source, spans, content)
             }
         }
     }
@@ -148,105 +151,96 @@ fn structured<'t, F: Deserialize<'t>>(
         .map_err(|error| wording::structure(source, spans, &error))
 }
 
-fn validate_contact(
-    file: written::File,
+/// The scene of a file of either kind, of which `content` reads all but the heading.
+fn validated(
+    kind: SceneKind,
+    written: &written::Heading,
     source: Source,
     spans: Spans,
-) -> Result<Scene, SceneError> {
-    let source = with_mesh(source, &spans, &file.domain)?;
-    let mut reading = Reading::new(&source, &spans);
-    let heading = Heading::validate(&reading, &file.scene, SceneKind::Contact)?;
-    reading.violates.clone_from(&heading.violates);
-    let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
-    let time = Time::validate(&reading, &file.time)?;
-    let material = Material::validate(&mut reading, &file.material, time.horizon, &domain)?;
-    needs_product_integration(&reading, &time, material.singular_key())?;
-    if let Some(exact) = &file.exact {
-        reading.parameters = parameters(&mut reading, &exact.parameters)?;
-    }
-    let contact = Contact::validate(&mut reading, file.contact.as_ref(), &domain, &time)?;
-    let data = Data::validate(&mut reading, &file, &domain, &time, contact.as_ref())?;
-    let predicts = predictions(&reading, &file.predicts, contact.is_some())?;
-    let sweep = Sweep::validate(&reading, file.sweep.as_ref(), &domain, contact.is_some())?;
-    serves(&reading, sweep.as_ref(), &predicts)?;
-    let known = matches!(data, Data::Exact { .. }) && contact.is_some() && heading.dimension == 2;
-    states_are_known(&reading, known, sweep.as_ref(), &predicts)?;
-    has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
-    is_judged_by_something(&reading, file.scene.judge, &predicts)?;
-    let (contact_of, sweep_of) = (contact.as_ref(), sweep.as_ref());
-    let parts =
-        Parts { dimension: heading.dimension, contact: contact_of, data: &data, sweep: sweep_of };
-    let element = element(&reading, file.discretization.as_ref(), &parts)?;
-    let formulas = reading.formulas;
-    let body = ContactScene { domain, material, contact, data, element };
-    let body = Body::Contact(Box::new(body));
-    let content = Content { source, spans, time, body, predicts, sweep, formulas };
-    Ok(heading.scene(file.scene, content))
-}
-
-fn validate_abstract(
-    file: AbstractFile,
-    source: Source,
-    spans: Spans,
+    content: impl FnOnce(&mut Reading, usize) -> Result<Content, SceneError>,
 ) -> Result<Scene, SceneError> {
     let mut reading = Reading::new(&source, &spans);
-    let heading = Heading::validate(&reading, &file.scene, SceneKind::Abstract)?;
-    reading.violates.clone_from(&heading.violates);
-    let time = Time::validate(&reading, &file.time)?;
-    reading.parameters = parameters(&mut reading, &file.exact.parameters)?;
-    let body = AbstractScene::validate(&mut reading, &file, heading.dimension)?;
-    let kernels = file.history.iter().flat_map(|history| &history.kernels);
-    let singular = kernels.enumerate().find(|(_, kernel)| kernel.singular.is_some());
-    let key = singular.map(|(l, _)| format!("history.kernels.{l}.singular"));
-    needs_product_integration(&reading, &time, key)?;
-    let predicts = predictions(&reading, &file.predicts, false)?;
-    for (index, prediction) in predicts.iter().enumerate() {
-        prediction.only_in_time(&reading, index)?;
-    }
-    let sweep = match &file.sweep {
-        Some(sweep) => Some(Sweep::in_time(&reading, &sweep.steps)?),
-        None => None,
-    };
-    is_judged_by_something(&reading, file.scene.judge, &predicts)?;
-    let formulas = reading.formulas;
-    let body = Body::Abstract(Box::new(body));
-    let content = Content { source, spans, time, body, predicts, sweep, formulas };
-    Ok(heading.scene(file.scene, content))
+    let name = heading::name(&reading, &written.name)?;
+    let dimension = heading::dimension(&reading, written.dimension, kind)?;
+    let expect = heading::expectation(&reading, written.expect.as_deref())?;
+    let window_n = reading.window("scene.window_n", written.window_n.as_ref())?;
+    let window_steps = reading.window("scene.window_steps", written.window_steps.as_ref())?;
+    reading.violates = heading::violates(&reading, &written.violates)?;
+    let Content { time, body, predicts, sweep } = content(&mut reading, dimension)?;
+    let Reading { violates, formulas, .. } = reading;
+    Ok(Scene {
+        name,
+        question: written.question.clone(),
+        dimension,
+        judge: written.judge,
+        expect,
+        long: written.long,
+        window_n,
+        window_steps,
+        violates,
+        source,
+        spans,
+        time,
+        body,
+        predicts,
+        sweep,
+        formulas,
+    })
 }
 
 /// The parts of a scene besides its heading.
 struct Content {
-    source: Source,
-    spans: Spans,
     time: Time,
     body: Body,
     predicts: Vec<Prediction>,
     sweep: Option<Sweep>,
-    formulas: Graph,
 }
 
-impl Heading {
-    fn scene(self, written: written::Heading, content: Content) -> Scene {
-        let Content { source, spans, time, body, predicts, sweep, formulas } = content;
-        Scene {
-            name: self.name,
-            question: written.question,
-            dimension: self.dimension,
-            judge: written.judge,
-            expect: self.expect,
-            long: written.long,
-            window_n: self.window_n,
-            window_steps: self.window_steps,
-            violates: self.violates,
-            source,
-            spans,
-            time,
-            body,
-            predicts,
-            sweep,
-            formulas,
-        }
+fn contact(
+    reading: &mut Reading,
+    file: &written::File,
+    dimension: usize,
+) -> Result<Content, SceneError> {
+    let domain = Domain::validate(reading, &file.domain, dimension)?;
+    let time = Time::validate(reading, &file.time)?;
+    let material = Material::validate(reading, &file.material, time.horizon, &domain)?;
+    needs_product_integration(reading, &time, material.singular_key())?;
+    if let Some(exact) = &file.exact {
+        reading.parameters = parameters(reading, &exact.parameters)?;
     }
+    let contact = Contact::validate(reading, file.contact.as_ref(), &domain, &time)?;
+    let data = Data::validate(reading, file, &domain, &time, contact.as_ref())?;
+    let predicts = predictions(reading, &file.predicts, contact.is_some())?;
+    let sweep = Sweep::validate(reading, file.sweep.as_ref(), &domain, contact.is_some())?;
+    serves(reading, sweep.as_ref(), &predicts)?;
+    let known = matches!(data, Data::Exact { .. }) && contact.is_some() && dimension == 2;
+    states_are_known(reading, known, sweep.as_ref(), &predicts)?;
+    has_truth(reading, file.scene.judge, &data, sweep.as_ref())?;
+    is_judged_by_something(reading, file.scene.judge, &predicts)?;
+    let (contact_of, sweep_of) = (contact.as_ref(), sweep.as_ref());
+    let parts = Parts { dimension, contact: contact_of, data: &data, sweep: sweep_of };
+    let element = element(reading, file.discretization.as_ref(), &parts)?;
+    let body = ContactScene { domain, material, contact, data, element };
+    Ok(Content { time, body: Body::Contact(Box::new(body)), predicts, sweep })
+}
+
+fn abstract_problem(
+    reading: &mut Reading,
+    file: &AbstractFile,
+    dimension: usize,
+) -> Result<Content, SceneError> {
+    let time = Time::validate(reading, &file.time)?;
+    reading.parameters = parameters(reading, &file.exact.parameters)?;
+    let body = AbstractScene::validate(reading, file, dimension)?;
+    needs_product_integration(reading, &time, body.singular_key())?;
+    let predicts = predictions(reading, &file.predicts, false)?;
+    for (index, prediction) in predicts.iter().enumerate() {
+        prediction.only_in_time(reading, index)?;
+    }
+    let sweep = file.sweep.as_ref().map(|sweep| Sweep::in_time(reading, &sweep.steps));
+    let sweep = sweep.transpose()?;
+    is_judged_by_something(reading, file.scene.judge, &predicts)?;
+    Ok(Content { time, body: Body::Abstract(Box::new(body)), predicts, sweep })
 }
 
 fn predictions(

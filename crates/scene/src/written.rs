@@ -13,7 +13,7 @@ use super::or_table::{OrTable, Plain};
 
 /// A formula as text; a bare TOML number is a formula too.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Formula(pub String);
+pub(crate) struct Formula(pub String);
 
 impl<'de> Deserialize<'de> for Formula {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Formula, D::Error> {
@@ -67,16 +67,18 @@ pub(crate) struct File {
 /// `[discretization]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Discretization {
+pub(crate) struct Discretization {
     pub element: Option<String>,
 }
 
 /// `[scene]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Heading {
+pub(crate) struct Heading {
     pub name: String,
     pub question: String,
+    /// Read before, to choose the kind of file.
+    #[expect(dead_code)]
     pub kind: Option<String>,
     pub dimension: i64,
     #[serde(default = "yes")]
@@ -93,7 +95,7 @@ pub struct Heading {
 /// `[domain]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Domain {
+pub(crate) struct Domain {
     pub shape: String,
     pub size: Option<Vec<f64>>,
     pub vertices: Option<Vec<Vec<f64>>>,
@@ -113,7 +115,7 @@ pub struct Domain {
 /// `mesh = { kind = "perturbed", amplitude = 0.2, seed = 1 }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Mesh {
+pub(crate) struct Mesh {
     pub kind: String,
     pub amplitude: Option<f64>,
     pub seed: Option<i64>,
@@ -125,19 +127,19 @@ pub struct Mesh {
 /// `[time]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Time {
+pub(crate) struct Time {
     pub horizon: f64,
     pub grid: Option<Grid>,
     pub rule: Option<Rule>,
 }
 
 /// `rule = "left"`, or `rule = { kind = "corrected-end", exponent = 0.5 }`
-pub type Rule = OrTable<RuleName, RuleTable>;
+pub(crate) type Rule = OrTable<RuleName, RuleTable>;
 
 /// A rule without parameters.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(transparent)]
-pub struct RuleName(pub String);
+pub(crate) struct RuleName(pub String);
 
 impl Plain for RuleName {
     const IS: &'static str = "the name of a rule";
@@ -146,7 +148,7 @@ impl Plain for RuleName {
 /// A rule with the parameters of its kind.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RuleTable {
+pub(crate) struct RuleTable {
     pub kind: String,
     pub exponent: Option<f64>,
     pub order: Option<i64>,
@@ -155,7 +157,7 @@ pub struct RuleTable {
 /// `grid = { kind = "graded", exponent = 2.0 }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Grid {
+pub(crate) struct Grid {
     pub kind: String,
     pub exponent: Option<f64>,
     pub seed: Option<i64>,
@@ -164,7 +166,7 @@ pub struct Grid {
 /// `[material]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Material {
+pub(crate) struct Material {
     pub lambda: Option<f64>,
     #[serde(rename = "mu_L")]
     pub mu_l: Option<f64>,
@@ -182,7 +184,7 @@ pub struct Material {
 /// `elasticity = { kind = "orthotropic", normal = [4.0, 2.0], coupling = [1.0], shear = [0.8] }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Elasticity {
+pub(crate) struct Elasticity {
     pub kind: String,
     pub mandel: Option<Vec<Vec<f64>>>,
     pub normal: Option<Vec<f64>>,
@@ -193,7 +195,7 @@ pub struct Elasticity {
 /// `[[material.region]]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Region {
+pub(crate) struct Region {
     pub name: String,
     #[serde(rename = "where")]
     pub condition: Option<Formula>,
@@ -212,7 +214,7 @@ pub struct Region {
 /// `[material.memory]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Memory {
+pub(crate) struct Memory {
     pub kernel: Option<Kernel>,
     pub lambda: Option<f64>,
     pub mu: Option<f64>,
@@ -222,12 +224,12 @@ pub struct Memory {
 }
 
 /// A memory kernel: a formula in t, or a table.
-pub type Kernel = OrTable<Formula, KernelTable>;
+pub(crate) type Kernel = OrTable<Formula, KernelTable>;
 
 /// `kernel = { kind = "prony", terms = [[-0.5, 0.2], [-0.3, 2.0]] }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KernelTable {
+pub(crate) struct KernelTable {
     pub kind: String,
     pub amplitude: Option<f64>,
     pub time: Option<f64>,
@@ -238,7 +240,7 @@ pub struct KernelTable {
 /// `[material.projection]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Projection {
+pub(crate) struct Projection {
     pub mu: f64,
     pub kappa: Formula,
 }
@@ -246,7 +248,7 @@ pub struct Projection {
 /// `[contact]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Contact {
+pub(crate) struct Contact {
     pub gap: Option<Formula>,
     pub shift: Option<Formula>,
     pub law: Option<Law>,
@@ -257,17 +259,17 @@ pub struct Contact {
 /// `[contact.friction]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Friction {
+pub(crate) struct Friction {
     pub bound: FrictionBound,
 }
 
 /// The bound of the friction stress: a formula in x, y, t, or a table.
-pub type FrictionBound = OrTable<Formula, FrictionBoundTable>;
+pub(crate) type FrictionBound = OrTable<Formula, FrictionBoundTable>;
 
 /// `bound = { kind = "slip", points = [[0.0, 0.3], [0.1, 0.28]] }`, or `{ kind = "coulomb", coefficient = "0.3" }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FrictionBoundTable {
+pub(crate) struct FrictionBoundTable {
     pub kind: String,
     pub points: Option<Vec<Vec<f64>>>,
     pub coefficient: Option<Formula>,
@@ -277,7 +279,7 @@ pub struct FrictionBoundTable {
 /// kind; docs/CONTACT-LAWS.md lists the keys of each.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Law {
+pub(crate) struct Law {
     pub kind: String,
     pub stiffness: Option<f64>,
     pub points: Option<Vec<Vec<f64>>>,
@@ -320,7 +322,7 @@ pub(crate) struct Exact {
 /// `[sweep]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     #[serde(default)]
     pub n: Vec<i64>,
     #[serde(default)]
@@ -335,7 +337,7 @@ pub struct Sweep {
 /// `reference = { n = 128, steps = 64 }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Reference {
+pub(crate) struct Reference {
     pub n: i64,
     pub steps: i64,
 }
@@ -343,7 +345,7 @@ pub struct Reference {
 /// `[[predicts]]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Prediction {
+pub(crate) struct Prediction {
     pub norm: String,
     pub variable: String,
     pub order: f64,

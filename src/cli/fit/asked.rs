@@ -1,10 +1,13 @@
 //! What a caller claims of a table and knows of its errors, and the answer.
 
-use judge::fit::{Claim, Direction, Posterior, Ruling, TOLERANCE};
-use judge::verdict::Decision;
-use serde_json::{Value, json};
+use std::fmt::Display;
 
-use super::wording::{map, run};
+use judge::fit::{Claim, Direction, Posterior, Ruling, TOLERANCE};
+use judge::table::Group;
+use judge::verdict::Decision;
+use serde_json::{Map, Value, json};
+
+use super::wording::run;
 
 /// Predicted orders and their meaning.
 #[derive(Debug, Clone, Copy)]
@@ -42,8 +45,8 @@ impl Answer {
         Self { decision, reason, probability: None, next: Vec::new() }
     }
 
-    pub(super) fn verdict(&self) -> (Decision, String) {
-        (self.decision, self.reason.clone())
+    pub(super) fn open(why: impl Display) -> Self {
+        Self::of(Decision::Unresolved, why.to_string())
     }
 }
 
@@ -85,12 +88,54 @@ impl Asked {
         Answer { decision, reason: reason + &help, probability: Some(probability), next }
     }
 
-    /// The JSON entries of what was asked.
-    pub(super) fn json(self) -> serde_json::Map<String, Value> {
-        map(json!({
+    /// The JSON entries of what was asked, found and answered, and the reason why nothing was; `further` go beside.
+    pub(super) fn json(
+        self,
+        found: Option<&Posterior>,
+        answer: Option<&Answer>,
+        otherwise: impl Display,
+        further: Value,
+    ) -> Map<String, Value> {
+        let mut object = map(json!({
             "at_least": self.at_least,
             "exact": self.exact,
             "tolerance": self.tolerance,
-        }))
+            "order": found.map(|found| found.order),
+            "observed": found.map(|found| found.order),
+            "interval": found.map(|found| [found.interval.lo, found.interval.hi]),
+            "verdict": answer.map(|answer| answer.decision),
+            "probability": answer.and_then(|answer| answer.probability),
+            "reason": answer.map_or_else(|| otherwise.to_string(), |answer| answer.reason.clone()),
+        }));
+        object.extend(map(further));
+        object
+    }
+}
+
+/// The steps that would help, for JSON.
+pub(super) fn next(answer: Option<&Answer>) -> &[f64] {
+    answer.map_or(&[], |answer| &answer.next)
+}
+
+fn map(object: Value) -> Map<String, Value> {
+    match object {
+        Value::Object(map) => map,
+        _ => Map::new(),
+    }
+}
+
+/// The verdict for gaps: as in a sweep, a missing case is a failure.
+pub(super) fn gap_verdict(group: &Group) -> Option<Answer> {
+    group.gaps_in_words().map(|gaps| Answer::of(Decision::Fail, gaps))
+}
+
+/// `; predicted 1: pass, 1 lies in …`, to end a line.
+pub(super) fn verdict_text(predicted: Option<impl Display>, answer: Option<&Answer>) -> String {
+    match (predicted, answer) {
+        (Some(order), Some(Answer { decision, reason, .. })) => {
+            format!("predicted {order}: {}, {reason}", decision.name())
+        }
+        (None, Some(answer)) => answer.reason.clone(),
+        _ => String::new(),
     }
 }

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::asked::{Answer, Asked};
-use super::wording::{Part, gap_verdict, map, next_steps, step_name, verdict_text};
+use super::asked::{Answer, Asked, gap_verdict, verdict_text};
+use super::wording::{Part, next_steps, step_name};
 use judge::fit::{
     Direction, FittedValue, GridPosterior, JointFit, JointFits, NotIdentifiable, Point,
     fit_constants, infer_grid, joint_fits, same_level, student_quantile,
@@ -52,10 +52,9 @@ impl Joint {
 pub(super) fn part(group: &Group, joint: &Result<Joint, NotIdentifiable>, asked: Asked) -> Part {
     let orders = asked.p.zip(asked.q);
     let answer = orders.map(|orders| {
-        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
-        gaps.unwrap_or_else(|| match joint {
+        gap_verdict(group).unwrap_or_else(|| match joint {
             Ok(joint) => both(joint, orders, asked),
-            Err(refused) => Answer::of(judge::verdict::Decision::Unresolved, refused.to_string()),
+            Err(refused) => Answer::open(refused),
         })
     });
     let points = group.points();
@@ -66,8 +65,7 @@ pub(super) fn part(group: &Group, joint: &Result<Joint, NotIdentifiable>, asked:
         .zip(orders)
         .and_then(|(joint, orders)| fit_constants(&points, joint.fits.best.model, orders).ok());
     let json = object(joint, floor.as_ref(), constants, asked, answer.as_ref());
-    let verdict = answer.as_ref().map(Answer::verdict);
-    let head = verdict_text(orders.map(|(p, q)| format!("{p}, {q}")), verdict.as_ref());
+    let head = verdict_text(orders.map(|(p, q)| format!("{p}, {q}")), answer.as_ref());
     let text = match joint {
         Err(_) if !head.is_empty() => format!("joint: {head}"),
         Err(refused) => format!("joint: {refused}"),
@@ -161,16 +159,9 @@ fn object(
     let all = fits.into_iter().chain(floor);
     let all = all.flat_map(|fits| [Some(&fits.best), fits.other.as_ref()]).flatten();
     let constant = |c: FittedValue, order: Option<f64>| json!({"value": c.value, "interval": [c.interval.lo, c.interval.hi], "order": order});
-    let reason = match (answer, joint) {
-        (Some(answer), _) => answer.reason.clone(),
-        (None, Err(refused)) => refused.to_string(),
-        (None, Ok(_)) => String::new(),
-    };
-    let mut object = map(json!({
+    let otherwise = joint.as_ref().err().map_or(String::new(), NotIdentifiable::to_string);
+    let further = json!({
         "variable": "joint",
-        "order": space.map(|posterior| posterior.order),
-        "observed": space.map(|posterior| posterior.order),
-        "interval": space.map(|posterior| [posterior.interval.lo, posterior.interval.hi]),
         "observed_k": time.map(|posterior| posterior.order),
         "interval_k": time.map(|posterior| [posterior.interval.lo, posterior.interval.hi]),
         "models": all.map(model).collect::<Vec<Value>>(),
@@ -180,12 +171,8 @@ fn object(
         })),
         "predicted": asked.p,
         "predicted_k": asked.q,
-        "verdict": answer.map(|answer| answer.decision.name()),
-        "probability": answer.and_then(|answer| answer.probability),
-        "reason": reason,
-    }));
-    object.extend(asked.json());
-    object
+    });
+    asked.json(space, answer, otherwise, further)
 }
 
 fn model(fit: &JointFit) -> Value {

@@ -2,16 +2,15 @@
 
 use serde_json::json;
 
-use super::asked::{Answer, Asked};
+use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::grid::Joint;
-use super::wording::{Part, gap_verdict, map, next_steps, plain, run, step_name, verdict_text};
+use super::wording::{Part, next_steps, plain, run, step_name};
 use files::counted;
 use judge::fit::{
     Correction, Direction, FitError, Interval, LARGEST_OTHER_SHARE, Level, NotIdentifiable, Point,
     Posterior, Sample, constant_under, infer, samples, screen,
 };
 use judge::table::Group;
-use judge::verdict::Decision;
 
 struct Read {
     samples: Vec<Sample>,
@@ -41,7 +40,7 @@ pub(super) fn part(
     }
     let line = Line::of(group, direction, asked, outside);
     let answer = asked.order(direction).map(|order| {
-        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
+        let gaps = gap_verdict(group);
         gaps.or_else(|| line.bent(order, joint)).unwrap_or_else(|| line.answer(order))
     });
     Some(Part {
@@ -84,16 +83,15 @@ impl<'a> Line<'a> {
             }
             Err(error) => {
                 let left = samples(&self.points, self.direction).unwrap_or_default();
-                let next = match error {
-                    FitError::TooFew { .. } => next_steps(&steps(&left)),
-                    _ => Vec::new(),
+                let (next, help) = match error {
+                    FitError::TooFew { .. } => {
+                        let next = next_steps(&steps(&left));
+                        let help = format!(": {}", run(self.name(), &next));
+                        (next, help)
+                    }
+                    _ => (Vec::new(), String::new()),
                 };
-                let help = match error {
-                    FitError::TooFew { .. } => format!(": {}", run(self.name(), &next)),
-                    _ => String::new(),
-                };
-                let reason = format!("{error}{}{help}", self.below_floor());
-                Answer { next, ..Answer::of(Decision::Unresolved, reason) }
+                Answer { next, ..Answer::open(format!("{error}{}{help}", self.below_floor())) }
             }
         }
     }
@@ -104,7 +102,7 @@ impl<'a> Line<'a> {
         let joint = match joint? {
             Ok(joint) => joint,
             Err(refused) if refused.hidden == Some(self.direction) => {
-                return Some(Answer::of(Decision::Unresolved, refused.to_string()));
+                return Some(Answer::open(refused));
             }
             Err(_) => return None,
         };
@@ -145,8 +143,7 @@ impl<'a> Line<'a> {
 
     fn text(&self, answer: Option<&Answer>) -> String {
         let name = self.name();
-        let predicted = self.asked.order(self.direction).map(|order| order.to_string());
-        let verdict = verdict_text(predicted, answer.map(Answer::verdict).as_ref());
+        let verdict = verdict_text(self.asked.order(self.direction), answer);
         let read = match &self.read {
             Ok(read) => read,
             Err(_) if !verdict.is_empty() => return format!("{name}: {verdict}"),
@@ -165,40 +162,32 @@ impl<'a> Line<'a> {
         let posterior = found.map(|read| &read.posterior);
         let constant = found.and_then(|read| self.constant(read));
         let used = |point: &Point| json!({"h": point.h, "k": point.k, "error": point.error});
-        let used = self.points.iter().filter(|point| screen(point).is_ok()).map(used);
-        let lost = self.points.iter().filter_map(|point| {
-            let reason = screen(point).err()?.to_string();
-            Some(json!({"h": point.h, "k": point.k, "error": point.error, "reason": reason}))
-        });
-        let outside = self.outside.iter().map(|point| {
-            json!({"h": point.h, "k": point.k, "error": point.error, "reason": "outside of the window"})
-        });
-        let reason = match (answer, &self.read) {
-            (Some(answer), _) => answer.reason.clone(),
-            (None, Err(error)) => error.to_string(),
-            (None, Ok(_)) => String::new(),
+        let left_out = |point: &Point, reason: String| {
+            let mut left_out = used(point);
+            left_out["reason"] = reason.into();
+            left_out
         };
-        let object = json!({
+        let serving = self.points.iter().filter(|point| screen(point).is_ok());
+        let lost = self
+            .points
+            .iter()
+            .filter_map(|point| Some(left_out(point, screen(point).err()?.to_string())));
+        let outside =
+            self.outside.iter().map(|point| left_out(point, "outside of the window".into()));
+        let otherwise = self.read.as_ref().err().map_or(String::new(), FitError::to_string);
+        let further = json!({
             "variable": self.name(),
             "local_slopes": posterior.map(|fitted| fitted.slopes.clone()),
-            "order": posterior.map(|fitted| fitted.order),
-            "observed": posterior.map(|fitted| fitted.order),
-            "interval": posterior.map(|fitted| [fitted.interval.lo, fitted.interval.hi]),
             "coarse_left_out": posterior.map(|fitted| fitted.coarse_left_out),
             "floor_from": posterior.and_then(|fitted| fitted.floor_from),
             "log": self.asked.log,
             "constant": constant.map(|(value, _)| value),
             "constant_interval": constant.map(|(_, i)| [i.lo, i.hi]),
             "predicted": self.asked.order(self.direction),
-            "verdict": answer.map(|answer| answer.decision.name()),
-            "probability": answer.and_then(|answer| answer.probability),
-            "reason": reason,
-            "next": answer.map_or(Vec::new(), |answer| answer.next.clone()),
-            "points_used": used.collect::<Vec<_>>(),
+            "next": next(answer),
+            "points_used": serving.map(used).collect::<Vec<_>>(),
             "points_left_out": lost.chain(outside).collect::<Vec<_>>(),
         });
-        let mut object = map(object);
-        object.extend(self.asked.json());
-        object
+        self.asked.json(posterior, answer, otherwise, further)
     }
 }

@@ -2,9 +2,9 @@
 
 use serde_json::json;
 
-use super::asked::{Answer, Asked};
+use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::line;
-use super::wording::{Part, gap_verdict, map, next_steps, verdict_text};
+use super::wording::{Part, next_steps};
 use judge::fit::{Direction, FitError, Posterior, RefinementPath, samples};
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -14,35 +14,26 @@ pub(super) fn part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
     let read = line::order(&group.measurements(), Direction::Space, asked);
     let order = along(path, asked);
     let answer = order.map(|order| {
-        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
-        gaps.unwrap_or_else(|| match &read {
+        gap_verdict(group).unwrap_or_else(|| match &read {
             Ok(posterior) => decide(group, posterior, path, asked, order),
-            Err(error) => Answer::of(Decision::Unresolved, error.to_string()),
+            Err(error) => Answer::open(error),
         })
     });
     let RefinementPath { exponent, constant } = path;
     let found = read.as_ref().ok();
-    let mut json = map(json!({
+    let answered = answer.as_ref();
+    let further = json!({
         "variable": "path",
         "exponent": exponent,
         "path_constant": constant,
-        "order": found.map(|fitted| fitted.order),
-        "observed": found.map(|fitted| fitted.order),
-        "interval": found.map(|fitted| [fitted.interval.lo, fitted.interval.hi]),
         "local_slopes": found.map(|fitted| fitted.slopes.clone()),
         "predicted": asked.p,
         "predicted_k": asked.q,
-        "verdict": answer.as_ref().map(|answer| answer.decision.name()),
-        "probability": answer.as_ref().and_then(|answer| answer.probability),
-        "next": answer.as_ref().map_or(Vec::new(), |answer| answer.next.clone()),
-        "reason": answer.as_ref().map_or_else(
-            || format!("along the path the order in h is min(p, {exponent:.2} q)"),
-            |answer| answer.reason.clone(),
-        ),
-    }));
-    json.extend(asked.json());
-    let verdict = answer.as_ref().map(Answer::verdict);
-    let text = text(&read, path, order, verdict.as_ref());
+        "next": next(answered),
+    });
+    let otherwise = format!("along the path the order in h is min(p, {exponent:.2} q)");
+    let json = asked.json(found, answered, otherwise, further);
+    let text = text(&read, path, order, answered);
     Part { text, json, decision: answer.map(|answer| answer.decision) }
 }
 
@@ -50,11 +41,11 @@ fn text(
     read: &Result<Posterior, FitError>,
     path: RefinementPath,
     order: Option<f64>,
-    verdict: Option<&(Decision, String)>,
+    answer: Option<&Answer>,
 ) -> String {
     let RefinementPath { exponent, constant } = path;
     let head = format!("path k = {constant:.3} h^{exponent:.2}:");
-    let tail = verdict_text(order.map(|order| format!("order {order} along it")), verdict);
+    let tail = verdict_text(order.map(|order| format!("order {order} along it")), answer);
     match read {
         Ok(Posterior { order, interval, .. }) => {
             let tail = match tail.is_empty() {
@@ -91,12 +82,11 @@ fn decide(
     let steps: Vec<f64> = samples.iter().map(|sample| sample.step).collect();
     let mut answer = asked.answer(posterior, order, ("h", next_steps(&steps)));
     let reason = answer.reason.clone();
-    let open = |reason: String| Answer::of(Decision::Unresolved, reason);
     match (answer.decision, asked.p, asked.q) {
         (Decision::Pass, Some(p), Some(q)) => {
             let balanced = format!("run k proportional to h^{:.2}, or the grid", p / q);
             let hidden = |other: f64, name: &str, least: f64| {
-                open(format!(
+                Answer::open(format!(
                     "{reason}, but the path cannot tell order {other} in {name} from {least:.2}: {balanced}"
                 ))
             };
@@ -118,10 +108,10 @@ fn decide(
             answer
         }
         (Decision::Fail, Some(_), None) => {
-            open(format!("{reason}, in h or in k: run one k with several h"))
+            Answer::open(format!("{reason}, in h or in k: run one k with several h"))
         }
         (Decision::Fail, None, Some(_)) => {
-            open(format!("{reason}, in h or in k: run one h with several k"))
+            Answer::open(format!("{reason}, in h or in k: run one h with several k"))
         }
         (Decision::Unresolved, ..) if !answer.next.is_empty() => {
             answer.reason += " on the path";

@@ -2,12 +2,13 @@
 
 use serde_json::{Value, json};
 
-use super::asked::{Answer, Asked};
-use super::wording::{Part, gap_verdict, map, next_steps, run, step_name, verdict_text};
+use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
+use super::eoc;
+use super::wording::{Part, next_steps, run, step_name};
 use files::counted;
 use judge::fit::{
-    Direction, EcaHoekstra, Expansion, FitError, Point, Posterior, Triple, ValueSample,
-    eca_hoekstra, infer_values, path, value_samples,
+    Direction, EcaHoekstra, Expansion, FitError, Posterior, Triple, ValueSample, eca_hoekstra,
+    infer_values, value_samples,
 };
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -30,23 +31,22 @@ pub(super) fn part(group: &Group, direction: Direction, asked: Asked) -> Option<
         return None;
     }
     // Along a path the value depends on one step.
-    let line: Vec<Point> = match path(&group.points()).is_some() {
-        true => group.points(),
-        false => group.line(direction).into_iter().map(|(point, _)| point).collect(),
-    };
-    let findings = value_samples(&line, direction).map(|samples| Findings::of(samples, asked));
+    let findings = value_samples(&eoc::line(group, direction), direction)
+        .map(|samples| Findings::of(samples, asked));
     let name = step_name(direction);
     let answer = predicted.map(|order| {
-        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
-        gaps.unwrap_or_else(|| match &findings {
+        gap_verdict(group).unwrap_or_else(|| match &findings {
             Ok(findings) => findings.answer(name, asked, order),
-            Err(error) => Answer::of(Decision::Unresolved, error.to_string()),
+            Err(error) => Answer::open(error),
         })
     });
-    let verdict = answer.as_ref().map(Answer::verdict);
-    let tail = verdict_text(predicted.map(|order| order.to_string()), verdict.as_ref());
-    let mut json = object(&findings, name, predicted, answer.as_ref());
-    json.extend(asked.json());
+    let tail = verdict_text(predicted, answer.as_ref());
+    let found = findings.as_ref().ok();
+    let order = found.and_then(|found| found.order.as_ref().ok());
+    let otherwise = findings.as_ref().err().map_or(String::new(), FitError::to_string);
+    let mut further = object(found, name, answer.as_ref());
+    further["predicted"] = predicted.into();
+    let json = asked.json(order, answer.as_ref(), otherwise, further);
     Some(Part {
         text: match &findings {
             Ok(findings) => text(findings, name, &tail),
@@ -72,7 +72,7 @@ impl Findings {
         let next = next_steps(&steps);
         let open = |reason: String| Answer {
             next: next.clone(),
-            ..Answer::of(Decision::Unresolved, format!("{reason}: {}", run(name, &next)))
+            ..Answer::open(format!("{reason}: {}", run(name, &next)))
         };
         match (self.last_three, &self.order) {
             (Some(Triple::Diverging { order }), _) => Answer::of(
@@ -80,10 +80,9 @@ impl Findings {
                 format!("the last three values diverge, order {order:.2}"),
             ),
             (Some(Triple::Oscillating { .. }), _) => open("the last three values oscillate".into()),
-            (Some(Triple::Stationary), _) => Answer::of(
-                Decision::Unresolved,
-                "the last two values are equal: run coarser ones".into(),
-            ),
+            (Some(Triple::Stationary), _) => {
+                Answer::open("the last two values are equal: run coarser ones")
+            }
             (_, Ok(posterior)) => asked.answer(posterior, order, (name, next)),
             (_, Err(FitError::TooFew { .. })) => {
                 let found = counted(self.samples.len(), "value");
@@ -160,13 +159,7 @@ fn expansion(expansion: Expansion) -> String {
     }
 }
 
-fn object(
-    findings: &Result<Findings, FitError>,
-    name: &str,
-    predicted: Option<f64>,
-    answer: Option<&Answer>,
-) -> serde_json::Map<String, Value> {
-    let found = findings.as_ref().ok();
+fn object(found: Option<&Findings>, name: &str, answer: Option<&Answer>) -> Value {
     let triple = found.and_then(|found| found.last_three);
     let (limit, gci) = match triple {
         Some(Triple::Converging { limit, gci, .. }) => (Some(limit), Some(gci)),
@@ -176,14 +169,8 @@ fn object(
         Some(Triple::Oscillating { half_range }) => Some(half_range),
         _ => None,
     };
-    let order = found.and_then(|found| found.order.as_ref().ok());
     let estimate = found.filter(|found| !diverges(found)).and_then(|found| found.estimate);
-    let reason = match (answer, findings) {
-        (Some(answer), _) => answer.reason.clone(),
-        (None, Err(error)) => error.to_string(),
-        (None, Ok(_)) => String::new(),
-    };
-    map(json!({
+    json!({
         "variable": name,
         "behaviour": triple.map(behaviour),
         "finest": found.and_then(|found| found.samples.last()).map(|sample| sample.value),
@@ -192,9 +179,6 @@ fn object(
         "gci": gci,
         "half_range": half_range,
         "caution": found.and_then(Findings::caution),
-        "order": order.map(|order| order.order),
-        "observed": order.map(|order| order.order),
-        "interval": order.map(|order| [order.interval.lo, order.interval.hi]),
         "eca_hoekstra": estimate.map(|found| json!({
             "limit": found.limit,
             "uncertainty": found.uncertainty,
@@ -205,16 +189,12 @@ fn object(
             "data_range": found.data_range,
             "safety": found.safety,
         })),
-        "predicted": predicted,
-        "verdict": answer.map(|answer| answer.decision.name()),
-        "probability": answer.and_then(|answer| answer.probability),
-        "next": answer.map_or(Vec::new(), |answer| answer.next.clone()),
-        "reason": reason,
+        "next": next(answer),
         "points_used": found.map(|found| {
             let plain = |sample: &ValueSample| json!({name: sample.step, "value": sample.value});
             found.samples.iter().map(plain).collect::<Vec<Value>>()
         }),
-    }))
+    })
 }
 
 fn behaviour(triple: Triple) -> &'static str {

@@ -1,7 +1,6 @@
 //! A result in words, and the words that results share.
 
 use judge::fit::Direction;
-use judge::table::Group;
 use judge::verdict::Decision;
 
 /// The result for one table in one direction.
@@ -18,25 +17,6 @@ pub(super) fn plain(number: f64) -> String {
     match rounded.abs() {
         size if size == 0.0 || (1e-3..1e5).contains(&size) => rounded.to_string(),
         _ => format!("{rounded:e}"),
-    }
-}
-
-/// The verdict for gaps: as in a sweep, a missing case is a failure.
-pub(super) fn gap_verdict(group: &Group) -> Option<(Decision, String)> {
-    group.gaps_in_words().map(|gaps| (Decision::Fail, gaps))
-}
-
-/// `; predicted 1: pass, 1 lies in …`, to end a line.
-pub(super) fn verdict_text(
-    predicted: Option<String>,
-    verdict: Option<&(Decision, String)>,
-) -> String {
-    match (predicted, verdict) {
-        (Some(order), Some((decision, reason))) => {
-            format!("predicted {order}: {}, {reason}", decision.name())
-        }
-        (_, Some((_, reason))) => reason.clone(),
-        _ => String::new(),
     }
 }
 
@@ -61,12 +41,5 @@ pub(super) fn step_name(direction: Direction) -> &'static str {
     match direction {
         Direction::Space => "h",
         Direction::Time => "k",
-    }
-}
-
-pub(super) fn map(object: serde_json::Value) -> serde_json::Map<String, serde_json::Value> {
-    match object {
-        serde_json::Value::Object(map) => map,
-        _ => serde_json::Map::new(),
     }
 }

@@ -14,7 +14,7 @@ use gronwall::manufactured::{ExactOnMesh, Truth};
 use gronwall::mesh::Mesh;
 use gronwall::norms::Moments;
 use gronwall::scene::{self, Data};
-use gronwall::setup::{MeshData, Setup, TruthLoad, load_form, side_numbers};
+use gronwall::setup::{MeshData, Setup, TruthLoad, side_numbers};
 use gronwall::space::Element;
 use gronwall::space::quadrature::{TruthRules, edge, triangle_degree_4};
 use gronwall::vhi::Newton;
@@ -148,7 +148,7 @@ fn freed(
     space.regions.clone_from(&data.space.regions);
     let space = Arc::new(space);
     let rules = TruthRules::of(2);
-    let truth = ExactOnMesh::new(exact.clone(), space.clone(), load_form(form), &traction, &rules);
+    let truth = ExactOnMesh::new(exact.clone(), space.clone(), form, &traction, &rules);
     let renumbered = |by_nodes: &[f64]| {
         let mut shown = vec![0.0; by_nodes.len()];
         for (node, &v) in space.nodes.vertex.iter().enumerate() {

@@ -1,7 +1,8 @@
 //! Evidence of a verdict: its points, and the scene's cases, as tables.
 
 use super::{Run, Table, Tone};
-use judge::record::{CaseRecord, Status, V_MAX, is_by_state, norm_rank};
+use crate::curve::norms;
+use judge::record::{CaseRecord, Status, V_MAX, is_by_state};
 use judge::verdict::{Variable, Verdict};
 
 /// Norms in the table of cases that fit a page; cases.csv has all.
@@ -67,9 +68,7 @@ pub(super) fn points(verdict: &Verdict, records: &[CaseRecord]) -> Table {
 /// All cases of a scene with their sizes and errors.
 pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Option<Table> {
     let of_scene: Vec<&CaseRecord> = records.iter().filter(|r| r.scene == scene).collect();
-    let mut norms: Vec<&str> = of_scene.iter().flat_map(|record| record.norms()).collect();
-    norms.sort_by_key(|norm| (norm_rank(norm), *norm));
-    norms.dedup();
+    let mut norms = norms(of_scene.iter().copied());
     norms.retain(|norm| *norm == V_MAX || !is_by_state(norm));
     let rest = norms.split_off(norms.len().min(NORM_COLUMNS));
     if of_scene.is_empty() {
@@ -93,25 +92,16 @@ pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Option<Table> {
         plain.chain([ended]).collect::<Vec<Run>>()
     };
     let rows: Vec<Vec<Run>> = of_scene.iter().map(row).collect();
-    let head: Vec<String> = ["n", "N", "unknowns", "Newton"]
-        .into_iter()
-        .chain(norms.iter().copied())
-        .chain(["status"])
-        .map(str::to_owned)
-        .collect();
+    let sizes = [">n", ">N", ">unknowns", ">Newton"].map(str::to_owned);
+    let named = norms.iter().map(|norm| format!(">{norm}"));
+    let heads: Vec<String> = sizes.into_iter().chain(named).chain(["status".into()]).collect();
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
     let more = match rest.is_empty() {
         true => String::new(),
         false => format!(" Also in cases.csv: {}.", rest.join(", ")),
     };
-    let last = head.len() - 1;
-    Some(Table {
-        number: 0,
-        evidence: true,
-        caption: format!(
-            "{scene}: all cases; unknowns of a time level, Newton iterations over all levels, errors in the norms named.{more}"
-        ),
-        numeric: (0..head.len()).map(|column| column != last).collect(),
-        head,
-        rows,
-    })
+    let caption = format!(
+        "{scene}: all cases; unknowns of a time level, Newton iterations over all levels, errors in the norms named.{more}"
+    );
+    Some(Table::new(caption, &heads, rows).evidence())
 }

@@ -2,8 +2,7 @@
 
 use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::sheet;
-use crate::symbols::indexed;
-use files::harmless;
+use crate::symbols::{indexed, replaced};
 
 /// Light, or dark by the reader's system.
 const STYLE: &str = include_str!("page.css");
@@ -208,18 +207,16 @@ fn of_run(run: &Run) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for character in harmless(text).chars() {
-        match character {
-            '&' => result.push_str("&amp;"),
-            '<' => result.push_str("&lt;"),
-            '>' => result.push_str("&gt;"),
-            '"' => result.push_str("&quot;"),
-            '\'' => result.push_str("&#39;"),
-            other => result.push(other),
-        }
-    }
-    result
+    replaced(text, |character| {
+        Some(match character {
+            '&' => "&amp;",
+            '<' => "&lt;",
+            '>' => "&gt;",
+            '"' => "&quot;",
+            '\'' => "&#39;",
+            _ => return None,
+        })
+    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The tables of numbers as one LaTeX document with booktabs rules.
 
 use super::{Document, Run, Table, Tone};
-use files::harmless;
+use crate::symbols::replaced;
 
 const PREAMBLE: &str = "\\documentclass[10pt]{article}
 \\usepackage[T1]{fontenc}
@@ -80,14 +80,7 @@ fn columns(table: &Table) -> (&'static str, String) {
 
 /// Escapes words for LaTeX; letters are left to `inputenc`.
 fn escaped(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for character in harmless(text).chars() {
-        match command(character) {
-            Some(command) => result.push_str(command),
-            None => result.push(character),
-        }
-    }
-    result
+    replaced(text, command)
 }
 
 fn command(character: char) -> Option<&'static str> {

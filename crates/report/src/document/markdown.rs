@@ -1,6 +1,7 @@
 //! The document for a pull request: outcome, verdicts, remarks, links.
 
 use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
+use crate::symbols::replaced;
 use files::harmless;
 
 /// The document as Markdown; pictures are linked, tables of evidence folded.
@@ -75,36 +76,36 @@ fn of_run(run: &Run) -> String {
 
 /// Escapes words.
 fn plain(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for character in harmless(text).chars() {
-        match character {
-            '&' => result += "&amp;",
-            '<' => result += "&lt;",
-            '\n' => result += "<br>",
-            '\\' | '`' | '*' | '_' | '|' | '[' | ']' | '#' => {
-                result.push('\\');
-                result.push(character);
-            }
-            other => result.push(other),
-        }
-    }
-    result
+    replaced(text, |character| {
+        Some(match character {
+            '&' => "&amp;",
+            '<' => "&lt;",
+            '\n' => "<br>",
+            '\\' => "\\\\",
+            '`' => "\\`",
+            '*' => "\\*",
+            '_' => "\\_",
+            '|' => "\\|",
+            '[' => "\\[",
+            ']' => "\\]",
+            '#' => "\\#",
+            _ => return None,
+        })
+    })
 }
 
 /// Escapes words inside an element, where backslashes do not work.
 fn html(text: &str) -> String {
-    let mut result = String::with_capacity(text.len());
-    for character in harmless(text).chars() {
-        match character {
-            '&' => result += "&amp;",
-            '<' => result += "&lt;",
-            '|' => result += "&#124;",
-            '*' => result += "&#42;",
-            '_' => result += "&#95;",
-            '`' => result += "&#96;",
-            '\n' => result += "<br>",
-            other => result.push(other),
-        }
-    }
-    result
+    replaced(text, |character| {
+        Some(match character {
+            '&' => "&amp;",
+            '<' => "&lt;",
+            '|' => "&#124;",
+            '*' => "&#42;",
+            '_' => "&#95;",
+            '`' => "&#96;",
+            '\n' => "<br>",
+            _ => return None,
+        })
+    })
 }

@@ -1,6 +1,5 @@
 //! The document of a study: text of its command, a file beside its numbers, and a section of a report.
 
-use std::fs;
 use std::io;
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Block, Figure, Run, Table, Tone, terminal};
 use crate::ReportError;
+use crate::pictures::names;
 use files::{read_text, replace_file};
 
 /// The chapter of a study.
@@ -171,7 +171,7 @@ impl StudyDocument {
     pub fn write(&self, dir: &Path) -> Result<(), ReportError> {
         let put = |name: String, text: &str| {
             let path = dir.join(name);
-            replace_file(&path, text.as_bytes()).map_err(|source| ReportError::Io { path, source })
+            replace_file(&path, text.as_bytes()).map_err(ReportError::io(&path))
         };
         for block in &self.blocks {
             if let Block::Figure(figure) = block {
@@ -187,18 +187,12 @@ impl StudyDocument {
     /// # Errors
     /// A file that cannot be read, or is not the document of a study.
     pub(crate) fn read_all(dir: &Path) -> Result<Vec<Self>, ReportError> {
-        let failed = |path: &Path, source| ReportError::Io { path: path.into(), source };
-        let mut names: Vec<String> = Vec::new();
-        for entry in fs::read_dir(dir).map_err(|source| failed(dir, source))? {
-            let name = entry.map_err(|source| failed(dir, source))?.file_name();
-            names.extend(name.into_string().ok());
-        }
-        names.sort();
+        let names = names(dir)?;
         let mut found = Vec::new();
         for (name, chapter) in names.iter().filter_map(|name| Some((name, Chapter::of_file(name)?)))
         {
             let path = dir.join(name);
-            let text = read_text(&path).map_err(|source| failed(&path, source))?;
+            let text = read_text(&path).map_err(ReportError::io(&path))?;
             let refused = |line: usize, reason: String| ReportError::Study {
                 path: path.clone(),
                 line,

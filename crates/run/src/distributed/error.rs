@@ -1,16 +1,38 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::missing::Missing;
-use super::plan::PlanError;
+use super::names::{CASES, PLAN};
+use crate::sweep::{OutputError, SweepError, TooLarge};
+use files::counted;
 use judge::record::RecordError;
+use judge::verdict::DocumentError;
 use scene::SceneError;
 use scene::setup::SetupError;
 
-/// Why nothing was merged.
+/// Why nothing was planned, run or merged.
 #[derive(Debug, thiserror::Error)]
-pub enum MergeError {
+pub enum DistributedError {
     #[error("{}: {reason}", path.display())]
-    Unreadable { path: PathBuf, reason: String },
+    File { path: PathBuf, reason: String },
+    #[error("{}: {reason}; make the plan again with `sweep plan`", path.display())]
+    Malformed { path: PathBuf, reason: String },
+    #[error(
+        "{}: the plan is of version {found}, this is {running}: records of both would not be of one sweep; run its cases with version {found}, or plan again", path.display()
+    )]
+    Version { path: PathBuf, found: String, running: String },
+    #[error(
+        "{}: the scene `{scene}` has changed since the plan was made ({planned} planned, {found} found); plan again into another directory, or restore the file (its text is kept in {PLAN} of the plan)", path.display()
+    )]
+    Changed { path: PathBuf, scene: String, planned: String, found: String },
+    /// The plan has no such case or job.
+    #[error("{}: {what} in this plan; its {} are in {CASES}", path.display(), counted(*cases, "case"))]
+    Unknown { path: PathBuf, what: String, cases: usize },
+    #[error(
+        "{}: another plan stands here, and what was run by it would be lost; choose another directory with --out, or remove this one", path.display()
+    )]
+    OtherPlan { path: PathBuf },
+    /// More memory than available. Not a record, since an engine may retry where there is more.
+    #[error("{id}: {reason}")]
+    TooLarge { id: String, reason: TooLarge },
     /// A part does not belong to the others.
     #[error("{}: {what}; leave the directory out, or run its cases again", dir.display())]
     Different { dir: PathBuf, what: String },
@@ -22,17 +44,30 @@ pub enum MergeError {
     #[error("{}: {id} is no case of the plan; leave the directory out", in_words(parts))]
     Unplanned { id: String, parts: Vec<PathBuf> },
     #[error("{0}")]
-    Missing(Missing),
-    #[error("{0}")]
     Scene(#[from] Box<SceneError>),
     #[error("{0}")]
     Setup(#[from] Box<SetupError>),
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Output(#[from] OutputError),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
     #[error(transparent)]
     Record(#[from] RecordError),
+    #[error(transparent)]
+    Document(#[from] DocumentError),
     #[error("{0}")]
     Other(String),
+}
+
+impl DistributedError {
+    /// What becomes of an error at a path.
+    pub(super) fn at<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Self + '_ {
+        |error| Self::File { path: path.to_owned(), reason: error.to_string() }
+    }
+
+    pub(super) fn of_file((path, reason): (PathBuf, String)) -> Self {
+        Self::File { path, reason }
+    }
 }
 
 fn in_words(parts: &[PathBuf]) -> String {

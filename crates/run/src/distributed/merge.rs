@@ -7,18 +7,16 @@ use std::path::Path;
 use std::rc::Rc;
 
 use super::comparing::Comparing;
-use super::error::MergeError;
+use super::error::DistributedError;
 use super::missing::{Missing, NAMED, WayOn, with_jobs};
 use super::parts::Parts;
 use super::plan::{SweepPlan, id};
 use super::sorted::{SortedCases, agree};
-use crate::sweep::{
-    CasePlan, Overrides, Provenance, ScenePlan, blocks, foresee, is_complete, judge_scene,
-};
+use crate::sweep::{CasePlan, Overrides, Provenance, ScenePlan, foresee, is_complete, judge_scene};
 use judge::record::{CaseRecord, Key, NormError, Status, TableWriter};
 use judge::verdict::{Baseline, Comparison, Verdict};
+use scene::Norm;
 use scene::setup::Subject;
-use scene::{Norm, Scene};
 
 /// What a merge came to.
 pub struct Merged {
@@ -45,7 +43,7 @@ pub fn merge(
     at_once: usize,
     incomplete: bool,
     baseline: Option<&Baseline>,
-) -> Result<(Merged, TableWriter), MergeError> {
+) -> Result<(Merged, TableWriter), DistributedError> {
     let mut merging = Merging {
         parts,
         plan,
@@ -76,12 +74,12 @@ pub fn merge(
     }
     if let Some(scene) = merging.sorted.scene() {
         let reason = format!("records of the scene `{scene}`, which no provenance.json names");
-        return Err(MergeError::Other(reason));
+        return Err(DistributedError::Other(reason));
     }
     let Merging { table, missing, comparing, mut merged, .. } = merging;
     merged.missing.first = with_jobs(&missing, plan)?;
     if merged.missing.number > 0 && !incomplete {
-        return Err(MergeError::Missing(merged.missing));
+        return Err(DistributedError::Other(merged.missing.to_string()));
     }
     // In the order of the plan, as one process would judge.
     let order: Vec<&str> = match plan {
@@ -145,14 +143,15 @@ impl Awaited {
 
 impl Merging<'_> {
     /// Writes the cases of a scene, and judges it.
-    fn scene(&mut self, name: &str) -> Result<Vec<Verdict>, MergeError> {
+    fn scene(&mut self, name: &str) -> Result<Vec<Verdict>, DistributedError> {
         let scene = match self.plan.and_then(|(plan, dir)| Some((plan.planned(name)?, dir))) {
             Some((planned, dir)) => planned.scene(dir)?,
             None => self.parts.scene(name)?,
         };
         let overrides = self.plan.map_or_else(Overrides::default, |(plan, _)| plan.overrides());
         let mut plan = ScenePlan::new(Subject::new(scene).map_err(Box::new)?, &overrides);
-        self.note(&plan);
+        let added = self.parts.added.get(name).map_or(&[][..], Vec::as_slice);
+        self.merged.provenance.add_plan(&plan, added);
         if let Some(comparing) = &mut self.comparing {
             let own_grids = overrides.n.is_none() && overrides.steps.is_none();
             comparing.open(&plan, own_grids);
@@ -174,13 +173,13 @@ impl Merging<'_> {
     }
 
     /// The next case, if all its records agree.
-    fn one(&mut self) -> Result<Option<(Key, CaseRecord)>, MergeError> {
+    fn one(&mut self) -> Result<Option<(Key, CaseRecord)>, DistributedError> {
         let Some((key, first)) = self.sorted.next()? else { return Ok(None) };
         while self.sorted.is_next(&key) {
             let Some((_, other)) = self.sorted.next()? else { break };
             if !agree(&first, &other) {
                 let parts = self.parts.holders(&key);
-                return Err(MergeError::Disagree { id: id(&key), parts });
+                return Err(DistributedError::Disagree { id: id(&key), parts });
             }
         }
         Ok(Some((key, first)))
@@ -191,7 +190,7 @@ impl Merging<'_> {
         open: &mut Open<'_>,
         key: &Key,
         mut case: CaseRecord,
-    ) -> Result<(), MergeError> {
+    ) -> Result<(), DistributedError> {
         let place = (key.n, key.steps);
         while open.expects().is_some_and(|next| (next.n, next.steps) < place) {
             self.miss(open)?;
@@ -205,7 +204,7 @@ impl Merging<'_> {
             }
             None if self.plan.is_some() => {
                 let parts = self.parts.holders(key);
-                return Err(MergeError::Unplanned { id: id(key), parts });
+                return Err(DistributedError::Unplanned { id: id(key), parts });
             }
             None => {}
         }
@@ -219,18 +218,10 @@ impl Merging<'_> {
     }
 
     /// Records the next expected case as skipped.
-    fn miss(&mut self, open: &mut Open<'_>) -> Result<(), MergeError> {
+    fn miss(&mut self, open: &mut Open<'_>) -> Result<(), DistributedError> {
         let Some(case) = open.expects() else { return Ok(()) };
-        let scene = open.plan.scene();
-        let key = Key { scene: scene.name.clone(), n: case.n, steps: case.steps };
-        let none = |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
-        let k = open.plan.subject.grid(case.steps).largest_step();
-        let record = CaseRecord {
-            dimension: scene.dimension as u32,
-            h: case.n.zip(scene.as_contact()).map(|(n, body)| body.domain.h(n)),
-            errors: case.norms.iter().map(none).collect(),
-            ..CaseRecord::without_work(&scene.name, case.n, case.steps, k)
-        };
+        let key = Key { scene: open.plan.scene().name.clone(), n: case.n, steps: case.steps };
+        let record = open.plan.unmeasured(case.n, case.steps, &case.norms);
         open.passed += 1;
         self.merged.missing.number += 1;
         if self.missing.len() < NAMED {
@@ -239,7 +230,7 @@ impl Merging<'_> {
         self.write(open, record)
     }
 
-    fn write(&mut self, open: &mut Open<'_>, mut case: CaseRecord) -> Result<(), MergeError> {
+    fn write(&mut self, open: &mut Open<'_>, mut case: CaseRecord) -> Result<(), DistributedError> {
         self.table.append(&mut case)?;
         self.merged.cases += 1;
         if let Some(comparing) = &mut self.comparing {
@@ -255,25 +246,6 @@ impl Merging<'_> {
         }
         Ok(())
     }
-
-    fn note(&mut self, plan: &ScenePlan) {
-        let Scene { name, source, .. } = plan.scene();
-        let provenance = &mut self.merged.provenance;
-        provenance.scenes.insert(name.clone(), source.hash.clone());
-        provenance.texts.insert(name.clone(), source.text.clone());
-        if let Some(mesh) = &source.mesh {
-            provenance.meshes.insert(name.clone(), mesh.clone());
-        }
-        if let Some(remark) = plan.step_remark().ok().flatten() {
-            provenance.step_sizes.insert(name.clone(), remark.text);
-        }
-        if let Some(asked) = blocks(plan) {
-            provenance.cases.insert(name.clone(), asked);
-        }
-        if let Some(added) = self.parts.added.get(name) {
-            provenance.added_cases.insert(name.clone(), added.clone());
-        }
-    }
 }
 
 impl Open<'_> {
@@ -282,12 +254,8 @@ impl Open<'_> {
     }
 
     fn judge(self) -> Vec<Verdict> {
-        let scene = self.plan.scene();
-        if !scene.judge {
-            return Vec::new();
-        }
         let foreseen = foresee(&self.plan.subject, &self.records);
         // Missing cases are recorded as skipped, so the records are complete.
-        judge_scene(scene, &self.records, &[], &foreseen)
+        judge_scene(self.plan.scene(), &self.records, &[], &foreseen)
     }
 }

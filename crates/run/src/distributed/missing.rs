@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use super::plan::{CASES, PlanError, SweepPlan, id, rows};
+use super::error::DistributedError;
+use super::names::CASES;
+use super::plan::{SweepPlan, id, rows};
 use files::counted;
 use judge::record::Key;
 
 /// Missing cases that are named before the rest is counted.
-pub const NAMED: usize = 10;
+pub(crate) const NAMED: usize = 10;
 
 /// Requested cases that are in no part, or have lost rows.
 #[derive(Debug, Default, Clone, PartialEq)]
@@ -16,12 +18,12 @@ pub struct Missing {
     /// The first of them, with their job if there is a plan.
     pub first: Vec<(String, Option<usize>)>,
     /// How to obtain them.
-    pub way: WayOn,
+    pub(crate) way: WayOn,
 }
 
 /// How missing cases come to be.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub enum WayOn {
+pub(crate) enum WayOn {
     /// Run their jobs of a plan.
     Plan,
     /// Run them on the grids of scenes; there is no plan.
@@ -62,7 +64,7 @@ impl std::fmt::Display for Missing {
 pub(crate) fn with_jobs(
     missing: &[Key],
     plan: Option<(&SweepPlan, &Path)>,
-) -> Result<Vec<(String, Option<usize>)>, PlanError> {
+) -> Result<Vec<(String, Option<usize>)>, DistributedError> {
     let mut named: Vec<(String, Option<usize>)> =
         missing.iter().map(|key| (id(key), None)).collect();
     let Some((_, dir)) = plan.filter(|_| !named.is_empty()) else { return Ok(named) };

@@ -4,40 +4,20 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::plan::{CASES, CaseRow, PLAN, PlanError, SweepPlan};
+use super::error::DistributedError;
+use super::names::{CASES, PLAN};
+use super::plan::{CaseRow, SweepPlan};
 use crate::sweep::{
-    Machine, MemoryLimit, OutputDirectory, OutputError, Overrides, Progress, Provenance, Resumed,
-    ScenePlan, SweepError, TooLarge, resume, run_sweep,
+    Machine, MemoryLimit, OutputDirectory, Overrides, Progress, Provenance, Resumed, ScenePlan,
+    resume, run_sweep,
 };
 use files::{counted, make_directory, remove_if_there};
-use judge::record::{CaseRecord, RecordError, write_sorted};
-use judge::verdict::{DocumentError, failures, write_json};
-use scene::setup::{SetupError, Subject};
+use judge::record::{CaseRecord, write_sorted};
+use judge::verdict::{failures, write_json};
+use scene::setup::Subject;
 
 /// Below the directory of a part: holds records until all are there.
 const UNFINISHED: &str = ".unfinished";
-
-/// Why a part was not run.
-#[derive(Debug, thiserror::Error)]
-pub enum PartError {
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    #[error(transparent)]
-    Setup(#[from] Box<SetupError>),
-    /// More memory than available. Not a record, since an engine may retry where there is more.
-    #[error("{id}: {reason}")]
-    TooLarge { id: String, reason: TooLarge },
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    #[error(transparent)]
-    Sweep(#[from] SweepError),
-    #[error(transparent)]
-    Record(#[from] RecordError),
-    #[error(transparent)]
-    Document(#[from] DocumentError),
-    #[error("{}: {reason}", path.display())]
-    Io { path: PathBuf, reason: String },
-}
 
 /// What became of a part.
 #[derive(Debug)]
@@ -56,8 +36,8 @@ pub(crate) fn plans(
     plan: &SweepPlan,
     dir: &Path,
     rows: &[CaseRow],
-) -> Result<Vec<ScenePlan>, PartError> {
-    let malformed = |path: PathBuf, reason| PlanError::Malformed { path, reason };
+) -> Result<Vec<ScenePlan>, DistributedError> {
+    let malformed = |path: PathBuf, reason| DistributedError::Malformed { path, reason };
     let mut of_scene: BTreeMap<&str, Vec<&CaseRow>> = BTreeMap::new();
     rows.iter().for_each(|row| of_scene.entry(&row.scene).or_default().push(row));
     let mut plans = Vec::new();
@@ -69,14 +49,14 @@ pub(crate) fn plans(
         scene_plan.cases.retain(|case| rows.iter().any(|r| r.n == case.n && r.steps == case.steps));
         if scene_plan.cases.len() != rows.len() {
             let reason = format!("rows of `{}` are no cases of that scene", planned.name);
-            return Err(malformed(dir.join(CASES), reason).into());
+            return Err(malformed(dir.join(CASES), reason));
         }
         plans.push(scene_plan);
     }
     match of_scene.keys().next() {
         Some(scene) => {
             let reason = format!("the scene `{scene}` of {CASES} is not in it");
-            Err(malformed(dir.join(PLAN), reason).into())
+            Err(malformed(dir.join(PLAN), reason))
         }
         None => Ok(plans),
     }
@@ -104,7 +84,7 @@ fn grid(plan: &SweepPlan, rows: &[&CaseRow]) -> Overrides {
 /// process had finished, are kept.
 ///
 /// # Errors
-/// [`PartError`]: nothing is published then. A case whose solver fails is a record.
+/// [`DistributedError`]: nothing is published then. A case whose solver fails is a record.
 pub fn run_part(
     plan: &SweepPlan,
     dir: &Path,
@@ -112,10 +92,10 @@ pub fn run_part(
     out: &Path,
     machine: &Machine,
     progress: &dyn Progress,
-) -> Result<PartRun, PartError> {
+) -> Result<PartRun, DistributedError> {
     let plans = plans(plan, dir, rows)?;
     for row in rows {
-        let too_large = |reason| PartError::TooLarge { id: row.id.clone(), reason };
+        let too_large = |reason| DistributedError::TooLarge { id: row.id.clone(), reason };
         machine.memory.admit(row.bytes, false).map_err(too_large)?;
     }
     // Records of another plan or version are replaced at the end.
@@ -132,27 +112,24 @@ pub fn run_part(
     let resumable = resume(&unfinished, &plans).is_ok();
     let records = run_sweep(&plans, &held, &machine, resumable, progress)?;
     publish(out, &records, &Provenance::of_run(&plans, &machine))?;
-    let failed = |error: std::io::Error| PartError::Io {
-        path: unfinished.clone(),
-        reason: error.to_string(),
-    };
-    // The lock file is open until then.
     drop(held);
-    fs::remove_dir_all(&unfinished).map_err(failed)?;
+    fs::remove_dir_all(&unfinished).map_err(DistributedError::at(&unfinished))?;
     Ok(PartRun { records, known: false })
 }
 
 /// Publishes the files, the table last: without it the directory holds no records.
-fn publish(out: &Path, records: &[CaseRecord], provenance: &Provenance) -> Result<(), PartError> {
+fn publish(
+    out: &Path,
+    records: &[CaseRecord],
+    provenance: &Provenance,
+) -> Result<(), DistributedError> {
     let [table, document] = ["cases.csv", "verdict.json"].map(|name| out.join(name));
     for path in [&table, &document] {
-        remove_if_there(path)
-            .map_err(|error| PartError::Io { path: path.clone(), reason: error.to_string() })?;
+        remove_if_there(path).map_err(DistributedError::at(path))?;
     }
     // Left by a killed process.
-    make_directory(out)
-        .map_err(|error| PartError::Io { path: out.to_owned(), reason: error.to_string() })?;
-    provenance.write(out).map_err(|(path, reason)| PartError::Io { path, reason })?;
+    make_directory(out).map_err(DistributedError::at(out))?;
+    provenance.write(out).map_err(DistributedError::of_file)?;
     if !failures(records).is_empty() {
         // The table has no column for reasons.
         write_json(&document, &provenance.json(), &[], records, None)?;

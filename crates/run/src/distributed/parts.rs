@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::error::MergeError;
+use super::error::DistributedError;
 use super::plan::SweepPlan;
 use crate::sweep::{AddedCase, Provenance};
 use judge::record::{CaseStream, Key};
@@ -28,7 +28,7 @@ impl Parts {
     ///
     /// # Errors
     /// No records below a directory; parts that do not belong together, or not to the plan.
-    pub fn open(given: &[PathBuf], plan: Option<&SweepPlan>) -> Result<Self, MergeError> {
+    pub fn open(given: &[PathBuf], plan: Option<&SweepPlan>) -> Result<Self, DistributedError> {
         let mut dirs = Vec::new();
         for dir in given {
             dirs.extend(with_records(dir)?);
@@ -44,10 +44,10 @@ impl Parts {
         Ok(parts)
     }
 
-    fn take(&mut self, dir: PathBuf, plan: Option<&SweepPlan>) -> Result<(), MergeError> {
-        let different = |what: String| MergeError::Different { dir: dir.clone(), what };
+    fn take(&mut self, dir: PathBuf, plan: Option<&SweepPlan>) -> Result<(), DistributedError> {
+        let different = |what: String| DistributedError::Different { dir: dir.clone(), what };
         let known = Provenance::read(&dir)
-            .map_err(|(path, reason)| MergeError::Unreadable { path, reason })?
+            .map_err(DistributedError::of_file)?
             .ok_or_else(|| different("records without provenance.json".into()))?;
         let version = env!("CARGO_PKG_VERSION");
         if known.version != version {
@@ -91,8 +91,8 @@ impl Parts {
         }
         let document = dir.join("verdict.json");
         if document.exists() {
-            let failures =
-                read_failures(&document).map_err(|error| MergeError::Other(error.to_string()))?;
+            let failures = read_failures(&document)
+                .map_err(|error| DistributedError::Other(error.to_string()))?;
             let reason = |f: judge::verdict::Failure| {
                 (Key { scene: f.scene, n: f.n, steps: f.steps }, f.reason)
             };
@@ -114,8 +114,8 @@ impl Parts {
     ///
     /// # Errors
     /// The text is missing or invalid.
-    pub(crate) fn scene(&self, name: &str) -> Result<Scene, MergeError> {
-        let nothing = |path: &Path| MergeError::Unreadable {
+    pub(crate) fn scene(&self, name: &str) -> Result<Scene, DistributedError> {
+        let nothing = |path: &Path| DistributedError::File {
             path: path.to_owned(),
             reason: format!("no text of the scene `{name}`; give the plan with --plan"),
         };
@@ -123,10 +123,9 @@ impl Parts {
             return Err(nothing(Path::new("the directories")));
         };
         let dir = &self.dirs[*part];
-        let known = Provenance::read(dir)
-            .map_err(|(path, reason)| MergeError::Unreadable { path, reason })?;
+        let known = Provenance::read(dir).map_err(DistributedError::of_file)?;
         let scene = known.map(|known| known.scene(dir, name)).transpose();
-        let scene = scene.map_err(|error| MergeError::Scene(Box::new(error)))?;
+        let scene = scene.map_err(|error| DistributedError::Scene(Box::new(error)))?;
         scene.flatten().ok_or_else(|| nothing(&dir.join("provenance.json")))
     }
 
@@ -141,18 +140,15 @@ impl Parts {
 }
 
 /// The parts of a given directory.
-fn with_records(dir: &Path) -> Result<Vec<PathBuf>, MergeError> {
+fn with_records(dir: &Path) -> Result<Vec<PathBuf>, DistributedError> {
     let is_part = |dir: &Path| dir.join("cases.csv").is_file();
     if is_part(dir) {
         return Ok(vec![dir.to_owned()]);
     }
-    let unreadable = |error: std::io::Error| MergeError::Unreadable {
-        path: dir.to_owned(),
-        reason: error.to_string(),
-    };
+    let unreadable = DistributedError::at(dir);
     let mut found = Vec::new();
-    for entry in std::fs::read_dir(dir).map_err(unreadable)? {
-        let entry = entry.map_err(unreadable)?;
+    for entry in std::fs::read_dir(dir).map_err(&unreadable)? {
+        let entry = entry.map_err(&unreadable)?;
         // Unpublished records of a killed process.
         if !entry.file_name().to_string_lossy().starts_with('.') && is_part(&entry.path()) {
             found.push(entry.path());
@@ -160,7 +156,7 @@ fn with_records(dir: &Path) -> Result<Vec<PathBuf>, MergeError> {
     }
     if found.is_empty() {
         let reason = "no cases.csv in it, nor in a directory of it".to_owned();
-        return Err(MergeError::Unreadable { path: dir.to_owned(), reason });
+        return Err(DistributedError::File { path: dir.to_owned(), reason });
     }
     found.sort();
     Ok(found)

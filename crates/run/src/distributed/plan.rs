@@ -7,39 +7,12 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::error::DistributedError;
+use super::names::{CASES, JOBS, PLAN};
 use crate::sweep::Overrides;
-use files::{Replacement, counted, open_file, read_text, replace_file};
+use files::{Replacement, open_file, read_text, replace_file};
 use judge::record::Key;
-use scene::{Scene, SceneError, Source};
-
-/// Scenes, arguments and version of the plan, below its directory.
-pub const PLAN: &str = "plan.json";
-/// One row per case: its cost and job.
-pub const CASES: &str = "plan.csv";
-/// One row per job: its cost and request.
-pub const JOBS: &str = "jobs.csv";
-
-/// Why a plan cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum PlanError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
-    #[error("{}: {reason}; make the plan again with `sweep plan`", path.display())]
-    Malformed { path: PathBuf, reason: String },
-    #[error(
-        "{}: the plan is of version {found}, this is {running}: records of both would not be of one sweep; run its cases with version {found}, or plan again", path.display()
-    )]
-    Version { path: PathBuf, found: String, running: String },
-    #[error(
-        "{}: the scene `{scene}` has changed since the plan was made ({planned} planned, {found} found); plan again into another directory, or restore the file (its text is kept in {PLAN} of the plan)", path.display()
-    )]
-    Changed { path: PathBuf, scene: String, planned: String, found: String },
-    #[error("{0}")]
-    Scene(#[from] Box<SceneError>),
-    /// The plan has no such case or job.
-    #[error("{}: {what} in this plan; its {} are in {CASES}", path.display(), counted(*cases, "case"))]
-    Unknown { path: PathBuf, what: String, cases: usize },
-}
+use scene::{Scene, Source};
 
 /// A scene as planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -134,8 +107,8 @@ impl PlannedScene {
     /// The planned scene, from its text; `dir` is the plan's directory.
     ///
     /// # Errors
-    /// [`PlanError::Scene`], [`PlanError::Malformed`] if text and hash do not match.
-    pub(crate) fn scene(&self, dir: &Path) -> Result<Scene, PlanError> {
+    /// [`DistributedError::Scene`], [`DistributedError::Malformed`] if text and hash do not match.
+    pub(crate) fn scene(&self, dir: &Path) -> Result<Scene, DistributedError> {
         let path = dir.join(PLAN);
         let mut source =
             Source::from_text(format!("{} ({})", path.display(), self.name), &*self.text);
@@ -145,7 +118,7 @@ impl PlannedScene {
         let scene = Scene::from_source(source).map_err(Box::new)?;
         if scene.name != self.name || scene.source.hash != self.hash {
             let reason = format!("the text of `{}` is not the one that was planned", self.name);
-            return Err(PlanError::Malformed { path, reason });
+            return Err(DistributedError::Malformed { path, reason });
         }
         Ok(scene)
     }
@@ -153,8 +126,8 @@ impl PlannedScene {
     /// Refuses a scene whose file has changed since. A missing file is accepted.
     ///
     /// # Errors
-    /// [`PlanError::Changed`].
-    pub(crate) fn unchanged(&self) -> Result<(), PlanError> {
+    /// [`DistributedError::Changed`].
+    pub(crate) fn unchanged(&self) -> Result<(), DistributedError> {
         if !self.file.is_file() {
             return Ok(());
         }
@@ -164,7 +137,7 @@ impl PlannedScene {
             return Ok(());
         }
         let (path, scene, planned) = (self.file.clone(), self.name.clone(), self.hash.clone());
-        Err(PlanError::Changed { path, scene, planned, found })
+        Err(DistributedError::Changed { path, scene, planned, found })
     }
 }
 
@@ -172,18 +145,16 @@ impl SweepPlan {
     /// Reads the plan in `dir`.
     ///
     /// # Errors
-    /// [`PlanError`]; a plan of another version is refused.
-    pub fn read(dir: &Path) -> Result<Self, PlanError> {
+    /// [`DistributedError`]; a plan of another version is refused.
+    pub fn read(dir: &Path) -> Result<Self, DistributedError> {
         let path = dir.join(PLAN);
-        let text =
-            read_text(&path).map_err(|source| PlanError::Io { path: path.clone(), source })?;
-        let plan: Self = serde_json::from_str(&text).map_err(|error| PlanError::Malformed {
-            path: path.clone(),
-            reason: error.to_string(),
+        let text = read_text(&path).map_err(DistributedError::at(&path))?;
+        let plan: Self = serde_json::from_str(&text).map_err(|error| {
+            DistributedError::Malformed { path: path.clone(), reason: error.to_string() }
         })?;
         let running = env!("CARGO_PKG_VERSION");
         if plan.version != running {
-            return Err(PlanError::Version {
+            return Err(DistributedError::Version {
                 path,
                 found: plan.version,
                 running: running.to_owned(),
@@ -198,15 +169,14 @@ impl SweepPlan {
         dir: &Path,
         cases: impl Iterator<Item = CaseRow>,
         jobs: impl Iterator<Item = JobRow>,
-    ) -> Result<(), PlanError> {
+    ) -> Result<(), DistributedError> {
         table(&dir.join(CASES), cases)?;
         table(&dir.join(JOBS), jobs)?;
         let path = dir.join(PLAN);
-        let text = serde_json::to_vec_pretty(self).map_err(|error| PlanError::Malformed {
-            path: path.clone(),
-            reason: error.to_string(),
+        let text = serde_json::to_vec_pretty(self).map_err(|error| {
+            DistributedError::Malformed { path: path.clone(), reason: error.to_string() }
         })?;
-        replace_file(&path, &text).map_err(|source| PlanError::Io { path, source })
+        replace_file(&path, &text).map_err(DistributedError::at(&path))
     }
 
     pub(crate) fn overrides(&self) -> Overrides {
@@ -220,13 +190,13 @@ impl SweepPlan {
     /// The rows of `plan.csv` with one of these ids, or of one of these jobs.
     ///
     /// # Errors
-    /// [`PlanError::Unknown`] if one of them is missing.
+    /// [`DistributedError::Unknown`] if one of them is missing.
     pub fn rows(
         &self,
         dir: &Path,
         ids: &[String],
         jobs: &[usize],
-    ) -> Result<Vec<CaseRow>, PlanError> {
+    ) -> Result<Vec<CaseRow>, DistributedError> {
         let path = dir.join(CASES);
         let mut ids: BTreeSet<&str> = ids.iter().map(String::as_str).collect();
         let mut left: BTreeSet<usize> = jobs.iter().copied().collect();
@@ -249,21 +219,21 @@ impl SweepPlan {
             (None, Some(job)) => format!("no job {job}"),
             (None, None) => return Ok(found),
         };
-        Err(PlanError::Unknown { path, what: unknown, cases: self.cases })
+        Err(DistributedError::Unknown { path, what: unknown, cases: self.cases })
     }
 }
 
 /// Streams the rows of a `plan.csv`.
 ///
 /// # Errors
-/// [`PlanError::Io`]; a malformed row is the error of its item.
+/// [`DistributedError::Io`]; a malformed row is the error of its item.
 pub(crate) fn rows(
     path: &Path,
-) -> Result<impl Iterator<Item = Result<CaseRow, PlanError>> + use<>, PlanError> {
+) -> Result<impl Iterator<Item = Result<CaseRow, DistributedError>> + use<>, DistributedError> {
     let path = path.to_owned();
-    let file = open_file(&path).map_err(|source| PlanError::Io { path: path.clone(), source })?;
+    let file = open_file(&path).map_err(DistributedError::at(&path))?;
     let table = csv::Reader::from_reader(BufReader::new(file));
-    let malformed = move |error: csv::Error| PlanError::Malformed {
+    let malformed = move |error: csv::Error| DistributedError::Malformed {
         path: path.clone(),
         reason: error.to_string(),
     };
@@ -271,7 +241,7 @@ pub(crate) fn rows(
 }
 
 /// Writes a table atomically, row by row.
-fn table<R: Serialize>(path: &Path, rows: impl Iterator<Item = R>) -> Result<(), PlanError> {
+fn table<R: Serialize>(path: &Path, rows: impl Iterator<Item = R>) -> Result<(), DistributedError> {
     let write = || -> io::Result<()> {
         let mut table = csv::Writer::from_writer(Replacement::create(path)?);
         for row in rows {
@@ -279,5 +249,5 @@ fn table<R: Serialize>(path: &Path, rows: impl Iterator<Item = R>) -> Result<(),
         }
         table.into_inner().map_err(|error| error.into_error())?.finish()
     };
-    write().map_err(|source| PlanError::Io { path: path.to_owned(), source })
+    write().map_err(DistributedError::at(path))
 }

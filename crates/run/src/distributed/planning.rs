@@ -1,9 +1,11 @@
 //! From scenes to a plan: predicted costs, jobs with their requests, and the files that an engine reads.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::bundle::{Job, SceneCosts, bundle};
-use super::plan::{CaseRow, JobRow, PLAN, PlanError, PlannedScene, SweepPlan, id};
+use super::error::DistributedError;
+use super::names::PLAN;
+use super::plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
 use super::slurm;
 use crate::sweep::{Overrides, ScenePlan};
 use files::{make_directory, replace_file};
@@ -19,17 +21,6 @@ pub enum Engine {
     Slurm,
     /// Any other reader of the tables.
     Tables,
-}
-
-/// Why no plan was written.
-#[derive(Debug, thiserror::Error)]
-pub enum PlanningError {
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    #[error(
-        "{}: another plan stands here, and what was run by it would be lost; choose another directory with --out, or remove this one", path.display()
-    )]
-    Other { path: PathBuf },
 }
 
 /// A scene of a plan, and what its cases take.
@@ -80,22 +71,21 @@ impl Planning {
     }
 
     /// Writes the plan for an engine into `dir`. Repeating it with the same plan changes only the engine's files.
-    pub fn write(&self, dir: &Path, engine: Engine) -> Result<(), PlanningError> {
-        let io = |path: &Path, source| PlanError::Io { path: path.to_owned(), source };
-        make_directory(dir).map_err(|source| io(dir, source))?;
+    pub fn write(&self, dir: &Path, engine: Engine) -> Result<(), DistributedError> {
+        make_directory(dir).map_err(DistributedError::at(dir))?;
         if dir.join(PLAN).exists() && SweepPlan::read(dir)? != self.plan {
-            return Err(PlanningError::Other { path: dir.join(PLAN) });
+            return Err(DistributedError::OtherPlan { path: dir.join(PLAN) });
         }
-        let put = |name: &str, text: &str| -> Result<(), PlanError> {
+        let put = |name: &str, text: &str| -> Result<(), DistributedError> {
             let path = dir.join(name);
-            replace_file(&path, text.as_bytes()).map_err(|source| io(&path, source))
+            replace_file(&path, text.as_bytes()).map_err(DistributedError::at(&path))
         };
         match engine {
             Engine::Snakemake => put("Snakefile", include_str!("workflow/Snakefile"))?,
             Engine::Slurm => {
                 let arrays = slurm::arrays(&self.jobs);
                 let folder = dir.join("arrays");
-                make_directory(&folder).map_err(|source| io(&folder, source))?;
+                make_directory(&folder).map_err(DistributedError::at(&folder))?;
                 for array in &arrays {
                     let lines: String = array.jobs.iter().map(|job| format!("{job}\n")).collect();
                     put(&array.file, &lines)?;

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use super::plan::JobRow;
 
 /// The script of a task.
-pub const ARRAY: &str = include_str!("workflow/array.sh");
+pub(crate) const ARRAY: &str = include_str!("workflow/array.sh");
 
 /// Slurm's default MaxArraySize is 1001, the largest index 1000.
 const LARGEST_ARRAY: usize = 1000;
@@ -16,7 +16,7 @@ const TIME_CLASS: f64 = 4.0;
 
 /// An array: its file of job numbers, one per line, and the request of each task.
 #[derive(Debug, PartialEq)]
-pub struct JobArray {
+pub(crate) struct JobArray {
     /// Relative to the directory of the plan.
     pub file: String,
     pub jobs: Vec<usize>,

@@ -96,7 +96,7 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
         let path = dir.join(name);
         replace_file(&path, bytes).map_err(|error| outside(&path, error))
     };
-    let table = |name: &str, rows: Result<Vec<u8>, csv::Error>| {
+    let written = |name: &str, rows: Result<Vec<u8>, csv::Error>| {
         file(name, &rows.map_err(|error| outside(&dir.join(name), error))?)
     };
     file("README.md", FORMAT.as_bytes())?;
@@ -104,10 +104,10 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
         serde_json::to_string_pretty(&given.document).map_err(|error| outside(dir, error))?;
     file("case.json", text.as_bytes())?;
     file("mesh.msh", fem::mesh::write_gmsh(&space.mesh).as_bytes())?;
-    table("vertices.csv", vertices(space))?;
-    table("cells.csv", cells(space))?;
-    table("facets.csv", facets(space))?;
-    table("contact.csv", contact_table(&given.contact, space.mesh.dimension))?;
+    written("vertices.csv", vertices(space))?;
+    written("cells.csv", cells(space))?;
+    written("facets.csv", facets(space))?;
+    written("contact.csv", contact_table(&given.contact, space.mesh.dimension))?;
     file("times.npy", &encode(&[given.times.len()], &given.times))?;
     let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
     given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
@@ -167,31 +167,19 @@ fn tensor(tensor: &FourthOrder, d: usize) -> Value {
 }
 
 /// A table; numbers are the shortest texts that read back to the same doubles.
-struct Rows(csv::Writer<Vec<u8>>);
-
-impl Rows {
-    fn new(head: impl IntoIterator<Item = String>) -> Result<Self, csv::Error> {
-        let mut rows = Self(csv::Writer::from_writer(Vec::new()));
-        rows.add(head)?;
-        Ok(rows)
-    }
-
-    fn add(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), csv::Error> {
-        self.0.write_record(cells)
-    }
-
-    fn bytes(self) -> Result<Vec<u8>, csv::Error> {
-        self.0.into_inner().map_err(|error| error.into_error().into())
-    }
+fn table(
+    head: Vec<String>,
+    mut rows: impl Iterator<Item = Vec<String>>,
+) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(head)?;
+    rows.try_for_each(|row| writer.write_record(row))?;
+    writer.into_inner().map_err(|error| error.into_error().into())
 }
 
-fn between(
-    first: &str,
-    inner: impl IntoIterator<Item = String>,
-    last: &[&str],
-) -> impl Iterator<Item = String> {
-    let last: Vec<String> = last.iter().map(|&word| word.to_owned()).collect();
-    std::iter::once(first.to_owned()).chain(inner).chain(last)
+fn between(first: &str, inner: impl IntoIterator<Item = String>, last: &[&str]) -> Vec<String> {
+    let last = last.iter().map(|&word| word.to_owned());
+    std::iter::once(first.to_owned()).chain(inner).chain(last).collect()
 }
 
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
@@ -207,35 +195,31 @@ fn numbered(count: usize) -> impl Iterator<Item = String> {
 fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let (mesh, d) = (&space.mesh, space.mesh.dimension);
     let names = COORDINATES[..d].iter().map(|&name| name.to_owned());
-    let mut rows = Rows::new(between("vertex", names, &["clamped"]))?;
-    for v in 0..mesh.vertices() {
-        let clamped = Given::clamped(space, v);
+    let row = |v: usize| {
         let at = mesh.vertex(v as u32).iter().map(f64::to_string);
-        rows.add(between(&v.to_string(), at, &[flag(clamped)]))?;
-    }
-    rows.bytes()
+        between(&v.to_string(), at, &[flag(Given::clamped(space, v))])
+    };
+    table(between("vertex", names, &["clamped"]), (0..mesh.vertices()).map(row))
 }
 
 fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let a_cell = Given::of_cell(space, 0).len();
-    let mut rows = Rows::new(between("cell", numbered(a_cell), &["region"]))?;
-    for c in 0..space.mesh.cell_count() {
+    let row = |c: usize| {
         let nodes_of_cell = Given::of_cell(space, c).into_iter().map(|v| v.to_string());
         let region = space.regions.get(c).copied().unwrap_or(0).to_string();
-        rows.add(between(&c.to_string(), nodes_of_cell, &[&region]))?;
-    }
-    rows.bytes()
+        between(&c.to_string(), nodes_of_cell, &[&region])
+    };
+    let names = numbered(Given::of_cell(space, 0).len());
+    table(between("cell", names, &["region"]), (0..space.mesh.cell_count()).map(row))
 }
 
 fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let mesh = &space.mesh;
-    let a_facet = Given::of_facet(space, 0).len();
-    let mut rows = Rows::new(between("facet", numbered(a_facet), &["side"]))?;
-    for (f, &side) in mesh.facet_side.iter().enumerate() {
+    let row = |(f, &side): (usize, &u32)| {
         let nodes_of_facet = Given::of_facet(space, f).into_iter().map(|v| v.to_string());
-        rows.add(between(&f.to_string(), nodes_of_facet, &[&mesh.sides[side as usize]]))?;
-    }
-    rows.bytes()
+        between(&f.to_string(), nodes_of_facet, &[&mesh.sides[side as usize]])
+    };
+    let names = numbered(Given::of_facet(space, 0).len());
+    table(between("facet", names, &["side"]), mesh.facet_side.iter().enumerate().map(row))
 }
 
 fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
@@ -269,14 +253,13 @@ fn friction(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Ar
 fn contact_table(rows: &[ContactRow], d: usize) -> Result<Vec<u8>, csv::Error> {
     let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
     let names = std::iter::once("vertex".to_owned()).chain(names);
-    let mut table =
-        Rows::new(between("row", names, &["weight", "gap", "shift", "scale", "clamped"]))?;
-    for (i, row) in rows.iter().enumerate() {
+    let head = between("row", names, &["weight", "gap", "shift", "scale", "clamped"]);
+    let cells = |(i, row): (usize, &ContactRow)| {
         let numbers = row.normal[..d].iter().chain(&row.numbers).map(f64::to_string);
         let inner = std::iter::once(row.vertex.to_string()).chain(numbers);
-        table.add(between(&i.to_string(), inner, &[flag(row.clamped)]))?;
-    }
-    table.bytes()
+        between(&i.to_string(), inner, &[flag(row.clamped)])
+    };
+    table(head, rows.iter().enumerate().map(cells))
 }
 
 /// Whether lags of the grid are its times.

@@ -1,13 +1,13 @@
 //! What an answer has to hold, and the names of its files.
 
 /// (N + 1) × vertices × d.
-pub const DISPLACEMENT: &str = "displacement.npy";
+pub(crate) const DISPLACEMENT: &str = "displacement.npy";
 /// A table with columns n, vertex, ux, uy (and uz).
-pub const DISPLACEMENT_TABLE: &str = "displacement.csv";
+pub(crate) const DISPLACEMENT_TABLE: &str = "displacement.csv";
 /// ξ + λ at the rows of contact.csv, (N + 1) × rows.
-pub const PRESSURE: &str = "pressure.npy";
+pub(crate) const PRESSURE: &str = "pressure.npy";
 /// ParaView's index of a series: time and file of each level.
-pub const COLLECTION: &str = "displacement.pvd";
+pub(crate) const COLLECTION: &str = "displacement.pvd";
 
 /// What an answer has to hold.
 #[derive(Debug, Clone, Copy)]

@@ -11,7 +11,7 @@ pub(super) type Mandel<const S: usize> = [f64; S];
 /// Most unknowns of a cell: ten nodes in space.
 const MOST: usize = 30;
 
-const fn dimension(numbers: usize) -> usize {
+pub(super) const fn dimension(numbers: usize) -> usize {
     if numbers == 3 { 2 } else { 3 }
 }
 

@@ -14,7 +14,7 @@ use fem::space::quadrature::{Rule, tetrahedron_degree_5, triangle_degree_4};
 use formula::BoundProgram;
 
 /// ‖σ(u(t)) - σ(I_h u(t))‖ on one mesh.
-pub struct StressInterpolationError {
+pub(crate) struct StressInterpolationError {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
     /// I_h u and its histories.

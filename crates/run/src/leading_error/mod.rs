@@ -38,8 +38,6 @@ mod time;
 pub use error::NoConstant;
 pub use found::{Case, LeadingError, LeadingErrors};
 pub use interpolation::{InterpolationError, interpolation_constant};
-pub use interpolation_stress::StressInterpolationError;
-pub use quadratic::QuadraticError;
 
 use std::sync::Arc;
 

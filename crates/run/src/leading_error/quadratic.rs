@@ -6,7 +6,7 @@ use exact::linear::gradient_of;
 ///
 /// With corners v_a relative to the centroid c, q - Iq has the gradient m + H(x - c), where m = -½ Σ_a (v_aᵀ H v_a)
 /// ∇λ_a, and the mean of (x - c)(x - c)ᵀ is Σ_a v_a v_aᵀ/((D + 1)(D + 2)).
-pub struct QuadraticError<const D: usize> {
+pub(crate) struct QuadraticError<const D: usize> {
     corners: Vec<[f64; D]>,
     gradients: Vec<[f64; D]>,
     spread: [[f64; D]; D],

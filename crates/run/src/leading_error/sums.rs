@@ -7,38 +7,30 @@ use formula::{BoundProgram, Graph, Node, Program, Variable};
 pub(super) enum Kernel {
     /// The pairs (a, c) of b(t) = Σ a exp(-c t).
     Exponentials(Vec<(f64, f64)>),
-    /// b(t - x).
-    Any(Program),
-    /// c(t - x) of b(t) = t^{-a} c(t).
-    Singular(f64, Program),
+    /// c(t - x) of b(t) = t^{-a} c(t), 0 ≤ a < 1.
+    Direct(f64, Program),
 }
 
 impl Kernel {
     pub(super) fn new(graph: &mut Graph, kernel: Node, horizon: f64) -> Self {
-        if let Some(terms) = graph.exponential_sum(kernel) {
-            return Self::Exponentials(terms);
+        match graph.exponential_sum(kernel) {
+            Some(terms) => Self::Exponentials(terms),
+            None => Self::Direct(0.0, of_lag(graph, kernel, horizon)),
         }
-        Self::Any(of_lag(graph, kernel, horizon))
     }
 
     pub(super) fn singular(graph: &mut Graph, a: f64, factor: Node, horizon: f64) -> Self {
-        Self::Singular(a, of_lag(graph, factor, horizon))
+        Self::Direct(a, of_lag(graph, factor, horizon))
     }
 
     /// a; 0 except for singular kernels.
     pub(super) fn power(&self) -> f64 {
-        match self {
-            Self::Singular(a, _) => *a,
-            _ => 0.0,
-        }
+        if let Self::Direct(a, _) = self { *a } else { 0.0 }
     }
 
     /// The pairs (a, c), or empty.
     pub(super) fn exponentials(&self) -> &[(f64, f64)] {
-        match self {
-            Self::Exponentials(terms) => terms,
-            Self::Any(_) | Self::Singular(..) => &[],
-        }
+        if let Self::Exponentials(terms) = self { terms } else { &[] }
     }
 
     /// b(t - s) at some times s, without the power.
@@ -48,7 +40,7 @@ impl Kernel {
                 let at = |s: f64| terms.iter().map(|(a, c)| a * (-c * (t - s)).exp()).sum();
                 times.iter().map(|&s| at(s)).collect()
             }
-            Self::Any(program) | Self::Singular(_, program) => {
+            Self::Direct(_, program) => {
                 let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
                 let mut values = vec![Vec::new()];
                 program.bind(&places).evaluate(t, 0.0, &mut values);
@@ -59,7 +51,7 @@ impl Kernel {
 
     /// Whether sums are recomputed over all earlier levels.
     pub(super) fn is_direct(&self) -> bool {
-        matches!(self, Self::Any(_) | Self::Singular(..))
+        matches!(self, Self::Direct(..))
     }
 }
 
@@ -122,7 +114,7 @@ impl<'a> Sums<'a> {
             Kernel::Exponentials(terms) => {
                 Sum::Carried(terms.iter().map(|&(a, c)| Carried { a, c, sums: zero() }).collect())
             }
-            Kernel::Any(program) | Kernel::Singular(_, program) => {
+            Kernel::Direct(_, program) => {
                 Sum::Direct(Box::new(program.bind(&places)), vec![Vec::new()])
             }
         };

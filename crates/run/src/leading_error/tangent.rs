@@ -2,13 +2,9 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::cells::{Mandel, product};
+use super::cells::{Mandel, dimension, product};
 use exact::MaterialNumbers;
 use exact::constitutive::{Tensor, stress};
-
-const fn dimension(numbers: usize) -> usize {
-    if numbers == 3 { 2 } else { 3 }
-}
 
 fn trace<const S: usize>() -> Mandel<S> {
     std::array::from_fn(|i| f64::from(u8::from(i < dimension(S))))

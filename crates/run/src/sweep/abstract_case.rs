@@ -18,22 +18,13 @@ pub fn run_abstract_case(setup: &AbstractSetup, case: &CasePlan) -> CaseRecord {
     };
     let info = run.as_ref().map_or_else(Default::default, |run| run.info);
     CaseRecord {
-        scene: setup.scene.name.clone(),
         dimension: setup.scene.dimension as u32,
-        n: None,
-        steps: case.steps,
-        h: None,
-        k: grid.largest_step(),
         dofs: setup.scene.dimension as u64,
-        elements: 0,
         status,
         newton_iterations: info.newton_iterations.into(),
         active_set_changes: info.active_set_changes.into(),
         factorizations: info.newton_iterations.into(),
         seconds_load: run.as_ref().map_or(0.0, |run| run.seconds_truth),
-        seconds_assemble: 0.0,
-        seconds_factor: 0.0,
-        seconds_solve: 0.0,
         seconds_total: start.elapsed().as_secs_f64(),
         peak_history_bytes: info.peak_history_bytes as u64,
         errors: vec![NormError {
@@ -41,5 +32,6 @@ pub fn run_abstract_case(setup: &AbstractSetup, case: &CasePlan) -> CaseRecord {
             error: run.as_ref().map(|run| run.error),
             floor: run.as_ref().map(|run| run.info.floor),
         }],
+        ..CaseRecord::without_work(&setup.scene.name, None, case.steps, grid.largest_step())
     }
 }

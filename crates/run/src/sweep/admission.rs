@@ -2,9 +2,9 @@
 
 use super::cost::{Cost, PROGRAM, PlanCost, kept_by_mesh, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
-use super::needs::constants_bytes;
+use super::needs::{constants_bytes, least_bytes_of_mesh};
 use super::plan::{CasePlan, ScenePlan};
-use super::problem::{Problem, problem};
+use super::problem;
 use fem::contact::Discretization;
 use scene::Scene;
 use scene::setup::Setup;
@@ -40,7 +40,12 @@ impl Runs<'_> {
         grid.sort_unstable();
         grid.dedup();
         let name = &setup.scene.name;
-        early(setup, name, grid.iter().map(|&(n, steps)| (Some(n), steps)).collect(), limit)?;
+        early(
+            |n, steps| least_bytes_of_mesh(setup, n.unwrap_or_default(), steps),
+            name,
+            grid.iter().map(|&(n, steps)| (Some(n), steps)).collect(),
+            limit,
+        )?;
         let mut dearest: Option<((u32, u32), f64)> = None;
         for of_mesh in grid.chunk_by(|a, b| a.0 == b.0) {
             // The run that makes the mesh reports its errors.
@@ -75,7 +80,12 @@ pub fn admit_plan(
     let reference =
         plan.reference.map(|reference| (Some(reference.n as u32), reference.steps as u32));
     let runs = plan.runs().into_iter().map(|(n, steps)| (Some(n), steps));
-    early(problem(&plan.subject), name, runs.chain(reference).collect(), limit)?;
+    early(
+        |n, steps| problem::least_bytes(&plan.subject, n, steps),
+        name,
+        runs.chain(reference).collect(),
+        limit,
+    )?;
     // The case that makes the mesh reports its errors.
     let Ok(PlanCost { cases, .. }) = plan.costs() else { return Ok(()) };
     let cases: Vec<(&CasePlan, &Cost)> = plan.cases.iter().zip(&cases).collect();
@@ -115,7 +125,7 @@ pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<
 
 /// By a coarse mesh of each, the finest first.
 fn early(
-    problem: &dyn Problem,
+    least_bytes: impl Fn(Option<u32>, u32) -> f64,
     scene: &str,
     mut runs: Vec<(Option<u32>, u32)>,
     limit: &MemoryLimit,
@@ -123,7 +133,7 @@ fn early(
     runs.sort_unstable_by(|a, b| b.cmp(a));
     runs.into_iter().try_for_each(|(n, steps)| {
         limit
-            .admit(problem.least_bytes(n, steps), true)
+            .admit(least_bytes(n, steps), true)
             .map_err(|source| Refused { what: in_words(scene, n, steps), source })
     })
 }

@@ -30,12 +30,8 @@ pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> Case
         Err(error) => Status::Failed { reason: error.to_string() },
     };
     CaseRecord {
-        scene: setup.scene.name.clone(),
         dimension: setup.scene.dimension as u32,
-        n: case.n,
-        steps: case.steps,
         h: Some(data.space.mesh.h()),
-        k: grid.largest_step(),
         dofs: data.space.dofs() as u64,
         elements: data.space.mesh.cell_count() as u64,
         errors: maxima.errors(status == Status::Converged, &floors),
@@ -49,6 +45,7 @@ pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> Case
         seconds_solve: info.work.linear.seconds_solve,
         seconds_total: start.elapsed().as_secs_f64(),
         peak_history_bytes: info.peak_history_bytes as u64,
+        ..CaseRecord::without_work(&setup.scene.name, case.n, case.steps, grid.largest_step())
     }
 }
 

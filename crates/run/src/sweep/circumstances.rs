@@ -14,7 +14,7 @@ pub struct Build {
 
 impl Build {
     /// The build of a program that does not state it.
-    pub const UNKNOWN: Self =
+    pub(crate) const UNKNOWN: Self =
         Self { commit: "unknown", compiler: "unknown", target: "unknown", optimisation: "unknown" };
 }
 

@@ -38,36 +38,43 @@ pub fn judge_scene(
     scene.predicts.iter().map(one).collect()
 }
 
+/// The verdicts of a plan on its records: orders, and with `constants` their predicted constants.
+pub fn judge_plan(plan: &ScenePlan, records: &[CaseRecord], constants: bool) -> Vec<Verdict> {
+    let foreseen = if constants { foresee(&plan.subject, records) } else { Vec::new() };
+    judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
+}
+
 /// The predicted constants of a judged scene, on the recorded cases of its predictions.
 pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstant> {
+    let scene = subject.scene();
+    if !scene.judge {
+        return Vec::new();
+    }
+    constants(subject, |_, prediction| {
+        let keys = verdict::line_keys(&scene.name, records, prediction);
+        keys.iter().map(|key| Case { n: key.n, steps: key.steps }).collect()
+    })
+}
+
+/// The predicted constants of a scene, on the cases of a plan, before anything is solved.
+pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
+    let case = |case: &CasePlan| Case { n: case.n, steps: case.steps };
+    constants(&plan.subject, |written, _| line_cases(plan, written).into_iter().map(case).collect())
+}
+
+fn constants(
+    subject: &Subject,
+    cases: impl Fn(&Prediction, &verdict::Prediction) -> Vec<Case>,
+) -> Vec<ForeseenConstant> {
     let (scene, mut known) = (subject.scene(), InTime::default());
     let one = |written: &Prediction| {
         let prediction = prediction(scene, written);
-        let keys = verdict::line_keys(&scene.name, records, &prediction);
-        let cases: Vec<Case> = keys.iter().map(|key| Case { n: key.n, steps: key.steps }).collect();
+        let cases = cases(written, &prediction);
         ForeseenConstant {
             scene: scene.name.clone(),
             norm: prediction.norm,
             variable: prediction.variable,
             foreseen: foreseen(subject, written, &cases, &mut known),
-        }
-    };
-    let judged = scene.predicts.iter().filter(|_| scene.judge);
-    judged.map(one).collect()
-}
-
-/// The predicted constants of a scene, on the cases of a plan, before anything is solved.
-pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
-    let (scene, mut known) = (plan.scene(), InTime::default());
-    let one = |written: &Prediction| {
-        let prediction = prediction(scene, written);
-        let case = |case: &CasePlan| Case { n: case.n, steps: case.steps };
-        let cases: Vec<Case> = line_cases(plan, written).into_iter().map(case).collect();
-        ForeseenConstant {
-            scene: scene.name.clone(),
-            norm: prediction.norm,
-            variable: prediction.variable,
-            foreseen: foreseen(&plan.subject, written, &cases, &mut known),
         }
     };
     scene.predicts.iter().map(one).collect()
@@ -141,16 +148,21 @@ fn floor_source(scene: &Scene) -> FloorSource {
     }
 }
 
+/// The steps of a prediction, as verdicts name them.
+pub fn judged_variable(direction: Direction) -> Variable {
+    match direction {
+        Direction::H => Variable::H,
+        Direction::K => Variable::K,
+        Direction::Joint => Variable::Joint,
+        Direction::Path => Variable::Path,
+    }
+}
+
 fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
     let pair = |window: Option<[usize; 2]>| window.map(|w| w.map(|v| v as u32));
     verdict::Prediction {
         norm: written.norm.name().into(),
-        variable: match written.variable {
-            Direction::H => Variable::H,
-            Direction::K => Variable::K,
-            Direction::Joint => Variable::Joint,
-            Direction::Path => Variable::Path,
-        },
+        variable: judged_variable(written.variable),
         order: written.order,
         order_k: written.order_k,
         at_least: written.at_least,

@@ -33,13 +33,14 @@ pub use extend::{AddedCase, ROUNDS, Step, extend, words};
 pub use floors::{
     FloorError, FloorPart, FloorRow, abstract_floors, contact_floors, direct_history, floors_beside,
 };
-pub use judging::{foresee, foresee_plan, judge_scene};
+pub use judging::{foresee, foresee_plan, judge_plan, judge_scene, judged_variable};
 pub use memory_limit::{MemoryLimit, TooLarge};
 pub use needs::admit_run;
 pub use output::{OutputDirectory, OutputError};
 pub use picture::scene_picture;
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple, without_panic};
-pub use planned::{Block, blocks, is_complete, missing_cases, planned};
+pub(crate) use planned::is_complete;
+pub use planned::{Block, blocks, missing_cases, planned};
 pub use portrait::scene_summary;
 pub use provenance::Provenance;
 pub use reference_error::{reference_error, reference_in_words};

@@ -3,7 +3,7 @@
 use super::cost::{Cost, PlanCost, eigenvalue_bytes, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::plan::{CasePlan, ScenePlan, without_panic};
-use super::problem::problem;
+use super::problem;
 use fem::contact::Discretization;
 use scene::ContactScene;
 use scene::setup::{Setup, SetupError, side_numbers, trace_levels};
@@ -26,9 +26,10 @@ const SURELY: f64 = 0.5;
 
 /// The needs of `cases` of `plan`, computed before any of them begins.
 pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -> Needs {
-    let problem = problem(&plan.subject);
     // A mesh that would not fit is not made.
-    let early = |n: Option<u32>, steps: u32| limit.admit(problem.least_bytes(n, steps), true);
+    let early = |n: Option<u32>, steps: u32| {
+        limit.admit(problem::least_bytes(&plan.subject, n, steps), true)
+    };
     let too_large =
         plan.reference.and_then(|run| early(Some(run.n as u32), run.steps as u32).err());
     if let Some(reason) = too_large {
@@ -40,7 +41,7 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
     let open = cases.iter().zip(&refused).filter(|(_, refused)| refused.is_none());
     let open: Vec<CasePlan> = open.map(|(case, _)| case.clone()).collect();
     let predicted = without_panic(|| {
-        let costs = problem.costs(&open, plan.reference, plan.kept_steps());
+        let costs = plan.costs_of(&open);
         costs.map_err(|error| error.to_string())
     });
     // The case that makes the mesh reports its errors.
@@ -73,13 +74,13 @@ pub fn admit_run(
     limit: &MemoryLimit,
 ) -> Result<(), TooLarge> {
     match space {
-        None => limit.admit(least_bytes(setup, n, steps), true),
+        None => limit.admit(least_bytes_of_mesh(setup, n, steps), true),
         Some(space) => limit.admit(run_cost(setup, space, steps).memory_bytes, false),
     }
 }
 
 /// A lower bound for the bytes of a run on mesh n: those on a coarse mesh times the ratio of cells, reduced.
-pub(super) fn least_bytes(setup: &Setup, n: u32, steps: u32) -> f64 {
+pub(super) fn least_bytes_of_mesh(setup: &Setup, n: u32, steps: u32) -> f64 {
     let (domain, place) = (&setup.body.domain, usize::from(setup.scene.dimension == 3));
     let cells = domain.cells(n);
     if cells <= MOMENT[place] {

@@ -5,17 +5,28 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::cost::PlanCost;
 use super::extend::AddedCase;
 use super::floors::{FloorError, FloorRow};
-use super::problem::problem;
+use super::problem;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::NextCase;
 use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
-use scene::{Norm, Prediction, Reference, Scene};
+use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
     pub n: Option<Vec<u32>>,
     pub steps: Option<Vec<u32>>,
+}
+
+impl Overrides {
+    /// Refuses numbers that the scene cannot have.
+    ///
+    /// # Errors
+    /// The first of them, at its key in the scene.
+    pub fn check(&self, scene: &Scene) -> Result<(), SceneError> {
+        let [n, steps] = [&self.n, &self.steps].map(|list| list.as_deref().unwrap_or_default());
+        scene.check_grid(n, steps)
+    }
 }
 
 /// One case.
@@ -39,7 +50,7 @@ pub struct ScenePlan {
 }
 
 /// Steps of the reference run for time errors, as a multiple of the case's.
-pub const TIME_REFERENCE: u32 = 8;
+pub(crate) const TIME_REFERENCE: u32 = 8;
 
 impl ScenePlan {
     /// The plan of a scene; `overrides` replace its grids.
@@ -61,16 +72,20 @@ impl ScenePlan {
             Ok(record) => return record,
             Err(reason) => reason,
         };
-        let (scene, k) = (self.scene(), self.subject.grid(case.steps).largest_step());
-        let body = scene.as_contact();
+        let skipped = self.unmeasured(case.n, case.steps, &case.norms);
+        CaseRecord { status: Status::Failed { reason }, ..skipped }
+    }
+
+    /// The record of a case that did no work and has no error in any norm.
+    pub(crate) fn unmeasured(&self, n: Option<u32>, steps: u32, norms: &[Norm]) -> CaseRecord {
+        let (scene, k) = (self.scene(), self.subject.grid(steps).largest_step());
         let nothing =
             |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
         CaseRecord {
             dimension: scene.dimension as u32,
-            h: case.n.zip(body).map(|(n, body)| body.domain.h(n)),
-            status: Status::Failed { reason },
-            errors: case.norms.iter().map(nothing).collect(),
-            ..CaseRecord::without_work(&scene.name, case.n, case.steps, k)
+            h: n.zip(scene.as_contact()).map(|(n, body)| body.domain.h(n)),
+            errors: norms.iter().map(nothing).collect(),
+            ..CaseRecord::without_work(&scene.name, n, steps, k)
         }
     }
 
@@ -132,7 +147,7 @@ impl ScenePlan {
 
     /// Costs of any cases of the scene.
     pub(super) fn costs_of(&self, cases: &[CasePlan]) -> Result<PlanCost, SetupError> {
-        problem(&self.subject).costs(cases, self.reference, self.kept_steps())
+        problem::costs(&self.subject, cases, self.reference, self.kept_steps())
     }
 
     /// Measures every part of the floor of a case: four to six marches, more if a reference has to be repeated.
@@ -140,7 +155,7 @@ impl ScenePlan {
     /// # Errors
     /// A run that fails.
     pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
-        problem(&self.subject).floors(case)
+        problem::floors(&self.subject, case)
     }
 
     /// Interval of kept reference levels at which all cases find theirs.
@@ -200,8 +215,7 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     };
     let Some(body) = scene.as_contact() else { return vec![Norm::VMax] };
     let on_contact = body.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
-    Norm::ALL
-        .into_iter()
+    Norm::all()
         .filter(|&norm| match norm {
             Norm::VTimeMax | Norm::VProjectionMax => asked(norm),
             _ if norm.needs_contact() && !on_contact => false,

@@ -78,7 +78,7 @@ fn of_block(scene: &Scene, block: &Block) -> Vec<CasePlan> {
         None => norms(scene, n),
         Some(names) => {
             let listed = |norm: &Norm| names.iter().any(|name| name == norm.name());
-            Norm::ALL.into_iter().filter(listed).collect()
+            Norm::all().filter(listed).collect()
         }
     };
     let of_mesh = |&n: &Option<u32>| {
@@ -88,7 +88,7 @@ fn of_block(scene: &Scene, block: &Block) -> Vec<CasePlan> {
 }
 
 /// Whether a record is complete: the case was run (possibly failed), and no row is lost.
-pub fn is_complete(record: &CaseRecord, norms: &[Norm]) -> bool {
+pub(crate) fn is_complete(record: &CaseRecord, norms: &[Norm]) -> bool {
     record.status != Status::Skipped && norms.iter().all(|norm| record.norm(norm.name()).is_some())
 }
 

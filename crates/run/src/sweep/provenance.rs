@@ -10,7 +10,7 @@ use files::{read_text, replace_file};
 use scene::{Scene, SceneError, Source};
 
 /// Provenance of a directory of records. No dates: equal runs give equal files.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Provenance {
     pub version: String,
     /// Operating system and processor architecture.
@@ -43,46 +43,37 @@ pub const FILE: &str = "provenance.json";
 impl Provenance {
     /// The provenance of records of these scenes.
     pub fn new<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Self {
-        let named = scenes.map(|scene| (scene.name.clone(), &scene.source));
-        let sources: BTreeMap<String, &Source> = named.collect();
-        let mesh = |(name, source): (&String, &&Source)| Some((name.clone(), source.mesh.clone()?));
-        let meshes = sources.iter().filter_map(mesh).collect();
-        let each = |value: fn(&Source) -> &String| {
-            sources.iter().map(|(name, source)| (name.clone(), value(source).clone())).collect()
-        };
-        Self {
+        let mut provenance = Self {
             version: env!("CARGO_PKG_VERSION").to_string(),
             platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
-            scenes: each(|source| &source.hash),
-            texts: each(|source| &source.text),
-            meshes,
-            step_sizes: BTreeMap::new(),
-            added_cases: BTreeMap::new(),
-            cases: BTreeMap::new(),
-            run: None,
-        }
+            ..Self::default()
+        };
+        scenes.for_each(|scene| provenance.add_scene(scene));
+        provenance
     }
 
-    /// The provenance of a run of `plans`, with remarks on their step sizes by (3.4).
+    fn add_scene(&mut self, Scene { name, source, .. }: &Scene) {
+        self.scenes.insert(name.clone(), source.hash.clone());
+        self.texts.insert(name.clone(), source.text.clone());
+        self.meshes.extend(source.mesh.clone().map(|mesh| (name.clone(), mesh)));
+    }
+
+    /// Adds a scene with its cases, and the remark on its step sizes by (3.4).
+    pub(crate) fn add_plan(&mut self, plan: &ScenePlan, added: &[AddedCase]) {
+        self.add_scene(plan.scene());
+        let name = || plan.scene().name.clone();
+        let remark = plan.step_remark().ok().flatten();
+        self.step_sizes.extend(remark.map(|remark| (name(), remark.text)));
+        self.cases.extend(blocks(plan).map(|asked| (name(), asked)));
+        self.added_cases.extend((!added.is_empty()).then(|| (name(), added.to_vec())));
+    }
+
+    /// The provenance of a run of `plans`.
     pub fn of_run(plans: &[ScenePlan], machine: &Machine) -> Self {
-        let remark = |plan: &ScenePlan| {
-            let remark = plan.step_remark().ok().flatten()?;
-            Some((plan.scene().name.clone(), remark.text))
-        };
-        let step_sizes = plans.iter().filter_map(remark).collect();
-        let extended = plans.iter().filter(|plan| !plan.added.is_empty());
-        let added_cases =
-            extended.map(|plan| (plan.scene().name.clone(), plan.added.clone())).collect();
-        let asked = |plan: &ScenePlan| Some((plan.scene().name.clone(), blocks(plan)?));
-        let cases = plans.iter().filter_map(asked).collect();
-        let run = Some(Circumstances::new(&machine.build, machine.jobs, &machine.options));
-        Self {
-            step_sizes,
-            added_cases,
-            cases,
-            run,
-            ..Self::new(plans.iter().map(ScenePlan::scene))
-        }
+        let mut provenance = Self::new(std::iter::empty());
+        plans.iter().for_each(|plan| provenance.add_plan(plan, &plan.added));
+        provenance.run = Some(Circumstances::new(&machine.build, machine.jobs, &machine.options));
+        provenance
     }
 
     /// The scene of the records in `dir`; None if its text is not kept there.
@@ -109,20 +100,10 @@ impl Provenance {
 
     /// As JSON without the texts, for `verdict.json`.
     pub fn json(&self) -> serde_json::Value {
-        let mut document = serde_json::json!({
-            "program": "gronwall",
-            "version": self.version,
-            "platform": self.platform,
-            "scenes": self.scenes,
-        });
-        if !self.step_sizes.is_empty() {
-            document["step_sizes"] = serde_json::json!(self.step_sizes);
-        }
-        if !self.added_cases.is_empty() {
-            document["added_cases"] = serde_json::json!(self.added_cases);
-        }
-        if let Some(run) = &self.run {
-            document["run"] = serde_json::json!(run);
+        let mut document = serde_json::json!(self);
+        if let Some(entries) = document.as_object_mut() {
+            entries.retain(|key, _| !["texts", "meshes", "cases"].contains(&&**key));
+            entries.insert("program".into(), "gronwall".into());
         }
         document
     }

@@ -7,7 +7,6 @@ use super::Build;
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::needs::needs;
 use super::plan::{CasePlan, ScenePlan};
-use super::problem::problem;
 use super::schedule::{Schedule, Task};
 use super::shared::Shared;
 use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
@@ -16,6 +15,7 @@ use rayon::prelude::*;
 use files::counted;
 use judge::record::{CaseRecord, Journal, RecordError};
 use report::{ReportError, remove_earlier};
+use scene::setup::Subject;
 
 /// Why a sweep ended without records.
 #[derive(Debug, thiserror::Error)]
@@ -250,7 +250,10 @@ impl Sweep<'_> {
             Job::Reference(s) => {
                 let what = format!("{} reference", self.shared[s].plan.scene().name);
                 self.progress.started(&what);
-                problem(&self.shared[s].plan.subject).refer(&self.shared[s]);
+                // Its failure becomes that of each case.
+                if let Subject::Contact(setup) = &self.shared[s].plan.subject {
+                    let _ = self.shared[s].reference(setup);
+                }
                 self.progress.finished(&what, None);
             }
             Job::Case(s, c) => {

@@ -1,9 +1,10 @@
 //! Data shared by the cases of one scene: its reference run, and a mesh with its exact solution for each n.
 
+use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::plan::{CasePlan, ScenePlan, without_panic};
-use super::problem::problem;
+use super::problem;
 use fem::norms::ReferenceRun;
 use judge::record::CaseRecord;
 use scene::setup::{MeshData, Setup, reference_run};
@@ -19,15 +20,13 @@ pub(crate) struct Shared<'a> {
 
 impl<'a> Shared<'a> {
     pub(super) fn new(plan: &'a ScenePlan) -> Self {
-        let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
-        ns.sort_unstable();
-        ns.dedup();
+        let ns: BTreeSet<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
         let meshes = ns.into_iter().map(|n| (n, Slot::default())).collect();
         Self { plan, reference: Slot::default(), meshes }
     }
 
     pub(super) fn record(&self, case: &CasePlan) -> CaseRecord {
-        self.plan.record(case, || problem(&self.plan.subject).run(case, self))
+        self.plan.record(case, || problem::run(&self.plan.subject, case, self))
     }
 
     pub(super) fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {

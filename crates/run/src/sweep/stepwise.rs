@@ -30,6 +30,7 @@ struct Claim {
 }
 
 /// Cases of a scene that were not run.
+#[derive(serde::Serialize)]
 pub struct NotRun {
     pub scene: String,
     pub cases: Vec<NextCase>,

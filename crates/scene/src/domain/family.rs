@@ -5,47 +5,10 @@ use super::{Domain, Shape};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
 use crate::written;
-use fem::mesh::{CoarseMesh, Family, vertex_at};
-
-/// How the domain is cut into simplices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum MeshFamily {
-    /// n squares per unit length, each cut by the diagonal from lower left to upper right; for other shapes each coarse
-    /// triangle is cut into n² congruent ones.
-    Structured,
-    /// The structured mesh with its inner vertices moved by up to `amplitude`·h along each of the `axes`; for other
-    /// shapes, by that part of the smallest adjacent altitude.
-    Perturbed { amplitude: f64, seed: u64, axes: [bool; 3] },
-    /// Distances s from the corner, as parts of the adjacent square or coarse triangles, become s^exponent.
-    Graded { corner: [f64; 2], exponent: f64 },
-}
-
-impl MeshFamily {
-    pub(super) fn of_mesh(self) -> Family {
-        match self {
-            MeshFamily::Structured => Family::Structured,
-            MeshFamily::Perturbed { amplitude, seed, axes } => {
-                Family::Perturbed { amplitude, seed, axes }
-            }
-            MeshFamily::Graded { corner, exponent } => Family::Graded { corner, exponent },
-        }
-    }
-
-    /// Whether mesh m refines mesh n if n divides m.
-    pub(crate) fn nests(self) -> bool {
-        self == MeshFamily::Structured
-    }
-}
+use fem::mesh::{CoarseMesh, Family as MeshFamily, vertex_at};
 
 /// Larger exponents give cells at the corner below rounding.
 const STEEPEST: f64 = 8.0;
-
-#[derive(Clone, Copy, PartialEq)]
-enum MeshKind {
-    Structured,
-    Perturbed,
-    Graded,
-}
 
 pub(super) fn family(
     reading: &Reading,
@@ -55,23 +18,21 @@ pub(super) fn family(
     let Some(mesh) = written else {
         return Ok(MeshFamily::Structured);
     };
-    let known = [
-        ("structured", MeshKind::Structured),
-        ("perturbed", MeshKind::Perturbed),
-        ("graded", MeshKind::Graded),
-    ];
-    let kind = reading.choice("domain.mesh.kind", &mesh.kind, &known)?;
-    if kind != MeshKind::Perturbed {
-        reading.surplus("domain.mesh.amplitude", mesh.amplitude.as_ref(), &mesh.kind)?;
-        reading.surplus("domain.mesh.seed", mesh.seed.as_ref(), &mesh.kind)?;
-        reading.surplus("domain.mesh.axes", mesh.axes.as_ref(), &mesh.kind)?;
-    }
-    if kind != MeshKind::Graded {
-        reading.surplus("domain.mesh.corner", mesh.corner.as_ref(), &mesh.kind)?;
-        reading.surplus("domain.mesh.exponent", mesh.exponent.as_ref(), &mesh.kind)?;
-    }
-    if kind != MeshKind::Structured && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_)))
-    {
+    let kind = &*mesh.kind;
+    reading.word("domain.mesh.kind", kind, &["structured", "perturbed", "graded"])?;
+    let (moved, gathered): (&[&str], &[&str]) = (&["perturbed"], &["graded"]);
+    reading.only(
+        "domain.mesh",
+        kind,
+        &[
+            ("amplitude", mesh.amplitude.is_some(), moved),
+            ("seed", mesh.seed.is_some(), moved),
+            ("axes", mesh.axes.is_some(), moved),
+            ("corner", mesh.corner.is_some(), gathered),
+            ("exponent", mesh.exponent.is_some(), gathered),
+        ],
+    )?;
+    if kind != "structured" && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_))) {
         let message =
             format!("meshes of kind `{}` are not made of tetrahedra from a file", mesh.kind);
         let hint =
@@ -79,9 +40,9 @@ pub(super) fn family(
         return Err(reading.error("domain.mesh.kind", message, hint));
     }
     match kind {
-        MeshKind::Structured => Ok(MeshFamily::Structured),
-        MeshKind::Perturbed => perturbed(reading, mesh, domain.dimension()),
-        MeshKind::Graded => graded(reading, mesh, domain),
+        "structured" => Ok(MeshFamily::Structured),
+        "perturbed" => perturbed(reading, mesh, domain.dimension()),
+        _ => graded(reading, mesh, domain),
     }
 }
 

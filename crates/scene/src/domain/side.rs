@@ -15,10 +15,6 @@ impl Side {
     pub const BOTTOM: Side = Side(2);
     /// y = size\[1\].
     pub const TOP: Side = Side(3);
-    /// z = 0 of a box.
-    pub const FRONT: Side = Side(4);
-    /// z = size\[2\].
-    pub const BACK: Side = Side(5);
 
     pub(crate) fn index(self) -> usize {
         self.0 as usize

@@ -10,7 +10,7 @@ use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
 use super::{SetupError, law_numbers, potential, time_grid, time_rule};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
-use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, KernelFormulas};
+use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 use vhi::StepSolver;
 use vhi::finite::{
@@ -319,11 +319,7 @@ fn exact(scene: &Scene, problem: &AbstractScene) -> Result<FiniteExact, exact::U
         graph: scene.formulas.clone(),
         matrix: problem.matrix.clone(),
         nonlinear: problem.nonlinear.clone().unwrap_or_default(),
-        kernels: problem
-            .kernels
-            .iter()
-            .map(|k| KernelFormulas { q: k.q, power: k.power, matrix: k.matrix.clone() })
-            .collect(),
+        kernels: problem.kernels.clone(),
         r: problem.r.clone(),
         a_s: problem.a_s.clone(),
         force: problem.force.clone().unwrap_or_default(),

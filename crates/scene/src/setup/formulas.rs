@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use fem::contact::{OnContact, OnContactInTime};
 use formula::{EvaluationPoint, Graph, Node, Variable};
 use vhi::law::{MemoryKernel, YieldLimit};
 
 /// b(t) by a formula in t.
-pub struct KernelFormula {
+pub(crate) struct KernelFormula {
     graph: Arc<Graph>,
     node: Node,
 }
@@ -49,38 +50,20 @@ impl YieldLimit for YieldFormula {
     }
 }
 
-/// g or s on Γ3 by a formula in x, with a default value.
-pub struct GapFormula {
-    graph: Arc<Graph>,
-    node: Option<Node>,
-    absent: f64,
-}
-
-impl GapFormula {
-    /// The function of `node`, or the constant `absent`.
-    pub(crate) fn new(graph: Arc<Graph>, node: Option<Node>, absent: f64) -> Self {
-        Self { graph, node, absent }
-    }
-
-    pub(crate) fn boxed(self) -> Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> {
-        Box::new(move |[x, y, z]| match self.node {
-            Some(node) => self
-                .graph
-                .evaluate(node, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() }),
-            None => self.absent,
-        })
-    }
+/// A function on Γ3 by a formula in x, or the constant `absent`.
+pub(super) fn on_contact(graph: &Arc<Graph>, node: Option<Node>, absent: f64) -> OnContact {
+    let graph = graph.clone();
+    Box::new(move |[x, y, z]| {
+        let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
+        node.map_or(absent, |node| graph.evaluate(node, &at))
+    })
 }
 
 /// A factor on Γ3 × [0, T] by a formula in x and t; 1 without one.
-pub(super) fn boxed_in_time(
-    graph: Arc<Graph>,
-    node: Option<Node>,
-) -> Box<dyn Fn([f64; 3], f64) -> f64 + Send + Sync> {
-    Box::new(move |[x, y, z], t| match node {
-        Some(node) => {
-            graph.evaluate(node, &EvaluationPoint { x, y, z, t, ..EvaluationPoint::default() })
-        }
-        None => 1.0,
+pub(super) fn on_contact_in_time(graph: &Arc<Graph>, node: Option<Node>) -> OnContactInTime {
+    let graph = graph.clone();
+    Box::new(move |[x, y, z], t| {
+        let at = EvaluationPoint { x, y, z, t, ..EvaluationPoint::default() };
+        node.map_or(1.0, |node| graph.evaluate(node, &at))
     })
 }

@@ -15,7 +15,7 @@ use formula::{BoundProgram, EvaluationPoint, Graph, Node, Program};
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
 ///
 /// Separable formulas give few vectors F_i, assembled once; others are assembled at each time.
-pub struct GivenLoad {
+pub(crate) struct GivenLoad {
     graph: Graph,
     horizon: f64,
     /// The a_i and F_i.
@@ -210,7 +210,7 @@ impl Term {
 }
 
 /// Given loads on one mesh, with a reference run in place of the exact solution.
-pub struct ReferenceTruth {
+pub(crate) struct ReferenceTruth {
     space: Arc<Discretization>,
     load: GivenLoad,
     basis: Option<Vec<Vec<f64>>>,

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::formulas::boxed_in_time;
-use exact::{CurveNumbers, FrictionFormulas, LawNumbers};
+use super::formulas::on_contact_in_time;
+use exact::{CurveNumbers, LawNumbers};
 use fem::contact::{Friction, OnContactInTime};
-use formula::{Graph, Node};
-use vhi::law::{Curve, Curved, NoPotential, PiecewiseLinear, Potential};
+use formula::Graph;
+use vhi::law::{Curved, NoPotential, PiecewiseLinear, Potential};
 
 /// The law of a scene, without its factor. Its points were validated, so the fallback to no law does not occur.
 pub(super) fn potential(law: Option<&crate::Law>) -> Arc<dyn Potential> {
@@ -16,19 +16,9 @@ pub(super) fn potential(law: Option<&crate::Law>) -> Arc<dyn Potential> {
         Some((graph, law.curve))
     });
     match graph {
-        Some((graph, Some(curve))) => Arc::new(Curved::new(graph, solver_curve(curve))),
+        Some((graph, Some(curve))) => Arc::new(Curved::new(graph, curve)),
         Some((graph, None)) => Arc::new(graph),
         None => Arc::new(NoPotential),
-    }
-}
-
-fn solver_curve(curve: crate::Curve) -> Curve {
-    match curve {
-        crate::Curve::Rational { stiffness, length } => Curve::Rational { stiffness, length },
-        crate::Curve::Exponential { stiffness, length } => Curve::Exponential { stiffness, length },
-        crate::Curve::Power { coefficient, exponent, until } => {
-            Curve::Power { coefficient, exponent, until }
-        }
     }
 }
 
@@ -37,8 +27,8 @@ fn solver_curve(curve: crate::Curve) -> Curve {
 pub(super) fn friction(written: &crate::Friction, graph: &Arc<Graph>) -> Friction {
     let unit = vec![[0.0, 1.0]];
     let (factor, points) = match &written.bound {
-        crate::FrictionBound::Given(bound) => (boxed_in_time(graph.clone(), Some(*bound)), &unit),
-        crate::FrictionBound::Slip(points) => (boxed_in_time(graph.clone(), None), points),
+        crate::FrictionBound::Given(bound) => (on_contact_in_time(graph, Some(*bound)), &unit),
+        crate::FrictionBound::Slip(points) => (on_contact_in_time(graph, None), points),
         crate::FrictionBound::Coulomb(coefficient) => {
             let coefficient = *coefficient;
             (Box::new(move |_: [f64; 3], _: f64| coefficient) as OnContactInTime, &unit)
@@ -53,19 +43,6 @@ pub(super) fn friction(written: &crate::Friction, graph: &Arc<Graph>) -> Frictio
     };
     let follows_pressure = matches!(written.bound, crate::FrictionBound::Coulomb(_));
     Friction { factor, graph: potential, follows_pressure }
-}
-
-/// Friction for the manufactured side, with the scene's s.
-pub(super) fn friction_formulas(
-    written: &crate::Friction,
-    multiplier: Option<Vec<Node>>,
-) -> FrictionFormulas {
-    let bound = match &written.bound {
-        crate::FrictionBound::Given(bound) => exact::FrictionBound::Given(*bound),
-        crate::FrictionBound::Slip(points) => exact::FrictionBound::Slip(points.clone()),
-        crate::FrictionBound::Coulomb(coefficient) => exact::FrictionBound::Coulomb(*coefficient),
-    };
-    FrictionFormulas { bound, multiplier }
 }
 
 /// The numbers of a scene's law, without its factor.

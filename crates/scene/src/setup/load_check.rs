@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::{Setup, load_form, side_numbers};
+use super::{Setup, side_numbers};
 use crate::{Data, Scene, Side};
 use exact::{Exact, ExactOnMesh, LoadForm, Shapes, Truth};
 use fem::contact::{Discretization, LoadError};
@@ -51,7 +51,7 @@ pub(super) fn check(
                 },
             )
         }
-        (Data::Exact { form, .. }, Some(exact)) if load_form(*form) == LoadForm::Strong => {
+        (Data::Exact { form: LoadForm::Strong, .. }, Some(exact)) => {
             of_forms(setup, exact, space, truth, times)
         }
         _ => Ok(()),

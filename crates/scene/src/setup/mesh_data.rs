@@ -197,8 +197,7 @@ fn truth(
         }
         (Data::Exact { form, .. }, Some(exact)) => {
             let sides = side_numbers(&setup.body.domain.traction);
-            let form = super::load_form(*form);
-            let exact = ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules);
+            let exact = ExactOnMesh::new(exact.clone(), space.clone(), *form, &sides, rules);
             Arc::new(if in_parts { exact } else { exact.time_by_time() })
         }
         (Data::Loads { body, traction }, _) => {

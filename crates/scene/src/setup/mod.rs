@@ -28,10 +28,12 @@ pub use constants::{
     Constants, Coulomb, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
-pub use formulas::{GapFormula, KernelFormula, YieldFormula};
-pub use given_load::{GivenLoad, ReferenceTruth};
+pub(crate) use formulas::KernelFormula;
+pub use formulas::YieldFormula;
+use formulas::on_contact;
+pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 pub use laws::law_numbers;
-use laws::{friction_formulas, potential};
+use laws::potential;
 pub use material::{elasticity, memory_tensor};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
@@ -41,9 +43,9 @@ pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, tangential_trace_family, trace_family};
 
-use crate::{Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
+use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
 use algebra::linalg::{EigenError, Precision};
-use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polytope};
+use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas, Polytope};
 use fem::contact::{
     Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
 };
@@ -265,16 +267,11 @@ fn model(scene: &Scene, body: &ContactScene) -> Model {
         body.contact.as_ref().filter(|contact| contact.gap.is_some() || contact.law.is_some()).map(
             |contact| Boundary {
                 potential: potential(contact.law.as_ref()),
-                scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| {
-                    GapFormula::new(formulas.clone(), Some(scale.formula), 1.0).boxed()
-                }),
-                gap: GapFormula::new(formulas.clone(), contact.gap, f64::INFINITY).boxed(),
-                shift: GapFormula::new(formulas.clone(), contact.shift, 0.0).boxed(),
-                rule: match contact.quadrature {
-                    ContactQuadrature::Vertex => BoundaryRule::Vertex,
-                    ContactQuadrature::Gauss => BoundaryRule::Gauss,
-                    ContactQuadrature::Exact => BoundaryRule::Exact,
-                },
+                scale: (contact.law.as_ref().and_then(|law| law.scale))
+                    .map(|scale| on_contact(&formulas, Some(scale.formula), 1.0)),
+                gap: on_contact(&formulas, contact.gap, f64::INFINITY),
+                shift: on_contact(&formulas, contact.shift, 0.0),
+                rule: contact.quadrature,
             },
         );
     let friction = body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
@@ -298,10 +295,10 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
         multiplier: *multiplier,
         selection: *selection,
-        friction: contact
-            .friction
-            .as_ref()
-            .map(|written| friction_formulas(written, friction.clone())),
+        friction: contact.friction.as_ref().map(|written| FrictionFormulas {
+            bound: written.bound.clone(),
+            multiplier: friction.clone(),
+        }),
     });
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
     let mut graph = scene.formulas.clone();
@@ -325,12 +322,4 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
             }),
         },
     }))
-}
-
-/// The form of the loads for the manufactured side.
-pub fn load_form(form: crate::LoadForm) -> LoadForm {
-    match form {
-        crate::LoadForm::Weak => LoadForm::Weak,
-        crate::LoadForm::Strong => LoadForm::Strong,
-    }
 }
