@@ -113,7 +113,7 @@ impl Weights {
     /// equal steps. δ and θ hold what the weights beyond one step and its tail sums beyond whole steps have: θ = c/2 and
     /// δ = 1/12 by Gregory's rule of order 3, 13c/24 and 1/3 by that of order 4, both for c ≤ 1; 0 and 0 by the left rule, on any
     /// grid with a product of 1 + c_m in place of the power. Where s_0 > 0 the power is n. The limit for k → 0 is e^{C2 t}.
-    /// By the trapezoidal rule it is [`primed_closed`].
+    /// By the trapezoidal rule it is `primed_closed`.
     ///
     /// By product integration, on any grid with largest step k, it is max s/(1 - θ) · E_α(C2 Γ(α) t^α/(1 - θ)), α = 1 - a,
     /// θ = C2 k^α/α, with the function of Mittag-Leffler. Let y be that, which solves
