@@ -33,19 +33,6 @@ pub(super) fn power(
     Ok(Curve::Power { coefficient, exponent, until })
 }
 
-/// The steepest descent of p: the extreme of p' with respect to q = r/length.
-///
-/// Rational: p' = c(1 - q²)/(1 + q²)² has its minimum -c/8 at q² = 3. Exponential: p' = c(1 - q)e^{-q} has its
-/// minimum -c e⁻² at q = 2. Power: p' ≥ 0. p is continuous, so by the mean value theorem (p(r) - p(s))(r - s) ≥ min
-/// p' (r - s)².
-pub(super) fn alpha(curve: Curve) -> f64 {
-    match curve {
-        Curve::Rational { stiffness, .. } => 0.125 * stiffness,
-        Curve::Exponential { stiffness, .. } => stiffness / std::f64::consts::E.powi(2),
-        Curve::Power { .. } => 0.0,
-    }
-}
-
 /// Whether Gauss points between kinks integrate p to rounding.
 pub(super) fn has_exact_rule(curve: Curve) -> bool {
     match curve {

@@ -120,7 +120,7 @@ impl Law {
     /// largest c. A downward jump by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
     pub fn alpha(&self) -> f64 {
         let graph = self.slopes().fold(0.0f64, |alpha, slope| alpha.max(-slope));
-        let curve = self.curve.map_or(0.0, curve::alpha);
+        let curve = self.curve.map_or(0.0, |curve| curve.alpha());
         self.scale.map_or(1.0, |scale| scale.largest) * (graph + curve)
     }
 

@@ -66,7 +66,7 @@ impl Curve {
     }
 
     /// α of (2.8c) (a stiffness), see [`Curve`].
-    pub(crate) fn alpha(&self) -> f64 {
+    pub fn alpha(&self) -> f64 {
         match *self {
             Self::Rational { stiffness, .. } => stiffness / 8.0,
             Self::Exponential { stiffness, .. } => stiffness * (-2.0f64).exp(),
