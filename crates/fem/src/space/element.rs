@@ -148,11 +148,6 @@ pub(crate) struct Places {
 }
 
 impl Element {
-    /// Whether the corners of a cell are among its nodes.
-    pub fn has_nodes_at_corners(self) -> bool {
-        self.nodes(Simplex::cell(2))[0].contains(&1.0)
-    }
-
     /// Nodes on a simplex.
     pub fn nodes_on(self, simplex: Simplex) -> usize {
         self.nodes(simplex).len()
@@ -202,7 +197,8 @@ impl Element {
         if self == Self::P1 {
             return Places { cells, facets, first: 0 };
         }
-        let first = if self.has_nodes_at_corners() { 0 } else { mesh.vertices() as u32 };
+        let at_corner = self.nodes(Simplex::cell(d))[0].contains(&1.0);
+        let first = if at_corner { 0 } else { mesh.vertices() as u32 };
         let mut nodes = |all: &[u32], simplex: Simplex| {
             let places = self.nodes(simplex);
             let mut out = Vec::with_capacity(all.len() / simplex.corners * places.len());

@@ -7,6 +7,7 @@ mod jumps;
 mod mean_square;
 mod nodes;
 mod points;
+mod polynomials;
 pub mod quadrature;
 mod shape;
 mod strain_shapes;

@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::Element;
+use super::polynomials::monomials;
 
 /// Strain points of the most that an element may have: those of cubics on tetrahedra.
 const MOST_STRAINS: usize = 10;
@@ -53,18 +54,6 @@ impl StrainShapes {
             (0..S).for_each(|i| sum[i] += shape * value[i]);
         }
         sum
-    }
-}
-
-/// Products of `degree` of the coordinates `b`, which span all polynomials of this degree, since Σ b_i = 1.
-pub(super) fn monomials(degree: usize, b: &[f64]) -> Vec<f64> {
-    match (degree, b) {
-        (0, _) => vec![1.0],
-        (_, []) => Vec::new(),
-        (_, [first, rest @ ..]) => {
-            let with_first = monomials(degree - 1, b).into_iter().map(|term| first * term);
-            with_first.chain(monomials(degree, rest)).collect()
-        }
     }
 }
 

@@ -1,5 +1,9 @@
 //! A rule, and those on an edge: Gauss-Legendre by Newton's iteration on the Legendre polynomial.
 
+use algebra::linalg::largest;
+
+use crate::space::polynomials::{means, monomials};
+
 /// Points (barycentric) and weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
@@ -14,6 +18,17 @@ impl Rule {
     pub fn barycentre(dimension: usize) -> Self {
         let share = 1.0 / (dimension + 1) as f64;
         Self { points: vec![vec![share; dimension + 1]], weights: vec![1.0] }
+    }
+
+    /// The largest distance from the mean of a product of `degree` barycentric coordinates: zero if the rule is exact for
+    /// all polynomials of this degree.
+    pub(crate) fn missed(&self, degree: usize) -> f64 {
+        let corners = self.points.first().map_or(1, Vec::len);
+        let mut off: Vec<f64> = means(degree, corners);
+        for (b, weight) in self.points.iter().zip(&self.weights) {
+            off.iter_mut().zip(monomials(degree, b)).for_each(|(off, term)| *off -= weight * term);
+        }
+        largest(&off)
     }
 }
 

@@ -37,7 +37,8 @@ impl TruthRules {
     }
 
     /// The rules for an element: for quadratic ones two degrees more in the cells, in space on the sides as well, and as many
-    /// points as keep what a kink leaves out far below the smaller error; of higher degree p for polynomials of degree 2p + 4 and more.
+    /// points as keep what a kink leaves out far below the smaller error; of higher degree p for polynomials of degree
+    /// 2p + 4 and more.
     pub fn for_element(element: Element, dimension: usize) -> Self {
         let linear = Self::of(dimension);
         match (dimension, element.degree()) {
