@@ -117,13 +117,21 @@ impl<'a> Equilibrium<'a> {
     /// The stress nearest to `start`, constant or linear on each cell, among those in equilibrium with `given`.
     pub(super) fn nearest(&mut self, start: &[Stress], given: &Given) -> Vec<Stress> {
         let mesh = &self.space.mesh;
-        let stress = |(c, start): (usize, &Stress)| {
+        let mut right: Vec<f64> = given.tractions.iter().map(|traction| -traction).collect();
+        let mut stresses = Vec::with_capacity(start.len());
+        for c in 0..start.len() {
             let triangle = self.triangle(c);
-            let asked = given.moments[c] + self.own_moments(triangle, start);
-            start - triangle.of_moments * asked
-        };
-        let mut stresses: Vec<Stress> = start.iter().enumerate().map(stress).collect();
-        let (right, _) = self.jumps(&stresses, given);
+            let asked = given.moments[c] + self.own_moments(triangle, &start[c]);
+            let stress = start[c] - triangle.of_moments * asked;
+            let tractions = triangle.to_tractions * stress;
+            let unknowns = self.edges.unknowns(mesh.cell(c), c);
+            for (unknown, traction) in unknowns.iter().zip(tractions.iter()) {
+                if let Some(unknown) = unknown {
+                    right[*unknown as usize] += traction;
+                }
+            }
+            stresses.push(stress);
+        }
         let displacements = self.solve(right);
         for (c, stress) in stresses.iter_mut().enumerate() {
             let unknowns = self.edges.unknowns(mesh.cell(c), c);
@@ -165,8 +173,10 @@ impl<'a> Equilibrium<'a> {
         (0..start.len()).map(cell).sum()
     }
 
-    /// What the tractions of cells leave on the free edges, the given ones taken off, and the largest traction.
-    fn jumps(&self, stresses: &[Stress], given: &Given) -> (Vec<f64>, f64) {
+    /// The largest jump of tractions between cells, and difference to given ones, over the largest traction; and what
+    /// the stresses inside the cells miss of what they are to balance. It checks [`Self::nearest`], and so sums up the
+    /// tractions itself.
+    pub(super) fn imbalance(&self, stresses: &[Stress], given: &Given) -> f64 {
         let mesh = &self.space.mesh;
         let mut sums: Vec<f64> = given.tractions.iter().map(|traction| -traction).collect();
         let mut largest = 0.0f64;
@@ -180,13 +190,6 @@ impl<'a> Equilibrium<'a> {
                 }
             }
         }
-        (sums, largest)
-    }
-
-    /// The largest jump of tractions between cells, and difference to given ones, over the largest traction; and what
-    /// the stresses inside the cells miss of what they are to balance.
-    pub(super) fn imbalance(&self, stresses: &[Stress], given: &Given) -> f64 {
-        let (sums, largest) = self.jumps(stresses, given);
         let inside = self.shapes.iter().map(|shape| shape.inside.missed);
         let inside = inside.fold(0.0, algebra::linalg::larger);
         let jump = algebra::linalg::largest(&sums);

@@ -78,7 +78,7 @@ impl Bench {
         let rounds = Rounds::run(cases.len(), self.repeats.max(1) as usize, |run| {
             let (variant, n, steps) = cases[run];
             match self.timed(variant, n, steps) {
-                Ok(timed) => {
+                Ok((timed, _)) => {
                     if let Ok(times) = &mut all[run] {
                         times.push(timed);
                     }
@@ -109,8 +109,8 @@ impl Bench {
 
     /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
-        let times = (0..self.repeats.max(1)).map(|_| self.timed(variant, n, steps)).collect();
-        self.after_rounds((variant, n, steps), times)
+        let outcome = self.outcome(variant, n, steps);
+        self.row(variant.knob, variant.element(), (n, steps), outcome)
     }
 
     /// The row of a run; it has no unknowns where there is no mesh to judge it on.
@@ -147,14 +147,27 @@ impl Bench {
     }
 
     /// One run for the clock, from nothing.
-    fn timed(&self, variant: &Variant, n: u32, steps: u32) -> Result<Timed, String> {
+    fn timed(&self, variant: &Variant, n: u32, steps: u32) -> Result<(Timed, MeshData), String> {
         let (clock, wall) = (ThreadTime::now(), Instant::now());
         let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
         let info = variant.march(&data, steps, &mut |_| Ok(())).map_err(|e| e.to_string())?;
         let seconds = clock.elapsed().as_secs_f64();
         // The share is one of wall time, since the thread may have waited in between.
         let load_share = info.seconds_load / wall.elapsed().as_secs_f64();
-        Ok(Timed { seconds, load_share })
+        Ok((Timed { seconds, load_share }, data))
+    }
+
+    fn outcome(&mut self, variant: &Variant, n: u32, steps: u32) -> Result<Outcome, String> {
+        self.judge(variant, n)?;
+        let mut times = Vec::new();
+        let mut last = None;
+        for _ in 0..self.repeats.max(1) {
+            let (timed, data) = self.timed(variant, n, steps)?;
+            times.push(timed);
+            last = Some(data);
+        }
+        let data = last.ok_or("no run")?;
+        self.judged(variant, &data, (n, steps), &times)
     }
 
     /// The cost of a run on this mesh, by `times`, with the error of a run that is not timed.
