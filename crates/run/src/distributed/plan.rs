@@ -226,7 +226,7 @@ impl SweepPlan {
 /// Streams the rows of a `plan.csv`.
 ///
 /// # Errors
-/// [`DistributedError::Io`]; a malformed row is the error of its item.
+/// [`DistributedError::File`]; a malformed row is the error of its item.
 pub(crate) fn rows(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<CaseRow, DistributedError>> + use<>, DistributedError> {

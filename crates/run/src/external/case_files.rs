@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::npy::{Array, encode};
 use fem::contact::{CaseError, Discretization};
+use fem::space::Nodes;
 use files::replace_file;
 use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
@@ -80,9 +81,9 @@ impl Given {
 }
 
 /// Corners that are none of the nodes.
-fn corners<'a>(space: &Discretization, corners: &'a [u32]) -> impl Iterator<Item = u32> + use<'a> {
-    let apart = !space.element.has_nodes_at_corners();
-    corners.iter().copied().filter(move |_| apart)
+fn corners(space: &Discretization, corners: &[u32]) -> impl Iterator<Item = u32> {
+    let has_node = |&corner: &u32| space.nodes.of_vertex[corner as usize] != Nodes::NONE;
+    corners.iter().copied().filter(move |corner| !has_node(corner))
 }
 
 /// Writes the files of a case into `dir`, which is created.
