@@ -15,6 +15,12 @@ pub struct ElementError {
 /// A part of [`FiniteElement`] that contradicts the others.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ElementFault {
+    /// Shortcuts for an element know it by its name.
+    #[error("an element of the program has this name")]
+    Name,
+    /// Jumps are penalised for linear functions that are continuous at barycentres of facets.
+    #[error("not conforming, and its node at {place:?} is no barycentre of a facet")]
+    NotConforming { place: Vec<f64> },
     #[error("{found} {what}, where polynomials of degree {degree} need {wanted}")]
     Count { what: &'static str, degree: usize, found: usize, wanted: usize },
     #[error("barycentric coordinates of a point sum up to {sum}")]
@@ -57,8 +63,12 @@ impl Element {
         dimension: usize,
     ) -> Result<Self, ElementError> {
         let fault = |fault| ElementError { element: element.name(), dimension, fault };
-        check(Self::new(element), dimension).map_err(fault)?;
-        Ok(Self::new(element))
+        let element = Self::new(element);
+        if Self::ALL.contains(&element) {
+            return Err(fault(ElementFault::Name));
+        }
+        check(element, dimension).map_err(fault)?;
+        Ok(element)
     }
 }
 
@@ -68,6 +78,11 @@ fn check(element: Element, d: usize) -> Result<(), ElementFault> {
     functions(element, cell, degree)?;
     functions(element, facet, element.facet_degree())?;
     nodes_of_facets(element, d)?;
+    let barycentres = Element::CR.nodes(cell);
+    let mut others = element.nodes(cell).into_iter().filter(|node| !barycentres.contains(node));
+    if let (false, Some(place)) = (element.is_conforming(), others.next()) {
+        return Err(ElementFault::NotConforming { place });
+    }
     slopes(element, d)?;
     let rule = element.strain_rule(d);
     counted("strain points", strains, rule.points.len(), d)?;
@@ -222,7 +237,10 @@ mod tests {
 
     impl FiniteElement for Damaged {
         fn name(&self) -> &'static str {
-            "P2 damaged"
+            if self.0 == "name" { "P1" } else { "P2 damaged" }
+        }
+        fn is_conforming(&self) -> bool {
+            self.0 != "conformity"
         }
         fn degree(&self) -> usize {
             if self.0 == "degree" { 3 } else { 2 }
@@ -287,6 +305,8 @@ mod tests {
         assert_eq!(check(Element::new(&Damaged("nothing")), 2), Ok(()));
         assert!(matches!(fault("degree"), F::Count { found: 6, wanted: 10, .. }));
         assert_eq!(fault("place"), F::Place { sum: 1.5 });
+        assert_eq!(fault("name"), F::Name);
+        assert_eq!(fault("conformity"), F::NotConforming { place: vec![1.0, 0.0, 0.0] });
         assert!(matches!(fault("nodes"), F::Values { off, .. } if off > 0.01));
         assert_eq!(fault("facet"), F::OnFacet { place: vec![0.75, 0.25, 0.0] });
         assert!(matches!(fault("slopes"), F::Slopes { function: 3, off, .. } if off > 0.1));
