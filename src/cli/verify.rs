@@ -273,7 +273,8 @@ struct Beside {
     steps: u32,
     norm: String,
     solver: f64,
-    own: f64,
+    #[serde(rename = "own")]
+    built_in: f64,
     difference: f64,
 }
 
@@ -286,10 +287,12 @@ fn compare(solver: &[CaseRecord], built_in: &[CaseRecord]) -> Vec<Beside> {
         };
         for entry in &record.errors {
             let other = same.errors.iter().find(|other| other.norm == entry.norm);
-            if let (Some(solver), Some(own)) = (entry.error, other.and_then(|other| other.error)) {
-                let (norm, difference) = (entry.norm.clone(), (solver - own).abs() / own);
+            if let (Some(solver), Some(built_in)) =
+                (entry.error, other.and_then(|other| other.error))
+            {
+                let (norm, difference) = (entry.norm.clone(), (solver - built_in).abs() / built_in);
                 let (n, steps) = (record.n, record.steps);
-                rows.push(Beside { n, steps, norm, solver, own, difference });
+                rows.push(Beside { n, steps, norm, solver, built_in, difference });
             }
         }
     }
@@ -303,7 +306,7 @@ fn table(rows: &[Beside]) -> String {
             row.steps.to_string(),
             row.norm.clone(),
             format!("{:.6e}", row.solver),
-            format!("{:.6e}", row.own),
+            format!("{:.6e}", row.built_in),
             format!("{:.1e}", row.difference),
         ]
     };

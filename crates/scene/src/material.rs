@@ -125,8 +125,8 @@ impl Region {
             table: written.elasticity.as_ref(),
         };
         let elastic = elastic(reading, &key, &given, dimension)?;
-        let own = written.memory.as_ref();
-        let own = own.map(|own| memory::parts(reading, Some(index), own, horizon, dimension));
-        Ok((Region { name: written.name.clone(), place, elastic }, own.transpose()?))
+        let parts = |written| memory::parts(reading, Some(index), written, horizon, dimension);
+        let memory = written.memory.as_ref().map(parts).transpose()?;
+        Ok((Region { name: written.name.clone(), place, elastic }, memory))
     }
 }
