@@ -13,6 +13,9 @@ const SCRIPT: &str = include_str!("sort.js");
 /// Longer tables are folded.
 const MOST_ROWS: usize = 12;
 
+/// Scenes of a group that are shown as the page opens: two rows on a screen of 1280 px.
+const MOST_CARDS: usize = 8;
+
 pub(crate) fn page(document: &Document) -> String {
     let sections = sections(document);
     format!(
@@ -36,19 +39,34 @@ fn contents(document: &Document) -> String {
 
 /// All sections: cards of scenes side by side, other sections below a chapter folded.
 fn sections(document: &Document) -> String {
-    let (mut text, mut within) = (String::new(), false);
-    for part in &document.sections {
-        let is_card = part.card.is_some();
-        if is_card != within {
-            text += if is_card { "<div class=\"cards\">\n" } else { "</div>\n" };
-            within = is_card;
-        }
-        text += &match &part.card {
-            Some(of) => card(part, of),
-            None => section(part),
-        };
+    let alike = document.sections.chunk_by(|a, b| a.card.is_some() == b.card.is_some());
+    let text = |part: &[Section]| match part.first() {
+        Some(Section { card: Some(_), .. }) => cards(part),
+        _ => part.iter().map(section).collect(),
+    };
+    alike.map(text).collect()
+}
+
+/// The scenes of a group; those beyond [`MOST_CARDS`] are folded, unless a verdict in them is not as expected.
+fn cards(group: &[Section]) -> String {
+    let grid = |part: &[Section]| {
+        let cards: String =
+            part.iter().filter_map(|s| s.card.as_ref().map(|of| card(s, of))).collect();
+        format!("<div class=\"cards\">\n{cards}</div>\n")
+    };
+    let (shown, more) = group.split_at(group.len().min(MOST_CARDS));
+    if more.is_empty() {
+        return grid(shown);
     }
-    text + if within { "</div>\n" } else { "" }
+    let missed =
+        |s: &Section| s.card.iter().flat_map(|of| &of.verdict).any(|run| run.tone == Tone::Miss);
+    let open = if more.iter().any(missed) { " open" } else { "" };
+    let summary = format!("{} more scene{}", more.len(), if more.len() == 1 { "" } else { "s" });
+    format!(
+        "{}<details class=\"more\"{open}>\n<summary>{summary}</summary>\n{}</details>\n",
+        grid(shown),
+        grid(more)
+    )
 }
 
 fn section(section: &Section) -> String {
@@ -229,5 +247,23 @@ mod tests {
         assert_eq!(raised("P_{M(κ)}ε, ∫^{t_n}"), "P<sub>M(κ)</sub>ε, ∫<sup>t<sub>n</sub></sup>");
         assert_eq!(raised("a_"), "a<sub></sub>");
         assert_eq!(escaped("<a href='b'>&\""), "&lt;a href=&#39;b&#39;&gt;&amp;&quot;");
+    }
+    #[test]
+    fn a_long_group_is_folded_unless_that_hides_a_miss() {
+        let group = |length: usize, missed: Option<usize>| {
+            let scene = |at: usize| {
+                let tone = if Some(at) == missed { Tone::Miss } else { Tone::Pass };
+                let mut scene = Section::new(3, &format!("scene-{at}"), "scene");
+                scene.card = Some(Card { verdict: vec![Run::of("word", tone)], pictures: vec![] });
+                scene
+            };
+            cards(&(0..length).map(scene).collect::<Vec<_>>())
+        };
+        assert!(!group(MOST_CARDS, None).contains("more"));
+        let folded = group(MOST_CARDS + 2, Some(0));
+        let (shown, more) = folded.split_once("<details class=\"more\">").expect("folded");
+        assert_eq!(shown.matches("<article").count(), MOST_CARDS);
+        assert!(more.contains("2 more scenes") && more.contains("id=\"scene-9\""), "{more}");
+        assert!(group(MOST_CARDS + 2, Some(9)).contains("<details class=\"more\" open>"));
     }
 }
