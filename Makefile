@@ -16,13 +16,13 @@ test: ## unit, integration and documentation tests
 	$(CARGO) test --release --workspace
 
 test-long: ## tests of minutes that widen quick ones of `make test`: all scenes, more seeds
-	$(CARGO) test --release --test numbers --test commands --test false_alarms long_ -- --ignored
+	$(CARGO) test --release --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
 	$(CARGO) fmt --manifest-path python/Cargo.toml --check
-	$(CARGO) clippy --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --workspace --no-deps
+	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --release --workspace --no-deps
 
 bench: ## all benchmarks (see benches/README.md); BENCH=... goes to criterion
 	$(CARGO) bench --bench '*' -- $(BENCH)

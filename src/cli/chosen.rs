@@ -1,6 +1,7 @@
 //! Arguments that select scenes and grids, shared by several commands.
 
 use clap::Args;
+use rayon::prelude::*;
 
 use super::{CliError, Scenes, no_case, subject};
 use run::sweep::{MemoryLimit, Overrides, ScenePlan};
@@ -51,9 +52,33 @@ impl Chosen {
         !self.scenes.is_empty()
     }
 
-    /// The plan of a scene; `overrides` are the grids of the command line. None for scenes that have to be named: long
-    /// ones, and those without a grid.
-    pub(super) fn plan_of(
+    /// What `then` makes of the plans of scenes, a scene at a time per thread, in their order; `overrides` are the grids of
+    /// the command line. Scenes that have to be named are left out: long ones, and those without a grid.
+    pub(super) fn plans<T: Send>(
+        &self,
+        scenes: Vec<Scene>,
+        overrides: &Overrides,
+        limit: &MemoryLimit,
+        then: impl Fn(ScenePlan) -> Result<T, CliError> + Sync,
+    ) -> Result<Vec<T>, CliError> {
+        let one = |scene: Scene| {
+            let Some(plan) = self.plan_of(scene, overrides, limit)? else { return Ok(None) };
+            let (name, remark) = (plan.scene().name.clone(), plan.step_remark()?);
+            Ok::<_, CliError>(Some((name, remark, then(plan)?)))
+        };
+        let found: Vec<_> = scenes.into_par_iter().map(one).collect();
+        let mut made = Vec::new();
+        for scene in found {
+            let Some((name, remark, value)) = scene? else { continue };
+            if let Some(remark) = remark {
+                super::progress::remark(&name, &remark);
+            }
+            made.push(value);
+        }
+        Ok(made)
+    }
+
+    fn plan_of(
         &self,
         scene: Scene,
         overrides: &Overrides,
@@ -64,17 +89,12 @@ impl Chosen {
         }
         self.grid.check(&scene)?;
         let plan = ScenePlan::new(subject(scene, limit)?, overrides);
-        if plan.cases.is_empty() && !self.named() {
+        match (plan.cases.is_empty(), self.named()) {
             // A scene without a grid is meant for `sweep solve`.
-            return Ok(None);
+            (true, false) => Ok(None),
+            (true, true) => Err(no_case(plan.scene(), "run")),
+            (false, _) => Ok(Some(plan)),
         }
-        if plan.cases.is_empty() {
-            return Err(no_case(plan.scene(), "run"));
-        }
-        if let Some(remark) = plan.step_remark()? {
-            super::progress::remark(&plan.scene().name, &remark);
-        }
-        Ok(Some(plan))
     }
 
     /// The error if there is no plan at all.

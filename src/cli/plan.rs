@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 
 use super::chosen::Chosen;
 use super::machine::{processors, seconds};
 use super::{CliError, Scenes, print_json, print_text};
 use files::{counted, quoted};
 use run::distributed::{Engine, PlannedCases, Planning};
-use run::sweep::{MemoryLimit, Overrides};
+use run::sweep::{MemoryLimit, Overrides, ScenePlan};
 use scene::Scene;
 
 /// What runs the jobs.
@@ -54,14 +53,9 @@ impl PlanCommand {
         let limit = MemoryLimit::of_machine();
         let selected = scenes.select(&self.chosen.scenes)?;
         different_names(&selected)?;
-        // One scene at a time per thread; only its predictions are kept.
-        let one = |scene: Scene| -> Result<Option<PlannedCases>, CliError> {
-            let plan = self.chosen.plan_of(scene, &overrides, &limit)?;
-            plan.map(|plan| Ok(PlannedCases::new(&plan)?)).transpose()
-        };
-        let planned: Vec<Option<PlannedCases>> =
-            selected.into_par_iter().map(one).collect::<Result<_, _>>()?;
-        let planned: Vec<PlannedCases> = planned.into_iter().flatten().collect();
+        // Only predictions are kept.
+        let planned = |plan: ScenePlan| Ok(PlannedCases::new(&plan)?);
+        let planned = self.chosen.plans(selected, &overrides, &limit, planned)?;
         if planned.is_empty() {
             return Err(Chosen::none(scenes, "plan"));
         }

@@ -318,7 +318,8 @@ fn mebibytes(refused: &str) -> f64 {
 /// Of commands beside a sweep, which hold more than a run at a time.
 #[cfg(target_os = "linux")]
 #[test]
-fn other_commands_take_what_is_predicted_of_them() {
+#[ignore = "large runs: make test-long"]
+fn long_other_commands_take_what_is_predicted_of_them() {
     let folder = Folder::new("others");
     let out = folder.argument("out");
     let mut seen = 0;
@@ -357,7 +358,8 @@ fn other_commands_take_what_is_predicted_of_them() {
 /// The truth that longer cases have left on a mesh, at their times, is there beside the next one.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_limit_is_kept_by_cases_that_leave_each_other_the_truth_at_their_times() {
+#[ignore = "large runs: make test-long"]
+fn long_a_limit_is_kept_by_cases_that_leave_each_other_the_truth_at_their_times() {
     let folder = Folder::new("left");
     // Primes: the grids have both ends in common, and no other time.
     let grid = ["run", "signorini", "--n", "32", "--steps", "101,103,107,109,113", "--jobs", "1"];

@@ -395,7 +395,8 @@ fn what_is_tightest_stands_first() {
 
 /// The ledger is confirmed by its runs; a run with a violated line, or without a number, confirms nothing.
 #[test]
-fn the_ledger_is_confirmed_by_its_runs() {
+#[ignore = "seconds for each entry: make test-long"]
+fn long_the_ledger_is_confirmed_by_its_runs() {
     let entries = ledger::<AuditError>(|name| Ok(crate::shipped::setup(name))).expect("audits");
     assert!(entries.len() >= 8);
     for entry in &entries {

@@ -369,7 +369,8 @@ fn a_sound_solver_is_not_accused() {
 
 /// Quadratic elements and kernels that are infinite at s = t: of a sound solver nothing is said, and defects have their names.
 #[test]
-fn quadratic_elements_and_singular_kernels_are_diagnosed() {
+#[ignore = "seconds for each defect: make test-long"]
+fn long_quadratic_elements_and_singular_kernels_are_diagnosed() {
     nothing_is_said(&|name| ["quadratic-memory", "singular-contact"].contains(&name), 2);
     use Suspect::*;
     let defects: [(&str, Suspect, Hook); 6] = [

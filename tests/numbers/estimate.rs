@@ -150,7 +150,8 @@ fn recommended(wanted: &[(&str, u32, u32, f64)]) {
 /// In space, and in the other norms. With an eighth of the differences the run misses: best values are up to three times
 /// what is real.
 #[test]
-fn so_has_a_run_that_is_recommended_in_another_norm() {
+#[ignore = "seconds for each scene: make test-long"]
+fn long_so_has_a_run_that_is_recommended_in_another_norm() {
     for (name, n, steps, fraction, norm) in [
         ("pure-box", 8, 4, 0.5, Norm::VMax),
         ("pure-box", 8, 4, 0.5, Norm::StressL2Max),
@@ -235,7 +236,8 @@ fn bounds(norm: Norm) -> [f64; 2] {
 }
 
 #[test]
-fn estimates_in_every_norm_are_near_the_truth() {
+#[ignore = "seconds for each scene: make test-long"]
+fn long_estimates_in_every_norm_are_near_the_truth() {
     // Norms in which the differences do not fall yet are named: there nothing is estimated.
     for (name, n, steps, unknown) in [
         ("compliance", 16, 8, None),

@@ -30,7 +30,8 @@ fn floors_of(name: &str, n: u32, steps: u32, norms: &[Norm]) -> Vec<FloorRow> {
 }
 
 #[test]
-fn estimates_cover_what_is_measured_in_every_judged_scene() {
+#[ignore = "every scene: make test-long"]
+fn long_estimates_cover_what_is_measured_in_every_judged_scene() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
     let registry = Registry::open(&folder).expect("the folder of scenes");
     let (mut judged, mut open) = (0, Vec::new());

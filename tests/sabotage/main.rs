@@ -126,6 +126,7 @@ fn six_defects_are_caught() {
 
 /// Vectors of friction that are wrong in space alone leave the order; a box in place of the ball leaves the KKT system too.
 #[test]
+#[ignore = "half a minute: make sabotage-check"]
 fn wrong_vectors_of_friction_are_caught() {
     let unchecked = "a box of friction stresses in place of the ball, KKT system not checked";
     are_caught(
@@ -141,6 +142,7 @@ fn wrong_vectors_of_friction_are_caught() {
 
 /// In space, on scenes whose bound falls with the slip or follows p: by orders, those that are a factor by constants too.
 #[test]
+#[ignore = "half a minute: make sabotage-check"]
 fn wrong_bounds_of_vectors_are_caught() {
     are_caught(
         &["friction-box-falling-time", "friction-box-coulomb-time"],
@@ -164,6 +166,7 @@ fn wrong_bounds_of_vectors_are_caught() {
 /// Wrong measures in the norms beside V_max: by their predictions where the error has a leading part, by the second integral
 /// all of them.
 #[test]
+#[ignore = "half a minute: make sabotage-check"]
 fn wrong_norms_beside_v_max_are_caught() {
     let scenes = ["affine-locked", "affine-graded", "compliance"];
     let reference = Reference::new(suite::some(&scenes));
