@@ -16,7 +16,7 @@ test: ## unit, integration and documentation tests
 	$(CARGO) test --release --workspace
 
 test-long: ## tests of minutes that widen quick ones of `make test`: all scenes, more seeds
-	$(CARGO) test --release --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
+	$(CARGO) test --release --workspace --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
@@ -138,10 +138,10 @@ scenes: ## docs/SCENES.md and its pictures from the scene files
 	$(SWEEP) list --pictures docs/scenes
 
 sabotage: ## every seeded defect against every gate, about two minutes; writes docs/SABOTAGE.md
-	SABOTAGE_WRITE=1 $(CARGO) test --release --test sabotage -- --ignored --nocapture --test-threads 1
+	SABOTAGE_WRITE=1 $(CARGO) test --release --workspace --test sabotage -- --ignored --nocapture --test-threads 1
 
 sabotage-check: ## the same, and a failure if a gate catches something else than docs/SABOTAGE.md says
-	$(CARGO) test --release --test sabotage -- --ignored --test-threads 1
+	$(CARGO) test --release --workspace --test sabotage -- --ignored --test-threads 1
 
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
 ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, the Python package, sabotage, each benchmark once
