@@ -12,7 +12,7 @@ use crate::shipped::{edited, text};
 fn scenes(folder: &Folder) -> [String; 3] {
     let mild = edited(&text("pure-mild"), "window_n = [32, 32]", "window_n = [8, 8]");
     let mild = edited(&mild, "n = [16, 32, 64, 96]", "n = [4, 8]");
-    let mild = edited(&mild, "steps = [4, 8, 16, 32]", "steps = [2, 4, 8]");
+    let mild = edited(&mild, "steps = [2, 4, 8, 16]", "steps = [2, 4, 8]");
     let signorini = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [4, 8, 16]");
     let signorini = edited(&signorini, "steps = [16]", "steps = [4]");
     let punch = edited(&text("punch"), "n = [8, 16, 32]", "n = [4, 8]");
