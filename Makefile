@@ -15,7 +15,7 @@ run: ## the main job: all scenes at gate size, verdict table, report in reports/
 test: ## unit, integration and documentation tests
 	$(CARGO) test --release --workspace
 
-test-long: ## tests of minutes that widen quick ones of `make test`: all scenes, more seeds
+test-long: ## tests of many seconds that `make test` leaves out: all scenes, more seeds, large runs
 	$(CARGO) test --release --workspace --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
 
 lint: ## formatting, clippy and rustdoc, every warning an error
@@ -157,14 +157,14 @@ ci: ## what has to be green before a merge: lint, tests, gate, other solvers and
 
 # A build of its own number: an interrupted run goes on where it stopped, a changed program starts anew.
 false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no verdict may fail
-	$(CARGO) test --release --test false_alarms -- --ignored --nocapture
+	$(CARGO) test --release --workspace --test false_alarms -- --ignored --nocapture
 
 fuzz: ## damaged texts for all that is read, ten million a target (RUNS=..., SEED=..., MINUTES=... each): no panic, no hang
-	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --release --test fuzz -- --nocapture
+	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --release --workspace --test fuzz -- --nocapture
 
 # Licences are a test, so that CI checks them. Advisories need a database, which is fetched when asked for and not otherwise.
 audit-deps: ## licences of all dependencies; their advisories where cargo-audit is installed (FETCH=1 fetches the database)
-	$(CARGO) test --release --test machine licences -- --nocapture
+	$(CARGO) test --release --workspace --test machine licences -- --nocapture
 	@if ! $(CARGO) audit --version >/dev/null 2>&1; then echo "advisories: not checked, cargo-audit is not installed"; \
 	elif [ -n "$(FETCH)" ]; then $(CARGO) audit --deny warnings; \
 	else $(CARGO) audit --deny warnings --no-fetch --stale; fi

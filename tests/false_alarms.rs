@@ -96,7 +96,7 @@ fn pruned(mut plan: ScenePlan) -> ScenePlan {
 }
 
 /// Steps of the line in h of a scene that has several: at N = 16 the time error of pure-mild is 1.5 % of the space error
-/// on its finest mesh, and that of sourced less.
+/// on its finest mesh.
 const ENOUGH: u32 = 16;
 
 fn outcome(run: u64, scene: &Scene, verdict: &Verdict) -> Outcome {

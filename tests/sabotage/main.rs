@@ -4,7 +4,7 @@
 //! Mesh, data: tests/sabotage/suite.rs and witness.rs.
 //!
 //! `make sabotage` runs the whole catalogue and writes docs/SABOTAGE.md; `make sabotage-check`, a part of `make ci`,
-//! compares. Six defects run with the plain tests.
+//! compares, as do tests of half a minute on friction in space and on norms. Six defects run with the plain tests.
 
 #![allow(clippy::too_many_lines, reason = "tables of defects and of bad input")]
 

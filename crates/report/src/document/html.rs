@@ -3,6 +3,7 @@
 use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::sheet;
 use crate::symbols::{indexed, replaced};
+use files::counted;
 
 /// Light, or dark by the reader's system.
 const STYLE: &str = include_str!("page.css");
@@ -61,7 +62,7 @@ fn cards(group: &[Section]) -> String {
     let missed =
         |s: &Section| s.card.iter().flat_map(|of| &of.verdict).any(|run| run.tone == Tone::Miss);
     let open = if more.iter().any(missed) { " open" } else { "" };
-    let summary = format!("{} more scene{}", more.len(), if more.len() == 1 { "" } else { "s" });
+    let summary = counted(more.len(), "more scene");
     format!(
         "{}<details class=\"more\"{open}>\n<summary>{summary}</summary>\n{}</details>\n",
         grid(shown),
@@ -248,6 +249,7 @@ mod tests {
         assert_eq!(raised("a_"), "a<sub></sub>");
         assert_eq!(escaped("<a href='b'>&\""), "&lt;a href=&#39;b&#39;&gt;&amp;&quot;");
     }
+
     #[test]
     fn a_long_group_is_folded_unless_that_hides_a_miss() {
         let group = |length: usize, missed: Option<usize>| {
