@@ -82,9 +82,9 @@ fn order([_, b, c]: [f64; 3]) -> f64 {
 /// What a defect makes of S at a place.
 type Change = fn([f64; 3], f64) -> f64;
 
-/// `friction-front` with another factor of the bound.
-fn with_factor(change: Change) -> Setup {
-    let mut setup = setup("friction-front");
+/// A scene with another factor of the bound.
+fn with_factor(scene: &str, change: Change) -> Setup {
+    let mut setup = setup(scene);
     let Friction { factor, graph, .. } = setup.model.friction.take().expect("friction");
     let factor = Box::new(move |x: [f64; 3], t: f64| change(x, factor(x, t)));
     setup.model.friction = Some(Friction { factor, graph, follows_pressure: false });
@@ -93,7 +93,7 @@ fn with_factor(change: Change) -> Setup {
 
 #[test]
 fn wrong_friction_leaves_the_order() {
-    let sound = errors(&with_factor(|_, s| s)).expect("a sound run");
+    let sound = errors(&with_factor("friction-front", |_, s| s)).expect("a sound run");
     assert!((order(sound) - 1.0).abs() < 0.15, "{sound:?}");
     let wrong: [(&str, Change); 4] = [
         ("against the other direction", |_, s| -s),
@@ -108,12 +108,41 @@ fn wrong_friction_leaves_the_order() {
         }),
     ];
     for (what, change) in wrong {
-        let Some(found) = errors(&with_factor(change)) else { continue };
+        let Some(found) = errors(&with_factor("friction-front", change)) else { continue };
         assert!(order(found) < 0.85, "{what}: {found:?} beside {sound:?}");
     }
 }
 
 /// A friction stress that is off its law, or in no balance, shows in the residual that knows no active set.
+/// Where all slips one way the friction stress is the bound at each vertex, and u is affine in it. A bound from the wrong
+/// side of the jump has the same order in h.
+#[test]
+fn at_a_jump_the_bound_is_the_one_at_the_vertex() {
+    let changes: [Change; 3] = [
+        |_, s| s,
+        |x, s| if x[0] == 0.5 { 0.05 } else { s },
+        |x, s| if x[0] == 0.5 { 0.1 } else { s },
+    ];
+    let [right, left, mean] =
+        changes.map(|change| last(&with_factor("friction-jump", change), 8, 1));
+    let space = on_mesh(&setup("friction-jump"), 8).space;
+    let strays = |s: &[f64]| {
+        let bound = |x: f64| if x < 0.5 { 0.05 } else { 0.15 };
+        let at = space.trace.points.iter().map(|point| space.mesh.vertex(point.vertex)[0]);
+        // To rounding of the multipliers, which are residuals of the balance.
+        at.zip(s).filter(|(x, s)| (s.abs() - bound(*x)).abs() > 1e-12).count()
+    };
+    assert_eq!([&right, &left].map(|(_, s)| strays(s)), [0, 1]);
+    let largest = right.0.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+    let apart = |a: &[f64], b: &[f64]| {
+        a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs() / largest))
+    };
+    let half: Vec<f64> = right.0.iter().zip(&left.0).map(|(a, b)| 0.5 * (a + b)).collect();
+    // Newton stops at 16 units of rounding of the forces.
+    assert!(apart(&half, &mean.0) < 1e-12, "{:e}", apart(&half, &mean.0));
+    assert!(apart(&right.0, &mean.0) > 1e-3, "{:e}", apart(&right.0, &mean.0));
+}
+
 #[test]
 fn the_kkt_rows_see_a_wrong_friction_stress() {
     let setup = setup("friction-front");
