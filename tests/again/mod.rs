@@ -218,13 +218,13 @@ impl Piece {
     }
 }
 
-/// Triangles are quartered where that moves a square by more than this share of the sum, so many times at most: a jump
+/// Triangles are quartered where that moves a square by more than a share of the sum, so many times at most: a jump
 /// is then left in strips of a hundredth of a cell.
-const SETTLED: f64 = 1e-8;
 const QUARTERED: usize = 7;
 
-/// The sums of squares over the cells, by pieces that are quartered until they settle; in space by one rule a cell.
-fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f64; 3] {
+/// The sums of squares over the cells, by pieces that are quartered until they move by no more than `share`; in space by
+/// one rule a cell.
+fn settled(cells: usize, d: usize, share: f64, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f64; 3] {
     let mut pieces: Vec<Piece> = (0..cells).map(|c| Piece::whole(c, d + 1)).collect();
     let mut values = on(&pieces);
     let add = |sum: &mut [f64; 3], squares: &[f64; 3]| {
@@ -242,7 +242,7 @@ fn settled(cells: usize, d: usize, on: impl Fn(&[Piece]) -> Vec<[f64; 3]>) -> [f
         for (squares, four) in values.iter().zip(finer.chunks(4)) {
             let mut together = [0.0; 3];
             four.iter().for_each(|quarter| add(&mut together, quarter));
-            let moved = |i: usize| (together[i] - squares[i]).abs() > SETTLED * scale[i];
+            let moved = |i: usize| (together[i] - squares[i]).abs() > share * scale[i];
             let quarters: Vec<Piece> = flat.by_ref().take(4).collect();
             if (0..3).any(moved) {
                 open.0.extend(quarters);
@@ -268,8 +268,8 @@ fn weights(levels: &[Kept]) -> Vec<f64> {
     weights
 }
 
-/// The errors of the last of `levels`, which are all from t = 0 on.
-pub fn errors(exact: &Exact, data: &MeshData, levels: &[Kept]) -> Errors {
+/// The errors of the last of `levels`, which are all from t = 0 on, by pieces of cells that settle to a share of the squares.
+pub fn errors(exact: &Exact, data: &MeshData, levels: &[Kept], share: f64) -> Errors {
     let mut errors = Errors::default();
     let (now, d) = (&levels[levels.len() - 1], data.space.mesh.dimension);
     let (weights, cells) = (weights(levels), data.space.mesh.cell_count());
@@ -350,7 +350,7 @@ pub fn errors(exact: &Exact, data: &MeshData, levels: &[Kept]) -> Errors {
         };
         pieces.iter().enumerate().map(one).collect()
     };
-    [errors.v, errors.stress, errors.l2] = settled(cells.len(), d, on_pieces);
+    [errors.v, errors.stress, errors.l2] = settled(cells.len(), d, share, on_pieces);
     on_contact(exact, data, now, &mut errors);
     for value in
         [&mut errors.v, &mut errors.l2, &mut errors.stress, &mut errors.trace, &mut errors.pressure]
