@@ -1,8 +1,12 @@
-//! `[time]`: the horizon and the family of grids.
+//! `[time]`: the horizon, the family of grids, and all that is said of a rule beside its weights.
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written;
+use fem::contact::Path;
+use vhi::history::{
+    CorrectedEnd, Gregory, GregoryOrder, Left, ProductIntegration, TimeRule as Weights, Trapezoid,
+};
 
 /// The time points t_0 = 0 < … < t_N = T.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +56,31 @@ impl TimeRule {
             Self::Left => 1.0,
             Self::Trapezoid | Self::CorrectedEnd { .. } | Self::ProductIntegration => 2.0,
             Self::Gregory { order } => f64::from(order),
+        }
+    }
+
+    /// The weights.
+    pub(crate) fn weights(self) -> Box<dyn Weights> {
+        match self {
+            Self::Trapezoid => Box::new(Trapezoid),
+            Self::Left => Box::new(Left),
+            Self::Gregory { order: 3 } => Box::new(Gregory { order: GregoryOrder::Three }),
+            Self::Gregory { .. } => Box::new(Gregory { order: GregoryOrder::Four }),
+            Self::CorrectedEnd { exponent } => Box::new(CorrectedEnd { exponent }),
+            Self::ProductIntegration => Box::new(ProductIntegration),
+        }
+    }
+
+    /// The paths through the program on equal and on unequal steps.
+    pub(crate) fn paths(self) -> [Path; 2] {
+        match self {
+            Self::Trapezoid => [Path::Trapezoid, Path::TrapezoidGraded],
+            Self::Left => [Path::Left, Path::LeftGraded],
+            // On equal steps only.
+            Self::Gregory { order: 3 } => [Path::GregoryThree; 2],
+            Self::Gregory { .. } => [Path::GregoryFour; 2],
+            Self::CorrectedEnd { .. } => [Path::CorrectedEnd, Path::CorrectedEndGraded],
+            Self::ProductIntegration => [Path::Product, Path::ProductGraded],
         }
     }
 

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
-use super::{SetupError, law_numbers, potential, time_grid, time_rule};
+use super::{SetupError, law_numbers, potential, time_grid};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
 use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
@@ -309,7 +309,7 @@ fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
                 lower: trace.lower,
             })
             .collect(),
-        time_rule: time_rule(&scene.time),
+        time_rule: scene.time.rule.weights(),
     }
 }
 

@@ -50,10 +50,7 @@ use fem::contact::{
     Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
 };
 use fem::space::Element;
-use vhi::history::{
-    CorrectedEnd, FastConvolution, Gregory, GregoryOrder, Left, ProductIntegration, TimeGrid,
-    TimeRule, Trapezoid,
-};
+use vhi::history::{FastConvolution, TimeGrid};
 use vhi::law::{AnyProjection, Summed, VonMises};
 
 /// Why a scene could not be set up or run.
@@ -243,17 +240,6 @@ pub fn time_grid(time: &crate::Time, steps: u32) -> TimeGrid {
     }
 }
 
-fn time_rule(time: &crate::Time) -> Box<dyn TimeRule> {
-    match time.rule {
-        crate::TimeRule::Trapezoid => Box::new(Trapezoid),
-        crate::TimeRule::Left => Box::new(Left),
-        crate::TimeRule::Gregory { order: 3 } => Box::new(Gregory { order: GregoryOrder::Three }),
-        crate::TimeRule::Gregory { .. } => Box::new(Gregory { order: GregoryOrder::Four }),
-        crate::TimeRule::CorrectedEnd { exponent } => Box::new(CorrectedEnd { exponent }),
-        crate::TimeRule::ProductIntegration => Box::new(ProductIntegration),
-    }
-}
-
 fn projection(scene: &Scene, body: &ContactScene) -> Option<VonMises<YieldFormula>> {
     let written = body.material.projection.as_ref().filter(|projection| projection.mu > 0.0)?;
     let limit = YieldFormula::new(&scene.formulas, written.kappa);
@@ -281,7 +267,7 @@ fn model(scene: &Scene, body: &ContactScene) -> Model {
         memory: material::memory_terms(material, &formulas),
         projection: projection(scene, body).map(AnyProjection::new),
         boundary,
-        time_rule: time_rule(&scene.time),
+        time_rule: scene.time.rule.weights(),
     }
 }
 

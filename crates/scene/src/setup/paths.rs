@@ -1,7 +1,7 @@
 //! Code paths that a scene takes: its time rule, its loads, its rule on Γ3.
 
 use super::{MeshData, Setup};
-use crate::{Data, LoadForm, TimeRule};
+use crate::{Data, LoadForm};
 use fem::contact::{BoundaryRule, Path, Paths, by_grid};
 use vhi::history::TimeGrid;
 
@@ -11,16 +11,7 @@ pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths
     let in_plane = setup.scene.dimension == 2;
     // Without memory and ζ no time rule is used.
     if !setup.model.memory.is_empty() || setup.model.projection.is_some() {
-        let pair = match setup.scene.time.rule {
-            TimeRule::Trapezoid => [Path::Trapezoid, Path::TrapezoidGraded],
-            TimeRule::Left => [Path::Left, Path::LeftGraded],
-            // On equal steps only.
-            TimeRule::Gregory { order: 3 } => [Path::GregoryThree; 2],
-            TimeRule::Gregory { .. } => [Path::GregoryFour; 2],
-            TimeRule::CorrectedEnd { .. } => [Path::CorrectedEnd, Path::CorrectedEndGraded],
-            TimeRule::ProductIntegration => [Path::Product, Path::ProductGraded],
-        };
-        paths.insert(by_grid(grid.is_uniform(), pair));
+        paths.insert(by_grid(grid.is_uniform(), setup.scene.time.rule.paths()));
     }
     paths.insert(match &setup.body.data {
         Data::Exact { interpolated: true, .. } => Path::InterpolatedTruth,
