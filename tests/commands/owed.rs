@@ -227,7 +227,8 @@ fn a_gate_that_judges_less_than_is_owed_is_red() {
     let said = "does not say what verdicts and constants are owed by 1 scene, the first is affine";
     assert!(exit == 0 && printed.contains(said), "{printed}");
     // Recording it anew says what changed.
-    let output = sweep(&["baseline", &recorded.scene, "--file", &recorded.file]);
+    let out = recorded.folder.argument("out");
+    let output = sweep(&["baseline", &recorded.scene, "--file", &recorded.file, "--out", &out]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(&recorded.file).expect("the baseline"), recorded.text);
 }
