@@ -113,6 +113,8 @@ pub struct Line {
     pub defect: Defect,
     /// The gates that object, with what they say.
     pub caught: Vec<(Gate, String)>,
+    /// The gates of the sweep that object, each with a scene where it does.
+    pub scenes: Vec<(Gate, String)>,
     pub effect: Effect,
     /// The largest shift of a fitted order, and the scene.
     pub shift: Option<(f64, String)>,
@@ -123,6 +125,11 @@ pub struct Line {
 impl Line {
     pub fn by(&self, gate: Gate) -> bool {
         self.caught.iter().any(|(by, _)| *by == gate)
+    }
+
+    /// By a gate of the sweep on one of these scenes.
+    pub fn by_on(&self, gate: Gate, scenes: &[&str]) -> bool {
+        self.scenes.iter().any(|(by, scene)| *by == gate && scenes.contains(&scene.as_str()))
     }
 
     /// Caught without any number of an earlier run or another program.
@@ -153,6 +160,7 @@ impl Reference {
         let mut line = Line {
             defect: *defect,
             caught: Vec::new(),
+            scenes: Vec::new(),
             effect: Effect::Nothing,
             shift: None,
             ratio: None,
@@ -169,8 +177,8 @@ impl Reference {
             found.add(trial, &outcome, sound);
             compare(&mut line, &outcome, sound);
         }
-        found.gates(&mut line);
         line.effect = found.effect(&line);
+        found.gates(&mut line);
         if defect.term != Term::Judging && defect.term != Term::Record {
             hear(&mut line, self.witnesses.hear(defect));
         }
@@ -195,15 +203,11 @@ fn hear(line: &mut Line, said: Testimony) {
     }
 }
 
-/// What the gates of the sweep object to, the first of each.
+/// What the gates of the sweep object to.
 #[derive(Default)]
 struct Found {
-    orders: Option<String>,
-    constants: Option<String>,
-    complete: Option<String>,
-    kkt: Option<String>,
-    owed: Option<String>,
-    baseline: Option<String>,
+    /// Gate, scene, what is said, in the order of the scenes.
+    objections: Vec<(Gate, String, String)>,
     errors_differ: bool,
     work_differs: bool,
     verdicts_differ: bool,
@@ -211,39 +215,38 @@ struct Found {
 
 impl Found {
     fn add(&mut self, trial: &Trial, outcome: &Outcome, sound: &Outcome) {
-        let scene = &trial.scene.name;
-        let note = |slot: &mut Option<String>, what: String| {
-            slot.get_or_insert_with(|| format!("{what} on {scene}"));
+        let mut note = |gate: Gate, what: String| {
+            self.objections.push((gate, trial.scene.name.clone(), what));
         };
         // What the sound program leaves open by orders alone, no defect is caught by leaving open.
         let is_open = |verdict: &Verdict| verdict.decision == Decision::Unresolved;
         for (verdict, of_sound) in outcome.verdicts.iter().zip(&sound.verdicts) {
             if !verdict.complete {
-                note(&mut self.complete, verdict.reason.chars().take(80).collect());
+                note(Gate::Complete, verdict.reason.chars().take(80).collect());
             } else if !(verdict.as_expected() || is_open(verdict) && is_open(of_sound)) {
                 let order = verdict
                     .interval
                     .map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"));
-                note(&mut self.orders, format!("{}{order}", verdict.decision.name()));
+                note(Gate::Orders, format!("{}{order}", verdict.decision.name()));
             }
         }
         for verdict in &outcome.with_constants {
             if let Some(what) = constant_refuted(verdict) {
-                note(&mut self.constants, what);
+                note(Gate::Constants, what);
             }
         }
         for record in &outcome.records {
             if let Status::Failed { reason } = &record.status
                 && reason.contains("KKT residual")
             {
-                note(&mut self.kkt, reason.clone());
+                note(Gate::Kkt, reason.clone());
             }
         }
         if let Some(what) = left_owing(trial, &outcome.with_constants, &sound.with_constants) {
-            note(&mut self.owed, what);
+            note(Gate::Owed, what);
         }
         if let Some(what) = off_baseline(trial, &outcome.records, &sound.records) {
-            note(&mut self.baseline, what);
+            note(Gate::Baseline, what);
         }
         self.errors_differ |= differ(&outcome.records, &sound.records, |a, b| !same_errors(a, b));
         self.work_differs |= differ(&outcome.records, &sound.records, |a, b| {
@@ -256,17 +259,12 @@ impl Found {
             .any(|(a, b)| (a.decision, a.interval) != (b.decision, b.interval));
     }
 
-    fn gates(&self, line: &mut Line) {
-        for (gate, what) in [
-            (Gate::Orders, &self.orders),
-            (Gate::Constants, &self.constants),
-            (Gate::Complete, &self.complete),
-            (Gate::Kkt, &self.kkt),
-            (Gate::Owed, &self.owed),
-            (Gate::Baseline, &self.baseline),
-        ] {
-            line.caught.extend(what.clone().map(|what| (gate, what)));
+    fn gates(self, line: &mut Line) {
+        for gate in Gate::ALL {
+            let first = self.objections.iter().find(|(by, ..)| *by == gate);
+            line.caught.extend(first.map(|(_, scene, what)| (gate, format!("{what} on {scene}"))));
         }
+        line.scenes = self.objections.into_iter().map(|(gate, scene, _)| (gate, scene)).collect();
     }
 
     fn effect(&self, line: &Line) -> Effect {
@@ -275,7 +273,7 @@ impl Found {
             Effect::Judgement
         } else if moved {
             Effect::Order
-        } else if self.complete.is_some() {
+        } else if self.objections.iter().any(|(gate, ..)| *gate == Gate::Complete) {
             Effect::NoResult
         } else if self.errors_differ
             || line.ratio.as_ref().is_some_and(|(r, _)| r.ln().abs() > SAME)
