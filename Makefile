@@ -40,9 +40,8 @@ verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
 
-# Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does; nothing of this
-# clone is missing from it, and its manifests load. The wheel is built here, where the crates are built already, and installed
-# into an environment that has nothing else. NGSolve is 80 MB to fetch.
+# Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does. The wheel is
+# built from it, unpacked, so that nothing of this clone is missing from it, and installed into an environment that has nothing else. NGSolve is 80 MB to fetch.
 WHEELS := target/wheels
 UNPACKED := target/sdist
 BUILDER := target/maturin
@@ -56,10 +55,7 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	printf '{"git":{"sha1":"%s"}}' "$$(git rev-parse HEAD)" > $(UNPACKED)/.cargo_vcs_info.json
 	sdist=$$(basename $(WHEELS)/gronwall-*.tar.gz .tar.gz) && tar -czf $(WHEELS)/$$sdist.tar.gz --transform "s,^sdist,$$sdist," -C target sdist
 	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT
-	for part in build.rs crates docs manufactured src python/src tests; do diff -r -x __pycache__ $$part $(UNPACKED)/$$part || exit 1; done
-	diff -r -x __pycache__ python/gronwall $(UNPACKED)/gronwall
-	$(CARGO) metadata --locked --format-version 1 --manifest-path $(UNPACKED)/python/Cargo.toml >/dev/null
-	$(BUILDER)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --target-dir target --out $(WHEELS)
+	cd $(UNPACKED) && CARGO_TARGET_DIR=$(CURDIR)/target $(CURDIR)/$(BUILDER)/bin/maturin build --release --locked --out $(CURDIR)/$(WHEELS)
 	$(PYTHON) -m venv $(CLEAN)
 	$(CLEAN)/bin/pip install --quiet $(WHEELS)/gronwall-*.whl
 	cd target && python/bin/python -c 'import gronwall; print(gronwall.fit([1/8, 1/16, 1/32], [0.1, 0.0251, 0.00629], order=2))'
@@ -153,7 +149,7 @@ ci: ## what has to be green before a merge: lint, tests, gate, other solvers and
 	$(MAKE) test
 	$(MAKE) test-long
 	$(MAKE) gate
-	$(MAKE) --jobs 2 --output-sync=target verify-examples python beyond
+	$(MAKE) --jobs 2 verify-examples python beyond
 	$(MAKE) sabotage-check
 	$(MAKE) bench BENCH=--test
 
