@@ -62,9 +62,18 @@ pub fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs it to its end.
+/// Runs it to its end. What it writes without a folder of its own would replace the report of whoever runs the tests.
 pub fn sweep(arguments: &[&str]) -> Output {
-    command(arguments).output().expect("the binary runs")
+    let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/latest/.lock");
+    let taken = || lock.metadata().and_then(|lock| lock.modified()).ok();
+    let before = taken();
+    let output = command(arguments).output().expect("the binary runs");
+    assert_eq!(
+        taken(),
+        before,
+        "this or a command beside it wrote into reports/latest: {arguments:?}"
+    );
+    output
 }
 
 /// Its exit code; a signal is a failure of the test.
