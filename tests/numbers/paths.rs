@@ -82,6 +82,32 @@ fn every_path_is_walked_by_a_judged_scene() {
     assert!(missing.is_empty(), "no judged scene walks: {}", missing.join("; "));
 }
 
+/// Two paths that are exchanged are both walked all the same: a run names its rule, and its grid.
+#[test]
+fn a_run_says_its_rule_and_its_grid() {
+    for (name, n, steps, rule) in [
+        ("affine", 4, 4, "trapezoidal rule"),
+        ("affine-graded", 4, 16, "trapezoidal rule"),
+        ("left-rule", 2, 32, "left-endpoint rule"),
+        ("left-rule-graded", 2, 32, "left-endpoint rule"),
+        ("gregory-three", 2, 16, "Gregory's rule of order 3"),
+        ("gregory-four", 2, 8, "Gregory's rule of order 4"),
+        ("broken-body-end", 2, 16, "corrected end"),
+        ("graded-end", 2, 16, "corrected end"),
+        ("product-integrated", 2, 16, "product integration"),
+        ("product-integrated-graded", 2, 16, "product integration"),
+    ] {
+        let other = match crate::shipped::setup(name).grid(steps).is_uniform() {
+            true => ", unequal steps",
+            false => ", equal steps",
+        };
+        let paths = walked(name, n, steps).paths;
+        let words: Vec<&str> = paths.iter().map(Path::name).collect();
+        assert!(words.iter().any(|path| path.starts_with(rule)), "{name}: {words:?}");
+        assert!(words.iter().all(|path| !path.ends_with(other)), "{name}: {words:?}");
+    }
+}
+
 /// The list is whole, and a path that only one set has is missed without it.
 #[test]
 fn a_path_without_a_scene_is_named() {

@@ -5,7 +5,7 @@ use super::reading::Reading;
 use super::written;
 use fem::contact::Path;
 use vhi::history::{
-    CorrectedEnd, Gregory, GregoryOrder, Left, ProductIntegration, TimeRule as Weights, Trapezoid,
+    self, CorrectedEnd, Gregory, GregoryOrder, Left, ProductIntegration, Trapezoid,
 };
 
 /// The time points t_0 = 0 < … < t_N = T.
@@ -59,8 +59,8 @@ impl TimeRule {
         }
     }
 
-    /// The weights.
-    pub(crate) fn weights(self) -> Box<dyn Weights> {
+    /// The rule with its weights.
+    pub(crate) fn weights(self) -> Box<dyn history::TimeRule> {
         match self {
             Self::Trapezoid => Box::new(Trapezoid),
             Self::Left => Box::new(Left),
