@@ -13,7 +13,7 @@ use super::machine::Allowance;
 use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
 };
-use fem::contact::{CaseInfo, Discretization, LinearSolver, MULTIGRID_RATIO, Path, StepView};
+use fem::contact::{CaseInfo, Discretization, LinearSolver, MULTIGRID_RATIO, StepView};
 use fem::space::Element;
 use pictures::Pictures;
 use report::digits;
@@ -200,7 +200,8 @@ impl Solve {
         );
         let dimension = data.space.mesh.dimension;
         let dofs = data.space.dofs();
-        self.print((&case, dimension), &state, &info, bound, seconds, (dofs, solver))?;
+        let ways = setup.ways(self.steps, &info);
+        self.print((&case, dimension), &state, (&info, ways), bound, seconds, (dofs, solver))?;
         Ok(0)
     }
 
@@ -296,7 +297,7 @@ impl Solve {
         &self,
         (case, dimension): (&str, usize),
         state: &FinalState,
-        info: &CaseInfo,
+        (info, ways): (&CaseInfo, Vec<String>),
         bound: Option<f64>,
         seconds: f64,
         (dofs, solver): (usize, LinearSolver),
@@ -313,8 +314,7 @@ impl Solve {
             object.insert("linear_solver".into(), solver.name().into());
             object.insert("linear_iterations".into(), info.work.linear.iterations.into());
             object.insert("kkt_residual".into(), info.kkt_residual.into());
-            let paths: Vec<&str> = info.paths.iter().map(Path::name).collect();
-            object.insert("paths".into(), paths.into());
+            object.insert("paths".into(), ways.into());
             object.insert("seconds".into(), seconds.into());
             object.insert("dofs".into(), dofs.into());
             object.insert("peak_resident_bytes".into(), peak_resident_bytes().into());

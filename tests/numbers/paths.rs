@@ -7,6 +7,7 @@
 
 use gronwall::contact::{CaseInfo, Path, Paths};
 use gronwall::record::Key;
+use gronwall::scene::TimeRule;
 use gronwall::setup::{MeshData, Setup, Subject};
 use gronwall::sweep::{Overrides, ScenePlan};
 
@@ -82,30 +83,35 @@ fn every_path_is_walked_by_a_judged_scene() {
     assert!(missing.is_empty(), "no judged scene walks: {}", missing.join("; "));
 }
 
-/// Two paths that are exchanged are both walked all the same: a run names its rule, and its grid.
+/// Each rule sums the history of a judged scene on equal and, where it may, on unequal steps, and runs say so: rules that
+/// are exchanged would both be walked all the same.
 #[test]
-fn a_run_says_its_rule_and_its_grid() {
-    for (name, n, steps, rule) in [
-        ("affine", 4, 4, "trapezoidal rule"),
-        ("affine-graded", 4, 16, "trapezoidal rule"),
-        ("left-rule", 2, 32, "left-endpoint rule"),
-        ("left-rule-graded", 2, 32, "left-endpoint rule"),
-        ("gregory-three", 2, 16, "Gregory's rule of order 3"),
-        ("gregory-four", 2, 8, "Gregory's rule of order 4"),
-        ("broken-body-end", 2, 16, "corrected end"),
-        ("graded-end", 2, 16, "corrected end"),
-        ("product-integrated", 2, 16, "product integration"),
-        ("product-integrated-graded", 2, 16, "product integration"),
+fn every_rule_sums_a_history_on_each_kind_of_grid() {
+    let mut missing: Vec<(&str, bool)> = TimeRule::EVERY
+        .iter()
+        .flat_map(|rule| [(rule.name(), true), (rule.name(), rule.needs_equal_steps())])
+        .collect();
+    missing.dedup();
+    for (name, n, steps, rule, equal) in [
+        ("affine", 4, 4, "trapezoidal rule", true),
+        ("affine-graded", 4, 16, "trapezoidal rule", false),
+        ("left-rule", 2, 32, "left-endpoint rule", true),
+        ("left-rule-graded", 2, 32, "left-endpoint rule", false),
+        ("gregory-three", 2, 16, "Gregory's rule of order 3", true),
+        ("gregory-four", 2, 8, "Gregory's rule of order 4", true),
+        ("broken-body-end", 2, 16, "corrected end", true),
+        ("graded-end", 2, 16, "corrected end", false),
+        ("product-integrated", 2, 16, "product integration", true),
+        ("product-integrated-graded", 2, 16, "product integration", false),
     ] {
-        let other = match crate::shipped::setup(name).grid(steps).is_uniform() {
-            true => ", unequal steps",
-            false => ", equal steps",
-        };
-        let paths = walked(name, n, steps).paths;
-        let words: Vec<&str> = paths.iter().map(Path::name).collect();
-        assert!(words.iter().any(|path| path.starts_with(rule)), "{name}: {words:?}");
-        assert!(words.iter().all(|path| !path.ends_with(other)), "{name}: {words:?}");
+        let ways = crate::shipped::setup(name).ways(steps, &walked(name, n, steps));
+        let wanted = format!("{rule}, {} steps", if equal { "equal" } else { "unequal" });
+        let other = format!(", {} steps", if equal { "unequal" } else { "equal" });
+        assert_eq!(ways.last(), Some(&wanted), "{name}");
+        assert!(!ways.iter().any(|way| way.ends_with(&other)), "{name}: {ways:?}");
+        missing.retain(|rest| *rest != (rule, equal));
     }
+    assert!(missing.is_empty(), "no judged scene has {missing:?}");
 }
 
 /// The list is whole, and a path that only one set has is missed without it.

@@ -173,6 +173,19 @@ impl FrictionBound {
             }
         }
     }
+
+    /// dS/dr at the slip r, to the right of it.
+    pub fn slope(&self, r: f64) -> f64 {
+        let Self::Slip(points) = self else { return 0.0 };
+        let mut pieces = points.windows(2).map(|pair| (pair[0], pair[1]));
+        let piece = pieces.find(|([from, _], [to, _])| (*from..*to).contains(&r));
+        piece.map_or(0.0, |([from, low], [to, high])| (high - low) / (to - from))
+    }
+
+    /// μ_f of a bound that follows the normal law, 0 for others.
+    pub fn coefficient(&self) -> f64 {
+        if let Self::Coulomb(coefficient) = self { *coefficient } else { 0.0 }
+    }
 }
 
 /// |u_τ|.

@@ -1,19 +1,69 @@
-//! Curved laws: rational, exponential, and a power continued by its tangent.
+//! Curved laws: rational, exponential, and a power continued by its tangent. All that a scene says of one is here.
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written;
+use exact::CurveNumbers;
 use vhi::law::Curve;
+
+pub(super) const KINDS: [&str; 3] = ["rational", "exponential", "power"];
+
+/// Curves with a stiffness and a length.
+pub(super) const WITH_STIFFNESS: &[&str] = &["rational", "exponential"];
 
 /// Largest exponent integrated exactly between kinks: with a hat function and the 8 Gauss points of the exact rule, 14
 /// + 1 = 15.
 const EXACT_EXPONENT: f64 = 14.0;
 
-pub(super) fn power(
+/// Refuses keys of other kinds.
+pub(super) fn check_keys(
     reading: &Reading,
     table: &str,
+    kind: &str,
+    written: &written::Law,
+) -> Result<(), SceneError> {
+    let power: &[&str] = &["power"];
+    let keys = [
+        ("length", written.length.is_some(), WITH_STIFFNESS),
+        ("coefficient", written.coefficient.is_some(), power),
+        ("exponent", written.exponent.is_some(), power),
+        ("until", written.until.is_some(), power),
+        ("jump", written.jump.is_some(), &KINDS),
+    ];
+    reading.only(table, kind, &keys)
+}
+
+/// A curve of [`KINDS`].
+pub(super) fn read(
+    reading: &Reading,
+    table: &str,
+    kind: &str,
     written: &written::Law,
 ) -> Result<Curve, SceneError> {
+    match kind {
+        "power" => power(reading, table, written),
+        decaying => {
+            let [stiffness, length] = stiffness_and_length(reading, table, written)?;
+            Ok(match decaying {
+                "rational" => Curve::Rational { stiffness, length },
+                _ => Curve::Exponential { stiffness, length },
+            })
+        }
+    }
+}
+
+/// The numbers of a curve for the manufactured side.
+pub(super) fn numbers(curve: Curve) -> CurveNumbers {
+    match curve {
+        Curve::Rational { stiffness: c, length } => CurveNumbers::Rational { c, r0: length },
+        Curve::Exponential { stiffness: c, length } => CurveNumbers::Exponential { c, r0: length },
+        Curve::Power { coefficient: c, exponent: m, until } => {
+            CurveNumbers::Power { c, m, r1: until }
+        }
+    }
+}
+
+fn power(reading: &Reading, table: &str, written: &written::Law) -> Result<Curve, SceneError> {
     let of = |name, value, line| positive(reading, table, name, value, &written.kind, line);
     let coefficient = of("coefficient", written.coefficient, "coefficient = 2.0")?;
     let exponent = of("exponent", written.exponent, "exponent = 1.5")?;
@@ -41,7 +91,7 @@ pub(super) fn has_exact_rule(curve: Curve) -> bool {
     }
 }
 
-pub(super) fn stiffness_and_length(
+fn stiffness_and_length(
     reading: &Reading,
     table: &str,
     written: &written::Law,

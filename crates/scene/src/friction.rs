@@ -3,7 +3,7 @@
 
 use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
-use formula::{EvaluationPoint, Variable};
+use formula::{EvaluationPoint, Node, Variable};
 
 use super::data::AXES;
 use super::diagnostic::SceneError;
@@ -68,7 +68,16 @@ impl Friction {
 impl Friction {
     /// μ_f of a bound that follows the normal law, 0 for others.
     pub fn coefficient(&self) -> f64 {
-        if let FrictionBound::Coulomb(coefficient) = self.bound { coefficient } else { 0.0 }
+        self.bound.coefficient()
+    }
+
+    /// S over the slip as points, 1 where it does not depend on it, and the formula of its factor.
+    pub(crate) fn factor_and_points(&self) -> (Option<Node>, &[[f64; 2]]) {
+        match &self.bound {
+            FrictionBound::Given(bound) => (Some(*bound), &[[0.0, 1.0]]),
+            FrictionBound::Slip(points) => (None, points),
+            FrictionBound::Coulomb(_) => (None, &[[0.0, 1.0]]),
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::scale::Scale;
 use super::written;
+use exact::LawNumbers;
 use vhi::law::Curve;
 
 /// p = ∂j_ν as a graph: `slope_before`, the points joined by lines, `slope_after`. Two points of one abscissa are a
@@ -27,37 +28,24 @@ impl Law {
         table: &str,
         written: &written::Law,
     ) -> Result<Option<Law>, SceneError> {
-        let known = ["none", "linear", "piecewise-linear", "rational", "exponential", "power"];
+        let known = [&["none", "linear", "piecewise-linear"], &curve::KINDS[..]].concat();
         let kind = reading.word(&format!("{table}.kind"), &written.kind, &known)?;
-        let (lines, power): (&[&str], &[&str]) = (&["piecewise-linear"], &["power"]);
-        reading.only(
-            table,
-            kind,
-            &[
-                ("scale", written.scale.is_some(), &known[1..]),
-                ("stiffness", written.stiffness.is_some(), &["linear", "rational", "exponential"]),
-                ("points", written.points.is_some(), lines),
-                ("slope_before", written.slope_before.is_some(), lines),
-                ("slope_after", written.slope_after.is_some(), lines),
-                ("length", written.length.is_some(), &["rational", "exponential"]),
-                ("coefficient", written.coefficient.is_some(), power),
-                ("exponent", written.exponent.is_some(), power),
-                ("until", written.until.is_some(), power),
-                ("jump", written.jump.is_some(), &["rational", "exponential", "power"]),
-            ],
-        )?;
+        let with_stiffness = [&["linear"], curve::WITH_STIFFNESS].concat();
+        let lines: &[&str] = &["piecewise-linear"];
+        let keys: [(_, _, &[_]); 5] = [
+            ("scale", written.scale.is_some(), &known[1..]),
+            ("stiffness", written.stiffness.is_some(), &with_stiffness),
+            ("points", written.points.is_some(), lines),
+            ("slope_before", written.slope_before.is_some(), lines),
+            ("slope_after", written.slope_after.is_some(), lines),
+        ];
+        reading.only(table, kind, &keys)?;
+        curve::check_keys(reading, table, kind, written)?;
         let curve = match kind {
             "none" => return Ok(None),
             "linear" => return Law::linear(reading, table, written).map(Some),
             "piecewise-linear" => return Law::piecewise_linear(reading, table, written).map(Some),
-            "power" => curve::power(reading, table, written)?,
-            decaying => {
-                let [stiffness, length] = curve::stiffness_and_length(reading, table, written)?;
-                match decaying {
-                    "rational" => Curve::Rational { stiffness, length },
-                    _ => Curve::Exponential { stiffness, length },
-                }
-            }
+            curved => curve::read(reading, table, curved, written)?,
         };
         // A curve after an optional jump at r = 0: [0, jump] there, jump + p(r) beyond.
         let mut points = vec![[0.0, 0.0]];
@@ -134,6 +122,16 @@ impl Law {
         let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
         let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
         slopes.chain([self.slope_before, self.slope_after])
+    }
+
+    /// Its numbers without its factor, for the manufactured side.
+    pub fn numbers(&self) -> LawNumbers {
+        LawNumbers {
+            points: self.points.clone(),
+            slope_before: self.slope_before,
+            slope_after: self.slope_after,
+            curve: self.curve.map(curve::numbers),
+        }
     }
 
     /// Whether p has a jump, where ξ ∈ p(r) is not determined by r.

@@ -3,7 +3,6 @@
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written;
-use fem::contact::Path;
 use vhi::history::{
     self, CorrectedEnd, Gregory, GregoryOrder, Left, ProductIntegration, Trapezoid,
 };
@@ -60,7 +59,7 @@ impl TimeRule {
     }
 
     /// The rule with its weights.
-    pub(crate) fn weights(self) -> Box<dyn history::TimeRule> {
+    pub fn weights(self) -> Box<dyn history::TimeRule> {
         match self {
             Self::Trapezoid => Box::new(Trapezoid),
             Self::Left => Box::new(Left),
@@ -71,16 +70,30 @@ impl TimeRule {
         }
     }
 
-    /// The paths through the program on equal and on unequal steps.
-    pub(crate) fn paths(self) -> [Path; 2] {
+    /// One of each, for what is to hold of all of them.
+    pub const EVERY: [Self; 6] = [
+        Self::Trapezoid,
+        Self::Left,
+        Self::Gregory { order: 3 },
+        Self::Gregory { order: 4 },
+        Self::CorrectedEnd { exponent: 0.5 },
+        Self::ProductIntegration,
+    ];
+
+    /// Whether it is for equal steps alone.
+    pub fn needs_equal_steps(self) -> bool {
+        matches!(self, Self::Gregory { .. })
+    }
+
+    /// Its name in output.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Trapezoid => [Path::Trapezoid, Path::TrapezoidGraded],
-            Self::Left => [Path::Left, Path::LeftGraded],
-            // On equal steps only.
-            Self::Gregory { order: 3 } => [Path::GregoryThree; 2],
-            Self::Gregory { .. } => [Path::GregoryFour; 2],
-            Self::CorrectedEnd { .. } => [Path::CorrectedEnd, Path::CorrectedEndGraded],
-            Self::ProductIntegration => [Path::Product, Path::ProductGraded],
+            Self::Trapezoid => "trapezoidal rule",
+            Self::Left => "left-endpoint rule",
+            Self::Gregory { order: 3 } => "Gregory's rule of order 3",
+            Self::Gregory { .. } => "Gregory's rule of order 4",
+            Self::CorrectedEnd { .. } => "corrected end",
+            Self::ProductIntegration => "product integration",
         }
     }
 
@@ -159,7 +172,7 @@ impl Time {
         let grid = grid.transpose()?.unwrap_or(TimeGrid::Uniform);
         let rule = written.rule.as_ref().map(|rule| TimeRule::validate(reading, rule));
         let rule = rule.transpose()?.unwrap_or(TimeRule::Trapezoid);
-        if matches!(rule, TimeRule::Gregory { .. }) && grid != TimeGrid::Uniform {
+        if rule.needs_equal_steps() && grid != TimeGrid::Uniform {
             let message = "the rule of Gregory is for equal steps: its corrections are differences";
             let hint = "leave the grid out, or take the rule \"trapezoid\"";
             return Err(reading.error("time.rule", message, hint));

@@ -61,7 +61,7 @@ pub use march::{march, march_in_volume};
 pub use model::{Boundary, BoundaryRule, MemoryTerm, Model, OnContact, relaxation};
 pub use nodal_norms::{strain_distance, strain_norm};
 pub use open_level::OpenLevel;
-pub use path::{Path, Paths, by_grid};
+pub use path::{Path, Paths};
 pub use plan::{MULTIGRID_RATIO, Plan};
 pub use problem::ContactProblem;
 pub use stiffness::StiffnessInverse;

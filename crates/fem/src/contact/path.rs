@@ -40,18 +40,6 @@ paths! {
     SummedGraded = "summed memory, unequal steps",
     Interpolated = "interpolated memory, equal steps",
     InterpolatedGraded = "interpolated memory, unequal steps",
-    Trapezoid = "trapezoidal rule, equal steps",
-    TrapezoidGraded = "trapezoidal rule, unequal steps",
-    Left = "left-endpoint rule, equal steps",
-    LeftGraded = "left-endpoint rule, unequal steps",
-    /// Gregory's rule with first differences.
-    GregoryThree = "Gregory's rule of order 3",
-    /// Gregory's rule with second differences.
-    GregoryFour = "Gregory's rule of order 4",
-    CorrectedEnd = "corrected end, equal steps",
-    CorrectedEndGraded = "corrected end, unequal steps",
-    Product = "product integration, equal steps",
-    ProductGraded = "product integration, unequal steps",
     /// Factors of each Jacobian.
     Direct = "factors",
     /// Conjugate gradients with multigrid.
@@ -118,6 +106,6 @@ impl Paths {
 }
 
 /// The first on equal steps, the second on others.
-pub fn by_grid(equal: bool, paths: [Path; 2]) -> Path {
+pub(super) fn by_grid(equal: bool, paths: [Path; 2]) -> Path {
     paths[usize::from(!equal)]
 }

@@ -1,7 +1,8 @@
 //! The paths of a run: those known before its first level, and those that its levels show.
 
+use super::path::by_grid;
 use super::plan::Plan;
-use super::{Discretization, LinearSolver, Model, Path, Paths, StepView, by_grid};
+use super::{Discretization, LinearSolver, Model, Path, Paths, StepView};
 use vhi::history::{Storage, TimeGrid};
 
 /// What is known of a run before its first level.

@@ -4,7 +4,6 @@
 use super::in_space::{InSpace, State};
 use super::law_slope::{Answer, answer, sliding_block};
 use super::low_rank::RankOne;
-use exact::FrictionBound;
 use formula::{EvaluationPoint, Node};
 
 /// Stiffness of a held vertex in units of the largest entry; reduces its motion to 1e-10.
@@ -78,9 +77,8 @@ impl<const S: usize> InSpace<S> {
     pub(super) fn following(&self, answers: &[Option<Answer>], state: &State<S>) -> Vec<RankOne> {
         let friction =
             self.exact.data.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-        let bound = friction.map(|friction| &friction.bound);
-        let Some((FrictionBound::Coulomb(coefficient), state)) = bound.zip(state.friction.as_ref())
-        else {
+        let coefficient = friction.map_or(0.0, |friction| friction.bound.coefficient());
+        let Some(state) = state.friction.as_ref().filter(|_| coefficient > 0.0) else {
             return Vec::new();
         };
         let d = self.space.mesh.dimension;

@@ -40,17 +40,8 @@ fn sliding_answer(bound: &FrictionBound, sliding: &Sliding) -> Answer {
     if sliding.sticks() {
         return Answer::Held;
     }
-    match bound {
-        // Response to u_τ only; that to u_ν of a bound that follows the normal law is nonsymmetric.
-        FrictionBound::Given(_) | FrictionBound::Coulomb(_) => Answer::Slope(0.0),
-        FrictionBound::Slip(points) => {
-            let pairs = points.windows(2).map(|pair| (pair[0], pair[1]));
-            let mut pieces =
-                pairs.filter(|([from, _], [to, _])| (*from..*to).contains(&sliding.slipped()));
-            let piece = pieces.next();
-            Answer::Slope(piece.map_or(0.0, |([from, low], [to, high])| (high - low) / (to - from)))
-        }
-    }
+    // Response to u_τ only; that to u_ν of a bound that follows the normal law is nonsymmetric.
+    Answer::Slope(bound.slope(sliding.slipped()))
 }
 
 /// w ∂s/∂u_τ by components at a vertex of weight w; `held` is the stiffness while it sticks.

@@ -79,7 +79,7 @@ impl Weights {
             TimeRule::Left => Ok(Self::Left),
             TimeRule::Gregory { order: 3 } => Ok(Self::Gregory(&THREE)),
             TimeRule::Gregory { .. } => Ok(Self::Gregory(&FOUR)),
-            TimeRule::CorrectedEnd { .. } | TimeRule::ProductIntegration => Err(NoConstant::Rule),
+            _ => Err(NoConstant::Rule),
         }
     }
 

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
-use super::{SetupError, law_numbers, potential, time_grid};
+use super::{SetupError, potential, time_grid};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
 use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
@@ -330,7 +330,7 @@ fn exact(scene: &Scene, problem: &AbstractScene) -> Result<FiniteExact, exact::U
             .map(|(i, trace)| FiniteTrace {
                 functional: trace.functional.clone(),
                 weight: trace.weight,
-                law: trace.law.as_ref().map(law_numbers),
+                law: trace.law.as_ref().map(crate::Law::numbers),
                 multiplier: one(&problem.multiplier, i),
                 selection: one(&problem.selection, i),
             })

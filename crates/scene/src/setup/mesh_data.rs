@@ -152,7 +152,7 @@ impl MeshData {
         let mut load = TruthLoad(&*self.truth);
         let grid = setup.grid(steps);
         let info = march(&self.space, &setup.model, &grid, &mut load, solver, observe)?;
-        Ok(CaseInfo { paths: info.paths.union(of_scene(setup, self, &grid)), ..info })
+        Ok(CaseInfo { paths: info.paths.union(of_scene(setup, self)), ..info })
     }
 
     /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps; solved once and

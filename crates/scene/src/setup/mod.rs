@@ -32,7 +32,6 @@ pub(crate) use formulas::KernelFormula;
 pub use formulas::YieldFormula;
 use formulas::on_contact;
 pub(crate) use given_load::{GivenLoad, ReferenceTruth};
-pub use laws::law_numbers;
 use laws::potential;
 pub use material::{elasticity, memory_tensor};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
@@ -277,7 +276,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
     let contact = body.contact.as_ref().map(|contact| ContactFormulas {
         gap: contact.gap,
         shift: contact.shift,
-        law: contact.law.as_ref().map(law_numbers),
+        law: contact.law.as_ref().map(crate::Law::numbers),
         scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
         multiplier: *multiplier,
         selection: *selection,

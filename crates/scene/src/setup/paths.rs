@@ -1,18 +1,13 @@
-//! Code paths that a scene takes: its time rule, its loads, its rule on Γ3.
+//! Code paths that a scene takes: its loads, its rule on Γ3.
 
 use super::{MeshData, Setup};
 use crate::{Data, LoadForm};
-use fem::contact::{BoundaryRule, Path, Paths, by_grid};
-use vhi::history::TimeGrid;
+use fem::contact::{BoundaryRule, CaseInfo, Path, Paths};
 
-/// The code paths of a run of `setup` on a mesh and grid.
-pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths {
+/// The code paths of a run of `setup` on a mesh.
+pub(super) fn of_scene(setup: &Setup, data: &MeshData) -> Paths {
     let mut paths = Paths::default();
     let in_plane = setup.scene.dimension == 2;
-    // Without memory and ζ no time rule is used.
-    if !setup.model.memory.is_empty() || setup.model.projection.is_some() {
-        paths.insert(by_grid(grid.is_uniform(), setup.scene.time.rule.paths()));
-    }
     paths.insert(match &setup.body.data {
         Data::Exact { interpolated: true, .. } => Path::InterpolatedTruth,
         Data::Exact { form: LoadForm::Weak, .. } if in_plane => Path::WeakInPlane,
@@ -31,4 +26,16 @@ pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths
         paths.insert(pair[usize::from(boundary.scale.is_some())]);
     }
     paths
+}
+
+impl Setup {
+    /// The ways that a run with so many steps took, in words: its paths, and its time rule if it has a history.
+    pub fn ways(&self, steps: u32, info: &CaseInfo) -> Vec<String> {
+        let mut ways: Vec<String> = info.paths.iter().map(|path| path.name().into()).collect();
+        if !self.model.memory.is_empty() || self.model.projection.is_some() {
+            let steps = if self.grid(steps).is_uniform() { "equal" } else { "unequal" };
+            ways.push(format!("{}, {steps} steps", self.scene.time.rule.name()));
+        }
+        ways
+    }
 }

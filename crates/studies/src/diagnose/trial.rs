@@ -122,10 +122,8 @@ impl Design<'_> {
     fn zeta_alone(&mut self) {
         let kept = SceneTerms::NONE.with(Suspect::Projection).with(Suspect::Accumulation);
         // What the rule integrates exactly.
-        let course = match self.scene.time.rule {
-            TimeRule::Left => Course::Constant,
-            _ => Course::Linear,
-        };
+        let whole = self.scene.time.rule.order() < 2.0;
+        let course = if whole { Course::Constant } else { Course::Linear };
         if self.terms.has(Suspect::Accumulation) {
             self.exact("zeta alone", kept, course, |scene| scene);
         } else {
@@ -154,7 +152,7 @@ impl Design<'_> {
                 }
                 _ => None,
             },
-            TimeRule::Left | TimeRule::Gregory { .. } | TimeRule::CorrectedEnd { .. } => None,
+            _ => None,
         };
         match (terms.first(), course) {
             (Some(_), Some(course)) => self.exact("memory alone", kept, course, |scene| scene),

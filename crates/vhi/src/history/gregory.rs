@@ -1,6 +1,6 @@
 //! Gregory's rules: the trapezoidal rule with difference corrections at both ends, on equal steps.
 
-use super::{TimeGrid, TimeRule, Trapezoid};
+use super::{ClosedForm, TimeGrid, TimeRule, Trapezoid};
 
 /// Order of a rule of Gregory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +40,14 @@ impl TimeRule for Gregory {
         }
         let corrections = self.correction(n, j) + self.correction(n, n - j);
         Trapezoid.weight(grid, n, j) + corrections * grid.step(1)
+    }
+
+    fn closed_form(&self) -> Option<ClosedForm> {
+        let (share, beyond) = match self.order {
+            GregoryOrder::Three => (1.0 / 2.0, 1.0 / 12.0),
+            GregoryOrder::Four => (13.0 / 24.0, 1.0 / 3.0),
+        };
+        Some(ClosedForm::Corrected { share, beyond, most: 1.0 })
     }
 }
 

@@ -135,6 +135,24 @@ pub trait TimeRule: Send + Sync {
     fn is_trapezoidal(&self) -> bool {
         false
     }
+
+    /// What bounds Gronwall's inequality with these weights. None without such a bound, and where weights depend on the
+    /// kernel in another way than by its power.
+    fn closed_form(&self) -> Option<ClosedForm> {
+        None
+    }
+}
+
+/// Bounds of E_n in E_n = s_n + C2 Σ_{j ≤ n} w_nj E_j by max s, with c = C2 k.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ClosedForm {
+    /// That of the paper, by the trapezoidal rule on any grid: 1/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1} on equal steps.
+    Paper,
+    /// 1/(1 - θ) · (1 + δc/(1 - θ)) · (1 + c/(1 - θ))^{n-1} for c ≤ `most`, θ = `share` c and δ = `beyond`: what the weights
+    /// beyond one step and its tail sums beyond whole steps have.
+    Corrected { share: f64, beyond: f64, most: f64 },
+    /// E_α(C2 Γ(α) t^α/(1 - θ))/(1 - θ), α = 1 - a, θ = C2 k^α/α, by product integration of kernels with (t - s)^{-a}.
+    MittagLeffler,
 }
 
 /// The trapezoidal rule Σ' of (3.1): half a step at either end, (k_j + k_{j+1})/2 inside.
@@ -159,6 +177,10 @@ impl TimeRule for Trapezoid {
 
     fn is_trapezoidal(&self) -> bool {
         true
+    }
+
+    fn closed_form(&self) -> Option<ClosedForm> {
+        Some(ClosedForm::Paper)
     }
 }
 

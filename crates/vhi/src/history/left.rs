@@ -1,6 +1,6 @@
 //! The left-endpoint rule: the history at t_n uses earlier levels only.
 
-use super::{TimeGrid, TimeRule};
+use super::{ClosedForm, TimeGrid, TimeRule};
 
 /// w_nj = k_{j+1} for j < n, w_nn = 0, on any grid; error (k/2)[q(t, s) u(s)]_0^t: order 1. The last slot has no
 /// weight, so every step size has one solution per step.
@@ -14,6 +14,11 @@ impl TimeRule for Left {
 
     fn last_share(&self) -> f64 {
         0.0
+    }
+
+    /// On any grid, with a product of 1 + c_m in place of the power.
+    fn closed_form(&self) -> Option<ClosedForm> {
+        Some(ClosedForm::Corrected { share: 0.0, beyond: 0.0, most: f64::INFINITY })
     }
 }
 

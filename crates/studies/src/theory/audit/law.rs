@@ -1,7 +1,7 @@
 //! j_ν⁰ of ∂j_ν, evaluated apart from the solver's law.
 
 use exact::{CurveNumbers, LawNumbers};
-use scene::setup::{Setup, law_numbers};
+use scene::setup::Setup;
 
 /// ∂j_ν without the factor c(x).
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +23,7 @@ impl ClarkeLaw {
             curve: None,
         };
         let largest_factor = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
-        Self { law: law.map_or_else(none, law_numbers), largest_factor }
+        Self { law: law.map_or_else(none, scene::Law::numbers), largest_factor }
     }
 
     /// ∂j_ν(r) as an interval.

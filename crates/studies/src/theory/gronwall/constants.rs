@@ -144,7 +144,7 @@ impl GronwallConstants {
             let (model, d) = (&setup.model, setup.scene.dimension);
             let norm = |lag: f64| model.memory_norm(lag, d);
             let norms = match setup.scene.time.grid {
-                _ if matches!(self.weights, Weights::Product { .. }) => weighed(model, grid, d),
+                _ if self.weights.integrate_kernels() => weighed(model, grid, d),
                 scene::TimeGrid::Uniform => {
                     KernelNorms::Lags(grid.times().iter().map(|t| norm(*t)).collect())
                 }

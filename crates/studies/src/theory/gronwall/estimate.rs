@@ -77,7 +77,7 @@ impl Estimate {
 
     /// Whether (3.24) has its printed sum: its weights bound those of the trapezoidal rule.
     pub(crate) fn is_printed(&self) -> bool {
-        self.weights == Weights::Trapezoid
+        self.weights.are_the_papers()
     }
 
     /// The estimate up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
@@ -122,7 +122,13 @@ impl Estimate {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
             limit: weights.limit(grid, &scaled, c2),
-            weighted: weighted(weights.rule(), grid, &self.weighted_source, self.m0, &self.parts)?,
+            weighted: weighted(
+                &*weights.rule(),
+                grid,
+                &self.weighted_source,
+                self.m0,
+                &self.parts,
+            )?,
             printed: unprimed(grid, &scaled, c2).ok().filter(|_| as_printed),
             printed_closed: unprimed_closed(grid, &scaled, c2).ok().filter(|_| as_printed),
             allowance: weights.envelope(grid, &floor, c2)?,

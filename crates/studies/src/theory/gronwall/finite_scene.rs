@@ -15,7 +15,7 @@ use super::rule::Weights;
 use scene::setup::{AbstractLoad, AbstractSetup};
 use vhi::Newton;
 use vhi::finite::{FiniteError, FiniteLoad, FiniteModel, march};
-use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
+use vhi::history::TimeGrid;
 use vhi::law::HistoryKernel;
 
 /// Accuracy of the exact side's histories, relative.
@@ -132,9 +132,9 @@ impl<'a> FiniteInTime<'a> {
         let alone = matrices.iter().map(norm).collect::<Vec<f64>>();
         let row = |n: usize| -> Vec<f64> {
             let (t, s) = (grid.time(n), &grid.times()[..=n]);
-            let row = |kernel: &dyn HistoryKernel| match self.weights {
-                Weights::Product { .. } => ProductIntegration.kernel_row(kernel, grid, n),
-                _ => kernel.row(t, s),
+            let row = |kernel: &dyn HistoryKernel| match self.weights.integrate_kernels() {
+                true => self.weights.rule().kernel_row(kernel, grid, n),
+                false => kernel.row(t, s),
             };
             let values: Vec<Vec<f64>> =
                 model.kernels.iter().map(|term| row(&*term.kernel)).collect();
@@ -151,9 +151,9 @@ impl<'a> FiniteInTime<'a> {
             (0..=n).map(at).collect()
         };
         let rows = (0..=grid.steps()).map(row).collect();
-        match self.weights {
-            Weights::Product { .. } => KernelNorms::Weighed(rows),
-            _ => KernelNorms::Pairs(rows),
+        match self.weights.integrate_kernels() {
+            true => KernelNorms::Weighed(rows),
+            false => KernelNorms::Pairs(rows),
         }
     }
 }

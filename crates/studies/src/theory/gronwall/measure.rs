@@ -89,10 +89,10 @@ fn truncation_of_zeta(
     grid: &TimeGrid,
     levels: &[TruthAtLevel],
 ) -> Vec<f64> {
-    let mut accumulated = Accumulated::default();
+    let (mut accumulated, rule) = (Accumulated::default(), weights.rule());
     let defect = |level: &TruthAtLevel| {
         accumulated.commit(grid, strain_norm(space, &level.u));
-        (level.zeta - accumulated.value(weights.rule(), grid)).abs()
+        (level.zeta - accumulated.value(&*rule, grid)).abs()
     };
     levels.iter().map(defect).collect()
 }
@@ -110,14 +110,14 @@ fn truncation_of_memory(
     }
     let (rule, length) = (weights.rule(), space.nodes.len());
     let mut histories: Vec<Memory> =
-        terms.iter().map(|term| Memory::new(&*term.kernel, rule, grid, length)).collect();
+        terms.iter().map(|term| Memory::new(&*term.kernel, &*rule, grid, length)).collect();
     let mut sum = vec![0.0; length];
     let mut defect = |(n, level): (usize, &TruthAtLevel)| {
         let missed = terms.iter().zip(&mut histories).zip(&level.memory);
         let missed: Vec<Vec<f64>> = missed
             .map(|((term, history), exact)| {
                 let kernel = &*term.kernel;
-                history.past(kernel, rule, grid, &mut sum);
+                history.past(kernel, &*rule, grid, &mut sum);
                 history.commit(grid, &level.u);
                 axpy(rule.kernel_weight(&Convolution(kernel), grid, n, n), &level.u, &mut sum);
                 exact.iter().zip(&sum).map(|(exact, sum)| exact - sum).collect()

@@ -4,26 +4,18 @@ use super::mittag_leffler::mittag_leffler;
 use super::recurrence::{StepTooLarge, closed_limit, primed, primed_closed, solvable};
 use algebra::linalg::larger;
 use statrs::function::gamma::gamma;
-use vhi::history::{
-    Gregory, GregoryOrder, Left, ProductIntegration, TimeGrid, TimeRule, Trapezoid,
-};
+use vhi::history::{ClosedForm, TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
 
 /// Weights in Gronwall's inequality that are not negative, the same for every kernel: those of a rule, or bounds of them.
+/// By product integration they are those of (t - s)^{-power} alone, which bound those of kernels by what these have
+/// beside it; of kernels that are finite, power = 0, those of the trapezoidal rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Weights {
-    /// Σ' of the paper.
-    Trapezoid,
-    /// The left end of each step.
-    Left,
-    /// Gregory's, on equal steps.
-    Gregory(GregoryOrder),
-    /// Product integration, its weights of (t - s)^{-power} alone, which bound those of kernels by what these have beside it;
-    /// of kernels that are finite, power = 0, those of the trapezoidal rule.
-    Product {
-        /// 0 ≤ power < 1.
-        power: f64,
-    },
+pub struct Weights {
+    rule: scene::TimeRule,
+    form: ClosedForm,
+    /// 0 ≤ power < 1, 0 by other rules than product integration.
+    power: f64,
 }
 
 /// (t - s)^{-a}.
@@ -45,45 +37,41 @@ impl HistoryKernel for Power {
 
 impl Weights {
     /// The weights of a rule on kernels with this largest power; none where they depend on the kernel in another way.
-    pub(crate) fn of(rule: scene::TimeRule, power: f64) -> Option<Self> {
-        Some(match rule {
-            scene::TimeRule::Trapezoid => Self::Trapezoid,
-            scene::TimeRule::Left => Self::Left,
-            scene::TimeRule::Gregory { order: 3 } => Self::Gregory(GregoryOrder::Three),
-            scene::TimeRule::Gregory { .. } => Self::Gregory(GregoryOrder::Four),
-            scene::TimeRule::ProductIntegration => Self::Product { power },
-            scene::TimeRule::CorrectedEnd { .. } => return None,
-        })
+    pub fn of(rule: scene::TimeRule, power: f64) -> Option<Self> {
+        let form = rule.weights().closed_form()?;
+        let power = if form == ClosedForm::MittagLeffler { power } else { 0.0 };
+        Some(Self { rule, form, power })
+    }
+
+    /// Whether the rule integrates kernels, so that its weights are theirs.
+    pub(crate) fn integrate_kernels(self) -> bool {
+        self.form == ClosedForm::MittagLeffler
+    }
+
+    /// Whether they are those of Σ'.
+    pub(crate) fn are_the_papers(self) -> bool {
+        self.form == ClosedForm::Paper
     }
 
     /// The rule.
-    pub fn rule(self) -> &'static dyn TimeRule {
-        match self {
-            Self::Trapezoid => &Trapezoid,
-            Self::Left => &Left,
-            Self::Gregory(GregoryOrder::Three) => &Gregory { order: GregoryOrder::Three },
-            Self::Gregory(GregoryOrder::Four) => &Gregory { order: GregoryOrder::Four },
-            Self::Product { .. } => &ProductIntegration,
-        }
+    pub fn rule(self) -> Box<dyn TimeRule> {
+        self.rule.weights()
     }
 
     /// w_n0, …, w_nn.
     pub fn row(self, grid: &TimeGrid, n: usize) -> Vec<f64> {
-        match self {
-            Self::Product { power } => ProductIntegration.kernel_row(&Power(power), grid, n),
-            _ => (0..=n).map(|j| self.rule().weight(grid, n, j)).collect(),
-        }
+        self.rule().kernel_row(&Power(self.power), grid, n)
     }
 
     /// What C2 stands beside on a step k: k, or k^{1-a}.
     pub(crate) fn of_step(self, k: f64) -> f64 {
-        if let Self::Product { power } = self { k.powf(1.0 - power) } else { k }
+        if self.power > 0.0 { k.powf(1.0 - self.power) } else { k }
     }
 
     /// By how much a bound of κ(n, j) beside the weights of the trapezoidal rule is to be multiplied beside these, up to the
     /// horizon: (t - s)^{-a} ≥ T^{-a}.
     pub(crate) fn beside_plain(self, horizon: f64) -> f64 {
-        if let Self::Product { power } = self { horizon.powf(power) } else { 1.0 }
+        horizon.powf(self.power)
     }
 
     /// E_n = s_n + C2 Σ_{j ≤ n} w_nj E_j. O(N) by the trapezoidal rule, else O(N²).
@@ -96,7 +84,7 @@ impl Weights {
         source: &[f64],
         c2: f64,
     ) -> Result<Vec<f64>, StepTooLarge> {
-        if self == Self::Trapezoid {
+        if self.are_the_papers() {
             return primed(grid, source, c2);
         }
         let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
@@ -109,11 +97,8 @@ impl Weights {
         Ok(envelope)
     }
 
-    /// Above E_n of [`Self::envelope`]: max_{j ≤ n} s_j times 1/(1 - θ) · (1 + δc/(1 - θ)) · (1 + c/(1 - θ))^{n-1}, c = C2 k on
-    /// equal steps. δ and θ hold what the weights beyond one step and its tail sums beyond whole steps have: θ = c/2 and
-    /// δ = 1/12 by Gregory's rule of order 3, 13c/24 and 1/3 by that of order 4, both for c ≤ 1; 0 and 0 by the left rule, on any
-    /// grid with a product of 1 + c_m in place of the power. Where s_0 > 0 the power is n. The limit for k → 0 is e^{C2 t}.
-    /// By the trapezoidal rule it is `primed_closed`.
+    /// Above E_n of [`Self::envelope`]: max_{j ≤ n} s_j times what [`ClosedForm`] says. Where s_0 > 0 the power of
+    /// 1 + c/(1 - θ) is n. The limit for k → 0 is e^{C2 t}. By the trapezoidal rule it is `primed_closed`.
     ///
     /// By product integration, on any grid with largest step k, it is max s/(1 - θ) · E_α(C2 Γ(α) t^α/(1 - θ)), α = 1 - a,
     /// θ = C2 k^α/α, with the function of Mittag-Leffler. Let y be that, which solves
@@ -129,13 +114,11 @@ impl Weights {
         source: &[f64],
         c2: f64,
     ) -> Result<Vec<f64>, StepTooLarge> {
-        let (share, beyond, most) = match self {
-            Self::Trapezoid => return primed_closed(grid, source, c2),
-            Self::Left => (0.0, 0.0, f64::INFINITY),
-            Self::Gregory(GregoryOrder::Three) => (1.0 / 2.0, 1.0 / 12.0, 1.0),
-            Self::Gregory(GregoryOrder::Four) => (13.0 / 24.0, 1.0 / 3.0, 1.0),
-            Self::Product { power } => {
-                let exponent = 1.0 - power;
+        let (share, beyond, most) = match self.form {
+            ClosedForm::Paper => return primed_closed(grid, source, c2),
+            ClosedForm::Corrected { share, beyond, most } => (share, beyond, most),
+            ClosedForm::MittagLeffler => {
+                let exponent = 1.0 - self.power;
                 let whole = grid.largest_step().powf(exponent) / exponent;
                 let remaining = solvable(1, c2, whole)?;
                 return Ok(fractional(grid, source, exponent, c2, remaining));
@@ -163,11 +146,9 @@ impl Weights {
 
     /// The limit of [`Self::closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}, or E_α(C2 Γ(α) t_n^α) in place of e.
     pub fn limit(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
-        match self {
-            Self::Product { power } if power > 0.0 => {
-                fractional(grid, source, 1.0 - power, c2, 1.0)
-            }
-            _ => closed_limit(grid, source, c2),
+        match self.power {
+            0.0 => closed_limit(grid, source, c2),
+            power => fractional(grid, source, 1.0 - power, c2, 1.0),
         }
     }
 }

@@ -2,14 +2,23 @@
 
 use super::super::*;
 use algebra::linalg::signed_unit;
-use vhi::history::{GregoryOrder, TimeGrid};
+use scene::TimeRule;
+use vhi::history::TimeGrid;
 
-const RULES: [Weights; 4] = [
-    Weights::Trapezoid,
-    Weights::Left,
-    Weights::Gregory(GregoryOrder::Three),
-    Weights::Gregory(GregoryOrder::Four),
+const RULES: [TimeRule; 4] = [
+    TimeRule::Trapezoid,
+    TimeRule::Left,
+    TimeRule::Gregory { order: 3 },
+    TimeRule::Gregory { order: 4 },
 ];
+
+fn of(rule: TimeRule) -> Weights {
+    Weights::of(rule, 0.0).expect("weights that are the same for every kernel")
+}
+
+fn product(power: f64) -> Weights {
+    Weights::of(TimeRule::ProductIntegration, power).expect("bounds by the power")
+}
 
 fn sources() -> [Vec<f64>; 3] {
     let mut seed = 3;
@@ -21,7 +30,7 @@ fn sources() -> [Vec<f64>; 3] {
 
 #[test]
 fn envelopes_solve_their_equations_and_stay_below_their_closed_forms() {
-    for weights in RULES {
+    for weights in RULES.map(of) {
         for (c2, source) in
             [0.2, 2.0, 9.0, 29.0].into_iter().flat_map(|c2| sources().map(|s| (c2, s)))
         {
@@ -44,14 +53,13 @@ fn the_left_rule_attains_its_closed_form_and_needs_no_small_step() {
     let source = &sources()[1];
     for grid in [TimeGrid::uniform(2.0, 60), TimeGrid::graded(2.0, 60, 2.0)] {
         for c2 in [0.5, 100.0] {
-            let [e, closed] = [Weights::Left.envelope(&grid, source, c2), {
-                Weights::Left.closed(&grid, source, c2)
-            }]
-            .map(|bound| bound.expect("no bound of the step"));
+            let left = of(TimeRule::Left);
+            let both = [left.envelope(&grid, source, c2), left.closed(&grid, source, c2)];
+            let [e, closed] = both.map(|bound| bound.expect("no bound of the step"));
             assert!(e.iter().zip(&closed).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
         }
     }
-    for weights in [RULES[0], RULES[2], RULES[3]] {
+    for weights in [RULES[0], RULES[2], RULES[3]].map(of) {
         let grid = TimeGrid::uniform(2.0, 60);
         let most = 30.0 / weights.rule().last_share();
         assert!(weights.envelope(&grid, source, 1.01 * most).is_err(), "{weights:?}");
@@ -69,7 +77,7 @@ fn the_left_rule_attains_its_closed_form_and_needs_no_small_step() {
 fn envelopes_with_the_weights_of_a_power_tend_to_the_function_of_mittag_leffler() {
     let c2 = std::f64::consts::PI.sqrt().recip();
     let known = std::f64::consts::E * 1.842_700_792_949_715;
-    let weights = Weights::Product { power: 0.5 };
+    let weights = product(0.5);
     let at_the_end = |steps: u32| {
         let grid = TimeGrid::graded(1.0, steps, 2.0);
         let source = vec![1.0; steps as usize + 1];
@@ -81,7 +89,7 @@ fn envelopes_with_the_weights_of_a_power_tend_to_the_function_of_mittag_leffler(
     let off = [100, 200].map(|steps| (at_the_end(steps) - known).abs());
     assert!(off[1] < 1e-3 && (off[0] / off[1]).log2() > 1.7, "{off:?}");
     for power in [0.0, 0.3, 0.5, 0.8] {
-        let weights = Weights::Product { power };
+        let weights = product(power);
         for grid in [
             TimeGrid::uniform(2.0, 60),
             TimeGrid::graded(2.0, 60, 2.0),
@@ -107,7 +115,6 @@ fn envelopes_with_the_weights_of_a_power_tend_to_the_function_of_mittag_leffler(
     }
     // Of a kernel without a pole: the integrals of the hat functions.
     let grid = TimeGrid::graded(2.0, 9, 1.5);
-    let (hats, halves) =
-        (Weights::Product { power: 0.0 }.row(&grid, 7), Weights::Trapezoid.row(&grid, 7));
+    let (hats, halves) = (product(0.0).row(&grid, 7), of(TimeRule::Trapezoid).row(&grid, 7));
     assert!(hats.iter().zip(&halves).all(|(a, b)| (a - b).abs() < 1e-15));
 }
