@@ -94,10 +94,13 @@ report: ## the report in reports/latest with all its chapters; the main job firs
 	$(MAKE) studies
 	$(SWEEP) report $(REPORT)
 
-# The typesetter is built once, in a profile of its own that spends little on optimisation: minutes.
+# The typesetter is a program of its own, put beside `sweep`. It is built once, in a profile that spends little on optimisation: minutes.
 pdf: ## the report in reports/latest as report.pdf, with the studies that are there; the main job first if there are no records
 	test -f $(REPORT)/cases.csv || $(SWEEP)
-	$(CARGO) run --profile pdf --features pdf --bin sweep -- report $(REPORT) --pdf $(REPORT)/report.pdf
+	$(CARGO) build --profile pdf --package gronwall-report --features pdf --bin typeset
+	$(CARGO) build --release --bin sweep
+	cp target/pdf/typeset target/release/
+	$(SWEEP) report $(REPORT) --pdf $(REPORT)/report.pdf
 
 # mdBook is built once, into target/, unoptimised: it is to be built fast, not to run fast.
 MDBOOK := target/mdbook

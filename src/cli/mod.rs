@@ -38,6 +38,7 @@ mod study;
 mod swept;
 mod target;
 mod trade;
+mod typesetter;
 mod until_resolved;
 mod verify;
 

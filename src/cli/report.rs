@@ -6,12 +6,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::extension::earlier;
+use super::typesetter::Typesetter;
 use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
 use judge::record::{CaseRecord, CaseTable, Key, RecordError, read_table};
 use judge::verdict::{exit_code, read_failures, read_foreseen, restore_reasons};
-#[cfg(feature = "pdf")]
-use report::pdf;
-use report::{Document, write_all};
+use report::write_all;
 use run::distributed::Missing;
 use run::sweep::{
     OutputDirectory, OutputError, Provenance, foresee, judge_scene, missing_cases, planned,
@@ -24,12 +23,12 @@ use scene::setup::Subject;
 /// folder.
 #[derive(Args)]
 #[command(
-    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters of it (files *.document.json), with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (a build with the feature pdf; `make pdf` makes one)"
+    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters of it (files *.document.json), with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (`make pdf` builds what sets it)"
 )]
 pub(crate) struct Report {
     /// Directory with cases.csv
     dir: PathBuf,
-    /// Write the report as a PDF to FILE as well; needs a build with the feature `pdf` (make pdf)
+    /// Write the report as a PDF to FILE as well, by the program `typeset` beside this one (make pdf builds it)
     #[arg(long, value_name = "FILE")]
     pdf: Option<PathBuf>,
     /// Date to print in the PDF; without, it has none
@@ -39,10 +38,7 @@ pub(crate) struct Report {
 
 impl Report {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        if self.pdf.is_some() && cfg!(not(feature = "pdf")) {
-            let message = "this build cannot write a PDF: it was built without the feature `pdf`; `make pdf` builds one that can, and writes reports/latest/report.pdf";
-            return Err(CliError::other(message));
-        }
+        let typesetter = self.pdf.as_deref().map(Typesetter::find).transpose()?;
         let _held = self.hold()?;
         let Found { mut records, torn } = self.records()?;
         // The order in which cases ended is arbitrary.
@@ -82,8 +78,10 @@ impl Report {
             missing.extend(owed.missing);
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
-        let document = write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
-        self.typeset(&document)?;
+        write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
+        if let Some(typesetter) = &typesetter {
+            typesetter.set(&self.dir, self.date.as_deref())?;
+        }
         print_verdicts(&verdict_table(&verdicts));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         if let Some(path) = &self.pdf {
@@ -142,23 +140,6 @@ impl Report {
         let all: Vec<String> = cut.into_iter().chain(open).collect();
         let unfinished = format!("unfinished: {}", all.join("; "));
         (!all.is_empty()).then(|| CliError::about(self.dir.display(), unfinished))
-    }
-
-    /// Writes the PDF, if requested.
-    #[cfg(feature = "pdf")]
-    fn typeset(&self, document: &Document) -> Result<(), CliError> {
-        match &self.pdf {
-            Some(path) => {
-                super::output::write_user_file(path, pdf(document, self.date.as_deref())?)
-            }
-            None => Ok(()),
-        }
-    }
-
-    /// Refused in advance.
-    #[cfg(not(feature = "pdf"))]
-    fn typeset(&self, _: &Document) -> Result<(), CliError> {
-        Ok(())
     }
 
     /// The scene by the text kept with the records; from the folder of scenes if that is named, or no text is kept.

@@ -4,6 +4,8 @@
 //!   scenes go, files of others stay.
 //! Data: steady and affine on small grids, given by name and by path.
 
+use std::process::Output;
+
 use crate::program::{Folder, code, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 
@@ -168,16 +170,46 @@ fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
     assert_eq!(names(&folder), left);
 }
 
+/// The program alone in a folder, whatever stands beside it where it was built.
+fn alone(folder: &Folder, arguments: &[&str]) -> Output {
+    let program = folder.at("sweep");
+    std::fs::copy(env!("CARGO_BIN_EXE_sweep"), &program).expect("a copy");
+    let mut command = std::process::Command::new(program);
+    command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().expect("a run")
+}
+
 /// Without the typesetter there is no PDF, and no half of a report either.
 #[test]
-#[cfg(not(feature = "pdf"))]
-fn a_build_without_the_typesetter_names_the_way_to_one() {
+fn without_a_typesetter_the_way_to_one_is_named() {
     let folder = Folder::new("pdf");
     let file = folder.argument("report.pdf");
-    let output = sweep(&["report", &folder.argument("out"), "--pdf", &file]);
+    let output = alone(&folder, &["report", &folder.argument("out"), "--pdf", &file]);
     assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
     assert!(stderr(&output).contains("make pdf"), "{}", stderr(&output));
     assert!(!folder.at("report.pdf").exists());
+}
+
+/// What the program beside it prints is the PDF; where it fails its words are the error, and there is no file.
+#[test]
+#[cfg(unix)]
+fn a_typesetter_gets_directory_and_date_and_its_failure_is_one() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("typeset");
+    run(&folder, "gate", &["affine"], &AFFINE);
+    let (out, file) = (folder.argument("out"), folder.argument("report.pdf"));
+    let by = |script: &str| {
+        folder.file("typeset", &format!("#!/bin/sh\n{script}\n"));
+        let mode = std::fs::Permissions::from_mode(0o755);
+        std::fs::set_permissions(folder.at("typeset"), mode).expect("a mode");
+        alone(&folder, &["report", &out, "--pdf", &file, "--date", "2026-01-31"])
+    };
+    let failed = by("echo no such font >&2; exit 2");
+    assert_eq!(code(&failed), 2);
+    assert!(stderr(&failed).contains("no such font"), "{}", stderr(&failed));
+    assert!(!folder.at("report.pdf").exists());
+    let output = by("test -f $1/report.typ && printf '%s' $2");
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert_eq!(std::fs::read_to_string(folder.at("report.pdf")).expect("a file"), "2026-01-31");
 }
 
 /// Studies that the commands wrote into the directory are chapters of it, without a solve; one that is torn is refused.

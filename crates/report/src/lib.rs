@@ -44,8 +44,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Document, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held,
-    number, precise, sides, text_table,
+    Chapter, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held, number,
+    precise, sides, text_table,
 };
 pub use github::{AnnotationPlace, annotations, step_summary};
 pub use group::Group;
@@ -151,7 +151,7 @@ impl ReportError {
 /// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`,
 /// `SCENE-scene.svg`, `SCENE-errors.svg` and `forest.svg` into `dir`, which is created if necessary. Pages are
 /// index.html, report.md, tables.tex, and report.typ with report.json. Obsolete files of an earlier report are removed,
-/// foreign ones stay. Returns the document of the pages.
+/// foreign ones stay.
 ///
 /// # Errors
 /// [`ReportError`]; files written before stay.
@@ -162,7 +162,7 @@ pub fn write_all(
     verdicts: &[Verdict],
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
-) -> Result<Document, ReportError> {
+) -> Result<(), ReportError> {
     make_directory(dir).map_err(ReportError::io(dir))?;
     let stems = stems(scenes)?;
     let drawn =
@@ -193,15 +193,14 @@ pub fn write_all(
         ("report.md", markdown(&document)),
         ("tables.tex", tables(&document)),
         ("report.typ", TEMPLATE.to_owned()),
-        (DATA, data(&document, None)),
+        (DATA, data(&document)),
     ];
     let forest = forest.iter().map(|(picture, _)| picture);
     let drawings = pictures.iter().chain(&cards).flatten().chain(forest);
     let drawings = drawings.map(|(file, _, svg)| (file.clone(), svg.as_str()));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
     let files: Vec<(String, &str)> = drawings.chain(pages).collect();
-    write_listed(dir, &files)?;
-    Ok(document)
+    write_listed(dir, &files)
 }
 
 type Picture = (String, String, String);

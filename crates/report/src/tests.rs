@@ -232,8 +232,8 @@ fn the_pdf_is_the_same_twice() {
     let dir = std::env::temp_dir().join(format!("gronwall-pdf-{}", std::process::id()));
     fs::create_dir_all(&dir).unwrap();
     let provenance = serde_json::json!({"version": "0.1.0"});
-    let document = write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
-    let set = |date| pdf(&document, date).unwrap();
+    write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
+    let set = |date| pdf(&dir, date).unwrap();
     let (once, twice) = (set(Some("2026-01-31")), set(Some("2026-01-31")));
     assert!(once == twice && once.starts_with(b"%PDF-"));
     assert!(once != set(None));

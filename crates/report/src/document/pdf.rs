@@ -1,6 +1,9 @@
-//! The document as a PDF, set by Typst from memory: no network, system fonts or clock.
+//! A written report as a PDF, set by Typst: no network, system fonts or clock.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::fs;
+use std::path::Path;
 
 use typst::diag::{FileError, FileResult, SourceDiagnostic};
 use typst::foundations::{Bytes, Datetime, Duration};
@@ -11,19 +14,19 @@ use typst::{Library, LibraryExt, World};
 use typst_layout::PagedDocument;
 use typst_pdf::{PdfOptions, pdf as export};
 
-use super::{Block, DATA, Document, TEMPLATE, data};
+use super::DATA;
 use crate::{ReportError, sheet};
 
 const MAIN: &str = "report.typ";
 /// The font of pictures: the generic name in their SVG has none in a PDF.
 const FACE: &str = "font-family=\"DejaVu Sans\"";
 
-/// The document as a PDF; `date` is printed below the title. Deterministic.
+/// The report that [`crate::write_all`] left in a directory, as a PDF; `date` is printed below the title. Deterministic.
 ///
 /// # Errors
 /// [`ReportError::Typesetting`].
-pub fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
-    let world = Sheets::new(document, date)?;
+pub fn pdf(dir: &Path, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
+    let world = Sheets::read(dir, date)?;
     let set = typst::compile::<PagedDocument>(&world).output;
     let paged = set.map_err(|errors| refused(&errors))?;
     export(&paged, &PdfOptions::default()).map_err(|errors| refused(&errors))
@@ -32,6 +35,10 @@ pub fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportErr
 fn refused(errors: &[SourceDiagnostic]) -> ReportError {
     let what: Vec<&str> = errors.iter().map(|error| error.message.as_str()).collect();
     ReportError::Typesetting { what: what.join("; ") }
+}
+
+fn about(path: &Path, reason: impl Display) -> ReportError {
+    ReportError::Typesetting { what: format!("{}: {reason}", path.display()) }
 }
 
 /// Everything that the typesetter may read.
@@ -44,32 +51,32 @@ struct Sheets {
 }
 
 impl Sheets {
-    fn new<'a>(document: &'a Document, date: Option<&str>) -> Result<Self, ReportError> {
-        let path = VirtualPath::new(MAIN)
-            .map_err(|_| ReportError::Typesetting { what: format!("no path: {MAIN}") })?;
+    fn read(dir: &Path, date: Option<&str>) -> Result<Self, ReportError> {
+        let text = |path: &Path| fs::read_to_string(path).map_err(|error| about(path, error));
+        let path = VirtualPath::new(MAIN).map_err(|_| about(Path::new(MAIN), "no path"))?;
         let main = RootedPath::new(VirtualRoot::Project, path).intern();
         let of_pictures = [dejavu::sans::regular(), dejavu::sans::bold()];
         let all = typst_assets::fonts().chain(of_pictures);
         let fonts: Vec<Font> = all.flat_map(|face| Font::iter(Bytes::new(face))).collect();
+        let data = dir.join(DATA);
+        let mut content: serde_json::Value =
+            serde_json::from_str(&text(&data)?).map_err(|error| about(&data, error))?;
+        content["date"] = serde_json::json!(date);
         let mut files = BTreeMap::new();
-        files.insert(DATA.to_owned(), Bytes::from_string(data(document, date)));
-        let of_block = |block: &'a Block| match block {
-            Block::Figure(figure) => Some(figure),
-            _ => None,
-        };
-        let figures = document.sections.iter().flat_map(|section| {
-            let of_card = section.card.iter().flat_map(|card| &card.pictures);
-            section.blocks.iter().filter_map(of_block).chain(of_card)
-        });
-        for figure in figures {
-            let svg = sheet::without(&figure.svg).replace("font-family=\"sans-serif\"", FACE);
-            files.insert(figure.file.clone(), Bytes::from_string(svg));
+        files.insert(DATA.to_owned(), Bytes::from_string(content.to_string()));
+        for entry in fs::read_dir(dir).map_err(|error| about(dir, error))? {
+            let path = entry.map_err(|error| about(dir, error))?.path();
+            let name = path.file_name().and_then(|name| name.to_str());
+            if let Some(name) = name.filter(|name| name.ends_with(".svg")) {
+                let svg = sheet::without(&text(&path)?).replace("font-family=\"sans-serif\"", FACE);
+                files.insert(name.to_owned(), Bytes::from_string(svg));
+            }
         }
         Ok(Self {
             library: LazyHash::new(Library::default()),
             book: LazyHash::new(FontBook::from_fonts(&fonts)),
             fonts,
-            main: Source::new(main, TEMPLATE.to_owned()),
+            main: Source::new(main, text(&dir.join(MAIN))?),
             files,
         })
     }

@@ -7,9 +7,9 @@ pub(crate) const DATA: &str = "report.json";
 /// Reads [`DATA`]: `typst compile report.typ` in the directory of a report also gives the PDF.
 pub(crate) const TEMPLATE: &str = include_str!("report.typ");
 
-/// The content; `date` is printed below the title.
-pub(crate) fn data(document: &Document, date: Option<&str>) -> String {
+/// The content, without a date.
+pub(crate) fn data(document: &Document) -> String {
     let mut value = serde_json::json!(document);
-    value["date"] = serde_json::json!(date);
+    value["date"] = serde_json::Value::Null;
     value.to_string() + "\n"
 }
