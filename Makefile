@@ -4,6 +4,8 @@
 
 CARGO ?= cargo
 PYTHON ?= python3
+# The program and its crates, without the Python package.
+MEMBERS := --workspace --exclude gronwall-python
 SWEEP := $(CARGO) run --release --bin sweep --
 
 help: ## print this list
@@ -13,16 +15,15 @@ run: ## the main job: all scenes at gate size, verdict table, report in reports/
 	$(CARGO) run --release --bin sweep
 
 test: ## unit, integration and documentation tests
-	$(CARGO) test --release --workspace
+	$(CARGO) test --release $(MEMBERS)
 
 test-long: ## tests of many seconds that `make test` leaves out: all scenes, more seeds, large runs
-	$(CARGO) test --release --workspace --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
+	$(CARGO) test --release $(MEMBERS) --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
-	$(CARGO) fmt --manifest-path python/Cargo.toml --check
 	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
-	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --release --workspace --no-deps
+	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --release $(MEMBERS) --no-deps
 
 bench: ## all benchmarks (see benches/README.md); BENCH=... goes to criterion
 	$(CARGO) bench --bench '*' -- $(BENCH)
@@ -40,8 +41,9 @@ verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
 
-# Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does. The wheel is
-# built from it, unpacked, so that nothing of this clone is missing from it, and installed into an environment that has nothing else. NGSolve is 80 MB to fetch.
+# Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does; it is unpacked
+# and checked by the compiler, so that nothing of this clone is missing from it. The wheel is installed into an environment that
+# has nothing else. NGSolve is 80 MB to fetch.
 WHEELS := target/wheels
 UNPACKED := target/sdist
 BUILDER := target/maturin
@@ -49,13 +51,13 @@ CLEAN := target/python
 python: ## the Python package: source distribution and wheel in target/wheels, its tests and examples in a clean environment
 	test -x $(BUILDER)/bin/maturin || { $(PYTHON) -m venv $(BUILDER) && $(BUILDER)/bin/pip install --quiet maturin==1.16.0; }
 	rm -rf $(WHEELS) $(CLEAN) $(UNPACKED)
-	$(CARGO) clippy --release --manifest-path python/Cargo.toml --target-dir target -- -D warnings
 	$(BUILDER)/bin/maturin sdist --manifest-path python/Cargo.toml --out $(WHEELS) 2>&1 | tail -n 3
 	mkdir $(UNPACKED) && tar -xzmf $(WHEELS)/gronwall-*.tar.gz -C $(UNPACKED) --strip-components 1
 	printf '{"git":{"sha1":"%s"}}' "$$(git rev-parse HEAD)" > $(UNPACKED)/.cargo_vcs_info.json
 	sdist=$$(basename $(WHEELS)/gronwall-*.tar.gz .tar.gz) && tar -czf $(WHEELS)/$$sdist.tar.gz --transform "s,^sdist,$$sdist," -C target sdist
 	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT
-	cd $(UNPACKED) && CARGO_TARGET_DIR=$(CURDIR)/target $(CURDIR)/$(BUILDER)/bin/maturin build --release --locked --out $(CURDIR)/$(WHEELS)
+	cd $(UNPACKED)/python && $(CARGO) check --release --locked --quiet --target-dir $(CURDIR)/target
+	$(BUILDER)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEELS)
 	$(PYTHON) -m venv $(CLEAN)
 	$(CLEAN)/bin/pip install --quiet $(WHEELS)/gronwall-*.whl
 	cd target && python/bin/python -c 'import gronwall; print(gronwall.fit([1/8, 1/16, 1/32], [0.1, 0.0251, 0.00629], order=2))'
@@ -141,31 +143,28 @@ scenes: ## docs/SCENES.md and its pictures from the scene files
 	$(SWEEP) list --pictures docs/scenes
 
 sabotage: ## every seeded defect against every gate, some minutes; writes docs/SABOTAGE.md
-	SABOTAGE_WRITE=1 $(CARGO) test --release --workspace --test sabotage -- --ignored --nocapture --test-threads 1
+	SABOTAGE_WRITE=1 $(CARGO) test --release $(MEMBERS) --test sabotage -- --ignored --nocapture --test-threads 1
 
 sabotage-check: ## the same, and a failure if a gate catches something else than docs/SABOTAGE.md says
-	$(CARGO) test --release --workspace --test sabotage -- --ignored --test-threads 1
+	$(CARGO) test --release $(MEMBERS) --test sabotage -- --ignored --test-threads 1
 
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
 ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, the Python package, sabotage, each benchmark once
 	$(MAKE) lint
 	$(MAKE) test
-	$(MAKE) test-long
 	$(MAKE) gate
-	$(MAKE) --jobs 2 verify-examples python beyond
-	$(MAKE) sabotage-check
-	$(MAKE) bench BENCH=--test
+	$(MAKE) --jobs 3 test-long sabotage-check verify-examples python beyond bench BENCH=--test
 
 # A build of its own number: an interrupted run goes on where it stopped, a changed program starts anew.
 false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no verdict may fail
-	$(CARGO) test --release --workspace --test false_alarms -- --ignored --nocapture
+	$(CARGO) test --release $(MEMBERS) --test false_alarms -- --ignored --nocapture
 
 fuzz: ## damaged texts for all that is read, ten million a target (RUNS=..., SEED=..., MINUTES=... each): no panic, no hang
-	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --release --workspace --test fuzz -- --nocapture
+	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --release $(MEMBERS) --test fuzz -- --nocapture
 
 # Licences are a test, so that CI checks them. Advisories need a database, which is fetched when asked for and not otherwise.
 audit-deps: ## licences of all dependencies; their advisories where cargo-audit is installed (FETCH=1 fetches the database)
-	$(CARGO) test --release --workspace --test machine licences -- --nocapture
+	$(CARGO) test --release $(MEMBERS) --test machine licences -- --nocapture
 	@if ! $(CARGO) audit --version >/dev/null 2>&1; then echo "advisories: not checked, cargo-audit is not installed"; \
 	elif [ -n "$(FETCH)" ]; then $(CARGO) audit --deny warnings; \
 	else $(CARGO) audit --deny warnings --no-fetch --stale; fi

@@ -254,25 +254,6 @@ fn the_two_commands_share_one_build_of_their_dependencies() {
     assert!(alone.difference(&tests).next().is_some(), "a crate alone asks for fewer features");
 }
 
-/// The package is a workspace of its own and repeats the profile: another one would build all crates a second time, otherwise.
-#[test]
-fn the_python_package_is_built_as_the_program_is() {
-    let read = |path: &str| std::fs::read_to_string(root().join(path)).expect("a manifest");
-    let profile = |text: &str| {
-        let manifest: toml::Value = toml::from_str(text).expect("TOML");
-        manifest["profile"]["release"].clone()
-    };
-    let (program, package) = (profile(&read("Cargo.toml")), read("python/Cargo.toml"));
-    assert_eq!(profile(&package), program);
-    for (line, other) in [
-        ("gronwall-fem = { opt-level = 3 }\n", ""),
-        ("gronwall-run = { overflow-checks = true }", "gronwall-run = {}"),
-    ] {
-        assert_eq!(package.matches(line).count(), 1, "{line}");
-        assert_ne!(profile(&package.replace(line, other)), program, "{line}");
-    }
-}
-
 #[test]
 fn crates_know_what_the_table_says() {
     let folders: Vec<PathBuf> = files(&root().join("crates"), "toml");
