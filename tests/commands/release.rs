@@ -3,7 +3,6 @@
 //!   is there. No container was ever built here: its text is what can be checked.
 //! Data: manifests, lock files, the action, files for CI, CHANGELOG.md, docs/ci/Dockerfile.
 
-
 fn read(path: &str) -> String {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     std::fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
