@@ -3,17 +3,17 @@
 use std::hint::black_box;
 use std::path::Path;
 
+use algebra::linalg::Front;
 use criterion::{Criterion, criterion_group, criterion_main};
-use gronwall::contact::{march, march_in_volume};
-use gronwall::fit::{Claim, Level, infer};
-use gronwall::history::{Memory, TimeGrid, Trapezoid};
-use gronwall::law::{ExponentialSum, Projection};
-use gronwall::linalg::Front;
-use gronwall::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
-use gronwall::scene::Scene;
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::verdict::{Expect, Prediction, Variable, judge};
-use gronwall::vhi::Newton;
+use fem::contact::{march, march_in_volume};
+use judge::fit::{Claim, Level, infer};
+use judge::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
+use judge::verdict::{Expect, Prediction, Variable, judge};
+use scene::Scene;
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::Newton;
+use vhi::history::{Memory, TimeGrid, Trapezoid};
+use vhi::law::{ExponentialSum, Projection};
 
 mod general_kernel;
 

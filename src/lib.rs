@@ -18,7 +18,7 @@
 //! | symbol | name here | shape | unit |
 //! |---|---|---|---|
 //! | u_n^{kh} | `u` | d numbers per node, free nodes first | length |
-//! | ε(u) | `strain` | d(d+1)/2 numbers per cell, Mandel ([`tensor`]) | 1 |
+//! | ε(u) | `strain` | d(d+1)/2 numbers per cell, Mandel ([`algebra::tensor`]) | 1 |
 //! | σ | `stress` | like ε | stress |
 //! | 𝒜, ℬ_i | [`law::TensorField`] | a tensor per region, two Lamé numbers or S×S | stress |
 //! | b_i(t) | [`law::MemoryKernel`] | ℝ₊ → ℝ, ℬ(t) = Σ b_i(t) ℬ_i | 1/time |
@@ -35,17 +35,17 @@
 //!
 //! | crate | knows | holds |
 //! |---|---|---|
-//! | `algebra` | | [`tensor`]: symmetric tensors in Mandel notation; [`linalg`]: sparse matrices on node blocks, Cholesky factorization, GMRES, multigrid |
-//! | `vhi` | `algebra` | [`law`]: elasticity, projection, memory kernels, contact potentials; [`history`]: time grids and rules, the sums Σ' over the past; [`vhi`]: Problem 9 as a trait, semismooth Newton, fixed point Λ, march; [`finite`]: Problem 9 in ℝ^m |
-//! | `fem` | `algebra`, `vhi` | [`mesh`]; [`space`]: elements, node numbering, quadrature; [`contact`]: Problem 14 assembled and marched in time, KKT residual; [`norms`]: errors against moments of the truth |
+//! | `algebra` | | [`algebra::tensor`]: symmetric tensors in Mandel notation; [`algebra::linalg`]: sparse matrices on node blocks, Cholesky factorization, GMRES, multigrid |
+//! | `vhi` | `algebra` | [`law`]: elasticity, projection, memory kernels, contact potentials; [`history`]: time grids and rules, the sums Σ' over the past; `vhi`: Problem 9 as a trait, semismooth Newton, fixed point Λ, march; `finite`: Problem 9 in ℝ^m |
+//! | `fem` | `algebra`, `vhi` | [`fem::mesh`]; [`fem::space`]: elements, node numbering, quadrature; [`fem::contact`]: Problem 14 assembled and marched in time, KKT residual; [`fem::norms`]: errors against moments of the truth |
 //! | `formula` | | [`formula`]: parsing, exact derivatives, hereditary integrals, evaluation in blocks |
-//! | `exact` | `formula`, `fem` without its laws and assembly | [`manufactured`]: exact fields and loads from formulas, and their verification |
+//! | `exact` | `formula`, `fem` without its laws and assembly | [`exact`]: exact fields and loads from formulas, and their verification |
 //! | `files` | | [`files`]: bounded reading, replacement that is whole or not at all |
 //! | `judge` | `files` | [`record`]: what one case produced, the waist between computing and judging; [`fit`]: orders with intervals; [`verdict`]: predictions judged |
 //! | `report` | `judge`, `files` | [`report`]: pictures, page, PDF, LaTeX, JUnit |
 //! | `scene` | all above but `judge` and `report` | [`scene`]: scene files, as written and as validated; [`setup`]: a scene made computable, constants and hypotheses |
-//! | `run` | all above | [`external`]: a solver in another program as a scheme; [`leading_error`]: the error of a sound scheme to leading order, from the exact solution alone; [`sweep`]: cases, threads, records, resume; [`distributed`]: a sweep in many processes |
-//! | `studies` | all above | [`solution`]: named quantities and VTU files of a case; [`trade`]: speed against accuracy; [`theory`]: the theorems' constants, bounds and inequalities as runs; [`diagnose`]: variants of a scene that name the term at fault; [`extremes`]: ladders of one parameter each; [`guarantee`]: a guaranteed bound of the error in space |
+//! | `run` | all above | [`run::external`]: a solver in another program as a scheme; [`run::leading_error`]: the error of a sound scheme to leading order, from the exact solution alone; [`run::sweep`]: cases, threads, records, resume; [`run::distributed`]: a sweep in many processes |
+//! | `studies` | all above | [`studies::solution`]: named quantities and VTU files of a case; [`studies::trade`]: speed against accuracy; [`studies::theory`]: the theorems' constants, bounds and inequalities as runs; [`studies::diagnose`]: variants of a scene that name the term at fault; [`studies::extremes`]: ladders of one parameter each; [`studies::guarantee`]: a guaranteed bound of the error in space |
 //! | `gronwall` | all | [`cli`]: the commands |
 #![doc = include_str!("../docs/LIBRARY.md")]
 
@@ -68,13 +68,28 @@ pub use run::{FrontError, Sweep, Swept};
 #[doc(inline)]
 pub use scene::{Scene, setup::Scheme};
 
-// The crates behind it, module by module.
-pub use algebra::{linalg, tensor};
-pub use exact as manufactured;
-pub use fem::{contact, mesh, norms, space};
+// Judging, scenes, laws and rules, and what stands in the signatures of what takes their place. All else is in the crates
+// behind it.
+pub use ::scene;
+pub use ::vhi::{history, law};
 pub use judge::{fit, record, verdict};
-pub use run::{distributed, external, leading_error, sweep};
 pub use scene::setup;
-pub use studies::{diagnose, extremes, guarantee, solution, theory, trade};
-pub use vhi::{finite, history, law};
-pub use {files, formula, report, scene, vhi};
+
+/// A case: what a scheme is given and returns.
+pub mod contact {
+    pub use fem::contact::{
+        Boundary, BoundaryRule, CaseError, CaseInfo, Friction, Model, Observer, StepView,
+        strain_distance, strain_norm,
+    };
+}
+
+/// Elements.
+pub mod space {
+    pub use fem::space::quadrature;
+    pub use fem::space::{Element, FiniteElement, Simplex};
+}
+
+/// Newton's method of a level.
+pub mod vhi {
+    pub use ::vhi::Newton;
+}

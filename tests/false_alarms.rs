@@ -14,16 +14,14 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
-use gronwall::files::fnv_1a;
-use gronwall::history::{TimeGrid, TimeRule};
-use gronwall::scene::{Direction, Registry, Scene};
-use gronwall::setup::Subject;
-use gronwall::sweep::{
-    Machine, OutputDirectory, Overrides, ScenePlan, foresee, judge_scene, run_sweep,
-};
-use gronwall::verdict::{Decision, Verdict};
+use files::fnv_1a;
+use judge::verdict::{Decision, Verdict};
 use perturbed::{Draws, perturbed};
 use program::Folder;
+use run::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, foresee, judge_scene, run_sweep};
+use scene::setup::Subject;
+use scene::{Direction, Registry, Scene};
+use vhi::history::{TimeGrid, TimeRule};
 
 /// Largest share of unresolved verdicts.
 const UNRESOLVED: f64 = 0.02;
@@ -243,7 +241,7 @@ fn resumed(folder: &Path, scenes: &[Scene], seed: u64) -> Vec<Outcome> {
     let part: Vec<Scene> = scenes.iter().filter(takes_part).cloned().collect();
     let outcomes = gate(&part, seed, None);
     let bytes = serde_json::to_vec_pretty(&outcomes).expect("outcomes");
-    gronwall::files::replace_file(&path, &bytes).expect("a run");
+    files::replace_file(&path, &bytes).expect("a run");
     let Count { verdicts, failed, unresolved } = Count::of(&outcomes);
     let seconds = start.elapsed().as_secs_f64();
     eprintln!(

@@ -1,7 +1,7 @@
 //! The sums over the past of a kernel that is no sum of exponentials.
 
-use gronwall::history::{Memory, TimeGrid, Trapezoid};
-use gronwall::law::MemoryKernel;
+use vhi::history::{Memory, TimeGrid, Trapezoid};
+use vhi::law::MemoryKernel;
 
 struct Power;
 

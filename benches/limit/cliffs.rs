@@ -4,10 +4,10 @@
 use std::hint::black_box;
 use std::path::Path;
 
-use gronwall::norms::step_errors;
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{MeshData, Setup};
-use gronwall::vhi::Newton;
+use fem::norms::step_errors;
+use scene::setup::{MeshData, Setup};
+use scene::{Scene, Source};
+use vhi::Newton;
 
 use super::least;
 

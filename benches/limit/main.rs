@@ -8,14 +8,14 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use algebra::linalg::{Analysis, Factor, Front, RightSides, SIDES};
 use cpu_time::ThreadTime;
-use gronwall::contact::{Load, LoadError, kkt_residual, march, strain_norm};
-use gronwall::history::TimeGrid;
-use gronwall::linalg::{Analysis, Factor, Front, RightSides, SIDES};
-use gronwall::scene::Scene;
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::vhi::Newton;
+use fem::contact::{Load, LoadError, kkt_residual, march, strain_norm};
+use scene::Scene;
+use scene::setup::{MeshData, Setup, TruthLoad};
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use vhi::Newton;
+use vhi::history::TimeGrid;
 
 mod cliffs;
 #[path = "../general_kernel/mod.rs"]

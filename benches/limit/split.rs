@@ -5,11 +5,11 @@ use std::hint::black_box;
 use std::path::Path;
 
 use cpu_time::ThreadTime;
-use gronwall::norms::step_errors;
-use gronwall::scene::Registry;
-use gronwall::setup::{MeshData, Setup, Subject};
-use gronwall::sweep::{Overrides, ScenePlan};
-use gronwall::vhi::Newton;
+use fem::norms::step_errors;
+use run::sweep::{Overrides, ScenePlan};
+use scene::Registry;
+use scene::setup::{MeshData, Setup, Subject};
+use vhi::Newton;
 
 use super::least;
 

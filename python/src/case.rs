@@ -1,10 +1,10 @@
 //! A case as Python has it: arrays as bytes, shape and kind.
 
 use bytemuck::{cast_slice, pod_collect_to_vec};
-use gronwall::external::{Array, Given};
-use gronwall::setup::MeshData;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use run::external::{Array, Given};
+use scene::setup::MeshData;
 
 /// Doubles in native byte order.
 pub fn numbers(bytes: &Bound<'_, PyBytes>) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! The judge for one table.
 
-use gronwall::fit::{Claim, FitError, Level, TOLERANCE, infer};
-use gronwall::verdict::Decision;
+use judge::fit::{Claim, FitError, Level, TOLERANCE, infer};
+use judge::verdict::Decision;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -73,5 +73,5 @@ pub fn settles(
         found.ok_or_else(|| refused(format!("`{name}` is no decision")))
     };
     let before = before.map(decision_named).transpose()?;
-    Ok(gronwall::fit::settles(levels, decision_named(decision)?, probability, before))
+    Ok(judge::fit::settles(levels, decision_named(decision)?, probability, before))
 }

@@ -9,14 +9,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use gronwall::external::{Answer, Given, InProcess, Solve};
-use gronwall::record::CaseRecord;
-use gronwall::setup::MeshData;
-use gronwall::sweep::Progress;
 use gronwall::{Sweep, Swept};
+use judge::record::CaseRecord;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use run::external::{Answer, Given, InProcess, Solve};
+use run::sweep::Progress;
+use scene::setup::MeshData;
 
 use super::case::{case, numbers};
 use super::refused;
@@ -59,12 +59,8 @@ pub fn verify(
         sweep = sweep.orders_only();
     }
     let swept = answered(py, sweep, |case| answer(py, &solve, case, pressure))?;
-    let document = gronwall::verdict::document(
-        &serde_json::Value::Null,
-        &swept.verdicts,
-        &swept.records,
-        None,
-    );
+    let document =
+        judge::verdict::document(&serde_json::Value::Null, &swept.verdicts, &swept.records, None);
     serde_json::to_string(&document).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 

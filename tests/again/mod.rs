@@ -6,12 +6,12 @@
 // Each test file compiles this module for itself and uses a part of it.
 #![allow(dead_code)]
 
-use gronwall::contact::StepView;
-use gronwall::formula::{EvaluationPoint, Program};
-use gronwall::manufactured::{Exact, MaterialNumbers};
-use gronwall::setup::MeshData;
-use gronwall::space::quadrature::gauss_legendre;
+use exact::{Exact, MaterialNumbers};
+use fem::contact::StepView;
+use fem::space::quadrature::gauss_legendre;
+use formula::{EvaluationPoint, Program};
 use nalgebra::DMatrix;
+use scene::setup::MeshData;
 
 /// What is kept of a level.
 pub struct Kept {
@@ -86,12 +86,7 @@ fn simplex(corners: usize) -> Vec<(Vec<f64>, f64)> {
 }
 
 /// Value of the outputs of formulas at points, one list an output.
-fn at(
-    exact: &Exact,
-    nodes: &[gronwall::formula::Node],
-    points: &[[f64; 3]],
-    t: f64,
-) -> Vec<Vec<f64>> {
+fn at(exact: &Exact, nodes: &[formula::Node], points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
     let mut graph = exact.data.graph.clone();
     let program = Program::compile(&mut graph, nodes, exact.data.horizon);
     let mut out = vec![Vec::new(); nodes.len()];
@@ -442,7 +437,7 @@ fn corners(d: usize) -> Vec<(Vec<f64>, f64)> {
 }
 
 /// Length of an edge, area of a triangle.
-fn size(mesh: &gronwall::mesh::Mesh, vertices: &[u32]) -> f64 {
+fn size(mesh: &fem::mesh::Mesh, vertices: &[u32]) -> f64 {
     let corner: Vec<nalgebra::Vector3<f64>> =
         vertices.iter().map(|&v| mesh.point(&[v], &[1.0]).into()).collect();
     match corner[..] {

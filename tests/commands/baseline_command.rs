@@ -5,8 +5,8 @@
 use crate::program::{Folder, code, stderr, stdout, sweep};
 use crate::shipped::edited;
 
-use gronwall::scene::Registry;
-use gronwall::verdict::Baseline;
+use judge::verdict::Baseline;
+use scene::Registry;
 
 /// A recorded baseline of two scenes, as text.
 fn recorded(folder: &Folder) -> (String, String) {

@@ -3,8 +3,8 @@
 //! Goal: the expected verdict for each kind of table that a sweep can produce.
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
-use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use gronwall::verdict::{Decision, Expect, Prediction, Variable, judge};
+use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
+use judge::verdict::{Decision, Expect, Prediction, Variable, judge};
 use serde_json::Value;
 
 /// A row: n and N, of which h = 1/n and k = 1/N, and the error, absent for a missing case.

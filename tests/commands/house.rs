@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gronwall::scene::{Registry, Scene};
+use scene::{Registry, Scene};
 
 /// What each crate may know, and the order of its modules: each imports those before it. The compiler sees to it that no
 /// crate names another; this table, that nobody adds one to a Cargo.toml in passing.
@@ -246,10 +246,14 @@ fn features(of: &[&str]) -> std::collections::BTreeSet<String> {
 #[test]
 fn the_two_commands_share_one_build_of_their_dependencies() {
     let program = features(&["normal", "--package", "gronwall"]);
-    let tests = features(&["normal,dev", "--workspace"]);
+    let tests = features(&["normal,dev", "--workspace", "--exclude", "gronwall-python"]);
+    let wheel = features(&["normal", "--package", "gronwall-python"]);
     assert!(program.iter().any(|line| line.starts_with("nalgebra ")), "{program:?}");
     let apart: Vec<&String> = program.difference(&tests).collect();
     assert!(apart.is_empty(), "the tests build these with other features: {apart:#?}");
+    let apart: Vec<&String> =
+        program.difference(&wheel).filter(|line| !line.starts_with("gronwall ")).collect();
+    assert!(apart.is_empty(), "the wheel builds these with other features: {apart:#?}");
     let alone = features(&["normal", "--package", "gronwall-algebra"]);
     assert!(alone.difference(&tests).next().is_some(), "a crate alone asks for fewer features");
 }
@@ -272,6 +276,49 @@ fn crates_know_what_the_table_says() {
         let place = |name: &str| HOUSE.iter().position(|(other, ..)| *other == name);
         assert!(known.iter().all(|known| place(known) < place(name)), "{name}");
     }
+}
+
+/// What scenes can name, by the newest of its kind, and the files that name it: one each for the side of the solver and, but
+/// for elements, the side of the truth, and one that reads scenes. A further one touches no other.
+const PLUG_INS: [(&str, &[&str]); 4] = [
+    ("::P2", &["crates/fem/src/space/elements.rs"]),
+    (
+        "Gregory {",
+        &[
+            "crates/run/src/leading_error/time.rs",
+            "crates/scene/src/time.rs",
+            "crates/vhi/src/history/gregory.rs",
+        ],
+    ),
+    ("Slip(", &["crates/exact/src/friction.rs", "crates/scene/src/friction.rs"]),
+    (
+        "Rational {",
+        &["crates/exact/src/curve.rs", "crates/scene/src/curve.rs", "crates/vhi/src/law/curve.rs"],
+    ),
+];
+
+/// Files whose code, without comments and tests, has a text.
+fn with<'a>(all: &'a [Source], what: &str) -> Vec<&'a str> {
+    let has = |source: &&Source| {
+        let code = source.text.split("#[cfg(test)]").next().unwrap_or("");
+        !source.path.contains("/tests")
+            && without_comments(code).iter().any(|line| line.contains(what))
+    };
+    let mut found: Vec<&str> = all.iter().filter(has).map(|source| source.path.as_str()).collect();
+    found.sort_unstable();
+    found
+}
+
+#[test]
+fn a_law_a_rule_and_an_element_are_named_where_the_table_says() {
+    let mut all = sources();
+    for (what, places) in PLUG_INS {
+        assert_eq!(with(&all, what), places, "{what}");
+    }
+    let text = String::from("match rule { Gregory { .. } => 1.0, _ => 2.0 }");
+    let (path, of, module) = ("crates/judge/src/fit.rs".into(), "judge".into(), "fit".into());
+    all.push(Source { path, of, module, depth: 1, text });
+    assert_ne!(with(&all, PLUG_INS[1].0), PLUG_INS[1].1);
 }
 
 #[test]

@@ -7,9 +7,9 @@
 use std::path::Path;
 use std::process::Output;
 
-use gronwall::scene::Registry;
 use gronwall::shipped::{baseline, scenes};
-use gronwall::verdict::Baseline;
+use judge::verdict::Baseline;
+use scene::Registry;
 
 use crate::external::answer;
 use crate::program::{Folder, code, command, json, stderr, stdout};

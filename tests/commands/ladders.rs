@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use gronwall::extremes::{Expected, Ladder, catalogue};
+use studies::extremes::{Expected, Ladder, catalogue};
 
 fn page(ladders: &[Ladder]) -> String {
     let mut page = String::from(

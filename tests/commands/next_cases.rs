@@ -5,15 +5,15 @@
 
 use crate::program::{Folder, code, command, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
-use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use gronwall::report::{AnnotationPlace, annotations, step_summary};
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::Subject;
-use gronwall::sweep::{AddedCase, Overrides, ScenePlan, Step, extend};
-use gronwall::verdict::{
+use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
+use judge::verdict::{
     Decision, Expect, FloorSource, Foreseen, LeadingLine, LeadingPoint, NextCase, Prediction,
     Variable, Verdict, judge, judge_foreseen,
 };
+use report::{AnnotationPlace, annotations, step_summary};
+use run::sweep::{AddedCase, Overrides, ScenePlan, Step, extend};
+use scene::setup::Subject;
+use scene::{Scene, Source};
 
 fn case(n: u32, steps: u32, error: f64, floor: f64) -> CaseRecord {
     CaseRecord {

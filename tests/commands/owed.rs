@@ -5,12 +5,12 @@
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::edited;
-use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use gronwall::setup::{NewtonMarch, Scheme};
-use gronwall::verdict::{
+use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
+use judge::verdict::{
     Baseline, ComparedRun, Comparison, DeviationKind, Expect, FittedConstant, Prediction, Variable,
     Verdict, compare_owed, compare_with_baseline, judge,
 };
+use scene::setup::{NewtonMarch, Scheme};
 
 /// affine with orders in time of V_max and of L2_max; both are 2.
 fn two_predictions(orders: [&str; 2]) -> String {
@@ -27,9 +27,9 @@ fn answers(scene: &str, cases: &std::path::Path) {
     let data = crate::shipped::on_mesh(&setup, 4);
     let nodes = &data.space.nodes;
     for steps in [4, 8, 16, 32, 64] {
-        let dir = gronwall::external::case_dir(cases, "affine", 4, steps);
+        let dir = run::external::case_dir(cases, "affine", 4, steps);
         let mut u = Vec::new();
-        let mut observe = |view: &gronwall::contact::StepView<'_>| {
+        let mut observe = |view: &fem::contact::StepView<'_>| {
             for &node in &nodes.of_vertex {
                 u.extend_from_slice(&view.u[2 * node as usize..2 * node as usize + 2]);
             }
@@ -38,7 +38,7 @@ fn answers(scene: &str, cases: &std::path::Path) {
         NewtonMarch.march(&setup, &data, steps, &mut observe).unwrap_or_else(|e| panic!("{e}"));
         let shape = [steps as usize + 1, nodes.of_vertex.len(), 2];
         std::fs::create_dir_all(&dir).expect("a folder");
-        let bytes = gronwall::external::encode(&shape, &u);
+        let bytes = run::external::encode(&shape, &u);
         std::fs::write(dir.join("displacement.npy"), bytes).expect("an answer");
     }
 }

@@ -6,8 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use gronwall::scene::{Scene, Source};
 use rayon::prelude::*;
+use scene::{Scene, Source};
 
 use crate::shipped::text;
 

@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
-use gronwall::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
-use gronwall::report::StudyDocument;
-use gronwall::setup::Subject;
-use gronwall::theory::audit::{SceneAudit, SidesAtLevel};
-use gronwall::theory::bound::BoundStudy;
-use gronwall::theory::gronwall::{Study, StudyRuns};
-use gronwall::theory::ledger;
+use report::StudyDocument;
+use scene::setup::Subject;
+use studies::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
+use studies::theory::audit::{SceneAudit, SidesAtLevel};
+use studies::theory::bound::BoundStudy;
+use studies::theory::gronwall::{Study, StudyRuns};
+use studies::theory::ledger;
 
 /// The document is sound without the defect, and says `words` with it.
 #[track_caller]
@@ -27,7 +27,7 @@ fn a_bound_says_what_is_violated() {
     let sound = BoundStudy::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
     let document = |bound: &BoundStudy| bound.document().expect("a document");
     let mut defect = sound.clone();
-    defect.violations.push(gronwall::theory::bound::gate::BoundViolation {
+    defect.violations.push(studies::theory::bound::gate::BoundViolation {
         k: Some(0.5),
         what: "|DLambda| <= (3.15)".into(),
         left: 2.0,
@@ -47,7 +47,7 @@ fn a_chain_says_which_link_fails() {
     let plan = StudyRuns { n: Some(4), steps: vec![8], horizons: Vec::new() };
     let mut study = Study::run(&subject, plan).expect("a study");
     let sound = study.document().expect("a document");
-    let violation = gronwall::theory::gronwall::LinkViolation {
+    let violation = studies::theory::gronwall::LinkViolation {
         link: "e <= weighted envelope",
         n: 3,
         t: 0.375,
@@ -56,7 +56,7 @@ fn a_chain_says_which_link_fails() {
     };
     study
         .violations
-        .push(gronwall::theory::gronwall::FailedLink { part: "N = 8".into(), violation });
+        .push(studies::theory::gronwall::FailedLink { part: "N = 8".into(), violation });
     let words =
         "N = 8: e <= weighted envelope at n = 3 (t = 0.375): 5.000000000e-1 against no number";
     shows(&sound, &study.document().expect("a document"), words);

@@ -120,7 +120,7 @@ fn a_directory_that_a_sweep_writes_to_is_left_alone() {
     let folder = Folder::new("held");
     let table = finished(&folder);
     let before = std::fs::read(&table).expect("a table");
-    let held = gronwall::sweep::OutputDirectory::take(&folder.at("out")).expect("a directory");
+    let held = run::sweep::OutputDirectory::take(&folder.at("out")).expect("a directory");
     let output = sweep(&["report", &folder.argument("out")]);
     assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
     assert!(stderr(&output).contains("writes here"), "{}", stderr(&output));

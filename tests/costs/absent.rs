@@ -3,15 +3,15 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use gronwall::contact::{BoundaryRule, CaseInfo, MemoryTerm, Model, Plan, march, march_in_volume};
-use gronwall::history::{TimeGrid, TimeRule};
-use gronwall::law::{
+use algebra::tensor::Symmetric;
+use fem::contact::{BoundaryRule, CaseInfo, MemoryTerm, Model, Plan, march, march_in_volume};
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::Newton;
+use vhi::history::{TimeGrid, TimeRule};
+use vhi::law::{
     AnyProjection, ExponentialSum, HistoryKernel, NoPotential, Potential, Projection, Response,
     YieldLimit,
 };
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::tensor::Symmetric;
-use gronwall::vhi::Newton;
 
 use super::shipped::{bodies, on_a_mesh};
 
@@ -55,11 +55,11 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
     // rules of order p at each of the first p - 1 steps.
     let factors = match setup.scene.time.rule {
         _ if !Plan::changes_factor(model) => 1,
-        gronwall::scene::TimeRule::Gregory { order } => order,
+        scene::TimeRule::Gregory { order } => order,
         _ => 2,
     };
     let spare = linear.factorizations.saturating_sub(factors);
-    let uniform = setup.scene.time.grid == gronwall::scene::TimeGrid::Uniform;
+    let uniform = setup.scene.time.grid == scene::TimeGrid::Uniform;
     let one_matrix = plan == Plan::Condensed || model.is_linear();
     zero(one_matrix && uniform, "factorizations to spare", spare as usize);
     let passes = linear.solves.saturating_sub(levels);
@@ -107,7 +107,7 @@ fn a_term_that_is_paid_for_in_vain_is_found() {
     assert!(found.iter().any(|line| line.contains("bytes of history")), "{found:?}");
     let sound = run(&setup, &data);
     let heavy = CaseInfo {
-        work: gronwall::contact::Work { residuals: 3, tangents: 2, ..sound.work },
+        work: fem::contact::Work { residuals: 3, tangents: 2, ..sound.work },
         active_set_changes: 1,
         ..sound
     };
@@ -155,8 +155,7 @@ impl TimeRule for CountedRule {
 /// Weights of kernels that a march of `setup` asks for.
 fn weights(setup: &mut Setup, data: &MeshData) -> usize {
     let asked = Asked::default();
-    let rule =
-        std::mem::replace(&mut setup.model.time_rule, Box::new(gronwall::history::Trapezoid));
+    let rule = std::mem::replace(&mut setup.model.time_rule, Box::new(vhi::history::Trapezoid));
     setup.model.time_rule = Box::new(CountedRule(rule, asked.clone()));
     run(setup, data);
     asked.count()

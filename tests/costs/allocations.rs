@@ -4,16 +4,14 @@
 use std::hint::black_box;
 
 use allocation_counter::measure;
-use gronwall::contact::{
-    Discretization, LinearSolver, Load, LoadError, MemoryTerm, Model, Plan, march,
-};
-use gronwall::history::{Memory, TimeGrid};
-use gronwall::law::{
+use fem::contact::{Discretization, LinearSolver, Load, LoadError, MemoryTerm, Model, Plan, march};
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::Newton;
+use vhi::history::{Memory, TimeGrid};
+use vhi::law::{
     AnyProjection, ExponentialSum, FourthOrder, INTERPOLATED_TO, Isotropic, MemoryKernel, VonMises,
     YieldLimit,
 };
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::vhi::Newton;
 
 use super::shipped;
 

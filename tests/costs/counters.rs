@@ -1,8 +1,8 @@
 //! The work of whole runs is no more than it once was: a ratchet, not a truth. Errors of the same runs are judged elsewhere.
 
-use gronwall::contact::{CaseInfo, march};
-use gronwall::setup::TruthLoad;
-use gronwall::vhi::Newton;
+use fem::contact::{CaseInfo, march};
+use scene::setup::TruthLoad;
+use vhi::Newton;
 
 use super::shipped::{on_mesh, setup};
 

@@ -1,9 +1,9 @@
 //! A factor that all grids in time have in common is made once a mesh.
 
-use gronwall::contact::Plan;
-use gronwall::scene::Norm;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::sweep::{CasePlan, run_contact_case};
+use fem::contact::Plan;
+use run::sweep::{CasePlan, run_contact_case};
+use scene::Norm;
+use scene::setup::{MeshData, Setup};
 
 use super::shipped::{on_mesh, run, setup};
 

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-use gronwall::linalg::signed_unit;
+use algebra::linalg::signed_unit;
 
 /// Nothing that is read takes a person's patience: a guard against hanging, which decides nothing else.
 const PATIENCE: Duration = Duration::from_secs(60);

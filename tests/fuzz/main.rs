@@ -13,20 +13,18 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use damage::fuzz;
+use fem::mesh::read_gmsh;
+use formula::{EvaluationPoint, Graph, Program, Scope, Variable};
 use gronwall::cli::fitted;
-use gronwall::external::{Wanted, decode, encode, read_displacements};
-use gronwall::fit::Direction;
-use gronwall::formula::{EvaluationPoint, Graph, Program, Scope, Variable};
-use gronwall::mesh::read_gmsh;
-use gronwall::record::{CaseRecord, Key, read};
-use gronwall::report::{convergence_svg, split_svg};
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::Subject;
-use gronwall::sweep::{Provenance, judge_scene, scene_summary};
-use gronwall::verdict::{
-    Baseline, ComparedRun, compare_with_baseline, read_failures, read_foreseen,
-};
+use judge::fit::Direction;
+use judge::record::{CaseRecord, Key, read};
+use judge::verdict::{Baseline, ComparedRun, compare_with_baseline, read_failures, read_foreseen};
 use program::{Folder, code, stderr, sweep};
+use report::{convergence_svg, split_svg};
+use run::external::{Wanted, decode, encode, read_displacements};
+use run::sweep::{Provenance, judge_scene, scene_summary};
+use scene::setup::Subject;
+use scene::{Scene, Source};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured")

@@ -1,6 +1,6 @@
 //! Text of scenes, tables and solvers stands in messages and files as text: it steers no terminal and commands no log.
 
-use gronwall::files::{harmless, harmless_json, shortened};
+use files::{harmless, harmless_json, shortened};
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};

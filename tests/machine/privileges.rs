@@ -87,11 +87,13 @@ fn reaches_out(source: &str) -> Vec<&'static str> {
     words.into_iter().filter(|word| code.contains(word)).collect()
 }
 
-/// Sources that may run a program: one that the user names, and this one itself for `trade --confirm`.
-const ASKED_FOR: [&str; 3] = [
+/// Sources that may run a program: one that the user names, this one itself for `trade --confirm`, and the one beside it for
+/// `report --pdf`.
+const ASKED_FOR: [&str; 4] = [
     "crates/run/src/external/process.rs",
     "crates/run/src/external/group.rs",
     "src/cli/trade/answer.rs",
+    "src/cli/typesetter.rs",
 ];
 
 #[test]

@@ -4,12 +4,12 @@ use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use gronwall::contact::{CaseError, CaseInfo, Observer};
-use gronwall::record::CaseRecord;
-use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
-use gronwall::sweep::{
+use fem::contact::{CaseError, CaseInfo, Observer};
+use judge::record::CaseRecord;
+use run::sweep::{
     Machine, MemoryLimit, OutputDirectory, Overrides, Progress, ScenePlan, run_sweep,
 };
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 
 use crate::program::Folder;
 use crate::shipped::setup;

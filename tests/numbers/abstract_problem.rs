@@ -2,14 +2,14 @@
 //! Goal: tangent, histories, solvers and orders of the problem without a mesh, each shown to fail on a seeded defect.
 //! Data: manufactured/abstract-*.toml, and small scenes written here.
 
-use gronwall::finite::{FiniteError, FiniteEvolution, FiniteLoad, FiniteModel, FiniteView, march};
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::linalg::signed_unit;
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{AbstractLoad, AbstractSetup};
-use gronwall::theory::bound::BoundStudy;
-use gronwall::vhi::{FixedPoint, HistoryInequality, Newton, StepInequality, StepSolver, StepState};
+use algebra::linalg::signed_unit;
 use nalgebra::DVector;
+use scene::setup::{AbstractLoad, AbstractSetup};
+use scene::{Scene, Source};
+use studies::theory::bound::BoundStudy;
+use vhi::finite::{FiniteError, FiniteEvolution, FiniteLoad, FiniteModel, FiniteView, march};
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::{FixedPoint, HistoryInequality, Newton, StepInequality, StepSolver, StepState};
 
 fn shipped(name: &str) -> AbstractSetup {
     let path = format!("{}/manufactured/{name}.toml", env!("CARGO_MANIFEST_DIR"));

@@ -25,16 +25,16 @@
 use std::sync::{Arc, Mutex};
 
 use crate::shipped::{edited, on_mesh, setup_of, text};
-use gronwall::contact::{BoundaryRule, MemoryTerm, Model, march};
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{AnyProjection, MemoryKernel, PiecewiseLinear, VonMises, YieldLimit};
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::theory::audit::{
+use fem::contact::{BoundaryRule, MemoryTerm, Model, march};
+use scene::setup::{MeshData, Setup, TruthLoad};
+use studies::theory::audit::{
     AuditConstants, AuditError, Auditor, CaseLine, Line, LineStanding, Relation, SceneAudit,
     SidesAtLevel, Statement, audit_case,
 };
-use gronwall::theory::ledger::ledger;
-use gronwall::vhi::Newton;
+use studies::theory::ledger::ledger;
+use vhi::Newton;
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{AnyProjection, MemoryKernel, PiecewiseLinear, VonMises, YieldLimit};
 
 /// A shipped scene with a boundary rule.
 fn with_rule(mut setup: Setup, rule: BoundaryRule) -> Setup {

@@ -5,24 +5,24 @@
 //! Data: linear-punch (ℬ(0) = -𝒜/4: factor k/8), memory-minus-identity and -plus-identity (λ = μ_L = 1: factor k/4), punch.
 
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use gronwall::contact::{CaseError, TraceMass, trace_constant};
-use gronwall::history::TimeGrid;
-use gronwall::law::{Potential, TensorField};
-use gronwall::linalg::{FactorError, dot, signed_unit};
-use gronwall::setup::{MeshData, Setup, TruthLoad, constants, step_bounds};
-use gronwall::theory::bound::branch::Branch;
-use gronwall::theory::bound::contact::{at_level, study};
-use gronwall::theory::bound::factor::{contraction, finite_factor};
-use gronwall::theory::bound::gate::violations;
-use gronwall::theory::bound::ladder::{BoundError, StepLadder, StepOutcome, StepRung};
-use gronwall::theory::bound::run::ContractionStudy;
-use gronwall::theory::bound::threshold::Crossing;
-use gronwall::theory::bound::{BoundStudy, sampled};
-use gronwall::vhi::{
+use algebra::linalg::{FactorError, dot, signed_unit};
+use fem::contact::{CaseError, TraceMass, trace_constant};
+use nalgebra::DMatrix;
+use scene::setup::{MeshData, Setup, TruthLoad, constants, step_bounds};
+use studies::theory::bound::branch::Branch;
+use studies::theory::bound::contact::{at_level, study};
+use studies::theory::bound::factor::{contraction, finite_factor};
+use studies::theory::bound::gate::violations;
+use studies::theory::bound::ladder::{BoundError, StepLadder, StepOutcome, StepRung};
+use studies::theory::bound::run::ContractionStudy;
+use studies::theory::bound::threshold::Crossing;
+use studies::theory::bound::{BoundStudy, sampled};
+use vhi::history::TimeGrid;
+use vhi::law::{Potential, TensorField};
+use vhi::{
     BoundaryGraph, FixedPoint, FrozenDerivative, HistoryInequality, Newton, OpenInequality,
     Scratch, StepBounds, StepError, StepInequality, StepState,
 };
-use nalgebra::DMatrix;
 
 const N: u32 = 8;
 
@@ -215,17 +215,17 @@ fn marches_with_both_solvers() {
         let data = on_mesh(setup, 4);
         let mut load = TruthLoad(&*data.truth);
         let (grid, mut norm) = (setup.grid(steps), 0.0);
-        let mut see = |view: &gronwall::contact::StepView<'_>| {
+        let mut see = |view: &fem::contact::StepView<'_>| {
             norm = view.strain_norm;
             Ok(())
         };
         let (space, model) = (&data.space, &setup.model);
         let info = if fixed {
             let solver = FixedPoint::default();
-            gronwall::contact::march(space, model, &grid, &mut load, &solver, &mut see)?
+            fem::contact::march(space, model, &grid, &mut load, &solver, &mut see)?
         } else {
             let solver = Newton::default();
-            gronwall::contact::march(space, model, &grid, &mut load, &solver, &mut see)?
+            fem::contact::march(space, model, &grid, &mut load, &solver, &mut see)?
         };
         Ok((info.fixed_point_iterations, norm))
     };
@@ -244,7 +244,7 @@ fn marches_with_both_solvers() {
 }
 
 /// A pair of dense matrices of the mesh n = 4: energy of a tensor, and trace mass by its action on unit vectors.
-fn dense(space: &gronwall::contact::Discretization, tensor: &TensorField, lumped: bool) -> f64 {
+fn dense(space: &fem::contact::Discretization, tensor: &TensorField, lumped: bool) -> f64 {
     let order = space.dofs();
     let values = space.stiffness(tensor);
     let mut column = vec![0.0; order];
@@ -373,13 +373,12 @@ impl<P: Potential> Potential for Understated<P> {
 #[test]
 fn understated_constants_of_a_law_are_caught() {
     let law = || {
-        gronwall::law::PiecewiseLinear::new(vec![(0.0, 0.0), (0.04, 0.08), (0.10, 0.05)], 0.0, 0.0)
+        vhi::law::PiecewiseLinear::new(vec![(0.0, 0.0), (0.04, 0.08), (0.10, 0.05)], 0.0, 0.0)
             .expect("a law")
     };
     assert!(sampled::law(&law()).iter().all(|row| row.holds));
     assert!(sampled::law(&Understated(law())).iter().all(|row| !row.holds));
-    let jump =
-        gronwall::law::PiecewiseLinear::new(vec![(0.1, 0.0), (0.1, 1.0), (0.3, 0.2)], 0.0, 0.0);
+    let jump = vhi::law::PiecewiseLinear::new(vec![(0.1, 0.0), (0.1, 1.0), (0.3, 0.2)], 0.0, 0.0);
     let jump = jump.expect("a law");
     assert!(sampled::law(&jump).iter().all(|row| row.holds), "{:?}", sampled::law(&jump));
 }
@@ -389,7 +388,7 @@ fn understated_constants_of_the_body_are_caught() {
     let setup = setup("punch");
     let space = setup.space(4).expect("a mesh");
     let sound = constants(&setup).expect("constants");
-    let failing = |wrong: &gronwall::setup::Constants| -> Vec<String> {
+    let failing = |wrong: &scene::setup::Constants| -> Vec<String> {
         let rows = sampled::sample(&setup, wrong, &space).expect("samples");
         rows.into_iter().filter(|row| !row.holds).map(|row| row.what).collect()
     };

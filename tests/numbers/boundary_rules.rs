@@ -4,7 +4,7 @@
 //! Mesh: n = 8, 16, 32, N = 4. Data: compliance (both branches of the law, no constraint), pure-strong (all states).
 
 use crate::shipped::{on_mesh, setup};
-use gronwall::contact::BoundaryRule;
+use fem::contact::BoundaryRule;
 
 const RULES: [BoundaryRule; 3] = [BoundaryRule::Vertex, BoundaryRule::Gauss, BoundaryRule::Exact];
 const MESHES: [u32; 3] = [8, 16, 32];

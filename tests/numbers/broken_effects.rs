@@ -4,15 +4,15 @@
 //! Data: broken-*.toml and edited copies. `--nocapture` prints the numbers that the chapter quotes.
 
 use crate::shipped::{edited, errors, on_mesh, run, setup, text};
-use gronwall::finite::{FiniteError, march};
-use gronwall::formula::{Graph, Variable};
-use gronwall::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::HistoryKernel;
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{AbstractLoad, AbstractSetup};
-use gronwall::space::quadrature::gauss_legendre;
-use gronwall::vhi::{FixedPoint, Newton, StepError, StepSolver};
+use fem::space::quadrature::gauss_legendre;
+use formula::{Graph, Variable};
 use nalgebra::DVector;
+use scene::setup::{AbstractLoad, AbstractSetup};
+use scene::{Scene, Source};
+use vhi::finite::{FiniteError, march};
+use vhi::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::HistoryKernel;
+use vhi::{FixedPoint, Newton, StepError, StepSolver};
 
 fn abstract_of(text: String) -> AbstractSetup {
     let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
@@ -326,9 +326,8 @@ fn the_strain_of_broken_zeta_vanishes_at_a_third() {
     let mut graph: Graph = exact.data.graph.clone();
     for &u in &exact.data.u {
         let by_y = graph.derivative(u, Variable::Y);
-        let at = |t: f64| {
-            graph.evaluate(by_y, &gronwall::formula::EvaluationPoint { t, ..Default::default() })
-        };
+        let at =
+            |t: f64| graph.evaluate(by_y, &formula::EvaluationPoint { t, ..Default::default() });
         assert!(at(1.0 / 3.0).abs() < 1e-15 && at(0.32) * at(0.35) < 0.0);
     }
 }

@@ -4,18 +4,18 @@
 //! Data: shipped scenes at small size; defects at `Setup::model` and in records. `--nocapture` prints the table.
 
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use gronwall::contact::MemoryTerm;
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::MemoryKernel;
-use gronwall::leading_error::{
+use fem::contact::MemoryTerm;
+use judge::record::{CaseRecord, Key};
+use judge::verdict::{Decision, FittedConstant, Foreseen, Verdict};
+use nalgebra::DVector;
+use run::leading_error::{
     Case, InterpolationError, MeasuredNorm, interpolation_constant, leading_errors,
 };
-use gronwall::record::{CaseRecord, Key};
-use gronwall::scene::{Direction, Norm, Scene, Source};
-use gronwall::setup::{AbstractSetup, Setup, Subject};
-use gronwall::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
-use gronwall::verdict::{Decision, FittedConstant, Foreseen, Verdict};
-use nalgebra::DVector;
+use run::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
+use scene::setup::{AbstractSetup, Setup, Subject};
+use scene::{Direction, Norm, Scene, Source};
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::law::MemoryKernel;
 
 fn records(setup: &Setup, ns: &[u32], steps: &[u32], norm: Norm) -> Vec<CaseRecord> {
     let mut records = Vec::new();

@@ -5,13 +5,13 @@
 //! Data: friction-coulomb.
 
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text, v_max};
-use gronwall::contact::{Evolution, Friction, StepView};
-use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
-use gronwall::linalg::{FactorError, signed_unit};
-use gronwall::scene::{Direction, Norm, Scene, Source};
-use gronwall::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
-use gronwall::sweep::{CasePlan, run_contact_case};
-use gronwall::vhi::{
+use algebra::linalg::{FactorError, signed_unit};
+use fem::contact::{Evolution, Friction, StepView};
+use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use run::sweep::{CasePlan, run_contact_case};
+use scene::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
+use scene::{Direction, Norm, Scene, Source};
+use vhi::{
     BoundaryGraph, HistoryInequality, Newton, OpenInequality, Scratch, StepError, StepInequality,
     StepInfo, StepSolver, StepState,
 };
@@ -72,8 +72,7 @@ fn a_symmetric_tangent_finds_the_same_later() {
         Ok(())
     };
     let solver = Symmetric(Newton::default());
-    let part =
-        gronwall::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see);
+    let part = fem::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see);
     let [whole, part] = [whole, part].map(|info| info.expect("a run").newton_iterations);
     let largest = found[0].iter().fold(0.0f64, |m, v| m.max(v.abs()));
     // Two solutions with residuals of rounding.

@@ -5,7 +5,7 @@
 //!   E = (A^m + B^m)^(1/m) with A, B such tables in h and k. `--nocapture` prints
 //!   the tables.
 
-use gronwall::fit::{
+use judge::fit::{
     Claim, Correction, Decision, ErrorCombination, Interval, Level, Point, Posterior, Sample,
     Triple, ValueSample, constant_under, eca_hoekstra, fit_constants, infer, infer_values,
     joint_fits, power_law,

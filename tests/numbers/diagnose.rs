@@ -6,19 +6,19 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, text};
-use gronwall::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observer, march};
-use gronwall::diagnose::{
+use fem::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observer, march};
+use formula::{EvaluationPoint, Variable};
+use judge::verdict::Decision;
+use scene::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
+use scene::{Data, Extension, Registry, Scene, Source};
+use studies::diagnose::{
     Finding, Outcome, Question, Suspect, culprit, diagnose, examine, sentence,
 };
-use gronwall::formula::{EvaluationPoint, Variable};
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{
+use vhi::Newton;
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{
     AnyProjection, Isotropic, MemoryKernel, PiecewiseLinear, Potential, Singular, VonMises,
 };
-use gronwall::scene::{Data, Extension, Registry, Scene, Source};
-use gronwall::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
-use gronwall::verdict::Decision;
-use gronwall::vhi::Newton;
 
 fn scene(text: String) -> Scene {
     let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));

@@ -1,6 +1,6 @@
 //! Tangents against differences of the residual.
 
-use gronwall::vhi::StepInequality;
+use vhi::StepInequality;
 
 /// The step of central differences: truncation 1e-12 over curvature, rounding 1e-16/1e-6 times the condition of the matrix.
 const STEP: f64 = 1e-6;

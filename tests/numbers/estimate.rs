@@ -10,18 +10,18 @@ use std::sync::{Arc, Mutex};
 
 use crate::program::{code, json, stderr, stdout, sweep};
 use crate::shipped::{on_mesh, setup};
+use fem::contact::{CaseError, CaseInfo, Observer};
 use gronwall::Scheme;
-use gronwall::contact::{CaseError, CaseInfo, Observer};
-use gronwall::guarantee::guarantee;
-use gronwall::scene::Norm;
-use gronwall::setup::{MeshData, Setup, reference_run};
-use gronwall::sweep::{CasePlan, MemoryLimit, run_contact_case};
-use gronwall::trade::estimate::{
+use run::sweep::{CasePlan, MemoryLimit, run_contact_case};
+use scene::Norm;
+use scene::setup::{MeshData, Setup, reference_run};
+use serde_json::Value;
+use studies::guarantee::guarantee;
+use studies::trade::estimate::{
     Advice, Companions, CostSource, Goal, NoAdvice, NormDifferences, advise, companions,
     companions_and_bound, costs, norm_estimate,
 };
-use gronwall::vhi::Newton;
-use serde_json::Value;
+use vhi::Newton;
 
 fn found(setup: &Setup, n: u32, steps: u32) -> Companions {
     companions(setup, n, steps).unwrap_or_else(|error| panic!("{error}"))

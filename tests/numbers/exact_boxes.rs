@@ -8,13 +8,13 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, on_mesh, relative, run, setup, setup_of, text, v_max};
-use gronwall::formula::Program;
-use gronwall::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
-use gronwall::manufactured::{Exact, ExactOnMesh, LoadForm, Status, Truth, check};
-use gronwall::norms::{ReferenceRun, step_errors};
-use gronwall::setup::{MeshData, Setup, YieldFormula, side_numbers, sides};
-use gronwall::space::quadrature::{Rule, TruthRules, tetrahedron_product};
-use gronwall::tensor::Symmetric;
+use algebra::tensor::Symmetric;
+use exact::{Exact, ExactOnMesh, LoadForm, Status, Truth, check};
+use fem::norms::{ReferenceRun, step_errors};
+use fem::space::quadrature::{Rule, TruthRules, tetrahedron_product};
+use formula::Program;
+use scene::setup::{MeshData, Setup, YieldFormula, side_numbers, sides};
+use vhi::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
 
 fn exact(setup: &Setup) -> Arc<Exact> {
     setup.exact.clone().expect("an exact solution")
@@ -303,7 +303,7 @@ fn defects_of_the_solver_in_space_are_seen() {
     let wrong = setup("affine-box");
     let plane = PlaneTrace(wrong.scene_projection().expect("a projection"));
     let projection = Some(AnyProjection::new(plane));
-    let model = gronwall::contact::Model { projection, ..wrong.model };
+    let model = fem::contact::Model { projection, ..wrong.model };
     let plane_trace = v_max(&sound, &model, &data, 32);
     assert!(plane_trace > 50.0 * error, "tr/2: {plane_trace:e} against {error:e}");
     let mut soft = setup("affine-box");
@@ -403,7 +403,7 @@ fn errors_against_a_reference_run_are_distances_on_its_mesh() {
                 let at = 3 * space.nodes.of_vertex[v] as usize;
                 (0..3).for_each(|i| difference[at + i] -= coarse_u[i]);
             }
-            let v = gronwall::contact::strain_norm(space, &difference);
+            let v = fem::contact::strain_norm(space, &difference);
             // ∫ d² of a linear d on a triangle: |F|/12 (Σ d_a² + (Σ d_a)²).
             let on_facet = |f: usize| {
                 let d = space

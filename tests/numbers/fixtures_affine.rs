@@ -7,10 +7,10 @@
 use std::sync::Arc;
 
 use crate::shipped::{errors, fixture, number, on_mesh, relative, run, setup};
-use gronwall::contact::LoadError;
-use gronwall::manufactured::{InterpolatedOnMesh, Truth};
-use gronwall::norms::{Moments, is_locked};
-use gronwall::setup::{MeshData, Setup};
+use exact::{InterpolatedOnMesh, Truth};
+use fem::contact::LoadError;
+use fem::norms::{Moments, is_locked};
+use scene::setup::{MeshData, Setup};
 use serde_json::{Value, json};
 
 /// The errors of the fixture carry 12 digits, but are differences of displacements 1e3 to 1e5 times their size,
@@ -26,7 +26,7 @@ fn computed(setup: &Setup, data: &MeshData, steps: u32) -> Value {
     let v: Vec<f64> = errors(setup, &setup.model, data, steps).iter().map(|e| e.v).collect();
     let trace = &data.space.trace;
     let at = |x: f64| {
-        let on = |p: &gronwall::contact::TracePoint| data.space.mesh.vertex(p.vertex)[0] == x;
+        let on = |p: &fem::contact::TracePoint| data.space.mesh.vertex(p.vertex)[0] == x;
         trace.points.iter().position(on).expect("a vertex of Γ3")
     };
     let mut last = Value::Null;

@@ -5,13 +5,13 @@
 //! Data: punch (all terms), elastic-punch (μ = 0), linear-punch (memory alone); (n, N) = (4, 4), (8, 8).
 
 use crate::shipped::{fixture, number, on_mesh, relative, run, setup};
-use gronwall::contact::Model;
-use gronwall::history::{TimeGrid, TimeRule};
-use gronwall::law::{AnyProjection, MemoryKernel, Projection, Response, YieldLimit};
-use gronwall::setup::Setup;
-use gronwall::solution::FinalState;
-use gronwall::tensor::Symmetric;
+use algebra::tensor::Symmetric;
+use fem::contact::Model;
+use scene::setup::Setup;
 use serde_json::Value;
+use studies::solution::FinalState;
+use vhi::history::{TimeGrid, TimeRule};
+use vhi::law::{AnyProjection, MemoryKernel, Projection, Response, YieldLimit};
 
 /// The fixture carries 15 digits. Two implementations differ by rounding times the condition of the tangent, 1e3
 /// here; 1e-9 is four digits above that and the accuracy promised for named quantities.

@@ -4,9 +4,9 @@
 //! Data: pure-strong at t = 1, three points at y = 0.15; ζ at t = 1/4, 1/2, 1. No mesh.
 
 use crate::shipped::{fixture, number, setup};
-use gronwall::formula::EvaluationPoint;
-use gronwall::manufactured::constitutive::{self, Tensor};
-use gronwall::manufactured::{Exact, MaterialNumbers};
+use exact::constitutive::{self, Tensor};
+use exact::{Exact, MaterialNumbers};
+use formula::EvaluationPoint;
 use serde_json::Value;
 
 /// The fixture carries 13 digits; its σ and f0 come from histories by quadrature good to about 1e-12, and f0 from
@@ -23,7 +23,7 @@ fn exact() -> std::sync::Arc<Exact> {
 fn fields(exact: &Exact, x: f64, y: f64) -> [Vec<f64>; 4] {
     let at =
         EvaluationPoint { x, y, t: 1.0, zeta: exact.zeta.at(1.0), ..EvaluationPoint::default() };
-    let values = |nodes: &[gronwall::formula::Node]| -> Vec<f64> {
+    let values = |nodes: &[formula::Node]| -> Vec<f64> {
         nodes.iter().map(|&node| exact.data.graph.evaluate(node, &at)).collect()
     };
     // Components come as xx, xy, yy.

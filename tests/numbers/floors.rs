@@ -9,13 +9,13 @@ use std::sync::Arc;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, setup, setup_of, text};
-use gronwall::contact::{CaseError, CaseInfo, Observer, StepView};
-use gronwall::law::MemoryKernel;
-use gronwall::scene::{Hypothesis, Norm, Registry};
-use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
-use gronwall::sweep::{
+use fem::contact::{CaseError, CaseInfo, Observer, StepView};
+use run::sweep::{
     FloorPart, FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history,
 };
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
+use scene::{Hypothesis, Norm, Registry};
+use vhi::law::MemoryKernel;
 
 /// Rows whose estimate is below what was measured, or is no number.
 fn uncovered(rows: &[FloorRow]) -> Vec<FloorRow> {

@@ -8,16 +8,16 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, fixture, on_mesh, run, setup, setup_of, text, v_max};
-use gronwall::contact::{
+use algebra::linalg::signed_unit;
+use fem::contact::{
     Evolution, Friction, StepView, TraceMass, kkt_residual, tangential_trace_constant,
 };
-use gronwall::diagnose::diagnose;
-use gronwall::law::PiecewiseLinear;
-use gronwall::linalg::signed_unit;
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{Setup, TruthLoad, constants};
-use gronwall::theory::audit::SceneAudit;
-use gronwall::vhi::{Decomposition, HistoryInequality, StepInequality};
+use scene::setup::{Setup, TruthLoad, constants};
+use scene::{Scene, Source};
+use studies::diagnose::diagnose;
+use studies::theory::audit::SceneAudit;
+use vhi::law::PiecewiseLinear;
+use vhi::{Decomposition, HistoryInequality, StepInequality};
 
 const NS: [u32; 3] = [8, 16, 32];
 const STEPS: u32 = 8;
@@ -58,7 +58,7 @@ fn another_program_finds_the_same() {
         assert!((found - known).abs() <= 1e-9 * largest(&s), "s at vertex {}", point.vertex);
     }
     let bound = |x: f64| 0.05 * (1.0 + 6.0 * x) * 1.5;
-    let at = |p: &gronwall::contact::TracePoint| space.mesh.vertex(p.vertex)[0];
+    let at = |p: &fem::contact::TracePoint| space.mesh.vertex(p.vertex)[0];
     let sticks = space.trace.points.iter().zip(&s).filter(|(p, s)| s.abs() < 0.99 * bound(at(p)));
     let sticks = sticks.count();
     assert!(sticks >= 2 && sticks + 2 <= s.len(), "{sticks} of {} stick", s.len());
@@ -189,7 +189,7 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
     let u: Vec<f64> = free.iter().flat_map(at).collect();
     let mut seed = 5;
     let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
-    let branch = |graph: &gronwall::vhi::BoundaryGraph, i: usize| {
+    let branch = |graph: &vhi::BoundaryGraph, i: usize| {
         // One jump, at 0, and only in the graphs of friction.
         let normal = graph.normal(i, &u);
         graph.potentials[graph.coordinates[i].law as usize]
@@ -290,7 +290,7 @@ fn the_decomposition_finds_the_same() {
         Ok(())
     };
     let solver = Decomposition::default();
-    gronwall::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see)
+    fem::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see)
         .expect("the decomposition");
     let largest = found[0].iter().fold(0.0f64, |m, v| m.max(v.abs()));
     assert!(found[0].iter().zip(&found[1]).all(|(a, b)| (a - b).abs() < 1e-9 * largest));

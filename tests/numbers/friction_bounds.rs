@@ -8,13 +8,13 @@
 use std::sync::Arc;
 
 use crate::shipped::{on_mesh, run, setup, v_max};
-use gronwall::contact::{Evolution, Friction, Model};
-use gronwall::law::PiecewiseLinear;
-use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
-use gronwall::linalg::signed_unit;
-use gronwall::scene::{Direction, Norm};
-use gronwall::setup::{MeshData, Setup, Subject, TruthLoad};
-use gronwall::vhi::{BoundaryGraph, HistoryInequality, StepInequality, StepState};
+use algebra::linalg::signed_unit;
+use fem::contact::{Evolution, Friction, Model};
+use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use scene::setup::{MeshData, Setup, Subject, TruthLoad};
+use scene::{Direction, Norm};
+use vhi::law::PiecewiseLinear;
+use vhi::{BoundaryGraph, HistoryInequality, StepInequality, StepState};
 
 /// s(u) of each law, components one after another: S(|u_τ|) u_τ/|u_τ| for vectors.
 fn pressures(graph: &BoundaryGraph, u: &[f64]) -> Vec<f64> {

@@ -8,10 +8,10 @@
 use std::sync::Arc;
 
 use crate::shipped::{fixture, on_mesh, run, setup_of};
-use gronwall::contact::{Friction, StepView};
-use gronwall::law::PiecewiseLinear;
-use gronwall::setup::Setup;
+use fem::contact::{Friction, StepView};
+use scene::setup::Setup;
 use serde_json::Value;
+use vhi::law::PiecewiseLinear;
 
 const CASES: [&str; 6] = ["coulomb", "falling", "box", "box-coulomb", "box-falling", "box-time"];
 

@@ -5,13 +5,13 @@
 //! Data: friction-box, frustum.msh.
 
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text};
-use gronwall::contact::{
+use algebra::linalg::signed_unit;
+use exact::{Status, check};
+use fem::contact::{
     Friction, StepView, TraceMass, kkt_residual, strain_norm, tangential_trace_constant,
 };
-use gronwall::linalg::signed_unit;
-use gronwall::manufactured::{Status, check};
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{Setup, sides};
+use scene::setup::{Setup, sides};
+use scene::{Scene, Source};
 
 /// A stress that is turned in the face, one that is a little beyond the ball, and one whose components are within S while
 /// their vector is not.
@@ -95,7 +95,7 @@ fn foot(setup: &Setup) -> Foot {
     let (data, mut seen) = (on_mesh(setup, 2), Vec::new());
     run(setup, &setup.model, &data, 3, |view| {
         let points = data.space.trace.points.iter().zip(view.friction_stresses(&data.space));
-        let vertex = |(point, s): (&gronwall::contact::TracePoint, &[f64])| {
+        let vertex = |(point, s): (&fem::contact::TracePoint, &[f64])| {
             let mut stress = [0.0; 3];
             for (s, tangent) in s.iter().zip(point.tangents()) {
                 stress.iter_mut().zip(tangent).for_each(|(sum, along)| *sum += s * along);

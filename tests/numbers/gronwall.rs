@@ -19,15 +19,15 @@
 //! 1.003. A weight or a kernel value that is wrong at O(k) is far above any envelope, which is O(k²).
 
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use gronwall::contact::Model;
-use gronwall::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{AnyProjection, HistoryKernel, MemoryKernel, VonMises, YieldLimit};
-use gronwall::scene::{Hypothesis, Registry, Scene, Source};
-use gronwall::setup::{MeshData, Setup, Subject};
-use gronwall::theory::gronwall::{
+use fem::contact::Model;
+use scene::setup::{MeshData, Setup, Subject};
+use scene::{Hypothesis, Registry, Scene, Source};
+use studies::theory::gronwall::{
     GronwallConstants, GronwallError, KernelNorms, LinkViolation, TemporalRun, TemporalTruth,
     prepare,
 };
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{AnyProjection, HistoryKernel, MemoryKernel, VonMises, YieldLimit};
 
 const STEPS: u32 = 128;
 /// Scenes with an exact state in V^h, and their meshes.

@@ -7,14 +7,14 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, on_mesh, setup_of, text};
-use gronwall::contact::LoadError;
-use gronwall::formula::{Graph, Node, Program, Scope, Variable};
-use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
-use gronwall::manufactured::Truth;
-use gronwall::norms::Moments;
-use gronwall::scene::{Direction, Norm};
-use gronwall::setup::{MeshData, Setup, Subject};
-use gronwall::sweep::{CasePlan, run_contact_case};
+use exact::Truth;
+use fem::contact::LoadError;
+use fem::norms::Moments;
+use formula::{Graph, Node, Program, Scope, Variable};
+use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use run::sweep::{CasePlan, run_contact_case};
+use scene::setup::{MeshData, Setup, Subject};
+use scene::{Direction, Norm};
 
 const POWERS: [f64; 4] = [0.1, 0.3, 0.6, 0.9];
 /// Rounding of the sums over some fifty pieces.
@@ -275,7 +275,7 @@ impl Truth for Coarse {
 
 /// ∫_0^{1/16} exp(-(1/16-s)) s^a ds by sixteen panels of 12 Gauss points.
 fn by_coarse_panels(a: f64) -> f64 {
-    let rule = gronwall::space::quadrature::gauss_legendre(12);
+    let rule = fem::space::quadrature::gauss_legendre(12);
     let panel = |p: i32| {
         let half = 0.5 / 256.0;
         let at = |(x, w): &(f64, f64)| {

@@ -8,15 +8,15 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, on_mesh, path, run, setup, setup_of, text, v_max};
-use gronwall::contact::{CaseError, KKT_ALLOWED, StepView, kkt_residual};
-use gronwall::law::{Curve, Curved, PiecewiseLinear, Potential, Scaled};
-use gronwall::scene::{Body, Hypothesis, Scene, Source};
-use gronwall::setup::{
+use fem::contact::{CaseError, KKT_ALLOWED, StepView, kkt_residual};
+use scene::setup::{
     AbstractSetup, MeshData, Setup, abstract_decomposition_bound, constants, decomposition_bound,
 };
-use gronwall::theory::audit::SceneAudit;
-use gronwall::theory::bound::sampled;
-use gronwall::vhi::{Decomposition, Newton};
+use scene::{Body, Hypothesis, Scene, Source};
+use studies::theory::audit::SceneAudit;
+use studies::theory::bound::sampled;
+use vhi::law::{Curve, Curved, PiecewiseLinear, Potential, Scaled};
+use vhi::{Decomposition, Newton};
 
 const CURVED: [&str; 3] = ["law-rational", "law-exponential", "law-power"];
 const NS: [u32; 3] = [8, 16, 32];
@@ -127,7 +127,7 @@ fn a_factor_counts_in_the_constants() {
     let mut found = constants(&setup).expect("constants");
     assert!((found.alpha_nu - 0.75).abs() < 1e-12, "{}", found.alpha_nu);
     let space = setup.space(4).expect("a mesh");
-    let holds = |found: &gronwall::setup::Constants| {
+    let holds = |found: &scene::setup::Constants| {
         sampled::sample(&setup, found, &space).expect("samples").iter().all(|row| row.holds)
     };
     assert!(holds(&found));

@@ -6,13 +6,13 @@
 use std::sync::Arc;
 
 use crate::shipped::{bodies, on_a_mesh, on_mesh, setup, setup_of, text};
-use gronwall::contact::{CaseError, Discretization, LoadError, facet_measure};
-use gronwall::formula::{EvaluationPoint, Node};
-use gronwall::manufactured::Truth;
-use gronwall::norms::Moments;
-use gronwall::scene::Data;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::vhi::Newton;
+use exact::Truth;
+use fem::contact::{CaseError, Discretization, LoadError, facet_measure};
+use fem::norms::Moments;
+use formula::{EvaluationPoint, Node};
+use scene::Data;
+use scene::setup::{MeshData, Setup};
+use vhi::Newton;
 
 /// Given loads on elements with further nodes, also on tetrahedra: midpoints of edges, barycentres of facets.
 #[test]
@@ -97,7 +97,7 @@ fn no_sound_load_is_refused() {
     for setup in bodies() {
         match setup.body.data {
             Data::Loads { .. } => given += 1,
-            Data::Exact { form: gronwall::scene::LoadForm::Strong, .. } => strong += 1,
+            Data::Exact { form: scene::LoadForm::Strong, .. } => strong += 1,
             Data::Exact { .. } => continue,
         }
         let run = march(&setup, &on_a_mesh(&setup));

@@ -7,12 +7,12 @@
 use std::sync::Arc;
 
 use crate::shipped::{bodies, edited, on_mesh, relative, setup, setup_of, text, v_max};
-use gronwall::contact::{BoundaryRule, Discretization, LoadError, stress_force};
-use gronwall::manufactured::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
-use gronwall::norms::Moments;
-use gronwall::scene::Data;
-use gronwall::setup::{MeshData, Setup, side_numbers};
-use gronwall::space::quadrature::TruthRules;
+use exact::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
+use fem::contact::{BoundaryRule, Discretization, LoadError, stress_force};
+use fem::norms::Moments;
+use fem::space::quadrature::TruthRules;
+use scene::Data;
+use scene::setup::{MeshData, Setup, side_numbers};
 
 /// Both load vectors on the mesh n at t, and the largest nodal force.
 fn loads(

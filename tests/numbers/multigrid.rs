@@ -6,10 +6,10 @@
 //! Data: shipped scenes.
 
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text};
-use gronwall::contact::{CaseInfo, ContactProblem, LastSlot, LinearSolver};
-use gronwall::linalg::FactorError;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::vhi::StepInequality;
+use algebra::linalg::FactorError;
+use fem::contact::{CaseInfo, ContactProblem, LastSlot, LinearSolver};
+use scene::setup::{MeshData, Setup};
+use vhi::StepInequality;
 
 /// Displacements and contact pressures of all steps.
 struct Run {

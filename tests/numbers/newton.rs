@@ -5,12 +5,10 @@
 
 use std::sync::Arc;
 
-use gronwall::law::{NoPotential, PiecewiseLinear, Potential};
-use gronwall::linalg::{FactorError, signed_unit};
-use gronwall::vhi::{
-    BoundaryGraph, Coordinate, Newton, Scratch, StepError, StepInequality, StepState,
-};
+use algebra::linalg::{FactorError, signed_unit};
 use nalgebra::{DMatrix, DVector};
+use vhi::law::{NoPotential, PiecewiseLinear, Potential};
+use vhi::{BoundaryGraph, Coordinate, Newton, Scratch, StepError, StepInequality, StepState};
 
 /// Solutions are accepted at 16 units of rounding of the forces; two more digits for the condition of A.
 const EXACT: f64 = 1e-13;

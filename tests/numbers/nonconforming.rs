@@ -9,13 +9,13 @@ use super::differences::mismatch;
 use crate::shipped::{
     Change, edited, errors, fixture, on_mesh, run, setup, setup_of, text, v_max, v_max_on_changed,
 };
-use gronwall::contact::{
+use algebra::linalg::signed_unit;
+use fem::contact::{
     ContactProblem, Discretization, KKT_ALLOWED, LastSlot, LinearSolver, StepView, kkt_residual,
 };
-use gronwall::linalg::signed_unit;
-use gronwall::scene::{Extension, Scene, Source};
-use gronwall::setup::Setup;
-use gronwall::space::Element;
+use fem::space::Element;
+use scene::setup::Setup;
+use scene::{Extension, Scene, Source};
 
 /// Every displacement to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
 #[test]
@@ -106,8 +106,8 @@ fn stresses_of_jumps_are_weighed_by_shear() {
         assert!((found - gamma * gamma * jumps).abs() < 1e-12 * found, "{gamma}: {found} {jumps}");
     }
     // The norm of V^h, by its square from the strains and the jumps.
-    let strains = gronwall::contact::strain_norm(&space, &v).powi(2);
-    let distance = gronwall::contact::strain_distance(&space, &v, &vec![0.0; v.len()]);
+    let strains = fem::contact::strain_norm(&space, &v).powi(2);
+    let distance = fem::contact::strain_distance(&space, &v, &vec![0.0; v.len()]);
     assert!((distance.powi(2) - strains - jumps).abs() < 1e-12 * strains && jumps > 0.1 * strains);
 }
 

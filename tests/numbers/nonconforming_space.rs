@@ -9,9 +9,9 @@ use super::differences::mismatch;
 use crate::shipped::{
     Change, edited, errors, fixture, on_mesh, run, setup_of, text, v_max_on_changed,
 };
-use gronwall::contact::{ContactProblem, LastSlot, LinearSolver};
-use gronwall::linalg::signed_unit;
-use gronwall::space::Element;
+use algebra::linalg::signed_unit;
+use fem::contact::{ContactProblem, LastSlot, LinearSolver};
+use fem::space::Element;
 
 /// Every displacement to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
 #[test]

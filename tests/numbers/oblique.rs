@@ -6,10 +6,10 @@
 //! Then whole scenes on polygons, from the file to the records: turned vertices, formulas, gap and loads give the same errors.
 
 use crate::shipped::{on_mesh, setup};
-use gronwall::contact::{BoundaryRule, CaseInfo, Discretization, Load, LoadError, Model, march};
-use gronwall::mesh::{Family, Mesh, rectangle};
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::vhi::{FixedPoint, Newton, StepSolver};
+use fem::contact::{BoundaryRule, CaseInfo, Discretization, Load, LoadError, Model, march};
+use fem::mesh::{Family, Mesh, rectangle};
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::{FixedPoint, Newton, StepSolver};
 
 const N: u32 = 6;
 const STEPS: u32 = 6;

@@ -5,13 +5,13 @@
 //! Data: in-space (n = 8; nothing but time is discretised), steady (no time), viscoelastic (smooth, for the integral).
 
 use crate::shipped::{errors, on_mesh, relative, run, setup, v_max};
-use gronwall::contact::{Model, StepView};
-use gronwall::formula::{EvaluationPoint, Node, Variable};
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{AnyProjection, MemoryKernel, VonMises, YieldLimit};
-use gronwall::manufactured::Exact;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::space::quadrature::gauss_legendre;
+use exact::Exact;
+use fem::contact::{Model, StepView};
+use fem::space::quadrature::gauss_legendre;
+use formula::{EvaluationPoint, Node, Variable};
+use scene::setup::{MeshData, Setup};
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{AnyProjection, MemoryKernel, VonMises, YieldLimit};
 
 const STEPS: [u32; 4] = [8, 16, 32, 64];
 
@@ -145,7 +145,7 @@ fn defects_in_time_leave_order_two() {
 }
 
 /// Formulas of ε_xx, ε_yy, ε_xy, derived apart from those of the manufactured side.
-fn strain_formulas(exact: &Exact) -> (gronwall::formula::Graph, [Node; 4]) {
+fn strain_formulas(exact: &Exact) -> (formula::Graph, [Node; 4]) {
     let mut graph = exact.data.graph.clone();
     let (u, v) = (exact.data.u[0], exact.data.u[1]);
     let mut d = |f: Node, axis: Variable| graph.derivative(f, axis);

@@ -5,11 +5,11 @@
 //!   scenes on equal steps let pass.
 //! Mesh, data: one small case of each of these scenes, as the main job runs it.
 
-use gronwall::contact::{CaseInfo, Path, Paths};
-use gronwall::record::Key;
-use gronwall::scene::TimeRule;
-use gronwall::setup::{MeshData, Setup, Subject};
-use gronwall::sweep::{Overrides, ScenePlan};
+use fem::contact::{CaseInfo, Path, Paths};
+use judge::record::Key;
+use run::sweep::{Overrides, ScenePlan};
+use scene::TimeRule;
+use scene::setup::{MeshData, Setup, Subject};
 
 /// Scenes with a case each: n, steps.
 const WALKS: &[(&str, u32, u32)] = &[

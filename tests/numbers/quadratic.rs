@@ -9,12 +9,12 @@ use crate::shipped::{
     Change, edited, errors, fixture, midpoints_between_corners, on_mesh, run, setup, setup_of,
     text, v_max, v_max_on_changed, weigh_facets,
 };
-use gronwall::contact::{ContactProblem, LastSlot, LinearSolver, StepView};
-use gronwall::linalg::signed_unit;
-use gronwall::norms::step_errors;
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::Setup;
-use gronwall::space::Element;
+use algebra::linalg::signed_unit;
+use fem::contact::{ContactProblem, LastSlot, LinearSolver, StepView};
+use fem::norms::step_errors;
+use fem::space::Element;
+use scene::setup::Setup;
+use scene::{Scene, Source};
 
 fn independent(name: &str) -> Setup {
     let path = format!("{}/tests/independent/quadratic-{name}.toml", env!("CARGO_MANIFEST_DIR"));

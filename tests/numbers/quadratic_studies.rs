@@ -1,4 +1,4 @@
-//! Source: (3.4), the proofs of Theorems 10 and 11, and [`gronwall::theory`], for quadratic elements: tensors vary in a cell, and
+//! Source: (3.4), the proofs of Theorems 10 and 11, and [`studies::theory`], for quadratic elements: tensors vary in a cell, and
 //!   the law sits at vertices and midpoints.
 //! Goal: every line of the proof holds on runs with P2, those with a gap with what functions pass it by between nodes, and
 //!   a defect of the scheme is caught; trace constants are those of a dense problem with the mass of quadratics on edges; the
@@ -9,20 +9,18 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use gronwall::contact::{
-    BoundaryRule, Discretization, MemoryTerm, TraceMass, march, trace_constant,
-};
-use gronwall::law::{MemoryKernel, PiecewiseLinear, TensorField};
-use gronwall::scene::Norm;
-use gronwall::setup::{MeshData, Setup, TruthLoad, constants, reference_run};
-use gronwall::sweep::{CasePlan, run_contact_case};
-use gronwall::theory::audit::{AuditConstants, Auditor, SceneAudit};
-use gronwall::theory::bound::contact::at_level;
-use gronwall::theory::bound::factor::{contraction, finite_factor};
-use gronwall::theory::bound::{BoundStudy, sampled};
-use gronwall::trade::estimate::{companions, norm_estimate};
-use gronwall::vhi::Newton;
+use fem::contact::{BoundaryRule, Discretization, MemoryTerm, TraceMass, march, trace_constant};
 use nalgebra::DMatrix;
+use run::sweep::{CasePlan, run_contact_case};
+use scene::Norm;
+use scene::setup::{MeshData, Setup, TruthLoad, constants, reference_run};
+use studies::theory::audit::{AuditConstants, Auditor, SceneAudit};
+use studies::theory::bound::contact::at_level;
+use studies::theory::bound::factor::{contraction, finite_factor};
+use studies::theory::bound::{BoundStudy, sampled};
+use studies::trade::estimate::{companions, norm_estimate};
+use vhi::Newton;
+use vhi::law::{MemoryKernel, PiecewiseLinear, TensorField};
 
 /// A scene of linear elements on quadratic ones; these have the law at their nodes.
 fn on_quadratics(name: &str, before: &str) -> Setup {

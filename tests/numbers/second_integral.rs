@@ -6,8 +6,8 @@
 
 use crate::again::{Errors, Kept, errors};
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text};
-use gronwall::norms::{ContactState, StepErrors, state_errors, step_errors};
-use gronwall::setup::{MeshData, Setup};
+use fem::norms::{ContactState, StepErrors, state_errors, step_errors};
+use scene::setup::{MeshData, Setup};
 
 /// Scene, n, steps, and what the two may differ by, as a share: in the stress, and in all other norms.
 ///
@@ -189,7 +189,7 @@ fn wrong_measures_are_seen() {
         let cut = step_errors(&data.space, &setup.model, view, &moments);
         assert!(cut.stress < 0.9 * again.stress, "{} {}", cut.stress, again.stress);
         let none = vec![0.0; view.multiplier.len()];
-        let silent = gronwall::contact::StepView { multiplier: &none, ..*view };
+        let silent = fem::contact::StepView { multiplier: &none, ..*view };
         let silent = step_errors(&data.space, &setup.model, &silent, &moments);
         assert!(silent.pressure > 2.0 * again.pressure, "{} {}", silent.pressure, again.pressure);
     })

@@ -4,11 +4,11 @@
 //! Mesh: 8 × 8 squares for `punch`; none for `abstract-contact`.
 
 use crate::shipped::{on_mesh, setup};
-use gronwall::contact::CaseError;
-use gronwall::finite::FiniteError;
-use gronwall::scene::Scene;
-use gronwall::setup::AbstractSetup;
-use gronwall::vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
+use fem::contact::CaseError;
+use scene::Scene;
+use scene::setup::AbstractSetup;
+use vhi::finite::FiniteError;
+use vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 /// Newton's method, with a hand in its result.
 struct Tampered(fn(&mut StepState));

@@ -5,16 +5,16 @@
 //! Data: u + ∫ (t-s)^{-1/2}/√π u ds = 1, u = E_{1/2}(-√t), by its series; singular-*.toml and edited copies.
 
 use crate::shipped::{edited, on_mesh, setup_of, text, v_max};
-use gronwall::finite::march;
-use gronwall::guarantee::guarantee;
-use gronwall::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{Convolution, ExponentialSum, HistoryKernel, Singular};
-use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
-use gronwall::scene::{Direction, Extension, Norm, Scene, Source};
-use gronwall::setup::{AbstractLoad, AbstractSetup, Subject};
-use gronwall::theory::audit::SceneAudit;
-use gronwall::vhi::Newton;
 use nalgebra::DVector;
+use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use scene::setup::{AbstractLoad, AbstractSetup, Subject};
+use scene::{Direction, Extension, Norm, Scene, Source};
+use studies::guarantee::guarantee;
+use studies::theory::audit::SceneAudit;
+use vhi::Newton;
+use vhi::finite::march;
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{Convolution, ExponentialSum, HistoryKernel, Singular};
 
 /// E_{1/2}(-x) = Σ (-x)^i/Γ(i/2 + 1), for x ≤ 1.
 fn mittag_leffler(x: f64) -> f64 {

@@ -5,15 +5,13 @@
 //! Data: punch, with the vertex, the Gauss and the exact rule of compliance, and with pinned vertices.
 
 use crate::shipped::{edited, on_mesh, setup_of, text};
-use gronwall::contact::{
-    BoundaryRule, ContactProblem, Discretization, LastSlot, LinearSolver, Model,
-};
-use gronwall::law::{AnyProjection, Projection, Response, YieldLimit};
-use gronwall::linalg::signed_unit;
-use gronwall::setup::Setup;
-use gronwall::space::strain_of;
-use gronwall::tensor::{Symmetric, deviator, norm};
-use gronwall::vhi::StepInequality;
+use algebra::linalg::signed_unit;
+use algebra::tensor::{Symmetric, deviator, norm};
+use fem::contact::{BoundaryRule, ContactProblem, Discretization, LastSlot, LinearSolver, Model};
+use fem::space::strain_of;
+use scene::setup::Setup;
+use vhi::StepInequality;
+use vhi::law::{AnyProjection, Projection, Response, YieldLimit};
 
 /// Step of the differences, relative to directions of size 1 while u is about 0.2.
 const STEP: f64 = 1e-6;

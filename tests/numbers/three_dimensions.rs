@@ -6,15 +6,15 @@
 //! Data: affine (λ = μ_L = 1, ℬ = -exp(-t)/4 𝒜, compliance with a falling branch) without projection.
 
 use crate::shipped::{edited, setup_of, text};
-use gronwall::contact::{
+use fem::contact::{
     ContactProblem, Discretization, LastSlot, LinearSolver, Load, LoadError, Model, march,
     stress_force,
 };
-use gronwall::law::{AnyProjection, Isotropic, VonMises, YieldLimit};
-use gronwall::mesh::{Family, cuboid};
-use gronwall::setup::{Setup, constants};
-use gronwall::theory::bound::sampled::sample;
-use gronwall::vhi::{Newton, StepInequality};
+use fem::mesh::{Family, cuboid};
+use scene::setup::{Setup, constants};
+use studies::theory::bound::sampled::sample;
+use vhi::law::{AnyProjection, Isotropic, VonMises, YieldLimit};
+use vhi::{Newton, StepInequality};
 
 fn space(n: u32, family: Family) -> Discretization {
     let mesh = cuboid([1.0, 1.0, 0.5], n, family);

@@ -5,11 +5,11 @@
 //! Mesh, data: left-rule, gregory-three, gregory-four at n = 2, affine in space: nothing but time is discretised.
 
 use crate::shipped::{on_mesh, setup, v_max};
-use gronwall::contact::Model;
-use gronwall::history::{Gregory, GregoryOrder, Left, TimeGrid, TimeRule, Trapezoid};
-use gronwall::leading_error::{Case, MeasuredNorm, leading_errors};
-use gronwall::scene::{Direction, Norm};
-use gronwall::setup::Subject;
+use fem::contact::Model;
+use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use scene::setup::Subject;
+use scene::{Direction, Norm};
+use vhi::history::{Gregory, GregoryOrder, Left, TimeGrid, TimeRule, Trapezoid};
 
 /// Weights by a function.
 struct Weights(fn(&TimeGrid, usize, usize) -> f64);

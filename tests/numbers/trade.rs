@@ -6,16 +6,16 @@
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text};
-use gronwall::norms::{step_errors, strain_error};
-use gronwall::scene::Norm;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::space::quadrature::TruthRules;
-use gronwall::sweep::{CasePlan, run_contact_case};
-use gronwall::trade::estimate::{
+use fem::norms::{step_errors, strain_error};
+use fem::space::quadrature::TruthRules;
+use run::sweep::{CasePlan, run_contact_case};
+use scene::Norm;
+use scene::setup::{MeshData, Setup};
+use serde_json::Value;
+use studies::trade::estimate::{
     Alignment, Companions, NormDifferences, Part, companions, norm_estimate,
 };
-use gronwall::trade::front;
-use serde_json::Value;
+use studies::trade::front;
 
 /// Errors closer than this part of them are one in a trade.
 const TIE: f64 = 0.01;

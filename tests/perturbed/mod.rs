@@ -1,8 +1,8 @@
 //! A scene as it is, on another mesh, other levels of refinement, another time grid: nothing that its prediction rests
 //! on is touched, so a sound program must give the same verdict.
 
-use gronwall::linalg::signed_unit;
-use gronwall::scene::{Body, Direction, MeshFamily, Scene, TimeGrid, TimeRule};
+use algebra::linalg::signed_unit;
+use scene::{Body, Direction, MeshFamily, Scene, TimeGrid, TimeRule};
 
 /// Interior vertices move by at most this part of the mesh width in each coordinate. At 0.2 the smallest angle over 128²
 /// squares is 17 degrees; the generator allows up to 0.25, where triangles turn over. Meshes of different levels are

@@ -1,9 +1,9 @@
 //! `sweep diagnose` over the defects of the solver: each on the first scene of the suite whose verdict it spoils, as an
 //! author would meet it.
 
-use gronwall::diagnose::{Finding, Suspect, examine};
-use gronwall::scene::Data;
-use gronwall::space::Element;
+use fem::space::Element;
+use scene::Data;
+use studies::diagnose::{Finding, Suspect, examine};
 
 use crate::catalogue::{Defect, Term};
 use crate::matrix::Reference;

@@ -1,10 +1,10 @@
 //! Values of independent implementations (tests/fixtures), as tests/fixtures_*.rs compare them.
 
-use gronwall::manufactured::Exact;
-use gronwall::norms::step_errors;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::solution::FinalState;
+use exact::Exact;
+use fem::norms::step_errors;
+use scene::setup::{MeshData, Setup};
 use serde_json::Value;
+use studies::solution::FinalState;
 
 use crate::shipped::{fixture, number, relative};
 

@@ -25,7 +25,7 @@ mod tables;
 mod witness;
 
 use catalogue::{Defect, Term};
-use gronwall::norms::step_errors;
+use fem::norms::step_errors;
 use matrix::{Effect, Gate, Line, Reference};
 use rayon::prelude::*;
 
@@ -156,7 +156,7 @@ fn defects_of_judge_and_records_are_caught_without_the_baseline() {
 fn the_seams_are_sound() {
     let setup = shipped::setup("affine-locked");
     let data = shipped::on_mesh(&setup, 4);
-    let errors = |march: &dyn Fn(&mut gronwall::contact::Observer<'_>)| {
+    let errors = |march: &dyn Fn(&mut fem::contact::Observer<'_>)| {
         let mut found = Vec::new();
         march(&mut |view| {
             let moments = data.truth.moments(view.t)?;

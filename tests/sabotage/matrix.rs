@@ -1,7 +1,7 @@
 //! Every defect against every gate.
 
-use gronwall::record::{CaseRecord, Status};
-use gronwall::verdict::{
+use judge::record::{CaseRecord, Status};
+use judge::verdict::{
     Baseline, Comparison, Decision, Expect, Verdict, compare_owed, compare_with_baseline,
 };
 

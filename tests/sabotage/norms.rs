@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use gronwall::contact::Discretization;
-use gronwall::manufactured::Truth;
-use gronwall::scene::Norm;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::sweep::{CasePlan, run_contact_case};
+use exact::Truth;
+use fem::contact::Discretization;
+use run::sweep::{CasePlan, run_contact_case};
+use scene::Norm;
+use scene::setup::{MeshData, Setup};
 
 use crate::again::{Errors, Kept, errors};
 use crate::catalogue::Defect;

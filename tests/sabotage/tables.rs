@@ -1,8 +1,8 @@
 //! Tables whose verdict is known beforehand, for defects of the judge: exact powers at several ratios, bends, plateaus,
 //! gaps. Errors are formulas; nothing is recorded.
 
-use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use gronwall::verdict::{
+use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
+use judge::verdict::{
     Decision, Expect, Foreseen, LeadingLine, LeadingPoint, Prediction, Variable, Verdict,
     judge_foreseen,
 };

@@ -5,21 +5,21 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, Discretization, StepView, strain_distance, strain_norm};
-use gronwall::history::{Memory, TimeGrid};
-use gronwall::linalg::axpy;
-use gronwall::manufactured::{Exact, Status, Truth, check};
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{AbstractSetup, MeshData, Setup, Subject, sides, step_bounds};
-use gronwall::solution::FinalState;
-use gronwall::theory::audit::{AuditConstants, Auditor};
-use gronwall::theory::bound::contact::at_level;
-use gronwall::theory::bound::factor::contraction;
-use gronwall::theory::gronwall::{
+use algebra::linalg::axpy;
+use exact::{Exact, Status, Truth, check};
+use fem::contact::{CaseError, Discretization, StepView, strain_distance, strain_norm};
+use scene::setup::{AbstractSetup, MeshData, Setup, Subject, sides, step_bounds};
+use scene::{Scene, Source};
+use serde_json::Value;
+use studies::solution::FinalState;
+use studies::theory::audit::{AuditConstants, Auditor};
+use studies::theory::bound::contact::at_level;
+use studies::theory::bound::factor::contraction;
+use studies::theory::gronwall::{
     Envelopes, GronwallConstants, TemporalRun, TemporalTruth, TruthAtLevel, prepare,
 };
-use gronwall::vhi::StepBounds;
-use serde_json::Value;
+use vhi::StepBounds;
+use vhi::history::{Memory, TimeGrid};
 
 use crate::catalogue::Defect;
 use crate::fixtures;
@@ -314,7 +314,7 @@ impl<'a> Summed<'a> {
             let mut sum = vec![0.0; shown.len()];
             self.direct.past(&*term.kernel, rule, grid, &mut sum);
             self.direct.commit(grid, view.u);
-            let now = gronwall::law::Convolution(&*term.kernel);
+            let now = vhi::law::Convolution(&*term.kernel);
             axpy(rule.kernel_weight(&now, grid, n, n), view.u, &mut sum);
             let largest = sum.iter().fold(1e-3f64, |most, value| most.max(value.abs()));
             let worst = sum.iter().zip(shown).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

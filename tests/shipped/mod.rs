@@ -6,11 +6,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, Discretization, Model, StepView, march};
-use gronwall::norms::{StepErrors, step_errors};
-use gronwall::scene::{Body, Registry, Scene, Source};
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::vhi::Newton;
+use fem::contact::{CaseError, CaseInfo, Discretization, Model, StepView, march};
+use fem::norms::{StepErrors, step_errors};
+use scene::setup::{MeshData, Setup, TruthLoad};
+use scene::{Body, Registry, Scene, Source};
+use vhi::Newton;
 
 /// The path of a shipped scene.
 pub fn path(name: &str) -> PathBuf {

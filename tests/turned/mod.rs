@@ -5,12 +5,12 @@
 
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, Discretization, Observer, march};
-use gronwall::record::{CaseRecord, Status};
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{MeshData, Scheme, Setup, Subject, TruthLoad, side_numbers};
-use gronwall::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, run_sweep};
-use gronwall::vhi::Newton;
+use fem::contact::{CaseError, CaseInfo, Discretization, Observer, march};
+use judge::record::{CaseRecord, Status};
+use run::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, run_sweep};
+use scene::setup::{MeshData, Scheme, Setup, Subject, TruthLoad, side_numbers};
+use scene::{Scene, Source};
+use vhi::Newton;
 
 use crate::program::Folder;
 

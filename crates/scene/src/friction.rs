@@ -1,9 +1,12 @@
 //! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a bound S that is given as S(x, t), depends on the slip, or
 //! follows the normal law.
 
+use std::sync::Arc;
+
 use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::{EvaluationPoint, Node, Variable};
+use vhi::law::{NoPotential, PiecewiseLinear, Potential};
 
 use super::data::AXES;
 use super::diagnostic::SceneError;
@@ -71,12 +74,20 @@ impl Friction {
         self.bound.coefficient()
     }
 
-    /// S over the slip as points, 1 where it does not depend on it, and the formula of its factor.
-    pub(crate) fn factor_and_points(&self) -> (Option<Node>, &[[f64; 2]]) {
-        match &self.bound {
-            FrictionBound::Given(bound) => (Some(*bound), &[[0.0, 1.0]]),
-            FrictionBound::Slip(points) => (None, points),
-            FrictionBound::Coulomb(_) => (None, &[[0.0, 1.0]]),
+    /// For the solver: r ↦ S_0(|r|) sign r, S_0 = 1 where the bound does not depend on the slip, and the formula of c(x, t)
+    /// where S = c S_0.
+    pub(crate) fn graph_and_factor(&self) -> (Arc<dyn Potential>, Option<Node>) {
+        let (points, factor): (&[[f64; 2]], _) = match &self.bound {
+            FrictionBound::Given(bound) => (&[[0.0, 1.0]], Some(*bound)),
+            FrictionBound::Slip(points) => (points, None),
+            FrictionBound::Coulomb(_) => (&[[0.0, 1.0]], None),
+        };
+        let backward = points.iter().rev().map(|&[r, s]| (-r, -s));
+        let both = backward.chain(points.iter().map(|&[r, s]| (r, s))).collect();
+        // Sorted, and upward at 0: the points were validated.
+        match PiecewiseLinear::new(both, 0.0, 0.0) {
+            Ok(graph) => (Arc::new(graph), factor),
+            Err(_) => (Arc::new(NoPotential), factor),
         }
     }
 }

@@ -2,11 +2,9 @@
 
 use crate::program::{Folder, code, json, sweep};
 use crate::shipped::{midpoints_between_corners, on_mesh, run, setup, setup_of, text};
-use gronwall::external::{
-    Answer, Array, Given, InProcess, Solve, case_dir, decode, encode, write_case,
-};
-use gronwall::mesh::read_gmsh;
-use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup};
+use fem::mesh::read_gmsh;
+use run::external::{Answer, Array, Given, InProcess, Solve, case_dir, decode, encode, write_case};
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup};
 
 use super::{comes_back, errors, rows};
 

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use gronwall::external::{Wanted, read_displacements};
+use run::external::{Wanted, read_displacements};
 
 use crate::program::{Folder, code, command, stderr, stdout};
 

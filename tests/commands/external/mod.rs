@@ -17,14 +17,14 @@ use std::path::{Path, PathBuf};
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{on_mesh, setup, setup_of, text};
-use gronwall::external::{ExternalSolver, Way, case_dir, decode, encode, write_case};
-use gronwall::mesh::read_gmsh;
-use gronwall::norms::{StepErrors, step_errors};
-use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup};
+use fem::mesh::read_gmsh;
+use fem::norms::{StepErrors, step_errors};
+use run::external::{ExternalSolver, Way, case_dir, decode, encode, write_case};
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup};
 
 fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Vec<StepErrors> {
     let mut found = Vec::new();
-    let mut observe = |view: &gronwall::contact::StepView<'_>| {
+    let mut observe = |view: &fem::contact::StepView<'_>| {
         let moments = data.truth.moments(view.t)?;
         found.push(step_errors(&data.space, &setup.model, view, &moments));
         Ok(())
@@ -38,7 +38,7 @@ pub fn answer(setup: &Setup, data: &MeshData, steps: u32, dir: &Path) {
     let nodes = &data.space.nodes;
     let (d, vertices) = (nodes.dimension, nodes.of_vertex.len());
     let (mut u, mut pressure) = (Vec::new(), Vec::new());
-    let mut observe = |view: &gronwall::contact::StepView<'_>| {
+    let mut observe = |view: &fem::contact::StepView<'_>| {
         for &node in &nodes.of_vertex {
             let at = node as usize * d;
             // Corners without a node stand in the rows with what is not read.

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use gronwall::external::encode;
+use run::external::encode;
 
 use super::verify;
 use crate::program::{Folder, code, command, stderr, stdout};

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use gronwall::external::{AnswerError, Wanted, decode, read_displacements};
-use gronwall::setup::{MeshData, Scheme, Setup};
-use gronwall::solution::{Field, VtuGrid, write_pvd, write_vtu};
+use run::external::{AnswerError, Wanted, decode, read_displacements};
+use scene::setup::{MeshData, Scheme, Setup};
+use studies::solution::{Field, VtuGrid, write_pvd, write_vtu};
 
 use super::{answer, errors, place, results, verify};
 use crate::program::{Folder, code, json, stderr, stdout, sweep};

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use gronwall::external::{Wanted, encode, read_displacements};
+use run::external::{Wanted, encode, read_displacements};
 
 use crate::program::Folder;
 

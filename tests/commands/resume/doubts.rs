@@ -1,7 +1,7 @@
 //! What `--resume` does not trust: rows that were changed, numbers that no measurement gives, files that a killed process
 //! left, a pipe in the place of the table.
 
-use gronwall::record::{CaseRecord, read, write_sorted};
+use judge::record::{CaseRecord, read, write_sorted};
 
 use crate::program::{Folder, code, stderr, sweep, timeless};
 

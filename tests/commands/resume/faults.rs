@@ -6,10 +6,10 @@
 use std::process::Stdio;
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, Observer};
-use gronwall::record::{CaseRecord, Status, read};
-use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
-use gronwall::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, run_sweep};
+use fem::contact::{CaseError, CaseInfo, Observer};
+use judge::record::{CaseRecord, Status, read};
+use run::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, run_sweep};
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 
 use crate::program::{Folder, code, stderr, stdout, sweep, timeless};
 use crate::resume::{arguments, finish, lines, run_until, scenes};

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use crate::program::{Folder, code, command, stderr, stdout, sweep, timeless};
 use crate::shipped::{edited, text};
-use gronwall::linalg::signed_unit;
+use algebra::linalg::signed_unit;
 
 fn scenes(folder: &Folder) -> [String; 2] {
     let mild = edited(&text("pure-mild"), "n = [16, 32, 64, 96]", "n = [4, 8, 16]");

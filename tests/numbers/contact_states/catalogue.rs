@@ -13,7 +13,7 @@ fn read(file: &str) -> String {
 
 fn names() -> Vec<String> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/manufactured");
-    let registry = gronwall::scene::Registry::open(std::path::Path::new(folder)).expect("scenes");
+    let registry = scene::Registry::open(std::path::Path::new(folder)).expect("scenes");
     registry.names().map(str::to_owned).collect()
 }
 

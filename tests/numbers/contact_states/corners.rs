@@ -1,7 +1,7 @@
 //! Source: M. L. Williams (1952); src/theory/corner has the closed equations.
 //! Goal: the exponent that scenes and documents name is the one computed; `explain` and `check` print it for given loads.
 
-use gronwall::theory::corner::{Wedge, WedgeSide, corners};
+use studies::theory::corner::{Wedge, WedgeSide, corners};
 
 use crate::program::{Folder, stdout, sweep};
 use crate::shipped::{edited, number, setup, text};

@@ -5,7 +5,7 @@
 //!   the cylinder acts as one of curvature 1/R + 2FK/(πE*H²). The next term is of order (a/H)⁴.
 //! Goal: half-width and peak pressure of `sweep solve hertz` converge to it, and miss what a wrong modulus or no layer gives.
 
-use gronwall::solution::FinalState;
+use studies::solution::FinalState;
 
 use crate::shipped::{on_mesh, relative, run, setup};
 

@@ -11,11 +11,11 @@ mod hertz;
 mod tutorial;
 
 use crate::shipped::{edited, on_mesh, relative, run, setup, setup_of, text};
-use gronwall::contact::StepView;
-use gronwall::norms::{ContactSamples, ContactState, StateErrors, state_errors};
-use gronwall::scene::{Norm, Scene, Source};
-use gronwall::setup::{MeshData, Setup};
-use gronwall::sweep::{Overrides, ScenePlan, run_contact_case};
+use fem::contact::StepView;
+use fem::norms::{ContactSamples, ContactState, StateErrors, state_errors};
+use run::sweep::{Overrides, ScenePlan, run_contact_case};
+use scene::setup::{MeshData, Setup};
+use scene::{Norm, Scene, Source};
 
 const TIMES: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 
@@ -108,7 +108,7 @@ fn the_states_sum_to_the_error_on_the_contact_side() {
     run(&setup, &setup.model, &data, 4, |view| {
         let states = state_errors(&data.space, view, &samples(&data, view.t));
         let moments = data.truth.moments(view.t).expect("finite");
-        let whole = gronwall::norms::step_errors(&data.space, &setup.model, view, &moments);
+        let whole = fem::norms::step_errors(&data.space, &setup.model, view, &moments);
         let sum = |parts: [f64; 5]| parts.iter().map(|part| part * part).sum::<f64>().sqrt();
         // Two quadratures of the same square: 24 points of degree 5 against 6 of degree 11.
         assert!(relative(sum(states.trace), whole.trace) < 1e-4, "{states:?} {whole:?}");
@@ -169,10 +169,8 @@ fn a_wrong_gap_shows_in_the_locked_set() {
 fn norms_by_state_are_measured_where_asked_for() {
     let plan = |text: String| {
         let setup = setup_of(text);
-        let plan = ScenePlan::new(
-            gronwall::setup::Subject::Contact(Box::new(setup)),
-            &Overrides::default(),
-        );
+        let plan =
+            ScenePlan::new(scene::setup::Subject::Contact(Box::new(setup)), &Overrides::default());
         plan.cases[0].norms.clone()
     };
     let by_state = |norms: &[Norm]| norms.iter().filter(|norm| norm.by_state()).count();
@@ -185,7 +183,7 @@ fn norms_by_state_are_measured_where_asked_for() {
     // The record: states that never occur have no error.
     let setup = setup("state-locked");
     let data = on_mesh(&setup, 8);
-    let subject = gronwall::setup::Subject::Contact(Box::new(self::setup("state-locked")));
+    let subject = scene::setup::Subject::Contact(Box::new(self::setup("state-locked")));
     let plan = ScenePlan::new(subject, &Overrides { n: Some(vec![8]), steps: Some(vec![2]) });
     let record = run_contact_case(&setup, &data, &plan.cases[0]);
     let error = |norm: &str| {

@@ -1,13 +1,13 @@
 //! Each kind of expectation fails where it must.
 
-use gronwall::contact::{CaseError, CaseInfo, Observer};
-use gronwall::extremes::{
+use fem::contact::{CaseError, CaseInfo, Observer};
+use scene::setup::{MeshData, Scheme, Setup};
+use studies::extremes::{
     Expected, Measured, Standing, Unanswered, UnderTest, Unitless, Units, by_recursion, solve,
     standing,
 };
-use gronwall::law::{AnyProjection, FourthOrder, Isotropic, TensorField, VonMises};
-use gronwall::setup::{MeshData, Scheme, Setup};
-use gronwall::vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
+use vhi::law::{AnyProjection, FourthOrder, Isotropic, TensorField, VonMises};
+use vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 use super::row;
 

@@ -1,11 +1,11 @@
 //! Small problems against arithmetic with twice the digits (double-double), at random points.
 
-use gronwall::extremes::by_recursion;
-use gronwall::linalg::signed_unit;
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::AbstractSetup;
-use gronwall::vhi::Newton;
+use algebra::linalg::signed_unit;
+use scene::setup::AbstractSetup;
+use scene::{Scene, Source};
+use studies::extremes::by_recursion;
 use twofloat::TwoFloat;
+use vhi::Newton;
 
 /// The law of the contact scenes: 0, 2r, 0.08 - 0.5(r - 0.04), 0.05.
 const LAW: [[f64; 2]; 3] = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]];

@@ -7,7 +7,7 @@ mod command;
 mod defects;
 mod doubled;
 
-use gronwall::extremes::{Ladder, RungRow, UnderTest, catalogue, judge};
+use studies::extremes::{Ladder, RungRow, UnderTest, catalogue, judge};
 
 /// A ladder of the catalogue.
 fn ladder(name: &str) -> Ladder {

@@ -1,10 +1,10 @@
 //! `[contact]`: gap, shift and law at given displacements.
 
-use gronwall::contact::BoundaryRule;
-use gronwall::formula::EvaluationPoint;
-use gronwall::law::Potential;
-use gronwall::scene::ContactQuadrature;
-use gronwall::setup::Setup;
+use fem::contact::BoundaryRule;
+use formula::EvaluationPoint;
+use scene::ContactQuadrature;
+use scene::setup::Setup;
+use vhi::law::Potential;
 
 use super::{BLOCK, ORIGIN, Tie, block, near, value, with};
 

@@ -1,13 +1,11 @@
 //! `[scene]`, `[time]`, `[loads]`, `[exact]`, `[sweep]` and `[[predicts]]`.
 
-use gronwall::formula::EvaluationPoint;
-use gronwall::record::{Key, V_MAX};
-use gronwall::scene::{
-    Data, Direction, Expectation, Hypothesis, LoadForm, Norm, Reference, Scene, TimeRule,
-};
-use gronwall::setup::{Setup, Subject, time_grid};
-use gronwall::sweep::{Overrides, ScenePlan, foresee_plan};
-use gronwall::verdict::Foreseen;
+use formula::EvaluationPoint;
+use judge::record::{Key, V_MAX};
+use judge::verdict::Foreseen;
+use run::sweep::{Overrides, ScenePlan, foresee_plan};
+use scene::setup::{Setup, Subject, time_grid};
+use scene::{Data, Direction, Expectation, Hypothesis, LoadForm, Norm, Reference, Scene, TimeRule};
 
 use super::{ORIGIN, Tie, block, near, scene, value, with};
 
@@ -238,7 +236,7 @@ fn constants() {
     let refused = |line: &str| {
         let why = "why = \"Theorem 7, (3.17)\"";
         let text = with(&crate::shipped::text("affine"), &[(why, &format!("{why}\n{line}"))]);
-        let source = gronwall::scene::Source::from_text("manufactured/edited.toml", text);
+        let source = scene::Source::from_text("manufactured/edited.toml", text);
         Scene::from_source(source).expect_err(line).to_string()
     };
     for (line, said) in [

@@ -1,10 +1,10 @@
 //! Abstract scenes: A, S, φ, j and K at given vectors of ℝ².
 
-use gronwall::formula::EvaluationPoint;
+use formula::EvaluationPoint;
 
-use gronwall::scene::{AbstractScene, Body, Scene};
-use gronwall::setup::AbstractSetup;
 use nalgebra::DVector;
+use scene::setup::AbstractSetup;
+use scene::{AbstractScene, Body, Scene};
 
 use super::{ORIGIN, Tie, near, scene, value, with};
 

@@ -1,8 +1,8 @@
 //! `[material]`: stresses of given strains, kernels at given times.
 
-use gronwall::law::{MemoryKernel, TensorField};
-use gronwall::setup::{Setup, elasticity, memory_tensor};
-use gronwall::tensor::Symmetric;
+use algebra::tensor::Symmetric;
+use scene::setup::{Setup, elasticity, memory_tensor};
+use vhi::law::{MemoryKernel, TensorField};
 
 use super::{BLOCK, ORIGIN, Tie, near, value, with};
 
@@ -135,8 +135,8 @@ fn remembered(setup: &Setup, region: usize, t: f64) -> [f64; 3] {
     sum
 }
 
-fn at(t: f64) -> gronwall::formula::EvaluationPoint {
-    gronwall::formula::EvaluationPoint { t, ..ORIGIN }
+fn at(t: f64) -> formula::EvaluationPoint {
+    formula::EvaluationPoint { t, ..ORIGIN }
 }
 
 #[track_caller]
@@ -199,7 +199,7 @@ fn projection() {
     near(setup.projection_mu(), 0.6);
     let written = setup.body.material.projection.as_ref().expect("a projection");
     near(written.mu, 0.6);
-    let at = gronwall::formula::EvaluationPoint { zeta: 2.0, ..ORIGIN };
+    let at = formula::EvaluationPoint { zeta: 2.0, ..ORIGIN };
     near(value(&setup.scene, written.kappa, at), 0.2);
     near(written.lipschitz, 0.05);
 }

@@ -13,8 +13,8 @@ mod walk;
 
 use std::collections::BTreeSet;
 
-use gronwall::formula::{EvaluationPoint, Node};
-use gronwall::scene::{Scene, Source};
+use formula::{EvaluationPoint, Node};
+use scene::{Scene, Source};
 
 /// Keys, and the check that ties them.
 pub type Tie = (&'static [&'static str], fn());

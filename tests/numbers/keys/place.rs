@@ -1,6 +1,6 @@
 //! `[domain]`: where vertices lie, which of them are held, which normals there are.
 
-use gronwall::mesh::Mesh;
+use fem::mesh::Mesh;
 
 use super::{BLOCK, Tie, block, near, scene, with};
 
@@ -95,7 +95,7 @@ fn polygon() {
             .flatten()
             .find(|side| domain.name(**side) == name);
         let faces = domain.faces(*side.expect("a side"));
-        faces.iter().map(gronwall::scene::Face::measure).sum::<f64>()
+        faces.iter().map(scene::Face::measure).sum::<f64>()
     };
     near(length("foot"), 2.0);
     near(length("slope"), 5f64.sqrt());

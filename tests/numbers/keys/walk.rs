@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use gronwall::scene::{Scene, Source};
+use scene::{Scene, Source};
 
 /// Every part of a scene of a body; what does not go together is refused after the keys.
 const BODY: &str = r#"

@@ -1,8 +1,8 @@
 //! The exact side against closed forms: histories of a(t) = 0.2 t(2 - t) and b(t) = 0.3 sin 2t, and 𝒜 in the axes of
 //! the material.
 
-use gronwall::formula::Graph;
-use gronwall::manufactured::constitutive::{Tensor, stress};
+use exact::constitutive::{Tensor, stress};
+use formula::Graph;
 
 use crate::shipped::{on_mesh, setup};
 
@@ -165,7 +165,7 @@ fn kernels_by_name_are_their_formulas() {
     assert_eq!(rates(kernel("bulk-shear", 1).exponentials), [(0.1, 1.0), (-0.5, 4.0)]);
     assert!(kernel("power-law", 0).exponentials.is_none());
     let scene = setup("power-law").scene;
-    let at = gronwall::formula::EvaluationPoint { t: 0.75, ..Default::default() };
+    let at = formula::EvaluationPoint { t: 0.75, ..Default::default() };
     let graph: &Graph = &scene.formulas;
     // -(1 + 3)^{-3/2}.
     assert!((graph.evaluate(kernel("power-law", 0).kernel, &at) + 0.125).abs() < 1e-15);

@@ -1,11 +1,11 @@
 //! Wrong materials at the solver's model: each is refused by an order or by a predicted constant of the scene.
 
-use gronwall::contact::MemoryTerm;
-use gronwall::law::{ExponentialSum, FourthOrder, Isotropic, TensorField};
-use gronwall::record::{CaseRecord, Key};
-use gronwall::setup::{Setup, Subject};
-use gronwall::sweep::{CasePlan, foresee, judge_scene, run_contact_case};
-use gronwall::verdict::{Decision, Foreseen};
+use fem::contact::MemoryTerm;
+use judge::record::{CaseRecord, Key};
+use judge::verdict::{Decision, Foreseen};
+use run::sweep::{CasePlan, foresee, judge_scene, run_contact_case};
+use scene::setup::{Setup, Subject};
+use vhi::law::{ExponentialSum, FourthOrder, Isotropic, TensorField};
 
 use crate::shipped::{on_mesh, setup};
 

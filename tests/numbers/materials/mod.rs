@@ -9,9 +9,9 @@ mod physical;
 mod solver;
 
 use crate::shipped::{edited, setup, setup_of, text};
-use gronwall::manufactured::{Exact, ExactData, Status, check};
-use gronwall::setup::{constants, sides};
-use gronwall::theory::bound::sampled::sample;
+use exact::{Exact, ExactData, Status, check};
+use scene::setup::{constants, sides};
+use studies::theory::bound::sampled::sample;
 
 const SCENES: [&str; 6] =
     ["layered", "layered-in-space", "orthotropic", "prony", "power-law", "bulk-shear"];

@@ -1,8 +1,8 @@
 //! Regions by a condition and by a physical group of the mesh file: the same cells, the same numbers to the bit.
 
-use gronwall::record::CaseRecord;
-use gronwall::setup::Setup;
-use gronwall::sweep::{CasePlan, run_contact_case};
+use judge::record::CaseRecord;
+use run::sweep::{CasePlan, run_contact_case};
+use scene::setup::Setup;
 
 use crate::shipped::{edited, on_mesh, setup_of, text};
 

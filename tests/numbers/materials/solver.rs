@@ -1,16 +1,16 @@
 //! The solver with tensors by region, in full, and several terms of memory, in the plane and in space.
 
-use gronwall::contact::{
+use fem::contact::{
     ContactProblem, Discretization, LastSlot, LinearSolver, MemoryTerm, Model, StepView, march,
 };
-use gronwall::history::{TimeGrid, Trapezoid};
-use gronwall::law::{
+use fem::mesh::{Family, Mesh, cuboid, rectangle};
+use run::sweep::{CasePlan, run_contact_case};
+use scene::Norm;
+use vhi::Newton;
+use vhi::history::{TimeGrid, Trapezoid};
+use vhi::law::{
     AnyProjection, ExponentialSum, FourthOrder, Isotropic, TensorField, VonMises, YieldLimit,
 };
-use gronwall::mesh::{Family, Mesh, cuboid, rectangle};
-use gronwall::scene::Norm;
-use gronwall::sweep::{CasePlan, run_contact_case};
-use gronwall::vhi::Newton;
 
 use crate::differences;
 use crate::shipped::{on_mesh, setup, setup_of, text};
@@ -98,12 +98,8 @@ fn the_tangent_is_the_derivative_of_the_force() {
 /// Final displacements of a body under a constant load, N = 4.
 fn marched(space: &Discretization, elasticity: TensorField, memory: Vec<MemoryTerm>) -> Vec<f64> {
     struct Weight(Vec<f64>);
-    impl gronwall::contact::Load for Weight {
-        fn assemble(
-            &mut self,
-            t: f64,
-            out: &mut [f64],
-        ) -> Result<(), gronwall::contact::LoadError> {
+    impl fem::contact::Load for Weight {
+        fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), fem::contact::LoadError> {
             out.iter_mut().zip(&self.0).for_each(|(out, force)| *out = (1.0 + t) * force);
             Ok(())
         }
@@ -196,7 +192,7 @@ fn layers_and_orthotropic_blocks_in_space() {
             text("punch-box").replace("[material.memory]", &format!("{region}\n[material.memory]"));
         setup_of(text)
     };
-    let pressed = |setup: &gronwall::setup::Setup| {
+    let pressed = |setup: &scene::setup::Setup| {
         let data = on_mesh(setup, 2);
         let mut last = Vec::new();
         setup

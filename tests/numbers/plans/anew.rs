@@ -3,8 +3,8 @@
 
 use std::cell::Cell;
 
-use gronwall::linalg::FactorError;
-use gronwall::vhi::{
+use algebra::linalg::FactorError;
+use vhi::{
     BoundaryGraph, Newton, OpenInequality, Scratch, StepError, StepInequality, StepInfo,
     StepSolver, StepState,
 };

@@ -1,10 +1,10 @@
 //! The plan of a scene, Newton's method in the volume with old factors, with factors in single precision, and with a
 //! factor in double precision of every Jacobian.
 
-use gronwall::contact::{BoundaryRule, LinearSolver, Plan};
-use gronwall::linalg::Precision;
-use gronwall::setup::{MeshData, Setup};
-use gronwall::vhi::{Newton, StepSolver};
+use algebra::linalg::Precision;
+use fem::contact::{BoundaryRule, LinearSolver, Plan};
+use scene::setup::{MeshData, Setup};
+use vhi::{Newton, StepSolver};
 
 use super::anew::{Anew, OFF, defective};
 use super::{AGREE, Run, Where, agree, distance, in_volume, run, same_bits, shortest};

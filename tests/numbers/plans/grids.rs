@@ -2,12 +2,11 @@
 //! on which last weights change from level to level. Shipped scenes on equal steps see neither a last weight that stays
 //! nor a factor that does.
 
-use gronwall::history::{Storage, TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{HistoryKernel, TensorField};
-use gronwall::scene;
-use gronwall::setup::Setup;
+use scene::setup::Setup;
+use vhi::history::{Storage, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{HistoryKernel, TensorField};
 
-use gronwall::contact::Plan;
+use fem::contact::Plan;
 
 use super::anew::Anew;
 use super::past::by_all_ways;
@@ -147,7 +146,7 @@ fn a_frozen_last_weight_is_seen_on_unequal_steps_alone() {
 /// The memories compared here are of the kinds that they are compared as.
 #[test]
 fn storages_are_told() {
-    use gronwall::history::Memory;
+    use vhi::history::Memory;
     let setup = setup("linear-punch");
     let kernel = &*setup.model.memory[0].kernel;
     let grid = TimeGrid::graded(1.0, 16, 2.0);

@@ -14,9 +14,9 @@ mod multigrid;
 mod parts;
 mod past;
 
-use gronwall::contact::{CaseInfo, StepView, march, march_in_volume};
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::vhi::{Newton, StepSolver};
+use fem::contact::{CaseInfo, StepView, march, march_in_volume};
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::{Newton, StepSolver};
 
 /// A level is accepted at 16 units of rounding of its forces, 3.6e-15, and the condition number of a mesh n, some 10 n²,
 /// makes at most 1.3e-12 of it for n = 6, 2e-11 for n = 24 and 8e-11 for n = 48 in displacements; locked pressures are

@@ -1,9 +1,9 @@
 //! Factors and conjugate gradients with multigrid, for every scene with a mesh that has levels.
 
-use gronwall::contact::{LinearSolver, MULTIGRID_RATIO, Plan};
-use gronwall::setup::{MeshData, Setup};
-use gronwall::space::Element;
-use gronwall::vhi::{Newton, StepSolver};
+use fem::contact::{LinearSolver, MULTIGRID_RATIO, Plan};
+use fem::space::Element;
+use scene::setup::{MeshData, Setup};
+use vhi::{Newton, StepSolver};
 
 use super::anew::defective;
 use super::{AGREE, Run, Where, distance, run};

@@ -1,9 +1,9 @@
 //! Plans of scenes, loads in parts, and factors that serve levels.
 
-use gronwall::contact::{CaseError, Discretization, Load, LoadError, Plan, march};
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::setup::{Setup, TruthLoad};
-use gronwall::vhi::Newton;
+use fem::contact::{CaseError, Discretization, Load, LoadError, Plan, march};
+use scene::setup::{Setup, TruthLoad};
+use vhi::Newton;
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 
 use super::{AGREE, distance, in_volume, shortest};
 

@@ -1,9 +1,9 @@
 //! Recursive, interpolated and direct sums over the past, for every scene whose kernels and rule have all three.
 
-use gronwall::contact::MemoryTerm;
-use gronwall::history::{Memory, TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::MemoryKernel;
-use gronwall::setup::{MeshData, Setup};
+use fem::contact::MemoryTerm;
+use scene::setup::{MeshData, Setup};
+use vhi::history::{Memory, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::MemoryKernel;
 
 use super::{AGREE, Run, distance, same_bits, shortest};
 use crate::shipped::bodies;

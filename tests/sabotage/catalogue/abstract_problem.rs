@@ -1,8 +1,8 @@
 //! Wrong parts of the abstract problem in ℝ^m.
 
-use gronwall::finite::ComponentLaw;
-use gronwall::law::HistoryKernel;
-use gronwall::setup::AbstractSetup;
+use scene::setup::AbstractSetup;
+use vhi::finite::ComponentLaw;
+use vhi::law::HistoryKernel;
 
 use super::{Defect, Term};
 

@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use gronwall::contact::{
-    BoundaryRule, CaseError, CaseInfo, Discretization, Model, Observer, march,
-};
-use gronwall::law::{NoPotential, PiecewiseLinear};
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::vhi::Newton;
+use fem::contact::{BoundaryRule, CaseError, CaseInfo, Discretization, Model, Observer, march};
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::Newton;
+use vhi::law::{NoPotential, PiecewiseLinear};
 
 use super::{Defect, Term, marched};
 

@@ -1,9 +1,9 @@
 //! Wrong quadratic elements: weights on Γ3, points and weights of strains, nodes at midpoints. Wrong penalties of jumps.
 
-use gronwall::contact::{Discretization, StepView};
-use gronwall::setup::Setup;
-use gronwall::space::Element;
-use gronwall::vhi::Newton;
+use fem::contact::{Discretization, StepView};
+use fem::space::Element;
+use scene::setup::Setup;
+use vhi::Newton;
 
 use super::contact::rebuilt;
 use super::{Defect, March, Term, marched};

@@ -3,11 +3,11 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use gronwall::contact::Friction;
-use gronwall::law::{PiecewiseLinear, Potential};
-use gronwall::linalg::FactorError;
-use gronwall::setup::Setup;
-use gronwall::vhi::{
+use algebra::linalg::FactorError;
+use fem::contact::Friction;
+use scene::setup::Setup;
+use vhi::law::{PiecewiseLinear, Potential};
+use vhi::{
     BoundaryGraph, Coordinate, HistoryInequality, Newton, OpenInequality, Scratch, StepError,
     StepInequality, StepInfo, StepSolver, StepState,
 };

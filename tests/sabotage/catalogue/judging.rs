@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use gronwall::fit::{Claim, Direction, Level, Point, Posterior, infer, infer_grid};
-use gronwall::record::CaseRecord;
-use gronwall::verdict::{Decision, PointUsed, Variable, Verdict};
+use judge::fit::{Claim, Direction, Level, Point, Posterior, infer, infer_grid};
+use judge::record::CaseRecord;
+use judge::verdict::{Decision, PointUsed, Variable, Verdict};
 
 use super::{Defect, Table, Term};
 
@@ -47,7 +47,7 @@ fn without_broken((records, keys): Table) -> Table {
             && record.errors.iter().all(|entry| entry.error.is_some_and(f64::is_finite))
     };
     let records: Vec<CaseRecord> = records.into_iter().filter(whole).collect();
-    let there = |key: &gronwall::record::Key| records.iter().any(|record| record.key() == *key);
+    let there = |key: &judge::record::Key| records.iter().any(|record| record.key() == *key);
     let keys = keys.into_iter().filter(there).collect();
     (records, keys)
 }
@@ -172,7 +172,7 @@ fn without_comparison(verdict: Verdict) -> Verdict {
 
 /// The verdict, where a compared constant of ratio r was refuted that this judge lets pass.
 fn forgiving(verdict: Verdict, passes: fn(f64) -> bool) -> Verdict {
-    let refuted = |constant: &gronwall::verdict::FittedConstant| {
+    let refuted = |constant: &judge::verdict::FittedConstant| {
         let (ratio, tolerance) = (constant.ratio?, constant.tolerance?);
         ((ratio - 1.0).abs() > tolerance).then_some(ratio)
     };

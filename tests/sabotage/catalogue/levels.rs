@@ -1,15 +1,15 @@
 //! A march of levels with a hand in what is committed to the history. It is a loop around the levels of the library,
 //! as an external solver would be; the separate evaluation of the KKT system is optional in it.
 
-use gronwall::contact::{
+use algebra::linalg::FactorError;
+use fem::contact::{
     BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, LastSlot, Model,
     Observer, StepView, kkt_residual,
 };
-use gronwall::history::TimeGrid;
-use gronwall::law::Projection;
-use gronwall::linalg::FactorError;
-use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::vhi::{
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::history::TimeGrid;
+use vhi::law::Projection;
+use vhi::{
     BoundaryGraph, HistoryInequality, Newton, OpenInequality, StepInequality, StepSolver,
     StepState, Stepper,
 };

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use gronwall::contact::{Discretization, LoadError, facet_measure, stress_force};
-use gronwall::manufactured::constitutive::{Tensor, stress};
-use gronwall::manufactured::{Exact, ExactData, MaterialNumbers};
-use gronwall::setup::Setup;
-use gronwall::space::Element;
-use gronwall::space::quadrature::{Rule, TruthRules, edge, triangle_degree_4};
+use exact::constitutive::{Tensor, stress};
+use exact::{Exact, ExactData, MaterialNumbers};
+use fem::contact::{Discretization, LoadError, facet_measure, stress_force};
+use fem::space::Element;
+use fem::space::quadrature::{Rule, TruthRules, edge, triangle_degree_4};
+use scene::setup::Setup;
 
 use super::{Defect, LoadSeed, Site, Term};
 

@@ -1,10 +1,10 @@
 //! Wrong elasticity: numbers, and a shear counted twice as an extra stress.
 
-use gronwall::contact::{CaseError, CaseInfo, Model, Observer, march};
-use gronwall::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
-use gronwall::setup::{MeshData, Setup, TruthLoad, YieldFormula};
-use gronwall::tensor::Symmetric;
-use gronwall::vhi::Newton;
+use algebra::tensor::Symmetric;
+use fem::contact::{CaseError, CaseInfo, Model, Observer, march};
+use scene::setup::{MeshData, Setup, TruthLoad, YieldFormula};
+use vhi::Newton;
+use vhi::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
 
 use super::{Defect, Term, marched};
 

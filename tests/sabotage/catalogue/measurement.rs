@@ -1,14 +1,14 @@
 //! Wrong measures of a right solution.
 
-use gronwall::contact::{LoadError, StepView};
-use gronwall::manufactured::Exact;
-use gronwall::norms::{AtPoints, Moments};
-use gronwall::setup::Setup;
-use gronwall::space::{Element, strain_of};
+use exact::Exact;
+use fem::contact::{LoadError, StepView};
+use fem::norms::{AtPoints, Moments};
+use fem::space::{Element, strain_of};
+use scene::setup::Setup;
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, Observer};
-use gronwall::setup::{MeshData, Scheme};
+use fem::contact::{CaseError, CaseInfo, Observer};
+use scene::setup::{MeshData, Scheme};
 
 use super::{Defect, MomentSeed, Site, Term};
 

@@ -1,8 +1,8 @@
 //! Wrong kernels and tensors of the memory term.
 
-use gronwall::contact::MemoryTerm;
-use gronwall::law::{Isotropic, MemoryKernel};
-use gronwall::setup::Setup;
+use fem::contact::MemoryTerm;
+use scene::setup::Setup;
+use vhi::law::{Isotropic, MemoryKernel};
 
 use super::{Defect, Term};
 

@@ -26,14 +26,14 @@ pub use solver::sound_loop;
 
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
-use gronwall::manufactured::{Exact, Truth};
-use gronwall::norms::Moments;
-use gronwall::record::{CaseRecord, Key};
-use gronwall::scene::Data;
-use gronwall::setup::{AbstractSetup, MeshData, Scheme, Setup};
-use gronwall::verdict::Verdict;
-use gronwall::vhi::Newton;
+use exact::{Exact, Truth};
+use fem::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
+use fem::norms::Moments;
+use judge::record::{CaseRecord, Key};
+use judge::verdict::Verdict;
+use scene::Data;
+use scene::setup::{AbstractSetup, MeshData, Scheme, Setup};
+use vhi::Newton;
 
 /// What a defect belongs to: a term of (5.1)-(5.5), or a part of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, LoadError, Observer, StepView};
-use gronwall::norms::Moments;
-use gronwall::record::CaseRecord;
-use gronwall::setup::{MeshData, Scheme, Setup};
+use fem::contact::{CaseError, CaseInfo, LoadError, Observer, StepView};
+use fem::norms::Moments;
+use judge::record::CaseRecord;
+use scene::setup::{MeshData, Scheme, Setup};
 
 use super::{Defect, MomentSeed, Site, Term};
 

@@ -4,20 +4,20 @@
 
 use std::sync::Arc;
 
-use gronwall::contact::{
+use exact::{ExactOnMesh, Truth};
+use fem::contact::{
     CaseError, CaseInfo, Discretization, LoadError, MemoryTerm, Observer, StepView, march,
 };
-use gronwall::formula::EvaluationPoint;
-use gronwall::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{HistoryKernel, MemoryKernel};
-use gronwall::manufactured::{ExactOnMesh, Truth};
-use gronwall::mesh::Mesh;
-use gronwall::norms::Moments;
-use gronwall::scene::{self, Data};
-use gronwall::setup::{MeshData, Setup, TruthLoad, side_numbers};
-use gronwall::space::Element;
-use gronwall::space::quadrature::{TruthRules, edge, triangle_degree_4};
-use gronwall::vhi::Newton;
+use fem::mesh::Mesh;
+use fem::norms::Moments;
+use fem::space::Element;
+use fem::space::quadrature::{TruthRules, edge, triangle_degree_4};
+use formula::EvaluationPoint;
+use scene::setup::{MeshData, Setup, TruthLoad, side_numbers};
+use scene::{self, Data};
+use vhi::Newton;
+use vhi::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{HistoryKernel, MemoryKernel};
 
 use super::levels::march_stale;
 use super::{Defect, Term, marched};
@@ -208,7 +208,7 @@ fn without(
     let part = move |t: f64| {
         let mesh = &space.mesh;
         let mut force = vec![0.0; space.nodes.len()];
-        let mut add = |simplex: &[u32], measure: f64, formulas: &[gronwall::formula::Node]| {
+        let mut add = |simplex: &[u32], measure: f64, formulas: &[formula::Node]| {
             let rule = if simplex.len() == 2 { edge(6) } else { triangle_degree_4() };
             for (shapes, weight) in rule.points.iter().zip(&rule.weights) {
                 let [x, y, z] = mesh.point(simplex, shapes);
@@ -228,7 +228,7 @@ fn without(
         }
         for (side, formulas) in &traction {
             let facet = mesh.facets_on(&[side.0]).next().expect("a facet");
-            let measure = gronwall::contact::facet_measure(mesh, facet);
+            let measure = fem::contact::facet_measure(mesh, facet);
             add(mesh.facet(facet), measure, formulas);
             if let Lost::Turned = lost {
                 let turned: Vec<_> = formulas.iter().rev().copied().collect();

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, Mutex};
 
-use gronwall::contact::{CaseError, CaseInfo, Model, Observer, march};
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{AnyProjection, Projection, Response, VonMises, YieldLimit};
-use gronwall::setup::{MeshData, Setup, TruthLoad, YieldFormula};
-use gronwall::tensor::{Symmetric, deviator, dimension, norm, trace};
-use gronwall::vhi::Newton;
+use algebra::tensor::{Symmetric, deviator, dimension, norm, trace};
+use fem::contact::{CaseError, CaseInfo, Model, Observer, march};
+use scene::setup::{MeshData, Setup, TruthLoad, YieldFormula};
+use vhi::Newton;
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{AnyProjection, Projection, Response, VonMises, YieldLimit};
 
 use super::{Defect, Term, marched};
 
@@ -160,7 +160,7 @@ fn with_past(
     let past = Arc::new(Mutex::new(Past::default()));
     let grid: TimeGrid = setup.grid(steps);
     let watched = past.clone();
-    let mut see = |view: &gronwall::contact::StepView<'_>| {
+    let mut see = |view: &fem::contact::StepView<'_>| {
         let mut past = watched.lock().expect("a past");
         let next = (view.n < grid.steps()).then(|| Trapezoid.weight(&grid, view.n + 1, view.n + 1));
         *past = Past {

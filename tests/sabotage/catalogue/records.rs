@@ -1,6 +1,6 @@
 //! Wrong entries in the table of cases.
 
-use gronwall::record::{CaseRecord, Status, V_MAX};
+use judge::record::{CaseRecord, Status, V_MAX};
 
 use super::{Defect, Term};
 

@@ -1,8 +1,8 @@
 //! Wrong weights of kernels (t-s)^{-a} b that are infinite at s = t.
 
-use gronwall::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::{HistoryKernel, MemoryKernel, Singular};
-use gronwall::setup::Setup;
+use scene::setup::Setup;
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{HistoryKernel, MemoryKernel, Singular};
 
 use super::{Defect, Term};
 

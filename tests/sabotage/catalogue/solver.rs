@@ -1,9 +1,9 @@
 //! Solvers that stop early, forget, or round; and one that only takes longer. What is committed wrongly is wrong in ζ and in
 //! the memory, as a wrong time rule is.
 
-use gronwall::contact::{CaseError, CaseInfo, Observer};
-use gronwall::setup::{MeshData, Setup};
-use gronwall::vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
+use fem::contact::{CaseError, CaseInfo, Observer};
+use scene::setup::{MeshData, Setup};
+use vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 use super::levels::{Commit, march};
 use super::{Defect, Term, marched};

@@ -1,9 +1,9 @@
 //! Wrong weights of the history, in time and in the kernel's argument.
 
-use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
-use gronwall::law::HistoryKernel;
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::law::HistoryKernel;
 
-use gronwall::setup::Setup;
+use scene::setup::Setup;
 
 use super::{Defect, Term};
 
@@ -81,7 +81,7 @@ macro_rules! ruled {
 
 /// The rule of a Gregory scene with each weight changed by a function of it, n and j; other scenes keep their rules.
 fn corrected(mut setup: Setup, change: fn(f64, &TimeGrid, usize, usize) -> f64) -> Setup {
-    if matches!(setup.scene.time.rule, gronwall::scene::TimeRule::Gregory { .. }) {
+    if matches!(setup.scene.time.rule, scene::TimeRule::Gregory { .. }) {
         let sound = std::mem::replace(&mut setup.model.time_rule, Box::new(Trapezoid));
         setup.model.time_rule = Box::new(Corrected { sound, change });
     }

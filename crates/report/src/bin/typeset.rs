@@ -11,8 +11,9 @@ fn main() -> ExitCode {
         [dir] => (dir, None),
         [dir, date] => (dir, Some(date.as_str())),
         _ => {
-            eprintln!("usage: typeset DIR [DATE]: the report in DIR as a PDF on standard output");
-            return ExitCode::from(2);
+            return refused(
+                "usage: typeset DIR [DATE]: the report in DIR as a PDF on standard output",
+            );
         }
     };
     let written = gronwall_report::pdf(Path::new(dir), date)
@@ -20,9 +21,12 @@ fn main() -> ExitCode {
         .and_then(|bytes| std::io::stdout().write_all(&bytes).map_err(|error| error.to_string()));
     match written {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::from(2)
-        }
+        Err(error) => refused(&error),
     }
+}
+
+fn refused(why: &str) -> ExitCode {
+    // Who closed standard error reads the code alone.
+    let _ = writeln!(std::io::stderr(), "{why}");
+    ExitCode::from(2)
 }

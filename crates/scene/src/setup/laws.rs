@@ -22,21 +22,14 @@ pub(super) fn potential(law: Option<&crate::Law>) -> Arc<dyn Potential> {
 }
 
 /// Friction for the solver: S = c(x, t) S_0(|u_τ|), or c p(u_ν) if it follows the normal law.
-pub(super) fn friction(written: &crate::Friction, graph: &Arc<Graph>) -> Friction {
-    let (given, points) = written.factor_and_points();
+pub(super) fn friction(written: &crate::Friction, formulas: &Arc<Graph>) -> Friction {
+    let (graph, given) = written.graph_and_factor();
     let coefficient = written.coefficient();
     let follows_pressure = coefficient > 0.0;
     let factor = if follows_pressure {
         Box::new(move |_, _| coefficient)
     } else {
-        on_contact_in_time(graph, given)
-    };
-    let backward = points.iter().rev().map(|&[r, s]| (-r, -s));
-    let both = backward.chain(points.iter().map(|&[r, s]| (r, s))).collect();
-    // Sorted, and upward at 0: the points were validated.
-    let graph: Arc<dyn Potential> = match PiecewiseLinear::new(both, 0.0, 0.0) {
-        Ok(graph) => Arc::new(graph),
-        Err(_) => Arc::new(NoPotential),
+        on_contact_in_time(formulas, given)
     };
     Friction { factor, graph, follows_pressure }
 }

@@ -1,6 +1,6 @@
 //! j_ν⁰ of ∂j_ν, evaluated apart from the solver's law.
 
-use exact::{CurveNumbers, LawNumbers};
+use exact::LawNumbers;
 use scene::setup::Setup;
 
 /// ∂j_ν without the factor c(x).
@@ -59,7 +59,7 @@ impl ClarkeLaw {
 
     /// c̄0, c̄1 with |ξ| ≤ c̄0 + c̄1|r| for all ξ ∈ ∂j_ν(r): c̄1 is the steeper of the outer slopes, and
     /// |ξ| - c̄1|r|, which does not grow outward, is largest at a point of the law or at 0. A curve adds its
-    /// largest value, c r0/2 or c r0/e at r0, and the slope of the power's tangent; a factor multiplies both.
+    /// own; a factor multiplies both.
     pub(crate) fn growth(&self) -> [f64; 2] {
         let mut graph = self.clone();
         graph.law.curve = None;
@@ -70,13 +70,7 @@ impl ClarkeLaw {
         };
         let places = self.law.points.iter().map(|point| point[0]).chain([0.0]);
         let largest = places.map(excess).fold(0.0, f64::max);
-        let curve = match self.law.curve {
-            None => [0.0, 0.0],
-            Some(
-                curve @ (CurveNumbers::Rational { r0, .. } | CurveNumbers::Exponential { r0, .. }),
-            ) => [curve.value(r0), 0.0],
-            Some(curve @ CurveNumbers::Power { r1, .. }) => [0.0, curve.slope(r1)],
-        };
+        let curve = self.law.curve.map_or([0.0, 0.0], |curve| curve.growth());
         [self.largest_factor * (largest + curve[0]), self.largest_factor * (slope + curve[1])]
     }
 }
