@@ -1,4 +1,4 @@
-# Every target needs cargo alone. `make` without a target prints the list.
+# `make` without a target prints the list.
 .DEFAULT_GOAL := help
 .PHONY: scenes help run test test-long lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants python clean-reports pdf book page reference beyond studies report latex
 
@@ -6,6 +6,8 @@ CARGO ?= cargo
 PYTHON ?= python3
 # The program and its crates, without the Python package.
 MEMBERS := --workspace --exclude gronwall-python
+# Where cargo builds; what other tools make is in target/.
+BUILT := $(or $(CARGO_TARGET_DIR),target)
 SWEEP := $(CARGO) run --release --bin sweep --
 
 help: ## print this list
@@ -33,13 +35,13 @@ compare: ## scikit-fem beside this program on the punch scenes, in one run; CASE
 	test -x $(COMPARE)/bin/python || $(PYTHON) -m venv $(COMPARE)
 	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
 	$(CARGO) build --release --bin sweep
-	$(COMPARE)/bin/python benches/compare/side_by_side.py target/release/sweep $(CASES)
+	$(COMPARE)/bin/python benches/compare/side_by_side.py $(BUILT)/release/sweep $(CASES)
 
 verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate mistake
 	test -x $(COMPARE)/bin/python || $(PYTHON) -m venv $(COMPARE)
 	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
 	$(CARGO) build --release --bin sweep
-	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
+	tests/verify_examples.sh $(BUILT)/release/sweep $(COMPARE)/bin/python
 
 # Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does; it is unpacked
 # and checked by the compiler, so that nothing of this clone is missing from it. The wheel is installed into an environment that
@@ -56,7 +58,7 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	printf '{"git":{"sha1":"%s"}}' "$$(git rev-parse HEAD)" > $(UNPACKED)/.cargo_vcs_info.json
 	sdist=$$(basename $(WHEELS)/gronwall-*.tar.gz .tar.gz) && tar -czf $(WHEELS)/$$sdist.tar.gz --transform "s,^sdist,$$sdist," -C target sdist
 	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT
-	cd $(UNPACKED)/python && $(CARGO) check --release --locked --quiet --target-dir $(CURDIR)/target
+	cd $(UNPACKED)/python && $(CARGO) check --release --locked --quiet --target-dir $(abspath $(BUILT))
 	$(BUILDER)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEELS)
 	$(PYTHON) -m venv $(CLEAN)
 	$(CLEAN)/bin/pip install --quiet $(WHEELS)/gronwall-*.whl
@@ -72,7 +74,7 @@ beyond: ## a sweep by Snakemake, killed midway and resumed, and by Slurm's array
 	test -x $(SNAKEMAKE)/bin/python || $(PYTHON) -m venv $(SNAKEMAKE)
 	$(SNAKEMAKE)/bin/pip install --quiet snakemake==9.27.1
 	$(CARGO) build --release --bin sweep
-	tests/beyond.sh target/release/sweep $(SNAKEMAKE)/bin/snakemake
+	tests/beyond.sh $(BUILT)/release/sweep $(SNAKEMAKE)/bin/snakemake
 
 gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 	$(SWEEP) gate --junit reports/latest/junit.xml
@@ -99,9 +101,10 @@ report: ## the report in reports/latest with all its chapters; the main job firs
 # The typesetter is a program of its own, put beside `sweep`. It is built once, in a profile that spends little on optimisation: minutes.
 pdf: ## the report in reports/latest as report.pdf, with the studies that are there; the main job first if there are no records
 	test -f $(REPORT)/cases.csv || $(SWEEP)
+	$(CARGO) test --profile pdf --package gronwall-report --features pdf --lib the_pdf
 	$(CARGO) build --profile pdf --package gronwall-report --features pdf --bin typeset
 	$(CARGO) build --release --bin sweep
-	cp target/pdf/typeset target/release/
+	cp $(BUILT)/pdf/typeset $(BUILT)/release/
 	$(SWEEP) report $(REPORT) --pdf $(REPORT)/report.pdf
 
 # mdBook is built once, into target/, unoptimised: it is to be built fast, not to run fast.
@@ -148,7 +151,7 @@ sabotage: ## every seeded defect against every gate, some minutes; writes docs/S
 sabotage-check: ## the same, and a failure if a gate catches something else than docs/SABOTAGE.md says
 	$(CARGO) test --release $(MEMBERS) --test sabotage -- --ignored --test-threads 1
 
-# One recipe, so that -j cannot reorder it and a failure stops what follows.
+# One recipe, so that -j cannot reorder it; what is independent comes last, side by side.
 ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, the Python package, sabotage, each benchmark once
 	$(MAKE) lint
 	$(MAKE) test

@@ -30,8 +30,8 @@
 //! | h = 1/n, k = T/N | `n`, `steps` | | length, time |
 //!
 //! # The house
-//! Eleven crates, each of which knows those named beside it and no other; this one is the program `sweep` and a front of
-//! their modules. `tests/commands/house.rs` holds the table.
+//! Eleven crates, each of which knows those named beside it and no other; this one is the program `sweep`, and shows
+//! of the others what its users call. `tests/commands/house.rs` holds the table.
 //!
 //! | crate | knows | holds |
 //! |---|---|---|
@@ -64,7 +64,7 @@ pub use judge::{
     verdict::Verdict,
 };
 #[doc(inline)]
-pub use run::{FrontError, Sweep, Swept};
+pub use run::{FrontError, Sweep, Swept, sweep::Progress};
 #[doc(inline)]
 pub use scene::{Scene, setup::Scheme};
 
@@ -78,7 +78,7 @@ pub use scene::setup;
 /// A case: what a scheme is given and returns.
 pub mod contact {
     pub use fem::contact::{
-        Boundary, BoundaryRule, CaseError, CaseInfo, Friction, Model, Observer, StepView,
+        Boundary, BoundaryRule, CaseError, CaseInfo, Friction, MemoryTerm, Model, Observer, StepView,
         strain_distance, strain_norm,
     };
 }

@@ -200,7 +200,7 @@ impl Solve {
         );
         let dimension = data.space.mesh.dimension;
         let dofs = data.space.dofs();
-        let ways = setup.ways(self.steps, &info);
+        let ways = setup.paths_in_words(self.steps, &info);
         self.print((&case, dimension), &state, (&info, ways), bound, seconds, (dofs, solver))?;
         Ok(0)
     }

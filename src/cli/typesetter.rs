@@ -21,7 +21,7 @@ impl<'a> Typesetter<'a> {
             return Ok(Self { program, file });
         }
         Err(CliError::other(format!(
-            "a PDF is set by the program `typeset`, and {} is not there; `make pdf` builds it, and writes reports/latest/report.pdf",
+            "a PDF is set by the program `typeset`, and {} is not there: in a clone `make pdf` builds it for target/release, `cargo install --path crates/report --features pdf` for an installed sweep; without it, `typst compile report.typ` sets what `sweep report` writes",
             program.display()
         )))
     }

@@ -233,7 +233,7 @@ pub(crate) fn sources() -> Vec<Source> {
 /// Crates of a dependency tree with the features that they are built with.
 fn features(of: &[&str]) -> std::collections::BTreeSet<String> {
     let tree = std::process::Command::new(env!("CARGO"))
-        .args(["tree", "--offline", "--prefix", "none", "--format", "{p} {f}", "--edges"])
+        .args(["tree", "--locked", "--prefix", "none", "--format", "{p} {f}", "--edges"])
         .args(of)
         .output()
         .expect("cargo tree");
@@ -278,8 +278,8 @@ fn crates_know_what_the_table_says() {
     }
 }
 
-/// What scenes can name, by the newest of its kind, and the files that name it: one each for the side of the solver and, but
-/// for elements, the side of the truth, and one that reads scenes. A further one touches no other.
+/// What scenes can name, by the newest of its kind, and the files that name it: the side of the solver, that of the truth
+/// where there is one, and one that reads scenes. A further one touches no other.
 const PLUG_INS: [(&str, &[&str]); 4] = [
     ("::P2", &["crates/fem/src/space/elements.rs"]),
     (

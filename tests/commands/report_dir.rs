@@ -170,12 +170,24 @@ fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
     assert_eq!(names(&folder), left);
 }
 
-/// The program alone in a folder, whatever stands beside it where it was built.
+/// The program alone in a folder, whatever stands beside it where it was built. What was just written cannot be run while a
+/// program that another thread begins still has the file open.
 fn alone(folder: &Folder, arguments: &[&str]) -> Output {
     let program = folder.at("sweep");
     std::fs::copy(env!("CARGO_BIN_EXE_sweep"), &program).expect("a copy");
-    let mut command = std::process::Command::new(program);
-    command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().expect("a run")
+    loop {
+        let mut command = std::process::Command::new(&program);
+        command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR"));
+        let begun = command.output();
+        let busy = match &begun {
+            Ok(output) => stderr(output).contains("Text file busy"),
+            Err(error) => error.kind() == std::io::ErrorKind::ExecutableFileBusy,
+        };
+        if !busy {
+            return begun.expect("a run");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
 }
 
 /// Without the typesetter there is no PDF, and no half of a report either.

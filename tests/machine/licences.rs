@@ -78,17 +78,16 @@ fn forbidden(metadata: &Value) -> Vec<String> {
     packages.iter().filter(refused).map(named).collect()
 }
 
-/// Manifests as cargo has them, without the network. Where the crates of other systems were never fetched, those of
-/// this one are all there is.
+/// Manifests as cargo has them. Where the crates of other systems were never fetched, those of this one are all there is.
 fn metadata() -> Value {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let ask = |platform: &[&str]| {
         let mut command = Command::new(&cargo);
-        command.args(["metadata", "--format-version", "1", "--locked", "--offline"]);
+        command.args(["metadata", "--format-version", "1", "--locked"]);
         command.args(platform).current_dir(env!("CARGO_MANIFEST_DIR"));
         command.output().expect("cargo")
     };
-    let mut output = ask(&[]);
+    let mut output = ask(&["--offline"]);
     if !output.status.success() {
         let version = Command::new("rustc").arg("-vV").output().expect("rustc");
         let text = String::from_utf8_lossy(&version.stdout).into_owned();

@@ -70,7 +70,7 @@ impl TimeRule {
         }
     }
 
-    /// One of each, for what is to hold of all of them.
+    /// One of each: scenes can name no other, and what is to hold of all rules is tested on these.
     pub const EVERY: [Self; 6] = [
         Self::Trapezoid,
         Self::Left,
@@ -83,6 +83,17 @@ impl TimeRule {
     /// Whether it is for equal steps alone.
     pub fn needs_equal_steps(self) -> bool {
         matches!(self, Self::Gregory { .. })
+    }
+
+    /// Its name in scene files.
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Trapezoid => "trapezoid",
+            Self::Left => "left",
+            Self::Gregory { .. } => "gregory",
+            Self::CorrectedEnd { .. } => "corrected-end",
+            Self::ProductIntegration => "product-integration",
+        }
     }
 
     /// Its name in output.
@@ -127,17 +138,16 @@ impl TimeRule {
             ),
             written::Rule::Table(table) => ("time.rule.kind", table),
         };
-        let kinds = ["trapezoid", "left", "gregory", "corrected-end", "product-integration"];
-        let kind = reading.word(key, &written.kind, &kinds)?;
+        let mut kinds = Self::EVERY.map(|rule| (rule.kind(), rule)).to_vec();
+        kinds.dedup_by_key(|(kind, _)| *kind);
+        let rule = reading.choice(key, &written.kind, &kinds)?;
         let keys: [(_, _, &[_]); 2] = [
             ("exponent", written.exponent.is_some(), &["corrected-end"]),
             ("order", written.order.is_some(), &["gregory"]),
         ];
-        reading.only("time.rule", kind, &keys)?;
-        Ok(match kind {
-            "trapezoid" => TimeRule::Trapezoid,
-            "left" => TimeRule::Left,
-            "gregory" => match written.order {
+        reading.only("time.rule", rule.kind(), &keys)?;
+        Ok(match rule {
+            TimeRule::Gregory { .. } => match written.order {
                 None | Some(3) => TimeRule::Gregory { order: 3 },
                 Some(4) => TimeRule::Gregory { order: 4 },
                 Some(order) => {
@@ -149,8 +159,7 @@ impl TimeRule {
                     ));
                 }
             },
-            "product-integration" => TimeRule::ProductIntegration,
-            _ => {
+            TimeRule::CorrectedEnd { .. } => {
                 let key = "time.rule.exponent";
                 let line = "exponent = 0.5";
                 let exponent = reading.needed(key, written.exponent, &written.kind, line)?;
@@ -161,6 +170,7 @@ impl TimeRule {
                 }
                 TimeRule::CorrectedEnd { exponent }
             }
+            plain => plain,
         })
     }
 }

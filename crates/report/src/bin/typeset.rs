@@ -1,22 +1,23 @@
 //! `typeset DIR [DATE]`: the report that `sweep report` wrote into DIR, as a PDF on standard output. `sweep report DIR
 //! --pdf FILE` runs it; a program of its own, so that typesetting is built without the solver and the solver without it.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let (dir, date) = match &arguments[..] {
         [dir] => (dir, None),
-        [dir, date] => (dir, Some(date.as_str())),
+        [dir, date] => (dir, Some(date.to_string_lossy())),
         _ => {
             return refused(
                 "usage: typeset DIR [DATE]: the report in DIR as a PDF on standard output",
             );
         }
     };
-    let written = gronwall_report::pdf(Path::new(dir), date)
+    let written = gronwall_report::pdf(Path::new(dir), date.as_deref())
         .map_err(|error| error.to_string())
         .and_then(|bytes| std::io::stdout().write_all(&bytes).map_err(|error| error.to_string()));
     match written {

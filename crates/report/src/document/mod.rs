@@ -37,7 +37,7 @@ pub(super) use typst::{DATA, TEMPLATE, data};
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Document {
+pub(crate) struct Document {
     pub(super) title: String,
     pub(super) outcome: String,
     pub(super) made_by: String,

@@ -1,10 +1,9 @@
 //! A written report as a PDF, set by Typst: no network, system fonts or clock.
 
-use std::collections::BTreeMap;
 use std::fmt::Display;
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use files::read_text;
 use typst::diag::{FileError, FileResult, SourceDiagnostic};
 use typst::foundations::{Bytes, Datetime, Duration};
 use typst::syntax::{FileId, RootedPath, Source, VirtualPath, VirtualRoot};
@@ -47,12 +46,13 @@ struct Sheets {
     book: LazyHash<FontBook>,
     fonts: Vec<Font>,
     main: Source,
-    files: BTreeMap<String, Bytes>,
+    data: Bytes,
+    dir: PathBuf,
 }
 
 impl Sheets {
     fn read(dir: &Path, date: Option<&str>) -> Result<Self, ReportError> {
-        let text = |path: &Path| fs::read_to_string(path).map_err(|error| about(path, error));
+        let text = |path: &Path| read_text(path).map_err(|error| about(path, error));
         let path = VirtualPath::new(MAIN).map_err(|_| about(Path::new(MAIN), "no path"))?;
         let main = RootedPath::new(VirtualRoot::Project, path).intern();
         let of_pictures = [dejavu::sans::regular(), dejavu::sans::bold()];
@@ -62,22 +62,13 @@ impl Sheets {
         let mut content: serde_json::Value =
             serde_json::from_str(&text(&data)?).map_err(|error| about(&data, error))?;
         content["date"] = serde_json::json!(date);
-        let mut files = BTreeMap::new();
-        files.insert(DATA.to_owned(), Bytes::from_string(content.to_string()));
-        for entry in fs::read_dir(dir).map_err(|error| about(dir, error))? {
-            let path = entry.map_err(|error| about(dir, error))?.path();
-            let name = path.file_name().and_then(|name| name.to_str());
-            if let Some(name) = name.filter(|name| name.ends_with(".svg")) {
-                let svg = sheet::without(&text(&path)?).replace("font-family=\"sans-serif\"", FACE);
-                files.insert(name.to_owned(), Bytes::from_string(svg));
-            }
-        }
         Ok(Self {
             library: LazyHash::new(Library::default()),
             book: LazyHash::new(FontBook::from_fonts(&fonts)),
             fonts,
             main: Source::new(main, text(&dir.join(MAIN))?),
-            files,
+            data: Bytes::from_string(content.to_string()),
+            dir: dir.to_owned(),
         })
     }
 }
@@ -101,7 +92,12 @@ impl World for Sheets {
 
     fn file(&self, id: FileId) -> FileResult<Bytes> {
         let name = id.get().vpath().get_without_slash();
-        self.files.get(name).cloned().ok_or_else(|| FileError::NotFound(name.into()))
+        if name == DATA {
+            return Ok(self.data.clone());
+        }
+        let path = self.dir.join(name);
+        let svg = read_text(&path).map_err(|error| FileError::from_io(error, &path))?;
+        Ok(Bytes::from_string(sheet::without(&svg).replace("font-family=\"sans-serif\"", FACE)))
     }
 
     fn font(&self, index: usize) -> Option<Font> {

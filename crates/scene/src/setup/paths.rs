@@ -29,13 +29,13 @@ pub(super) fn of_scene(setup: &Setup, data: &MeshData) -> Paths {
 }
 
 impl Setup {
-    /// The ways that a run with so many steps took, in words: its paths, and its time rule if it has a history.
-    pub fn ways(&self, steps: u32, info: &CaseInfo) -> Vec<String> {
-        let mut ways: Vec<String> = info.paths.iter().map(|path| path.name().into()).collect();
+    /// The paths that a run with so many steps took, in words, and its time rule if it has a history.
+    pub fn paths_in_words(&self, steps: u32, info: &CaseInfo) -> Vec<String> {
+        let mut words: Vec<String> = info.paths.iter().map(|path| path.name().into()).collect();
         if !self.model.memory.is_empty() || self.model.projection.is_some() {
             let steps = if self.grid(steps).is_uniform() { "equal" } else { "unequal" };
-            ways.push(format!("{}, {steps} steps", self.scene.time.rule.name()));
+            words.push(format!("{}, {steps} steps", self.scene.time.rule.name()));
         }
-        ways
+        words
     }
 }
