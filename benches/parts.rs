@@ -8,7 +8,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use fem::contact::{march, march_in_volume};
 use judge::fit::{Claim, Level, infer};
 use judge::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
-use judge::verdict::{Expect, Prediction, Variable, judge};
+use judge::verdict::{Decision, Prediction, Variable, judge};
 use scene::Scene;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
@@ -188,7 +188,7 @@ fn judging(c: &mut Criterion) {
     );
     c.bench_function("judging: 3 predictions from 10,000 rows", |b| {
         b.iter(|| {
-            let verdict = |p: &Prediction| judge("grid", &records, &keys, p, Expect::Pass);
+            let verdict = |p: &Prediction| judge("grid", &records, &keys, p, Decision::Pass);
             predictions.iter().map(verdict).collect::<Vec<_>>()
         });
     });

@@ -78,8 +78,8 @@ pub use scene::setup;
 /// A case: what a scheme is given and returns.
 pub mod contact {
     pub use fem::contact::{
-        Boundary, BoundaryRule, CaseError, CaseInfo, Friction, MemoryTerm, Model, Observer, StepView,
-        strain_distance, strain_norm,
+        Boundary, BoundaryRule, CaseError, CaseInfo, Friction, MemoryTerm, Model, Observer,
+        StepView, strain_distance, strain_norm,
     };
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::CliError;
 use judge::verdict::Verdict;
-use run::sweep::{Provenance, ScenePlan, Step, extend, words};
+use run::sweep::{Provenance, ScenePlan, Step, extend};
 
 /// Adds the cases that open verdicts ask for, with a message; true if there are any.
 pub(crate) fn extended(
@@ -17,7 +17,6 @@ pub(crate) fn extended(
         match step {
             Step::Add { scene, case, seconds, why } => {
                 added = true;
-                let case = words(&case);
                 super::progress::note(&format!(
                     "extend: {scene}: adds {case}, about {seconds:.2} s of CPU time; {why}"
                 ));

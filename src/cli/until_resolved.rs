@@ -8,7 +8,7 @@ use super::explain::duration;
 use super::extension::earlier;
 use super::progress::note;
 use files::counted;
-use judge::verdict::NextCase;
+use judge::verdict::MeshAndSteps;
 use run::sweep::{CasePlan, NotRun, ScenePlan, Stepwise, planned};
 
 /// Holds back cases that may not be needed, except those requested earlier by `resumed` records.
@@ -21,7 +21,7 @@ pub(super) fn hold(plans: &mut [ScenePlan], resumed: Option<&Path>) -> Result<St
         .filter(|(scene, known)| known.scenes.contains_key(&scene.name))
         .map(|(scene, known)| (scene.name.clone(), planned(scene, known)))
         .collect();
-    let recorded = |scene: &str, case: &NextCase| {
+    let recorded = |scene: &str, case: &MeshAndSteps| {
         let same_case = |other: &CasePlan| (other.n, other.steps) == (case.n, case.steps);
         asked.get(scene).is_some_and(|cases| cases.iter().any(same_case))
     };

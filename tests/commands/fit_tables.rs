@@ -4,7 +4,7 @@
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use judge::verdict::{Decision, Expect, Prediction, Variable, judge};
+use judge::verdict::{Decision, Prediction, Variable, judge};
 use serde_json::Value;
 
 /// A row: n and N, of which h = 1/n and k = 1/N, and the error, absent for a missing case.
@@ -148,7 +148,7 @@ fn prediction(variable: Variable, order: f64, order_k: Option<f64>) -> Predictio
 fn judged(rows: &[Row], floor: f64, prediction: &Prediction) -> (Decision, String) {
     let records: Vec<CaseRecord> = rows.iter().map(|row| record(row, floor)).collect();
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
-    let verdict = judge("table", &records, &keys, prediction, Expect::Pass);
+    let verdict = judge("table", &records, &keys, prediction, Decision::Pass);
     (verdict.decision, verdict.reason)
 }
 

@@ -7,8 +7,8 @@ use crate::program::{Folder, code, command, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{
-    Decision, Expect, FloorSource, Foreseen, LeadingLine, LeadingPoint, NextCase, Prediction,
-    Variable, Verdict, judge, judge_foreseen,
+    Decision, FloorSource, Foreseen, LeadingLine, LeadingPoint, MeshAndSteps, Prediction, Variable,
+    Verdict, judge, judge_foreseen,
 };
 use report::{AnnotationPlace, annotations, step_summary};
 use run::sweep::{AddedCase, Overrides, ScenePlan, Step, extend};
@@ -37,11 +37,11 @@ fn predict(variable: Variable, order: f64) -> Prediction {
 
 fn judged(records: &[CaseRecord], prediction: &Prediction) -> Verdict {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
-    judge("block", records, &keys, prediction, Expect::Pass)
+    judge("block", records, &keys, prediction, Decision::Pass)
 }
 
-fn next(n: u32, steps: u32) -> NextCase {
-    NextCase { n: Some(n), steps }
+fn next(n: u32, steps: u32) -> MeshAndSteps {
+    MeshAndSteps { n: Some(n), steps }
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn a_constant_of_another_solution_is_no_factor() {
         let prediction = Prediction { unique, ..predict(Variable::H, 1.0) };
         let foreseen = Foreseen::Leading(line.clone());
         let found =
-            judge_foreseen("block", &records, &keys, &prediction, Some(&foreseen), Expect::Pass);
+            judge_foreseen("block", &records, &keys, &prediction, Some(&foreseen), Decision::Pass);
         assert_eq!(found.decision, Decision::Fail, "{}", found.reason);
         let another = found.reason.contains("another solution may have been followed");
         assert!(another == blames && found.reason.contains("off by a factor"), "{}", found.reason);
@@ -197,7 +197,7 @@ fn an_extension_keeps_to_verdicts_rounds_and_budget() {
     assert!(matches!(&steps[..], [Step::Add { seconds, .. }] if *seconds > 0.0), "{steps:?}");
     // A verdict that is as expected, or decided, asks for nothing.
     let mut plans = [plan()];
-    let expected = Verdict { expect: Expect::Unresolved, ..asks(96) };
+    let expected = Verdict { expect: Decision::Unresolved, ..asks(96) };
     let decided = Verdict { decision: Decision::Fail, ..asks(96) };
     assert_eq!(extend(&mut plans, &[expected, decided], 60.0).expect("costs"), []);
     assert!(added(&plans).is_empty());
@@ -221,8 +221,8 @@ fn annotations_name_file_line_and_reason() {
     let passed = judged(&table(&four, 0.0, |h, _| h), &predict(Variable::H, 1.0));
     let failed = judged(&table(&four, 0.0, |h, _| h.sqrt()), &predict(Variable::H, 1.0));
     let open = judged(&table(&four[..2], 0.0, |h, _| h), &predict(Variable::H, 1.0));
-    let expected = Verdict { expect: Expect::Fail, ..failed.clone() };
-    let missed = Verdict { expect: Expect::Fail, ..passed.clone() };
+    let expected = Verdict { expect: Decision::Fail, ..failed.clone() };
+    let missed = Verdict { expect: Decision::Fail, ..passed.clone() };
     let place = |scene: &str, verdict: Option<&Verdict>| {
         let line = if verdict.is_some() { 33 } else { 7 };
         Some(AnnotationPlace { file: format!("manufactured/{scene}.toml"), line })

@@ -7,8 +7,8 @@ use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::edited;
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{
-    Baseline, ComparedRun, Comparison, DeviationKind, Expect, FittedConstant, Prediction, Variable,
-    Verdict, compare_owed, compare_with_baseline, judge,
+    Baseline, ComparedRun, Comparison, Decision, DeviationKind, FittedConstant, Prediction,
+    Variable, Verdict, compare_owed, compare_with_baseline, judge,
 };
 use scene::setup::{NewtonMarch, Scheme};
 
@@ -264,7 +264,7 @@ fn verdict(scene: &str, norm: &str, compared: bool) -> Verdict {
     };
     let records: Vec<CaseRecord> = [8, 16, 32, 64].map(record).into();
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
-    let mut verdict = judge(scene, &records, &keys, &prediction, Expect::Pass);
+    let mut verdict = judge(scene, &records, &keys, &prediction, Decision::Pass);
     for constant in verdict.constants.values_mut() {
         *constant = FittedConstant { ratio: compared.then_some(1.0), ..*constant };
     }

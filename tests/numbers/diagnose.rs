@@ -349,7 +349,7 @@ fn nothing_is_said(among: &dyn Fn(&str) -> bool, at_least: usize) {
         let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
         let refused = [Extension::Friction, Extension::Nonconforming];
         let is_taken = scene.without(&refused, "", "").is_ok();
-        if !exact || !scene.judge || !is_taken || !among(name) {
+        if !exact || !scene.judge || scene.long || !is_taken || !among(name) {
             continue;
         }
         let (outcomes, finding) = examine(&scene, &|setup| setup, false);

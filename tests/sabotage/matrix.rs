@@ -2,7 +2,7 @@
 
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{
-    Baseline, Comparison, Decision, Expect, Verdict, compare_owed, compare_with_baseline,
+    Baseline, Comparison, Decision, Verdict, compare_owed, compare_with_baseline,
 };
 
 use crate::catalogue::{Defect, Term};
@@ -290,7 +290,7 @@ impl Found {
 }
 
 fn constant_refuted(verdict: &Verdict) -> Option<String> {
-    if verdict.expect != Expect::Pass {
+    if verdict.expect != Decision::Pass {
         return None;
     }
     verdict.constants.iter().find_map(|(name, constant)| {

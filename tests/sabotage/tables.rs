@@ -3,8 +3,7 @@
 
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{
-    Decision, Expect, Foreseen, LeadingLine, LeadingPoint, Prediction, Variable, Verdict,
-    judge_foreseen,
+    Decision, Foreseen, LeadingLine, LeadingPoint, Prediction, Variable, Verdict, judge_foreseen,
 };
 
 use crate::catalogue::Defect;
@@ -136,7 +135,8 @@ impl Table {
         };
         let foreseen = self.constant.map(|constant| Foreseen::Leading(self.leading(constant)));
         let known = foreseen.as_ref();
-        let verdict = judge_foreseen(self.name, &records, &keys, &prediction, known, Expect::Pass);
+        let verdict =
+            judge_foreseen(self.name, &records, &keys, &prediction, known, Decision::Pass);
         (defect.after)(verdict)
     }
 

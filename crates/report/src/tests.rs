@@ -5,7 +5,7 @@ use std::fs;
 use super::*;
 use judge::record::{Key, NormError, Status};
 use judge::verdict::{
-    Baseline, ComparedRun, Expect, Prediction, Variable, compare_with_baseline, judge,
+    Baseline, ComparedRun, Decision, Prediction, Variable, compare_with_baseline, judge,
 };
 
 /// Three norms on a grid of 5 meshes and 6 time grids; the trace error meets its floor.
@@ -52,7 +52,7 @@ fn verdicts(name: &str, records: &[CaseRecord]) -> Vec<Verdict> {
             why: "(5.26) & Thm 7".into(),
             ..Prediction::new(norm, variable, order)
         };
-        judge(name, records, &keys, &prediction, Expect::Pass)
+        judge(name, records, &keys, &prediction, Decision::Pass)
     })
     .to_vec()
 }
@@ -145,7 +145,7 @@ fn the_contact_set_is_named_where_it_is_not_drawn() {
         why: "nothing".into(),
         ..Prediction::new("contact_set_max", Variable::H, 1.0)
     };
-    let verdict = judge("s", &records, &keys, &prediction, Expect::Pass);
+    let verdict = judge("s", &records, &keys, &prediction, Decision::Pass);
     let judged = picture(&records, &[verdict], Direction::Space);
     assert!(judged.contains("locked sets") && !judged.contains("cases.csv"));
     assert!(circles(&judged) > circles(&without));

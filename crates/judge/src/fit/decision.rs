@@ -3,12 +3,13 @@
 use serde::Serialize;
 
 /// What a comparison says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Decision {
     Pass,
     /// The measurement refutes the prediction or is missing.
     Fail,
+    #[default]
     Unresolved,
 }
 

@@ -42,7 +42,7 @@ impl std::fmt::Display for Key {
 }
 
 /// How a case ended; only a converged case has errors.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Status {
     Converged,
     /// The solver gave up. `cases.csv` keeps the status, `verdict.json` the reason; read from the table, `reason` is
@@ -50,6 +50,7 @@ pub enum Status {
     Failed {
         reason: String,
     },
+    #[default]
     Skipped,
 }
 
@@ -65,7 +66,7 @@ pub struct NormError {
 }
 
 /// Results of one case. Only `seconds_*` may differ between two runs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct CaseRecord {
     pub scene: String,
     /// Space dimension; 0 for abstract scenes.
@@ -101,24 +102,11 @@ impl CaseRecord {
     pub fn without_work(scene: &str, n: Option<u32>, steps: u32, k: f64) -> Self {
         Self {
             scene: scene.into(),
-            dimension: 0,
             n,
             steps,
             h: n.map(|n| 1.0 / f64::from(n)),
             k,
-            dofs: 0,
-            elements: 0,
-            status: Status::Skipped,
-            newton_iterations: 0,
-            active_set_changes: 0,
-            factorizations: 0,
-            seconds_load: 0.0,
-            seconds_assemble: 0.0,
-            seconds_factor: 0.0,
-            seconds_solve: 0.0,
-            seconds_total: 0.0,
-            peak_history_bytes: 0,
-            errors: Vec::new(),
+            ..Self::default()
         }
     }
 

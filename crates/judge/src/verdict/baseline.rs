@@ -15,6 +15,7 @@ pub use compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_wit
 pub use left_owing::compare_owed;
 pub use owed::{Owed, Owing};
 
+use super::MeshAndSteps;
 use crate::record::{CaseRecord, Key, NormError};
 use files::{read_at_most, write_named};
 
@@ -193,8 +194,7 @@ impl RecordedCase {
 
     /// `n = 8, steps = 16`.
     fn name(&self) -> String {
-        let steps = self.steps;
-        self.n.map_or(format!("steps = {steps}"), |n| format!("n = {n}, steps = {steps}"))
+        MeshAndSteps { n: self.n, steps: self.steps }.to_string()
     }
 }
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::judgement::{HIGHER_ORDER, Judgement, claim, pair};
-use super::next::{NextCase, next_case};
+use super::next::next_case;
 use super::selection::Selection;
-use super::{Decision, FittedConstant, Prediction};
+use super::{Decision, FittedConstant, MeshAndSteps, Prediction};
 use crate::fit::{
     Direction, GridPosterior, JointFit, Ruling, fit_constants, infer_grid, joint_fits,
 };
@@ -56,7 +56,7 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Judg
     }
 }
 
-fn in_both(selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
+fn in_both(selection: &Selection, prediction: &Prediction) -> Vec<MeshAndSteps> {
     let cases = |direction| next_case(selection, direction, prediction).cases;
     [cases(Direction::Space), cases(Direction::Time)].concat()
 }
@@ -67,7 +67,7 @@ struct Part {
 }
 
 impl Part {
-    fn next(&self, selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
+    fn next(&self, selection: &Selection, prediction: &Prediction) -> Vec<MeshAndSteps> {
         match self.ruling.decision {
             Decision::Unresolved if !self.ruling.too_high => {
                 next_case(selection, self.direction, prediction).cases

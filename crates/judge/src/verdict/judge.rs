@@ -7,9 +7,7 @@ use super::joint::judge_grid;
 use super::judgement::{HIGHER_ORDER, Judgement, claim, pair};
 use super::next::{Next, next_case};
 use super::selection::{Cases, Selection};
-use super::{
-    Decision, Expect, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict,
-};
+use super::{Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict};
 use crate::fit::{
     Direction, Interval, LARGEST_OTHER_SHARE, Level, Point, Posterior, Ruling, Sample, TOLERANCE,
     constant_under, infer, joint_fits, samples,
@@ -23,7 +21,7 @@ pub fn judge(
     records: &[CaseRecord],
     expected_cases: &[Key],
     prediction: &Prediction,
-    expect: Expect,
+    expect: Decision,
 ) -> Verdict {
     judge_foreseen(scene, records, expected_cases, prediction, None, expect)
 }
@@ -35,7 +33,7 @@ pub fn judge_foreseen(
     expected_cases: &[Key],
     prediction: &Prediction,
     foreseen: Option<&Foreseen>,
-    expect: Expect,
+    expect: Decision,
 ) -> Verdict {
     let cases = Cases::new(scene, records, expected_cases);
     let selection = cases.select(prediction);

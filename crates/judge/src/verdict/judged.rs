@@ -2,30 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use super::{Decision, FittedConstant, Foreseen, NextCase, PointLeftOut, PointUsed, Variable};
+use super::{Decision, FittedConstant, Foreseen, MeshAndSteps, PointLeftOut, PointUsed, Variable};
 use crate::record::{CaseRecord, Status};
-
-/// The verdict a scene is built to get.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Expect {
-    #[default]
-    Pass,
-    Fail,
-    Unresolved,
-}
-
-impl Expect {
-    pub(crate) fn decision(self) -> Decision {
-        match self {
-            Self::Pass => Decision::Pass,
-            Self::Fail => Decision::Fail,
-            Self::Unresolved => Decision::Unresolved,
-        }
-    }
-}
 
 /// A judged prediction, an entry of `verdict.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -69,17 +49,17 @@ pub struct Verdict {
     pub reason: String,
     /// The cases that would help an unresolved verdict.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub next: Vec<NextCase>,
+    pub next: Vec<MeshAndSteps>,
     /// Every expected case is there, converged and finite; otherwise the verdict is `fail` and never as expected.
     pub complete: bool,
     /// The verdict that the scene is built to get.
-    pub expect: Expect,
+    pub expect: Decision,
 }
 
 impl Verdict {
     /// Whether the verdict is the expected one. An expected failure must come from the order, not from a missing case.
     pub fn as_expected(&self) -> bool {
-        self.complete && self.decision == self.expect.decision()
+        self.complete && self.decision == self.expect
     }
 }
 

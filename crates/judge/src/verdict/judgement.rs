@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::{Decision, FittedConstant, NextCase, Prediction};
+use super::{Decision, FittedConstant, MeshAndSteps, Prediction};
 use crate::fit::{Claim, Interval, TOLERANCE};
 
+#[derive(Default)]
 pub(super) struct Judgement {
     pub(super) orders: Option<(f64, Interval)>,
     pub(super) orders_k: Option<(f64, Interval)>,
@@ -14,26 +15,15 @@ pub(super) struct Judgement {
     pub(super) constants: BTreeMap<&'static str, FittedConstant>,
     pub(super) decision: Decision,
     pub(super) reason: String,
-    pub(super) next: Vec<NextCase>,
+    pub(super) next: Vec<MeshAndSteps>,
 }
 
 impl Judgement {
     pub(super) fn without_order(decision: Decision, reason: String) -> Self {
-        let constants = BTreeMap::new();
-        let next = Vec::new();
-        Self {
-            orders: None,
-            orders_k: None,
-            probability: None,
-            contradicted_by: None,
-            constants,
-            decision,
-            reason,
-            next,
-        }
+        Self { decision, reason, ..Self::default() }
     }
 
-    pub(super) fn with_next(self, next: Vec<NextCase>) -> Self {
+    pub(super) fn with_next(self, next: Vec<MeshAndSteps>) -> Self {
         Self { next, ..self }
     }
 }

@@ -8,6 +8,7 @@ mod joint;
 mod judge;
 mod judged;
 mod judgement;
+mod mesh_and_steps;
 mod next;
 mod prediction;
 mod selection;
@@ -26,8 +27,8 @@ pub use document::{
 };
 pub use fitted_constant::FittedConstant;
 pub use judge::{judge, judge_foreseen};
-pub use judged::{Expect, Verdict, exit_code};
-pub use next::NextCase;
+pub use judged::{Verdict, exit_code};
+pub use mesh_and_steps::MeshAndSteps;
 pub use prediction::{FloorSource, Prediction, Variable};
 pub use selection::{PointLeftOut, PointUsed, line_keys, line_points};
 pub use table::{NOTHING_JUDGED, TABLE_WIDTH, cell_texts, render_table};

@@ -1,23 +1,13 @@
 //! The next cases to run for unresolved verdicts.
 
-use serde::{Deserialize, Serialize};
-
 use super::selection::{Selection, Serving, inside};
-use super::{Prediction, Variable};
+use super::{MeshAndSteps, Prediction, Variable};
 use crate::fit::Direction;
-
-/// A case not yet run; `n` is absent for abstract scenes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct NextCase {
-    /// Mesh cells per unit length, or level of refinement.
-    pub n: Option<u32>,
-    pub steps: u32,
-}
 
 /// Cases that would help, with their description. Without such cases the words say what would help.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Next {
-    pub(super) cases: Vec<NextCase>,
+    pub(super) cases: Vec<MeshAndSteps>,
     pub(super) text: String,
 }
 
@@ -70,22 +60,22 @@ fn cases(
     direction: Direction,
     prediction: &Prediction,
     level: u32,
-) -> Vec<NextCase> {
+) -> Vec<MeshAndSteps> {
     let left_out = selection.left_out.iter().map(|(serving, _)| serving);
     let keys = selection.used.iter().chain(left_out).map(|serving| &serving.key);
-    let mut found: Vec<NextCase> = match (direction, prediction.variable) {
+    let mut found: Vec<MeshAndSteps> = match (direction, prediction.variable) {
         (_, Variable::Path) => {
             let steps = levels(selection.used.iter(), Direction::Time);
             let next = match &steps[..] {
                 [.., previous, last] => finer(*previous, *last),
                 _ => return Vec::new(),
             };
-            vec![NextCase { n: Some(level), steps: next }]
+            vec![MeshAndSteps { n: Some(level), steps: next }]
         }
         (Direction::Space, _) => {
-            keys.map(|key| NextCase { n: Some(level), steps: key.steps }).collect()
+            keys.map(|key| MeshAndSteps { n: Some(level), steps: key.steps }).collect()
         }
-        (Direction::Time, _) => keys.map(|key| NextCase { n: key.n, steps: level }).collect(),
+        (Direction::Time, _) => keys.map(|key| MeshAndSteps { n: key.n, steps: level }).collect(),
     };
     found.sort_unstable();
     found.dedup();
@@ -141,7 +131,6 @@ fn coarser(first: u32, second: Option<u32>) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::fit::Point;
-    use crate::verdict::selection::MeshAndSteps;
 
     #[test]
     fn levels_continue_as_they_went() {

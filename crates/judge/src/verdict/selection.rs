@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::{Prediction, Variable};
+use super::{MeshAndSteps, Prediction, Variable};
 use crate::fit::{Direction, Point, screen};
 use crate::record::{CaseRecord, Key, Status};
 
@@ -23,25 +23,6 @@ pub struct PointLeftOut {
     pub k: f64,
     pub error: f64,
     pub reason: String,
-}
-
-/// Identifies a case within its scene; kept small, since there may be a million.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct MeshAndSteps {
-    pub(super) n: Option<u32>,
-    pub(super) steps: u32,
-}
-
-impl MeshAndSteps {
-    fn key(self, scene: &str) -> Key {
-        Key { scene: scene.to_owned(), n: self.n, steps: self.steps }
-    }
-}
-
-impl std::fmt::Display for MeshAndSteps {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.key("").fmt(f)
-    }
 }
 
 #[derive(Debug, Clone)]

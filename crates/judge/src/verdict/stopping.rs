@@ -1,6 +1,6 @@
 //! Sequential stopping of the verdicts of a growing sweep.
 
-use super::{Decision, Expect, FittedConstant, Variable, Verdict};
+use super::{Decision, FittedConstant, Variable, Verdict};
 use crate::fit::{FEWEST, distinct, settles};
 
 impl Verdict {
@@ -10,7 +10,7 @@ impl Verdict {
         if !self.complete {
             return true;
         }
-        let as_built = self.expect == Expect::Pass || self.decision == self.expect.decision();
+        let as_built = self.expect == Decision::Pass || self.decision == self.expect;
         let levels = self.levels();
         let before =
             before.filter(|before| before.levels() < levels).map(|verdict| verdict.decision);
@@ -47,7 +47,7 @@ mod tests {
     use crate::record::{CaseRecord, Key, NormError, V_MAX};
     use crate::verdict::{Prediction, judge};
 
-    fn on(levels: u32, order: f64, expect: Expect) -> Verdict {
+    fn on(levels: u32, order: f64, expect: Decision) -> Verdict {
         let records: Vec<CaseRecord> = (0..levels)
             .map(|i| {
                 let n = 4 << i;
@@ -67,26 +67,26 @@ mod tests {
 
     #[test]
     fn a_pass_needs_four_levels_and_a_failure_a_second_one() {
-        let pass = |levels| on(levels, 1.0, Expect::Pass);
+        let pass = |levels| on(levels, 1.0, Decision::Pass);
         assert_eq!(pass(3).decision, Decision::Pass);
         assert!(!pass(3).settled(None) && pass(4).settled(None));
-        let fail = |levels| on(levels, 1.5, Expect::Pass);
+        let fail = |levels| on(levels, 1.5, Decision::Pass);
         assert_eq!(fail(3).decision, Decision::Fail);
         assert!(!fail(4).settled(Some(&fail(3))));
         assert!(fail(5).settled(Some(&fail(4))));
         assert!(!fail(5).settled(Some(&fail(5))) && !fail(5).settled(None));
         assert!(!fail(5).settled(Some(&pass(4))));
-        assert!(!on(6, 0.5, Expect::Pass).settled(Some(&on(5, 0.5, Expect::Pass))));
+        assert!(!on(6, 0.5, Decision::Pass).settled(Some(&on(5, 0.5, Decision::Pass))));
     }
 
     #[test]
     fn what_a_scene_is_not_built_for_settles_nothing() {
-        assert!(!on(6, 1.0, Expect::Fail).settled(Some(&on(5, 1.0, Expect::Fail))));
-        assert!(!on(6, 1.0, Expect::Unresolved).settled(None));
-        assert!(on(5, 1.5, Expect::Fail).settled(Some(&on(4, 1.5, Expect::Fail))));
-        let grid = Verdict { variable: Variable::Joint, ..on(6, 1.0, Expect::Pass) };
+        assert!(!on(6, 1.0, Decision::Fail).settled(Some(&on(5, 1.0, Decision::Fail))));
+        assert!(!on(6, 1.0, Decision::Unresolved).settled(None));
+        assert!(on(5, 1.5, Decision::Fail).settled(Some(&on(4, 1.5, Decision::Fail))));
+        let grid = Verdict { variable: Variable::Joint, ..on(6, 1.0, Decision::Pass) };
         assert!(!grid.settled(None));
-        assert!(Verdict { complete: false, ..on(3, 1.0, Expect::Pass) }.settled(None));
+        assert!(Verdict { complete: false, ..on(3, 1.0, Decision::Pass) }.settled(None));
     }
 
     #[test]
@@ -98,7 +98,7 @@ mod tests {
                 ..FittedConstant::fitted(1.0, [1.0, 1.0], 1.0)
             };
             let constants = BTreeMap::from([("C_h", constant)]);
-            Verdict { constants, ..on(3, 1.0, Expect::Pass) }
+            Verdict { constants, ..on(3, 1.0, Decision::Pass) }
         };
         assert!(with(1.00005).settled(None));
         assert!(!with(1.0002).settled(None) && !with(f64::NAN).settled(None));

@@ -68,7 +68,7 @@ pub fn cell_texts(verdict: &Verdict) -> [String; 7] {
     let decision = match (verdict.as_expected(), verdict.decision) {
         (true, Decision::Pass) | (false, Decision::Fail | Decision::Unresolved) => name.to_owned(),
         (true, _) => format!("{name}, as expected"),
-        (false, Decision::Pass) => format!("{name}, expected {}", verdict.expect.decision().name()),
+        (false, Decision::Pass) => format!("{name}, expected {}", verdict.expect.name()),
     };
     [
         verdict.scene.clone(),

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::ScenePlan;
-use judge::verdict::{Decision, NextCase, Verdict};
+use judge::verdict::{Decision, MeshAndSteps, Verdict};
 use scene::setup::SetupError;
 
 /// Rounds of extension per directory. Each refines once; an order that three refinements do not settle needs another
@@ -14,7 +14,7 @@ pub const ROUNDS: u32 = 3;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AddedCase {
     #[serde(flatten)]
-    pub case: NextCase,
+    pub case: MeshAndSteps,
     /// 1, 2, …
     pub round: u32,
     /// The open verdict, and why it was open.
@@ -27,7 +27,7 @@ pub enum Step {
     /// The case is added to the plan of its scene.
     Add {
         scene: String,
-        case: NextCase,
+        case: MeshAndSteps,
         seconds: f64,
         /// The verdict that asks for it.
         why: String,
@@ -61,10 +61,10 @@ pub fn extend(
             steps.push(Step::Leave { scene: scene.clone(), why });
         };
         let Some(plan) = plans.iter_mut().find(|plan| plan.scene().name == scene) else { continue };
-        let has = |case: &NextCase, plan: &ScenePlan| {
+        let has = |case: &MeshAndSteps, plan: &ScenePlan| {
             plan.cases.iter().any(|known| known.n == case.n && known.steps == case.steps)
         };
-        let new: Vec<NextCase> =
+        let new: Vec<MeshAndSteps> =
             verdict.next.iter().copied().filter(|case| !has(case, plan)).collect();
         if verdict.next.is_empty() {
             leave(format!("no case would help: {}", verdict.reason));
@@ -77,12 +77,11 @@ pub fn extend(
         for case in new {
             let ns: Vec<u32> = case.n.into_iter().collect();
             if let Err(error) = plan.scene().check_cases(&ns, &[case.steps]) {
-                let place = words(&case);
                 let hint = error.to_string();
                 let hint = hint.lines().next().unwrap_or_default().to_owned();
                 steps.push(Step::Leave {
                     scene: scene.clone(),
-                    why: format!("{name}: {place} cannot be run: {hint}"),
+                    why: format!("{name}: {case} cannot be run: {hint}"),
                 });
                 continue;
             }
@@ -91,9 +90,8 @@ pub fn extend(
             let seconds = case_seconds(plan, &case)?;
             if seconds > left {
                 plan.remove(&case);
-                let place = words(&case);
                 let why = format!(
-                    "{name}: {place} would take about {seconds:.1} s of CPU time, {:.1} s are left of the budget",
+                    "{name}: {case} would take about {seconds:.1} s of CPU time, {:.1} s are left of the budget",
                     left.max(0.0)
                 );
                 steps.push(Step::Leave { scene: scene.clone(), why });
@@ -106,20 +104,12 @@ pub fn extend(
     Ok(steps)
 }
 
-/// A case in words: `n = 64, steps = 16`.
-pub fn words(case: &NextCase) -> String {
-    match case.n {
-        Some(n) => format!("n = {n}, steps = {}", case.steps),
-        None => format!("steps = {}", case.steps),
-    }
-}
-
 fn added_seconds(plan: &ScenePlan) -> Result<f64, SetupError> {
     plan.added.iter().map(|added| case_seconds(plan, &added.case)).sum()
 }
 
 /// Predicted CPU seconds of one case of a plan, including its reference run, which no record keeps.
-fn case_seconds(plan: &ScenePlan, case: &NextCase) -> Result<f64, SetupError> {
+fn case_seconds(plan: &ScenePlan, case: &MeshAndSteps) -> Result<f64, SetupError> {
     let costs = plan.costs()?;
     let of_case = plan.cases.iter().zip(&costs.cases);
     let of_case = of_case.filter(|(of_case, _)| of_case.n == case.n && of_case.steps == case.steps);

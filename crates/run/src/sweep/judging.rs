@@ -4,7 +4,7 @@ use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors_beside};
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{
-    self, Expect, FloorSource, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable,
+    self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable,
     Verdict,
 };
 use scene::setup::Subject;
@@ -21,9 +21,9 @@ pub fn judge_scene(
         return Vec::new();
     }
     let expect = match scene.expect {
-        Expectation::Pass => Expect::Pass,
-        Expectation::Fail => Expect::Fail,
-        Expectation::Unresolved => Expect::Unresolved,
+        Expectation::Pass => Decision::Pass,
+        Expectation::Fail => Decision::Fail,
+        Expectation::Unresolved => Decision::Unresolved,
     };
     let one = |written: &Prediction| {
         let prediction = prediction(scene, written);

@@ -7,7 +7,7 @@ use super::extend::AddedCase;
 use super::floors::{FloorError, FloorRow};
 use super::problem;
 use judge::record::{CaseRecord, Key, NormError, Status};
-use judge::verdict::NextCase;
+use judge::verdict::MeshAndSteps;
 use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
@@ -91,14 +91,14 @@ impl ScenePlan {
 
     /// Adds a case, unless it is there.
     pub fn add(&mut self, added: AddedCase) {
-        let NextCase { n, steps } = added.case;
+        let MeshAndSteps { n, steps } = added.case;
         if !self.cases.iter().any(|case| case.n == n && case.steps == steps) {
             self.cases.push(CasePlan { n, steps, norms: norms(self.subject.scene(), n) });
             self.added.push(added);
         }
     }
 
-    pub(crate) fn remove(&mut self, case: &NextCase) {
+    pub(crate) fn remove(&mut self, case: &MeshAndSteps) {
         self.added.retain(|added| added.case != *case);
         self.cases.retain(|planned| planned.n != case.n || planned.steps != case.steps);
     }

@@ -4,7 +4,7 @@ use super::judging::line_cases;
 use super::plan::{CasePlan, ScenePlan};
 use judge::fit::FEWEST;
 use judge::record::{CaseRecord, Key};
-use judge::verdict::{Decision, NextCase, Verdict};
+use judge::verdict::{Decision, MeshAndSteps, Verdict};
 use scene::setup::SetupError;
 use scene::{Direction, Expectation};
 
@@ -23,7 +23,7 @@ struct Waiting {
 
 #[derive(Clone)]
 struct Claim {
-    cases: Vec<NextCase>,
+    cases: Vec<MeshAndSteps>,
     /// The verdict before the last cases were added, and the decision that settled it.
     before: Option<Verdict>,
     settled: Option<Decision>,
@@ -33,7 +33,7 @@ struct Claim {
 #[derive(serde::Serialize)]
 pub struct NotRun {
     pub scene: String,
-    pub cases: Vec<NextCase>,
+    pub cases: Vec<MeshAndSteps>,
     /// Their predicted CPU seconds in total.
     pub seconds: f64,
 }
@@ -41,14 +41,15 @@ pub struct NotRun {
 impl NotRun {
     /// The keys of the cases.
     pub fn keys(&self) -> impl Iterator<Item = Key> {
-        let key = |case: &NextCase| Key { scene: self.scene.clone(), n: case.n, steps: case.steps };
+        let key =
+            |case: &MeshAndSteps| Key { scene: self.scene.clone(), n: case.n, steps: case.steps };
         self.cases.iter().map(key)
     }
 }
 
 impl Stepwise {
     /// Leaves each plan the three cheapest cases of every claim, and those `recorded` as asked for already.
-    pub fn hold(plans: &mut [ScenePlan], recorded: impl Fn(&str, &NextCase) -> bool) -> Self {
+    pub fn hold(plans: &mut [ScenePlan], recorded: impl Fn(&str, &MeshAndSteps) -> bool) -> Self {
         let hold = |plan: &mut ScenePlan| {
             let waiting = Waiting::of(plan);
             if waiting.whole.is_none() {
@@ -152,7 +153,7 @@ impl Waiting {
             Expectation::Pass | Expectation::Fail => None,
         };
         let claim = |written| {
-            let mut cases: Vec<NextCase> =
+            let mut cases: Vec<MeshAndSteps> =
                 line_cases(plan, written).into_iter().map(place).collect();
             cases.sort_unstable();
             Claim { cases, before: None, settled: None }
@@ -161,7 +162,7 @@ impl Waiting {
     }
 
     /// The cheapest cases of every claim, needed for any verdict.
-    fn first(&self) -> Vec<NextCase> {
+    fn first(&self) -> Vec<MeshAndSteps> {
         self.claims.iter().flat_map(|claim| claim.cases.iter().copied().take(FEWEST)).collect()
     }
 
@@ -170,7 +171,7 @@ impl Waiting {
         &mut self,
         verdicts: impl Iterator<Item = &'a Verdict>,
         asked: &[CasePlan],
-    ) -> Vec<NextCase> {
+    ) -> Vec<MeshAndSteps> {
         let claims = self.claims.iter_mut().zip(verdicts);
         claims.filter_map(|(claim, verdict)| claim.next(verdict, asked)).collect()
     }
@@ -206,17 +207,17 @@ impl Waiting {
 
 impl Claim {
     /// The next case that the claim needs, if its new verdict is open.
-    fn next(&mut self, verdict: &Verdict, asked: &[CasePlan]) -> Option<NextCase> {
+    fn next(&mut self, verdict: &Verdict, asked: &[CasePlan]) -> Option<MeshAndSteps> {
         let settled = verdict.settled(self.before.as_ref());
         // Other claims may have added a case since: a decision that it does not change stays settled.
         let settled = settled || self.settled == Some(verdict.decision);
         self.settled = settled.then_some(verdict.decision);
         self.before = Some(verdict.clone());
-        let open = |case: &&NextCase| !asked.iter().any(|case_plan| place(case_plan) == **case);
+        let open = |case: &&MeshAndSteps| !asked.iter().any(|case_plan| place(case_plan) == **case);
         self.cases.iter().find(open).copied().filter(|_| !settled)
     }
 }
 
-fn place(case: &CasePlan) -> NextCase {
-    NextCase { n: case.n, steps: case.steps }
+fn place(case: &CasePlan) -> MeshAndSteps {
+    MeshAndSteps { n: case.n, steps: case.steps }
 }

@@ -127,7 +127,11 @@ pub fn compare_with_baseline(
         };
         comparison.scenes.push(run.scene.clone());
         if recorded.hash != run.hash {
-            comparison.deviations.push(stale(&run.scene));
+            let reason = format!(
+                "{}: the scene file changed after it was recorded: nothing to compare",
+                run.scene
+            );
+            comparison.deviations.push(Deviation::of(DeviationKind::Stale, &run.scene, reason));
             continue;
         }
         compare_scene(run, recorded, records, &mut comparison);
@@ -158,8 +162,7 @@ fn compare_scene(
             comparison.deviations.push(at.deviation(
                 DeviationKind::Missing,
                 None,
-                None,
-                None,
+                [None; 2],
                 &what,
             ));
             continue;
@@ -170,20 +173,21 @@ fn compare_scene(
     }
 }
 
-fn stale(scene: &str) -> Deviation {
-    Deviation {
-        scene: scene.to_owned(),
-        n: None,
-        steps: None,
-        norm: None,
-        variable: None,
-        kind: DeviationKind::Stale,
-        recorded: None,
-        found: None,
-        verdict: DeviationKind::Stale.decision(),
-        reason: format!(
-            "{scene}: the scene file changed after it was recorded: nothing to compare"
-        ),
+impl Deviation {
+    /// Of no case, norm or number.
+    pub(super) fn of(kind: DeviationKind, scene: &str, reason: String) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            n: None,
+            steps: None,
+            norm: None,
+            variable: None,
+            kind,
+            recorded: None,
+            found: None,
+            verdict: kind.decision(),
+            reason,
+        }
     }
 }
 
@@ -198,14 +202,8 @@ impl Place<'_> {
         for (norm, &recorded) in &self.case.errors {
             let allowed = self.case.allowed.get(norm).copied().unwrap_or(REPEATED_WITHIN);
             let Some(error) = found.norm(norm).and_then(|entry| entry.error) else {
-                let (kind, norm) = (DeviationKind::Missing, Some(norm.as_str()));
-                deviations.push(self.deviation(
-                    kind,
-                    norm,
-                    Some(recorded),
-                    None,
-                    "was not measured",
-                ));
+                let (kind, values) = (DeviationKind::Missing, [Some(recorded), None]);
+                deviations.push(self.deviation(kind, Some(norm), values, "was not measured"));
                 continue;
             };
             let change = error / recorded - 1.0;
@@ -217,14 +215,8 @@ impl Place<'_> {
                     }
                     false => format!("is {error}, recorded {recorded:.6e}"),
                 };
-                let values = (Some(recorded), Some(error).filter(|error| error.is_finite()));
-                deviations.push(self.deviation(
-                    DeviationKind::Error,
-                    Some(norm),
-                    values.0,
-                    values.1,
-                    &what,
-                ));
+                let values = [Some(recorded), Some(error).filter(|error| error.is_finite())];
+                deviations.push(self.deviation(DeviationKind::Error, Some(norm), values, &what));
             }
         }
         deviations
@@ -246,8 +238,8 @@ impl Place<'_> {
             .filter(|&(_, recorded, now)| grew(recorded, now))
             .map(|(name, recorded, now)| {
                 let what = format!("rose from {recorded} to {now}: the same result costs more");
-                let values = (Some(recorded as f64), Some(now as f64));
-                self.deviation(DeviationKind::Cost, Some(name), values.0, values.1, &what)
+                let values = [Some(recorded as f64), Some(now as f64)];
+                self.deviation(DeviationKind::Cost, Some(name), values, &what)
             })
             .collect()
     }
@@ -256,22 +248,18 @@ impl Place<'_> {
         &self,
         kind: DeviationKind,
         norm: Option<&str>,
-        recorded: Option<f64>,
-        found: Option<f64>,
+        [recorded, found]: [Option<f64>; 2],
         what: &str,
     ) -> Deviation {
         let subject = norm.map_or(String::new(), |norm| format!(": {norm}"));
+        let reason = format!("{}, {}{subject} {what}", self.scene, self.case.name());
         Deviation {
-            scene: self.scene.to_owned(),
             n: self.case.n,
             steps: Some(self.case.steps),
             norm: norm.map(str::to_owned),
-            variable: None,
-            kind,
             recorded,
             found,
-            verdict: kind.decision(),
-            reason: format!("{}, {}{subject} {what}", self.scene, self.case.name()),
+            ..Deviation::of(kind, self.scene, reason)
         }
     }
 }

@@ -78,18 +78,9 @@ fn left_owing(scene: &str, owes: &[Owed], mut settled: Vec<Owed>) -> Vec<Deviati
 }
 
 fn deviation(scene: &str, owed: &Owed, what: &str) -> Deviation {
-    Deviation {
-        scene: scene.to_owned(),
-        n: None,
-        steps: None,
-        norm: Some(owed.norm.clone()),
-        variable: Some(owed.variable),
-        kind: DeviationKind::Owed,
-        recorded: None,
-        found: None,
-        verdict: DeviationKind::Owed.decision(),
-        reason: format!("{scene}: {}: {what}", owed.name()),
-    }
+    let reason = format!("{scene}: {}: {what}", owed.name());
+    let of_scene = Deviation::of(DeviationKind::Owed, scene, reason);
+    Deviation { norm: Some(owed.norm.clone()), variable: Some(owed.variable), ..of_scene }
 }
 
 impl Comparison {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fit::Point;
-use crate::verdict::selection::MeshAndSteps;
+use crate::verdict::MeshAndSteps;
 
 fn constant() -> FittedConstant {
     FittedConstant::fitted(5.0, [4.9, 5.1], 2.0)

@@ -2,7 +2,7 @@ use super::*;
 use crate::fit::{Claim, Correction, Point};
 use crate::record::{NormError, Status, V_MAX};
 use crate::verdict::{
-    Failure, ForeseenConstant, LeadingPoint, NextCase, cell_texts, exit_code, failures,
+    Failure, ForeseenConstant, LeadingPoint, MeshAndSteps, cell_texts, exit_code, failures,
     read_foreseen, render_table, restore_reasons, write_json,
 };
 
@@ -35,7 +35,7 @@ fn keys(records: &[CaseRecord]) -> Vec<Key> {
     records.iter().map(CaseRecord::key).collect()
 }
 fn verdict(records: &[CaseRecord], prediction: &Prediction) -> Verdict {
-    judge("block", records, &keys(records), prediction, Expect::Pass)
+    judge("block", records, &keys(records), prediction, Decision::Pass)
 }
 const DOUBLING: [u32; 6] = [8, 16, 32, 64, 128, 256];
 
@@ -99,13 +99,16 @@ fn a_missing_a_failed_and_a_broken_case_fail_even_where_failure_is_expected() {
     let words = ["n = 32, steps = 4 is missing", "no descent", "NaN", "has no error", "no row"];
     for (records, word) in [&missing, &failed, &broken, &absent, &unmeasured].into_iter().zip(words)
     {
-        let verdict = judge("block", records, &wanted, &prediction, Expect::Fail);
+        let verdict = judge("block", records, &wanted, &prediction, Decision::Fail);
         assert_eq!(verdict.decision, Decision::Fail);
         assert!(verdict.reason.contains(word), "{}", verdict.reason);
         assert!(!verdict.as_expected());
         assert_eq!(exit_code(records, &[verdict]), if word == "no descent" { 2 } else { 1 });
     }
-    assert_eq!(judge("other", &good, &wanted, &prediction, Expect::Pass).decision, Decision::Fail);
+    assert_eq!(
+        judge("other", &good, &wanted, &prediction, Decision::Pass).decision,
+        Decision::Fail
+    );
 }
 
 #[test]
@@ -114,7 +117,7 @@ fn two_points_are_unresolved_and_name_the_third() {
     assert_eq!(two.decision, Decision::Unresolved);
     assert_eq!(two.reason, "2 points, an order needs 3: run n = 256");
     assert!(two.interval.is_none());
-    assert_eq!(two.next, [NextCase { n: Some(256), steps: 4 }]);
+    assert_eq!(two.next, [MeshAndSteps { n: Some(256), steps: 4 }]);
     let windowed = Prediction { window_n: Some([32, 64]), ..predict(Variable::H, 1.0) };
     let windowed = verdict(&table(&DOUBLING, &[4], |h, _| h), &windowed);
     assert_eq!(windowed.points_left_out[0].reason, "outside window");
@@ -160,8 +163,8 @@ fn the_grid_gives_both_orders_and_the_path_gives_none() {
     let path = verdict(&path, &joint);
     assert_eq!(path.decision, Decision::Unresolved);
     assert!(path.reason.starts_with("not identifiable"), "{}", path.reason);
-    assert!(path.next.contains(&NextCase { n: Some(128), steps: 64 }));
-    assert!(path.next.contains(&NextCase { n: Some(64), steps: 128 }));
+    assert!(path.next.contains(&MeshAndSteps { n: Some(128), steps: 64 }));
+    assert!(path.next.contains(&MeshAndSteps { n: Some(64), steps: 128 }));
 }
 
 #[test]
@@ -187,7 +190,7 @@ fn intervals_are_wide_or_clear_and_say_why() {
         "{}",
         wide.reason
     );
-    assert_eq!(wide.next, [NextCase { n: Some(512), steps: 4 }]);
+    assert_eq!(wide.next, [MeshAndSteps { n: Some(512), steps: 4 }]);
     // Six exact levels tell orders apart that differ by a tenth.
     let off = |order: f64| {
         let records = table(&DOUBLING, &[4], |h, _| h.powf(order));
@@ -246,7 +249,7 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
         };
         let points = records.iter().map(point).collect();
         let line = Foreseen::Leading(LeadingLine { points, limit: None, tolerance: 0.03 });
-        judge_foreseen("block", &records, &[], prediction, Some(&line), Expect::Pass)
+        judge_foreseen("block", &records, &[], prediction, Some(&line), Decision::Pass)
     };
     let sound = judged(5.0, &prediction);
     assert_eq!(sound.decision, Decision::Pass, "{}", sound.reason);
@@ -315,13 +318,13 @@ fn a_row_names_what_is_refined() {
         [predicted, observed, decision, why]
     };
     assert_eq!(cells(&one), ["1", "1.00 [0.99, 1.00]", "pass", "(5.26)"]);
-    let bound = Verdict { at_least: true, expect: Expect::Fail, ..one.clone() };
+    let bound = Verdict { at_least: true, expect: Decision::Fail, ..one.clone() };
     assert_eq!(cells(&bound)[..3], ["≥ 1", "1.00 [0.99, 1.00]", "pass, expected fail"]);
     let both = Verdict { predicted_k: Some(2.0), interval: None, ..one.clone() };
     assert_eq!(cells(&both)[..2], ["1, 2", "-"]);
     let failed = Verdict {
         decision: Decision::Fail,
-        expect: Expect::Fail,
+        expect: Decision::Fail,
         reason: "because".into(),
         ..one.clone()
     };
@@ -349,7 +352,7 @@ fn expectations_turn_the_exit_code() {
     let records = table(&DOUBLING, &[4], |h, _| h.sqrt());
     let prediction = predict(Variable::H, 1.0);
     let code = |expect| exit_code(&records, &[judge("block", &records, &[], &prediction, expect)]);
-    assert_eq!((code(Expect::Pass), code(Expect::Fail), code(Expect::Unresolved)), (1, 0, 1));
+    assert_eq!((code(Decision::Pass), code(Decision::Fail), code(Decision::Unresolved)), (1, 0, 1));
     assert_eq!(exit_code(&[], &[]), 0);
 }
 

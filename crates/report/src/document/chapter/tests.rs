@@ -11,7 +11,7 @@ use crate::document::{
 };
 use crate::{ReportError, SceneSummary, StepLimits};
 use judge::record::{CaseRecord, Key, NormError, Status};
-use judge::verdict::{Expect, Prediction, Variable, Verdict, judge};
+use judge::verdict::{Decision, Prediction, Variable, Verdict, judge};
 
 const ALL: [Chapter; 6] = [
     Chapter::Bound,
@@ -98,7 +98,7 @@ fn verdict(records: &[CaseRecord]) -> Verdict {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     let prediction =
         Prediction { why: "(5.26)".into(), ..Prediction::new("V_max", Variable::H, 1.0) };
-    judge("s", records, &keys, &prediction, Expect::Pass)
+    judge("s", records, &keys, &prediction, Decision::Pass)
 }
 
 #[test]
