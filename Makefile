@@ -57,13 +57,13 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	mkdir $(UNPACKED) && tar -xzmf $(WHEELS)/gronwall-*.tar.gz -C $(UNPACKED) --strip-components 1
 	printf '{"git":{"sha1":"%s"}}' "$$(git rev-parse HEAD)" > $(UNPACKED)/.cargo_vcs_info.json
 	sdist=$$(basename $(WHEELS)/gronwall-*.tar.gz .tar.gz) && tar -czf $(WHEELS)/$$sdist.tar.gz --transform "s,^sdist,$$sdist," -C target sdist
-	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT
+	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT && diff -r -x __pycache__ python/gronwall $(UNPACKED)/gronwall
 	cd $(UNPACKED)/python && $(CARGO) check --release --locked --quiet --target-dir $(abspath $(BUILT))
 	$(BUILDER)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEELS)
 	$(PYTHON) -m venv $(CLEAN)
 	$(CLEAN)/bin/pip install --quiet $(WHEELS)/gronwall-*.whl
 	cd target && python/bin/python -c 'import gronwall; print(gronwall.fit([1/8, 1/16, 1/32], [0.1, 0.0251, 0.00629], order=2))'
-	$(CLEAN)/bin/pip install --quiet pytest==9.2.0 numpy==2.2.6 pandas==2.3.3 matplotlib==3.10.6 scikit-fem==12.0.2 ngsolve==6.2.2608
+	$(CLEAN)/bin/pip install --quiet pytest==9.2.0 meshio==5.3.5 numpy==2.2.6 pandas==2.3.3 matplotlib==3.10.6 scikit-fem==12.0.2 ngsolve==6.2.2608
 	$(CLEAN)/bin/python -m pytest --quiet -p no:cacheprovider python/tests
 	$(CLEAN)/bin/python -m pytest --quiet -p no:cacheprovider examples/python --gronwall-report $(CURDIR)/target/python-report
 

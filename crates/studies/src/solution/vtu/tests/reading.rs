@@ -1,58 +1,63 @@
-//! Reads a file back: with vtkio, or one array of it by its declared offset.
+//! Reads a file back by what it declares: XML before the data, each array at its offset. That another program reads the
+//! files is a test of the Python package, with meshio.
 
-use vtkio::model::{Attribute, Attributes, CellType, DataSet, Piece, VertexNumbers};
+use std::collections::BTreeMap;
 
-/// What vtkio finds in a file.
-pub struct ReadBack {
-    pub points: Vec<f64>,
-    pub connectivity: Vec<u64>,
-    pub offsets: Vec<u64>,
-    pub types: Vec<CellType>,
-    pub attributes: Attributes,
+/// An array: the element it stands in, its numbers per point or cell, its bytes.
+pub struct Array<'a> {
+    pub of: String,
+    pub components: usize,
+    pub bytes: &'a [u8],
 }
 
-/// Reads the bytes of a file with vtkio.
-pub fn read(bytes: &[u8]) -> Result<ReadBack, String> {
-    let vtk = vtkio::Vtk::parse_xml(bytes).map_err(|error| error.to_string())?;
-    let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else {
-        return Err("kind".into());
+/// What is in a file.
+pub struct ReadBack<'a> {
+    pub points: usize,
+    pub cells: usize,
+    pub arrays: BTreeMap<String, Array<'a>>,
+}
+
+/// Arrays have the length that is declared, follow each other and fill the data; anything else is refused.
+pub fn read(file: &[u8]) -> Result<ReadBack<'_>, String> {
+    let start = file.windows(2).position(|pair| pair == b"\n_").ok_or("no data")? + 2;
+    let head = std::str::from_utf8(&file[..start]).map_err(|error| error.to_string())?;
+    let (declared, _) = head.split_once("<AppendedData").ok_or("no data declared")?;
+    let text = format!("{declared}</VTKFile>");
+    let document = roxmltree::Document::parse(&text).map_err(|error| error.to_string())?;
+    let number = |node: roxmltree::Node<'_, '_>, name: &str| -> Result<usize, String> {
+        node.attribute(name).and_then(|text| text.parse().ok()).ok_or(format!("no {name}"))
     };
-    let [Piece::Inline(piece)] = &pieces[..] else {
-        return Err("pieces".into());
-    };
-    let points = piece.points.clone().into_vec().ok_or("points are no f64")?;
-    match piece.cells.cell_verts.clone() {
-        VertexNumbers::XML { connectivity, offsets } => {
-            let (types, attributes) = (piece.cells.types.clone(), piece.data.clone());
-            Ok(ReadBack { points, connectivity, offsets, types, attributes })
+    let piece = document.descendants().find(|node| node.has_tag_name("Piece")).ok_or("no piece")?;
+    let (points, cells) = (number(piece, "NumberOfPoints")?, number(piece, "NumberOfCells")?);
+    let (mut at, mut arrays) = (start, BTreeMap::new());
+    for node in piece.descendants().filter(|node| node.has_tag_name("DataArray")) {
+        let name = node.attribute("Name").ok_or("no name")?.to_owned();
+        let of = node.parent_element().ok_or("no parent")?.tag_name().name().to_owned();
+        let components = number(node, "NumberOfComponents").unwrap_or(1);
+        if start + number(node, "offset")? != at {
+            return Err(format!("{name} does not follow the array before it"));
         }
-        VertexNumbers::Legacy { .. } => Err("legacy cells".into()),
+        let count = file.get(at..at + 8).ok_or("no byte count")?;
+        let count = u64::from_le_bytes(count.try_into().map_err(|_| "eight bytes")?) as usize;
+        let bytes = file.get(at + 8..at + 8 + count).ok_or(format!("{name} is cut off"))?;
+        let size = if node.attribute("type") == Some("UInt8") { 1 } else { 8 };
+        let tuples = if of == "Points" || of == "PointData" { points } else { cells };
+        if name != "connectivity" && count != tuples * components * size {
+            return Err(format!("{name} has {count} bytes"));
+        }
+        at += 8 + count;
+        arrays.insert(name, Array { of, components, bytes });
     }
+    let ends = file[at..] == *b"\n  </AppendedData>\n</VTKFile>\n";
+    if ends { Ok(ReadBack { points, cells, arrays }) } else { Err("bytes of no array".into()) }
 }
 
-/// The values and the number of components of the attribute `name`.
-pub fn attribute(attributes: &[Attribute], name: &str) -> Option<(Vec<f64>, u32)> {
-    attributes.iter().find_map(|attribute| match attribute {
-        Attribute::DataArray(array) if array.name == name => {
-            Some((array.data.clone().into_vec()?, array.num_comp() as u32))
-        }
-        _ => None,
-    })
-}
-
-/// The bytes of the array `name`, found by its declared offset and its byte count.
-pub fn block<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
-    let start = file.windows(2).position(|pair| pair == b"\n_").expect("appended data") + 2;
-    let head = std::str::from_utf8(&file[..start]).expect("text before the data");
-    let (_, declared) = head.split_once(&format!("Name=\"{name}\"")).expect("declared");
-    let (_, offset) = declared.split_once("offset=\"").expect("offset");
-    let (offset, _) = offset.split_once('"').expect("number");
-    let at = start + offset.parse::<usize>().expect("number");
-    let count = u64::from_le_bytes(file[at..at + 8].try_into().expect("eight bytes"));
-    &file[at + 8..at + 8 + count as usize]
-}
-
-/// The numbers of an array.
+/// Floating-point numbers.
 pub fn floats(bytes: &[u8]) -> Vec<f64> {
     bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().expect("eight"))).collect()
+}
+
+/// Whole numbers.
+pub fn integers(bytes: &[u8]) -> Vec<i64> {
+    bytes.chunks_exact(8).map(|b| i64::from_le_bytes(b.try_into().expect("eight"))).collect()
 }
