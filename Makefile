@@ -43,9 +43,9 @@ verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh $(BUILT)/release/sweep $(COMPARE)/bin/python
 
-# Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does; it is unpacked
-# and checked by the compiler, so that nothing of this clone is missing from it. The wheel is installed into an environment that
-# has nothing else. NGSolve is 80 MB to fetch.
+# Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does; unpacked, it has
+# every file of this clone, and its manifests agree with its lock file. The wheel is installed into an environment that has
+# nothing else. NGSolve is 80 MB to fetch.
 WHEELS := target/wheels
 UNPACKED := target/sdist
 BUILDER := target/maturin
@@ -57,8 +57,9 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	mkdir $(UNPACKED) && tar -xzmf $(WHEELS)/gronwall-*.tar.gz -C $(UNPACKED) --strip-components 1
 	printf '{"git":{"sha1":"%s"}}' "$$(git rev-parse HEAD)" > $(UNPACKED)/.cargo_vcs_info.json
 	sdist=$$(basename $(WHEELS)/gronwall-*.tar.gz .tar.gz) && tar -czf $(WHEELS)/$$sdist.tar.gz --transform "s,^sdist,$$sdist," -C target sdist
-	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT && diff -r -x __pycache__ python/gronwall $(UNPACKED)/gronwall
-	cd $(UNPACKED)/python && $(CARGO) check --release --locked --quiet --target-dir $(abspath $(BUILT))
+	git ls-files | grep -vE '^(Cargo.toml|python/(gronwall/.*|pyproject.toml|Cargo.toml))$$' | xargs -I FILE cmp FILE $(UNPACKED)/FILE
+	diff -r -x __pycache__ python/gronwall $(UNPACKED)/gronwall
+	cd $(UNPACKED)/python && $(CARGO) metadata --locked --format-version 1 >/dev/null
 	$(BUILDER)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEELS)
 	$(PYTHON) -m venv $(CLEAN)
 	$(CLEAN)/bin/pip install --quiet $(WHEELS)/gronwall-*.whl
