@@ -2,6 +2,7 @@
 //! and stress are those of the interpolant at the strain points of the element (one per cell for P1), and ∫_{Γ3} c v_ν
 //! uses the boundary rule of the scheme. Only the time error remains.
 
+use fem::mesh::in_dimension;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::Sliding;
@@ -115,10 +116,7 @@ impl InterpolatedOnMesh {
         let all = self.events.get_or_init(|| events(&self.exact, &self.space));
         let events =
             |from: f64, to: f64| all.iter().copied().filter(|&s| s > from && s < to).collect();
-        let norm = match self.space.mesh.dimension {
-            2 => Self::strain_norm::<2>,
-            _ => Self::strain_norm::<3>,
-        };
+        let norm = in_dimension!(self.space.mesh.dimension, D => Self::strain_norm::<D>);
         self.accumulated.at(t, events, |s| norm(self, s))
     }
 
@@ -303,18 +301,13 @@ impl InterpolatedOnMesh {
 
 impl Truth for InterpolatedOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        let load = match self.space.mesh.dimension {
-            2 => Self::compute_load::<2, 3>,
-            _ => Self::compute_load::<3, 6>,
-        };
+        let load = in_dimension!(self.space.mesh.dimension, D, S => Self::compute_load::<D, S>);
         self.loads.get_or(t, || load(self, t))
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        let moments = match self.space.mesh.dimension {
-            2 => Self::compute_moments::<2, 3>,
-            _ => Self::compute_moments::<3, 6>,
-        };
+        let moments =
+            in_dimension!(self.space.mesh.dimension, D, S => Self::compute_moments::<D, S>);
         self.moments.get_or(t, || moments(self, t))
     }
 

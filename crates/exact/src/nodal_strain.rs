@@ -1,6 +1,7 @@
 //! Strains of a function of the element from its nodal values, by slopes along edges: independent of the solver's shape
 //! gradients.
 
+use fem::mesh::in_dimension;
 use std::sync::Arc;
 
 use super::constitutive::Tensor;
@@ -21,10 +22,7 @@ pub(super) struct NodalStrain {
 impl NodalStrain {
     pub(super) fn new(space: Arc<Discretization>) -> Self {
         let d = space.mesh.dimension;
-        let slopes = match d {
-            2 => edge_slopes::<2>(&space.mesh),
-            _ => edge_slopes::<3>(&space.mesh),
-        };
+        let slopes = in_dimension!(d, D => edge_slopes::<D>(&space.mesh));
         let functions = Shapes::of_cell(space.element, d);
         let at_point = |b: &Vec<f64>| {
             let all = functions.slopes(b).into_iter().enumerate().skip(1);

@@ -3,6 +3,7 @@
 
 mod contact;
 
+use fem::mesh::in_dimension;
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
@@ -293,17 +294,11 @@ impl ExactOnMesh {
 
 impl Truth for ExactOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        match self.space.mesh.dimension {
-            2 => self.compute_load::<2>(t),
-            _ => self.compute_load::<3>(t),
-        }
+        in_dimension!(self.space.mesh.dimension, D => self.compute_load::<D>(t))
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        match self.space.mesh.dimension {
-            2 => self.compute_moments::<2>(t),
-            _ => self.compute_moments::<3>(t),
-        }
+        in_dimension!(self.space.mesh.dimension, D => self.compute_moments::<D>(t))
     }
 
     fn expect(&self, times: &[f64]) -> Result<(), LoadError> {

@@ -6,6 +6,7 @@ use super::{Finding, SideOfBox, Status, places};
 use crate::Sliding;
 use crate::constitutive::stress;
 use crate::{ContactFormulas, Exact};
+use fem::mesh::in_dimension;
 use fem::norms::is_locked;
 
 /// Samples along an edge, along each direction of a face of a box or of one of many triangles, and in time.
@@ -60,10 +61,9 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
         let (size, count) =
             (&exact.data.size, if exact.dimension() == 2 { ALONG } else { ON_FACE });
         let points = side.points(size, |axis| places(size[axis], count));
-        match exact.dimension() {
-            2 => sample::<2>(exact, &points, side.normal, &mut extremes),
-            _ => sample::<3>(exact, &points, side.normal, &mut extremes),
-        }
+        in_dimension!(
+            exact.dimension(), D => sample::<D>(exact, &points, side.normal, &mut extremes)
+        )
     }
     let Extremes {
         penetration, lengths, tension, complementarity, pressure, sourced, stress, ..

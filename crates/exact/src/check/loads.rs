@@ -8,6 +8,7 @@ use super::lines::Lines;
 use super::{Finding, SideOfBox, Status, times};
 use crate::constitutive::{Tensor, full, stress};
 use crate::{Exact, symbolic::AXES};
+use fem::mesh::in_dimension;
 use formula::{Graph, Node, Program, Scope};
 
 /// Intervals of a line on which the yield function is watched.
@@ -29,10 +30,7 @@ struct Balance {
 }
 
 pub(super) fn strong_against_weak(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
-    match exact.dimension() {
-        2 => compare::<2>(exact, sides),
-        _ => compare::<3>(exact, sides),
-    }
+    in_dimension!(exact.dimension(), D => compare::<D>(exact, sides))
 }
 
 fn compare<const D: usize>(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {

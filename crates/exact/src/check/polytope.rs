@@ -10,6 +10,7 @@ use crate::nodal_force::facet_measure;
 use crate::simplex_points::{SimplexPoints, parts, points_a_direction};
 use crate::zeta_domain::Domain;
 use crate::{AccumulatedStrain, Exact};
+use fem::mesh::in_dimension;
 use fem::mesh::{CoarseMesh, Mesh, Piece};
 use fem::space::quadrature::{Rule, edge, tetrahedron_product, triangle_product};
 
@@ -37,10 +38,8 @@ const TIME_CELLS: usize = 512;
 /// component: ∫ σ:ε(v) = ∫ f0·v + ∫_{∂Ω} σν·v.
 pub(super) fn loads(exact: &Exact, polytope: &Polytope) -> Finding {
     let mesh = parts(&polytope.coarse, LOAD_CELLS);
-    let worst_share = match mesh.dimension {
-        2 => largest_share::<2>(exact, polytope, &mesh),
-        _ => largest_share::<3>(exact, polytope, &mesh),
-    };
+    let worst_share =
+        in_dimension!(mesh.dimension, D => largest_share::<D>(exact, polytope, &mesh));
     let graph = &exact.data.graph;
     let smooth = exact.data.material.projection.is_none() && graph.guards(&exact.stress).is_empty();
     let allowed = if smooth { ROUNDING } else { UNRESOLVED_JUMP };

@@ -2,6 +2,7 @@
 
 use super::{Discretization, Frames};
 use crate::space::StrainPoint;
+use algebra::in_dimension;
 use vhi::law::TensorField;
 
 /// The columns of B at a point of a cell: the Mandel strain of each unit displacement.
@@ -144,10 +145,9 @@ impl Discretization {
 
     fn stiffness_in(&self, law: &TensorField, frames: &Frames) -> Vec<f64> {
         let mut values = vec![0.0; self.pattern.entries()];
-        match self.mesh.dimension {
-            2 => stiffness_of::<2, 3>(self, frames, law, &mut values),
-            _ => stiffness_of::<3, 6>(self, frames, law, &mut values),
-        }
+        in_dimension!(
+            self.mesh.dimension, D, S => stiffness_of::<D, S>(self, frames, law, &mut values)
+        );
         self.add_jump_stiffness(frames, law, &mut values);
         values
     }

@@ -10,6 +10,7 @@
 
 use super::{Discretization, Frames};
 use crate::space::Jump;
+use algebra::in_dimension;
 use vhi::law::TensorField;
 
 /// γ over the stiffness against shear. The order is seen to be one from 0.5 to 20, and the constant of Korn's inequality
@@ -29,10 +30,7 @@ impl Discretization {
 
     /// Adds the penalty of `law` at a nodal vector to forces by nodes.
     pub(crate) fn add_jump_force(&self, law: &TensorField, v: &[f64], force: &mut [f64]) {
-        match self.mesh.dimension {
-            2 => self.add_force_in::<2>(law, v, force),
-            _ => self.add_force_in::<3>(law, v, force),
-        }
+        in_dimension!(self.mesh.dimension, D => self.add_force_in::<D>(law, v, force))
     }
 
     fn add_force_in<const D: usize>(&self, law: &TensorField, v: &[f64], force: &mut [f64]) {
@@ -93,18 +91,16 @@ impl Discretization {
         &self,
         terms: impl Iterator<Item = (&'a TensorField, &'a [f64])> + Clone,
     ) -> f64 {
-        match self.mesh.dimension {
-            2 => self.sum_of_squares::<2>(terms.map(|(law, v)| (Some(law), v))),
-            _ => self.sum_of_squares::<3>(terms.map(|(law, v)| (Some(law), v))),
-        }
+        in_dimension!(
+            self.mesh.dimension, D => self.sum_of_squares::<D>(terms.map(|(law, v)| (Some(law), v)))
+        )
     }
 
     /// Σ_F (1/h_F) ∫_F ⟦v⟧², the part of a norm of V^h that strains do not have.
     pub fn jump_square(&self, v: &[f64]) -> f64 {
-        match self.mesh.dimension {
-            2 => self.sum_of_squares::<2>(std::iter::once((None, v))),
-            _ => self.sum_of_squares::<3>(std::iter::once((None, v))),
-        }
+        in_dimension!(
+            self.mesh.dimension, D => self.sum_of_squares::<D>(std::iter::once((None, v)))
+        )
     }
 
     /// Σ_F (1/h_F) ∫_F of the squared sum of jumps, each times γ of its tensor if it has one.
@@ -163,10 +159,7 @@ mod tests {
             assert!(off < 1e-12 * work, "{d}: {off:e}");
             // Terms are no smaller than their sums.
             let mut terms = vec![0.0; space.nodes.len()];
-            match d {
-                2 => space.add_jump_terms::<2>(&laws[0], &v, &mut terms),
-                _ => space.add_jump_terms::<3>(&laws[0], &v, &mut terms),
-            }
+            in_dimension!(d, D => space.add_jump_terms::<D>(&laws[0], &v, &mut terms));
             assert!(terms.iter().zip(&force).all(|(terms, sum)| *terms >= 0.999 * sum.abs()));
         }
     }

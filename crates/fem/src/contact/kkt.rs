@@ -8,6 +8,7 @@ use super::terms_of_forces::largest_terms;
 use super::way::accepted_residual;
 use super::{BoundaryRule, Discretization, Model, friction_force};
 use crate::space::StrainPoint;
+use algebra::in_dimension;
 use algebra::linalg::{larger, largest};
 use vhi::law::{Projection, graph_distance};
 
@@ -37,10 +38,7 @@ pub(super) fn kkt_residual_in(
     load: &[f64],
     room: &mut Vec<f64>,
 ) -> f64 {
-    match space.mesh.dimension {
-        2 => evaluate::<2, 3>(space, model, view, load, room),
-        _ => evaluate::<3, 6>(space, model, view, load, room),
-    }
+    in_dimension!(space.mesh.dimension, D, S => evaluate::<D, S>(space, model, view, load, room))
 }
 
 /// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows, with the penalty of jumps.
@@ -50,10 +48,9 @@ pub(super) fn internal_force(
     view: &StepView<'_>,
 ) -> Vec<f64> {
     let mut force = Vec::new();
-    match space.mesh.dimension {
-        2 => internal_force_in::<2, 3>(space, model, view, &mut force),
-        _ => internal_force_in::<3, 6>(space, model, view, &mut force),
-    }
+    in_dimension!(
+        space.mesh.dimension, D, S => internal_force_in::<D, S>(space, model, view, &mut force)
+    );
     force
 }
 

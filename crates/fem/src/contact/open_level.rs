@@ -3,6 +3,7 @@
 use super::assembly::stress_force;
 use super::last_slot::LastSlot;
 use super::{CaseError, Discretization, Evolution, MemoryTerm, Model};
+use algebra::in_dimension;
 use algebra::linalg::{Analysis, Factor, FactorError, Front, axpy, dot};
 use vhi::history::TimeGrid;
 use vhi::law::{Projection, TensorField};
@@ -159,10 +160,7 @@ fn force_by_limit(space: &Discretization, model: &Model, nodal: &[f64], kappa: f
         }
     }
     let mut out = vec![0.0; nodal.len()];
-    match space.mesh.dimension {
-        2 => add::<2, 3>(space, model, nodal, kappa, &mut out),
-        _ => add::<3, 6>(space, model, nodal, kappa, &mut out),
-    }
+    in_dimension!(space.mesh.dimension, D, S => add::<D, S>(space, model, nodal, kappa, &mut out));
     out
 }
 

@@ -5,6 +5,7 @@
 //! weights of the last slot ([`LastSlot`]); the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
 //! a rank-one piece from ζ(u), a = w κ'(ζ) ∫ ∂σ/∂κ : ε(v), b = ∂‖ε(u)‖/∂u.
 
+use algebra::in_dimension;
 use std::time::Instant;
 
 use super::assembly::{ROOM, point_stiffness, stress_force};
@@ -332,10 +333,7 @@ impl StepInequality for ContactProblem<'_> {
             self.cartesian.copy_from_slice(&self.unknowns);
             self.space.frames.to_cartesian(&mut self.cartesian);
         }
-        match self.space.mesh.dimension {
-            2 => self.force::<2, 3>(out),
-            _ => self.force::<3, 6>(out),
-        }
+        in_dimension!(self.space.mesh.dimension, D, S => self.force::<D, S>(out));
         if let Some(compliance) = &self.compliance {
             compliance.add_force(&self.unknowns, out);
         }
@@ -358,10 +356,9 @@ impl StepInequality for ContactProblem<'_> {
         let mut tangent = self.solver.take_values();
         tangent.clone_from(&self.linear);
         let room = self.solver.take_rank_one();
-        let mut rank_one = match self.space.mesh.dimension {
-            2 => self.projected_tangent::<2, 3>(&mut tangent, room),
-            _ => self.projected_tangent::<3, 6>(&mut tangent, room),
-        };
+        let mut rank_one = in_dimension!(
+            self.space.mesh.dimension, D, S => self.projected_tangent::<D, S>(&mut tangent, room)
+        );
         if let Some(compliance) = &self.compliance {
             let pattern = &self.space.pattern;
             let add = |at, value| pattern.add(at, value, &mut tangent);

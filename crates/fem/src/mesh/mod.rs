@@ -16,6 +16,7 @@ mod solid;
 mod subdivision;
 mod triangulation;
 
+pub use algebra::in_dimension;
 pub use coarse::{BoundaryEdge, Coarse, CoarseError};
 pub use coarse_mesh::{CoarseMesh, Piece};
 pub use cuboid::cuboid;

@@ -3,6 +3,7 @@
 use super::moments::{Moments, facet_samples, hausdorff};
 use crate::contact::{Discretization, Model, StepView, TracePoint};
 use crate::space::{Simplex, StrainPoint};
+use algebra::in_dimension;
 
 /// Errors at one time level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,10 +38,8 @@ pub fn step_errors(
     view: &StepView<'_>,
     truth: &Moments,
 ) -> StepErrors {
-    let mut errors = match space.mesh.dimension {
-        2 => cells::<2, 3>(space, model, view, truth),
-        _ => cells::<3, 6>(space, model, view, truth),
-    };
+    let mut errors =
+        in_dimension!(space.mesh.dimension, D, S => cells::<D, S>(space, model, view, truth));
     facets(space, view, truth, &mut errors);
     errors.contact_set = contact_set(space, model, view, truth);
     errors

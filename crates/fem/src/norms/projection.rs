@@ -4,6 +4,7 @@
 
 use super::Moments;
 use crate::contact::{Discretization, StiffnessInverse, Work, stress_force};
+use algebra::in_dimension;
 use algebra::linalg::FactorError;
 use vhi::law::TensorField;
 
@@ -66,10 +67,7 @@ impl<'a> ElasticProjection<'a> {
 
     /// ‖ε(P_h u - u_h)‖ for the truth `moments` of u and the nodal vector `u_h`: one solve.
     pub fn distance(&mut self, moments: &Moments, u_h: &[f64]) -> f64 {
-        match self.space.mesh.dimension {
-            2 => self.distance_in::<2, 3>(moments, u_h),
-            _ => self.distance_in::<3, 6>(moments, u_h),
-        }
+        in_dimension!(self.space.mesh.dimension, D, S => self.distance_in::<D, S>(moments, u_h))
     }
 
     fn distance_in<const D: usize, const S: usize>(

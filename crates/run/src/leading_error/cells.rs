@@ -1,6 +1,7 @@
 //! Strains and nodal forces at the strain points of cells (one per cell for P1), in Mandel notation: S = 3 numbers in
 //! the plane (xx, yy, √2 xy), 6 in space (xx, yy, zz, √2 yz, √2 xz, √2 xy).
 
+use algebra::in_dimension;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use fem::contact::Discretization;
@@ -89,8 +90,5 @@ pub(super) fn add_stiffness<const S: usize>(
         }
     }
     let local = &local[..order * order];
-    match dimension(S) {
-        2 => space.pattern.scatter::<2>(at.cell, at.nodes, local, values),
-        _ => space.pattern.scatter::<3>(at.cell, at.nodes, local, values),
-    }
+    in_dimension!(dimension(S), D => space.pattern.scatter::<D>(at.cell, at.nodes, local, values))
 }

@@ -1,5 +1,6 @@
 //! The space error: ‖ε(u - I_h u)‖ on a mesh, and its limit over h from the second derivatives of u.
 
+use algebra::in_dimension;
 use std::sync::Arc;
 
 use super::interpolation_stress::StressInterpolationError;
@@ -42,10 +43,7 @@ const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 /// lim ‖ε(u(t) - I_h u(t))‖/h on the structured family, the squares or cubes of side h with their diagonal, in the
 /// domain of the given `size`.
 pub fn interpolation_constant(exact: &Exact, size: &[f64], t: f64) -> f64 {
-    match size.len() {
-        2 => constant_in::<2>(exact, size, t),
-        _ => constant_in::<3>(exact, size, t),
-    }
+    in_dimension!(size.len(), D => constant_in::<D>(exact, size, t))
 }
 
 fn constant_in<const D: usize>(exact: &Exact, size: &[f64], t: f64) -> f64 {
@@ -137,10 +135,7 @@ impl<'a> InterpolationError<'a> {
 
     /// The error at time t.
     pub fn at(&mut self, t: f64) -> f64 {
-        match self.space.mesh.dimension {
-            2 => self.at_in::<2>(t),
-            _ => self.at_in::<3>(t),
-        }
+        in_dimension!(self.space.mesh.dimension, D => self.at_in::<D>(t))
     }
 
     fn at_in<const D: usize>(&mut self, t: f64) -> f64 {

@@ -3,6 +3,7 @@
 //! I_h u is superclose to u_h, so σ_h is the stress of I_h u with its memory, up to higher orders. Both use ζ of u:
 //! with f = ε(u)/‖ε(u)‖, integration by parts gives (f, ε(u - I_h u)) = O(h²).
 
+use algebra::in_dimension;
 use std::sync::Arc;
 
 use super::cells::{Mandel, strains};
@@ -45,10 +46,7 @@ impl StressInterpolationError {
     /// # Errors
     /// A formula that is not finite at a vertex.
     pub(crate) fn at(&mut self, t: f64) -> Result<f64, LoadError> {
-        match self.space.mesh.dimension {
-            2 => self.at_in::<2, 3>(t),
-            _ => self.at_in::<3, 6>(t),
-        }
+        in_dimension!(self.space.mesh.dimension, D, S => self.at_in::<D, S>(t))
     }
 
     fn at_in<const D: usize, const S: usize>(&mut self, t: f64) -> Result<f64, LoadError> {

@@ -1,6 +1,7 @@
 //! Coarse matrices PᵀAP, block by block.
 
 use super::transfer::{Transfer, Turns};
+use crate::in_dimension;
 use crate::linalg::BlockPattern;
 
 /// A row-major block with rows of three, also in the plane.
@@ -14,10 +15,7 @@ pub(super) fn galerkin(
     turns: &Turns,
     coarse: (&BlockPattern, &mut [f64]),
 ) {
-    match fine.0.dimension() {
-        2 => galerkin_in::<2>(fine, transfer, turns, coarse),
-        _ => galerkin_in::<3>(fine, transfer, turns, coarse),
-    }
+    in_dimension!(fine.0.dimension(), D => galerkin_in::<D>(fine, transfer, turns, coarse))
 }
 
 fn galerkin_in<const D: usize>(

@@ -4,6 +4,7 @@
 //! Ax): transposes of each other. Only blocks below the diagonal are stored.
 
 use super::galerkin::{below, diagonal};
+use crate::in_dimension;
 use crate::linalg::BlockPattern;
 
 /// Blocks of one matrix over its largest diagonal entry, and inverse diagonal blocks.
@@ -26,10 +27,7 @@ impl Sweeps {
         values: &[f64],
         scale: f64,
     ) -> Result<(), usize> {
-        match pattern.dimension() {
-            2 => self.set_in::<2>(pattern, values, scale),
-            _ => self.set_in::<3>(pattern, values, scale),
-        }
+        in_dimension!(pattern.dimension(), D => self.set_in::<D>(pattern, values, scale))
     }
 
     fn set_in<const D: usize>(
@@ -64,10 +62,7 @@ impl Sweeps {
         x: &mut [f32],
         rest: &mut [f32],
     ) {
-        match pattern.dimension() {
-            2 => self.forward_in::<2>(pattern, right, x, rest),
-            _ => self.forward_in::<3>(pattern, right, x, rest),
-        }
+        in_dimension!(pattern.dimension(), D => self.forward_in::<D>(pattern, right, x, rest))
     }
 
     fn forward_in<const D: usize>(
@@ -105,10 +100,7 @@ impl Sweeps {
         x: &mut [f32],
         rest: &mut [f32],
     ) {
-        match pattern.dimension() {
-            2 => self.backward_in::<2>(pattern, right, x, rest),
-            _ => self.backward_in::<3>(pattern, right, x, rest),
-        }
+        in_dimension!(pattern.dimension(), D => self.backward_in::<D>(pattern, right, x, rest))
     }
 
     fn backward_in<const D: usize>(

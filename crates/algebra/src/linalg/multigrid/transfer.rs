@@ -1,5 +1,6 @@
 //! Interpolation between two meshes.
 
+use crate::in_dimension;
 use crate::linalg::BlockPattern;
 
 /// The unknowns w = N u of a node with rotated coordinates.
@@ -75,10 +76,9 @@ impl Transfer {
 
     /// `out` ← Pᵀ v.
     pub(super) fn restrict(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
-        match v.len() / self.parents.len().max(1) {
-            2 => self.restrict_by::<2>(turns, v, out),
-            _ => self.restrict_by::<3>(turns, v, out),
-        }
+        in_dimension!(
+            v.len() / self.parents.len().max(1), D => self.restrict_by::<D>(turns, v, out)
+        )
     }
 
     fn restrict_by<const D: usize>(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
@@ -100,10 +100,9 @@ impl Transfer {
 
     /// `out` ← `out` + P v.
     pub(super) fn add_interpolated(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
-        match out.len() / self.parents.len().max(1) {
-            2 => self.interpolate_by::<2>(turns, v, out),
-            _ => self.interpolate_by::<3>(turns, v, out),
-        }
+        in_dimension!(
+            out.len() / self.parents.len().max(1), D => self.interpolate_by::<D>(turns, v, out)
+        )
     }
 
     fn interpolate_by<const D: usize>(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {

@@ -1,6 +1,7 @@
 //! Declared constants against samples: (2.5b), (2.7b), (2.8b), (2.8c), (4.1), L_κ and the Lipschitz
 //! constant of S on random states of a small mesh. A sample can refute a constant, not prove it.
 
+use algebra::in_dimension;
 use serde::Serialize;
 
 use super::ladder::BoundError;
@@ -52,10 +53,7 @@ pub fn sample(
     constants: &Constants,
     space: &Discretization,
 ) -> Result<Vec<Sampled>, BoundError> {
-    match space.mesh.dimension {
-        2 => sample_in::<2, 3>(setup, constants, space),
-        _ => sample_in::<3, 6>(setup, constants, space),
-    }
+    in_dimension!(space.mesh.dimension, D, S => sample_in::<D, S>(setup, constants, space))
 }
 
 fn sample_in<const D: usize, const S: usize>(
