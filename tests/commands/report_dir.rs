@@ -175,7 +175,7 @@ fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
 fn alone(folder: &Folder, arguments: &[&str]) -> Output {
     let program = folder.at("sweep");
     std::fs::copy(env!("CARGO_BIN_EXE_sweep"), &program).expect("a copy");
-    loop {
+    for _ in 0..1000 {
         let mut command = std::process::Command::new(&program);
         command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR"));
         let begun = command.output();
@@ -188,6 +188,7 @@ fn alone(folder: &Folder, arguments: &[&str]) -> Output {
         }
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
+    panic!("{} is busy", program.display())
 }
 
 /// Without the typesetter there is no PDF, and no half of a report either.

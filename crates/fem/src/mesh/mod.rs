@@ -16,6 +16,7 @@ mod solid;
 mod subdivision;
 mod triangulation;
 
+// For the side of the truth, which sees of the solver meshes and spaces alone.
 pub use algebra::in_dimension;
 pub use coarse::{BoundaryEdge, Coarse, CoarseError};
 pub use coarse_mesh::{CoarseMesh, Piece};

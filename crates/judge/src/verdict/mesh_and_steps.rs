@@ -13,7 +13,8 @@ pub struct MeshAndSteps {
 }
 
 impl MeshAndSteps {
-    pub(super) fn key(self, scene: &str) -> Key {
+    /// Its key among the cases of all scenes.
+    pub fn key(self, scene: &str) -> Key {
         Key { scene: scene.to_owned(), n: self.n, steps: self.steps }
     }
 }

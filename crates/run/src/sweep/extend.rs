@@ -61,11 +61,8 @@ pub fn extend(
             steps.push(Step::Leave { scene: scene.clone(), why });
         };
         let Some(plan) = plans.iter_mut().find(|plan| plan.scene().name == scene) else { continue };
-        let has = |case: &MeshAndSteps, plan: &ScenePlan| {
-            plan.cases.iter().any(|known| known.n == case.n && known.steps == case.steps)
-        };
         let new: Vec<MeshAndSteps> =
-            verdict.next.iter().copied().filter(|case| !has(case, plan)).collect();
+            verdict.next.iter().copied().filter(|case| !plan.has(case)).collect();
         if verdict.next.is_empty() {
             leave(format!("no case would help: {}", verdict.reason));
             continue;
@@ -112,6 +109,6 @@ fn added_seconds(plan: &ScenePlan) -> Result<f64, SetupError> {
 fn case_seconds(plan: &ScenePlan, case: &MeshAndSteps) -> Result<f64, SetupError> {
     let costs = plan.costs()?;
     let of_case = plan.cases.iter().zip(&costs.cases);
-    let of_case = of_case.filter(|(of_case, _)| of_case.n == case.n && of_case.steps == case.steps);
+    let of_case = of_case.filter(|(of_case, _)| of_case.place() == *case);
     Ok(costs.reference_seconds() + of_case.map(|(_, cost)| cost.seconds).sum::<f64>())
 }

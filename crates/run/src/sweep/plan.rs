@@ -38,6 +38,13 @@ pub struct CasePlan {
     pub norms: Vec<Norm>,
 }
 
+impl CasePlan {
+    /// The case within its scene.
+    pub(crate) fn place(&self) -> MeshAndSteps {
+        MeshAndSteps { n: self.n, steps: self.steps }
+    }
+}
+
 /// The cases of one scene.
 pub struct ScenePlan {
     pub subject: Subject,
@@ -92,15 +99,20 @@ impl ScenePlan {
     /// Adds a case, unless it is there.
     pub fn add(&mut self, added: AddedCase) {
         let MeshAndSteps { n, steps } = added.case;
-        if !self.cases.iter().any(|case| case.n == n && case.steps == steps) {
+        if !self.has(&added.case) {
             self.cases.push(CasePlan { n, steps, norms: norms(self.subject.scene(), n) });
             self.added.push(added);
         }
     }
 
+    /// Whether a case is planned.
+    pub(crate) fn has(&self, case: &MeshAndSteps) -> bool {
+        self.cases.iter().any(|planned| planned.place() == *case)
+    }
+
     pub(crate) fn remove(&mut self, case: &MeshAndSteps) {
         self.added.retain(|added| added.case != *case);
-        self.cases.retain(|planned| planned.n != case.n || planned.steps != case.steps);
+        self.cases.retain(|planned| planned.place() != *case);
     }
 
     /// The scene.
@@ -111,10 +123,7 @@ impl ScenePlan {
     /// The keys of all cases.
     pub fn keys(&self) -> Vec<Key> {
         let scene = &self.scene().name;
-        self.cases
-            .iter()
-            .map(|case| Key { scene: scene.clone(), n: case.n, steps: case.steps })
-            .collect()
+        self.cases.iter().map(|case| case.place().key(scene)).collect()
     }
 
     /// The remark of (3.4) on the step sizes of the cases.

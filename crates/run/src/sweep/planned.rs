@@ -26,9 +26,7 @@ type Measured = (Option<u32>, Option<Vec<String>>);
 
 /// The cases of a plan without the added ones; None if they are the scene's default grid.
 pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
-    let added = |case: &CasePlan| {
-        plan.added.iter().any(|added| added.case.n == case.n && added.case.steps == case.steps)
-    };
+    let added = |case: &CasePlan| plan.added.iter().any(|added| added.case == case.place());
     let cases: Vec<&CasePlan> = plan.cases.iter().filter(|case| !added(case)).collect();
     let default_cases = scene_cases(plan.scene(), &Overrides::default());
     if cases.iter().copied().eq(&default_cases) {
@@ -101,6 +99,5 @@ pub fn missing_cases(scene: &str, planned: &[CasePlan], records: &[CaseRecord]) 
         let record = known.get(&(case.n, case.steps));
         !record.is_some_and(|record| is_complete(record, &case.norms))
     };
-    let key = |case: &CasePlan| Key { scene: scene.to_owned(), n: case.n, steps: case.steps };
-    planned.iter().filter(open).map(key).collect()
+    planned.iter().filter(open).map(|case| case.place().key(scene)).collect()
 }

@@ -41,9 +41,7 @@ pub struct NotRun {
 impl NotRun {
     /// The keys of the cases.
     pub fn keys(&self) -> impl Iterator<Item = Key> {
-        let key =
-            |case: &MeshAndSteps| Key { scene: self.scene.clone(), n: case.n, steps: case.steps };
-        self.cases.iter().map(key)
+        self.cases.iter().map(|case| case.key(&self.scene))
     }
 }
 
@@ -56,7 +54,7 @@ impl Stepwise {
                 let first = waiting.first();
                 let name = plan.scene().name.clone();
                 plan.cases.retain(|case| {
-                    let case = place(case);
+                    let case = case.place();
                     first.contains(&case) || recorded(&name, &case)
                 });
             }
@@ -93,9 +91,9 @@ impl Stepwise {
             let next = waiting.next(verdict, &plan.cases);
             // In the order of the whole plan; additions come last.
             let among = |cases: &[CasePlan], wanted: &CasePlan| {
-                cases.iter().any(|case| place(case) == place(wanted))
+                cases.iter().any(|case| case.place() == wanted.place())
             };
-            let asked = |case: &&CasePlan| next.contains(&place(case)) || among(&plan.cases, case);
+            let asked = |case: &&CasePlan| next.contains(&case.place()) || among(&plan.cases, case);
             let kept = waiting.all.iter().filter(asked);
             let added = plan.cases.iter().filter(|case| !among(&waiting.all, case));
             plan.cases = kept.chain(added).cloned().collect();
@@ -111,13 +109,18 @@ impl Stepwise {
     pub fn not_run(&self, plans: &[ScenePlan]) -> Result<Vec<NotRun>, SetupError> {
         let mut found = Vec::new();
         for (waiting, plan) in self.scenes.iter().zip(plans) {
-            let held =
-                |case: &&CasePlan| !plan.cases.iter().any(|planned| place(planned) == place(case));
+            let held = |case: &&CasePlan| {
+                !plan.cases.iter().any(|planned| planned.place() == case.place())
+            };
             let held: Vec<CasePlan> = waiting.all.iter().filter(held).cloned().collect();
             if !held.is_empty() {
                 let scene = plan.scene().name.clone();
                 let seconds = plan.costs_of(&held)?.cases.iter().map(|cost| cost.seconds).sum();
-                found.push(NotRun { scene, cases: held.iter().map(place).collect(), seconds });
+                found.push(NotRun {
+                    scene,
+                    cases: held.iter().map(CasePlan::place).collect(),
+                    seconds,
+                });
             }
         }
         Ok(found)
@@ -154,7 +157,7 @@ impl Waiting {
         };
         let claim = |written| {
             let mut cases: Vec<MeshAndSteps> =
-                line_cases(plan, written).into_iter().map(place).collect();
+                line_cases(plan, written).into_iter().map(CasePlan::place).collect();
             cases.sort_unstable();
             Claim { cases, before: None, settled: None }
         };
@@ -183,11 +186,11 @@ impl Waiting {
         }
         let first = self.first();
         let known = std::mem::take(&mut plan.cases);
-        plan.cases = known.iter().filter(|case| first.contains(&place(case))).cloned().collect();
+        plan.cases = known.iter().filter(|case| first.contains(&case.place())).cloned().collect();
         while plan.cases.len() < known.len() {
             let claims = self.claims.clone();
             let next = self.next(judged(plan).iter(), &plan.cases);
-            if !next.iter().all(|case| known.iter().any(|case_plan| place(case_plan) == *case)) {
+            if !next.iter().all(|case| known.iter().any(|case_plan| case_plan.place() == *case)) {
                 // Asked for again, with the rest of the plan.
                 self.claims = claims;
                 break;
@@ -196,8 +199,8 @@ impl Waiting {
                 break;
             }
             let asked = |case_plan: &&CasePlan| {
-                next.contains(&place(case_plan))
-                    || plan.cases.iter().any(|case| place(case) == place(case_plan))
+                next.contains(&case_plan.place())
+                    || plan.cases.iter().any(|case| case.place() == case_plan.place())
             };
             plan.cases = known.iter().filter(asked).cloned().collect();
         }
@@ -213,11 +216,8 @@ impl Claim {
         let settled = settled || self.settled == Some(verdict.decision);
         self.settled = settled.then_some(verdict.decision);
         self.before = Some(verdict.clone());
-        let open = |case: &&MeshAndSteps| !asked.iter().any(|case_plan| place(case_plan) == **case);
+        let open =
+            |case: &&MeshAndSteps| !asked.iter().any(|case_plan| case_plan.place() == **case);
         self.cases.iter().find(open).copied().filter(|_| !settled)
     }
-}
-
-fn place(case: &CasePlan) -> MeshAndSteps {
-    MeshAndSteps { n: case.n, steps: case.steps }
 }

@@ -1,5 +1,6 @@
 //! Named quantities of a solution at one time (t = T in `sweep solve`).
 
+use algebra::in_dimension;
 use serde::Serialize;
 
 use super::pressed_zone::PressedZone;
@@ -56,10 +57,8 @@ pub struct FinalState {
 impl FinalState {
     /// The quantities of the level that `view` shows.
     pub fn new(space: &Discretization, model: &Model, view: &StepView<'_>) -> Self {
-        let (elastic_energy, yielding_elements) = match space.mesh.dimension {
-            2 => over_cells::<3>(space, model, view),
-            _ => over_cells::<6>(space, model, view),
-        };
+        let (elastic_energy, yielding_elements) =
+            in_dimension!(space.mesh.dimension, D, S => over_cells::<S>(space, model, view));
         let (min_uy, min_uy_vertex) = lowest(space, view);
         let mut state = Self {
             element: space.element.name(),

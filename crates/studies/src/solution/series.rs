@@ -1,5 +1,6 @@
 //! A case as a series of VTU files with a .pvd index, for ParaView.
 
+use algebra::in_dimension;
 use std::path::{Path, PathBuf};
 
 use super::vtu::{Field, VtuError, VtuGrid, write_pvd, write_vtu};
@@ -37,10 +38,8 @@ impl VtuSeries {
         let mesh = &space.mesh;
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
-        let (stress, yields) = match mesh.dimension {
-            2 => cell_fields::<3>(space, model, view),
-            _ => cell_fields::<6>(space, model, view),
-        };
+        let (stress, yields) =
+            in_dimension!(mesh.dimension, D, S => cell_fields::<S>(space, model, view));
         let displacement = displacement(space, view);
         let (mut xi, mut lambda) = (vec![0.0; points.len()], vec![0.0; points.len()]);
         for (i, point) in space.trace.points.iter().enumerate() {
