@@ -6,13 +6,10 @@ use clap::Args;
 
 use super::{CliError, print_json, print_text, print_verdicts, verdict_table};
 use files::counted;
-use judge::verdict::{Baseline, Comparison, document, exit_code, write_json};
-use report::remove_earlier;
-use run::distributed::{AT_ONCE, Merged, Parts, SweepPlan, merge};
-use run::sweep::{Circumstances, OutputDirectory};
-
-/// Temporary sorted tables, below the output directory.
-const PIECES: &str = ".pieces";
+use judge::record::write_sorted;
+use judge::verdict::{Baseline, Comparison, document, exit_code, failures, write_json};
+use run::distributed::{Merged, Parts, SweepPlan, merge};
+use run::sweep::{Circumstances, OutputDirectory, replace_records};
 
 /// `sweep merge`.
 #[derive(Args)]
@@ -46,38 +43,23 @@ impl MergeCommand {
             self.plan.as_deref().map(SweepPlan::read).transpose().map_err(CliError::other)?;
         let baseline = self.baseline.as_deref().map(recorded).transpose()?;
         let parts = Parts::open(&self.parts, plan.as_ref()).map_err(CliError::other)?;
-        let out = OutputDirectory::take(&self.out)?;
+        let _held = OutputDirectory::take(&self.out)?;
         self.apart(&parts)?;
-        let pieces = self.out.join(PIECES);
-        // Left by a killed merge.
-        remove(&pieces)?;
-        super::create_dir(&pieces)?;
-        let [table, verdict] = ["cases.csv", "verdict.json"].map(|name| self.out.join(name));
-        let merged = merge(
-            &parts,
-            plan.as_ref().zip(self.plan.as_deref()),
-            (&table, &pieces),
-            AT_ONCE,
-            self.incomplete,
-            baseline.as_ref(),
-        );
-        remove(&pieces)?;
-        let (mut merged, written) = merged.map_err(CliError::other)?;
+        let count = parts.dirs.len();
+        let plan = plan.as_ref().zip(self.plan.as_deref());
+        let merged = merge(parts, plan, self.incomplete, baseline.as_ref());
+        let mut merged = merged.map_err(CliError::other)?;
         merged.provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
-        // As in a sweep: no table without its provenance, and no mixture with other records.
-        remove_earlier(&self.out)?;
-        remove(&verdict)?;
-        remove(&table)?;
-        let refused = |(path, reason): (PathBuf, String)| CliError::about(path.display(), reason);
-        merged.provenance.write(out.path()).map_err(refused)?;
-        written.finish().map_err(CliError::other)?;
-        let Merged { verdicts, failed, provenance, comparison, .. } = &merged;
-        write_json(&verdict, &provenance.json(), verdicts, failed, comparison.as_ref())
+        let Merged { records, verdicts, provenance, comparison, missing } = &merged;
+        replace_records(&self.out, provenance, false)?;
+        write_sorted(&self.out.join("cases.csv"), records).map_err(CliError::other)?;
+        let verdict = self.out.join("verdict.json");
+        write_json(&verdict, &provenance.json(), verdicts, records, comparison.as_ref())
             .map_err(CliError::other)?;
-        self.print(&merged, parts.dirs.len())?;
+        self.print(&merged, count)?;
         let compared = comparison.as_ref().map_or(0, Comparison::exit_code);
-        let code = exit_code(failed, verdicts).max(compared);
-        Ok(if merged.missing.number > 0 { super::COULD_NOT_JUDGE } else { code })
+        let code = exit_code(records, verdicts).max(compared);
+        Ok(if missing.is_some() { super::COULD_NOT_JUDGE } else { code })
     }
 
     /// Refuses to overwrite its input.
@@ -104,12 +86,12 @@ impl MergeCommand {
     }
 
     fn print(&self, merged: &Merged, parts: usize) -> Result<(), CliError> {
-        let Merged { verdicts, failed, missing, cases, comparison, provenance } = merged;
+        let Merged { records, verdicts, missing, comparison, provenance } = merged;
         if self.json {
             return print_json(&document(
                 &provenance.json(),
                 verdicts,
-                failed,
+                records,
                 comparison.as_ref(),
             ));
         }
@@ -117,17 +99,17 @@ impl MergeCommand {
         let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
         print_text(&format!(
             "{} of {}, {} failed, {} missing; {met} of {} as expected",
-            counted(*cases, "case"),
+            counted(records.len(), "case"),
             counted(parts, "part"),
-            failed.len(),
-            missing.number,
+            failures(records).len(),
+            missing.as_ref().map_or(0, |(number, _)| *number),
             counted(verdicts.len(), "verdict"),
         ));
         if let Some(comparison) = comparison {
             print_text(&comparison.lines().join("\n"));
         }
-        if missing.number > 0 {
-            super::progress::note(&format!("warning: {missing}"));
+        if let Some((_, words)) = missing {
+            super::progress::note(&format!("warning: {words}"));
         }
         print_text(&format!("records: {}", self.out.join("cases.csv").display()));
         Ok(())
@@ -137,13 +119,4 @@ impl MergeCommand {
 fn recorded(path: &Path) -> Result<Baseline, CliError> {
     let read = Baseline::read(path).map_err(CliError::other)?;
     read.ok_or_else(|| CliError::about(path.display(), "no such file"))
-}
-
-fn remove(path: &Path) -> Result<(), CliError> {
-    let removed = match path.is_dir() {
-        true => std::fs::remove_dir_all(path),
-        false if path.exists() => std::fs::remove_file(path),
-        false => Ok(()),
-    };
-    removed.map_err(|error| CliError::about(path.display(), error))
 }

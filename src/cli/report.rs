@@ -11,7 +11,7 @@ use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
 use judge::record::{CaseRecord, CaseTable, Key, RecordError, read_table};
 use judge::verdict::{exit_code, read_failures, read_foreseen, restore_reasons};
 use report::write_all;
-use run::distributed::Missing;
+use run::distributed::unfinished_in_words;
 use run::sweep::{
     OutputDirectory, OutputError, Provenance, foresee, judge_scene, missing_cases, planned,
     scene_summary,
@@ -72,7 +72,7 @@ impl Report {
             verdicts.extend(judge_scene(scene, &records, &owed.keys, &foreseen));
             let mut summary = scene_summary(scene, subject.as_ref());
             if !owed.missing.is_empty() {
-                summary.remarks.push(Missing::of_sweep(&owed.missing).to_string());
+                summary.remarks.push(unfinished_in_words(&owed.missing));
             }
             summaries.push(summary);
             missing.extend(owed.missing);
@@ -136,7 +136,7 @@ impl Report {
     fn unfinished(&self, torn: bool, missing: &[Key]) -> Option<CliError> {
         let cut =
             torn.then(|| "the last line of cases.csv was cut off, and is left out".to_owned());
-        let open = (!missing.is_empty()).then(|| Missing::of_sweep(missing).to_string());
+        let open = (!missing.is_empty()).then(|| unfinished_in_words(missing));
         let all: Vec<String> = cut.into_iter().chain(open).collect();
         let unfinished = format!("unfinished: {}", all.join("; "));
         (!all.is_empty()).then(|| CliError::about(self.dir.display(), unfinished))

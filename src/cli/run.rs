@@ -200,7 +200,9 @@ impl What {
         let provenance = Provenance::of_run(&plans, &machine).json();
         let comparison = baseline.map(|baseline| {
             let held: Vec<Key> = not_run.iter().flat_map(NotRun::keys).collect();
-            baseline.without(&held).compare(&self.runs(&plans), &records, &verdicts)
+            let own_grids = self.chosen.grid.is_own() && !self.extend;
+            let runs: Vec<_> = plans.iter().map(|plan| plan.compared(own_grids)).collect();
+            baseline.without(&held).compare(&runs, &records, &verdicts)
         });
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
@@ -250,17 +252,6 @@ impl What {
             }
             (_, read) => Ok(read),
         }
-    }
-
-    fn runs(&self, plans: &[ScenePlan]) -> Vec<judge::verdict::ComparedRun> {
-        let own_grids = self.chosen.grid.is_own() && !self.extend;
-        let run = |plan: &ScenePlan| judge::verdict::ComparedRun {
-            scene: plan.scene().name.clone(),
-            hash: plan.scene().source.hash.clone(),
-            planned: plan.keys(),
-            own_grids,
-        };
-        plans.iter().map(run).collect()
     }
 
     /// The command that resumes this sweep.

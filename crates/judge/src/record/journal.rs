@@ -1,6 +1,7 @@
 //! `cases.csv`, written as each case ends, and read back after any interruption.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -108,42 +109,64 @@ pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
 /// # Errors
 /// A torn or malformed line that is not the last; no file.
 pub fn read_table(path: &Path) -> Result<CaseTable, RecordError> {
+    let found = every_entry(path)?;
+    let mut cases: Vec<CaseRecord> = Vec::new();
+    let mut place: BTreeMap<Key, usize> = BTreeMap::new();
+    for case in found.cases {
+        match place.entry(case.key()) {
+            Entry::Occupied(known) => cases[*known.get()] = case,
+            Entry::Vacant(new) => {
+                new.insert(cases.len());
+                cases.push(case);
+            }
+        }
+    }
+    Ok(CaseTable { cases, ..found })
+}
+
+/// Reads the cases of a finished table in its order; a case that stands there twice is returned twice.
+///
+/// # Errors
+/// A torn, malformed or changed line.
+pub fn read_finished(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
+    let CaseTable { cases, changed, torn, .. } = every_entry(path)?;
+    let path = path.to_owned();
+    match changed.first() {
+        Some(&line) => Err(RecordError::Changed { path, line }),
+        None if torn => Err(RecordError::Torn { path }),
+        None => Ok(cases),
+    }
+}
+
+/// A table with every entry of a case.
+fn every_entry(path: &Path) -> Result<CaseTable, RecordError> {
     let bytes =
         read_file(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
     let Scan { rows, intact, width } = scan(path, &bytes)?;
-    let torn = intact < bytes.len() as u64;
-    let checked = width == COLUMNS.len();
-    let (rows, changed) = rows
+    let (sound, changed): (Vec<Line>, Vec<Line>) = rows
         .into_iter()
         .partition(|(line, fields)| Row { path, line: *line, fields }.is_unchanged());
-    let changed = lines_of(changed);
-    Ok(CaseTable { cases: cases(path, &rows)?, changed, torn, checked })
-}
-
-fn lines_of(rows: Vec<Line>) -> Vec<u64> {
-    rows.into_iter().map(|(line, _)| line).collect()
+    Ok(CaseTable {
+        cases: cases(path, &sound)?,
+        changed: changed.into_iter().map(|(line, _)| line).collect(),
+        torn: intact < bytes.len() as u64,
+        checked: width == COLUMNS.len(),
+    })
 }
 
 fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
     let mut cases: Vec<CaseRecord> = Vec::new();
-    let mut place: BTreeMap<Key, usize> = BTreeMap::new();
     let mut previous: Option<&StringRecord> = None;
-    let mut current = 0;
     for (line, fields) in rows {
         let row = Row { path, line: *line, fields };
         let norm = row.norm()?;
-        let continues = previous.is_some_and(|before| row::same_case(before, fields))
-            && norm.as_ref().is_some_and(|entry| cases[current].norm(&entry.norm).is_none());
-        if !continues {
-            let case = row.case()?;
-            current = *place.entry(case.key()).or_insert(cases.len());
-            if current == cases.len() {
-                cases.push(case);
-            } else {
-                cases[current] = case;
-            }
+        let is_new =
+            |case: &CaseRecord| norm.as_ref().is_some_and(|entry| case.norm(&entry.norm).is_none());
+        let continues = previous.is_some_and(|before| row::same_case(before, fields));
+        match cases.last_mut().filter(|case| continues && is_new(case)) {
+            Some(case) => case.errors.extend(norm),
+            None => cases.push(CaseRecord { errors: Vec::from_iter(norm), ..row.case()? }),
         }
-        cases[current].errors.extend(norm);
         previous = Some(fields);
     }
     Ok(cases)
@@ -165,7 +188,7 @@ pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError
     replace_file(path, &bytes).map_err(io_error)
 }
 
-pub(super) fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
+fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
     for name in case.norms().chain([case.scene.as_str()]) {
         if name.contains(['\n', '\r']) {
             return Err(RecordError::Name { name: name.to_owned() });
@@ -174,7 +197,7 @@ pub(super) fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, Reco
     lines(&row::encode(case)).map_err(|source| RecordError::Io { path: path.to_owned(), source })
 }
 
-pub(super) fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
+fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
         writer.write_record(row)?;

@@ -7,7 +7,6 @@ mod columns;
 mod journal;
 mod norm;
 mod row;
-mod stream;
 
 use std::io;
 use std::path::PathBuf;
@@ -15,13 +14,12 @@ use std::path::PathBuf;
 use files::counted;
 
 pub use columns::COLUMNS;
-pub use journal::{CaseTable, Journal, read, read_table, write_sorted};
+pub use journal::{CaseTable, Journal, read, read_finished, read_table, write_sorted};
 pub use norm::{
     CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
     TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
     norm_rank,
 };
-pub use stream::{CaseStream, TableWriter};
 
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]

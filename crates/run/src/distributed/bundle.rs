@@ -44,12 +44,16 @@ pub(crate) fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
             jobs.push(std::mem::take(&mut open).job);
         }
         for c in order {
-            let mut with = open.with(scene, s, c);
-            if (with.seconds > target || with.bytes > MOST_BYTES) && !open.job.cases.is_empty() {
-                jobs.push(std::mem::take(&mut open).job);
-                with = open.with(scene, s, c);
+            let mut with = open.clone();
+            with.add(scene, s, c);
+            if (with.job.seconds > target || with.job.bytes > MOST_BYTES)
+                && !open.job.cases.is_empty()
+            {
+                jobs.push(open.job);
+                with = Open::default();
+                with.add(scene, s, c);
             }
-            open.add(with, scene, s, c);
+            open = with;
         }
     }
     jobs.push(open.job);
@@ -62,7 +66,7 @@ pub(crate) fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
 }
 
 /// A job to which cases are added, mesh by mesh.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Open {
     job: Job,
     /// Bytes of the largest case beyond what it keeps, and what each mesh keeps.
@@ -70,33 +74,17 @@ struct Open {
     kept: BTreeMap<(usize, Option<u32>), f64>,
 }
 
-struct Added {
-    seconds: f64,
-    bytes: f64,
-    largest: f64,
-    kept: f64,
-}
-
 impl Open {
-    fn with(&self, scene: &SceneCosts, s: usize, c: usize) -> Added {
+    fn add(&mut self, scene: &SceneCosts, s: usize, c: usize) {
         let cost = &scene.costs.cases[c];
-        let new = self.job.cases.last().is_none_or(|(last, _)| *last != s);
-        let reference = if new { scene.costs.reference_seconds() } else { 0.0 };
-        let known = self.kept.get(&(s, scene.cases[c].0)).copied().unwrap_or_default();
-        let largest = self.largest.max(cost.memory_bytes - cost.kept_bytes);
-        let kept = known.max(cost.kept_bytes + cost.left_bytes);
-        Added {
-            seconds: self.job.seconds + reference + cost.seconds,
-            bytes: largest + self.kept.values().sum::<f64>() - known + kept,
-            largest,
-            kept,
+        if self.job.cases.last().is_none_or(|(last, _)| *last != s) {
+            self.job.seconds += scene.costs.reference_seconds();
         }
-    }
-
-    fn add(&mut self, added: Added, scene: &SceneCosts, s: usize, c: usize) {
-        (self.job.seconds, self.job.bytes) = (added.seconds, added.bytes);
-        self.largest = added.largest;
-        self.kept.insert((s, scene.cases[c].0), added.kept);
+        self.job.seconds += cost.seconds;
+        self.largest = self.largest.max(cost.memory_bytes - cost.kept_bytes);
+        let kept = self.kept.entry((s, scene.cases[c].0)).or_default();
+        *kept = kept.max(cost.kept_bytes + cost.left_bytes);
+        self.job.bytes = self.largest + self.kept.values().sum::<f64>();
         self.job.cases.push((s, c));
     }
 }

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
-use super::names::{CASES, PLAN};
-use crate::sweep::{OutputError, SweepError, TooLarge};
+use super::plan::{CASES, PLAN};
+use crate::sweep::{OutputError, Refused, SweepError};
 use files::counted;
 use judge::record::RecordError;
 use judge::verdict::DocumentError;
@@ -31,18 +31,18 @@ pub enum DistributedError {
     )]
     OtherPlan { path: PathBuf },
     /// More memory than available. Not a record, since an engine may retry where there is more.
-    #[error("{id}: {reason}")]
-    TooLarge { id: String, reason: TooLarge },
+    #[error(transparent)]
+    TooLarge(#[from] Refused),
     /// A part does not belong to the others.
     #[error("{}: {what}; leave the directory out, or run its cases again", dir.display())]
     Different { dir: PathBuf, what: String },
     #[error(
-        "{id}: the records in {} differ in more than their seconds; remove the wrong one, or run the case again",
-        in_words(parts)
+        "{id}: the records in {} and {} differ in more than their seconds; remove the wrong one, or run the case again",
+        parts[0].display(), parts[1].display()
     )]
-    Disagree { id: String, parts: Vec<PathBuf> },
-    #[error("{}: {id} is no case of the plan; leave the directory out", in_words(parts))]
-    Unplanned { id: String, parts: Vec<PathBuf> },
+    Disagree { id: String, parts: [PathBuf; 2] },
+    #[error("{}: {id} is no case of the plan; leave the directory out", dir.display())]
+    Unplanned { id: String, dir: PathBuf },
     #[error("{0}")]
     Scene(#[from] Box<SceneError>),
     #[error("{0}")]
@@ -68,8 +68,4 @@ impl DistributedError {
     pub(super) fn of_file((path, reason): (PathBuf, String)) -> Self {
         Self::File { path, reason }
     }
-}
-
-fn in_words(parts: &[PathBuf]) -> String {
-    parts.iter().map(|part| part.display().to_string()).collect::<Vec<_>>().join(" and ")
 }

@@ -2,23 +2,19 @@
 //! those of one process.
 
 mod bundle;
-mod comparing;
 mod error;
 mod merge;
 mod missing;
-mod names;
 mod part;
 mod parts;
 mod plan;
 mod planning;
 mod slurm;
-mod sorted;
 
 pub use error::DistributedError;
 pub use merge::{Merged, merge};
-pub use missing::Missing;
+pub use missing::unfinished_in_words;
 pub use part::{PartRun, failed_in_words, run_part};
 pub use parts::Parts;
 pub use plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
 pub use planning::{Engine, PlannedCases, Planning};
-pub use sorted::AT_ONCE;

@@ -1,17 +1,16 @@
 //! Runs some cases of a plan in one process; their records are published atomically at the end.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::DistributedError;
-use super::names::{CASES, PLAN};
-use super::plan::{CaseRow, SweepPlan};
+use super::plan::{CASES, CaseRow, PLAN, SweepPlan};
 use crate::sweep::{
-    Machine, MemoryLimit, OutputDirectory, Overrides, Progress, Provenance, Resumed, ScenePlan,
-    resume, run_sweep,
+    Machine, MemoryLimit, OutputDirectory, Progress, Provenance, Refused, Resumed, ScenePlan,
+    replace_records, resume, run_sweep,
 };
-use files::{counted, make_directory, remove_if_there};
+use files::counted;
 use judge::record::{CaseRecord, write_sorted};
 use judge::verdict::{failures, write_json};
 use scene::setup::Subject;
@@ -45,8 +44,9 @@ pub(crate) fn plans(
         let Some(rows) = of_scene.remove(planned.name.as_str()) else { continue };
         planned.unchanged()?;
         let subject = Subject::new(planned.scene(dir)?).map_err(Box::new)?;
-        let mut scene_plan = ScenePlan::new(subject, &grid(plan, &rows));
-        scene_plan.cases.retain(|case| rows.iter().any(|r| r.n == case.n && r.steps == case.steps));
+        let mut scene_plan = ScenePlan::new(subject, &plan.overrides());
+        let wanted: BTreeSet<_> = rows.iter().map(|row| (row.n, row.steps)).collect();
+        scene_plan.cases.retain(|case| wanted.contains(&(case.n, case.steps)));
         if scene_plan.cases.len() != rows.len() {
             let reason = format!("rows of `{}` are no cases of that scene", planned.name);
             return Err(malformed(dir.join(CASES), reason));
@@ -59,24 +59,6 @@ pub(crate) fn plans(
             Err(malformed(dir.join(PLAN), reason))
         }
         None => Ok(plans),
-    }
-}
-
-/// A small grid that contains the rows, since a plan may have a million cases and a job few; the scene's default grid
-/// (possibly a path) if the plan uses it.
-fn grid(plan: &SweepPlan, rows: &[&CaseRow]) -> Overrides {
-    let list = |values: &mut dyn Iterator<Item = u32>| {
-        let mut list: Vec<u32> = values.collect();
-        list.sort_unstable();
-        list.dedup();
-        list
-    };
-    match (&plan.n, &plan.steps) {
-        (None, None) => Overrides::default(),
-        _ => Overrides {
-            n: Some(list(&mut rows.iter().filter_map(|row| row.n))),
-            steps: Some(list(&mut rows.iter().map(|row| row.steps))),
-        },
     }
 }
 
@@ -95,8 +77,8 @@ pub fn run_part(
 ) -> Result<PartRun, DistributedError> {
     let plans = plans(plan, dir, rows)?;
     for row in rows {
-        let too_large = |reason| DistributedError::TooLarge { id: row.id.clone(), reason };
-        machine.memory.admit(row.bytes, false).map_err(too_large)?;
+        let refused = |source| Refused { what: row.id.clone(), source };
+        machine.memory.admit(row.bytes, false).map_err(refused)?;
     }
     // Records of another plan or version are replaced at the end.
     if let Ok(Resumed { records, doubts }) = resume(out, &plans) {
@@ -123,18 +105,12 @@ fn publish(
     records: &[CaseRecord],
     provenance: &Provenance,
 ) -> Result<(), DistributedError> {
-    let [table, document] = ["cases.csv", "verdict.json"].map(|name| out.join(name));
-    for path in [&table, &document] {
-        remove_if_there(path).map_err(DistributedError::at(path))?;
-    }
-    // Left by a killed process.
-    make_directory(out).map_err(DistributedError::at(out))?;
-    provenance.write(out).map_err(DistributedError::of_file)?;
+    replace_records(out, provenance, false)?;
     if !failures(records).is_empty() {
         // The table has no column for reasons.
-        write_json(&document, &provenance.json(), &[], records, None)?;
+        write_json(&out.join("verdict.json"), &provenance.json(), &[], records, None)?;
     }
-    Ok(write_sorted(&table, records)?)
+    Ok(write_sorted(&out.join("cases.csv"), records)?)
 }
 
 /// The failed cases of a part in words, for a message.

@@ -1,142 +1,187 @@
-//! The directories of a merge, and whether they belong together.
+//! The directories of a merge: whether they belong together, and their records.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 use super::error::DistributedError;
-use super::plan::SweepPlan;
+use super::plan::{SweepPlan, id};
 use crate::sweep::{AddedCase, Provenance};
-use judge::record::{CaseStream, Key};
-use judge::verdict::read_failures;
+use judge::record::{CaseRecord, Key, Status, read_finished};
+use judge::verdict::{read_failures, restore_reasons};
 use scene::Scene;
 
 /// Directories with records of one version, and of one text of each scene.
-#[derive(Debug)]
 pub struct Parts {
+    /// In the order in which they were read.
     pub dirs: Vec<PathBuf>,
-    /// The platform that made all of them.
-    pub platform: Option<String>,
-    pub reasons: BTreeMap<Key, String>,
-    /// Cases beyond the grids of scenes.
-    pub added: BTreeMap<String, Vec<AddedCase>>,
-    /// Hash of each scene, and the first part that has it.
-    scenes: BTreeMap<String, (String, usize)>,
+    /// The scenes of all parts with their texts and added cases.
+    known: Provenance,
+    /// The first part of each scene.
+    first: BTreeMap<String, PathBuf>,
+    /// Each case with the place of its part, the first if it is in several.
+    cases: BTreeMap<Key, (CaseRecord, usize)>,
 }
 
 impl Parts {
     /// The parts below `given`: a directory with records, or else its subdirectories with records.
     ///
     /// # Errors
-    /// No records below a directory; parts that do not belong together, or not to the plan.
+    /// No records below a directory; parts that do not belong together, or not to the plan; two records of one case that
+    /// differ.
     pub fn open(given: &[PathBuf], plan: Option<&SweepPlan>) -> Result<Self, DistributedError> {
-        let mut dirs = Vec::new();
-        for dir in given {
-            dirs.extend(with_records(dir)?);
-        }
         let mut parts = Self {
-            dirs: Vec::with_capacity(dirs.len()),
-            platform: None,
-            reasons: BTreeMap::new(),
-            added: BTreeMap::new(),
-            scenes: BTreeMap::new(),
+            dirs: Vec::new(),
+            known: Provenance::default(),
+            first: BTreeMap::new(),
+            cases: BTreeMap::new(),
         };
-        dirs.into_iter().try_for_each(|dir| parts.take(dir, plan))?;
+        for dir in given {
+            with_records(dir)?.into_iter().try_for_each(|dir| parts.take(dir, plan))?;
+        }
         Ok(parts)
     }
 
     fn take(&mut self, dir: PathBuf, plan: Option<&SweepPlan>) -> Result<(), DistributedError> {
         let different = |what: String| DistributedError::Different { dir: dir.clone(), what };
-        let known = Provenance::read(&dir)
+        let part = Provenance::read(&dir)
             .map_err(DistributedError::of_file)?
             .ok_or_else(|| different("records without provenance.json".into()))?;
-        let version = env!("CARGO_PKG_VERSION");
-        if known.version != version {
-            return Err(different(format!(
-                "the records are of version {}, this is {version}",
-                known.version
-            )));
-        }
-        match &self.platform {
-            Some(platform) if *platform != known.platform => {
+        self.fits(&part, plan).map_err(different)?;
+        for record in records(&dir)? {
+            let key = record.key();
+            if !part.scenes.contains_key(&key.scene) {
+                let reason = format!("records of the scene `{}`", key.scene);
                 return Err(different(format!(
-                    "the records were made on {}, those of {} on {platform}, which rounds differently",
-                    known.platform,
-                    self.dirs[0].display()
+                    "{reason}, which its provenance.json does not name"
                 )));
             }
-            _ => self.platform = Some(known.platform),
-        }
-        for (scene, hash) in known.scenes {
-            let planned = plan
-                .map(|plan| plan.planned(&scene).map(|planned_scene| planned_scene.hash.clone()));
-            let (wanted, of) = match (planned, self.scenes.get(&scene)) {
-                (Some(None), _) => {
-                    return Err(different(format!("the scene `{scene}` is not in the plan")));
+            match self.cases.entry(key) {
+                Entry::Vacant(new) => {
+                    new.insert((record, self.dirs.len()));
                 }
-                (Some(Some(planned)), _) => (planned, "the plan".to_owned()),
-                (None, Some((first, part))) => {
-                    (first.clone(), self.dirs[*part].display().to_string())
+                Entry::Occupied(known) => {
+                    let (first, part) = known.get();
+                    if !agree(first, &record) {
+                        let part = self.dirs.get(*part).unwrap_or(&dir).clone();
+                        let parts = [part, dir];
+                        return Err(DistributedError::Disagree { id: id(known.key()), parts });
+                    }
                 }
-                (None, None) => (hash.clone(), String::new()),
-            };
-            if hash != wanted {
-                return Err(different(format!(
-                    "the scene `{scene}` is another one ({hash}) than in {of} ({wanted})"
-                )));
             }
-            self.scenes.entry(scene).or_insert((hash, self.dirs.len()));
         }
-        for (scene, added) in known.added_cases {
-            self.added.entry(scene).or_default().extend(added);
+        for scene in part.scenes.keys() {
+            self.first.entry(scene.clone()).or_insert_with(|| dir.clone());
         }
-        let document = dir.join("verdict.json");
-        if document.exists() {
-            let failures = read_failures(&document)
-                .map_err(|error| DistributedError::Other(error.to_string()))?;
-            let reason = |f: judge::verdict::Failure| {
-                (Key { scene: f.scene, n: f.n, steps: f.steps }, f.reason)
-            };
-            self.reasons.extend(failures.into_iter().map(reason));
+        for (scene, added) in part.added_cases {
+            self.known.added_cases.entry(scene).or_default().extend(added);
         }
+        self.known.platform = part.platform;
+        self.known.scenes.extend(part.scenes);
+        self.known.texts.extend(part.texts);
+        self.known.meshes.extend(part.meshes);
         self.dirs.push(dir);
         Ok(())
     }
 
-    pub(crate) fn tables(&self) -> Vec<PathBuf> {
-        self.dirs.iter().map(|dir| dir.join("cases.csv")).collect()
+    /// What makes a part one of other records than those that are known.
+    fn fits(&self, part: &Provenance, plan: Option<&SweepPlan>) -> Result<(), String> {
+        let version = env!("CARGO_PKG_VERSION");
+        if part.version != version {
+            return Err(format!("the records are of version {}, this is {version}", part.version));
+        }
+        if let Some(first) = self.dirs.first().filter(|_| part.platform != self.known.platform) {
+            return Err(format!(
+                "the records were made on {}, those of {} on {}, which rounds differently",
+                part.platform,
+                first.display(),
+                self.known.platform
+            ));
+        }
+        for (scene, hash) in &part.scenes {
+            let (wanted, of) = match (plan.map(|plan| plan.planned(scene)), self.first.get(scene)) {
+                (Some(None), _) => return Err(format!("the scene `{scene}` is not in the plan")),
+                (Some(Some(planned)), _) => (&planned.hash, "the plan".to_owned()),
+                (None, Some(first)) => (&self.known.scenes[scene], first.display().to_string()),
+                (None, None) => continue,
+            };
+            if hash != wanted {
+                return Err(format!(
+                    "the scene `{scene}` is another one ({hash}) than in {of} ({wanted})"
+                ));
+            }
+        }
+        Ok(())
     }
 
-    pub(crate) fn scenes(&self) -> impl Iterator<Item = &String> {
-        self.scenes.keys()
+    /// The platform that made all of them.
+    pub(super) fn platform(&self) -> String {
+        self.known.platform.clone()
+    }
+
+    pub(super) fn scenes(&self) -> impl Iterator<Item = &String> {
+        self.known.scenes.keys()
+    }
+
+    /// Cases of a scene beyond its grid.
+    pub(super) fn added(&self, scene: &str) -> &[AddedCase] {
+        self.known.added_cases.get(scene).map_or(&[], Vec::as_slice)
     }
 
     /// A scene, from the text in its first part.
     ///
     /// # Errors
     /// The text is missing or invalid.
-    pub(crate) fn scene(&self, name: &str) -> Result<Scene, DistributedError> {
-        let nothing = |path: &Path| DistributedError::File {
-            path: path.to_owned(),
-            reason: format!("no text of the scene `{name}`; give the plan with --plan"),
-        };
-        let Some((_, part)) = self.scenes.get(name) else {
-            return Err(nothing(Path::new("the directories")));
-        };
-        let dir = &self.dirs[*part];
-        let known = Provenance::read(dir).map_err(DistributedError::of_file)?;
-        let scene = known.map(|known| known.scene(dir, name)).transpose();
-        let scene = scene.map_err(|error| DistributedError::Scene(Box::new(error)))?;
-        scene.flatten().ok_or_else(|| nothing(&dir.join("provenance.json")))
+    pub(super) fn scene(&self, name: &str) -> Result<Scene, DistributedError> {
+        let dir = &self.first[name];
+        let scene = self.known.scene(dir, name).map_err(Box::new)?;
+        scene.ok_or_else(|| {
+            let reason = format!("no text of the scene `{name}`; give the plan with --plan");
+            DistributedError::File { path: dir.join("provenance.json"), reason }
+        })
     }
 
-    /// The parts that hold a case; reads every table, for messages only.
-    pub(crate) fn holders(&self, key: &Key) -> Vec<PathBuf> {
-        let holds = |dir: &&PathBuf| {
-            CaseStream::open(&dir.join("cases.csv"))
-                .is_ok_and(|mut cases| cases.any(|case| case.is_ok_and(|case| case.key() == *key)))
-        };
-        self.dirs.iter().filter(holds).cloned().collect()
+    pub(super) fn of_scene(&self, scene: &str) -> impl Iterator<Item = &CaseRecord> {
+        let from = Key { scene: scene.to_owned(), n: None, steps: 0 };
+        let of_scene = self.cases.range(from..).take_while(move |(key, _)| key.scene == scene);
+        of_scene.map(|(_, (record, _))| record)
     }
+
+    /// The part of a recorded case.
+    pub(super) fn holder(&self, key: &Key) -> &Path {
+        &self.dirs[self.cases[key].1]
+    }
+}
+
+/// The records of a part, with the reasons of failed cases.
+fn records(dir: &Path) -> Result<Vec<CaseRecord>, DistributedError> {
+    let mut records = read_finished(&dir.join("cases.csv"))?;
+    let document = dir.join("verdict.json");
+    if document.exists() {
+        restore_reasons(&mut records, &read_failures(&document)?);
+    }
+    Ok(records)
+}
+
+/// Whether two records of one case agree in every column but `seconds_*`.
+fn agree(a: &CaseRecord, b: &CaseRecord) -> bool {
+    let lasting = |case: &CaseRecord| {
+        let mut case = CaseRecord {
+            seconds_load: 0.0,
+            seconds_assemble: 0.0,
+            seconds_factor: 0.0,
+            seconds_solve: 0.0,
+            seconds_total: 0.0,
+            ..case.clone()
+        };
+        if let Status::Failed { reason } = &mut case.status {
+            reason.clear();
+        }
+        case.errors.sort_by(|a, b| a.norm.cmp(&b.norm));
+        // As text: NaN agrees with NaN, and 0 not with -0.
+        format!("{case:?}")
+    };
+    lasting(a) == lasting(b)
 }
 
 /// The parts of a given directory.
@@ -160,4 +205,28 @@ fn with_records(dir: &Path) -> Result<Vec<PathBuf>, DistributedError> {
     }
     found.sort();
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use judge::record::NormError;
+
+    fn case(error: f64) -> CaseRecord {
+        CaseRecord {
+            status: Status::Converged,
+            errors: vec![NormError { norm: "V_max".into(), error: Some(error), floor: None }],
+            ..CaseRecord::without_work("block", Some(4), 4, 0.25)
+        }
+    }
+
+    #[test]
+    fn records_agree_but_for_seconds() {
+        let one = CaseRecord { seconds_total: 1.0, ..case(0.1) };
+        let other = CaseRecord { seconds_total: 2.0, ..one.clone() };
+        assert!(agree(&one, &other));
+        assert!(!agree(&one, &case(0.1 + 1e-17 * 2.0)));
+        assert!(!agree(&one, &CaseRecord { newton_iterations: 1, ..one.clone() }));
+        assert!(agree(&case(f64::NAN), &case(f64::NAN)));
+    }
 }

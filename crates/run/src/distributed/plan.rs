@@ -8,11 +8,15 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::error::DistributedError;
-use super::names::{CASES, JOBS, PLAN};
 use crate::sweep::Overrides;
 use files::{Replacement, open_file, read_text, replace_file};
 use judge::record::Key;
 use scene::{Scene, Source};
+
+/// The files of a plan: its scenes, arguments and version; a row per case; a row per job.
+pub(super) const PLAN: &str = "plan.json";
+pub(super) const CASES: &str = "plan.csv";
+const JOBS: &str = "jobs.csv";
 
 /// A scene as planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -149,9 +153,7 @@ impl SweepPlan {
     pub fn read(dir: &Path) -> Result<Self, DistributedError> {
         let path = dir.join(PLAN);
         let text = read_text(&path).map_err(DistributedError::at(&path))?;
-        let plan: Self = serde_json::from_str(&text).map_err(|error| {
-            DistributedError::Malformed { path: path.clone(), reason: error.to_string() }
-        })?;
+        let plan: Self = serde_json::from_str(&text).map_err(malformed(&path))?;
         let running = env!("CARGO_PKG_VERSION");
         if plan.version != running {
             return Err(DistributedError::Version {
@@ -167,15 +169,13 @@ impl SweepPlan {
     pub(crate) fn write(
         &self,
         dir: &Path,
-        cases: impl Iterator<Item = CaseRow>,
-        jobs: impl Iterator<Item = JobRow>,
+        cases: &[CaseRow],
+        jobs: &[JobRow],
     ) -> Result<(), DistributedError> {
         table(&dir.join(CASES), cases)?;
         table(&dir.join(JOBS), jobs)?;
         let path = dir.join(PLAN);
-        let text = serde_json::to_vec_pretty(self).map_err(|error| {
-            DistributedError::Malformed { path: path.clone(), reason: error.to_string() }
-        })?;
+        let text = serde_json::to_vec_pretty(self).map_err(malformed(&path))?;
         replace_file(&path, &text).map_err(DistributedError::at(&path))
     }
 
@@ -198,16 +198,12 @@ impl SweepPlan {
         jobs: &[usize],
     ) -> Result<Vec<CaseRow>, DistributedError> {
         let path = dir.join(CASES);
+        let file = open_file(&path).map_err(DistributedError::at(&path))?;
         let mut ids: BTreeSet<&str> = ids.iter().map(String::as_str).collect();
         let mut left: BTreeSet<usize> = jobs.iter().copied().collect();
-        // Jobs are contiguous.
-        let last = jobs.iter().max().filter(|_| ids.is_empty()).copied();
         let mut found = Vec::new();
-        for row in rows(&path)? {
-            let row = row?;
-            if last.is_some_and(|last| row.job > last) {
-                break;
-            }
+        for row in csv::Reader::from_reader(BufReader::new(file)).into_deserialize() {
+            let row: CaseRow = row.map_err(malformed(&path))?;
             let asked = ids.remove(row.id.as_str());
             if asked || jobs.contains(&row.job) {
                 left.remove(&row.job);
@@ -223,25 +219,12 @@ impl SweepPlan {
     }
 }
 
-/// Streams the rows of a `plan.csv`.
-///
-/// # Errors
-/// [`DistributedError::File`]; a malformed row is the error of its item.
-pub(crate) fn rows(
-    path: &Path,
-) -> Result<impl Iterator<Item = Result<CaseRow, DistributedError>> + use<>, DistributedError> {
-    let path = path.to_owned();
-    let file = open_file(&path).map_err(DistributedError::at(&path))?;
-    let table = csv::Reader::from_reader(BufReader::new(file));
-    let malformed = move |error: csv::Error| DistributedError::Malformed {
-        path: path.clone(),
-        reason: error.to_string(),
-    };
-    Ok(table.into_deserialize().map(move |row| row.map_err(&malformed)))
+fn malformed<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> DistributedError {
+    move |error| DistributedError::Malformed { path: path.to_owned(), reason: error.to_string() }
 }
 
 /// Writes a table atomically, row by row.
-fn table<R: Serialize>(path: &Path, rows: impl Iterator<Item = R>) -> Result<(), DistributedError> {
+fn table<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), DistributedError> {
     let write = || -> io::Result<()> {
         let mut table = csv::Writer::from_writer(Replacement::create(path)?);
         for row in rows {

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::bundle::{Job, SceneCosts, bundle};
 use super::error::DistributedError;
-use super::names::PLAN;
-use super::plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
+use super::plan::{CaseRow, JobRow, PLAN, PlannedScene, SweepPlan, id};
 use super::slurm;
 use crate::sweep::{Overrides, ScenePlan};
 use files::{make_directory, replace_file};
@@ -46,8 +45,8 @@ pub struct Planning {
     pub plan: SweepPlan,
     /// One row per job, the longest first.
     pub jobs: Vec<JobRow>,
-    costs: Vec<SceneCosts>,
-    bundles: Vec<Job>,
+    /// Longest job first, and in it the longest case.
+    cases: Vec<CaseRow>,
 }
 
 impl Planning {
@@ -58,16 +57,27 @@ impl Planning {
         let bundles = bundle(&costs, seconds);
         let jobs: Vec<JobRow> =
             bundles.iter().enumerate().map(|(number, job)| request(number, job)).collect();
+        let row = |job: usize, (s, c): (usize, usize)| {
+            let SceneCosts { cases, costs } = &costs[s];
+            let (scene, (n, steps)) = (scenes[s].name.clone(), cases[c]);
+            let id = id(&Key { scene: scene.clone(), n, steps });
+            let (seconds, bytes) = (costs.cases[c].seconds, costs.cases[c].memory_bytes);
+            CaseRow { id, scene, n, steps, seconds, bytes, job }
+        };
+        let of_job = |(number, job): (usize, &Job)| {
+            job.cases.iter().map(|&case| row(number, case)).collect::<Vec<CaseRow>>()
+        };
+        let cases: Vec<CaseRow> = bundles.iter().enumerate().flat_map(of_job).collect();
         let plan = SweepPlan {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             n: overrides.n,
             steps: overrides.steps,
             bundle_seconds: seconds,
-            cases: costs.iter().map(|scene| scene.cases.len()).sum(),
+            cases: cases.len(),
             jobs: jobs.len(),
             scenes,
         };
-        Self { plan, jobs, costs, bundles }
+        Self { plan, jobs, cases }
     }
 
     /// Writes the plan for an engine into `dir`. Repeating it with the same plan changes only the engine's files.
@@ -96,30 +106,9 @@ impl Planning {
             Engine::Tables => {}
         }
         if !dir.join(PLAN).exists() {
-            self.plan.write(dir, self.rows(), self.jobs.iter().cloned())?;
+            self.plan.write(dir, &self.cases, &self.jobs)?;
         }
         Ok(())
-    }
-
-    /// The rows of plan.csv: longest job first, and in it the longest case.
-    fn rows(&self) -> impl Iterator<Item = CaseRow> {
-        self.bundles.iter().enumerate().flat_map(move |(job, bundle)| {
-            bundle.cases.iter().map(move |&(s, c)| {
-                let (n, steps) = self.costs[s].cases[c];
-                let cost = &self.costs[s].costs.cases[c];
-                let scene = self.plan.scenes[s].name.clone();
-                let id = id(&Key { scene: scene.clone(), n, steps });
-                CaseRow {
-                    id,
-                    scene,
-                    n,
-                    steps,
-                    seconds: cost.seconds,
-                    bytes: cost.memory_bytes,
-                    job,
-                }
-            })
-        })
     }
 }
 

@@ -45,5 +45,5 @@ pub use portrait::scene_summary;
 pub use provenance::Provenance;
 pub use reference_error::{reference_error, reference_in_words};
 pub use resume::{ResumeError, Resumed, resume};
-pub use run::{Machine, Progress, SweepError, run_more, run_sweep};
+pub use run::{Machine, Progress, SweepError, replace_records, run_more, run_sweep};
 pub use stepwise::{NotRun, Stepwise};

@@ -7,7 +7,7 @@ use super::extend::AddedCase;
 use super::floors::{FloorError, FloorRow};
 use super::problem;
 use judge::record::{CaseRecord, Key, NormError, Status};
-use judge::verdict::MeshAndSteps;
+use judge::verdict::{ComparedRun, MeshAndSteps};
 use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
@@ -79,12 +79,12 @@ impl ScenePlan {
             Ok(record) => return record,
             Err(reason) => reason,
         };
-        let skipped = self.unmeasured(case.n, case.steps, &case.norms);
-        CaseRecord { status: Status::Failed { reason }, ..skipped }
+        CaseRecord { status: Status::Failed { reason }, ..self.unmeasured(case) }
     }
 
     /// The record of a case that did no work and has no error in any norm.
-    pub(crate) fn unmeasured(&self, n: Option<u32>, steps: u32, norms: &[Norm]) -> CaseRecord {
+    pub(crate) fn unmeasured(&self, case: &CasePlan) -> CaseRecord {
+        let CasePlan { n, steps, ref norms } = *case;
         let (scene, k) = (self.scene(), self.subject.grid(steps).largest_step());
         let nothing =
             |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
@@ -124,6 +124,13 @@ impl ScenePlan {
     pub fn keys(&self) -> Vec<Key> {
         let scene = &self.scene().name;
         self.cases.iter().map(|case| case.place().key(scene)).collect()
+    }
+
+    /// What a baseline has to know of a run of this plan; `own_grids`: on the default grids of the scene's file.
+    pub fn compared(&self, own_grids: bool) -> ComparedRun {
+        let Scene { name, source, .. } = self.scene();
+        let (scene, hash) = (name.clone(), source.hash.clone());
+        ComparedRun { scene, hash, planned: self.keys(), own_grids }
     }
 
     /// The remark of (3.4) on the step sizes of the cases.

@@ -42,13 +42,13 @@ pub const FILE: &str = "provenance.json";
 
 impl Provenance {
     /// The provenance of records of these scenes.
-    pub fn new<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Self {
+    pub fn new<'a>(scenes: impl IntoIterator<Item = &'a Scene>) -> Self {
         let mut provenance = Self {
             version: env!("CARGO_PKG_VERSION").to_string(),
             platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
             ..Self::default()
         };
-        scenes.for_each(|scene| provenance.add_scene(scene));
+        scenes.into_iter().for_each(|scene| provenance.add_scene(scene));
         provenance
     }
 
@@ -70,7 +70,7 @@ impl Provenance {
 
     /// The provenance of a run of `plans`.
     pub fn of_run(plans: &[ScenePlan], machine: &Machine) -> Self {
-        let mut provenance = Self::new(std::iter::empty());
+        let mut provenance = Self::new([]);
         plans.iter().for_each(|plan| provenance.add_plan(plan, &plan.added));
         provenance.run = Some(Circumstances::new(&machine.build, machine.jobs, &machine.options));
         provenance

@@ -1,6 +1,6 @@
 //! Runs the cases of many scenes in parallel, longest first and within memory, and records each as it ends.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::Build;
@@ -12,7 +12,7 @@ use super::shared::Shared;
 use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
 use rayon::prelude::*;
 
-use files::counted;
+use files::{counted, make_directory, remove_if_there};
 use judge::record::{CaseRecord, Journal, RecordError};
 use report::{ReportError, remove_earlier};
 use scene::setup::Subject;
@@ -165,19 +165,27 @@ fn prepare(
     known: &[CaseRecord],
     machine: &Machine,
 ) -> Result<Journal, SweepError> {
-    let out = out.path();
-    let refused = |(path, reason)| SweepError::Directory { path, reason };
-    let table = out.join("cases.csv");
-    // If killed at any point, the directory must have no table without its provenance, and no mixture of old and new
-    // files: pages, pictures, verdicts and the old table are removed first, the new table comes last.
-    remove_earlier(out)?;
-    let old = [Some(out.join("verdict.json")), known.is_empty().then(|| table.clone())];
-    for path in old.into_iter().flatten().filter(|path| path.exists()) {
-        std::fs::remove_file(&path).map_err(|e| refused((path, e.to_string())))?;
-    }
-    Provenance::of_run(plans, machine).write(out).map_err(refused)?;
+    replace_records(out.path(), &Provenance::of_run(plans, machine), !known.is_empty())?;
+    let table = out.path().join("cases.csv");
     judge::record::write_sorted(&table, known)?;
     Ok(Journal::open(&table)?)
+}
+
+/// Begins a directory of other records, whose table the caller writes last. If killed at any point, the directory must
+/// have no table without its provenance, and no mixture of old and new files: pages, pictures, verdicts and the old table
+/// are removed first, but not a table that is `kept` until it is replaced.
+pub fn replace_records(out: &Path, provenance: &Provenance, kept: bool) -> Result<(), SweepError> {
+    let refused = |(path, reason)| SweepError::Directory { path, reason };
+    let failed = |error: std::io::Error| refused((out.to_owned(), error.to_string()));
+    make_directory(out).map_err(failed)?;
+    remove_earlier(out)?;
+    for name in
+        ["verdict.json", "cases.csv"].into_iter().filter(|name| !(kept && *name == "cases.csv"))
+    {
+        let path = out.join(name);
+        remove_if_there(&path).map_err(|error| refused((path, error.to_string())))?;
+    }
+    provenance.write(out).map_err(refused)
 }
 
 struct Sweep<'a> {
