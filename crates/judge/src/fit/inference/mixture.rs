@@ -1,9 +1,9 @@
 //! Mixtures of normal distributions of an order.
 
-use std::sync::LazyLock;
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_1_SQRT_2;
 
-use rustc_hash::FxHashMap;
-use statrs::function::erf::erf;
+use statrs::function::erf::erfc;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
@@ -29,28 +29,20 @@ pub(super) struct Mixture {
 const RATIO: f64 = 1.3;
 const SHARE: f64 = 0.2;
 
-/// Tail cut-off in standard deviations.
-const FAR: f64 = 6.0;
 /// Accuracy of quantiles: a tenth of what is printed.
 const QUANTILE: f64 = 1e-5;
 
-static WIDTHS: LazyLock<Vec<f64>> =
-    LazyLock::new(|| (NARROWEST..NARROWEST + 96).map(|size| SHARE * RATIO.powi(size)).collect());
-const NARROWEST: i32 = -76;
-
-/// Cell of a part by its deviation and its mean in units of the cell width.
-fn cell(part: &Part) -> u64 {
-    let size = ((part.deviation.ln() / RATIO.ln()).floor() as i32 - NARROWEST).max(0);
-    let at = (size as usize).min(WIDTHS.len() - 1);
-    let place = (part.mean / WIDTHS[at]).floor() as i32;
-    (at as u64) << 32 | u64::from(place.cast_unsigned() ^ 1 << 31)
+/// Cell of a part by its deviation, and by its mean in units of the cell width.
+fn cell(part: &Part) -> [i32; 2] {
+    let size = (part.deviation.ln() / RATIO.ln()).floor() as i32;
+    [size, (part.mean / (SHARE * RATIO.powi(size))).floor() as i32]
 }
 
 impl Mixture {
     /// Mixture of the parts that `serve`, close ones merged.
     pub(super) fn of(parts: &[Part], serves: impl Fn(&Part) -> bool) -> Self {
         let mut weight = 0.0;
-        let mut cells: FxHashMap<u64, [f64; 3]> = FxHashMap::default();
+        let mut cells: BTreeMap<[i32; 2], [f64; 3]> = BTreeMap::new();
         for part in parts.iter().filter(|part| serves(part)) {
             weight += part.weight;
             let sums = cells.entry(cell(part)).or_default();
@@ -58,11 +50,8 @@ impl Mixture {
             sums[1] += part.weight * part.mean;
             sums[2] += part.weight * part.deviation;
         }
-        // Sorted for a fixed order of summation.
-        let mut cells: Vec<_> = cells.into_iter().collect();
-        cells.sort_unstable_by_key(|(cell, _)| *cell);
-        let parts = cells.into_iter();
-        Self { weight, parts: parts.map(|(_, [w, m, d])| [w / weight, m / w, d / w]).collect() }
+        let parts = cells.into_values().map(|[w, m, d]| [w / weight, m / w, d / w]).collect();
+        Self { weight, parts }
     }
 
     /// From (share, mean, deviation); shares sum to one.
@@ -84,13 +73,12 @@ impl Mixture {
         self.at(p)[0]
     }
 
-    /// Probability of at most p, and the density there to four digits.
+    /// Probability of at most p, and the density there.
     fn at(&self, p: f64) -> [f64; 2] {
-        let table = &*NORMAL;
         self.parts.iter().fold([0.0; 2], |[below, density], [share, mean, deviation]| {
-            let scale = 1.0 / deviation;
-            let [all, here] = normal(table, (p - mean) * scale);
-            [below + share * all, density + share * here * scale]
+            let t = (p - mean) / deviation;
+            let here = (-0.5 * t * t).exp() / (std::f64::consts::TAU.sqrt() * deviation);
+            [below + share * 0.5 * erfc(-t * FRAC_1_SQRT_2), density + share * here]
         })
     }
 
@@ -121,54 +109,12 @@ impl Mixture {
     }
 }
 
-/// Φ and its density φ at multiples of 1/64.
-static NORMAL: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
-    let last = (2.0 * FAR * PER_UNIT) as usize;
-    let at = |i: usize| {
-        let t = i as f64 / PER_UNIT - FAR;
-        let density = (-0.5 * t * t).exp() / std::f64::consts::TAU.sqrt();
-        [0.5 * (1.0 + erf(t / std::f64::consts::SQRT_2)), density]
-    };
-    (0..=last + 1).map(at).collect()
-});
-const PER_UNIT: f64 = 64.0;
-
-/// Φ(t), cut off at six standard deviations, by Hermite's cubic in the table: error at most 64^−4 / 384 of the fourth
-/// derivative, 2e-10. φ is linear in it: error 3e-5.
-fn normal(table: &[[f64; 2]], t: f64) -> [f64; 2] {
-    if t.is_nan() || t.abs() >= FAR {
-        return [if t > 0.0 { 1.0 } else { 0.0 }, 0.0];
-    }
-    let place = (t + FAR) * PER_UNIT;
-    let at = place as usize;
-    let s = place - at as f64;
-    let ([a, slope_a], [b, slope_b]) = (table[at], table[at + 1]);
-    let (width, rest) = (1.0 / PER_UNIT, 1.0 - s);
-    let chord = a + s * s * (3.0 - 2.0 * s) * (b - a);
-    let bend = s * rest * width * (rest * slope_a - s * slope_b);
-    [chord + bend, slope_a + s * (slope_b - slope_a)]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn part(weight: f64, mean: f64, deviation: f64) -> Part {
         Part { weight, mean, deviation, floored: mean > 1.5, coarse: 0 }
-    }
-
-    #[test]
-    fn the_table_is_the_normal_distribution_between_its_nodes() {
-        for i in -700..700 {
-            let t = 0.009 * f64::from(i);
-            let exact = 0.5 * (1.0 + erf(t / std::f64::consts::SQRT_2));
-            let [all, density] = normal(&NORMAL, t);
-            // Error of the cubic, and 1e-9 beyond six deviations.
-            assert!((all - exact).abs() < 1.2e-9, "{t}: {all} {exact}");
-            let slope = (-0.5 * t * t).exp() / std::f64::consts::TAU.sqrt();
-            assert!((density - slope).abs() < 4e-5, "{t}: {density} {slope}");
-        }
-        assert_eq!(normal(&NORMAL, f64::NAN)[1], 0.0);
     }
 
     #[test]

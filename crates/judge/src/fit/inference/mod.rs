@@ -219,7 +219,7 @@ impl Table {
 
     fn parts(&self) -> Vec<Part> {
         let levels = self.x.len();
-        let mut found = Readings { parts: Vec::new(), largest: f64::NEG_INFINITY };
+        let mut parts: Vec<Part> = Vec::new();
         for (fine, prior) in FINE.iter().enumerate() {
             if fine + FEWEST > levels || (fine > 0 && !self.breaks(fine)) {
                 continue;
@@ -229,10 +229,10 @@ impl Table {
                 let halved = 0.5f64.powi(coarse.saturating_sub(last) as i32);
                 let left_out = (coarse + fine) as f64 * LEFT.ln();
                 let log_prior = (prior * COARSE[coarse.min(last)] * halved).ln() + left_out;
-                self.read(coarse, fine, log_prior, &mut found);
+                self.read(coarse, fine, log_prior, &mut parts);
             }
         }
-        let Readings { mut parts, largest } = found;
+        let largest = parts.iter().map(|part| part.weight).fold(f64::NEG_INFINITY, f64::max);
         // Those dropped sum to less than a thousandth of the likeliest.
         parts.retain(|part| part.weight > largest - LEAST);
         parts.iter_mut().for_each(|part| part.weight = (part.weight - largest).exp());
@@ -240,7 +240,7 @@ impl Table {
     }
 
     /// Readings of the remaining levels, with log weights.
-    fn read(&self, coarse: usize, fine: usize, log_prior: f64, found: &mut Readings) {
+    fn read(&self, coarse: usize, fine: usize, log_prior: f64, parts: &mut Vec<Part>) {
         let kept = coarse..self.x.len() - fine;
         let (coarsest, finest) = (self.sizes[kept.start], self.sizes[kept.end - 1]);
         let of = |values: &'_ [f64]| values[kept.clone()].to_vec();
@@ -263,25 +263,15 @@ impl Table {
             let nexts = terms.iter().map(|term| node.terms(*term));
             let gram = base.gram(observed.iter().copied().zip(nexts));
             for noise in &noise {
-                let least = found.largest - LEAST - node.log_prior;
-                if let Some(component) = base.component(&gram, noise, node.order(), least) {
-                    let weight = node.log_prior + component.log_evidence;
-                    found.largest = found.largest.max(weight);
-                    found.parts.push(Part {
-                        weight,
-                        mean: component.mean,
-                        deviation: component.deviation,
-                        floored: floored || fine > 0,
-                        coarse,
-                    });
-                }
+                let component = base.component(&gram, noise, node.order());
+                parts.push(Part {
+                    weight: node.log_prior + component.log_evidence,
+                    mean: component.mean,
+                    deviation: component.deviation,
+                    floored: floored || fine > 0,
+                    coarse,
+                });
             }
         }
     }
-}
-
-/// Readings that may count, and the largest log weight.
-struct Readings {
-    parts: Vec<Part>,
-    largest: f64,
 }
