@@ -1,23 +1,14 @@
 //! Lines of a LaTeX table.
 
-const DRAWN: [&str; 12] = [
-    "\\hline",
-    "\\toprule",
-    "\\midrule",
-    "\\bottomrule",
-    "\\cline",
-    "\\cmidrule",
-    "\\begin",
-    "\\end",
-    "\\centering",
-    "\\caption",
-    "\\label",
-    "\\small",
-];
+/// Commands of lines without cells.
+const DRAWN: &str = concat!(
+    r"\hline \toprule \midrule \bottomrule \cline \cmidrule ",
+    r"\begin \end \centering \caption \label \small",
+);
 
 pub(super) fn is_rule(line: &str) -> bool {
     let line = line.trim();
-    !line.contains('&') && DRAWN.iter().any(|command| line.starts_with(command))
+    !line.contains('&') && DRAWN.split(' ').any(|command| line.starts_with(command))
 }
 
 pub(super) fn cells(line: &str) -> Vec<String> {

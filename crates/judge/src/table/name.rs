@@ -27,103 +27,24 @@ pub(super) enum Role {
     Unknown,
 }
 
-const LENGTHS: &[&str] =
-    &["h", "hmax", "dx", "deltax", "meshsize", "maxh", "hx", "cellsize", "gridspacing"];
-const TIMES: &[&str] =
-    &["k", "dt", "deltat", "tau", "timestep", "timestepsize", "stepsize", "htime"];
-const SIDES: &[&str] = &["n", "nx", "cellsperside", "elementsperside", "resolution", "grid"];
-const STEPS: &[&str] = &["steps", "nsteps", "nt", "timesteps", "numberofsteps"];
-const CELLS: &[&str] = &[
-    "cells",
-    "ncells",
-    "numcells",
-    "numberofcells",
-    "activecells",
-    "nactivecells",
-    "elements",
-    "nelements",
-    "numelements",
-    "numberofelements",
-    "nel",
-    "nelem",
-    "triangles",
-    "elems",
-];
-const DOFS: &[&str] = &[
-    "dofs",
-    "dof",
-    "ndof",
-    "ndofs",
-    "numdofs",
-    "numberofdofs",
-    "degreesoffreedom",
-    "unknowns",
-    "nodes",
-    "vertices",
-    "points",
-];
-const RATES: &[&str] =
-    &["rate", "eoc", "order", "reduction", "slope", "roc", "ratio", "convergence"];
-const LEVELS: &[&str] = &[
-    "level",
-    "levels",
-    "lvl",
-    "refinement",
-    "refinements",
-    "refinementlevel",
-    "numberofrefinements",
-    "nref",
-];
-const COUNTERS: &[&str] = &[
-    "cycle",
-    "cycles",
-    "ref",
-    "iter",
-    "iters",
-    "iterations",
-    "its",
-    "it",
-    "time",
-    "times",
-    "cpu",
-    "seconds",
-    "walltime",
-    "cost",
-    "newton",
-    "cg",
-    "gmres",
-    "nnz",
-    "degree",
-    "seed",
-    "run",
-    "conv",
-    "red",
-    "red2",
-];
-const NORM_PARTS: &[&str] = &[
-    "error", "err", "norm", "energy", "semi", "hdiv", "hcurl", "rms", "inf", "max", "l1", "l2",
-    "l4", "l8", "h0", "h1", "h2", "w1", "sup",
-];
-const NORM_NAMES: &[&str] = &[
-    "e",
-    "eu",
-    "ep",
-    "eh",
-    "u",
-    "v",
-    "uh",
-    "velocity",
-    "pressure",
-    "displacement",
-    "stress",
-    "gradient",
-    "grad",
-    "flux",
-    "dg",
-    "temperature",
-    "div",
-    "curl",
-];
+// Names of columns in normal form, as `normal` gives it.
+const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing 1n";
+const TIMES: &str = "k dt deltat tau timestep timestepsize stepsize htime";
+const SIDES: &str = "n nx cellsperside elementsperside resolution grid";
+const STEPS: &str = "steps nsteps nt timesteps numberofsteps";
+const CELLS: &str = "cells ncells numcells numberofcells activecells nactivecells elements nelements numelements \
+    numberofelements nel nelem triangles elems";
+const DOFS: &str =
+    "dofs dof ndof ndofs numdofs numberofdofs degreesoffreedom unknowns nodes vertices points";
+const RATES: &str = "rate eoc order reduction slope roc ratio convergence";
+const LEVELS: &str =
+    "level levels lvl refinement refinements refinementlevel numberofrefinements nref";
+const COUNTERS: &str = "cycle cycles ref iter iters iterations its it time times cpu seconds walltime cost newton cg \
+    gmres nnz degree seed run conv red red2";
+const NORM_PARTS: &str =
+    "error err norm energy semi hdiv hcurl rms inf max l1 l2 l4 l8 h0 h1 h2 w1 sup";
+const NORM_NAMES: &str = "e eu ep eh u v uh velocity pressure displacement stress gradient grad flux dg temperature \
+    div curl";
 
 /// Accepted column names, for messages.
 pub fn understood() -> &'static str {
@@ -144,8 +65,8 @@ pub(super) fn normal(name: &str) -> String {
 
 pub(super) fn role(name: &str) -> Role {
     let normalised = normal(name);
-    let is = |list: &[&str]| list.contains(&normalised.as_str());
-    let has = |list: &[&str]| list.iter().any(|part| normalised.contains(part));
+    let is = |names: &str| names.split(' ').any(|name| name == normalised);
+    let has = |parts: &str| parts.split(' ').any(|part| normalised.contains(part));
     match normalised.as_str() {
         "error" | "err" => Role::Error,
         "value" => Role::Value,
@@ -154,7 +75,7 @@ pub(super) fn role(name: &str) -> Role {
         "scene" => Role::Scene,
         "norm" => Role::Norm,
         "status" => Role::Status,
-        _ if is(LENGTHS) || is(&["1n"]) => Role::Space(Measure::Length),
+        _ if is(LENGTHS) => Role::Space(Measure::Length),
         _ if is(TIMES) => Role::Time(Measure::Length),
         _ if is(SIDES) => Role::Space(Measure::Number),
         _ if is(STEPS) => Role::Time(Measure::Number),
@@ -172,7 +93,7 @@ pub(super) fn is_norm(name: &str) -> bool {
 
 /// Prefer cells among counts: they follow the mesh size exactly, unknowns only in the limit.
 pub(super) fn is_cells(name: &str) -> bool {
-    CELLS.contains(&normal(name).as_str())
+    CELLS.split(' ').any(|cells| cells == normal(name))
 }
 
 pub(super) fn is_size_or_counter(name: &str) -> bool {
