@@ -99,11 +99,10 @@ impl Baseline {
     #[must_use]
     pub fn without(mut self, held: &[Key]) -> Self {
         for (scene, recorded) in &mut self.scenes {
-            let is_held = |case: &RecordedCase| {
-                let same_case = |key: &&Key| (key.n, key.steps) == (case.n, case.steps);
-                held.iter().filter(same_case).any(|key| key.scene == *scene)
+            let held = |case: &RecordedCase| {
+                held.iter().any(|key| key.scene == *scene && case.is_case(key.n, key.steps))
             };
-            recorded.cases.retain(|case| !is_held(case));
+            recorded.cases.retain(|case| !held(case));
         }
         self
     }
@@ -192,6 +191,42 @@ impl RecordedCase {
         }
     }
 
+    /// Work with its names in records and in words; None where an older baseline has none.
+    fn work(&self) -> [(&'static str, &'static str, Option<u64>); 4] {
+        [
+            ("newton_iterations", "Newton iterations", Some(self.newton_iterations)),
+            ("factorizations", "factorizations", Some(self.factorizations)),
+            ("active_set_changes", "changes of the active set", self.active_set_changes),
+            ("peak_history_bytes", "bytes of history", self.history_bytes),
+        ]
+    }
+
+    /// Changes of errors and work against an older record, without the name of the case.
+    fn changes(&self, before: &Self) -> Vec<String> {
+        let mut lines = Vec::new();
+        let new = self.errors.keys().filter(|norm| !before.errors.contains_key(*norm));
+        for norm in before.errors.keys().chain(new) {
+            let (was, is) = (before.errors.get(norm), self.errors.get(norm));
+            if was != is {
+                let percent = was.zip(is).map_or(String::new(), |(was, is)| {
+                    format!(" ({})", tolerance::in_percent(is / was - 1.0))
+                });
+                let [was, is] = [was, is].map(|v| v.map_or("none".into(), |v| format!("{v:.6e}")));
+                lines.push(format!("{norm} {was} -> {is}{percent}"));
+            }
+        }
+        for ((_, what, was), (_, _, is)) in before.work().into_iter().zip(self.work()) {
+            // Absent in an older baseline is not a change.
+            let changed = was.zip(is).filter(|(was, is)| was != is);
+            lines.extend(changed.map(|(was, is)| format!("{what} {was} -> {is}")));
+        }
+        lines
+    }
+
+    fn is_case(&self, n: Option<u32>, steps: u32) -> bool {
+        (self.n, self.steps) == (n, steps)
+    }
+
     /// `n = 8, steps = 16`.
     fn name(&self) -> String {
         MeshAndSteps { n: self.n, steps: self.steps }.to_string()
@@ -211,48 +246,17 @@ fn changes_of_scene(name: &str, old: &Recorded, new: &Recorded) -> Vec<String> {
     if let (Some(was), Some(is)) = (&old.owes, &new.owes) {
         lines.extend(owed::changes_of_owed(name, was, is));
     }
-    let find = |cases: &[RecordedCase], like: &RecordedCase| {
-        cases.iter().find(|case| (case.n, case.steps) == (like.n, like.steps)).cloned()
+    let find = |cases: &'_ [RecordedCase], like: &RecordedCase| {
+        cases.iter().position(|case| case.is_case(like.n, like.steps))
     };
-    for case in &old.cases {
-        if find(&new.cases, case).is_none() {
-            lines.push(format!("{name}, {}: removed", case.name()));
-        }
-    }
+    let gone = old.cases.iter().filter(|case| find(&new.cases, case).is_none());
+    lines.extend(gone.map(|case| format!("{name}, {}: removed", case.name())));
     for case in &new.cases {
-        let Some(before) = find(&old.cases, case) else {
-            lines.push(format!("{name}, {}: new", case.name()));
-            continue;
+        let changes = match find(&old.cases, case) {
+            None => vec!["new".to_owned()],
+            Some(before) => case.changes(&old.cases[before]),
         };
-        let norms = before
-            .errors
-            .keys()
-            .chain(case.errors.keys().filter(|norm| !before.errors.contains_key(*norm)));
-        for norm in norms {
-            let (was, is) = (before.errors.get(norm), case.errors.get(norm));
-            if was != is {
-                let shown =
-                    |value: Option<&f64>| value.map_or("none".into(), |v| format!("{v:.6e}"));
-                let percent = was.zip(is).map_or(String::new(), |(was, is)| {
-                    format!(" ({})", tolerance::in_percent(is / was - 1.0))
-                });
-                let (was, is) = (shown(was), shown(is));
-                lines.push(format!("{name}, {}: {norm} {was} -> {is}{percent}", case.name()));
-            }
-        }
-        for (what, was, is) in [
-            ("Newton iterations", Some(before.newton_iterations), Some(case.newton_iterations)),
-            ("factorizations", Some(before.factorizations), Some(case.factorizations)),
-            ("changes of the active set", before.active_set_changes, case.active_set_changes),
-            ("bytes of history", before.history_bytes, case.history_bytes),
-        ] {
-            // Absent in an older baseline is not a change.
-            if let (Some(was), Some(is)) = (was, is)
-                && was != is
-            {
-                lines.push(format!("{name}, {}: {what} {was} -> {is}", case.name()));
-            }
-        }
+        lines.extend(changes.iter().map(|change| format!("{name}, {}: {change}", case.name())));
     }
     lines
 }

@@ -146,12 +146,12 @@ fn compare_scene(
     comparison: &mut Comparison,
 ) {
     for case in &recorded.cases {
-        let is_case = |n: Option<u32>, steps: u32| (n, steps) == (case.n, case.steps);
-        let planned = run.planned.iter().any(|key| is_case(key.n, key.steps));
+        let planned = run.planned.iter().any(|key| case.is_case(key.n, key.steps));
         if !planned && !run.own_grids {
             continue;
         }
-        let found = records.iter().rev().find(|r| r.scene == run.scene && is_case(r.n, r.steps));
+        let found =
+            records.iter().rev().find(|r| r.scene == run.scene && case.is_case(r.n, r.steps));
         let at = Place { scene: &run.scene, case };
         let Some(found) = found.filter(|record| record.converged()) else {
             let what = match found.map(|record| &record.status) {
@@ -223,18 +223,12 @@ impl Place<'_> {
     }
 
     fn work(&self, found: &CaseRecord) -> Vec<Deviation> {
-        let counters = [
-            ("newton_iterations", Some(self.case.newton_iterations), found.newton_iterations),
-            ("factorizations", Some(self.case.factorizations), found.factorizations),
-            ("active_set_changes", self.case.active_set_changes, found.active_set_changes),
-            ("peak_history_bytes", self.case.history_bytes, found.peak_history_bytes),
-        ];
         let grew = |recorded: u64, now: u64| {
             now > recorded + WORK_NUMBER && now as f64 > recorded as f64 * (1.0 + WORK_SHARE)
         };
+        let counters = self.case.work().into_iter().zip(RecordedCase::of(found).work());
         counters
-            .into_iter()
-            .filter_map(|(name, recorded, now)| Some((name, recorded?, now)))
+            .filter_map(|((name, _, recorded), (_, _, now))| Some((name, recorded?, now?)))
             .filter(|&(_, recorded, now)| grew(recorded, now))
             .map(|(name, recorded, now)| {
                 let what = format!("rose from {recorded} to {now}: the same result costs more");
