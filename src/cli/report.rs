@@ -9,7 +9,7 @@ use super::extension::earlier;
 use super::typesetter::Typesetter;
 use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
 use judge::record::{CaseRecord, CaseTable, Key, RecordError, read_table};
-use judge::verdict::{exit_code, read_failures, read_foreseen, restore_reasons};
+use judge::verdict::{Earlier, exit_code, read_earlier, restore_reasons};
 use report::write_all;
 use run::distributed::unfinished_in_words;
 use run::sweep::{
@@ -43,13 +43,9 @@ impl Report {
         let Found { mut records, torn } = self.records()?;
         // The order in which cases ended is arbitrary.
         records.sort_by_key(CaseRecord::key);
-        let document = self.dir.join("verdict.json");
-        let mut foreseen = Vec::new();
-        if document.exists() {
-            foreseen = read_foreseen(&document).map_err(CliError::other)?;
-            let failures = read_failures(&document).map_err(CliError::other)?;
-            restore_reasons(&mut records, &failures);
-        }
+        let Earlier { failures, mut foreseen } =
+            read_earlier(&self.dir.join("verdict.json")).map_err(CliError::other)?;
+        restore_reasons(&mut records, &failures);
         let known = earlier(&self.dir)?;
         let of_records: Vec<Scene> = self
             .names(&records, known.as_ref())?

@@ -37,12 +37,6 @@ struct Document<'a> {
 }
 
 #[derive(Deserialize)]
-struct Failures {
-    #[serde(default)]
-    failures: Vec<Failure>,
-}
-
-#[derive(Deserialize)]
 struct Judged {
     scene: String,
     norm: String,
@@ -52,9 +46,19 @@ struct Judged {
 }
 
 #[derive(Deserialize)]
-struct Verdicts {
+struct Written {
+    #[serde(default)]
+    failures: Vec<Failure>,
     #[serde(default)]
     verdicts: Vec<Judged>,
+}
+
+/// What an earlier `verdict.json` knows beyond the records.
+#[derive(Debug, Default)]
+pub struct Earlier {
+    pub failures: Vec<Failure>,
+    /// Predicted constants, to judge records again without the scenes' exact solutions.
+    pub foreseen: Vec<ForeseenConstant>,
 }
 
 /// Failed cases, sorted by key.
@@ -99,26 +103,18 @@ pub fn write_json(
     replace_file(path, &bytes).map_err(|source| DocumentError::Io { path: path.to_owned(), source })
 }
 
-/// Reads the failures of an earlier `verdict.json`.
-pub fn read_failures(path: &Path) -> Result<Vec<Failure>, DocumentError> {
-    read::<Failures>(path).map(|read| read.failures)
-}
-
-/// Reads the predicted constants of an earlier `verdict.json`, to judge records again without the scenes' exact
-/// solutions.
-pub fn read_foreseen(path: &Path) -> Result<Vec<ForeseenConstant>, DocumentError> {
-    let with = |judged: Judged| {
-        let Judged { scene, norm, variable, foreseen } = judged;
+/// Reads an earlier `verdict.json`, if there is one.
+pub fn read_earlier(path: &Path) -> Result<Earlier, DocumentError> {
+    let bytes = match read_file(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Earlier::default()),
+        read => read.map_err(|source| DocumentError::Io { path: path.to_owned(), source })?,
+    };
+    let Written { failures, verdicts } = serde_json::from_slice(&bytes)
+        .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
+    let with = |Judged { scene, norm, variable, foreseen }: Judged| {
         foreseen.map(|foreseen| ForeseenConstant { scene, norm, variable, foreseen })
     };
-    read::<Verdicts>(path).map(|read| read.verdicts.into_iter().filter_map(with).collect())
-}
-
-fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, DocumentError> {
-    let bytes =
-        read_file(path).map_err(|source| DocumentError::Io { path: path.to_owned(), source })?;
-    serde_json::from_slice(&bytes)
-        .map_err(|source| DocumentError::Json { path: path.to_owned(), source })
+    Ok(Earlier { failures, foreseen: verdicts.into_iter().filter_map(with).collect() })
 }
 
 /// Restores the reasons of failed cases read from `cases.csv`.

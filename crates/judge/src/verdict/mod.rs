@@ -22,8 +22,7 @@ pub use baseline::{
 };
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
-    DocumentError, Failure, document, failures, read_failures, read_foreseen, restore_reasons,
-    write_json,
+    DocumentError, Earlier, Failure, document, failures, read_earlier, restore_reasons, write_json,
 };
 pub use fitted_constant::FittedConstant;
 pub use judge::{judge, judge_foreseen};

@@ -8,7 +8,7 @@ use super::error::DistributedError;
 use super::plan::{SweepPlan, id};
 use crate::sweep::{AddedCase, Provenance};
 use judge::record::{CaseRecord, Key, Status, read_finished};
-use judge::verdict::{read_failures, restore_reasons};
+use judge::verdict::{read_earlier, restore_reasons};
 use scene::Scene;
 
 /// Directories with records of one version, and of one text of each scene.
@@ -156,10 +156,7 @@ impl Parts {
 /// The records of a part, with the reasons of failed cases.
 fn records(dir: &Path) -> Result<Vec<CaseRecord>, DistributedError> {
     let mut records = read_finished(&dir.join("cases.csv"))?;
-    let document = dir.join("verdict.json");
-    if document.exists() {
-        restore_reasons(&mut records, &read_failures(&document)?);
-    }
+    restore_reasons(&mut records, &read_earlier(&dir.join("verdict.json"))?.failures);
     Ok(records)
 }
 

@@ -3,7 +3,7 @@ use crate::fit::{Claim, Correction, Point};
 use crate::record::{NormError, Status, V_MAX};
 use crate::verdict::{
     Failure, ForeseenConstant, LeadingPoint, MeshAndSteps, cell_texts, exit_code, failures,
-    read_foreseen, render_table, restore_reasons, write_json,
+    read_earlier, render_table, restore_reasons, write_json,
 };
 
 fn record(point: Point) -> CaseRecord {
@@ -270,7 +270,7 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     assert_eq!((off.constants["C_k"].ratio, off.contradicted_by), (Some(1.25), None));
     let path = std::env::temp_dir().join(format!("gronwall-foreseen-{}.json", std::process::id()));
     write_json(&path, &serde_json::json!({}), std::slice::from_ref(&off), &records, None).unwrap();
-    let known = read_foreseen(&path).unwrap();
+    let known = read_earlier(&path).unwrap().foreseen;
     std::fs::remove_file(&path).unwrap();
     let expected = ForeseenConstant {
         scene: "block".into(),
@@ -373,7 +373,7 @@ fn the_document_has_its_keys_and_no_infinite_number() {
     {
         assert!(!entry[key].is_null(), "{key}");
     }
-    let kept = crate::verdict::read_failures(&path).unwrap();
+    let kept = read_earlier(&path).unwrap().failures;
     assert_eq!(kept, failures(&records));
     records[1].status = Status::Failed { reason: String::new() };
     restore_reasons(&mut records, &kept);
