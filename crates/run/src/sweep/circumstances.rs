@@ -1,31 +1,32 @@
 //! Circumstances of a set of records, beside program version and scenes; no record depends on them.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 
 /// Build of a program, passed to the library.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Build {
     /// The commit, "unknown" outside of a clone, "development build" without release optimisation.
-    pub commit: &'static str,
-    pub compiler: &'static str,
-    pub target: &'static str,
-    pub optimisation: &'static str,
+    pub commit: Cow<'static, str>,
+    pub compiler: Cow<'static, str>,
+    pub target: Cow<'static, str>,
+    pub optimisation: Cow<'static, str>,
 }
 
 impl Build {
     /// The build of a program that does not state it.
-    pub(crate) const UNKNOWN: Self =
-        Self { commit: "unknown", compiler: "unknown", target: "unknown", optimisation: "unknown" };
+    pub(crate) fn unknown() -> Self {
+        let [commit, compiler, target, optimisation] = [const { Cow::Borrowed("unknown") }; 4];
+        Self { commit, compiler, target, optimisation }
+    }
 }
 
 /// Commit, compiler, processor, threads and options of a run. Paths are omitted, since they mean nothing elsewhere.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Circumstances {
-    /// See [`Build::commit`].
-    pub commit: String,
-    pub compiler: String,
-    pub target: String,
-    pub optimisation: String,
+    #[serde(flatten)]
+    pub build: Build,
     /// "unknown" if the system does not tell.
     pub processor: String,
     /// Cases in parallel.
@@ -39,10 +40,7 @@ impl Circumstances {
     pub fn new(build: &Build, threads: usize, options: &str) -> Self {
         let processor = std::fs::read_to_string("/proc/cpuinfo");
         Self {
-            commit: build.commit.to_owned(),
-            compiler: build.compiler.to_owned(),
-            target: build.target.to_owned(),
-            optimisation: build.optimisation.to_owned(),
+            build: build.clone(),
             processor: processor.ok().and_then(|text| model(&text)).unwrap_or("unknown".into()),
             threads,
             options: options.to_owned(),

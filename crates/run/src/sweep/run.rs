@@ -48,7 +48,7 @@ pub struct Machine {
 impl Machine {
     /// So many cases in parallel, without a memory limit.
     pub fn with_jobs(jobs: usize) -> Self {
-        let build = Build::UNKNOWN;
+        let build = Build::unknown();
         Self { jobs, memory: MemoryLimit::NONE, build, options: String::new() }
     }
 }
