@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CliError, print_json, print_text, print_verdicts, verdict_table};
+use super::swept::Swept;
+use super::{CliError, print_json, print_text};
 use files::counted;
 use judge::record::write_sorted;
-use judge::verdict::{Baseline, Comparison, document, exit_code, failures, write_json};
+use judge::verdict::{Baseline, write_json};
 use run::distributed::{Merged, Parts, SweepPlan, merge};
 use run::sweep::{Circumstances, OutputDirectory, replace_records};
 
@@ -43,23 +44,43 @@ impl MergeCommand {
             self.plan.as_deref().map(SweepPlan::read).transpose().map_err(CliError::other)?;
         let baseline = self.baseline.as_deref().map(recorded).transpose()?;
         let parts = Parts::open(&self.parts, plan.as_ref()).map_err(CliError::other)?;
-        let _held = OutputDirectory::take(&self.out)?;
+        let out = OutputDirectory::take(&self.out)?;
         self.apart(&parts)?;
         let count = parts.dirs.len();
         let plan = plan.as_ref().zip(self.plan.as_deref());
         let merged = merge(parts, plan, self.incomplete, baseline.as_ref());
-        let mut merged = merged.map_err(CliError::other)?;
-        merged.provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
-        let Merged { records, verdicts, provenance, comparison, missing } = &merged;
-        replace_records(&self.out, provenance, false)?;
-        write_sorted(&self.out.join("cases.csv"), records).map_err(CliError::other)?;
+        let Merged { records, verdicts, missing, comparison, mut provenance } =
+            merged.map_err(CliError::other)?;
+        provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
+        replace_records(&self.out, &provenance, false)?;
+        let table = self.out.join("cases.csv");
+        write_sorted(&table, &records).map_err(CliError::other)?;
+        let provenance = provenance.json();
         let verdict = self.out.join("verdict.json");
-        write_json(&verdict, &provenance.json(), verdicts, records, comparison.as_ref())
+        write_json(&verdict, &provenance, &verdicts, &records, comparison.as_ref())
             .map_err(CliError::other)?;
-        self.print(&merged, count)?;
-        let compared = comparison.as_ref().map_or(0, Comparison::exit_code);
-        let code = exit_code(records, verdicts).max(compared);
-        Ok(if missing.is_some() { super::COULD_NOT_JUDGE } else { code })
+        let swept = Swept {
+            records,
+            verdicts,
+            plans: Vec::new(),
+            provenance,
+            comparison,
+            references: Vec::new(),
+            not_run: Vec::new(),
+            _out: out,
+        };
+        if self.json {
+            print_json(&swept.document())?;
+        } else {
+            swept.print();
+            let number = missing.as_ref().map_or(0, |(number, _)| *number);
+            print_text(&format!("{}, {number} missing", counted(count, "part")));
+            if let Some((_, words)) = &missing {
+                super::progress::note(&format!("warning: {words}"));
+            }
+            print_text(&format!("records: {}", table.display()));
+        }
+        Ok(if missing.is_some() { super::COULD_NOT_JUDGE } else { swept.exit_code() })
     }
 
     /// Refuses to overwrite its input.
@@ -83,36 +104,6 @@ impl MergeCommand {
         ];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         std::iter::once("merge").chain(given).collect()
-    }
-
-    fn print(&self, merged: &Merged, parts: usize) -> Result<(), CliError> {
-        let Merged { records, verdicts, missing, comparison, provenance } = merged;
-        if self.json {
-            return print_json(&document(
-                &provenance.json(),
-                verdicts,
-                records,
-                comparison.as_ref(),
-            ));
-        }
-        print_verdicts(&verdict_table(verdicts));
-        let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
-        print_text(&format!(
-            "{} of {}, {} failed, {} missing; {met} of {} as expected",
-            counted(records.len(), "case"),
-            counted(parts, "part"),
-            failures(records).len(),
-            missing.as_ref().map_or(0, |(number, _)| *number),
-            counted(verdicts.len(), "verdict"),
-        ));
-        if let Some(comparison) = comparison {
-            print_text(&comparison.lines().join("\n"));
-        }
-        if let Some((_, words)) = missing {
-            super::progress::note(&format!("warning: {words}"));
-        }
-        print_text(&format!("records: {}", self.out.join("cases.csv").display()));
-        Ok(())
     }
 }
 
