@@ -27,6 +27,16 @@ pub enum CliError {
     Other(String),
 }
 
+impl From<::run::FrontError> for CliError {
+    fn from(error: ::run::FrontError) -> Self {
+        match error {
+            ::run::FrontError::Scene(error) => error.into(),
+            ::run::FrontError::Setup(error) => error.into(),
+            other => Self::other(other),
+        }
+    }
+}
+
 impl CliError {
     pub(super) fn other(error: impl Display) -> Self {
         Self::Other(error.to_string())

@@ -14,15 +14,17 @@ use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
-use super::{CliError, Scenes, no_case, print_json, print_text, subject, verdict_table, width};
+use super::{CliError, Scenes, no_case, print_json, print_text, verdict_table, width};
 use files::shortened;
 use judge::record::CaseRecord;
 use judge::verdict::{Failure, TABLE_WIDTH, failures};
 use report::write_junit;
 use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
-use run::sweep::{Machine, OutputDirectory, Provenance, ScenePlan, judge_plan, run_sweep};
-use scene::Norm;
-use scene::setup::{MeshData, Setup, Subject};
+use run::plan_for;
+use run::sweep::{
+    Machine, OutputDirectory, Provenance, ScenePlan, admit_constants, judge_plan, run_sweep,
+};
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 
 /// Limits of the log shown for a failed case: lines (a long traceback), and bytes per line.
 const LINES_SHOWN: usize = 60;
@@ -83,15 +85,15 @@ pub(crate) struct Verify {
 
 impl Verify {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let plan = self.plan(scenes)?;
         if let Some(folder) = &self.export {
-            return export(&plan, folder);
+            return export(&self.plan(scenes, Arc::new(NewtonMarch))?, folder);
         }
+        let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
+        let plan = self.plan(scenes, Arc::new(self.solver(folder)?))?;
         let out = OutputDirectory::take(&self.out)?;
         let again = format!("the same command; records of {} are written anew", self.scene);
         on_interrupt(&self.out, &again)?;
-        let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
-        let mut judged = self.judged(with_solver(plan, self.solver(folder)?), out)?;
+        let mut judged = self.judged(plan, out)?;
         if let Subject::Contact(setup) = &judged.plans[0].subject {
             solver_first(&mut judged.verdicts, setup);
         }
@@ -144,39 +146,15 @@ impl Verify {
         }
     }
 
-    /// The cases, with the norms that displacements (and pressures, if given) determine.
-    fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
-        let mut scene = scenes.scene(&self.scene)?;
-        self.grid.check(&scene)?;
-        scene.predicts.retain(|prediction| self.tells(prediction.norm));
-        let mut plan =
-            ScenePlan::new(subject(scene, &self.allowance.limit())?, &self.grid.overrides());
-        for case in &mut plan.cases {
-            case.norms.retain(|&norm| self.tells(norm));
-        }
-        let exact = match &plan.subject {
-            Subject::Contact(setup) => setup.exact.is_some(),
-            Subject::Abstract(_) => {
-                let message = "an abstract scene has no mesh that could be given to a solver";
-                let hint =
-                    "verify a scene of a body; the library's traits take solvers of both kinds";
-                return Err(plan.scene().error("scene.name", message, hint).into());
-            }
-        };
-        if !exact {
-            let message =
-                "the scene has no exact solution: a solver would be judged by its own finer run";
-            let hint = "verify a scene with [exact]; `sweep list` names them";
-            return Err(plan.scene().error("scene.name", message, hint).into());
-        }
+    /// The cases by a scheme.
+    fn plan(&self, scenes: &Scenes, scheme: Arc<dyn Scheme>) -> Result<ScenePlan, CliError> {
+        let scene = scenes.scene(&self.scene)?;
+        admit_constants(&scene, false, &self.allowance.limit())?;
+        let plan = plan_for(scheme, scene, &self.grid.overrides(), self.pressure)?;
         if plan.cases.is_empty() {
             return Err(no_case(plan.scene(), "verify"));
         }
         Ok(plan)
-    }
-
-    fn tells(&self, norm: Norm) -> bool {
-        self.pressure || !norm.wants_pressure()
     }
 
     fn solver(&self, folder: PathBuf) -> Result<ExternalSolver, CliError> {
@@ -232,16 +210,8 @@ impl Verify {
     /// Runs the cases with the built-in solver.
     fn run_built_in(&self, scenes: &Scenes) -> Result<Swept, CliError> {
         let out = OutputDirectory::take(&self.out.join("own"))?;
-        self.judged(self.plan(scenes)?, out)
+        self.judged(self.plan(scenes, Arc::new(NewtonMarch))?, out)
     }
-}
-
-/// The plan with another solver.
-fn with_solver(mut plan: ScenePlan, solver: ExternalSolver) -> ScenePlan {
-    if let Subject::Contact(setup) = &mut plan.subject {
-        setup.scheme = Arc::new(solver);
-    }
-    plan
 }
 
 /// Writes the files of all runs of the plan, including those for time errors.

@@ -25,20 +25,12 @@ pub enum FrontError {
     Output(#[from] OutputError),
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    /// The solver would be judged against its finer run.
-    #[error(
-        "{name}: the scene has no exact solution to judge another solver by; `sweep list` names those that have"
-    )]
-    NoTruth { name: String },
     /// The grid is invalid for the scene, or has no case.
     #[error("{name}: no case to run; give n and steps")]
     NoCase { name: String },
     /// Stopped by [`Sweep::progress`].
     #[error("{name}: stopped before all cases were run")]
     Stopped { name: String },
-    /// A scene in ℝ^m has no mesh for another solver.
-    #[error("{name}: a problem in R^m is solved by the library alone; leave out `solver`")]
-    NoBody { name: String },
 }
 
 /// A scene on its grids, measured and judged.
@@ -158,28 +150,23 @@ impl Sweep {
     ///
     /// # Errors
     /// [`FrontError`]. A failed case is a record with its reason, and its verdict does not pass.
-    pub fn run(mut self) -> Result<Swept, FrontError> {
-        let tells = |norm: Norm| self.pressures || !norm.wants_pressure();
-        self.scene.predicts.retain(|prediction| tells(prediction.norm));
-        self.overrides.check(&self.scene)?;
+    pub fn run(self) -> Result<Swept, FrontError> {
         let name = self.scene.name.clone();
         let (other, constants) = (self.solver.is_some(), self.constants);
-        let subject = match (self.solver, self.scene.as_contact().is_some()) {
-            (None, _) => Subject::new(self.scene)?,
-            (Some(scheme), true) => {
-                scheme.takes(&self.scene)?;
-                Subject::Contact(Box::new(Setup { scheme, ..Setup::new(self.scene)? }))
+        let plan = match self.solver {
+            None => {
+                self.overrides.check(&self.scene)?;
+                ScenePlan::new(Subject::new(self.scene)?, &self.overrides)
             }
-            (Some(_), false) => return Err(FrontError::NoBody { name }),
+            Some(scheme) => {
+                scheme.takes(&self.scene)?;
+                plan_for(scheme, self.scene, &self.overrides, self.pressures)?
+            }
         };
-        if other && !subject.has_exact() {
-            return Err(FrontError::NoTruth { name });
-        }
-        let mut plan = [ScenePlan::new(subject, &self.overrides)];
-        plan[0].cases.iter_mut().for_each(|case| case.norms.retain(|&norm| tells(norm)));
-        if plan[0].cases.is_empty() {
+        if plan.cases.is_empty() {
             return Err(FrontError::NoCase { name });
         }
+        let plan = [plan];
         let scratch = self.out.is_none().then(Scratch::new);
         let path = self.out.as_deref().or(scratch.as_ref().map(|scratch| &*scratch.0));
         let out = OutputDirectory::take(path.unwrap_or(Path::new(".")))?;
@@ -195,6 +182,36 @@ impl Sweep {
         }
         Ok(Swept { records, verdicts })
     }
+}
+
+/// The plan of a scene for another solver, with the norms that displacements (and `pressures`, if given) determine.
+///
+/// # Errors
+/// A scene without a body or an exact solution, or a grid that it cannot have.
+pub fn plan_for(
+    scheme: Arc<dyn Scheme>,
+    mut scene: Scene,
+    overrides: &Overrides,
+    pressures: bool,
+) -> Result<ScenePlan, FrontError> {
+    overrides.check(&scene)?;
+    let tells = |norm: Norm| pressures || !norm.wants_pressure();
+    scene.predicts.retain(|prediction| tells(prediction.norm));
+    let refused = |scene: &Scene, what, hint| Err(scene.error("scene.name", what, hint).into());
+    if scene.as_contact().is_none() {
+        let what = "an abstract scene has no mesh that could be given to a solver";
+        let hint = "verify a scene of a body; the library's traits take solvers of both kinds";
+        return refused(&scene, what, hint);
+    }
+    let setup = Setup { scheme, ..Setup::new(scene)? };
+    if setup.exact.is_none() {
+        let what = "the scene has no exact solution: a solver would be judged by its own finer run";
+        let hint = "verify a scene with [exact]; `sweep list` names them";
+        return refused(&setup.scene, what, hint);
+    }
+    let mut plan = ScenePlan::new(Subject::Contact(Box::new(setup)), overrides);
+    plan.cases.iter_mut().for_each(|case| case.norms.retain(|&norm| tells(norm)));
+    Ok(plan)
 }
 
 /// A temporary directory, removed on drop.

@@ -6,4 +6,4 @@ mod front;
 pub mod leading_error;
 pub mod sweep;
 
-pub use front::{FrontError, Sweep, Swept};
+pub use front::{FrontError, Sweep, Swept, plan_for};
