@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use super::plan::{CASES, PLAN};
+use super::names::{CASES, PLAN};
 use crate::sweep::{OutputError, Refused, SweepError};
 use files::counted;
 use judge::record::RecordError;

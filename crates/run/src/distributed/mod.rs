@@ -5,6 +5,7 @@ mod bundle;
 mod error;
 mod merge;
 mod missing;
+mod names;
 mod part;
 mod parts;
 mod plan;

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::DistributedError;
-use super::plan::{CASES, CaseRow, PLAN, SweepPlan};
+use super::names::{CASES, PLAN};
+use super::plan::{CaseRow, SweepPlan};
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, Progress, Provenance, Refused, Resumed, ScenePlan,
     replace_records, resume, run_sweep,

@@ -8,15 +8,11 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::error::DistributedError;
+use super::names::{CASES, JOBS, PLAN};
 use crate::sweep::Overrides;
 use files::{Replacement, open_file, read_text, replace_file};
 use judge::record::Key;
 use scene::{Scene, Source};
-
-/// The files of a plan: its scenes, arguments and version; a row per case; a row per job.
-pub(super) const PLAN: &str = "plan.json";
-pub(super) const CASES: &str = "plan.csv";
-const JOBS: &str = "jobs.csv";
 
 /// A scene as planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::bundle::{Job, SceneCosts, bundle};
 use super::error::DistributedError;
-use super::plan::{CaseRow, JobRow, PLAN, PlannedScene, SweepPlan, id};
+use super::names::PLAN;
+use super::plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
 use super::slurm;
 use crate::sweep::{Overrides, ScenePlan};
 use files::{make_directory, replace_file};
