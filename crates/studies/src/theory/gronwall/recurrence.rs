@@ -16,9 +16,9 @@ use vhi::history::{TimeGrid, TimeRule};
 pub struct StepTooLarge {
     /// The first n at which it fails.
     pub n: usize,
-    /// C2, or (Σ ω_p κ_p(n,n))/m0 of the weighted form.
+    /// C2, or 1/m0 of the weighted form.
     pub factor: f64,
-    /// w_nn.
+    /// w_nn, or w_nn Σ ω_p κ_p(n, n).
     pub weight: f64,
 }
 
@@ -28,27 +28,33 @@ pub(super) fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTo
     if remaining > 0.0 { Ok(remaining) } else { Err(StepTooLarge { n, factor, weight }) }
 }
 
-/// E_n = s_n + C2 Σ'_{j ≤ n} w_nj E_j with the trapezoidal weights of `grid`, s_n = C1 g_n. O(N).
+/// E_n = s_n + C2 Σ_{j ≤ n} a_nj E_j, where `row` gives a_n0, …, a_nn. O(N²): meant for N up to some thousands.
 ///
 /// # Errors
-/// C2 k_n/2 ≥ 1.
-pub(crate) fn primed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+/// C2 a_nn ≥ 1.
+pub(super) fn solved(
+    source: &[f64],
+    c2: f64,
+    row: impl Fn(usize) -> Vec<f64>,
+) -> Result<Vec<f64>, StepTooLarge> {
     let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
-    // Σ'_{j ≤ n} w_nj E_j.
-    let mut sum = 0.0;
     for (n, s) in source.iter().enumerate() {
-        if n == 0 {
-            envelope.push(*s);
-            continue;
-        }
-        let half = 0.5 * grid.step(n);
-        let remaining = solvable(n, c2, half)?;
-        sum += half * envelope[n - 1];
-        let value = (s + c2 * sum) / remaining;
-        sum += half * value;
-        envelope.push(value);
+        let row = row(n);
+        let remaining = solvable(n, c2, row[n])?;
+        let sum: f64 = row.iter().zip(&envelope).map(|(weight, e)| weight * e).sum();
+        envelope.push((s + c2 * sum) / remaining);
     }
     Ok(envelope)
+}
+
+/// max_{j ≤ n} s_j times the factor of n.
+pub(super) fn amplified(source: &[f64], factors: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut largest = 0.0f64;
+    let bound = |(s, factor): (&f64, f64)| {
+        largest = larger(largest, *s);
+        largest * factor
+    };
+    source.iter().zip(factors).map(bound).collect()
 }
 
 /// max_{j ≤ n} s_j · A_n with A_1 = 1/(1 - c_1/2), A_n = A_{n-1} (1 + c_n/2)/(1 - c_n/2), c_n = C2 k_n:
@@ -62,48 +68,33 @@ pub(crate) fn primed_closed(
     source: &[f64],
     c2: f64,
 ) -> Result<Vec<f64>, StepTooLarge> {
-    let mut largest = 0.0f64;
     let mut amplification = 1.0;
     let from_rest = source.first().is_none_or(|s| *s == 0.0);
-    let bound = |(n, s): (usize, &f64)| {
+    let factor = |n: usize| {
         if n > 0 {
             let half = 0.5 * grid.step(n);
             let remaining = solvable(n, c2, half)?;
             let carried = if n == 1 && from_rest { 1.0 } else { 1.0 + c2 * half };
             amplification *= carried / remaining;
         }
-        largest = larger(largest, *s);
-        Ok(largest * amplification)
+        Ok(amplification)
     };
-    source.iter().enumerate().map(bound).collect()
+    let factors: Vec<f64> = (0..source.len()).map(factor).collect::<Result<_, _>>()?;
+    Ok(amplified(source, factors))
 }
 
 /// The limit of [`primed_closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}.
 pub(crate) fn closed_limit(grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
-    let mut largest = 0.0f64;
-    let times = grid.times().iter();
-    let bound = |(s, t): (&f64, &f64)| {
-        largest = larger(largest, *s);
-        largest * (c2 * t).exp()
-    };
-    source.iter().zip(times).map(bound).collect()
+    amplified(source, grid.times().iter().map(|t| (c2 * t).exp()))
 }
 
-/// The printed form (3.24), E_n = s_n + C2 k Σ_{j=0..n} E_j, k the largest step. O(N).
+/// The printed form (3.24), E_n = s_n + C2 k Σ_{j=0..n} E_j, k the largest step.
 ///
 /// # Errors
 /// C2 k ≥ 1.
 pub(crate) fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
     let k = grid.largest_step();
-    let mut envelope = Vec::with_capacity(source.len());
-    let mut sum = 0.0;
-    for (n, s) in source.iter().enumerate() {
-        let remaining = solvable(n, c2, k)?;
-        let value = (s + c2 * k * sum) / remaining;
-        sum += value;
-        envelope.push(value);
-    }
-    Ok(envelope)
+    solved(source, c2, |n| vec![k; n + 1])
 }
 
 /// max_{j ≤ n} s_j/(1 - c) · exp(C2 n k/(1 - c)), c = C2 k, k the largest step: above E_n of
@@ -118,16 +109,11 @@ pub(crate) fn unprimed_closed(
 ) -> Result<Vec<f64>, StepTooLarge> {
     let k = grid.largest_step();
     let remaining = solvable(0, c2, k)?;
-    let mut largest = 0.0f64;
-    let bound = |(n, s): (usize, &f64)| {
-        largest = larger(largest, *s);
-        largest / remaining * (c2 * k * n as f64 / remaining).exp()
-    };
-    Ok(source.iter().enumerate().map(bound).collect())
+    let factor = |n: usize| (c2 * k * n as f64 / remaining).exp() / remaining;
+    Ok(amplified(source, (0..).map(factor)))
 }
 
-/// m0 E_n = s_n + Σ_p ω_p Σ_{j ≤ n} w_nj κ_p(n, j) E_j, with ω_p and κ_p of `parts`. O(N²) a part:
-/// meant for N up to some thousands.
+/// m0 E_n = s_n + Σ_p ω_p Σ_{j ≤ n} w_nj κ_p(n, j) E_j, with ω_p and κ_p of `parts`.
 ///
 /// # Errors
 /// w_nn Σ_p ω_p κ_p(n, n) ≥ m0.
@@ -138,23 +124,12 @@ pub(crate) fn weighted(
     m0: f64,
     parts: &[HistoryPart],
 ) -> Result<Vec<f64>, StepTooLarge> {
-    let weighed = |n: usize, j: usize| parts.iter().map(|part| part.weighed(n, j)).sum::<f64>();
-    let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
-    for (n, s) in source.iter().enumerate() {
-        let mut sum = *s;
-        for (j, known) in envelope.iter().enumerate() {
-            let factor: f64 = parts.iter().map(|part| part.factor(n, j)).sum();
-            sum += (rule.weight(grid, n, j) * factor + weighed(n, j)) * known;
-        }
-        let factor = parts.iter().map(|part| part.factor(n, n)).sum::<f64>() / m0;
-        let (weight, share) = (rule.weight(grid, n, n), weighed(n, n) / m0);
-        let remaining = match share {
-            0.0 => solvable(n, factor, weight)?,
-            share => solvable(n, factor * weight + share, 1.0)?,
-        };
-        envelope.push(sum / (m0 * remaining));
-    }
-    Ok(envelope)
+    let scaled: Vec<f64> = source.iter().map(|s| s / m0).collect();
+    let entry = |n: usize, j: usize| {
+        let weight = rule.weight(grid, n, j);
+        parts.iter().map(|part| part.entry(weight, n, j)).sum()
+    };
+    solved(&scaled, m0.recip(), |n| (0..=n).map(|j| entry(n, j)).collect())
 }
 
 /// One component of the history S u = (…, S_p u, …), which enters φ with the factor ω_p and whose
@@ -171,20 +146,10 @@ pub struct HistoryPart {
 }
 
 impl HistoryPart {
-    /// ω_p κ_p(n, j), which the weights of the rule multiply.
-    fn factor(&self, n: usize, j: usize) -> f64 {
-        match self.norms {
-            KernelNorms::Weighed(_) => 0.0,
-            _ => self.coefficient * self.norms.at(n, j),
-        }
-    }
-
-    /// ω_p w_nj κ_p(n, j) where the weights are those of the kernel.
-    fn weighed(&self, n: usize, j: usize) -> f64 {
-        match self.norms {
-            KernelNorms::Weighed(_) => self.coefficient * self.norms.at(n, j),
-            _ => 0.0,
-        }
+    /// ω_p w_nj κ_p(n, j), where `weight` is that of the rule.
+    fn entry(&self, weight: f64, n: usize, j: usize) -> f64 {
+        let weight = if matches!(self.norms, KernelNorms::Weighed(_)) { 1.0 } else { weight };
+        self.coefficient * weight * self.norms.at(n, j)
     }
 }
 

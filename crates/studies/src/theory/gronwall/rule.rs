@@ -1,8 +1,7 @@
 //! Gronwall's inequality with the weights of a rule: the recurrence on any grid, and a closed form of it.
 
 use super::mittag_leffler::mittag_leffler;
-use super::recurrence::{StepTooLarge, closed_limit, primed, primed_closed, solvable};
-use algebra::linalg::larger;
+use super::recurrence::{StepTooLarge, amplified, closed_limit, primed_closed, solvable, solved};
 use statrs::function::gamma::gamma;
 use vhi::history::{ClosedForm, TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
@@ -60,7 +59,11 @@ impl Weights {
 
     /// w_n0, …, w_nn.
     pub fn row(self, grid: &TimeGrid, n: usize) -> Vec<f64> {
-        self.rule().kernel_row(&Power(self.power), grid, n)
+        let rule = self.rule();
+        match self.are_the_papers() {
+            true => (0..=n).map(|j| rule.weight(grid, n, j)).collect(),
+            false => rule.kernel_row(&Power(self.power), grid, n),
+        }
     }
 
     /// What C2 stands beside on a step k: k, or k^{1-a}.
@@ -74,7 +77,7 @@ impl Weights {
         horizon.powf(self.power)
     }
 
-    /// E_n = s_n + C2 Σ_{j ≤ n} w_nj E_j. O(N) by the trapezoidal rule, else O(N²).
+    /// E_n = s_n + C2 Σ_{j ≤ n} w_nj E_j.
     ///
     /// # Errors
     /// C2 w_nn ≥ 1.
@@ -84,17 +87,7 @@ impl Weights {
         source: &[f64],
         c2: f64,
     ) -> Result<Vec<f64>, StepTooLarge> {
-        if self.are_the_papers() {
-            return primed(grid, source, c2);
-        }
-        let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
-        for (n, s) in source.iter().enumerate() {
-            let row = self.row(grid, n);
-            let sum: f64 = envelope.iter().zip(&row).map(|(e, weight)| weight * e).sum();
-            let remaining = solvable(n, c2, row[n])?;
-            envelope.push((s + c2 * sum) / remaining);
-        }
-        Ok(envelope)
+        solved(source, c2, |n| self.row(grid, n))
     }
 
     /// Above E_n of [`Self::envelope`]: max_{j ≤ n} s_j times what [`ClosedForm`] says. Where s_0 > 0 the power of
@@ -129,8 +122,8 @@ impl Weights {
         let weight = if c2 * k <= most { share * k } else { f64::INFINITY };
         let remaining = solvable(1, c2, weight)?;
         let from_rest = source.first().is_none_or(|s| *s == 0.0);
-        let (mut largest, mut amplification) = (0.0f64, 1.0);
-        let bound = |(n, s): (usize, &f64)| {
+        let mut amplification = 1.0;
+        let factor = |n: usize| {
             let grown = || 1.0 + c2 * grid.step(n) / remaining;
             amplification *= match n {
                 0 => 1.0,
@@ -138,10 +131,9 @@ impl Weights {
                 1 => grown() * (1.0 + beyond * c2 * k / remaining) / remaining,
                 _ => grown(),
             };
-            largest = larger(largest, *s);
-            largest * amplification
+            amplification
         };
-        Ok(source.iter().enumerate().map(bound).collect())
+        Ok(amplified(source, (0..source.len()).map(factor)))
     }
 
     /// The limit of [`Self::closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}, or E_α(C2 Γ(α) t_n^α) in place of e.
@@ -155,11 +147,7 @@ impl Weights {
 
 /// max_{j ≤ n} s_j/r · E_α(C2 Γ(α) t_n^α/r).
 fn fractional(grid: &TimeGrid, source: &[f64], exponent: f64, c2: f64, r: f64) -> Vec<f64> {
-    let mut largest = 0.0f64;
     let growth = c2 * gamma(exponent) / r;
-    let bound = |(s, t): (&f64, &f64)| {
-        largest = larger(largest, *s);
-        largest / r * mittag_leffler(exponent, growth * t.powf(exponent))
-    };
-    source.iter().zip(grid.times()).map(bound).collect()
+    let factor = |t: &f64| mittag_leffler(exponent, growth * t.powf(exponent)) / r;
+    amplified(source, grid.times().iter().map(factor))
 }

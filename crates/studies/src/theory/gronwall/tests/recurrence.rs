@@ -1,12 +1,15 @@
 //! The recurrences against their definitions, the closed forms, and the counter-example to the lemma
 //! without its hypothesis.
 
-use super::super::recurrence::{
-    closed_limit, primed, primed_closed, unprimed, unprimed_closed, weighted,
-};
+use super::super::recurrence::{closed_limit, primed_closed, unprimed, unprimed_closed, weighted};
 use super::super::*;
 use algebra::linalg::signed_unit;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+
+/// E_n = s_n + C2 Σ'_{j ≤ n} w_nj E_j.
+fn primed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+    Weights::of(scene::TimeRule::Trapezoid, 0.0).unwrap().envelope(grid, source, c2)
+}
 
 fn grids() -> [TimeGrid; 3] {
     [TimeGrid::uniform(2.0, 40), TimeGrid::graded(2.0, 40, 2.0), TimeGrid::random(2.0, 40, 7)]
