@@ -44,7 +44,7 @@ fn the_chain_of_a_scene_holds() {
     assert!(
         table.starts_with("part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed")
     );
-    for name in ["envelope", "effectivity-t", "effectivity-k", "horizon", "effectivity-horizon"] {
+    for name in ["envelope", "effectivity-k", "horizon"] {
         let svg =
             std::fs::read_to_string(folder.at(&format!("out/affine-gronwall-{name}.svg"))).unwrap();
         assert!(svg.contains("weighted envelope"), "{name}");
