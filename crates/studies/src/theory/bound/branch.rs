@@ -144,7 +144,7 @@ pub(crate) fn follow<L: FrozenDerivative>(
     let singular = loss.as_ref().filter(|loss| loss.rightmost > NEARLY_ONE);
     let singular = singular.map(|loss| (loss.bracket.0, loss.bracket.1.max(continued(&path))));
     let ended = |crossing: Option<Crossing>| match (crossing, singular) {
-        (Some(Crossing::Beyond(_)), Some((low, high))) => Some(Crossing::Between(low, high)),
+        (Some([_, f64::INFINITY]), Some((low, high))) => Some([low, high]),
         _ => crossing,
     };
     let (norm, radius) = (ended(norm), ended(radius));

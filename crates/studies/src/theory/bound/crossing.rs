@@ -1,41 +1,8 @@
 //! Where a quantity that grows with k reaches one.
 
-use serde::Serialize;
-
-/// The k at which a factor reaches one; as JSON the bracket, whose upper end is null where it is infinite.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(into = "[f64; 2]")]
-pub enum Crossing {
-    Between(f64, f64),
-    /// It stays below one up to this k.
-    Beyond(f64),
-    /// It is one or more already at this k, the smallest that was tried.
-    Before(f64),
-}
-
-impl From<Crossing> for [f64; 2] {
-    fn from(crossing: Crossing) -> Self {
-        [crossing.lower(), crossing.upper()]
-    }
-}
-
-impl Crossing {
-    /// The largest k known to be below the crossing.
-    pub fn lower(self) -> f64 {
-        match self {
-            Self::Between(low, _) | Self::Beyond(low) => low,
-            Self::Before(_) => 0.0,
-        }
-    }
-
-    /// The smallest k known to be beyond it, infinite if none is.
-    pub(crate) fn upper(self) -> f64 {
-        match self {
-            Self::Between(_, high) | Self::Before(high) => high,
-            Self::Beyond(_) => f64::INFINITY,
-        }
-    }
-}
+/// Between which k a factor reaches one: the first is 0 where it is one or more already at the smallest k that was
+/// tried, the second infinite where it stays below one up to the largest.
+pub type Crossing = [f64; 2];
 
 const WIDTH: f64 = 1e-8;
 /// Evaluations within one bracket: bisection alone would need 30 from a factor of two.
@@ -53,10 +20,10 @@ pub(crate) fn crossing<E>(
     let (Some(first), Some(last)) = (ladder.first(), ladder.last()) else { return Ok(None) };
     let reached = |value: f64| value.is_nan() || value >= 1.0;
     if reached(first.1) {
-        return Ok(Some(Crossing::Before(first.0)));
+        return Ok(Some([0.0, first.0]));
     }
     let Some(pair) = ladder.windows(2).find(|pair| reached(pair[1].1)) else {
-        return Ok(Some(Crossing::Beyond(last.0)));
+        return Ok(Some([last.0, f64::INFINITY]));
     };
     let ((mut low, mut below), (mut high, mut above)) =
         ((pair[0].0, pair[0].1 - 1.0), (pair[1].0, pair[1].1 - 1.0));
@@ -78,7 +45,7 @@ pub(crate) fn crossing<E>(
             (low, below, side) = (middle, value, -1);
         }
     }
-    Ok(Some(Crossing::Between(low, high)))
+    Ok(Some([low, high]))
 }
 
 #[cfg(test)]
@@ -98,7 +65,7 @@ mod tests {
             (Box::new(|k: f64| (k / 5.0).powi(4)), 5.0),
             (Box::new(|k: f64| if k < 7.3 { 0.2 } else { 4.0 }), 7.3),
         ] {
-            let Crossing::Between(low, high) = found(&factor) else { panic!("not bracketed") };
+            let [low, high] = found(&factor);
             assert!(low <= exact * (1.0 + 1e-15) && exact <= high * (1.0 + 1e-15));
             assert!(high - low <= 1e-8 * exact, "{low} {high}");
         }
@@ -106,10 +73,10 @@ mod tests {
 
     #[test]
     fn ends_are_said_and_a_missing_value_is_no_success() {
-        assert_eq!(found(|_| 0.5), Crossing::Beyond(512.0));
-        assert_eq!(found(|_| 2.0), Crossing::Before(0.25));
-        assert_eq!(found(|_| f64::NAN), Crossing::Before(0.25));
+        assert_eq!(found(|_| 0.5), [512.0, f64::INFINITY]);
+        assert_eq!(found(|_| 2.0), [0.0, 0.25]);
+        assert_eq!(found(|_| f64::NAN), [0.0, 0.25]);
         let nan = found(|k| if k < 6.0 { 0.1 * k } else { f64::NAN });
-        assert!((nan.lower() - 6.0).abs() < 1e-6, "{nan:?}");
+        assert!((nan[0] - 6.0).abs() < 1e-6, "{nan:?}");
     }
 }

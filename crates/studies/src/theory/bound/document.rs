@@ -1,6 +1,7 @@
 //! A step-size study in words and tables.
 
 use super::BoundStudy;
+use super::branch::Loss;
 use super::constant_table::Constant;
 use super::crossing::Crossing;
 use super::ladder::{StepOutcome, StepRung};
@@ -17,9 +18,9 @@ impl BoundStudy {
         let title = format!("The bound measured: {}", self.scene);
         let mut document =
             StudyDocument::new(Chapter::Bound, title).of_scene(&self.scene, &self.fingerprint);
-        document.threshold = Some(match self.thresholds.not_followed {
+        document.threshold = Some(match self.study.not_followed {
             Some(_) => "–".into(),
-            None => crossing(self.thresholds.radius_one),
+            None => crossing(self.study.thresholds.radius),
         });
         document.words(self.answer());
         document.table(
@@ -61,7 +62,7 @@ impl BoundStudy {
 
     /// The four numbers in a sentence each.
     fn answer(&self) -> String {
-        let found = &self.thresholds;
+        let limits = &self.limits;
         let below = |k: f64| match k {
             k if k.is_infinite() => "for every k".into(),
             k if k > 0.0 => format!("for k < {}", digits(k, 4)),
@@ -69,20 +70,18 @@ impl BoundStudy {
         };
         let proved = format!(
             "Proved: Λ contracts {} by (3.4), {} by the sharpened bound; one solution per step is guaranteed {}.",
-            below(found.theorem),
-            below(found.sharpened),
-            below(found.solvable)
+            below(limits.limit()),
+            below(limits.sharpened_limit()),
+            below(limits.solvable_limit())
         );
-        let measured = match (&found.not_followed, found.norm_one) {
+        let measured = match (&self.study.not_followed, self.study.thresholds.norm) {
             (Some(reason), _) => format!("Measured: nothing, {reason}."),
             (None, crossing) => {
                 let ends = match crossing {
                     None => "at every k".into(),
-                    Some(Crossing::Between(low, high)) => {
-                        format!("up to k = {}", digits(0.5 * (low + high), 4))
-                    }
-                    Some(Crossing::Beyond(k)) => format!("at least up to k = {}", digits(k, 4)),
-                    Some(Crossing::Before(k)) => format!("for no k above {}", digits(k, 4)),
+                    Some([0.0, k]) => format!("for no k above {}", digits(k, 4)),
+                    Some([k, f64::INFINITY]) => format!("at least up to k = {}", digits(k, 4)),
+                    Some([low, high]) => format!("up to k = {}", digits(0.5 * (low + high), 4)),
                 };
                 format!("Measured: it contracts {ends}.")
             }
@@ -130,43 +129,50 @@ impl BoundStudy {
     }
 
     fn numbers(&self) -> Vec<Vec<Run>> {
-        let found = &self.thresholds;
+        let (limits, study, found) = (&self.limits, &self.study, &self.study.thresholds);
         let row = |what: &str, value: String| vec![Run::plain(what), Run::plain(value)];
         let limit = |k: f64| match k {
             k if k.is_infinite() => "every k".into(),
             k if k > 0.0 => digits(k, 9),
-            _ => format!("no k: m0 = {:.6}", self.limits.m0),
+            _ => format!("no k: m0 = {:.6}", limits.m0),
         };
         let mut rows = vec![
-            row("1: (3.4), the paper's norm of ℬ", limit(found.paper_norm)),
-            row("1: (3.4), operator norm", limit(found.theorem)),
-            row("2: sharpened, half weight, terms apart", limit(found.sharpened)),
+            row("1: (3.4), the paper's norm of ℬ", limit(limits.paper_limit())),
+            row("1: (3.4), operator norm", limit(limits.limit())),
+            row("2: sharpened, half weight, terms apart", limit(limits.sharpened_limit())),
         ];
-        if found.not_followed.is_none() {
-            rows.push(row("3: ‖DΛ‖ = 1, measured", crossing(found.norm_one)));
-            rows.push(row("3: spectral radius of DΛ = 1, measured", crossing(found.radius_one)));
+        if study.not_followed.is_none() {
+            rows.push(row("3: ‖DΛ‖ = 1, measured", crossing(found.norm)));
+            rows.push(row("3: spectral radius of DΛ = 1, measured", crossing(found.radius)));
         }
-        rows.push(row("4: one solution guaranteed, by monotonicity", limit(found.solvable)));
-        let singular = [("S^d", found.loss_tensors), ("the mesh", found.loss_mesh)];
-        rows.extend(singular.into_iter().filter_map(|(on, k)| {
-            Some(row(&format!("4: linear, 𝒜 + (k/2)ℬ(0) singular on {on}"), limit(k?)))
-        }));
-        let last = self.study.rungs.last().map_or(0.0, |rung| rung.k);
-        match (found.loss, &found.loss_reason) {
-            _ if found.not_followed.is_some() => {}
-            (Some((low, high)), reason) => {
-                let why = reason.as_deref().unwrap_or("not known");
-                let what = format!("4: the solution followed in k ends: {why}");
-                rows.push(row(&what, format!("{} ± {:.0e}", digits(high, 9), high - low)));
+        rows.push(row(
+            "4: one solution guaranteed, by monotonicity",
+            limit(limits.solvable_limit()),
+        ));
+        if let Some(loss) = study.linear {
+            for (on, k) in [("S^d", loss.tensors), ("the mesh", loss.mesh)] {
+                let what = format!("4: linear, 𝒜 + (k/2)ℬ(0) singular on {on}");
+                rows.push(row(&what, limit(k)));
             }
-            (None, _) => {
+        }
+        let last = study.rungs.last().map_or(0.0, |rung| rung.k);
+        match &found.loss {
+            _ if study.not_followed.is_some() => {}
+            Some(Loss { bracket: (low, high), reason, .. }) => {
+                let what = format!("4: the solution followed in k ends: {reason}");
+                rows.push(row(&what, format!("{} ± {:.0e}", digits(*high, 9), high - low)));
+            }
+            None => {
                 let what = "4: the solution followed in k does not end";
                 rows.push(row(what, format!("> {}", digits(last, 5))));
             }
         }
         let precise = |value: Option<f64>| value.map(|value| digits(value, 6));
         let more = [
-            ("largest real eigenvalue of DΛ there", precise(found.loss_eigenvalue)),
+            (
+                "largest real eigenvalue of DΛ there",
+                precise(found.loss.as_ref().map(|loss| loss.rightmost)),
+            ),
             ("3 over 1, the paper's norm", precise(self.ratio)),
             ("sharpened attained, to 1e-6", Some(if self.attained { "yes" } else { "no" }.into())),
         ];
@@ -179,12 +185,12 @@ impl BoundStudy {
 fn crossing(found: Option<Crossing>) -> String {
     match found {
         None => "every k".into(),
-        Some(Crossing::Between(low, high)) => {
+        Some([0.0, k]) => format!("< {}", digits(k, 5)),
+        Some([k, f64::INFINITY]) => format!("> {}", digits(k, 5)),
+        Some([low, high]) => {
             let off = 0.5 * (high - low).max(1e-15 * high);
             format!("{} ± {off:.0e}", digits(0.5 * (low + high), 9))
         }
-        Some(Crossing::Beyond(k)) => format!("> {}", digits(k, 5)),
-        Some(Crossing::Before(k)) => format!("< {}", digits(k, 5)),
     }
 }
 
@@ -196,8 +202,8 @@ fn on_mesh(at: &FactorAtLevel) -> Vec<Run> {
 
 fn rung(rung: &StepRung) -> Vec<Run> {
     let solved = |outcome: &StepOutcome| match outcome {
-        StepOutcome::Solved(iterations) => Run::plain(format!("{iterations} it.")),
-        StepOutcome::Failed(_) => Run::plain("fails"),
+        Ok(iterations) => Run::plain(format!("{iterations} it.")),
+        Err(_) => Run::plain("fails"),
     };
     vec![
         precise(rung.k, 5),
@@ -210,7 +216,7 @@ fn rung(rung: &StepRung) -> Vec<Run> {
         precise(rung.paper, 5),
         solved(&rung.newton),
         solved(&rung.fixed_point),
-        Run::plain(rung.starts.distinct.to_string()),
+        Run::plain(rung.distinct.to_string()),
     ]
 }
 

@@ -50,7 +50,13 @@ pub fn violations(
 }
 
 /// Notes left ≤ right unless it holds; a NaN does not.
-fn demand(found: &mut Vec<BoundViolation>, k: Option<f64>, what: &str, left: f64, right: f64) {
+pub(super) fn demand(
+    found: &mut Vec<BoundViolation>,
+    k: Option<f64>,
+    what: &str,
+    left: f64,
+    right: f64,
+) {
     if left.is_nan() || right.is_nan() || left > right {
         found.push(BoundViolation { k, ..BoundViolation::new(what, left, right) });
     }
@@ -69,13 +75,13 @@ fn of_rung(bounds: &StepBounds, rung: &StepRung, found: &mut Vec<BoundViolation>
     demand(found, k, "sharpened factor <= (3.15)", sharp, rung.theorem * (1.0 + NORM));
     demand(found, k, "(3.15) <= (3.15) in the paper's norm", rung.theorem, rung.paper);
     if rung.k < bounds.solvable_limit() {
-        let solved = f64::from(u8::from(rung.newton.solved()));
+        let solved = f64::from(u8::from(rung.newton.is_ok()));
         demand(found, k, "1 <= Newton finds the guaranteed solution", 1.0, solved);
-        let others = f64::from(rung.starts.distinct);
+        let others = f64::from(rung.distinct);
         demand(found, k, "solutions beside the one guaranteed <= 0", others, 0.0);
     }
     if sharp < SURE {
-        let solved = f64::from(u8::from(rung.fixed_point.solved()));
+        let solved = f64::from(u8::from(rung.fixed_point.is_ok()));
         demand(found, k, "1 <= Lambda converges where it must contract", 1.0, solved);
     }
 }
@@ -89,17 +95,17 @@ fn of_thresholds(bounds: &StepBounds, thresholds: &Branch, found: &mut Vec<Bound
     ordered("k of (3.4) <= sharpened k", bounds.limit(), bounds.sharpened_limit());
     ordered("sharpened k <= solvable k", bounds.sharpened_limit(), bounds.solvable_limit());
     if let Some(norm) = thresholds.norm {
-        ordered("sharpened k <= k with |DLambda| = 1", bounds.sharpened_limit(), norm.upper());
+        ordered("sharpened k <= k with |DLambda| = 1", bounds.sharpened_limit(), norm[1]);
     }
     if let (Some(norm), Some(radius)) = (thresholds.norm, thresholds.radius) {
         let what = "k with |DLambda| = 1 <= k with spectral radius 1";
-        ordered(what, norm.lower(), radius.upper());
+        ordered(what, norm[0], radius[1]);
     }
     if let Some(loss) = &thresholds.loss {
         let lost = loss.bracket.1;
         ordered("solvable k <= k that loses solvability", bounds.solvable_limit(), lost);
         if let Some(radius) = thresholds.radius {
-            ordered("k with spectral radius 1 <= k that loses solvability", radius.lower(), lost);
+            ordered("k with spectral radius 1 <= k that loses solvability", radius[0], lost);
         }
     }
 }

@@ -1,33 +1,18 @@
 //! Λ and Newton's method at one level over a ladder of step sizes.
 
 use super::factor::{contraction, finite_factor, random_finite_factor, solve};
-use super::starts::{Starts, random_starts};
+use super::starts::random_starts;
 use algebra::linalg::EigenError;
 use serde::{Serialize, Serializer};
 use vhi::{FixedPoint, FrozenDerivative, Scratch, StepBounds, StepError, StepSolver, StepState};
 
-/// The outcome of a solver at one step size: as JSON the number of iterations, or the reason.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum StepOutcome {
-    /// It found a solution in this many iterations.
-    Solved(u32),
-    /// It did not, and says why.
-    Failed(#[serde(serialize_with = "in_words")] StepError),
-}
+/// The iterations in which a solver found a solution, or why it found none; as JSON the number, or the reason.
+pub type StepOutcome = Result<u32, StepError>;
 
-fn in_words<S: Serializer>(error: &StepError, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(error)
-}
-
-fn distinct<S: Serializer>(starts: &Starts, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_u32(starts.distinct)
-}
-
-impl StepOutcome {
-    /// Whether it found a solution.
-    pub fn solved(&self) -> bool {
-        matches!(self, Self::Solved(_))
+fn outcome<S: Serializer>(outcome: &StepOutcome, serializer: S) -> Result<S::Ok, S::Error> {
+    match outcome {
+        Ok(iterations) => serializer.serialize_u32(*iterations),
+        Err(error) => serializer.collect_str(error),
     }
 }
 
@@ -50,12 +35,13 @@ pub struct StepRung {
     /// solution of the largest step that had one.
     pub at_solution: bool,
     /// Newton's method from the solution of the step size before.
+    #[serde(serialize_with = "outcome")]
     pub newton: StepOutcome,
     /// The iteration η ← Λη from u_n of the run.
+    #[serde(serialize_with = "outcome")]
     pub fixed_point: StepOutcome,
-    /// Solutions that Newton's method finds from random starts.
-    #[serde(rename = "distinct", serialize_with = "distinct")]
-    pub starts: Starts,
+    /// Other solutions that Newton's method finds from random starts.
+    pub distinct: u32,
     /// Bounds of `norm`: sharpened, (3.15), and (3.15) with the norms of the paper.
     pub sharpened: f64,
     /// (3.15) with operator norms.
@@ -93,13 +79,9 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     fn follow(&mut self, k: f64) -> StepOutcome {
         self.level.set_step(k);
         let mut state = self.followed.clone();
-        match solve(self.level, None, &mut state) {
-            Ok(info) => {
-                self.followed = state;
-                StepOutcome::Solved(info.iterations)
-            }
-            Err(error) => StepOutcome::Failed(error),
-        }
+        let info = solve(self.level, None, &mut state)?;
+        self.followed = state;
+        Ok(info.iterations)
     }
 
     /// η: the solution at k where there is one; and Λη.
@@ -133,10 +115,10 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
             rightmost: found.rightmost,
             finite_worst,
             finite_random,
-            at_solution: newton.solved(),
+            at_solution: newton.is_ok(),
             newton,
             fixed_point: self.fixed_point(k),
-            starts: random_starts(self.level, &self.followed, STARTS),
+            distinct: random_starts(self.level, &self.followed, STARTS).distinct,
             sharpened: self.bounds.sharpened_factor(k),
             theorem: self.bounds.factor(k),
             paper: self.bounds.paper_factor(k),
@@ -148,10 +130,8 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
         self.level.set_step(k);
         let solver = FixedPoint { max_iterations: ITERATIONS, ..FixedPoint::default() };
         let mut state = self.of_run.clone();
-        match solver.solve_level(self.level, &mut state, &mut Scratch::default()) {
-            Ok(info) => StepOutcome::Solved(info.fixed_point_iterations),
-            Err(error) => StepOutcome::Failed(error),
-        }
+        let info = solver.solve_level(self.level, &mut state, &mut Scratch::default())?;
+        Ok(info.fixed_point_iterations)
     }
 }
 

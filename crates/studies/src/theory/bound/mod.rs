@@ -1,7 +1,7 @@
 //! The bound (3.4) on the step size, made measurable: constants, the contraction factor of Λ, and the
 //! step size at which the discrete problem itself loses its unique solution.
 //!
-//! `factor`, `threshold`, `branch`, `ladder`, `starts`, `run` and `gate` know no mesh: they ask for a
+//! `factor`, `crossing`, `branch`, `ladder`, `starts`, `run` and `gate` know no mesh: they ask for a
 //! [`vhi::FrozenDerivative`] and for [`StepBounds`]. `contact`, `constants`, `linear` and
 //! `sampled` are about Problem 14, `finite` about Problem 9 in ℝ^m.
 
@@ -20,16 +20,15 @@ mod picture;
 pub mod run;
 pub mod sampled;
 mod starts;
-pub mod threshold;
+
+pub use crossing::Crossing;
 
 use constant_table::Constant;
 use constants::TraceConstants;
-use crossing::Crossing;
 use gate::BoundViolation;
 use ladder::{BoundError, StepRung};
 use run::ContractionStudy;
 use sampled::Sampled;
-use threshold::Thresholds;
 
 use scene::Scene;
 use scene::setup::Setup;
@@ -57,8 +56,8 @@ pub struct BoundStudy {
     /// Factors.
     #[serde(flatten)]
     pub study: ContractionStudy,
-    /// Step sizes up to which something holds.
-    pub thresholds: Thresholds,
+    /// Step sizes up to which something holds, as JSON: null where it does for every k.
+    pub thresholds: serde_json::Value,
     /// The measured threshold of Λ over (3.4) with the paper's norms: how many times too strict that is; none if Λ has no
     /// threshold.
     pub ratio: Option<f64>,
@@ -108,11 +107,22 @@ impl BoundStudy {
     ) -> Self {
         let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
         violations.extend(of_traces);
-        violations.extend(sample_violations(&samples));
-        violations.extend(start_violations(&limits, &study));
-        violations.extend(smallness_violation(&limits));
+        violations.extend(samples.iter().filter(|sample| !sample.holds).map(|sample| {
+            let what = format!("{}: needed <= declared", sample.what);
+            BoundViolation::new(what, sample.needed, sample.declared)
+        }));
+        let k = study.worst.k;
+        if k < limits.solvable_limit() {
+            let others = f64::from(study.starts.distinct);
+            let what = "other solutions from random starts <= 0";
+            gate::demand(&mut violations, Some(k), what, others, 0.0);
+        }
+        // 0 < m0: everything that the bound says rests on it.
+        if limits.m0.is_nan() || limits.m0 <= 0.0 {
+            violations.push(BoundViolation::new("0 < m0, (2.9)", 0.0, limits.m0));
+        }
         let attained = |r: &StepRung| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened;
-        let measured = study.thresholds.radius.map(Crossing::lower);
+        let measured = study.thresholds.radius.map(|[low, _]| low);
         Self {
             scene: scene.name.clone(),
             fingerprint: scene.source.hash.clone(),
@@ -120,7 +130,7 @@ impl BoundStudy {
             steps,
             constants,
             samples,
-            thresholds: Thresholds::new(&limits, &study),
+            thresholds: thresholds(&limits, &study),
             ratio: measured.map(|k| k / limits.paper_limit()),
             attained: study.rungs.iter().any(attained),
             limits,
@@ -156,25 +166,21 @@ fn trace_violations(
     above.map(|(n, value)| BoundViolation::new(what(n), *value, bound)).collect()
 }
 
-fn sample_violations(samples: &[Sampled]) -> impl Iterator<Item = BoundViolation> {
-    let violation = |sample: &Sampled| {
-        let what = format!("{}: needed <= declared", sample.what);
-        BoundViolation::new(what, sample.needed, sample.declared)
-    };
-    samples.iter().filter(|sample| !sample.holds).map(violation)
-}
-
-/// 0 < m0: everything that the bound says rests on it.
-fn smallness_violation(limits: &StepBounds) -> Option<BoundViolation> {
-    let m0 = limits.m0;
-    (m0.is_nan() || m0 <= 0.0).then(|| BoundViolation::new("0 < m0, (2.9)", 0.0, m0))
-}
-
-fn start_violations(limits: &StepBounds, study: &ContractionStudy) -> Option<BoundViolation> {
-    let k = study.worst.k;
-    (k < limits.solvable_limit() && study.starts.distinct > 0).then(|| {
-        let what = "other solutions from random starts <= 0";
-        let distinct = f64::from(study.starts.distinct);
-        BoundViolation { k: Some(k), ..BoundViolation::new(what, distinct, 0.0) }
+/// The step sizes that are proved, and those that were found.
+fn thresholds(limits: &StepBounds, study: &ContractionStudy) -> serde_json::Value {
+    let (found, loss) = (&study.thresholds, study.thresholds.loss.as_ref());
+    serde_json::json!({
+        "paper_norm": limits.paper_limit(),
+        "theorem": limits.limit(),
+        "sharpened": limits.sharpened_limit(),
+        "solvable": limits.solvable_limit(),
+        "norm_one": found.norm,
+        "radius_one": found.radius,
+        "loss": loss.map(|loss| loss.bracket),
+        "loss_reason": loss.map(|loss| loss.reason.to_string()),
+        "loss_eigenvalue": loss.map(|loss| loss.rightmost),
+        "not_followed": study.not_followed,
+        "loss_tensors": study.linear.map(|loss| loss.tensors),
+        "loss_mesh": study.linear.map(|loss| loss.mesh),
     })
 }

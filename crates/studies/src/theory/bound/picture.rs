@@ -1,7 +1,6 @@
 //! The picture of a step-size study: factors against k, with bounds and thresholds.
 
 use super::BoundStudy;
-use super::crossing::Crossing;
 use super::ladder::StepRung;
 use report::{Axis, Chart, LegendKey, Mark, Part, ReportError, Scale, Series};
 
@@ -60,7 +59,9 @@ impl BoundStudy {
             mark(self.limits.paper_limit(), "(3.4), the paper's norm"),
             mark(self.limits.sharpened_limit(), "sharpened"),
         ];
-        if let Some(Crossing::Between(low, _)) = thresholds.radius {
+        if let Some([low, _]) =
+            thresholds.radius.filter(|[low, high]| *low > 0.0 && high.is_finite())
+        {
             marks.push(mark(low, "Λ stops converging"));
         }
         if let Some(loss) = &thresholds.loss {

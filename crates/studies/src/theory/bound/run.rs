@@ -137,31 +137,26 @@ where
     BoundError: From<L::Error>,
 {
     let grid: TimeGrid = level.grid().clone();
-    let mut state = rest(level);
     let mut found = Vec::new();
-    for number in 0..=grid.steps() {
-        let t = grid.time(number);
-        level.open()?;
-        solve(level, &mut state, number, t)?;
-        if number > 0 {
-            let k = grid.step(number);
-            let eta = state.u.clone();
-            let contraction = factor::contraction(level, &eta, &state)
-                .map_err(|source| BoundError::Factor { k, source })?;
-            // The level is solved once more with its last slot implicit, which commit records.
-            solve(level, &mut state, number, t)?;
-            found.push(FactorAtLevel {
-                mesh,
-                level: number,
-                t,
-                k,
-                norm: contraction.norm,
-                radius: contraction.radius,
-                sharpened: bounds.sharpened_factor(k),
-            });
+    run_seen(level, grid.steps(), |level, number, state| {
+        if number == 0 {
+            return Ok(());
         }
-        level.commit(&state);
-    }
+        let (k, t) = (grid.step(number), grid.time(number));
+        let contraction = factor::contraction(level, &state.u, state)
+            .map_err(|source| BoundError::Factor { k, source })?;
+        found.push(FactorAtLevel {
+            mesh,
+            level: number,
+            t,
+            k,
+            norm: contraction.norm,
+            radius: contraction.radius,
+            sharpened: bounds.sharpened_factor(k),
+        });
+        // Once more with the last slot implicit, which commit records.
+        solve(level, state, number, t)
+    })?;
     Ok(found)
 }
 
@@ -176,21 +171,30 @@ pub(crate) fn run_to<L: FrozenDerivative>(
 where
     BoundError: From<L::Error>,
 {
-    let grid: TimeGrid = level.grid().clone();
-    let mut state = rest(level);
-    for before in 0..=number {
-        level.open()?;
-        solve(level, &mut state, before, grid.time(before))?;
-        if before < number {
-            level.commit(&state);
-        }
-    }
-    Ok(state)
+    run_seen(level, number, |_, _, _| Ok(()))
 }
 
-fn rest<L: FrozenDerivative>(level: &L) -> StepState {
+/// Runs to level `last`, which stays open; `see` gets each level with its number and its solution.
+fn run_seen<L: FrozenDerivative>(
+    level: &mut L,
+    last: usize,
+    mut see: impl FnMut(&mut L, usize, &mut StepState) -> Result<(), BoundError>,
+) -> Result<StepState, BoundError>
+where
+    BoundError: From<L::Error>,
+{
     let graphs = level.graph().coordinates.len();
-    StepState { u: vec![0.0; level.dofs()], pressure: vec![0.0; graphs] }
+    let mut state = StepState { u: vec![0.0; level.dofs()], pressure: vec![0.0; graphs] };
+    for number in 0..=last {
+        if number > 0 {
+            level.commit(&state);
+        }
+        level.open()?;
+        let t = level.grid().time(number);
+        solve(level, &mut state, number, t)?;
+        see(level, number, &mut state)?;
+    }
+    Ok(state)
 }
 
 fn solve<L: FrozenDerivative>(
