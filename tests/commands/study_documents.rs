@@ -80,15 +80,10 @@ fn an_audit_says_which_line_fails() {
 #[test]
 fn a_claim_and_a_rung_that_fail_are_said() {
     let entry = |confirmed| ledger::Entry {
-        claim: "E_n is of order h^2",
-        hypotheses: "(5.25)",
-        quantity: "power of h",
-        proved: 2.0,
+        question: &ledger::QUESTIONS[1],
         observed: Some(2.01),
         used: None,
-        claimed: ledger::Agreement::Sharp,
         confirmed,
-        scene: "s",
         command: "sweep audit s".into(),
     };
     let document = |entries: &[ledger::Entry]| ledger::document(entries);

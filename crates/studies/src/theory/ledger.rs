@@ -33,24 +33,14 @@ impl Agreement {
 /// An entry.
 #[derive(Debug, Clone, Serialize)]
 pub struct Entry {
-    /// What is claimed.
-    pub claim: &'static str,
-    /// Under which hypotheses.
-    pub hypotheses: &'static str,
-    /// What is measured.
-    pub quantity: &'static str,
-    /// What the proof gives.
-    pub proved: f64,
+    #[serde(flatten)]
+    pub question: &'static Question,
     /// What the runs show; null where nothing could be fitted.
     pub observed: Option<f64>,
     /// The share of the proof's bound that is used, at most.
     pub used: Option<f64>,
-    /// Which of the two the claim is.
-    pub claimed: Agreement,
     /// Whether the runs confirm it, and every line of theirs holds.
     pub confirmed: bool,
-    /// The smallest scene that shows it.
-    pub scene: &'static str,
     /// What to type.
     pub command: String,
 }
@@ -64,6 +54,7 @@ const BETTER: f64 = 0.5;
 const ATTAINED: f64 = 0.02;
 
 /// What an entry reads from an audit.
+#[derive(Debug)]
 enum Reading {
     /// Power of h of the left side of a line.
     PowerOfH(&'static str),
@@ -75,19 +66,30 @@ enum Reading {
 }
 
 /// An entry before its runs.
-struct Question {
-    claim: &'static str,
-    hypotheses: &'static str,
-    quantity: &'static str,
-    proved: f64,
-    claimed: Agreement,
-    scene: &'static str,
+#[derive(Debug, Serialize)]
+pub struct Question {
+    /// What is claimed.
+    pub claim: &'static str,
+    /// Under which hypotheses.
+    pub hypotheses: &'static str,
+    /// What is measured.
+    pub quantity: &'static str,
+    /// What the proof gives.
+    pub proved: f64,
+    /// Which of the two the claim is.
+    pub claimed: Agreement,
+    /// The smallest scene that shows it.
+    pub scene: &'static str,
+    #[serde(skip)]
     n: &'static [u32],
+    #[serde(skip)]
     steps: &'static [u32],
+    #[serde(skip)]
     reading: Reading,
 }
 
-const QUESTIONS: [Question; 8] = [
+/// All questions.
+pub static QUESTIONS: [Question; 8] = [
     Question {
         claim: "E_j = int (p(u_h) - p(u)) (v - u_h) is quadratic in the errors for a law without jump: the square root of |u_nu - v_nu| in (4.4) and (4.21) is not needed there",
         hypotheses: "(2.8b), (2.8c), the law without jump",
@@ -200,7 +202,7 @@ where
 }
 
 impl Question {
-    fn entry(&self, setup: &Setup, audit: &SceneAudit) -> Entry {
+    fn entry(&'static self, setup: &Setup, audit: &SceneAudit) -> Entry {
         let summaries = audit.summaries();
         let find = |name: &str| summaries.iter().find(|s| s.statement.name == name);
         let line = match self.reading {
@@ -221,15 +223,10 @@ impl Question {
         let list =
             |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
         Entry {
-            claim: self.claim,
-            hypotheses: self.hypotheses,
-            quantity: self.quantity,
-            proved: self.proved,
+            question: self,
             observed,
             used,
-            claimed: self.claimed,
             confirmed: audit.holds() && observed.is_some_and(|observed| self.confirms(observed)),
-            scene: self.scene,
             command: format!(
                 "sweep audit {} --n {} --steps {}",
                 setup.scene.name,
@@ -256,11 +253,12 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
     let mut document = StudyDocument::new(Chapter::Ledger, "What runs say of the claims");
     document.words("Proved is the power, or the constant, that the proof gives; observed is what the smallest scene that shows it has; used is the largest share of the bound.");
     let wrong = entries.iter().filter(|entry| !entry.confirmed);
-    let failures: Vec<String> = wrong.map(|entry| entry.claim.to_owned()).collect();
+    let failures: Vec<String> = wrong.map(|entry| entry.question.claim.to_owned()).collect();
     let all = format!("{} claims, every one confirmed.", entries.len());
     document.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
     let row = |(index, entry): (usize, &Entry)| {
-        let claimed = entry.claimed.name();
+        let question = entry.question;
+        let claimed = question.claimed.name();
         let used = entry.used.map_or_else(|| "–".into(), |used| format!("{:.2} %", 100.0 * used));
         let found = match entry.confirmed {
             true => Run::of(claimed, Tone::Pass),
@@ -268,10 +266,10 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
         };
         vec![
             Run::plain((index + 1).to_string()),
-            Run::plain(entry.claim),
-            Run::plain(entry.hypotheses),
-            Run::plain(entry.quantity),
-            number(entry.proved),
+            Run::plain(question.claim),
+            Run::plain(question.hypotheses),
+            Run::plain(question.quantity),
+            number(question.proved),
             number(entry.observed),
             Run::plain(used),
             found,
