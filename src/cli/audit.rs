@@ -82,9 +82,8 @@ impl Audit {
             let rows = audit.csv().map_err(CliError::other)?;
             write_file(&dir.join(format!("{}-audit.csv", audit.scene)), rows)?;
         }
-        let checklist = audit.checklist();
-        let document = checklist.document(audit.svg()?);
-        deliver(&checklist, &document, self.out.as_deref(), self.json)?;
+        let json = audit.json().map_err(CliError::other)?;
+        deliver(&json, &audit.document()?, self.out.as_deref(), self.json)?;
         Ok(u8::from(!audit.holds()))
     }
 

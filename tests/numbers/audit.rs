@@ -29,7 +29,7 @@ use fem::contact::{BoundaryRule, MemoryTerm, Model, march};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use studies::theory::audit::{
     AuditConstants, AuditError, Auditor, CaseLine, Line, LineStanding, Relation, SceneAudit,
-    SidesAtLevel, Statement, audit_case,
+    Statement, audit_case,
 };
 use studies::theory::ledger::ledger;
 use vhi::Newton;
@@ -317,7 +317,7 @@ fn a_bound_without_a_constant_is_not_defined_and_does_not_hold() {
         assert!(!audit.holds() && audit.violations().is_empty());
         assert_eq!(audit.undefined().len(), 2);
         assert!(audit.undefined()[0].contains("(4.18) has no defined constant: m0 = "));
-        let document = serde_json::to_value(audit.checklist()).expect("a document");
+        let document = audit.json().expect("a document");
         assert_eq!(
             (&document["holds"], document["undefined"].as_array().map(Vec::len)),
             (&false.into(), Some(2))
@@ -345,13 +345,14 @@ fn one_run() -> SceneAudit {
 fn a_violation_is_spelt_out() {
     let mut audit = one_run();
     let row = &mut audit.cases[0].rows[0];
-    row.violation = Some(SidesAtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 });
+    let (_, line) = row.tightest.expect("a level");
+    row.violation = Some((2, Line { left: 2.0, right: 1.0, accuracy: 1e-12, ..line }));
     assert!(!audit.holds());
     let said = &audit.violations()[0];
     for part in ["(4.7)", "level 2", "n = 4", "N = 2", "h = ", "k = ", "2.0", "1.0", "exceeds by"] {
         assert!(said.contains(part), "{part}: {said}");
     }
-    assert_eq!(serde_json::to_value(audit.checklist()).expect("a document")["holds"], false);
+    assert_eq!(audit.json().expect("a document")["holds"], false);
     let table = String::from_utf8(audit.csv().expect("a table")).expect("text");
     assert_eq!(table.lines().count(), 1 + 16);
     assert!(table.lines().nth(1).is_some_and(|line| line.contains(",false,2,")));
@@ -382,14 +383,13 @@ fn what_is_tightest_stands_first() {
     let mut audit = one_run();
     let last = audit.cases[0].rows.len() - 1;
     let place = |audit: &SceneAudit| {
-        let text = audit.checklist().document(None).text(132);
+        let text = audit.document().expect("a document").text(132);
         let rows = text.find("\nline ").expect("a table");
         text[rows..].find("\n(4.20) ").expect("a row")
     };
     let before = place(&audit);
     assert_eq!(audit.cases[0].rows[last].statement.name, "(4.20)");
-    let failed = SidesAtLevel { level: 1, left: 2.0, right: 1.0, accuracy: 0.0 };
-    audit.cases[0].rows[last].violation = Some(failed);
+    audit.cases[0].rows[last].violation = Some((1, of(Relation::AtMost, 2.0, 1.0, 0.0)));
     assert!(place(&audit) < before, "{before:?}");
 }
 

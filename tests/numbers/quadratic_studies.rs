@@ -54,7 +54,7 @@ fn what_passes_the_gap_between_nodes_is_counted() {
     assert!(audit.holds(), "{:?}", audit.violations());
     let lines = audit.summaries();
     let line = |name: &str| lines.iter().find(|line| line.statement.name == name).expect("a line");
-    let (_, at) = line("(4.5) sign").tightest.expect("a level");
+    let at = line("(4.5) sign").tightest.expect("a level");
     assert!(at.right < -1e3 * at.accuracy && at.left <= at.right, "{at:?}");
 }
 

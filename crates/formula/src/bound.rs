@@ -135,6 +135,13 @@ impl BoundProgram {
         });
     }
 
+    /// All outputs at t, as [`Self::evaluate`] has them.
+    pub fn values_at(&mut self, t: f64, zeta: f64) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::new(); self.outputs.len()];
+        self.evaluate(t, zeta, &mut out);
+        out
+    }
+
     /// Evaluates all outputs block by block, a few hundred points that stay in cache. `visit` gets the range of points
     /// and the values of each output there.
     ///

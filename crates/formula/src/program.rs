@@ -108,6 +108,11 @@ impl Program {
     pub fn bind(&self, points: &[[f64; 3]]) -> BoundProgram {
         BoundProgram::new(Arc::clone(&self.plan), points)
     }
+
+    /// All outputs at these points at t alone.
+    pub fn values(&self, points: &[[f64; 3]], t: f64, zeta: f64) -> Vec<Vec<f64>> {
+        self.bind(points).values_at(t, zeta)
+    }
 }
 
 /// An expression, and the space variables of the stage that stores it.

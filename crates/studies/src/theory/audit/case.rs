@@ -3,10 +3,8 @@
 use super::constants::AuditConstants;
 use super::fields::Fields;
 use super::in_space::InSpaceFields;
-use super::law::ClarkeLaw;
-use super::level::{AuditedCase, PastLevels};
+use super::level::Levels;
 use super::lines::{Line, LineStanding, Relation, Statement, lines};
-use super::pointwise::PlainMaterial;
 use super::smooth::SmoothFields;
 use algebra::linalg::larger;
 use exact::Truth;
@@ -40,19 +38,6 @@ pub enum AuditError {
     },
 }
 
-/// A line at one level of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SidesAtLevel {
-    /// n.
-    pub level: usize,
-    /// Left side.
-    pub left: f64,
-    /// Right side.
-    pub right: f64,
-    /// The accuracy that was allowed.
-    pub accuracy: f64,
-}
-
 /// A line over all levels of a run.
 #[derive(Debug, Clone, Serialize)]
 #[serde(into = "LineOfRun")]
@@ -73,9 +58,9 @@ pub struct CaseLine {
     /// Largest rounding.
     pub rounding: f64,
     /// The level at which it fails worst.
-    pub violation: Option<SidesAtLevel>,
-    /// The level at which it is tightest, with its tightness; none where no level has one.
-    pub tightest: Option<(f64, SidesAtLevel)>,
+    pub violation: Option<(usize, Line)>,
+    /// The level at which it is tightest; none where no level has a tightness.
+    pub tightest: Option<(usize, Line)>,
     /// Its bound is not defined at some level.
     pub undefined: bool,
 }
@@ -119,10 +104,9 @@ pub struct CaseAudit {
 pub struct Auditor<'a> {
     truth: &'a dyn Truth,
     constants: &'a AuditConstants,
-    case: AuditedCase<'a>,
     unconstrained: bool,
     fields: Box<dyn Fields>,
-    levels: PastLevels,
+    levels: Levels<'a>,
     rows: Vec<CaseLine>,
 }
 
@@ -146,20 +130,12 @@ impl<'a> Auditor<'a> {
         } else {
             Box::new(SmoothFields::new(setup, exact, &data.space))
         };
-        let case = AuditedCase {
-            space: data.space.clone(),
-            grid: setup.grid(steps),
-            material: PlainMaterial::new(setup).ok_or_else(other)?,
-            law: ClarkeLaw::of(setup),
-            boundary: setup.model.boundary.as_ref(),
-        };
         Ok(Self {
             truth: &*data.truth,
             constants,
-            case,
             unconstrained: is_unconstrained(setup),
             fields,
-            levels: PastLevels::default(),
+            levels: Levels::new(setup, &data.space, steps).ok_or_else(other)?,
             rows: Vec::new(),
         })
     }
@@ -170,7 +146,7 @@ impl<'a> Auditor<'a> {
     /// The truth's.
     pub fn observe(&mut self, view: &StepView<'_>) -> Result<(), LoadError> {
         let load = self.truth.load(view.t)?;
-        let level = self.levels.next(&self.case, &mut *self.fields, view, &load)?;
+        let level = self.levels.next(&mut *self.fields, view, &load)?;
         for (i, line) in lines(&level, self.constants, self.unconstrained).iter().enumerate() {
             if i == self.rows.len() {
                 self.rows.push(CaseLine::new(line));
@@ -226,28 +202,27 @@ impl CaseLine {
             self.ratio = Some(self.ratio.map_or(ratio, |known| larger(known, ratio)));
         }
         self.undefined |= line.standing() == LineStanding::Undefined;
-        let Line { left, right, accuracy, .. } = *line;
-        let excess = |v: &SidesAtLevel| line.relation.excess(v.left, v.right) - v.accuracy;
-        let here = SidesAtLevel { level, left, right, accuracy };
-        let tighter =
-            |tightness: &f64| self.tightest.is_none_or(|(known, _)| is_tighter(*tightness, known));
-        if let Some(tightness) = line.tightness().filter(tighter) {
-            self.tightest = Some((tightness, here));
+        let tighter = |(_, known): (usize, Line)| is_tighter(line, &known);
+        if line.tightness().is_some() && self.tightest.is_none_or(tighter) {
+            self.tightest = Some((level, *line));
         }
-        // A NaN is worst of all.
-        let worse = |known: &SidesAtLevel| {
-            let (known, here) = (excess(known), excess(&here));
-            !known.is_nan() && (here.is_nan() || here > known)
-        };
-        if line.standing() == LineStanding::Violated && self.violation.as_ref().is_none_or(worse) {
-            self.violation = Some(here);
+        let beyond = |line: &Line| line.excess() - line.accuracy;
+        let worse = |(_, known): (usize, Line)| is_worse(beyond(line), beyond(&known));
+        if line.standing() == LineStanding::Violated && self.violation.is_none_or(worse) {
+            self.violation = Some((level, *line));
         }
     }
 }
 
-/// Whether a tightness is worse than one that is known; a NaN is worst of all.
-pub(super) fn is_tighter(tightness: f64, known: f64) -> bool {
-    !known.is_nan() && (tightness.is_nan() || tightness > known)
+/// Whether a number is worse than one that is known; a NaN is worst of all.
+fn is_worse(here: f64, known: f64) -> bool {
+    !known.is_nan() && (here.is_nan() || here > known)
+}
+
+/// Whether a line is tighter than another; both have a tightness.
+pub(super) fn is_tighter(line: &Line, known: &Line) -> bool {
+    let [line, known] = [line, known].map(|line| line.tightness().unwrap_or(f64::NEG_INFINITY));
+    is_worse(line, known)
 }
 
 /// Whether K = X: no gap.

@@ -1,6 +1,6 @@
 //! Integrals over Γ3 at one level.
 
-use super::edges::EdgeSample;
+use super::edges::{EdgeSample, between};
 use super::integrals::Sum;
 use super::law::ClarkeLaw;
 use fem::contact::{Boundary, BoundaryRule, Discretization, StepView};
@@ -57,7 +57,7 @@ pub(crate) fn over_contact(
     let mut sums = ContactIntegrals::default();
     let samples = edges.iter().filter_map(|sample| Some((sample, sample.contact?)));
     for (sample, at) in samples {
-        let value = |nodal: &[f64]| at.trace_of(&sample.shape, nodal);
+        let value = |nodal: &[f64]| between(at.trace, &sample.shape, nodal);
         let (weight, u, v, u_h) = (sample.weight, at.normal, value(&traces.v), value(&traces.u_h));
         let (r, r_h) = (u - at.shift, u_h - at.shift);
         sums.delta += weight * (u - v).powi(2);
@@ -140,10 +140,10 @@ fn gauss(space: &Discretization, law: &ClarkeLaw, boundary: &Boundary, traces: &
         let [a, b] = [0, 1].map(|end| space.trace.facet(f)[end] as usize);
         let vertices = [a, b].map(|i| space.trace.points[i].vertex);
         for (shape, weight) in rule.points.iter().zip(&rule.weights) {
-            let between = |nodal: &[f64]| shape[0] * nodal[a] + shape[1] * nodal[b];
-            let u_h = between(&traces.u_h);
+            let value = |nodal: &[f64]| shape[0] * nodal[a] + shape[1] * nodal[b];
+            let u_h = value(&traces.u_h);
             let x = space.mesh.point(&vertices, shape);
-            let slope = law.directional(u_h - (boundary.shift)(x), between(&traces.v) - u_h);
+            let slope = law.directional(u_h - (boundary.shift)(x), value(&traces.v) - u_h);
             sum.add(measure * weight * boundary.scale_at(x) * slope);
         }
     }

@@ -1,6 +1,6 @@
 //! An audit as JSON, as a table of all runs, and in words.
 
-use serde::Serialize;
+use serde_json::Value;
 
 use super::case::{CaseAudit, CaseLine};
 use super::constants::{AuditConstants, c_j_source};
@@ -8,31 +8,7 @@ use super::lines::{LineStanding, Relation};
 use super::scene::{SceneAudit, SceneLine};
 use crate::table;
 use fem::contact::BoundaryRule;
-use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
-
-/// An audit as JSON.
-#[derive(Serialize)]
-pub struct Checklist<'a> {
-    scene: &'a str,
-    fingerprint: &'a str,
-    theorem: &'static str,
-    rule: &'static str,
-    holds: bool,
-    constants: Listed<'a>,
-    lines: Vec<SceneLine>,
-    cases: &'a [CaseAudit],
-    /// A sentence each.
-    violations: Vec<String>,
-    /// Lines without a defined constant.
-    undefined: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Listed<'a> {
-    #[serde(flatten)]
-    constants: &'a AuditConstants,
-    m0: f64,
-}
+use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits, held, number, precise};
 
 impl SceneAudit {
     /// The rule's word in scene files.
@@ -49,27 +25,32 @@ impl SceneAudit {
         if self.unconstrained { "Theorems 10 and 11 (K = X)" } else { "Theorem 10" }
     }
 
-    /// What is said of the scene.
-    pub fn checklist(&self) -> Checklist<'_> {
-        Checklist {
-            scene: &self.scene,
-            fingerprint: &self.fingerprint,
-            theorem: self.theorem(),
-            rule: self.rule_name(),
-            holds: self.holds(),
-            constants: Listed { constants: &self.constants, m0: self.constants.m0() },
-            lines: self.summaries(),
-            cases: &self.cases,
-            violations: self.violations(),
-            undefined: self.undefined(),
-        }
+    /// The audit as JSON, with a sentence for each violation and each line without a defined constant.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn json(&self) -> Result<Value, serde_json::Error> {
+        let mut constants = serde_json::to_value(&self.constants)?;
+        constants["m0"] = serde_json::json!(self.constants.m0());
+        Ok(serde_json::json!({
+            "scene": self.scene,
+            "fingerprint": self.fingerprint,
+            "theorem": self.theorem(),
+            "rule": self.rule_name(),
+            "holds": self.holds(),
+            "constants": constants,
+            "lines": self.summaries(),
+            "cases": self.cases,
+            "violations": self.violations(),
+            "undefined": self.undefined(),
+        }))
     }
 
     /// One sentence for each violated line and run: line, level, grid, both sides.
     pub fn violations(&self) -> Vec<String> {
         let rows = self.cases.iter().flat_map(|case| case.rows.iter().map(move |row| (case, row)));
         rows.filter_map(|(case, row)| {
-            let v = row.violation?;
+            let (level, v) = row.violation?;
             let (sign, difference) = match row.relation {
                 Relation::AtMost => ("<=", "exceeds by"),
                 Relation::Equal => ("=", "differs by"),
@@ -77,14 +58,14 @@ impl SceneAudit {
             Some(format!(
                 "{} at level {} of n = {}, N = {} (h = {:.4e}, k = {:.4e}): {:.9e} {sign} {:.9e} does not hold; it {difference} {:.3e}, allowed {:.1e}",
                 row.statement.name,
-                v.level,
+                level,
                 case.n,
                 case.steps,
                 case.h,
                 case.k,
                 v.left,
                 v.right,
-                row.relation.excess(v.left, v.right),
+                v.excess(),
                 v.accuracy
             ))
         })
@@ -115,7 +96,7 @@ impl SceneAudit {
         let exponential = |value: f64| format!("{value:e}");
         let row = |case: &CaseAudit, row: &CaseLine| {
             let (standing, worst) = (row.standing(), row.violation);
-            let excess = worst.map(|v| row.relation.excess(v.left, v.right));
+            let excess = worst.map(|(_, v)| v.excess());
             let right = Some(row.right).filter(|_| standing != LineStanding::Undefined);
             [
                 ("scene", self.scene.clone()),
@@ -132,41 +113,42 @@ impl SceneAudit {
                 ("ratio", row.ratio.map_or_else(String::new, exponential)),
                 ("accuracy", exponential(row.accuracy)),
                 ("holds", (standing == LineStanding::Holds).to_string()),
-                ("worst_level", worst.map_or_else(String::new, |v| v.level.to_string())),
+                ("worst_level", worst.map_or_else(String::new, |(level, _)| level.to_string())),
                 ("worst_excess", excess.map_or_else(String::new, exponential)),
             ]
         };
         let rows = self.cases.iter().flat_map(|case| case.rows.iter().map(move |r| (case, r)));
         table::csv(rows.map(|(case, line)| row(case, line)), true)
     }
-}
 
-impl Checklist<'_> {
-    /// The audit as a document; `svg` draws its shares.
-    pub fn document(&self, svg: Option<String>) -> StudyDocument {
+    /// The audit as a document.
+    ///
+    /// # Errors
+    /// The drawing library's.
+    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+        let lines = self.summaries();
         let title = format!("Checklist: {}", self.scene);
         let mut document =
-            StudyDocument::new(Chapter::Audit, title).of_scene(self.scene, self.fingerprint);
+            StudyDocument::new(Chapter::Audit, title).of_scene(&self.scene, &self.fingerprint);
         let grid = |of: fn(&CaseAudit) -> u32| {
             let mut all: Vec<u32> = self.cases.iter().map(of).collect();
             all.sort_unstable();
             all.dedup();
             all.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
         };
-        let held_lines =
-            self.lines.iter().filter(|line| line.standing == LineStanding::Holds).count();
-        let all = format!("{held_lines} of {} lines hold in all runs.", self.lines.len());
-        let mut failures = self.violations.clone();
-        failures.extend(self.undefined.iter().cloned());
+        let held_lines = lines.iter().filter(|line| line.standing == LineStanding::Holds).count();
+        let all = format!("{held_lines} of {} lines hold in all runs.", lines.len());
+        let mut failures = self.violations();
+        failures.extend(self.undefined());
         if !failures.is_empty() {
             failures.push(all.clone());
         }
-        let holds = self.holds && held_lines == self.lines.len() && failures.is_empty();
+        let holds = self.holds() && held_lines == lines.len() && failures.is_empty();
         document.verdict(holds, &all, failures);
         document.words(format!(
             "{}; boundary rule {}; runs with n = {} and N = {}.",
-            self.theorem,
-            self.rule,
+            self.theorem(),
+            self.rule_name(),
             grid(|case| case.n),
             grid(|case| case.steps)
         ));
@@ -178,12 +160,12 @@ impl Checklist<'_> {
                 "line", "says", ">left", "", ">right", ">difference", ">accuracy", ">tightness",
                 "powers of h", "powers of k", "so it",
             ],
-            by_tightness(&self.lines).into_iter().map(line).collect(),
+            by_tightness(&lines).into_iter().map(line).collect(),
         );
         document.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
         let shows = "shares of the bounds of the proofs against h (sweep audit).";
-        document.figure("audit", shows, svg);
-        document
+        document.figure("audit", shows, self.svg()?);
+        Ok(document)
     }
 }
 
@@ -198,9 +180,9 @@ pub(super) fn by_tightness(lines: &[SceneLine]) -> Vec<&SceneLine> {
     sorted
 }
 
-impl Listed<'_> {
+impl AuditConstants {
     fn rows(&self) -> Vec<Vec<Run>> {
-        let c = self.constants;
+        let c = self;
         let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
         let named = [
             ("m_A", c.m_a),
@@ -213,7 +195,7 @@ impl Listed<'_> {
             ("c1", c.c1),
             ("c_φ", c.c_phi),
             ("‖R‖‖q‖", c.history),
-            ("m0", self.m0),
+            ("m0", c.m0()),
         ];
         named.map(|(name, value)| vec![Run::formula(name), precise(value, 7)]).into()
     }
@@ -233,8 +215,7 @@ fn line(line: &SceneLine) -> Vec<Run> {
         Run::plain(format!("{}, {}", text(left), text(right)))
     };
     // Without a level at which the sides are seen, the largest of the finest run.
-    let (left, right) =
-        line.tightest.map_or((line.left, line.right), |(_, at)| (at.left, at.right));
+    let (left, right) = line.tightest.map_or((line.left, line.right), |at| (at.left, at.right));
     vec![
         Run::plain(line.statement.name),
         Run::formula(&in_signs(line.statement.says)),

@@ -1,9 +1,10 @@
 //! Points of Γ2 and Γ3: edges cut where a field has a kink, and Gauss points on the pieces.
 
 use super::pointwise::Plane;
-use exact::sign_changes;
+use exact::{Exact, sign_changes};
 use fem::space::Element;
 use fem::space::quadrature::gauss_legendre;
+use formula::{EvaluationPoint, Node};
 
 /// Gauss points a piece: degree 31. The identities hold to rounding only if a curved law over a coarse edge is
 /// integrated to rounding as well.
@@ -12,7 +13,7 @@ const POINTS: usize = 16;
 const WATCHES: usize = 8;
 
 /// The truth at a point of an edge.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct EdgeSample {
     /// The vertices of the edge at which there are nodes: its ends, and of quadratic elements its midpoint; an end again of
     /// linear ones.
@@ -45,13 +46,6 @@ pub(crate) fn shape(element: Element, x: f64) -> [f64; 3] {
     shape
 }
 
-impl ContactSample {
-    /// A trace there, given at the points of Γ3.
-    pub(crate) fn trace_of(&self, shape: &[f64; 3], values: &[f64]) -> f64 {
-        between(self.trace, shape, values)
-    }
-}
-
 /// A function of the edge by its values at the given points.
 pub(crate) fn between(trace: [usize; 3], shape: &[f64; 3], values: &[f64]) -> f64 {
     let ends = shape[0] * values[trace[0]] + shape[1] * values[trace[1]];
@@ -74,6 +68,16 @@ pub(crate) struct ContactSample {
     pub compliance: f64,
     /// λ.
     pub multiplier: f64,
+}
+
+/// A formula of place alone, such as s, or the number in its absence.
+pub(crate) fn number(
+    exact: &Exact,
+    (formula, absent): (Option<Node>, f64),
+    [x, y, z]: [f64; 3],
+) -> f64 {
+    let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
+    formula.map_or(absent, |node| exact.data.graph.evaluate(node, &at))
 }
 
 /// Functions of places along a chain of edges: one list a function.

@@ -3,14 +3,14 @@
 
 use std::sync::Arc;
 
-use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place, padded, shape};
-use super::fields::{CellValues, Fields, Forces, PlaneField, Remembered, Volume};
+use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place, number, padded, shape};
+use super::fields::{CellValues, Fields, Volume};
+use super::pointwise::Plane;
 use super::strips::CellPoints;
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, LawNumbers};
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::edge;
 use fem::space::strain_of;
-use formula::{EvaluationPoint, Node};
 
 /// The nodal interpolant of formulas as a truth.
 pub(crate) struct InSpaceFields {
@@ -29,26 +29,6 @@ impl InSpaceFields {
     ) -> Self {
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), rule);
         Self { exact: exact.clone(), truth, space: space.clone(), rule }
-    }
-
-    /// (ε, H) a cell.
-    fn strains(&self, t: f64) -> Result<(PlaneField, PlaneField), LoadError> {
-        let (u, memory) = self.truth.displacements(t)?;
-        let by_cell = |nodal: &[f64]| -> PlaneField {
-            let mut out = [Vec::new(), Vec::new(), Vec::new()];
-            for c in 0..self.space.mesh.cell_count() {
-                let (gradients, nodes) =
-                    (self.space.geometry.gradients(c), self.space.cell_nodes(c));
-                let strain = strain_of::<3>(gradients, nodes, nodal);
-                for (field, value) in out.iter_mut().zip(strain) {
-                    field.push(value);
-                }
-            }
-            out
-        };
-        // One term at most: scenes with more are not audited.
-        let history = memory.first().map_or_else(Default::default, |memory| by_cell(memory));
-        Ok((by_cell(&u), history))
     }
 
     /// (edge, ξ, weight) of the rule on the whole of Γ3.
@@ -98,17 +78,27 @@ impl InSpaceFields {
 
 impl Fields for InSpaceFields {
     fn volume(&mut self, t: f64, _: f64) -> Result<Volume, LoadError> {
-        let (strain, history) = self.strains(t)?;
-        let cells = self.space.mesh.cell_count();
-        let third = 1.0 / 3.0;
-        let centre = |c: usize| self.space.mesh.point(self.space.mesh.cell(c), &[third; 3]);
+        let (u, memory) = self.truth.displacements(t)?;
+        let (mesh, geometry) = (&self.space.mesh, &self.space.geometry);
+        let cells = mesh.cell_count();
+        let strains = |nodal: &Vec<f64>| -> Vec<Plane> {
+            let of = |c| strain_of::<3>(geometry.gradients(c), self.space.cell_nodes(c), nodal);
+            (0..cells).map(of).collect()
+        };
+        let centre = |c: usize| mesh.point(mesh.cell(c), &[1.0 / 3.0; 3]);
         let at = CellPoints {
             points: (0..cells).map(centre).collect(),
-            weights: self.space.geometry.measure.clone(),
+            weights: geometry.measure.clone(),
             cells: (0..cells as u32).collect(),
         };
-        let nothing = || [vec![0.0; cells], vec![0.0; cells]];
-        let plain = CellValues { at, u: nothing(), strain, history, force: nothing() };
+        let plain = CellValues {
+            at,
+            u: vec![[0.0; 2]; cells],
+            strain: strains(&u),
+            // One term at most: scenes with more are not audited.
+            history: memory.first().map_or_else(|| vec![[0.0; 3]; cells], strains),
+            force: vec![[0.0; 2]; cells],
+        };
         Ok(Volume { plain, ..Volume::default() })
     }
 
@@ -117,26 +107,20 @@ impl Fields for InSpaceFields {
         let state = self.truth.contact_state(t);
         let contact = self.exact.data.contact.as_ref();
         let law = contact.and_then(|contact| contact.law.as_ref());
-        let [shift_node, scale_node] =
-            [contact.and_then(|contact| contact.shift), contact.and_then(|contact| contact.scale)];
         let ends = |e: usize| [0, 1].map(|a| trace.facet(e)[a] as usize);
         let vertices = |e: usize| ends(e).map(|i| trace.points[i].vertex);
-        let formula = |node: Option<Node>, absent: f64, e: usize, x: f64| {
-            let Some(node) = node else { return absent };
-            let [x, y, z] = mesh.point(&vertices(e), &[1.0 - x, x]);
-            self.exact
-                .data
-                .graph
-                .evaluate(node, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
-        };
-        let shift = |e: usize, x: f64| formula(shift_node, 0.0, e, x);
+        let shift_formula = contact.and_then(|contact| contact.shift);
+        let scale_formula = contact.and_then(|contact| contact.scale);
+        let at = |e: usize, x: f64| mesh.point(&vertices(e), &[1.0 - x, x]);
+        let shift = |e: usize, x: f64| number(&self.exact, (shift_formula, 0.0), at(e, x));
+        let scale = |e: usize, x: f64| number(&self.exact, (scale_formula, 1.0), at(e, x));
         let normal: Vec<f64> = state.iter().map(|at| at[0]).collect();
         let mut all = vec![normal.as_slice()];
         all.extend(traces);
         let sample = |(e, x, weight): (usize, f64, f64)| {
             let [a, b] = ends(e);
             let between = |field: usize| (1.0 - x) * state[a][field] + x * state[b][field];
-            let (normal, s, c) = (between(0), shift(e, x), formula(scale_node, 1.0, e, x));
+            let (normal, s, c) = (between(0), shift(e, x), scale(e, x));
             let compliance = match (self.rule, law) {
                 (ComplianceRule::Vertex, _) => between(3),
                 (_, Some(law)) => c * law.pressure(normal - s),
@@ -146,10 +130,6 @@ impl Fields for InSpaceFields {
                 vertices: padded(&vertices(e)),
                 shape: shape(self.space.element, x),
                 weight: weight * trace.measure[e],
-                normal: [0.0; 2],
-                u: [0.0; 2],
-                strain: [0.0; 3],
-                history: [0.0; 3],
                 contact: Some(ContactSample {
                     trace: padded(&[a, b]),
                     normal,
@@ -159,6 +139,7 @@ impl Fields for InSpaceFields {
                     compliance,
                     multiplier: 0.0,
                 }),
+                ..EdgeSample::default()
             }
         };
         Ok(self.points(&all, &shift).into_iter().map(sample).collect())
@@ -172,13 +153,8 @@ impl Fields for InSpaceFields {
         self.truth.zeta(t).map(Some)
     }
 
-    fn remembered(&mut self, t: f64) -> Result<Remembered, LoadError> {
-        let (strain, history) = self.strains(t)?;
-        Ok(Remembered { weights: self.space.geometry.measure.clone(), strain, history })
-    }
-
-    fn forces(&self) -> Forces {
-        Forces::Vector
+    fn remembered(&mut self, t: f64) -> Result<CellValues, LoadError> {
+        Ok(self.volume(t, f64::NAN)?.plain)
     }
 
     fn nodal_multiplier(&mut self, t: f64) -> Result<Option<Vec<f64>>, LoadError> {

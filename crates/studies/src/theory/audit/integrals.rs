@@ -84,39 +84,30 @@ struct Tensors {
     psi_h: Plane,
 }
 
-/// The cells' integrals over `values`, and per cell (σ, ε(w)) - ∫ f0·w for both w.
+/// Adds the cells' integrals over `values`; returns per cell (σ, ε(w)) - ∫ f0·w for both w.
 pub(crate) fn over_cells(
+    sums: &mut Cells,
     space: &Discretization,
     material: &PlainMaterial,
     kappa: f64,
     values: &CellValues,
     discrete: &DiscreteLevel,
     [v, u_h]: [&NodalField<'_>; 2],
-) -> (Cells, Vec<[f64; 2]>) {
-    let mut sums = Cells::default();
+) -> Vec<[f64; 2]> {
     let mut residuals = vec![[0.0; 2]; space.mesh.cell_count()];
     let (mut stresses, mut strains) = (0.0, 0.0);
     let points = values.at.points.iter().zip(values.at.cells.iter().zip(&values.at.weights));
     let mut place = CellPoint::new(space);
     for (p, (x, (&c, &weight))) in points.enumerate() {
-        if weight == 0.0 {
-            continue;
-        }
         let c = c as usize;
-        let plane = |field: &[Vec<f64>; 3]| -> Plane {
-            [0, 1, 2].map(|i: usize| field[i].get(p).copied().unwrap_or(0.0))
-        };
-        let strain = plane(&values.strain);
-        let theta = material.remembered(&plane(&values.history));
+        let strain = values.strain[p];
+        let theta = material.remembered(&values.history[p]);
         let psi = material.coupled(&strain, &theta, kappa);
         place.at(c, x);
         let strain_h = place.tensor(&discrete.strain);
         let strain_v = place.tensor(v.strain);
         let theta_h = place.tensor(&discrete.theta);
-        let psi_h = match place.is_constant() {
-            true => discrete.coupled[c],
-            false => material.coupled(&strain_h, &theta_h, discrete.kappa),
-        };
+        let psi_h = material.coupled(&strain_h, &theta_h, discrete.kappa);
         let applied = material.operator(&strain);
         let sigma = [applied[0] + psi[0], applied[1] + psi[1], applied[2] + psi[2]];
         let to_h = minus(&strain_h, &strain);
@@ -132,12 +123,12 @@ pub(crate) fn over_cells(
         for (i, (field, to)) in [(v, to_v), (u_h, to_h)].into_iter().enumerate() {
             let nodes = space.cell_nodes(c);
             let mut work = 0.0;
-            for (component, u) in values.u.iter().enumerate() {
+            for (component, u) in values.u[p].iter().enumerate() {
                 let at = |(shape, node): (&f64, &u32)| {
                     shape * field.nodal[2 * *node as usize + component]
                 };
-                let w = place.shape.iter().zip(nodes).map(at).sum::<f64>() - u[p];
-                work += values.force[component][p] * w;
+                let w = place.shape.iter().zip(nodes).map(at).sum::<f64>() - u;
+                work += values.force[p][component] * w;
             }
             let power = dot(&sigma, &to);
             sums.stress[i].add(weight * power);
@@ -145,9 +136,9 @@ pub(crate) fn over_cells(
             residuals[c][i] += weight * (power - work);
         }
     }
-    sums.natural = (stresses * strains).sqrt();
-    sums.strain = strains;
-    (sums, residuals)
+    sums.natural = sums.natural.hypot((stresses * strains).sqrt());
+    sums.strain += strains;
+    residuals
 }
 
 impl Cells {
@@ -167,28 +158,6 @@ impl Cells {
             self.phi3.add(factor * weight * dot(&at.psi, &tensor));
         }
         self.operator.add(weight * dot(&moved, &at.to_v));
-    }
-
-    pub(crate) fn join(&mut self, other: &Self) {
-        self.e += other.e;
-        self.d += other.d;
-        self.theta += other.theta;
-        self.strain += other.strain;
-        self.natural = self.natural.hypot(other.natural);
-        for (sum, other) in [
-            (&mut self.monotone, other.monotone),
-            (&mut self.phi1, other.phi1),
-            (&mut self.phi2, other.phi2),
-            (&mut self.phi3, other.phi3),
-            (&mut self.operator, other.operator),
-            (&mut self.at_h, other.at_h),
-        ] {
-            *sum = sum.plus(other);
-        }
-        for i in 0..2 {
-            self.stress[i] = self.stress[i].plus(other.stress[i]);
-            self.force[i] = self.force[i].plus(other.force[i]);
-        }
     }
 }
 

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::contact::{ContactIntegrals, Traces, over_contact, scheme_terms};
 use super::discrete::{Past, primed_weights, strains};
-use super::fields::{Fields, Forces, Remembered};
+use super::fields::{CellValues, Fields};
 use super::integrals::{Cells, NodalField, Sum, over_cells, tractions};
 use super::law::ClarkeLaw;
 use super::pointwise::{PlainMaterial, Plane, dot};
 use fem::contact::{Boundary, Discretization, LoadError, StepView};
 use fem::space::Element;
+use scene::setup::Setup;
 use vhi::history::TimeGrid;
 
 /// The numbers of one level, in the notation of section 4 of the paper; w1 = v^h - u, w2 = u^{kh} - u.
@@ -41,46 +42,55 @@ pub(crate) struct LevelIntegrals {
     pub errors: f64,
 }
 
-/// What is known of the levels so far.
-#[derive(Default)]
-pub(crate) struct PastLevels {
+/// A run on its way: what a level is computed from, and the levels so far.
+pub(crate) struct Levels<'a> {
+    /// V^h.
+    space: Arc<Discretization>,
+    /// t_0, …, t_N.
+    grid: TimeGrid,
+    /// A, φ, S.
+    material: PlainMaterial,
+    /// ∂j_ν.
+    law: ClarkeLaw,
+    /// g, s and the rule of the scheme; none without contact.
+    boundary: Option<&'a Boundary>,
     past: Past,
     /// ‖u_j - u_j^{kh}‖_V.
     errors: Vec<f64>,
     /// ‖ε(u_j)‖.
     norms: Vec<f64>,
-    remembered: Vec<[Vec<f64>; 3]>,
+    remembered: Vec<Vec<Plane>>,
 }
 
-/// What a level is computed from.
-pub(crate) struct AuditedCase<'a> {
-    /// V^h.
-    pub space: Arc<Discretization>,
-    /// t_0, …, t_N.
-    pub grid: TimeGrid,
-    /// A, φ, S.
-    pub material: PlainMaterial,
-    /// ∂j_ν.
-    pub law: ClarkeLaw,
-    /// g, s and the rule of the scheme; none without contact.
-    pub boundary: Option<&'a Boundary>,
-}
+impl<'a> Levels<'a> {
+    /// Before the first level; none unless the material is plain.
+    pub(crate) fn new(setup: &'a Setup, space: &Arc<Discretization>, steps: u32) -> Option<Self> {
+        Some(Self {
+            space: space.clone(),
+            grid: setup.grid(steps),
+            material: PlainMaterial::new(setup)?,
+            law: ClarkeLaw::of(setup),
+            boundary: setup.model.boundary.as_ref(),
+            past: Past::default(),
+            errors: Vec::new(),
+            norms: Vec::new(),
+            remembered: Vec::new(),
+        })
+    }
 
-impl PastLevels {
     /// The level that `view` shows; `load` is the scheme's F_n.
     ///
     /// # Errors
     /// The truth's.
     pub(crate) fn next(
         &mut self,
-        case: &AuditedCase<'_>,
         fields: &mut dyn Fields,
         view: &StepView<'_>,
         load: &[f64],
     ) -> Result<LevelIntegrals, LoadError> {
-        let (space, material) = (&*case.space, &case.material);
+        let (space, material) = (&*self.space, &self.material);
         let t = view.t;
-        let discrete = self.past.level(space, material, &case.grid, view.u);
+        let discrete = self.past.level(space, material, &self.grid, view.u);
         let zeta = fields.zeta(t)?;
         let kappa = material.kappa(zeta.unwrap_or(f64::NAN));
         let v = fields.interpolant(t)?;
@@ -88,30 +98,32 @@ impl PastLevels {
         let v_field = NodalField { nodal: &v, strain: &strain };
         let u_field = NodalField { nodal: view.u, strain: &discrete.strain };
         let volume = fields.volume(t, zeta.unwrap_or(f64::NAN))?;
-        let sum =
-            |values| over_cells(space, material, kappa, values, &discrete, [&v_field, &u_field]);
-        let (mut cells, _) = sum(&volume.plain);
-        let (crossed, fine) = sum(&volume.crossed);
-        cells.join(&crossed);
-        let (_, coarse) = sum(&volume.check);
+        let of = |sums: &mut Cells, values| {
+            over_cells(sums, space, material, kappa, values, &discrete, [&v_field, &u_field])
+        };
+        let mut cells = Cells::default();
+        of(&mut cells, &volume.plain);
+        let fine = of(&mut cells, &volume.crossed);
+        let coarse = of(&mut Cells::default(), &volume.check);
         let quadrature =
             [0, 1].map(|i: usize| fine.iter().zip(&coarse).map(|(a, b)| (a[i] - b[i]).abs()).sum());
         let traces = Traces { v: traces(space, &v), u_h: traces(space, view.u) };
         let edges = fields.edges(t, zeta.unwrap_or(f64::NAN), &[&traces.v, &traces.u_h])?;
         let (mut contact, mut scheme_contact) = (ContactIntegrals::default(), [Sum::default(); 3]);
-        if let Some(boundary) = case.boundary {
-            let lambda = fields.nodal_multiplier(t)?;
-            contact = over_contact(space, &case.law, &edges, &traces, boundary, lambda.as_deref());
-            scheme_contact = scheme_terms(space, &case.law, boundary, view, &traces, contact.j_h_v);
+        let lambda = fields.nodal_multiplier(t)?;
+        if let Some(boundary) = self.boundary {
+            contact = over_contact(space, &self.law, &edges, &traces, boundary, lambda.as_deref());
+            scheme_contact = scheme_terms(space, &self.law, boundary, view, &traces, contact.j_h_v);
         }
         let by_vector = |w: &mut dyn Iterator<Item = f64>| product(load, w);
-        let load_of = match fields.forces() {
-            Forces::Strong => {
+        let load_of = match lambda {
+            // In strong form: ∫ f0·w + ∫_{Γ2} f2·w + ∫_{Γ3} h3·w.
+            None => {
                 let edge = tractions(space, material, kappa, &edges, [&v, view.u]);
                 [0, 1].map(|i: usize| cells.force[i].plus(edge[i]).plus(contact.work[i]))
             }
-            // u = v^h: w1 = 0.
-            Forces::Vector => {
+            // u = v^h: w1 = 0, and w2 is in V^h.
+            Some(_) => {
                 let w = &mut view.u.iter().zip(&v).map(|(u_h, u)| u_h - u);
                 [Sum::default(), by_vector(w)]
             }
@@ -123,7 +135,7 @@ impl PastLevels {
         self.norms.push(cells.strain.sqrt());
         let remembered = fields.remembered(t)?;
         Ok(LevelIntegrals {
-            k: case.grid.largest_step(),
+            k: self.grid.largest_step(),
             load: load_of,
             quadrature,
             scheme_load,
@@ -131,7 +143,7 @@ impl PastLevels {
             scheme_contact,
             outside: (space.element != Element::P1).then_some(contact.outside),
             history: zeta_error + theta,
-            truncation: self.truncation(case, view.n, zeta, remembered),
+            truncation: self.truncation(view.n, zeta, remembered),
             errors: self.errors.iter().sum(),
             cells,
             contact,
@@ -139,32 +151,26 @@ impl PastLevels {
     }
 
     /// ‖S_n u - S_n^k u‖_Y: what the trapezoidal rule makes of the truth.
-    fn truncation(
-        &mut self,
-        case: &AuditedCase<'_>,
-        n: usize,
-        zeta: Option<f64>,
-        now: Remembered,
-    ) -> f64 {
-        let weights = primed_weights(&case.grid, n);
+    fn truncation(&mut self, n: usize, zeta: Option<f64>, now: CellValues) -> f64 {
+        let weights = primed_weights(&self.grid, n);
         let sum: f64 = weights.iter().zip(&self.norms).map(|(w, norm)| w * norm).sum();
         let accumulated = zeta.map_or(0.0, |zeta| (zeta - sum).abs());
-        if !case.material.remembers() {
+        if !self.material.remembers() {
             return accumulated;
         }
         self.remembered.push(now.strain);
         let factors: Vec<f64> = weights
             .iter()
             .enumerate()
-            .map(|(j, w)| w * case.material.kernel(case.grid.time(n) - case.grid.time(j)))
+            .map(|(j, w)| w * self.material.kernel(self.grid.time(n) - self.grid.time(j)))
             .collect();
         let mut square = 0.0;
-        for (p, weight) in now.weights.iter().enumerate() {
+        for (p, weight) in now.at.weights.iter().enumerate() {
             let history: Plane = std::array::from_fn(|i| {
                 let past = self.remembered.iter().zip(&factors);
-                now.history[i][p] - past.map(|(strain, f)| f * strain[i][p]).sum::<f64>()
+                now.history[p][i] - past.map(|(strain, f)| f * strain[p][i]).sum::<f64>()
             });
-            let theta = case.material.remembered(&history);
+            let theta = self.material.remembered(&history);
             square += weight * dot(&theta, &theta);
         }
         accumulated + square.sqrt()

@@ -34,14 +34,6 @@ impl Relation {
             Self::Equal => "=",
         }
     }
-
-    /// By how much two sides fail it.
-    pub(super) fn excess(self, left: f64, right: f64) -> f64 {
-        match self {
-            Self::AtMost => left - right,
-            Self::Equal => (left - right).abs(),
-        }
-    }
 }
 
 /// How a line stands.
@@ -105,8 +97,15 @@ impl Line {
         if self.relation == Relation::AtMost && self.right == f64::INFINITY {
             return LineStanding::Undefined;
         }
-        let excess = self.relation.excess(self.left, self.right);
-        if excess <= self.accuracy { LineStanding::Holds } else { LineStanding::Violated }
+        if self.excess() <= self.accuracy { LineStanding::Holds } else { LineStanding::Violated }
+    }
+
+    /// By how much its sides fail it.
+    pub(super) fn excess(&self) -> f64 {
+        match self.relation {
+            Relation::AtMost => self.left - self.right,
+            Relation::Equal => (self.left - self.right).abs(),
+        }
     }
 
     /// How near the line comes to failing, 1 where it just holds: left/right of an inequality, of an identity the
@@ -116,7 +115,7 @@ impl Line {
         match self.relation {
             Relation::AtMost => self.ratio(),
             Relation::Equal => {
-                let share = self.relation.excess(self.left, self.right) / self.accuracy;
+                let share = self.excess() / self.accuracy;
                 let silent = self.left == self.right && self.accuracy == 0.0;
                 (!silent).then_some(share)
             }

@@ -28,7 +28,7 @@ mod sides;
 mod smooth;
 mod strips;
 
-pub use case::{AuditError, Auditor, CaseAudit, CaseLine, SidesAtLevel, audit_case};
+pub use case::{AuditError, Auditor, CaseAudit, CaseLine, audit_case};
 pub use constants::AuditConstants;
 pub use lines::{Line, LineStanding, Relation, Statement};
 pub use memory::audit_runs;

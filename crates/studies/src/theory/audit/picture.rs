@@ -10,7 +10,7 @@ impl SceneAudit {
     ///
     /// # Errors
     /// The drawing library's.
-    pub fn svg(&self) -> Result<Option<String>, ReportError> {
+    pub(super) fn svg(&self) -> Result<Option<String>, ReportError> {
         let bar = |line: &&SceneLine| {
             let length = line.tightness?;
             let [name, says] = [line.statement.name, line.statement.says];

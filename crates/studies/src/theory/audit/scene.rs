@@ -3,11 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::case::{
-    AuditError, CaseAudit, CaseLine, SidesAtLevel, audit_case, is_tighter, is_unconstrained,
-};
+use super::case::{AuditError, CaseAudit, CaseLine, audit_case, is_tighter, is_unconstrained};
 use super::constants::AuditConstants;
-use super::lines::{LineStanding, Relation, Statement};
+use super::lines::{Line, LineStanding, Relation, Statement};
 use algebra::linalg::larger;
 use fem::contact::BoundaryRule;
 use fem::space::Element;
@@ -47,9 +45,9 @@ pub struct SceneLine {
     pub right: f64,
     /// The worst ratio of all runs, as in [`CaseLine::ratio`].
     pub ratio: Option<f64>,
-    /// The level of all runs at which the line is tightest, with its tightness.
+    /// The line where it is tightest, over all levels and runs.
     #[serde(skip)]
-    pub tightest: Option<(f64, SidesAtLevel)>,
+    pub tightest: Option<Line>,
     /// The tightness: left/right, of an identity the difference over the accuracy.
     pub tightness: Option<f64>,
     /// left - right there, of an identity its magnitude.
@@ -137,13 +135,13 @@ impl SceneAudit {
                 .collect();
             power_law(&samples).ok().map(|law| law.order)
         };
-        let known = all.iter().filter_map(|(_, row)| row.tightest);
-        let tightest = known.reduce(|a, b| if is_tighter(b.0, a.0) { b } else { a });
+        let known = all.iter().filter_map(|(_, row)| Some(row.tightest?.1));
+        let tightest = known.reduce(|a, b| if is_tighter(&b, &a) { b } else { a });
         SceneLine {
             tightest,
-            tightness: tightest.map(|(tightness, _)| tightness),
-            difference: tightest.map(|(_, at)| row.relation.excess(at.left, at.right)),
-            accuracy: tightest.map(|(_, at)| at.accuracy),
+            tightness: tightest.and_then(|at| at.tightness()),
+            difference: tightest.map(|at| at.excess()),
+            accuracy: tightest.map(|at| at.accuracy),
             statement: row.statement,
             relation: row.relation,
             left: row.left,

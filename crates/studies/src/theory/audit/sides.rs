@@ -1,12 +1,14 @@
 //! A side of Γ2 or Γ3 with the formulas of the truth on it.
 
-use super::edges::{ContactSample, EdgeSample, between, cut_points, edge_and_place, padded, shape};
+use super::edges::{
+    ContactSample, EdgeSample, between, cut_points, edge_and_place, number, padded, shape,
+};
 use super::fields::sort_interior;
-use exact::{BoundaryFormulas, ContactFormulas, Exact, LawNumbers};
+use exact::{BoundaryFormulas, Exact, LawNumbers};
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
 use fem::space::Element;
-use formula::{EvaluationPoint, Node, Program};
+use formula::{Node, Program};
 
 pub(crate) struct SideEdges {
     normal: [f64; 2],
@@ -14,7 +16,6 @@ pub(crate) struct SideEdges {
     lengths: Vec<f64>,
     /// Guards of σ.
     guards: Program,
-    guard_count: usize,
     contact: Option<ContactSide>,
 }
 
@@ -24,7 +25,9 @@ struct ContactSide {
     trace: Vec<[usize; 3]>,
     formulas: BoundaryFormulas,
     guards: Program,
-    guard_count: usize,
+    /// s and c of the law, with what they are without a formula.
+    shift: (Option<Node>, f64),
+    scale: (Option<Node>, f64),
     kinks: Vec<f64>,
     has_jump: bool,
 }
@@ -75,10 +78,12 @@ impl SideEdges {
                 let at = space.trace.mesh_facet.iter().position(is_facet).unwrap_or(0);
                 padded(space.trace.facet(at)).map(|a| a as usize)
             };
-            let law = exact.data.contact.as_ref().and_then(|contact| contact.law.as_ref());
+            let given = exact.data.contact.as_ref();
+            let law = given.and_then(|contact| contact.law.as_ref());
             ContactSide {
                 trace: facets.iter().map(position).collect(),
-                guard_count: guards.len(),
+                shift: (given.and_then(|contact| contact.shift), 0.0),
+                scale: (given.and_then(|contact| contact.scale), 1.0),
                 guards: Program::compile(&mut formulas.graph, &guards, horizon),
                 kinks: law.map_or(Vec::new(), LawNumbers::kinks),
                 has_jump: law
@@ -92,7 +97,6 @@ impl SideEdges {
             normal,
             lengths: facets.iter().map(length).collect(),
             edges,
-            guard_count: guards.len(),
             guards: Program::compile(&mut graph, &guards, horizon),
             contact,
         }
@@ -115,47 +119,24 @@ impl SideEdges {
         zeta: f64,
         traces: &[&[f64]],
     ) -> Vec<EdgeSample> {
-        let values = |program: &Program, count: usize, places: &[f64], t: f64| {
-            let mut out = vec![Vec::new(); count];
-            program.bind(&self.points(space, places)).evaluate(t, zeta, &mut out);
-            out
+        let values = |program: &Program, places: &[f64], t: f64| {
+            program.values(&self.points(space, places), t, zeta)
         };
-        let stress = |places: &[f64]| values(&self.guards, self.guard_count, places, t);
+        let stress = |places: &[f64]| values(&self.guards, places, t);
         let Some(contact) = &self.contact else {
             let points = cut_points(self.edges.len(), &[&stress]);
             return self.at(exact, space, t, &points);
         };
-        let guards = |time: f64| {
-            move |places: &[f64]| values(&contact.guards, contact.guard_count, places, time)
-        };
+        let guards = |time: f64| move |places: &[f64]| values(&contact.guards, places, time);
         let (now, first) = (guards(t), guards(0.0));
         let crossings = |places: &[f64]| {
-            let exact_values = values(&contact.formulas.program, 5, places, t);
-            let shifts = self.values(exact, shift_of, 0.0, space, places);
+            let exact_values = values(&contact.formulas.program, places, t);
+            let points = self.points(space, places).into_iter();
+            let shifts: Vec<f64> = points.map(|x| number(exact, contact.shift, x)).collect();
             contact.crossings(space.element, places, &exact_values[0], &shifts, traces)
         };
         let points = cut_points(self.edges.len(), &[&stress, &now, &first, &crossings]);
         self.at(exact, space, t, &points)
-    }
-
-    /// s or c of the law at places, `absent` without one.
-    fn values(
-        &self,
-        exact: &Exact,
-        formula: fn(&ContactFormulas) -> Option<Node>,
-        absent: f64,
-        space: &Discretization,
-        places: &[f64],
-    ) -> Vec<f64> {
-        let node = exact.data.contact.as_ref().and_then(formula);
-        let Some(node) = node else { return vec![absent; places.len()] };
-        self.points(space, places)
-            .into_iter()
-            .map(|[x, y, z]| {
-                let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
-                exact.data.graph.evaluate(node, &at)
-            })
-            .collect()
     }
 
     fn at(
@@ -165,51 +146,35 @@ impl SideEdges {
         t: f64,
         points: &[(usize, f64, f64)],
     ) -> Vec<EdgeSample> {
-        let places: Vec<f64> = points.iter().map(|(edge, x, _)| *edge as f64 + x).collect();
         let coordinates: Vec<[f64; 3]> = points
             .iter()
             .map(|&(edge, x, _)| space.mesh.point(&self.edges[edge][..2], &[1.0 - x, x]))
             .collect();
-        let mut out = vec![Vec::new(); 5 + exact.memory.len()];
-        exact.interior.bind(&coordinates).evaluate(t, 0.0, &mut out);
-        let (u, strain, history) = sort_interior(out);
-        let plane = |field: &[Vec<f64>; 3], p: usize| {
-            [0, 1, 2].map(|i: usize| field[i].get(p).copied().unwrap_or(0.0))
-        };
-        let mut state = vec![Vec::new(); 5];
-        if let Some(contact) = &self.contact {
-            contact.formulas.program.bind(&coordinates).evaluate(t, 0.0, &mut state);
-        }
-        let shifts = self.values(exact, shift_of, 0.0, space, &places);
-        let scales = self.values(exact, scale_of, 1.0, space, &places);
+        let (u, strain, history) = sort_interior(&exact.interior.values(&coordinates, t, 0.0));
+        let contact = self
+            .contact
+            .as_ref()
+            .map(|contact| (contact, contact.formulas.program.values(&coordinates, t, 0.0)));
         let sample = |(p, &(edge, x, weight)): (usize, &(usize, f64, f64))| EdgeSample {
             vertices: self.edges[edge],
             shape: shape(space.element, x),
             weight: weight * self.lengths[edge],
             normal: self.normal,
-            u: [u[0][p], u[1][p]],
-            strain: plane(&strain, p),
-            history: plane(&history, p),
-            contact: self.contact.as_ref().map(|contact| ContactSample {
+            u: u[p],
+            strain: strain[p],
+            history: history[p],
+            contact: contact.as_ref().map(|(contact, state)| ContactSample {
                 trace: contact.trace[edge],
                 normal: state[0][p],
                 gap: state[2][p],
-                shift: shifts[p],
-                scale: scales[p],
+                shift: number(exact, contact.shift, coordinates[p]),
+                scale: number(exact, contact.scale, coordinates[p]),
                 compliance: state[3][p],
                 multiplier: state[4][p],
             }),
         };
         points.iter().enumerate().map(sample).collect()
     }
-}
-
-fn shift_of(contact: &ContactFormulas) -> Option<Node> {
-    contact.shift
-}
-
-fn scale_of(contact: &ContactFormulas) -> Option<Node> {
-    contact.scale
 }
 
 impl ContactSide {
