@@ -21,7 +21,7 @@ const FINEST: u32 = 64;
 #[derive(Args)]
 #[command(
     after_help = "Runs use the paper's boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump and quadratic elements keep the vertex rule, whose error is a part of E_q. Rows are sorted by tightness. Columns: left and right where the line is tightest over all levels and runs, left - right there (of an identity its magnitude), the accuracy (what rounding and quadrature allow), the tightness (left/right; of an identity difference over accuracy; - where both sides are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
-JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, tightness, difference, accuracy, power_h, power_k, holds, defined), cases (n, steps, h, k, lines), violations, undefined (lines without a defined constant). Files with --out: SCENE-audit.csv, SCENE-audit.json, SCENE-audit.svg. \
+JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, tightness, difference, accuracy, power_h, power_k, holds, defined), cases (n, steps, h, k, lines), violations, undefined (lines without a defined constant). Files with --out: SCENE-audit.csv, SCENE-audit.json. \
 With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
 Exit code 1: a line is violated beyond its accuracy or has no defined constant (m0 <= 0), or a claim is not confirmed."
 )]
@@ -47,7 +47,7 @@ pub(crate) struct Audit {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Write SCENE-audit.csv, SCENE-audit.json and SCENE-audit.svg into this directory
+    /// Write SCENE-audit.csv and SCENE-audit.json into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -83,7 +83,7 @@ impl Audit {
             write_file(&dir.join(format!("{}-audit.csv", audit.scene)), rows)?;
         }
         let json = audit.json().map_err(CliError::other)?;
-        deliver(&json, &audit.document()?, self.out.as_deref(), self.json)?;
+        deliver(&json, &audit.document(), self.out.as_deref(), self.json)?;
         Ok(u8::from(!audit.holds()))
     }
 

@@ -399,7 +399,7 @@ fn audits_hold_and_say_what_they_checked() {
     );
     assert_eq!(document["lines"].as_array().map(Vec::len), Some(16));
     assert_eq!(document["cases"].as_array().map(Vec::len), Some(4));
-    for file in ["compliance-audit.csv", "compliance-audit.json", "compliance-audit.svg"] {
+    for file in ["compliance-audit.csv", "compliance-audit.json"] {
         assert!(folder.at("out").join(file).exists(), "no {file}");
     }
     // d falls with order 1: the bound of E_A, which has e d in it, with order 2.

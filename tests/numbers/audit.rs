@@ -383,7 +383,7 @@ fn what_is_tightest_stands_first() {
     let mut audit = one_run();
     let last = audit.cases[0].rows.len() - 1;
     let place = |audit: &SceneAudit| {
-        let text = audit.document().expect("a document").text(132);
+        let text = audit.document().text(132);
         let rows = text.find("\nline ").expect("a table");
         text[rows..].find("\n(4.20) ").expect("a row")
     };

@@ -3,7 +3,6 @@
 //! Everything is rebuilt from records and verdicts; equal input gives equal bytes. A picture is a [`Chart`] (series
 //! over two axes) or a [`Map`].
 
-mod bars;
 mod body;
 mod canvas;
 mod chart;
@@ -37,7 +36,6 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use bars::{Bar, Bars};
 pub use body::{Arrow, Cell as BodyCell, Deformed};
 pub use chart::{Axis, Chart, Datum, LegendKey, Mark, Part, Series};
 pub use convergence::convergence_svg;
@@ -56,7 +54,6 @@ pub use sketch::{Ink, Sketch, Stroke};
 pub use slope::Slope;
 pub use space_time::{Panel, SpaceTime, Zone};
 pub use split::split_svg;
-pub use symbols::symbols;
 pub use written::remove_earlier;
 
 use document::{DATA, Report, TEMPLATE, data, document, group, markdown, page, tables};

@@ -8,7 +8,7 @@ use super::lines::{LineStanding, Relation};
 use super::scene::{SceneAudit, SceneLine};
 use crate::table;
 use fem::contact::BoundaryRule;
-use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits, held, number, precise};
+use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
 
 impl SceneAudit {
     /// The rule's word in scene files.
@@ -122,10 +122,7 @@ impl SceneAudit {
     }
 
     /// The audit as a document.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+    pub fn document(&self) -> StudyDocument {
         let lines = self.summaries();
         let title = format!("Checklist: {}", self.scene);
         let mut document =
@@ -163,14 +160,12 @@ impl SceneAudit {
             by_tightness(&lines).into_iter().map(line).collect(),
         );
         document.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
-        let shows = "shares of the bounds of the proofs against h (sweep audit).";
-        document.figure("audit", shows, self.svg()?);
-        Ok(document)
+        document
     }
 }
 
 /// The lines from what fails to what is furthest from it; those of one tightness in the order of the proof.
-pub(super) fn by_tightness(lines: &[SceneLine]) -> Vec<&SceneLine> {
+fn by_tightness(lines: &[SceneLine]) -> Vec<&SceneLine> {
     let rank = |line: &SceneLine| match line.standing {
         LineStanding::Holds => line.tightness.unwrap_or(f64::NEG_INFINITY),
         LineStanding::Violated | LineStanding::Undefined => f64::INFINITY,
@@ -202,7 +197,7 @@ impl AuditConstants {
 }
 
 /// What a line says, with the signs of sums and integrals; the rest is letters.
-pub(super) fn in_signs(says: &str) -> String {
+fn in_signs(says: &str) -> String {
     let signs = [("sum_j", "Σ_j"), ("sum w", "Σ w"), ("int lambda", "∫ lambda"), ("Au", "A u")];
     signs.iter().fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }

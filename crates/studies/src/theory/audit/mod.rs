@@ -20,7 +20,6 @@ mod law;
 mod level;
 mod lines;
 mod memory;
-mod picture;
 mod place;
 mod pointwise;
 mod scene;
