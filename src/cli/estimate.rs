@@ -1,25 +1,26 @@
 //! `sweep solve --estimate`: the error of one run from its coarser companions, and the n and N of another error.
 
-mod advice;
-
 use serde_json::{Value, json};
 
-use super::{CliError, print_json, print_text};
-pub(super) use advice::Wanted;
-use advice::bracketed;
+use super::target::Wanted;
+use super::{CliError, megabytes, print_json, print_text};
+use judge::fit::Interval;
 use report::digits;
+use run::sweep::MemoryLimit;
 use scene::setup::Setup;
 use scene::{Extension, Norm};
 use studies::guarantee::Guarantee;
 use studies::trade::estimate::{
-    Companions, Estimate, Part, QuantityEstimate, companions_and_bound, norm_estimate,
+    Advice, Advised, Companions, CostSource, Estimate, Goal, NoAdvice, Part, QuantityEstimate,
+    advise, companions_and_bound, norm_estimate,
 };
 
 /// Runs a case with its companions; prints its estimated error, and the recommendation for a wanted error.
 pub(super) fn execute(
     setup: &Setup,
     [n, steps]: [u32; 2],
-    wanted: Option<Wanted>,
+    wanted: Wanted,
+    limit: MemoryLimit,
     as_json: bool,
 ) -> Result<u8, CliError> {
     let command = "sweep solve --estimate";
@@ -33,19 +34,21 @@ pub(super) fn execute(
         .iter()
         .map(|measured| (measured.norm, norm_estimate(setup, &found, measured)))
         .collect();
-    let advice = wanted.map(|wanted| (wanted.norm(), wanted.advise(setup, [n, steps], &found)));
+    let norm = wanted.norm;
+    let goal = |target| Goal { setup, run: [n, steps], norm, target, limit };
+    let advice = wanted.error(found.size).map(|target| advise(&goal(target), &found));
     if as_json {
         let mut document = json!({
             "scene": setup.scene.name,
             "n": n,
             "steps": steps,
             "norms": estimates.iter().map(|(norm, estimate)| norm_json(&found, *norm, estimate)).collect::<Vec<_>>(),
-            "quantities": found.quantities.iter().map(quantity_json).collect::<Vec<_>>(),
+            "quantities": found.quantities,
             "state": found.state,
             "bound": bound_json(&bound),
         });
-        if let Some((norm, advice)) = &advice {
-            document["recommendation"] = advice::json(advice, &found, *norm);
+        if let Some(advice) = &advice {
+            document["recommendation"] = advice_json(advice, &found, norm);
         }
         print_json(&document)?;
     } else {
@@ -55,11 +58,11 @@ pub(super) fn execute(
         print_text(&format!("\n{}", bound_words(&bound)));
     }
     // The estimate is printed before a target is refused.
-    let Some((norm, advice)) = advice else { return Ok(0) };
+    let Some(advice) = advice else { return Ok(0) };
     let advice = advice.map_err(CliError::other)?;
     let wanted_estimate = estimates.iter().find(|(of, _)| *of == norm);
-    if let Some((norm, estimate)) = wanted_estimate.filter(|_| !as_json) {
-        advice::print(&advice, &found, *norm, estimate);
+    if let Some((_, estimate)) = wanted_estimate.filter(|_| !as_json) {
+        print_advice(&advice, &found, norm, estimate);
     }
     Ok(0)
 }
@@ -167,29 +170,96 @@ fn norm_json(found: &Companions, norm: Norm, estimate: &Estimate) -> Value {
         (Part::Below(bound), _) => json!({ "value": 0.0, "interval": [0.0, bound] }),
         (Part::Unknown(reason), _) => json!({ "reason": reason }),
         (_, Some((order, (value, interval)))) => {
-            json!({ "order": order, "value": value, "interval": [interval.lo, interval.hi] })
+            json!({ "order": order, "value": value, "interval": interval })
         }
         _ => json!({ "reason": "no admissible order" }),
     };
-    let total = estimate.total();
+    let (value, interval) = estimate.total().unzip();
     json!({
-        "norm": norm.name(),
-        "value": total.map(|(value, _)| value),
-        "interval": total.map(|(_, interval)| [interval.lo, interval.hi]),
-        "relative": total.and_then(|(value, _)| relative(found, norm, value)),
+        "norm": norm,
+        "value": value,
+        "interval": interval,
+        "relative": value.and_then(|value| relative(found, norm, value)),
         "space": part(&estimate.space),
         "time": part(&estimate.time),
         "unknown": estimate.reasons(),
     })
 }
 
-fn quantity_json(estimate: &QuantityEstimate) -> Value {
+/// Prints the recommendation with its estimate.
+fn print_advice(advice: &Advice, found: &Companions, norm: Norm, estimate: &Estimate) {
+    let part = match norm {
+        Norm::VMax => {
+            format!(" ({:.3} % of the largest |eps(u)|)", 100.0 * advice.target / found.size)
+        }
+        _ => String::new(),
+    };
+    print_text(&format!("\ntarget {:.4e} in {}{part}", advice.target, norm.name()));
+    print_text(&format!("  recommended: {}", advised_words(&advice.choice)));
+    match &advice.cautious {
+        Ok(advised) => print_text(&format!("  cautious:    {}", advised_words(advised))),
+        Err(reason) => print_text(&format!("  cautious:    {reason}")),
+    }
+    print_text(&format!("  orders counted on: {}", orders_words(estimate)));
+    print_text(&format!("  seconds: {}", source_words(advice.source)));
+    let [n, steps] = advice.check;
+    print_text(&format!(
+        "  to check: --n {n} --steps {steps} --estimate, a run whose own companions narrow the interval"
+    ));
+}
+
+fn advised_words(advised: &Advised) -> String {
+    let far = advised.extrapolates.as_ref();
+    let warning = far.map_or(String::new(), |text| format!("\n    far: {text}"));
+    format!(
+        "n = {}, N = {} (h = {:.5}, k = {:.5}), predicted: error {:.3e} in {}, {:.3} CPU s, {}{warning}",
+        advised.n,
+        advised.steps,
+        advised.h,
+        advised.k,
+        advised.error,
+        bracketed(advised.interval),
+        advised.seconds,
+        megabytes(advised.bytes),
+    )
+}
+
+fn orders_words(estimate: &Estimate) -> String {
+    let of = |(name, part): (&str, &Part)| match part.order().zip(part.counted_on()) {
+        Some((order, [counted, _])) => format!("{counted:.2} in {name} ({order:.2} observed)"),
+        None => format!("none in {name}, which does not show"),
+    };
+    [("h", &estimate.space), ("k", &estimate.time)].map(of).join(", ")
+}
+
+fn source_words(source: CostSource) -> &'static str {
+    match source {
+        CostSource::Timed => "fitted to the CPU times of this run and its companions",
+        CostSource::Counted => {
+            "by counts, at the rates of another machine: a companion is too short to time"
+        }
+    }
+}
+
+/// The key `recommendation`.
+fn advice_json(advice: &Result<Advice, NoAdvice>, found: &Companions, norm: Norm) -> Value {
+    let advice = match advice {
+        Ok(advice) => advice,
+        Err(reason) => return json!({ "norm": norm, "refused": reason.to_string() }),
+    };
     json!({
-        "name": estimate.name,
-        "value": estimate.value,
-        "extrapolated": estimate.extrapolated,
-        "uncertainty": estimate.uncertainty,
-        "orders": estimate.orders,
-        "reason": estimate.reason,
+        "norm": norm,
+        "target": advice.target,
+        "relative": (norm == Norm::VMax && found.size > 0.0).then(|| advice.target / found.size),
+        "choice": advice.choice,
+        "cautious": advice.cautious.as_ref().ok(),
+        "cautious_refused": advice.cautious.as_ref().err().map(ToString::to_string),
+        "seconds_from": advice.source,
+        "check": { "n": advice.check[0], "steps": advice.check[1] },
+        "refused": null,
     })
+}
+
+fn bracketed(interval: Interval) -> String {
+    format!("[{:.3e}, {:.3e}]", interval.lo, interval.hi)
 }

@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
-use super::estimate::Wanted;
 use super::machine::Allowance;
+use super::target::Wanted;
 use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
 };
@@ -21,6 +21,7 @@ use run::sweep::admit_run;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
+use serde_json::{Value, json};
 use studies::solution::{FinalState, VtuSeries};
 use studies::trade::estimate::companion_runs;
 use vhi::{Decomposition, FixedPoint, Newton, StepSolver};
@@ -161,10 +162,9 @@ impl Solve {
     /// Estimates the error and recommends n and N; invalid arguments are refused before any run.
     fn estimated(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
         let limit = self.allowance.limit();
-        let read = |target: &String| Wanted::read(setup, target, &self.norm, limit);
-        let wanted = self.target.as_ref().map(read).transpose()?;
+        let wanted = Wanted::read(setup, &self.norm, self.target.as_deref())?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
-        super::estimate::execute(setup, [n, self.steps], wanted, self.json)
+        super::estimate::execute(setup, [n, self.steps], wanted, limit, self.json)
     }
 
     fn decomposes(&self) -> bool {
@@ -190,7 +190,32 @@ impl Solve {
         let bound = bound.transpose()?;
         self.remark_on(&setup.scene.name, bound);
         let (info, state, seconds) = self.march(setup, n, &data, start)?;
+        let linear = &info.work.linear;
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
+        let mut document = serde_json::to_value(state).map_err(CliError::other)?;
+        let of_run = json!({
+            "newton_iterations": info.newton_iterations,
+            "fixed_point_iterations": info.fixed_point_iterations,
+            "convex_problems": info.convex_problems,
+            "contraction": bound.map(|_| info.contraction),
+            "contraction_bound": bound,
+            "factorizations": linear.factorizations,
+            "linear_solves": linear.solves,
+            "linear_solver": solver.name(),
+            "linear_iterations": linear.iterations,
+            "kkt_residual": info.kkt_residual,
+            "paths": setup.paths_in_words(self.steps, &info),
+            "seconds": seconds,
+            "dofs": data.space.dofs(),
+            "peak_resident_bytes": peak_resident_bytes(),
+        });
+        if let (Some(all), Value::Object(of_run)) = (document.as_object_mut(), of_run) {
+            all.extend(of_run);
+        }
+        if self.json {
+            print_json(&document)?;
+            return Ok(0);
+        }
         let case = format!(
             "{}, n = {n} (h = {}), N = {} (k = {})",
             setup.scene.name,
@@ -198,10 +223,7 @@ impl Solve {
             self.steps,
             digits(setup.grid(self.steps).largest_step(), 4)
         );
-        let dimension = data.space.mesh.dimension;
-        let dofs = data.space.dofs();
-        let ways = setup.paths_in_words(self.steps, &info);
-        self.print((&case, dimension), &state, (&info, ways), bound, seconds, (dofs, solver))?;
+        print_text(&words::in_words(&case, &document, data.space.mesh.dimension));
         Ok(0)
     }
 
@@ -291,39 +313,6 @@ impl Solve {
             "{name} n = {n}: multigrid needs coarser meshes that this one refines, down to few unknowns; take an n with more factors of 2 (rectangles, boxes, polygons; {} unknowns here), or --linear-solver direct",
             data.space.dofs()
         )))
-    }
-
-    fn print(
-        &self,
-        (case, dimension): (&str, usize),
-        state: &FinalState,
-        (info, ways): (&CaseInfo, Vec<String>),
-        bound: Option<f64>,
-        seconds: f64,
-        (dofs, solver): (usize, LinearSolver),
-    ) -> Result<(), CliError> {
-        let mut document = serde_json::to_value(state).map_err(CliError::other)?;
-        if let Some(object) = document.as_object_mut() {
-            object.insert("newton_iterations".into(), info.newton_iterations.into());
-            object.insert("fixed_point_iterations".into(), info.fixed_point_iterations.into());
-            object.insert("convex_problems".into(), info.convex_problems.into());
-            object.insert("contraction".into(), bound.map(|_| info.contraction).into());
-            object.insert("contraction_bound".into(), bound.into());
-            object.insert("factorizations".into(), info.work.linear.factorizations.into());
-            object.insert("linear_solves".into(), info.work.linear.solves.into());
-            object.insert("linear_solver".into(), solver.name().into());
-            object.insert("linear_iterations".into(), info.work.linear.iterations.into());
-            object.insert("kkt_residual".into(), info.kkt_residual.into());
-            object.insert("paths".into(), ways.into());
-            object.insert("seconds".into(), seconds.into());
-            object.insert("dofs".into(), dofs.into());
-            object.insert("peak_resident_bytes".into(), peak_resident_bytes().into());
-        }
-        if self.json {
-            return print_json(&document);
-        }
-        print_text(&words::in_words(case, &document, dimension));
-        Ok(())
     }
 }
 

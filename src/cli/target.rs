@@ -2,50 +2,52 @@
 
 use super::CliError;
 use scene::Norm;
+use scene::setup::Setup;
 use studies::trade::{NORMS, NoAnswer};
 
-/// The norm of a name; only norms with a value at every time level.
-pub(super) fn norm(name: &str) -> Result<Norm, CliError> {
-    NORMS.into_iter().find(|norm| norm.name() == name).ok_or_else(|| {
-        let known: Vec<&str> = NORMS.iter().map(|norm| norm.name()).collect();
-        CliError::other(format!("no norm `{name}` here: choose one of {}", known.join(", ")))
-    })
-}
-
+/// What is wanted of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Target {
-    Absolute(f64),
-    /// Relative to the largest ‖ε(u)‖.
-    Relative(f64),
+pub(super) struct Wanted {
+    pub norm: Norm,
+    error: Option<f64>,
+    /// Whether the error is one relative to the largest ‖ε(u)‖.
+    relative: bool,
 }
 
-impl Target {
-    pub(super) fn read(text: &str, norm: Norm) -> Result<Self, CliError> {
-        let (number, relative) = match text.trim().strip_suffix('%') {
-            Some(number) => (number.trim(), true),
-            None => (text.trim(), false),
-        };
-        let value: f64 = number.parse().map_err(|_| {
+impl Wanted {
+    /// Reads both options; only norms with a value at every time level, and norms on Γ3 only with Γ3.
+    pub(super) fn read(setup: &Setup, norm: &str, error: Option<&str>) -> Result<Self, CliError> {
+        let known = NORMS.into_iter().find(|known| known.name() == norm);
+        let norm = known.ok_or_else(|| {
+            let known: Vec<&str> = NORMS.iter().map(|norm| norm.name()).collect();
+            CliError::other(format!("no norm `{norm}` here: choose one of {}", known.join(", ")))
+        })?;
+        let name = norm.name();
+        if norm.needs_contact() && setup.model.boundary.is_none() {
+            let message = format!("`{name}` is a norm on Γ3, and the scene has none");
+            return Err(CliError::other(message));
+        }
+        let Some(text) = error else { return Ok(Self { norm, error: None, relative: false }) };
+        let percent = text.trim().strip_suffix('%');
+        let number: Result<f64, _> = percent.unwrap_or(text).trim().parse();
+        let target = number.map_err(|_| {
             CliError::other(format!("--target {text}: not a number; `0.01` is an error in the norm, `1%` a hundredth of the solution"))
         })?;
-        if !(value.is_finite() && value > 0.0) {
-            return Err(CliError::other(NoAnswer::NotPositive { target: value }));
+        if !(target.is_finite() && target > 0.0) {
+            return Err(CliError::other(NoAnswer::NotPositive { target }));
         }
-        match (relative, norm) {
-            (false, _) => Ok(Self::Absolute(value)),
-            (true, Norm::VMax) => Ok(Self::Relative(value / 100.0)),
-            (true, _) => Err(CliError::other(format!(
-                "--target {text}: a part of the solution is known in V_max alone; give an error in {}",
-                norm.name()
-            ))),
+        let relative = percent.is_some();
+        if relative && norm != Norm::VMax {
+            return Err(CliError::other(format!(
+                "--target {text}: a part of the solution is known in V_max alone; give an error in {name}"
+            )));
         }
+        let error = if relative { target / 100.0 } else { target };
+        Ok(Self { norm, error: Some(error), relative })
     }
 
     /// The absolute error, for a solution of this size.
-    pub(super) fn of(self, size: f64) -> f64 {
-        match self {
-            Self::Absolute(value) => value,
-            Self::Relative(part) => part * size,
-        }
+    pub(super) fn error(&self, size: f64) -> Option<f64> {
+        self.error.map(|error| if self.relative { error * size } else { error })
     }
 }

@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::machine::Allowance;
 use super::study::write;
-use super::{CliError, Scenes, create_dir, print_json, print_text, subject, target, width};
+use super::target::Wanted;
+use super::{CliError, Scenes, create_dir, print_json, print_text, subject, width};
 use answer::Confirmed;
 use report::StudyDocument;
 use run::sweep::{Overrides, ScenePlan};
-use scene::setup::Setup;
-use scene::{Extension, Norm, Scene};
+use scene::{Extension, Scene};
 use studies::trade::{
     Answered, Bench, Knob, Study, Table, TradeRuns, Trial, Variant, admit_trade, element_meshes,
     held, knobs, scene_grid,
@@ -75,21 +75,19 @@ impl TradeCommand {
         let scene = scenes.scene(&self.scene)?;
         let why = "it compares rules in time that take the value of a kernel at s = t";
         scene.without(&[Extension::SingularKernel], "sweep trade", why)?;
-        let norm = target::norm(&self.norm)?;
-        let target =
-            self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;
-        let plain = self.as_written(&scene, norm)?;
+        let plain = as_written(&scene)?;
+        let wanted = Wanted::read(&plain.setup, &self.norm, self.target.as_deref())?;
+        let norm = wanted.norm;
         let mut plan = self.plan(&plain)?;
         let scene_plan = self.cases(&scene, [&plan.n, &plan.steps])?;
         admit_trade(&scene_plan, 0.0, &self.allowance.limit())?;
         self.elements(&mut plan, &plain, &scene_plan)?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
         create_dir(&self.out)?;
-        let mut table =
-            Table::create(&self.at(&scene), &scene.name, norm.name()).map_err(CliError::other)?;
+        let table =
+            Table::create(self.at(&scene), &scene.name, norm.name()).map_err(CliError::other)?;
         let mut heard = |trial: &Trial| super::progress::note(&row(trial));
-        let study =
-            Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(CliError::other)?;
+        let study = Study::run(&mut bench, &plan, &table, &mut heard).map_err(CliError::other)?;
         let mut document = study.document(None)?;
         let mut found = Found { study: &study, answer: None, confirmed: None };
         // Measurements are on disk before a target can be refused.
@@ -99,9 +97,9 @@ impl TradeCommand {
                 print_text(text);
             }
         };
-        let asked = target.map(|target| {
-            self.answer(&mut bench, &plan, target.of(study.size), scenes, &study, &mut document)
-        });
+        let asked = wanted
+            .error(study.size)
+            .map(|target| self.answer(&mut bench, &plan, target, scenes, &study, &mut document));
         say(&document.text(width(StudyDocument::WIDTH)));
         if let Some((answer, confirmed)) = asked.transpose()? {
             (found.answer, found.confirmed) = (Some(answer), confirmed);
@@ -176,27 +174,6 @@ impl TradeCommand {
         self.out.join(format!("{}-trade.csv", scene.name))
     }
 
-    /// The scene as written, if errors can be measured in it.
-    fn as_written(&self, scene: &Scene, norm: Norm) -> Result<Variant, CliError> {
-        if scene.as_contact().is_none() {
-            let message = "an abstract problem has one step and no mesh to trade against";
-            let hint = "sweep run measures its errors over k";
-            return Err(scene.error("scene.kind", message, hint).into());
-        }
-        let Some(plain) = Variant::new(scene, Knob::AsWritten)? else {
-            return Err(CliError::other("the scene as written cannot be run"));
-        };
-        check_truth(&plain.setup)?;
-        let on_contact = plain.setup.model.boundary.is_some();
-        if norm.needs_contact() && !on_contact {
-            return Err(CliError::other(format!(
-                "`{}` is a norm on Γ3, and the scene has none",
-                norm.name()
-            )));
-        }
-        Ok(plain)
-    }
-
     fn plan(&self, plain: &Variant) -> Result<TradeRuns, CliError> {
         let scene = &plain.setup.scene;
         if self.budget.is_nan() || self.budget <= 0.0 {
@@ -223,21 +200,27 @@ impl TradeCommand {
     }
 }
 
-/// Refuses a scene in which no error can be measured.
-fn check_truth(setup: &Setup) -> Result<(), CliError> {
-    let reference = setup.scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
-    if setup.exact.is_some() || reference {
-        return Ok(());
+/// The scene as written, if errors can be measured in it.
+fn as_written(scene: &Scene) -> Result<Variant, CliError> {
+    if scene.as_contact().is_none() {
+        let message = "an abstract problem has one step and no mesh to trade against";
+        let hint = "sweep run measures its errors over k";
+        return Err(scene.error("scene.kind", message, hint).into());
+    }
+    let plain = Variant::new(scene, Knob::AsWritten)?;
+    let reference = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
+    if plain.setup.exact.is_some() || reference {
+        return Ok(plain);
     }
     let message =
         "the scene has neither an exact solution nor a reference run: no error can be measured";
     let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
-    Err(setup.scene.error("scene.name", message, hint).into())
+    Err(scene.error("scene.name", message, hint).into())
 }
 
 /// Prints a finished run on stderr.
 fn row(trial: &Trial) -> String {
-    let place = format!("{} n={} N={}", trial.knob, trial.n, trial.steps);
+    let place = format!("{} n={} N={}", trial.knob.name(), trial.n, trial.steps);
     match &trial.outcome {
         Ok(run) => format!("{place} error {:.4e} in {:.4} s", run.error, run.seconds),
         Err(reason) => format!("{place} failed: {reason}"),

@@ -26,6 +26,12 @@ pub enum Norm {
     ContactMeasureMax,
 }
 
+impl serde::Serialize for Norm {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
 impl Norm {
     /// Whether it needs pressures.
     pub fn wants_pressure(self) -> bool {

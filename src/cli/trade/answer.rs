@@ -41,9 +41,7 @@ impl Confirmed {
         scenes: &Scenes,
         scene: &str,
     ) -> Result<Self, CliError> {
-        let with_knob = Variant::new(&bench.plain.setup.scene.clone(), found.knob)?;
-        let variant = with_knob
-            .ok_or_else(|| CliError::other("the scene does not have the knob of the answer"))?;
+        let variant = Variant::new(&bench.plain.setup.scene, found.knob)?;
         bench.repeats = CONFIRMING;
         let trial = bench.trial(&variant, found.choice.n, found.choice.steps);
         let run = trial

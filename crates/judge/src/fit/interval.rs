@@ -1,7 +1,8 @@
 //! Closed intervals of orders and constants.
 
 /// A closed interval `[lo, hi]`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(into = "[f64; 2]")]
 pub struct Interval {
     pub lo: f64,
     pub hi: f64,
@@ -38,6 +39,12 @@ impl Interval {
     #[must_use]
     pub(crate) fn exp(self) -> Self {
         Self { lo: self.lo.exp(), hi: self.hi.exp() }
+    }
+}
+
+impl From<Interval> for [f64; 2] {
+    fn from(interval: Interval) -> Self {
+        [interval.lo, interval.hi]
     }
 }
 

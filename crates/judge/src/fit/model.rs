@@ -1,7 +1,8 @@
 //! Error models of two steps: sum and root-sum-square.
 
 /// E = (A^m + B^m + F^m)^(1/m) with A = C_h h^p, B = C_k k^q and an optional floor F.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ErrorCombination {
     /// m = 1: the triangle inequality attained.
     Sum,
@@ -17,7 +18,8 @@ impl ErrorCombination {
         }
     }
 
-    fn exponent(self) -> f64 {
+    /// m.
+    pub fn exponent(self) -> f64 {
         match self {
             Self::Sum => 1.0,
             Self::RootSumSquare => 2.0,

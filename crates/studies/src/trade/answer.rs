@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::as_json;
 use super::candidates::finest;
-use super::resource::megabytes;
+use super::document::megabytes;
 use super::rival::Known;
 use super::{
     Answer, Bench, Candidates, Knob, MOST, Models, NoAnswer, Optimum, Price, Study, TradeRuns,
@@ -21,17 +20,9 @@ const WORTH: f64 = 0.05;
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum AnswerError {
-    /// A model was not fitted.
-    #[error("no answer: the {what} have no model: {reason}")]
-    NoModel {
-        /// Errors or times.
-        what: &'static str,
-        /// Why.
-        reason: String,
-    },
-    /// There is no run.
-    #[error("no answer: nothing was run")]
-    NothingRun,
+    /// Nothing was run, or a model was not fitted.
+    #[error("no answer: {0}")]
+    Nothing(String),
     /// No run reaches the error.
     #[error(transparent)]
     NoAnswer(#[from] NoAnswer),
@@ -50,6 +41,12 @@ pub enum AnswerError {
     },
 }
 
+impl AnswerError {
+    fn nothing_run() -> Self {
+        Self::Nothing("nothing was run".into())
+    }
+}
+
 /// The answer with what it rests on.
 #[derive(Debug, Clone, Serialize)]
 pub struct Answered {
@@ -59,7 +56,6 @@ pub struct Answered {
     #[serde(flatten)]
     pub choice: Answer,
     /// The knob to turn.
-    #[serde(serialize_with = "as_json::knob")]
     pub knob: Knob,
     /// Memory, as predicted.
     pub bytes: f64,
@@ -91,7 +87,7 @@ impl Answered {
         let most = finest(setup).unwrap_or(MOST);
         let candidates = Candidates::new(setup, true)?;
         if plan.n.is_empty() || plan.steps.is_empty() {
-            return Err(AnswerError::NothingRun);
+            return Err(AnswerError::nothing_run());
         }
         let by = |known: &Known<'_>, target: f64| known.cheapest(&candidates, most, target);
         let as_written = by(&plain, target).and_then(|mut choice| {
@@ -112,9 +108,11 @@ impl Answered {
         let all = as_written.iter().copied().chain(others);
         let best = all.min_by(|a, b| a.2.seconds.total_cmp(&b.2.seconds));
         let Some((known, knob, choice, inner)) = best else {
-            return Err(as_written.err().map_or(AnswerError::NothingRun, AnswerError::NoAnswer));
+            return Err(as_written
+                .err()
+                .map_or_else(AnswerError::nothing_run, AnswerError::NoAnswer));
         };
-        let variant = Variant::new(&setup.scene, knob)?.ok_or(AnswerError::NothingRun)?;
+        let variant = Variant::new(&setup.scene, knob)?;
         let setup = bench.judging(&variant);
         // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
         admit_run(setup, None, (choice.n, choice.steps), limit)
@@ -125,8 +123,8 @@ impl Answered {
             target,
             knob,
             bytes,
-            h: candidates.h(choice.n),
-            k: candidates.k(choice.steps),
+            h: (candidates.h)(choice.n),
+            k: (candidates.k)(choice.steps),
             optimum: optimum(known.error, known.cost, inner),
             extrapolates: known.beyond(&choice),
             choice,
@@ -166,9 +164,8 @@ fn known<'a>(study: &Study, models: &'a Models, knob: Knob) -> Result<Known<'a>,
     Known::new(models, knob, &study.trials).ok_or_else(|| {
         let missing = models.error.as_ref().err().map(|reason| ("errors", reason));
         let missing = missing.or_else(|| Some(("times", models.cost.as_ref().err()?)));
-        missing.map_or(AnswerError::NothingRun, |(what, reason)| AnswerError::NoModel {
-            what,
-            reason: reason.clone(),
+        missing.map_or_else(AnswerError::nothing_run, |(what, reason)| {
+            AnswerError::Nothing(format!("the {what} have no model: {reason}"))
         })
     })
 }

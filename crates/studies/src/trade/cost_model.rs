@@ -3,8 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::as_json::exponent;
-use judge::fit::{FittedValue, Interval, LinearFit, linear_fit, same_level};
+use judge::fit::{Interval, LinearFit, linear_fit, same_level};
 
 /// A measured run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +16,13 @@ pub(crate) struct CostSample {
     pub seconds: f64,
 }
 
+/// An exponent with its interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Exponent {
+    pub exponent: f64,
+    pub interval: Interval,
+}
+
 /// t = t₀ + c h^-a k^-b.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct CostModel {
@@ -26,11 +32,9 @@ pub(crate) struct CostModel {
     pub constant: f64,
     /// a with its interval: the hull of the Student interval and of a' ± 2 |a' - a| with a' from the runs
     /// without the coarsest h, and without the coarsest k. What a power law leaves over is bias, as in `fit`.
-    #[serde(serialize_with = "exponent")]
-    pub space: FittedValue,
+    pub space: Exponent,
     /// b, likewise.
-    #[serde(serialize_with = "exponent")]
-    pub time: FittedValue,
+    pub time: Exponent,
     /// Largest |log t - log t(h, k)| of the runs.
     pub residual: f64,
 }
@@ -93,7 +97,7 @@ impl CostModel {
                 Interval::around(clipped, 2.0 * (clipped - value).abs())
             };
             let interval = clips.iter().map(drift).fold(student, Interval::hull);
-            FittedValue { value, interval }
+            Exponent { exponent: value, interval }
         };
         Ok(Self {
             base,
@@ -106,7 +110,7 @@ impl CostModel {
 
     /// Seconds at (h, k).
     pub(crate) fn seconds(&self, h: f64, k: f64) -> f64 {
-        self.base + self.constant * h.powf(-self.space.value) * k.powf(-self.time.value)
+        self.base + self.constant * h.powf(-self.space.exponent) * k.powf(-self.time.exponent)
     }
 }
 
@@ -156,11 +160,15 @@ mod tests {
         let law = |h: f64, k: f64| 3e-6 * h.powf(-2.3) * k.powf(-0.9);
         let found = CostModel::fit(&runs(law, 0.0)).expect("a cost");
         // Roundings of logarithms of size 10.
-        assert!((found.space.value - 2.3).abs() < 1e-12 && (found.time.value - 0.9).abs() < 1e-12);
+        assert!(
+            (found.space.exponent - 2.3).abs() < 1e-12 && (found.time.exponent - 0.9).abs() < 1e-12
+        );
         assert!((found.constant / 3e-6 - 1.0).abs() < 1e-11 && found.base == 0.0);
         let noisy = CostModel::fit(&runs(law, 0.1)).expect("a cost");
         // 10 % of noise on 16 runs over a factor 8: 0.1/√16/ln 8 · Student's 2.2, twice.
-        assert!((noisy.space.value - 2.3).abs() < 0.06 && (noisy.time.value - 0.9).abs() < 0.06);
+        assert!(
+            (noisy.space.exponent - 2.3).abs() < 0.06 && (noisy.time.exponent - 0.9).abs() < 0.06
+        );
         assert!(noisy.space.interval.contains(2.3) && noisy.time.interval.contains(0.9));
         assert!(!noisy.space.interval.contains(2.0) && !noisy.time.interval.contains(1.3));
     }
@@ -171,7 +179,9 @@ mod tests {
         let found = CostModel::fit(&runs(law, 0.0)).expect("a cost");
         // t₀ is tried in hundredths of the fastest run.
         assert!((found.base / 0.004 - 1.0).abs() < 0.03, "{}", found.base);
-        assert!((found.space.value - 2.0).abs() < 0.05 && (found.time.value - 1.0).abs() < 0.05);
+        assert!(
+            (found.space.exponent - 2.0).abs() < 0.05 && (found.time.exponent - 1.0).abs() < 0.05
+        );
         assert!(
             (found.seconds(1.0 / 64.0, 1.0 / 32.0) / law(1.0 / 64.0, 1.0 / 32.0) - 1.0).abs()
                 < 0.02
@@ -185,7 +195,7 @@ mod tests {
         let found = CostModel::fit(&runs(law, 0.0)).expect("a cost");
         let local = (law(1.0 / 64.0, 1.0) / law(1.0 / 32.0, 1.0)).log2();
         assert!(found.space.interval.contains(local), "{local} {:?}", found.space);
-        assert!(found.space.value < local);
+        assert!(found.space.exponent < local);
     }
 
     #[test]

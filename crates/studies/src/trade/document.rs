@@ -1,8 +1,8 @@
 //! A trade in words and tables.
 
 use super::extrapolation::{Extrapolated, LastOrder};
-use super::resource::megabytes;
-use super::{Answer, Answered, Equal, Price, Resource, Rival, Study, Term, Trial};
+use super::picture::AGAINST;
+use super::{Answer, Answered, Equal, Price, Rival, Study, Term, Trial};
 use judge::fit::Interval;
 use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits};
 
@@ -50,12 +50,9 @@ impl Study {
             ],
             self.trials.iter().map(trial).collect(),
         );
-        for (stem, shows, resource) in [
-            ("trade", "error against CPU seconds", Resource::Time),
-            ("trade-memory", "error against predicted memory", Resource::Memory),
-        ] {
-            let caption = format!("{shows}, with the Pareto front (sweep trade).");
-            document.figure(stem, &caption, self.svg(resource, answer)?);
+        for against in &AGAINST {
+            let caption = format!("{}, with the Pareto front (sweep trade).", against.shows);
+            document.figure(against.stem, &caption, self.svg(against, answer)?);
         }
         Ok(document)
     }
@@ -78,9 +75,9 @@ impl Study {
                 "Cost: t = {:.2e} s + {:.2e} s h^-a k^-b, a = {:.2} in {}, b = {:.2} in {} (off by {:.0} % at most).",
                 cost.base,
                 cost.constant,
-                cost.space.value,
+                cost.space.exponent,
                 bracketed(cost.space.interval),
-                cost.time.value,
+                cost.time.exponent,
                 bracketed(cost.time.interval),
                 100.0 * cost.residual.exp_m1()
             ),
@@ -104,6 +101,11 @@ impl Study {
     }
 }
 
+/// Bytes in MiB.
+pub(super) fn megabytes(bytes: f64) -> String {
+    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
+}
+
 fn term(step: &str, term: &Option<Term>) -> String {
     match term {
         Some(term) => {
@@ -125,7 +127,7 @@ fn bracketed(interval: Interval) -> String {
 
 fn trial(trial: &Trial) -> Vec<Run> {
     let [n, steps] = [trial.n, trial.steps].map(|count| count.to_string());
-    let mut cells: Vec<Run> = [trial.knob.clone(), n, steps].map(Run::plain).into();
+    let mut cells: Vec<Run> = [trial.knob.name(), n, steps].map(Run::plain).into();
     match &trial.outcome {
         Ok(run) => cells.extend(
             [

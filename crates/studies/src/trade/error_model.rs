@@ -1,6 +1,5 @@
 //! The error of a scene as a function of both steps, from the runs of a trade.
 
-use super::as_json::{self, ends};
 use judge::fit::{
     Direction, ErrorCombination, Interval, Level, Point, Sample, infer, joint_fits, local_slopes,
     power_law, same_level, samples,
@@ -15,7 +14,6 @@ pub(crate) struct Term {
     /// p.
     pub order: f64,
     /// Interval of p.
-    #[serde(serialize_with = "ends")]
     pub interval: Interval,
 }
 
@@ -23,7 +21,6 @@ pub(crate) struct Term {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct ErrorModel {
     /// m = 1 or 2.
-    #[serde(serialize_with = "as_json::model")]
     pub model: ErrorCombination,
     /// The term of h; none where the error does not depend on it.
     pub space: Option<Term>,
@@ -43,18 +40,10 @@ impl Term {
 }
 
 impl ErrorModel {
-    /// m.
-    pub(crate) fn exponent(&self) -> f64 {
-        match self.model {
-            ErrorCombination::Sum => 1.0,
-            ErrorCombination::RootSumSquare => 2.0,
-        }
-    }
-
     /// The error at (h, k).
     pub(crate) fn error(&self, h: f64, k: f64) -> f64 {
         let parts = [self.space.map(|term| term.at(h)), self.time.map(|term| term.at(k))];
-        let m = self.exponent();
+        let m = self.model.exponent();
         parts.into_iter().flatten().map(|part| part.powf(m)).sum::<f64>().powf(1.0 / m)
     }
 

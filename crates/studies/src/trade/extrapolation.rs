@@ -1,6 +1,5 @@
 //! What Richardson's extrapolation is worth: errors with and without it, and the orders of both.
 
-use super::as_json::some_ends;
 use super::measure::Bench;
 use super::{Knob, Study, Trial};
 use fem::contact::strain_norm;
@@ -26,7 +25,6 @@ pub(crate) struct LastOrder {
     /// Its value.
     pub last: f64,
     /// The interval of all rows, where there are enough.
-    #[serde(serialize_with = "some_ends")]
     pub interval: Option<Interval>,
 }
 
@@ -51,12 +49,11 @@ fn order(samples: &[Sample]) -> Option<LastOrder> {
 
 /// (4 u_k - u_2k)/3 on the finest mesh, in the V norm.
 pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
-    let name = Knob::Extrapolated.name();
-    let n = study.trials.iter().filter(|t| t.knob == name).map(|t| t.n).max()?;
+    let better = |t: &&Trial| t.knob == Knob::Extrapolated;
+    let n = study.trials.iter().filter(better).map(|t| t.n).max()?;
     let error = |trial: &Trial| trial.done().map(|run| run.error);
     let rows = study.plain().filter(|trial| trial.n == n).filter_map(|plain| {
-        let other =
-            study.trials.iter().find(|t| t.knob == name && t.n == n && t.steps == plain.steps);
+        let other = study.trials.iter().find(|t| better(t) && t.n == n && t.steps == plain.steps);
         Some((plain.k, error(plain)?, other.and_then(error)))
     });
     let what = format!("(4 u_k - u_2k)/3 on n = {n}, V_max");

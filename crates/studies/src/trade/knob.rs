@@ -48,6 +48,12 @@ const LINEAR_TOLERANCES: [f64; 2] = [1e-2, 1e-8];
 /// Errors to which kernels may be interpolated, beside 1e-13.
 const HISTORY_TOLERANCES: [f64; 3] = [1e-9, 1e-6, 1e-3];
 
+impl serde::Serialize for Knob {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.name())
+    }
+}
+
 impl Knob {
     /// Its name in tables.
     pub fn name(self) -> String {
@@ -146,16 +152,15 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// Turns a knob of a scene; none where the scene does not have it.
+    /// Turns a knob that a scene has.
     ///
     /// # Errors
     /// The scene cannot be set up.
-    pub fn new(scene: &Scene, knob: Knob) -> Result<Option<Self>, SetupError> {
+    pub fn new(scene: &Scene, knob: Knob) -> Result<Self, SetupError> {
         let scene = match knob {
-            Knob::Element(element) => scene.with_element(element).ok(),
-            _ => Some(scene.clone()),
+            Knob::Element(element) => scene.with_element(element)?,
+            _ => scene.clone(),
         };
-        let Some(scene) = scene else { return Ok(None) };
         let d = scene.dimension;
         let mut setup = Setup::new(scene)?;
         let (mut rules, mut newton) = (TruthRules::for_element(setup.body.element, d), None);
@@ -173,18 +178,18 @@ impl Variant {
                 rules.load = load_rule(d, degree);
                 rules.stress = rules.load.clone();
             }
-            Knob::Form(wanted) => match &mut setup.body.data {
-                Data::Exact { form, .. } => *form = wanted,
-                Data::Loads { .. } => return Ok(None),
-            },
-            Knob::Contact(rule) => match &mut setup.model.boundary {
-                Some(boundary) => boundary.rule = rule,
-                None => return Ok(None),
-            },
+            Knob::Form(wanted) => {
+                if let Data::Exact { form, .. } = &mut setup.body.data {
+                    *form = wanted;
+                }
+            }
+            Knob::Contact(rule) => {
+                setup.model.boundary.iter_mut().for_each(|boundary| boundary.rule = rule);
+            }
             Knob::DirectHistory => setup = setup.with_history(None),
             Knob::HistoryTolerance(error) => setup = setup.with_history(Some(error)),
         }
-        Ok(Some(Self { knob, setup, rules, newton }))
+        Ok(Self { knob, setup, rules, newton })
     }
 
     /// The element that it has.

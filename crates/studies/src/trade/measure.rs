@@ -78,7 +78,7 @@ impl Bench {
         let rounds = Rounds::run(cases.len(), self.repeats.max(1) as usize, |run| {
             let (variant, n, steps) = cases[run];
             match self.timed(variant, n, steps) {
-                Ok((timed, _)) => {
+                Ok(timed) => {
                     if let Ok(times) = &mut all[run] {
                         times.push(timed);
                     }
@@ -99,9 +99,9 @@ impl Bench {
         (variant, n, steps): Case<'_>,
         times: Result<Vec<Timed>, String>,
     ) -> Trial {
-        let on_mesh = |times| Ok((times, variant.on_mesh(n).map_err(|error| error.to_string())?));
-        let outcome = times.and_then(on_mesh).and_then(|(times, data)| {
-            self.judge(variant, n)?;
+        let outcome = self.judge(variant, n).and_then(|()| {
+            let times = times?;
+            let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
             self.judged(variant, &data, (n, steps), &times)
         });
         self.row(variant.knob, variant.element(), (n, steps), outcome)
@@ -109,8 +109,8 @@ impl Bench {
 
     /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
-        let outcome = self.outcome(variant, n, steps);
-        self.row(variant.knob, variant.element(), (n, steps), outcome)
+        let times = (0..self.repeats.max(1)).map(|_| self.timed(variant, n, steps)).collect();
+        self.after_rounds((variant, n, steps), times)
     }
 
     /// The row of a run; it has no unknowns where there is no mesh to judge it on.
@@ -123,7 +123,7 @@ impl Bench {
     ) -> Trial {
         let setup = &self.plain.setup;
         Trial {
-            knob: knob.name(),
+            knob,
             n,
             steps,
             h: setup.body.domain.h(n),
@@ -147,27 +147,14 @@ impl Bench {
     }
 
     /// One run for the clock, from nothing.
-    fn timed(&self, variant: &Variant, n: u32, steps: u32) -> Result<(Timed, MeshData), String> {
+    fn timed(&self, variant: &Variant, n: u32, steps: u32) -> Result<Timed, String> {
         let (clock, wall) = (ThreadTime::now(), Instant::now());
         let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
         let info = variant.march(&data, steps, &mut |_| Ok(())).map_err(|e| e.to_string())?;
         let seconds = clock.elapsed().as_secs_f64();
         // The share is one of wall time, since the thread may have waited in between.
         let load_share = info.seconds_load / wall.elapsed().as_secs_f64();
-        Ok((Timed { seconds, load_share }, data))
-    }
-
-    fn outcome(&mut self, variant: &Variant, n: u32, steps: u32) -> Result<Outcome, String> {
-        self.judge(variant, n)?;
-        let mut times = Vec::new();
-        let mut last = None;
-        for _ in 0..self.repeats.max(1) {
-            let (timed, data) = self.timed(variant, n, steps)?;
-            times.push(timed);
-            last = Some(data);
-        }
-        let data = last.ok_or("no run")?;
-        self.judged(variant, &data, (n, steps), &times)
+        Ok(Timed { seconds, load_share })
     }
 
     /// The cost of a run on this mesh, by `times`, with the error of a run that is not timed.
@@ -228,14 +215,18 @@ impl Bench {
         Ok((info, error))
     }
 
+    /// The displacements of a run that was made, and the truth on its mesh.
+    fn run(&self, element: Element, n: u32, steps: u32) -> Option<(&MeshData, &Trajectory)> {
+        self.judges.get(&(element, n)).zip(self.trajectories.get(&(element, n, steps)))
+    }
+
     /// (4 u_k - u_2k)/3 of two runs that were made, `coarse` with 2k; its error in the V norm at the times of both, and
     /// the CPU time of both. None where one of them has no row.
     pub(crate) fn extrapolated(&self, fine: &Trial, coarse: &Trial) -> Option<Trial> {
         let (cheap, dear) = (coarse.done()?, fine.done()?);
         let element = self.plain.element();
-        let at = |t: &Trial| self.trajectories.get(&(element, t.n, t.steps));
-        let (rough, exact) = (at(coarse)?, at(fine)?);
-        let judge = self.judges.get(&(element, fine.n))?;
+        let (_, rough) = self.run(element, coarse.n, coarse.steps)?;
+        let (judge, exact) = self.run(element, fine.n, fine.steps)?;
         let levels = || -> Result<f64, LoadError> {
             let mut worst = 0f64;
             for (t, u) in rough.times.iter().zip(&rough.displacements) {
@@ -264,9 +255,7 @@ impl Bench {
 
     /// The last level of a run as written, and ‖ε(u(T))‖ of the truth.
     pub(super) fn last_level(&self, n: u32, steps: u32) -> Option<(&Discretization, &[f64], f64)> {
-        let element = self.plain.element();
-        let judge = self.judges.get(&(element, n))?;
-        let trajectory = self.trajectories.get(&(element, n, steps))?;
+        let (judge, trajectory) = self.run(self.plain.element(), n, steps)?;
         let (t, u) = trajectory.times.last().zip(trajectory.displacements.last())?;
         let still = vec![0.0; judge.space.nodes.len()];
         let truth = judge.truth.moments(*t).ok()?;
@@ -280,12 +269,11 @@ impl Bench {
         n: u32,
         [coarse, fine]: [u32; 2],
     ) -> Option<f64> {
-        let run = |steps: u32| self.trajectories.get(&(element, n, steps));
-        let (rough, exact) = (run(coarse)?, run(fine)?);
-        let space = &self.judges.get(&(element, n))?.space;
+        let (judge, rough) = self.run(element, n, coarse)?;
+        let (_, exact) = self.run(element, n, fine)?;
         let mut worst = 0f64;
         for (t, u) in rough.times.iter().zip(&rough.displacements) {
-            worst = worst.max(strain_distance(space, u, exact.at(*t)?));
+            worst = worst.max(strain_distance(&judge.space, u, exact.at(*t)?));
         }
         Some(worst)
     }

@@ -2,7 +2,6 @@
 //! way to an error, and what each knob saves; and the error of a single run from coarser ones.
 
 mod answer;
-mod as_json;
 mod candidates;
 mod composition;
 mod cost_model;
@@ -18,16 +17,15 @@ mod optimum;
 mod pareto;
 mod picture;
 mod prices;
-mod resource;
 mod rival;
 mod rounds;
 mod study;
-mod target;
 mod trial;
 mod turned;
 
 pub use answer::{AnswerError, Answered};
-pub(crate) use candidates::{Candidates, MOST};
+pub use candidates::{Answer, NoAnswer};
+pub(crate) use candidates::{AtSteps, Candidates, MOST};
 pub use composition::Composition;
 pub(crate) use cost_model::{CostModel, CostSample};
 pub(crate) use error_model::{ErrorModel, Term};
@@ -38,9 +36,6 @@ pub(crate) use models::Models;
 pub(crate) use optimum::{Optimum, optimum};
 pub use pareto::front;
 pub(crate) use prices::Price;
-pub(crate) use resource::Resource;
 pub(crate) use rival::{Equal, Rival};
 pub use study::{Study, TradeError, TradeRuns};
-pub(crate) use target::AtSteps;
-pub use target::{Answer, NoAnswer};
 pub use trial::{Outcome, Table, TableError, Trial};

@@ -1,10 +1,9 @@
 //! What the runs with one element say: the error and the cost as functions of h and k.
 
-use super::as_json::or_reason;
 use super::measure::Bench;
 use super::{Composition, CostModel, CostSample, ErrorModel, Trial, Variant};
 use judge::fit::{Point, Sample};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Models of error and cost.
 #[derive(Debug, Clone, Serialize)]
@@ -29,8 +28,7 @@ impl Models {
     ) -> Self {
         let setup = &variant.setup;
         let on_mesh = setup.body.data.is_interpolated();
-        let name = variant.knob.name();
-        let rows = || trials.iter().filter(|trial| trial.knob == name);
+        let rows = || trials.iter().filter(|trial| trial.knob == variant.knob);
         let done = || rows().filter_map(|trial| Some((trial, trial.done()?)));
         let points: Vec<Point> = done()
             .map(|(t, run)| Point { h: t.h, k: t.k, error: run.error, floor: run.floor })
@@ -57,6 +55,21 @@ impl Models {
     /// Predicted seconds at (h, k): by the parts where they are known.
     pub(super) fn seconds(&self, cost: &CostModel, h: f64, k: f64) -> f64 {
         self.composition.as_ref().map_or_else(|| cost.seconds(h, k), |sum| sum.seconds(h, k))
+    }
+}
+
+/// A model, or `{"reason": …}`.
+fn or_reason<T: Serialize, S: Serializer>(
+    found: &Result<T, String>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Reason<'a> {
+        reason: &'a str,
+    }
+    match found {
+        Ok(model) => model.serialize(serializer),
+        Err(reason) => Reason { reason }.serialize(serializer),
     }
 }
 

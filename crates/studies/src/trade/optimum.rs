@@ -32,13 +32,13 @@ pub(crate) struct Coupling {
 /// The coupling, where both terms are there and both exponents of the cost are positive.
 pub(crate) fn coupling(error: &ErrorModel, cost: &CostModel) -> Option<Coupling> {
     let (space, time) = (error.space?, error.time?);
-    let (a, b) = (cost.space.value, cost.time.value);
+    let (a, b) = (cost.space.exponent, cost.time.exponent);
     let (alpha, beta) = (a / space.order, b / time.order);
     if !(alpha > 0.0 && beta > 0.0) {
         return None;
     }
     // T^m = S^m β/α.
-    let ratio = (beta / alpha).powf(1.0 / error.exponent());
+    let ratio = (beta / alpha).powf(1.0 / error.model.exponent());
     let factor = (ratio * space.constant / time.constant).powf(1.0 / time.order);
     Some(Coupling {
         exponent: space.order / time.order,
@@ -51,7 +51,7 @@ pub(crate) fn coupling(error: &ErrorModel, cost: &CostModel) -> Option<Coupling>
 /// The cheapest real h and k for the error `target`; none where a cost falls with a finer step, so that there is none.
 pub(crate) fn optimum(error: &ErrorModel, cost: &CostModel, target: f64) -> Option<Optimum> {
     let step = |term: Term, share: f64| {
-        let part = target * share.powf(1.0 / error.exponent());
+        let part = target * share.powf(1.0 / error.model.exponent());
         (part / term.constant).powf(1.0 / term.order)
     };
     match (error.space, error.time) {
@@ -71,13 +71,14 @@ pub(crate) fn optimum(error: &ErrorModel, cost: &CostModel, target: f64) -> Opti
 pub(crate) fn along_path(error: &ErrorModel, cost: &CostModel, s: f64) -> Option<f64> {
     let (space, time) = (error.space?, error.time?);
     let order = space.order.min(s * time.order);
-    Some((cost.space.value + s * cost.time.value) / order)
+    Some((cost.space.exponent + s * cost.time.exponent) / order)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::cost_model::Exponent;
     use super::*;
-    use judge::fit::{ErrorCombination, FittedValue, Interval};
+    use judge::fit::{ErrorCombination, Interval};
 
     fn error(model: ErrorCombination, [ch, p]: [f64; 2], [ck, q]: [f64; 2]) -> ErrorModel {
         let term = |constant, order| {
@@ -88,7 +89,7 @@ mod tests {
     }
 
     fn cost(a: f64, b: f64) -> CostModel {
-        let estimate = |value| FittedValue { value, interval: Interval::around(value, 0.0) };
+        let estimate = |exponent| Exponent { exponent, interval: Interval::around(exponent, 0.0) };
         CostModel {
             base: 0.0,
             constant: 1e-6,
@@ -102,7 +103,8 @@ mod tests {
     fn searched(error: &ErrorModel, cost: &CostModel, target: f64) -> f64 {
         let time = error.time.expect("a term of k");
         let at = |log_h: f64| {
-            let (m, space) = (error.exponent(), error.space.map_or(0.0, |s| s.at(log_h.exp())));
+            let (m, space) =
+                (error.model.exponent(), error.space.map_or(0.0, |s| s.at(log_h.exp())));
             let left = (target.powf(m) - space.powf(m)).max(0.0).powf(1.0 / m);
             let k = (left / time.constant).powf(1.0 / time.order);
             if k > 0.0 { cost.seconds(log_h.exp(), k) } else { f64::INFINITY }
@@ -131,7 +133,7 @@ mod tests {
                     let path = coupling(&error, &cost).expect("a path");
                     assert!((path.factor * h.powf(path.exponent) / k - 1.0).abs() < 1e-12);
                     // The balance of the doc comment with a wrong exponent of the cost is dearer.
-                    let four = FittedValue { value: 4.0 * b, ..cost.time };
+                    let four = Exponent { exponent: 4.0 * b, ..cost.time };
                     let wrong = CostModel { time: four, ..cost.clone() };
                     let off = optimum(&error, &wrong, target).expect("an optimum");
                     let dear = cost.seconds(off.h.expect("h"), off.k.expect("k"));

@@ -31,28 +31,17 @@ pub(crate) struct Price {
 impl Price {
     /// The price of `turned` against `plain`, whose times have this ratio.
     pub(super) fn of(what: String, plain: &Trial, turned: &Trial, ratio: Ratio) -> Option<Self> {
-        let without = plain.done()?;
-        let (n, steps) = (plain.n, plain.steps);
-        let none = Self {
+        let (without, with) = (plain.done()?, turned.done());
+        let found = Self {
             what,
-            n,
-            steps,
-            speed: f64::NAN,
-            range: [f64::NAN; 2],
-            error: f64::NAN,
-            bytes: f64::NAN,
-            failure: None,
+            n: plain.n,
+            steps: plain.steps,
+            speed: with.map_or(f64::NAN, |_| ratio.value),
+            range: with.map_or([f64::NAN; 2], |_| ratio.interval),
+            error: with.map_or(f64::NAN, |with| with.error / without.error - 1.0),
+            bytes: with.map_or(f64::NAN, |with| with.bytes / without.bytes),
+            failure: turned.outcome.as_ref().err().cloned(),
             words: String::new(),
-        };
-        let found = match &turned.outcome {
-            Err(reason) => Self { failure: Some(reason.clone()), ..none },
-            Ok(with) => Self {
-                speed: ratio.value,
-                range: ratio.interval,
-                error: with.error / without.error - 1.0,
-                bytes: with.bytes / without.bytes,
-                ..none
-            },
         };
         Some(Self { words: found.sentence(), ..found })
     }
@@ -115,16 +104,17 @@ fn percent(change: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Knob;
     use super::super::trial::trial;
     use super::*;
 
     #[test]
     fn a_price_says_what_is_bought_and_paid() {
-        let plain = trial("as written", [64, 16], 0.5, 3.1);
+        let plain = trial(Knob::AsWritten, [64, 16], 0.5, 3.1);
         let sure = |value: f64| Ratio { value, interval: [0.99 * value, 1.01 * value] };
         let price = |error, ratio| {
-            let turned = trial("loads of degree 1", [64, 16], error, 1.0);
-            Price::of(turned.knob.clone(), &plain, &turned, ratio).expect("a price")
+            let turned = trial(Knob::LoadDegree(1), [64, 16], error, 1.0);
+            Price::of(turned.knob.name(), &plain, &turned, ratio).expect("a price")
         };
         let words = price(0.5001, sure(3.1)).words;
         let start = "loads of degree 1: 3.10 times faster [3.07, 3.13], +0.020 % error";

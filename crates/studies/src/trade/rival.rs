@@ -1,6 +1,5 @@
 //! Which element reaches an error first: the cheapest runs of both at equal error.
 
-use super::as_json;
 use super::candidates::{Candidates, MOST};
 use super::{Answer, CostModel, ErrorModel, Knob, Models, NoAnswer, Trial};
 use serde::Serialize;
@@ -12,7 +11,6 @@ const LEVELS: u32 = 5;
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Rival {
     /// The knob.
-    #[serde(serialize_with = "as_json::knob")]
     pub knob: Knob,
     /// What its runs say.
     #[serde(flatten)]
@@ -52,8 +50,7 @@ impl<'a> Known<'a> {
     /// The models of the rows with a knob; none unless both were fitted.
     pub(super) fn new(models: &'a Models, knob: Knob, trials: &[Trial]) -> Option<Self> {
         let (error, cost) = models.both()?;
-        let name = knob.name();
-        let rows = || trials.iter().filter(|t| t.knob == name).map(|t| [t.n, t.steps]);
+        let rows = || trials.iter().filter(|t| t.knob == knob).map(|t| [t.n, t.steps]);
         let least = rows().fold([u32::MAX; 2], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);
         let most = rows().fold([0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         Some(Self { knob, error, cost, models, least, most })
@@ -94,9 +91,8 @@ impl Rival {
         models: Models,
         trials: &[Trial],
     ) -> Self {
-        let names = [Knob::AsWritten.name(), knob.name()];
         let errors = || {
-            let rows = trials.iter().filter(|t| names.contains(&t.knob));
+            let rows = trials.iter().filter(|t| [Knob::AsWritten, knob].contains(&t.knob));
             rows.filter_map(|t| Some(t.done()?.error)).filter(|error| *error > 0.0)
         };
         let (lo, hi) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));

@@ -1,6 +1,5 @@
 //! The trade of a scene: a grid of runs, each knob at three of them, and what the numbers say.
 
-use super::as_json;
 use super::extrapolation::{Extrapolated, in_space, in_time};
 use super::measure::Bench;
 use super::optimum::{Coupling, along_path, coupling};
@@ -32,9 +31,8 @@ impl TradeRuns {
         let planned = |element| self.elements.iter().any(|(listed, _)| *listed == element);
         let taken = |knob: &Knob| !matches!(knob, Knob::Element(element) if !planned(*element));
         let turned = knobs(&plain.setup).into_iter().filter(taken);
-        let turned =
-            turned.map(|knob| Variant::new(&scene, knob)).collect::<Result<Vec<_>, _>>()?;
-        Ok(std::iter::once(plain).chain(turned.into_iter().flatten()).collect())
+        let turned = turned.map(|knob| Variant::new(&scene, knob));
+        std::iter::once(Ok(plain)).chain(turned).collect()
     }
 
     /// The variants with another element, and the n of their meshes.
@@ -88,7 +86,6 @@ pub struct Study {
     /// The fingerprint of the scene's text.
     pub fingerprint: String,
     /// The norm of the errors.
-    #[serde(serialize_with = "as_json::norm")]
     pub norm: Norm,
     /// Largest ‖ε(u)‖ of the truth.
     pub size: f64,
@@ -118,21 +115,18 @@ impl Study {
     pub fn run(
         bench: &mut Bench,
         plan: &TradeRuns,
-        table: &mut Table,
+        table: &Table,
         heard: &mut Heard<'_>,
     ) -> Result<Self, TradeError> {
         let scene = bench.plain.setup.scene.clone();
         check_step_sizes(&Subject::new(scene.clone())?, &plan.steps)?;
         let mut trials: Vec<Trial> = Vec::new();
         let mut keep = |trial: Trial, trials: &mut Vec<Trial>| -> Result<(), TableError> {
-            table.append(&trial)?;
             heard(&trial);
             trials.push(trial);
-            Ok(())
+            table.write(trials)
         };
-        let Some(plain) = Variant::new(&scene, Knob::AsWritten)? else {
-            return Err(TradeError::AllFailed { first: "the scene as written has no run".into() });
-        };
+        let plain = Variant::new(&scene, Knob::AsWritten)?;
         for &n in &plan.n {
             for &steps in &plan.steps {
                 keep(bench.trial(&plain, n, steps), &mut trials)?;
@@ -172,7 +166,7 @@ impl Study {
         // By knob, as a list of prices is read.
         prices.sort_by_key(|price| prices_rank(&variants, price));
         let study = Self::of(bench, &variants, trials, prices, plan)?;
-        table.rewrite(&study.trials)?;
+        table.write(&study.trials)?;
         Ok(study)
     }
 
@@ -229,8 +223,7 @@ impl Study {
 }
 
 fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> + Clone {
-    let name = Knob::AsWritten.name();
-    trials.iter().filter(move |trial| trial.knob == name)
+    trials.iter().filter(|trial| trial.knob == Knob::AsWritten)
 }
 
 /// Runs at which knobs are turned: the largest that the budget bears `runs` times, the one with the next coarser mesh and
@@ -296,7 +289,7 @@ mod tests {
     use super::*;
 
     fn written(n: u32, steps: u32, seconds: f64) -> Trial {
-        trial(&Knob::AsWritten.name(), [n, steps], 1.0, seconds)
+        trial(Knob::AsWritten, [n, steps], 1.0, seconds)
     }
 
     /// Even where the run with the fewest steps took longest there are three places.

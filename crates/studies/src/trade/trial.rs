@@ -1,21 +1,20 @@
 //! One row of the trade: a knob, a mesh, a number of steps, and what came of it.
 
-use std::fmt::Display;
-use std::io::{Seek as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::PathBuf;
 
 use serde::{Serialize, Serializer};
 
-use super::Price;
-use super::pareto::{TIE, front, front_of_three};
+use super::pareto::{TIE, front_of};
+use super::{Knob, Price};
 use crate::table;
-use files::remove_if_there;
+use files::replace_file;
 
 /// What one run cost and how wrong it is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
-    /// Name of the knob, see `Knob::name`.
-    pub knob: String,
+    /// The knob that is turned.
+    pub knob: Knob,
     /// Cells per unit length.
     pub n: u32,
     /// Number N of time steps.
@@ -76,7 +75,7 @@ impl Trial {
 pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
     for trial in &mut *trials {
         let of_trial = |price: &&Price| {
-            price.what == trial.knob && [price.n, price.steps] == [trial.n, trial.steps]
+            price.what == trial.knob.name() && [price.n, price.steps] == [trial.n, trial.steps]
         };
         trial.tie = prices.iter().find(of_trial).is_some_and(Price::is_tie);
     }
@@ -85,11 +84,10 @@ pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
         None => [f64::NAN; 3],
     };
     let places: Vec<[f64; 3]> = trials.iter().map(place).collect();
-    let flat: Vec<(f64, f64)> =
-        places.iter().map(|&[seconds, _, error]| (seconds, error)).collect();
-    front(&flat, TIE).into_iter().for_each(|i| trials[i].front = true);
+    let flat: Vec<[f64; 2]> = places.iter().map(|&[seconds, _, error]| [seconds, error]).collect();
+    front_of(&flat, TIE).into_iter().for_each(|i| trials[i].front = true);
     // What is on the front in two is not beaten in three.
-    front_of_three(&places, TIE).into_iter().for_each(|i| trials[i].front_memory = true);
+    front_of(&places, TIE).into_iter().for_each(|i| trials[i].front_memory = true);
     trials.iter_mut().for_each(|trial| trial.front_memory |= trial.front);
 }
 
@@ -112,7 +110,6 @@ fn ended<S: Serializer>(
 
 /// The table of a trade on disk: a row is there as soon as its run ended.
 pub struct Table {
-    file: std::fs::File,
     path: PathBuf,
     scene: String,
     norm: String,
@@ -120,53 +117,34 @@ pub struct Table {
 
 /// A table that could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {reason}", path.display())]
+#[error("{}: {source}", path.display())]
 pub struct TableError {
     /// The file.
     pub path: PathBuf,
     /// What the system said.
-    pub reason: String,
-}
-
-impl TableError {
-    fn of(path: &Path, error: &dyn Display) -> Self {
-        Self { path: path.into(), reason: error.to_string() }
-    }
+    pub source: io::Error,
 }
 
 impl Table {
-    /// A new table in place of an old one.
+    /// An empty table in place of an old one.
     ///
     /// # Errors
     /// The file system's.
-    pub fn create(path: &Path, scene: &str, norm: &str) -> Result<Self, TableError> {
-        let failed = |error: std::io::Error| TableError::of(path, &error);
-        // What a link in its place names is left alone.
-        remove_if_there(path).map_err(failed)?;
-        let file = std::fs::File::create_new(path).map_err(failed)?;
-        Ok(Self { file, path: path.into(), scene: scene.into(), norm: norm.into() })
-    }
-
-    /// Appends a row and hands it to the system.
-    ///
-    /// # Errors
-    /// The file system's.
-    pub(crate) fn append(&mut self, trial: &Trial) -> Result<(), TableError> {
-        let row = row(&self.scene, &self.norm, trial);
-        let failed = |error: &dyn Display| TableError::of(&self.path, error);
-        let head = self.file.stream_position().map_err(|error| failed(&error))? == 0;
-        let bytes = table::csv([row], head).map_err(|error| failed(&error))?;
-        self.file.write_all(&bytes).and_then(|()| self.file.flush()).map_err(|error| failed(&error))
+    pub fn create(path: PathBuf, scene: &str, norm: &str) -> Result<Self, TableError> {
+        let table = Self { path, scene: scene.into(), norm: norm.into() };
+        table.write(&[])?;
+        Ok(table)
     }
 
     /// Writes all rows anew: runs as written are timed again beside the knobs, after their rows were written.
     ///
     /// # Errors
     /// The file system's.
-    pub(crate) fn rewrite(&mut self, trials: &[Trial]) -> Result<(), TableError> {
-        let emptied = self.file.set_len(0).and_then(|()| self.file.rewind());
-        emptied.map_err(|error| TableError::of(&self.path, &error))?;
-        trials.iter().try_for_each(|trial| self.append(trial))
+    pub(crate) fn write(&self, trials: &[Trial]) -> Result<(), TableError> {
+        let rows = trials.iter().map(|trial| row(&self.scene, &self.norm, trial));
+        let written = table::csv(rows, true).map_err(io::Error::from);
+        let written = written.and_then(|bytes| replace_file(&self.path, &bytes));
+        written.map_err(|source| TableError { path: self.path.clone(), source })
     }
 }
 
@@ -175,7 +153,7 @@ fn row(scene: &str, norm: &str, trial: &Trial) -> [(&'static str, String); 20] {
     let reason = trial.outcome.as_ref().err();
     [
         ("scene", scene.into()),
-        ("knob", trial.knob.clone()),
+        ("knob", trial.knob.name()),
         ("n", trial.n.to_string()),
         ("steps", trial.steps.to_string()),
         ("h", trial.h.to_string()),
@@ -198,7 +176,7 @@ fn row(scene: &str, norm: &str, trial: &Trial) -> [(&'static str, String); 20] {
 }
 
 #[cfg(test)]
-pub(super) fn trial(knob: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
+pub(super) fn trial(knob: Knob, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
     let outcome = Outcome {
         error,
         floor: 0.0,
@@ -212,7 +190,7 @@ pub(super) fn trial(knob: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) 
         factorizations: 0,
     };
     Trial {
-        knob: knob.into(),
+        knob,
         n,
         steps,
         h: 1.0 / f64::from(n),
@@ -232,21 +210,17 @@ mod tests {
     #[test]
     fn rows_are_there_at_once_and_failures_are_rows() {
         let path = std::env::temp_dir().join(format!("trade-{}.csv", std::process::id()));
-        let mut table = Table::create(&path, "block", "V_max").expect("a table");
+        let table = Table::create(path.clone(), "block", "V_max").expect("a table");
         let failed = Trial {
             outcome: Err("no convergence, \"60\" iterations".into()),
-            ..trial("tolerance 1e-8", [4, 2], 0.0, 0.0)
+            ..trial(Knob::Tolerance(1e-8), [4, 2], 0.0, 0.0)
         };
         let mut rows = Vec::new();
-        for row in [trial("as written", [4, 2], 0.5, 2.0), failed] {
-            table.append(&row).expect("a row");
+        for row in [trial(Knob::AsWritten, [4, 2], 0.5, 2.0), failed] {
             rows.push(row);
+            table.write(&rows).expect("rows");
         }
-        // Rewriting changes nothing.
-        let text = std::fs::read(&path).expect("a table");
-        table.rewrite(&rows).expect("rows");
-        assert_eq!(std::fs::read(&path).expect("a table"), text);
-        // Read while the table is still open: what a killed program leaves.
+        // What a killed program leaves.
         let mut reader = csv::Reader::from_path(&path).expect("a table");
         let head = reader.headers().expect("a head").clone();
         let rows: Vec<csv::StringRecord> =

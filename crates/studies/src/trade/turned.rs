@@ -8,14 +8,6 @@ use super::{Knob, Price, Trial, Variant};
 /// Adds a row to the others and to the table.
 type Keep<'a> = dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), TableError> + 'a;
 
-/// A run beside the one as written.
-enum Beside {
-    /// Coarser by half, with its words in the price list.
-    Half(&'static str),
-    /// The variant of this number.
-    Knob(usize),
-}
-
 /// Turns the knobs that matter at n and N, and compares the run as written there with half the cells and half the steps
 /// as far as `halves` names them. Rows of knobs go to `keep`; those of runs as written get the times of these rounds too.
 ///
@@ -30,47 +22,38 @@ pub(super) fn turn(
     keep: &mut Keep<'_>,
 ) -> Result<Vec<Price>, TableError> {
     let Some(plain) = variants.first() else { return Ok(Vec::new()) };
-    let mut beside: Vec<Beside> = halves.iter().map(|(words, _)| Beside::Half(words)).collect();
-    let mut cases: Vec<Case<'_>> = vec![(plain, n, steps)];
-    cases.extend(halves.iter().map(|&(_, (n, steps))| (plain, n, steps)));
-    for (at, variant) in variants.iter().enumerate().skip(1) {
-        if variant.knob.matters(&bench.plain.setup, steps) {
-            cases.push((variant, n, steps));
-            beside.push(Beside::Knob(at));
-        }
-    }
+    let at_place = |variant| (variant, n, steps);
+    let half = |&(words, (n, steps)): &(&str, _)| (words.to_owned(), (plain, n, steps));
+    let matters = |variant: &&Variant| variant.knob.matters(&bench.plain.setup, steps);
+    let turned = variants.iter().skip(1).filter(matters);
+    let turned = turned.map(|variant| (variant.knob.name(), at_place(variant)));
+    let (names, cases): (Vec<String>, Vec<Case<'_>>) =
+        std::iter::once((String::new(), at_place(plain)))
+            .chain(halves.iter().map(half))
+            .chain(turned)
+            .unzip();
     let (rounds, times) = bench.rounds(&cases);
     let mut prices = Vec::new();
-    for (run, ((case, times), kind)) in
-        cases.iter().zip(times).zip([None].into_iter().chain(beside.iter().map(Some))).enumerate()
-    {
-        let ratio = rounds.ratio(|times| times[run]);
-        let (what, other) = match kind {
-            None | Some(Beside::Half(_)) => {
-                let at = position(trials, case.1, case.2);
-                if let (Some(at), Ok(times)) = (at, times) {
+    for (run, ((what, case), times)) in names.into_iter().zip(&cases).zip(times).enumerate() {
+        // Another element may have been run there on one of its meshes.
+        let known = position_of(trials, case.0.knob, case.1, case.2);
+        let at = match known {
+            Some(at) => {
+                if let Ok(times) = times {
                     timed_again(&mut trials[at], &times);
                 }
-                let Some((Beside::Half(words), at)) = kind.zip(at) else { continue };
-                ((*words).to_owned(), trials[at].clone())
+                at
             }
-            Some(Beside::Knob(at)) => {
-                let what = variants[*at].knob.name();
-                // Another element may have been run there on one of its meshes.
-                if let Some((at, times)) =
-                    position_of(trials, &what, case.1, case.2).zip(times.as_ref().ok())
-                {
-                    timed_again(&mut trials[at], times);
-                    (what, trials[at].clone())
-                } else {
-                    let row = bench.after_rounds(*case, times);
-                    keep(row.clone(), trials)?;
-                    (what, row)
-                }
+            None => {
+                keep(bench.after_rounds(*case, times), trials)?;
+                trials.len() - 1
             }
         };
-        let as_written = position(trials, n, steps).map(|at| &trials[at]);
-        prices.extend(as_written.and_then(|plain| Price::of(what, plain, &other, ratio)));
+        if run > 0 {
+            let as_written = position(trials, n, steps).map(|at| &trials[at]);
+            let ratio = rounds.ratio(|times| times[run]);
+            prices.extend(as_written.and_then(|plain| Price::of(what, plain, &trials[at], ratio)));
+        }
     }
     prices.extend(extrapolated((n, steps), &cases, &rounds, trials));
     Ok(prices)
@@ -78,10 +61,10 @@ pub(super) fn turn(
 
 /// The run as written at n and N.
 fn position(trials: &[Trial], n: u32, steps: u32) -> Option<usize> {
-    position_of(trials, &Knob::AsWritten.name(), n, steps)
+    position_of(trials, Knob::AsWritten, n, steps)
 }
 
-fn position_of(trials: &[Trial], knob: &str, n: u32, steps: u32) -> Option<usize> {
+fn position_of(trials: &[Trial], knob: Knob, n: u32, steps: u32) -> Option<usize> {
     trials.iter().position(|t| t.knob == knob && t.n == n && t.steps == steps)
 }
 
@@ -102,9 +85,8 @@ fn extrapolated(
     rounds: &Rounds,
     trials: &[Trial],
 ) -> Option<Price> {
-    let name = Knob::Extrapolated.name();
-    let row = &trials[position_of(trials, &name, n, steps)?];
+    let row = &trials[position_of(trials, Knob::Extrapolated, n, steps)?];
     let half = cases.iter().position(|case| (case.1, case.2) == (n, steps / 2))?;
     let as_written = &trials[position(trials, n, steps)?];
-    Price::of(name, as_written, row, rounds.ratio(|times| times[0] + times[half]))
+    Price::of(row.knob.name(), as_written, row, rounds.ratio(|times| times[0] + times[half]))
 }

@@ -5,12 +5,8 @@
 //! towards finer steps no reading falls faster than elements, rule or theorem allow. [`Candidates::cheapest`] takes the pair of
 //! least cost with E ≤ target, and once more with the upper end of the interval in place of E.
 
-use std::cell::OnceCell;
-use std::sync::Arc;
-
 use super::{Companions, CostSource, Estimate, costs, norm_estimate};
 use crate::trade::{Answer, AtSteps, Candidates, MOST, NoAnswer};
-use fem::contact::Discretization;
 use judge::fit::{FLOORS_ABOVE, Interval};
 use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
 use scene::Norm;
@@ -24,10 +20,6 @@ const REACH: u32 = 16;
 /// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
 /// that is admitted around an order, and another one as in [`super::Part::of`].
 const ABOVE: f64 = 1.0;
-/// Attempts to find an n that fits into memory, each from the bytes of the one before: memory grows a little faster than
-/// cells, and a few attempts make up for that.
-const ROUNDS: usize = 12;
-
 /// What is wanted of which run.
 pub struct Goal<'a> {
     /// The scene.
@@ -43,7 +35,7 @@ pub struct Goal<'a> {
 }
 
 /// A pair that is proposed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Advised {
     /// Cells per unit length.
     pub n: u32,
@@ -58,26 +50,26 @@ pub struct Advised {
     /// Its interval.
     pub interval: Interval,
     /// Predicted CPU seconds.
+    #[serde(rename = "cpu_seconds")]
     pub seconds: f64,
     /// Predicted peak memory of a process that does this run alone.
     pub bytes: f64,
     /// h₀/h and k₀/k, the steps of the run over these.
     pub finer: [f64; 2],
+    /// What reaches farther than the companions, in words.
+    pub extrapolates: Option<String>,
 }
 
-impl Advised {
-    /// What reaches farther than the companions, in words.
-    pub fn extrapolates(&self) -> Option<String> {
-        let span = f64::from(SPAN);
-        let far = |(name, finer): (&str, f64)| {
-            (finer > span).then(|| {
-                format!("{name} is 1/{finer:.1} of the run's, and its companions span a factor {span}: nothing shows that the order holds so far")
-            })
-        };
-        let [h, k] = self.finer;
-        let all: Vec<String> = [("h", h), ("k", k)].into_iter().filter_map(far).collect();
-        (!all.is_empty()).then(|| all.join("; "))
-    }
+/// What reaches farther than the companions, in words.
+fn extrapolates([h, k]: [f64; 2]) -> Option<String> {
+    let span = f64::from(SPAN);
+    let far = |&(name, finer): &(&str, f64)| {
+        (finer > span).then(|| {
+            format!("{name} is 1/{finer:.1} of the run's, and its companions span a factor {span}: nothing shows that the order holds so far")
+        })
+    };
+    let all: Vec<String> = [("h", h), ("k", k)].iter().filter_map(far).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 /// The recommendation.
@@ -98,30 +90,10 @@ pub struct Advice {
 /// Why there is no recommendation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoAdvice {
-    /// The error of the run itself is not known.
-    #[error(
-        "no recommendation: the error of this run in {norm} is unknown: {reasons}; start from a run with other n or N"
-    )]
-    Unknown {
-        /// The norm.
-        norm: &'static str,
-        /// One per step.
-        reasons: String,
-    },
-    /// The companions are too coarse for an order.
-    #[error(
-        "no recommendation: pre-asymptotic in {step}: order {order:.2} observed in {norm}, and no more than {most} is possible; start from a run with a finer {step}"
-    )]
-    TooFast {
-        /// The norm.
-        norm: &'static str,
-        /// h or k.
-        step: &'static str,
-        /// Observed.
-        order: f64,
-        /// What elements, rule or theorem allow.
-        most: f64,
-    },
+    /// The error of the run itself is not known, its companions are too coarse for an order, no whole numbers serve, or
+    /// a mesh cannot be made.
+    #[error("no recommendation: {0}")]
+    Refused(String),
     /// The error is too small to be predicted from this run.
     #[error(
         "no recommendation: an error of {target:.3e} is out of reach of this run: the least on n <= {n}, N <= {steps}, {REACH} times its own at most, is predicted to be {least:.3e}; start from a finer run"
@@ -136,9 +108,6 @@ pub enum NoAdvice {
         /// The error there.
         least: f64,
     },
-    /// No whole numbers serve.
-    #[error("no recommendation: {0}")]
-    Answer(NoAnswer),
     /// No pair that has the error fits into memory.
     #[error(
         "no recommendation: an error of {target:.3e} asks for n = {n}, N = {steps}: {source}; no n that fits has it"
@@ -153,9 +122,6 @@ pub enum NoAdvice {
         /// Its bytes.
         source: TooLarge,
     },
-    /// A mesh cannot be made.
-    #[error("no recommendation: {0}")]
-    Mesh(String),
 }
 
 impl From<NoAnswer> for NoAdvice {
@@ -164,14 +130,14 @@ impl From<NoAnswer> for NoAdvice {
             NoAnswer::OutOfReach { target, n, steps, least } => {
                 Self::TooFar { target, n, steps, least }
             }
-            other => Self::Answer(other),
+            other => Self::Refused(other.to_string()),
         }
     }
 }
 
 impl From<SetupError> for NoAdvice {
     fn from(error: SetupError) -> Self {
-        Self::Mesh(error.to_string())
+        Self::Refused(error.to_string())
     }
 }
 
@@ -180,7 +146,7 @@ impl From<SetupError> for NoAdvice {
 /// # Errors
 /// [`NoAdvice`].
 pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAdvice> {
-    let none = || NoAdvice::Mesh("the costs of the runs have no model".into());
+    let none = || NoAdvice::Refused("the costs of the runs have no model".into());
     let (composition, source) = costs(goal.setup, found)?.ok_or_else(none)?;
     let seconds = |h: f64, k: f64| composition.seconds(h, k);
     let candidates = Candidates::new(goal.setup, false)?;
@@ -201,8 +167,6 @@ struct Search<'a> {
     steps: [f64; 2],
     least: [u32; 2],
     most: [u32; 2],
-    /// The meshes 2n and 4n of the run, by which the memory of finer ones is told.
-    finer: OnceCell<[Arc<Discretization>; 2]>,
 }
 
 impl<'a> Search<'a> {
@@ -214,8 +178,7 @@ impl<'a> Search<'a> {
     ) -> Result<Self, NoAdvice> {
         let norm = goal.norm.name();
         let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
-        let none = || NoAdvice::Unknown { norm, reasons: "the scene has no contact".into() };
-        let differences = differences.ok_or_else(none)?;
+        let differences = differences.ok_or_else(|| unknown(norm, "the scene has no contact"))?;
         let estimate = norm_estimate(goal.setup, found, differences);
         asymptotic(goal, differences.floor, &estimate)?;
         let [n, steps] = goal.run;
@@ -230,10 +193,9 @@ impl<'a> Search<'a> {
             estimate,
             candidates,
             seconds,
-            steps: [candidates.h(n), candidates.k(steps)],
+            steps: [(candidates.h)(n), (candidates.k)(steps)],
             least: [least, steps / SPAN],
             most: [most, reach(steps, MOST[1])],
-            finer: OnceCell::new(),
         })
     }
 
@@ -248,7 +210,7 @@ impl<'a> Search<'a> {
     fn advised(&self, read: &dyn Fn(f64, Interval) -> f64) -> Result<Advised, NoAdvice> {
         let mut most = self.most[0];
         let mut refused: Option<NoAdvice> = None;
-        for _ in 0..ROUNDS {
+        loop {
             let answer = match self.cheapest(read, most) {
                 Ok(answer) => answer,
                 Err(none) => return Err(refused.unwrap_or(none.into())),
@@ -259,12 +221,11 @@ impl<'a> Search<'a> {
             };
             most = self.smaller(answer.n, &source);
             let (Answer { n, steps, .. }, target) = (answer, self.goal.target);
-            refused.get_or_insert(NoAdvice::Memory { target, n, steps, source });
+            let first = refused.get_or_insert(NoAdvice::Memory { target, n, steps, source });
             if most < self.least[0] {
-                break;
+                return Err(first.clone());
             }
         }
-        Err(refused.unwrap_or_else(|| NoAdvice::Mesh("no n fits into memory".into())))
     }
 
     fn cheapest(&self, read: &dyn Fn(f64, Interval) -> f64, most: u32) -> Result<Answer, NoAnswer> {
@@ -297,15 +258,9 @@ impl<'a> Search<'a> {
     /// b(n) = b(4n₀) (n/4n₀)^e, e = log₂ b(4n₀)/b(2n₀), of mesh and march; the program itself does not grow.
     fn far_bytes(&self, answer: Answer) -> Result<f64, SetupError> {
         let (setup, [n, _]) = (self.goal.setup, self.goal.run);
-        let [half, whole] = match self.finer.get() {
-            Some(meshes) => meshes,
-            None => {
-                let meshes = [setup.space(SPAN * n / 2)?, setup.space(SPAN * n)?];
-                self.finer.get_or_init(|| meshes)
-            }
-        };
-        let half = run_cost(setup, half, answer.steps);
-        let whole = run_cost(setup, whole, answer.steps);
+        let (half, whole) = (setup.space(SPAN * n / 2)?, setup.space(SPAN * n)?);
+        let half = run_cost(setup, &half, answer.steps);
+        let whole = run_cost(setup, &whole, answer.steps);
         let [at_half, at_whole] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
         let finer = f64::from(answer.n) / f64::from(SPAN * n);
         Ok(whole.memory_bytes + at_whole * (finer.powf((at_whole / at_half).log2()) - 1.0))
@@ -313,7 +268,7 @@ impl<'a> Search<'a> {
 
     /// The next pair whose companions exist.
     fn check(&self, choice: &Advised) -> [u32; 2] {
-        let cells = |n: u32| self.candidates.cells(n);
+        let cells = |n: u32| (self.candidates.cells)(n);
         let serves = |n: &u32| n.is_multiple_of(SPAN) && cells(*n) && cells(n / SPAN);
         let n = match self.least[0] == self.most[0] {
             true => choice.n,
@@ -333,10 +288,18 @@ impl<'a> Search<'a> {
     fn in_full(&self, answer: Answer, bytes: f64) -> Advised {
         let Answer { n, steps, seconds, .. } = answer;
         let [h0, k0] = self.steps;
-        let (h, k) = (self.candidates.h(n), self.candidates.k(steps));
+        let (h, k) = ((self.candidates.h)(n), (self.candidates.k)(steps));
         let (error, interval) = self.at(h, k);
-        Advised { n, steps, h, k, error, interval, seconds, bytes, finer: [h0 / h, k0 / k] }
+        let finer = [h0 / h, k0 / k];
+        let extrapolates = extrapolates(finer);
+        Advised { n, steps, h, k, error, interval, seconds, bytes, finer, extrapolates }
     }
+}
+
+fn unknown(norm: &str, reasons: &str) -> NoAdvice {
+    NoAdvice::Refused(format!(
+        "the error of this run in {norm} is unknown: {reasons}; start from a run with other n or N"
+    ))
 }
 
 /// Refuses an unknown error, an order that is too high to be believed, and a target at the floor of the solver.
@@ -344,12 +307,14 @@ fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), No
     let norm = goal.norm.name();
     let reasons = estimate.reasons();
     if !reasons.is_empty() {
-        return Err(NoAdvice::Unknown { norm, reasons: reasons.join("; ") });
+        return Err(unknown(norm, &reasons.join("; ")));
     }
     for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
         let observed = part.order().zip(part.counted_on().map(|[_, most]| most));
         if let Some((order, most)) = observed.filter(|(order, most)| *order > most + ABOVE) {
-            return Err(NoAdvice::TooFast { norm, step, order, most });
+            return Err(NoAdvice::Refused(format!(
+                "pre-asymptotic in {step}: order {order:.2} observed in {norm}, and no more than {most} is possible; start from a run with a finer {step}"
+            )));
         }
     }
     let target = goal.target;

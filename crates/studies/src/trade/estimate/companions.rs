@@ -1,5 +1,6 @@
 //! A run with its coarser companions, and the differences of each pair in every norm.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
@@ -120,24 +121,25 @@ pub fn companions_and_bound(
     steps: u32,
 ) -> Result<(Companions, Result<Guarantee, String>), GuaranteeError> {
     let mesh = Meshed::new(setup, n)?;
-    let refused = |error| match error {
-        GuaranteeError::Refused { reason } => Ok(reason),
-        other => Err(other),
-    };
-    let mut bounding = match Bounding::new(setup, &mesh.data, steps) {
-        Ok(bounding) => Ok(bounding),
-        Err(error) => Err(refused(error)?),
-    };
+    let mut bounding = or_reason(Bounding::new(setup, &mesh.data, steps))?;
     let found = companions_beside(setup, &mesh, steps, &mut |view| {
         bounding.iter_mut().for_each(|bounding| bounding.see(view));
         Ok(())
     })?;
-    let bound = match bounding.map(Bounding::finish) {
-        Ok(Ok(bound)) => Ok(bound),
-        Ok(Err(error)) => Err(refused(error)?),
+    let bound = match bounding {
+        Ok(bounding) => or_reason(bounding.finish())?,
         Err(reason) => Err(reason),
     };
     Ok((found, bound))
+}
+
+/// What a scene that the theorem does not cover has in place of its bound.
+fn or_reason<T>(found: Result<T, GuaranteeError>) -> Result<Result<T, String>, GuaranteeError> {
+    match found {
+        Ok(found) => Ok(Ok(found)),
+        Err(GuaranteeError::Refused { reason }) => Ok(Err(reason)),
+        Err(other) => Err(other),
+    }
 }
 
 /// [`companions`] on a mesh that is made; `watch` sees every level of the run itself.
@@ -150,21 +152,18 @@ fn companions_beside(
     let n = mesh.n;
     let on_mesh = setup.body.data.is_interpolated();
     let finest = run(setup, mesh, [steps, steps], None, watch)?;
-    let (in_time, no_time) = split(time_companions(setup, mesh, steps));
-    let (in_space, no_space) = match on_mesh {
-        true => (None, None),
-        false => split(space_companions(setup, n, steps, &finest)),
+    let in_time = time_companions(setup, mesh, steps);
+    let in_space = match on_mesh {
+        true => Ok(Vec::new()),
+        false => space_companions(setup, n, steps, &finest),
     };
-    let data = &mesh.data;
-    let floors = [&in_time, &in_space]
-        .into_iter()
-        .flatten()
-        .flatten()
-        .fold(finest.floors, |floors, run| floors.max(run.floors));
-    let time = in_time
-        .as_ref()
-        .map(|[half, quarter]| [distance(data, &finest, half), distance(data, half, quarter)]);
-    let space = in_space.as_ref().map(|[half, quarter]| [half.apart, quarter.apart]);
+    let all =
+        || std::iter::once(&finest).chain([&in_time, &in_space].into_iter().flatten().flatten());
+    let floors = all().fold(Floors::default(), |floors, run| floors.max(run.floors));
+    let time = pair(&in_time).map(|[half, quarter]| {
+        [(&finest, half), (half, quarter)].map(|(a, b)| distance(&mesh.data, a, b))
+    });
+    let space = pair(&in_space).map(|pair| pair.map(|run| run.apart));
     let read = |pair: &Option<[Floors; 2]>, norm: Norm| {
         pair.map_or([f64::NAN; 2], |pair| pair.map(|floors| floor_in(&floors, norm)))
     };
@@ -176,12 +175,11 @@ fn companions_beside(
         time: read(&time, norm),
         floor: floor_in(&floors, norm),
     });
-    let triple = |runs: &Option<[Run; 2]>, name: &str, value: f64| {
-        let [half, quarter] = runs.as_ref()?;
-        Some([scalar(&quarter.state, name)?, scalar(&half.state, name)?, value])
+    let triple = |runs: &Companion, name: &str, value: f64| {
+        let [half, quarter] = pair(runs)?.map(|run| scalars(&run.state).get(name).copied());
+        Some([quarter?, half?, value])
     };
-    let runs = [&in_time, &in_space].into_iter().flatten().flatten();
-    let times = std::iter::once(&finest).chain(runs).map(|run| run.alone(&finest)).collect();
+    let times = all().map(|run| run.alone(&finest)).collect();
     let quantities = scalars(&finest.state).into_iter().map(|(name, value)| {
         // A field of functions in V^h has no error in h.
         let space = match on_mesh {
@@ -193,7 +191,7 @@ fn companions_beside(
     Ok(Companions {
         norms: norms.collect(),
         quantities: quantities.collect(),
-        missing: [no_space, no_time],
+        missing: [in_space.err(), in_time.err()],
         on_mesh,
         size: finest.size,
         times,
@@ -214,15 +212,18 @@ pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
     Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) }
 }
 
-fn split<T>(outcome: Result<T, String>) -> (Option<T>, Option<String>) {
-    match outcome {
-        Ok(value) => (Some(value), None),
-        Err(reason) => (None, Some(reason)),
+/// The two companions in one step, none where it makes no difference; or why there are none.
+type Companion = Result<Vec<Run>, String>;
+
+fn pair(runs: &Companion) -> Option<[&Run; 2]> {
+    match runs.as_deref() {
+        Ok([half, quarter]) => Some([half, quarter]),
+        _ => None,
     }
 }
 
 /// The runs with N/2 and N/4 steps on the same mesh.
-fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2], String> {
+fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Companion {
     if !steps.is_multiple_of(4) {
         return Err(format!("N = {steps} is no multiple of 4"));
     }
@@ -235,11 +236,11 @@ fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2],
         run(setup, mesh, [count, steps], None, &mut |_| Ok(()))
             .map_err(|error| format!("the companion with N = {count} fails: {error}"))
     };
-    Ok([companion(steps / 2)?, companion(steps / 4)?])
+    Ok(vec![companion(steps / 2)?, companion(steps / 4)?])
 }
 
 /// The runs on n/2 and n/4 with the same steps, each compared with the run on the next finer mesh.
-fn space_companions(setup: &Setup, n: u32, steps: u32, finest: &Run) -> Result<[Run; 2], String> {
+fn space_companions(setup: &Setup, n: u32, steps: u32, finest: &Run) -> Companion {
     if !n.is_multiple_of(4) {
         return Err(format!("n = {n} is no multiple of 4"));
     }
@@ -256,7 +257,7 @@ fn space_companions(setup: &Setup, n: u32, steps: u32, finest: &Run) -> Result<[
     };
     let half = companion(n / 2, finest)?;
     let quarter = companion(n / 4, &half)?;
-    Ok([half, quarter])
+    Ok(vec![half, quarter])
 }
 
 impl Run {
@@ -357,14 +358,10 @@ fn distance(data: &MeshData, a: &Run, b: &Run) -> Floors {
 }
 
 /// The scalars of a state; counts of vertices and cells have no order.
-fn scalars(state: &FinalState) -> Vec<(String, f64)> {
-    let Ok(Value::Object(fields)) = serde_json::to_value(state) else { return Vec::new() };
+fn scalars(state: &FinalState) -> BTreeMap<String, f64> {
+    let Ok(Value::Object(fields)) = serde_json::to_value(state) else { return BTreeMap::new() };
     let number = |(name, value): (String, Value)| {
         value.as_f64().filter(|_| value.is_f64()).map(|value| (name, value))
     };
     fields.into_iter().filter_map(number).collect()
-}
-
-fn scalar(state: &FinalState, name: &str) -> Option<f64> {
-    scalars(state).into_iter().find(|(field, _)| field == name).map(|(_, value)| value)
 }

@@ -9,11 +9,13 @@ use scene::setup::{Setup, SetupError};
 const TIMED: f64 = 0.01;
 
 /// Where predicted seconds come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum CostSource {
     /// The CPU times of the run and its companions.
+    #[serde(rename = "times")]
     Timed,
     /// Counts of `sweep explain` with the rates of another machine: the runs are too short for a clock.
+    #[serde(rename = "counts")]
     Counted,
 }
 

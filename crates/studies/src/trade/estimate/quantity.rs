@@ -6,7 +6,7 @@ use judge::fit::{Triple, ValueSample};
 pub(super) const LEAST_ORDER: f64 = 0.3;
 
 /// A quantity with what h and k leave open in it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct QuantityEstimate {
     /// Its name, see `solution::FinalState`.
     pub name: String,
@@ -36,40 +36,35 @@ pub(super) fn quantity(
         })
     };
     let triples = [read(space), read(time)];
-    let mut found = QuantityEstimate {
-        name: name.into(),
-        value,
-        extrapolated: Some(value),
-        uncertainty: Some(0.0),
-        orders: triples.map(|triple| triple.and_then(Triple::order)),
-        reason: None,
-    };
-    let mut refuse = |reason: String| {
-        found.extrapolated = None;
-        found.uncertainty = None;
-        found.reason.get_or_insert(reason);
-    };
-    let (mut shift, mut width) = (0.0, 0.0);
+    let (mut shift, mut width, mut reason) = (0.0, 0.0, None);
     for (step, triple) in ["h", "k"].into_iter().zip(triples) {
-        match triple {
+        let refused = match triple {
             Some(Triple::Converging { order, limit, gci }) if order >= LEAST_ORDER => {
                 shift += limit - value;
                 width += gci;
+                continue;
             }
             // No order, but no further away than the values are from each other.
-            Some(Triple::Oscillating { half_range }) => width += 2.0 * half_range,
-            Some(Triple::Stationary) => {}
-            Some(Triple::Converging { order, .. } | Triple::Diverging { order }) => {
-                refuse(format!("pre-asymptotic in {step}: order {order:.2}"));
+            Some(Triple::Oscillating { half_range }) => {
+                width += 2.0 * half_range;
+                continue;
             }
-            None => refuse(format!("no companions in {step}")),
-        }
+            Some(Triple::Stationary) => continue,
+            Some(Triple::Converging { order, .. } | Triple::Diverging { order }) => {
+                format!("pre-asymptotic in {step}: order {order:.2}")
+            }
+            None => format!("no companions in {step}"),
+        };
+        reason.get_or_insert(refused);
     }
-    if found.uncertainty.is_some() {
-        found.extrapolated = Some(value + shift);
-        found.uncertainty = Some(width);
+    QuantityEstimate {
+        name: name.into(),
+        value,
+        extrapolated: reason.is_none().then_some(value + shift),
+        uncertainty: reason.is_none().then_some(width),
+        orders: triples.map(|triple| triple.and_then(Triple::order)),
+        reason,
     }
-    found
 }
 
 #[cfg(test)]

@@ -94,7 +94,7 @@ fn a_history_tolerance_leaves_recursions_alone() {
 #[test]
 fn looser_histories_move_the_solution_by_what_they_say() {
     let run = |knob: Knob| {
-        let variant = Variant::new(&scene("power-law"), knob).unwrap().expect("a knob");
+        let variant = Variant::new(&scene("power-law"), knob).unwrap();
         let data = variant.on_mesh(4).unwrap();
         let mut all = Vec::new();
         let mut observe = |view: &fem::contact::StepView<'_>| {
@@ -126,7 +126,7 @@ fn looser_histories_move_the_solution_by_what_they_say() {
 
 /// The last displacements of a short run with one knob turned, and its passes over factors.
 fn run(knob: Knob) -> (Vec<f64>, u32) {
-    let variant = Variant::new(&scene("pure-strong"), knob).unwrap().expect("a knob");
+    let variant = Variant::new(&scene("pure-strong"), knob).unwrap();
     let data = variant.on_mesh(8).unwrap();
     let mut last = Vec::new();
     let mut observe = |view: &fem::contact::StepView<'_>| {
