@@ -1,14 +1,14 @@
 //! `sweep extremes`: ladders from ordinary to extreme parameters, each rung against its expectation.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use super::machine::Allowance;
 use super::study::deliver;
-use super::{CliError, create_dir, print_text, width};
+use super::{CliError, create_dir, print_text, width, write_file};
 use files::counted;
-use studies::extremes::{COLUMNS, Climbed, Ladder, UnderTest, admit, catalogue, judge};
+use studies::extremes::{Climbed, Ladder, RungRow, UnderTest, admit, catalogue, csv, judge};
 
 const WIDTH: u16 = 132;
 
@@ -48,25 +48,26 @@ impl Extremes {
         for ladder in &ladders {
             ladder.rungs.iter().try_for_each(|rung| admit(ladder, rung, &under_test, &limit))?;
         }
-        let mut file = self.out.as_deref().map(csv_file).transpose()?;
         let mut rows = Vec::new();
+        self.write(&rows)?;
         for ladder in &ladders {
             let rungs = counted(ladder.rungs.len(), "rung");
             super::progress::note(&format!("{}: {rungs}", ladder.name));
             for rung in &ladder.rungs {
-                let row = judge(ladder, rung, &under_test);
-                if let Some(file) = &mut file {
-                    let written = file.write_record(row.fields()).map_err(|e| e.to_string());
-                    written
-                        .and_then(|()| file.flush().map_err(|e| e.to_string()))
-                        .map_err(|error| CliError::about("extremes.csv", error))?;
-                }
-                rows.push(row);
+                rows.push(judge(ladder, rung, &under_test));
+                self.write(&rows)?;
             }
         }
         let climbed = Climbed { ladders, rungs: rows };
         deliver(&climbed, &climbed.document()?, self.out.as_deref(), self.json)?;
         Ok(u8::from(!climbed.holds()))
+    }
+
+    /// Writes the rows so far.
+    fn write(&self, rows: &[RungRow]) -> Result<(), CliError> {
+        let Some(dir) = &self.out else { return Ok(()) };
+        create_dir(dir)?;
+        write_file(&dir.join("extremes.csv"), csv(rows).map_err(CliError::other)?)
     }
 
     fn chosen(&self) -> Result<Vec<Ladder>, CliError> {
@@ -81,15 +82,6 @@ impl Extremes {
         };
         Ok(all.into_iter().filter(named).collect())
     }
-}
-
-fn csv_file(dir: &Path) -> Result<csv::Writer<std::fs::File>, CliError> {
-    let path = dir.join("extremes.csv");
-    let failed = |error: csv::Error| CliError::about(path.display(), error);
-    create_dir(dir)?;
-    let mut writer = csv::Writer::from_path(&path).map_err(failed)?;
-    writer.write_record(COLUMNS).map_err(failed)?;
-    Ok(writer)
 }
 
 fn listed(ladders: &[Ladder]) -> String {

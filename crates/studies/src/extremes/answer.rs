@@ -25,8 +25,6 @@ pub struct SceneAnswer {
     pub errors: Option<[f64; 5]>,
     /// Newton iterations over all levels.
     pub iterations: u32,
-    /// Levels.
-    pub levels: u32,
     /// The largest relative KKT residual, by separate evaluation.
     pub kkt: f64,
 }
@@ -93,7 +91,6 @@ pub(crate) fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<SceneA
         answer.stress.extend(&fields.stress);
         answer.pressure.extend(&fields.pressure);
         answer.zeta.push(view.zeta);
-        answer.levels += 1;
         if exact {
             let moments = data.truth.moments(view.t)?;
             let e = step_errors(&data.space, &setup.model, view, &moments);
@@ -124,14 +121,8 @@ impl SceneAnswer {
             let both = self.errors.is_none() && other.errors.is_none();
             return if both { fields } else { f64::NAN };
         };
-        let of = |field: &[f64]| largest(field);
-        let sizes = [
-            of(&other.stress),
-            of(&other.displacement),
-            of(&other.stress),
-            of(&other.displacement),
-            of(&other.stress),
-        ];
+        let [u, sigma] = [largest(&other.displacement), largest(&other.stress)];
+        let sizes = [sigma, u, sigma, u, sigma];
         let errors = (0..5).map(|i| (a[i] - b[i]).abs() / sizes[i].max(f64::MIN_POSITIVE));
         errors.fold(fields, larger)
     }

@@ -4,7 +4,7 @@ use super::answer::{relative, solve};
 use super::history::opposed;
 use super::rung::{Expected, Ladder, Measured, Rung};
 use super::scene_text::SceneText;
-use super::space_error::{InSpace, QUADRATURE, SMOOTH};
+use super::space_error::{SMOOTH, below_bound};
 use algebra::linalg::largest;
 
 /// A term that is 1e-310 of what it stands beside changes nothing that a double can hold; the answers agree but for
@@ -63,33 +63,21 @@ pub(crate) fn subnormal() -> Ladder {
 /// A parallelogram with sides (1, 0) and (s, 1), n = 8: cells with two angles near 0 and one near π as s grows. The
 /// interpolant is poor on such cells, and Céa's bound is in terms of it: it holds all the same.
 pub(crate) fn sliver() -> Ladder {
-    let rung = |label: &str, shear: f64| {
-        Rung::new(label, Expected::AtMost(1.0 + QUADRATURE), move |under_test| {
-            let domain = format!(
-                "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [{:?}, 1.0], [{shear:?}, 1.0]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"bottom\"]\n",
-                1.0 + shear
-            );
-            let exact = SMOOTH.replace("pi*x", &format!("pi*(x - {shear:?}*y)"));
-            let text = SceneText { domain, ..SceneText::free(exact) }.text();
-            let found = InSpace::run(text, 8, under_test)?;
-            let angle = (1.0 / shear.max(1.0)).to_degrees();
-            let note = format!("angles down to about {angle:.1e} degrees");
-            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer).noted(note))
-        })
+    let rung = |(label, shear): (&str, f64)| {
+        let domain = SceneText::parallelogram([shear, 1.0]);
+        let exact = SMOOTH.replace("pi*x", &format!("pi*(x - {shear:?}*y)"));
+        let scene = SceneText { domain, ..SceneText::free(exact) };
+        let angle = (1.0 / shear.max(1.0)).to_degrees();
+        let note = format!("angles down to about {angle:.1e} degrees");
+        below_bound(label, &scene, 8, move |_| note.clone())
     };
+    let shears = [("0", 0.0), ("1e0", 1.0), ("1e1", 1e1), ("1e2", 1e2), ("1e3", 1e3), ("1e4", 1e4)];
     Ladder {
         name: "sliver",
         parameter: "shear of a parallelogram: angles near 0 and π",
         quantity: "error over Céa's bound",
         why: "as mesh: no constant of shape, no condition on angles",
-        rungs: vec![
-            rung("0", 0.0),
-            rung("1e0", 1.0),
-            rung("1e1", 1e1),
-            rung("1e2", 1e2),
-            rung("1e3", 1e3),
-            rung("1e4", 1e4),
-        ],
+        rungs: shears.map(rung).into(),
     }
 }
 

@@ -35,84 +35,74 @@ fn difference(
     Ok(worst.unwrap_or_else(|| Measured::number(f64::NAN)))
 }
 
+/// A ladder of units by their names, each with what it must show.
 fn ladder(
     name: &'static str,
     parameter: &'static str,
+    why: &'static str,
     scenes: &'static [Unitless],
-    exponents: &[i32],
-    refused: fn(i32) -> Option<&'static str>,
-    with: fn(f64) -> Units,
+    units: Vec<(String, Expected, Units)>,
 ) -> Ladder {
-    let rung = |&e: &i32| {
-        let expected = refused(e).map_or(Expected::AtMost(INVARIANT), Expected::Refused);
-        Rung::new(format!("1e{e}"), expected, move |under_test: &UnderTest<'_>| {
-            difference(scenes, with(power_of_ten(e)), under_test)
-        })
+    let rung = |(label, expected, units): (String, Expected, Units)| {
+        Rung::new(label, expected, move |under_test| difference(scenes, units, under_test))
     };
     Ladder {
         name,
         parameter,
         quantity: "change of the nondimensional answer",
-        why: "(5.1)-(5.5) are invariant under a change of units; rounding times the condition number",
-        rungs: exponents.iter().map(rung).collect(),
+        why,
+        rungs: units.into_iter().map(rung).collect(),
     }
 }
 
-const PLANE: &[Unitless] = &Unitless::PLANE;
-const ALL: &[Unitless] = &Unitless::ALL;
+/// The powers of ten of one unit; at 1e±200 the scene is refused with the words `beyond`, where there are any.
+fn powers(with: fn(f64) -> Units, beyond: Option<&'static str>) -> Vec<(String, Expected, Units)> {
+    let end = |e: i32| beyond.map(|saying| (e, Expected::Refused(saying)));
+    let inner = EXPONENTS.map(|e| (e, Expected::AtMost(INVARIANT)));
+    let all = end(-200).into_iter().chain(inner).chain(end(200));
+    all.map(|(e, expected)| (format!("1e{e}"), expected, with(power_of_ten(e)))).collect()
+}
+
+const WHY: &str =
+    "(5.1)-(5.5) are invariant under a change of units; rounding times the condition number";
 
 /// The unit of length, in the plane: in space n counts cells per unit length, which is then part of the mesh. Beyond
 /// 1e±150 areas leave the doubles, and the scene is refused.
 pub(crate) fn length() -> Ladder {
     let with = |length| Units { length, ..Units::default() };
-    let refused = |e: i32| (e.abs() > 150).then_some("outside 1e-150 to 1e150");
-    ladder("unit-length", "unit of length", PLANE, &with_ends(200), refused, with)
+    let units = powers(with, Some("outside 1e-150 to 1e150"));
+    ladder("unit-length", "unit of length", WHY, &Unitless::PLANE, units)
 }
 
 /// The unit of stiffness; beyond 1e±152 squares of stresses leave the doubles.
 pub(crate) fn stiffness() -> Ladder {
     let with = |stiffness| Units { stiffness, ..Units::default() };
-    let refused = |e: i32| (e.abs() > 150).then_some("the stiffest modulus");
-    ladder("unit-stiffness", "unit of stiffness", ALL, &with_ends(200), refused, with)
+    let units = powers(with, Some("the stiffest modulus"));
+    ladder("unit-stiffness", "unit of stiffness", WHY, &Unitless::ALL, units)
 }
 
 /// The unit of time: nothing squares it.
 pub(crate) fn time() -> Ladder {
     let with = |time| Units { time, ..Units::default() };
-    ladder("unit-time", "unit of time", ALL, &EXPONENTS, |_| None, with)
+    ladder("unit-time", "unit of time", WHY, &Unitless::ALL, powers(with, None))
 }
 
 /// The unit of displacement; strains beyond 1e±152 are refused, subnormal ones among them.
 pub(crate) fn displacement() -> Ladder {
     let with = |displacement| Units { displacement, ..Units::default() };
-    let refused = |e: i32| (e.abs() > 150).then_some("state the scene in other units");
-    ladder("unit-displacement", "unit of displacement", ALL, &with_ends(200), refused, with)
-}
-
-/// The exponents, and one beyond them at either end.
-fn with_ends(end: i32) -> Vec<i32> {
-    let inner = EXPONENTS.into_iter();
-    std::iter::once(-end).chain(inner).chain([end]).collect()
+    let units = powers(with, Some("state the scene in other units"));
+    ladder("unit-displacement", "unit of displacement", WHY, &Unitless::ALL, units)
 }
 
 /// All units at once, as programs in SI units meet them: from films to faults.
 pub(crate) fn together() -> Ladder {
-    let cases: [(&str, Units); 4] = [
+    let units = [
         ("nm", Units { length: 1e-9, stiffness: 1e9, time: 1e-9, displacement: 1e-12 }),
         ("mm", Units { length: 1e-3, stiffness: 1e6, time: 1.0, displacement: 1e-6 }),
         ("km", Units { length: 1e3, stiffness: 1e9, time: 3.2e7, displacement: 1.0 }),
         ("1e50", Units { length: 1e50, stiffness: 1e50, time: 1e50, displacement: 1e50 }),
     ];
-    let rung = |(label, units): (&str, Units)| {
-        Rung::new(label, Expected::AtMost(INVARIANT), move |under_test| {
-            difference(PLANE, units, under_test)
-        })
-    };
-    Ladder {
-        name: "units",
-        parameter: "all units: nm GPa ns pm, mm MPa s µm, km GPa years m, 1e50 each",
-        quantity: "change of the nondimensional answer",
-        why: "as for each unit alone",
-        rungs: cases.map(rung).into(),
-    }
+    let units = units.map(|(label, units)| (label.into(), Expected::AtMost(INVARIANT), units));
+    let parameter = "all units: nm GPa ns pm, mm MPa s µm, km GPa years m, 1e50 each";
+    ladder("units", parameter, "as for each unit alone", &Unitless::PLANE, units.into())
 }

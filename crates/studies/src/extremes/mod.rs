@@ -24,7 +24,7 @@ pub use document::Climbed;
 pub use judge::{RungRow, Standing, judge, standing};
 pub use memory::admit;
 pub use rung::{Expected, Ladder, Largest, Measured, Run, Rung};
-pub use table::COLUMNS;
+pub use table::csv;
 pub use under_test::{UnderTest, by_recursion};
 pub use units::{Unitless, Units};
 

@@ -33,7 +33,7 @@ impl Measured {
 
     /// A number about an answer.
     pub(crate) fn of(value: f64, answer: &SceneAnswer) -> Self {
-        let iterations = f64::from(answer.iterations) / f64::from(answer.levels.max(1));
+        let iterations = f64::from(answer.iterations) / answer.zeta.len().max(1) as f64;
         Self { iterations: Some(iterations), kkt: Some(answer.kkt), ..Self::number(value) }
     }
 

@@ -3,6 +3,7 @@
 /// Parts of a scene file; what a ladder does not change stays at the unit square of unit material.
 #[derive(Debug, Clone)]
 pub(super) struct SceneText {
+    pub(super) dimension: i32,
     /// `[domain]` without its heading.
     pub(super) domain: String,
     /// T.
@@ -20,7 +21,7 @@ impl SceneText {
     /// The unit square under tractions on all sides but the clamped one.
     pub(super) fn free(rest: impl Into<String>) -> Self {
         let domain = format!("{SQUARE}traction = [\"left\", \"right\", \"bottom\"]\n");
-        Self { domain, horizon: 1.0, lame: [1.0, 1.0], rest: rest.into() }
+        Self { dimension: 2, domain, horizon: 1.0, lame: [1.0, 1.0], rest: rest.into() }
     }
 
     /// The unit square with contact at the bottom.
@@ -29,11 +30,19 @@ impl SceneText {
         Self { domain, ..Self::free(rest) }
     }
 
+    /// The domain of a parallelogram with the sides (1, 0) and `side`, free but for its clamped top.
+    pub(super) fn parallelogram([x, y]: [f64; 2]) -> String {
+        format!(
+            "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [{:?}, {y:?}], [{x:?}, {y:?}]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"bottom\"]\n",
+            1.0 + x
+        )
+    }
+
     pub(super) fn text(&self) -> String {
         let [lambda, mu] = self.lame;
         format!(
-            "[scene]\nname = \"extreme\"\nquestion = \"Does it work at the extreme?\"\ndimension = 2\njudge = false\n[domain]\n{}[time]\nhorizon = {:?}\n[material]\nlambda = {lambda:?}\nmu_L = {mu:?}\n{}",
-            self.domain, self.horizon, self.rest
+            "[scene]\nname = \"extreme\"\nquestion = \"Does it work at the extreme?\"\ndimension = {}\njudge = false\n[domain]\n{}[time]\nhorizon = {:?}\n[material]\nlambda = {lambda:?}\nmu_L = {mu:?}\n{}",
+            self.dimension, self.domain, self.horizon, self.rest
         )
     }
 }

@@ -76,13 +76,19 @@ pub(crate) fn smallness() -> Ladder {
 fn one_step(k: f64, q: f64, expected: Expected, solver: Solver) -> Rung {
     Rung::new(step_in_words(k), expected, move |under_test| {
         let text = scalar(q, 0.0, k, &format!("1 + t/{k:?}"));
-        match solver {
-            Solver::Newton => error(text, 1, &under_test.newton),
-            Solver::Lambda => {
-                error(text, 1, &FixedPoint { newton: under_test.newton, ..FixedPoint::default() })
-            }
-        }
+        error(text, 1, &*solver(under_test))
     })
+}
+
+/// Who solves a level.
+type Solver = fn(&UnderTest<'_>) -> Box<dyn StepSolver>;
+
+fn newton(under_test: &UnderTest<'_>) -> Box<dyn StepSolver> {
+    Box::new(under_test.newton)
+}
+
+fn lambda(under_test: &UnderTest<'_>) -> Box<dyn StepSolver> {
+    Box::new(FixedPoint { newton: under_test.newton, ..FixedPoint::default() })
 }
 
 /// A step beside the bound 2 by its distance from it.
@@ -93,13 +99,6 @@ pub(super) fn step_in_words(k: f64) -> String {
         _ if k < 100.0 => format!("{k}"),
         _ => format!("{k:e}"),
     }
-}
-
-/// Who solves a level.
-#[derive(Clone, Copy, PartialEq)]
-enum Solver {
-    Newton,
-    Lambda,
 }
 
 fn conditioned(k: f64, q: f64) -> Expected {
@@ -114,7 +113,7 @@ pub(crate) fn falling_memory() -> Ladder {
             true => conditioned(k, -1.0),
             false => Expected::Refused("one solution per step is guaranteed only"),
         };
-        one_step(k, -1.0, expected, Solver::Newton)
+        one_step(k, -1.0, expected, newton)
     };
     let steps = [0.5, 1.0, 1.9, 2.0 - 1e-6, 2.0 - 1e-9, 2.0, 2.0 + 1e-6, 4.0, 1e6];
     Ladder {
@@ -134,7 +133,7 @@ pub(crate) fn rising_memory() -> Ladder {
         parameter: "k with ℬ(0) = +m_A (bounds 1 and 2)",
         quantity: "error of one step, relative",
         why: "m_A + (k/2)ℬ(0) > 0 at every k: beyond (3.4) Newton's method does not need it",
-        rungs: steps.map(|k| one_step(k, 1.0, conditioned(k, 1.0), Solver::Newton)).into(),
+        rungs: steps.map(|k| one_step(k, 1.0, conditioned(k, 1.0), newton)).into(),
     }
 }
 
@@ -146,7 +145,7 @@ pub(crate) fn fixed_point() -> Ladder {
             true => Expected::AtMost(4e-13 * k / (2.0 - k) + UNITS * f64::EPSILON),
             false => Expected::Refused("Λ does not contract"),
         };
-        one_step(k, 1.0, expected, Solver::Lambda)
+        one_step(k, 1.0, expected, lambda)
     };
     Ladder {
         name: "step-lambda",

@@ -14,17 +14,16 @@ use super::UnderTest;
 use super::answer::{SceneAnswer, Unanswered, march, set_up};
 use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
 use super::scene_text::SceneText;
-use fem::contact::StepView;
-use fem::norms::step_errors;
+use fem::norms::strain_error;
 use formula::EvaluationPoint;
 use scene::setup::{MeshData, Setup};
 
 /// Loads come from a rule, not from exact integrals: what that may add to the ratio.
-pub(super) const QUADRATURE: f64 = 0.01;
+const QUADRATURE: f64 = 0.01;
 
 /// A run of a scene that does not depend on time, with what the bound needs.
 pub(super) struct InSpace {
-    pub(super) answer: SceneAnswer,
+    answer: SceneAnswer,
     /// ‖ε(u - u_h)‖.
     error: f64,
     /// ‖ε(u - I_h u)‖.
@@ -34,26 +33,23 @@ pub(super) struct InSpace {
 }
 
 impl InSpace {
-    pub(super) fn run(
-        text: String,
-        n: u32,
-        under_test: &UnderTest<'_>,
-    ) -> Result<Self, Unanswered> {
+    fn run(text: String, n: u32, under_test: &UnderTest<'_>) -> Result<Self, Unanswered> {
         let setup = set_up(text, under_test.prepare)?;
         let data = MeshData::new(&setup, n, None).map_err(Unanswered::refused)?;
         let answer = march(&setup, &data, 1)?;
         let error = answer.errors.map_or(f64::NAN, |errors| errors[0]);
+        let truth = data.truth.moments(0.0).map_err(Unanswered::refused)?;
         let nothing = vec![0.0; data.space.nodes.len()];
         Ok(Self {
             answer,
             error,
-            interpolation: distance(&setup, &data, &interpolant(&setup, &data))?,
-            size: distance(&setup, &data, &nothing)?,
+            interpolation: strain_error(&data.space, &interpolant(&setup, &data), &truth),
+            size: strain_error(&data.space, &nothing, &truth),
         })
     }
 
     /// The error over Céa's bound with the interpolant.
-    pub(super) fn ratio(&self, [lambda, mu]: [f64; 2]) -> f64 {
+    fn ratio(&self, [lambda, mu]: [f64; 2]) -> f64 {
         self.error / ((1.0 + lambda / mu).sqrt() * self.interpolation)
     }
 
@@ -77,24 +73,6 @@ fn interpolant(setup: &Setup, data: &MeshData) -> Vec<f64> {
     values
 }
 
-/// ‖ε(u - v)‖ at t = 0.
-fn distance(setup: &Setup, data: &MeshData, v: &[f64]) -> Result<f64, Unanswered> {
-    let moments = data.truth.moments(0.0).map_err(Unanswered::refused)?;
-    let view = StepView {
-        n: 0,
-        t: 0.0,
-        u: v,
-        history: &[],
-        zeta: 0.0,
-        kappa: f64::INFINITY,
-        strain_norm: 0.0,
-        compliance: &[],
-        multiplier: &[],
-        friction: &[],
-    };
-    Ok(step_errors(&data.space, &setup.model, &view, &moments).v)
-}
-
 /// A displacement without divergence, the curl of (1-y)² sin πx.
 const SOLENOIDAL: &str = "[exact]\nu = [\"-2*(1 - y)*sin(pi*x)\", \"-pi*(1 - y)^2*cos(pi*x)\"]\n";
 
@@ -103,13 +81,9 @@ const SOLENOIDAL: &str = "[exact]\nu = [\"-2*(1 - y)*sin(pi*x)\", \"-pi*(1 - y)^
 /// sum of terms λ‖ε‖ that cancel, so it rounds to ελ‖ε‖ and more beside loads of order one: the KKT residual counts that.
 pub(crate) fn locking() -> Ladder {
     let rung = |e: i32| {
-        let ratio = power_of_ten(e);
-        let lame = [ratio, 1.0];
+        let lame = [power_of_ten(e), 1.0];
         let run = move |under_test: &UnderTest<'_>| {
-            let text = SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text();
-            let [coarse, fine] = [16, 32].map(|n| InSpace::run(text.clone(), n, under_test));
-            let (coarse, fine) = (coarse?, fine?);
-            let order = (coarse.error / fine.error).log2();
+            let (fine, order) = locked(lame, 32, under_test)?;
             let note = format!(
                 "order {order:.2} at n = 16…32, error {:.1} h‖ε(u)‖",
                 32.0 * fine.error / fine.size
@@ -127,20 +101,36 @@ pub(crate) fn locking() -> Ladder {
     }
 }
 
+fn solenoidal(lame: [f64; 2]) -> String {
+    SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text()
+}
+
+/// The run on n, and the order from n/2 to n.
+fn locked(
+    lame: [f64; 2],
+    n: u32,
+    under_test: &UnderTest<'_>,
+) -> Result<(InSpace, f64), Unanswered> {
+    let [coarse, fine] = [n / 2, n].map(|n| InSpace::run(solenoidal(lame), n, under_test));
+    let (coarse, fine) = (coarse?, fine?);
+    let order = (coarse.error / fine.error).log2();
+    Ok((fine, order))
+}
+
 /// Where the order returns at λ/μ_L = 1e2: slopes from n = 4 on.
 pub(crate) fn locking_order(finest: u32) -> Ladder {
     let lame = [1e2, 1.0];
-    let text = move || SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text();
     let rung = move |n: u32| {
         let run = move |under_test: &UnderTest<'_>| {
-            let text = text();
-            let [coarse, fine] = [n / 2, n].map(|n| InSpace::run(text.clone(), n, under_test));
-            let (coarse, fine) = (coarse?, fine?);
-            let order = (coarse.error / fine.error).log2();
+            let (fine, order) = locked(lame, n, under_test)?;
             Ok(Measured::of(fine.locked_ratio(lame), &fine.answer)
                 .noted(format!("order {order:.2}")))
         };
-        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(text(), n, 1)
+        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(
+            solenoidal(lame),
+            n,
+            1,
+        )
     };
     let ns = [4, 8, 16, 32, 64, 128, 256].into_iter().filter(|&n| n <= finest);
     Ladder {
@@ -156,17 +146,26 @@ pub(crate) fn locking_order(finest: u32) -> Ladder {
 pub(super) const SMOOTH: &str =
     "[exact]\nu = [\"0.2*sin(pi*x)*(1 - y^2)\", \"-0.1*(1 + cos(pi*x))*(1 - y)*(1 + y/2)\"]\n";
 
+/// A linear body with λ = μ_L below Céa's bound √2 ‖ε(u - I_h u)‖, with a remark on the run.
+pub(super) fn below_bound(
+    at: impl Into<String>,
+    scene: &SceneText,
+    n: u32,
+    note: impl Fn(&InSpace) -> String + Send + Sync + 'static,
+) -> Rung {
+    let text = scene.text();
+    Rung::new(at, Expected::AtMost(1.0 + QUADRATURE), move |under_test| {
+        let found = InSpace::run(text.clone(), n, under_test)?;
+        Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer).noted(note(&found)))
+    })
+}
+
 /// h from one cell to 1/finest: between the best approximation and Céa's bound √2 ‖ε(u - I_h u)‖.
 pub(crate) fn mesh_size(finest: u32) -> Ladder {
-    let text = || SceneText::free(SMOOTH).text();
-    let rung = |n: u32| {
-        let run = move |under_test: &UnderTest<'_>| {
-            let found = InSpace::run(text(), n, under_test)?;
-            let note = format!("error {:.2e}", found.error);
-            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer).noted(note))
-        };
-        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(text(), n, 1)
-    };
+    let scene = SceneText::free(SMOOTH);
+    let error = |found: &InSpace| format!("error {:.2e}", found.error);
+    let rung =
+        |n: u32| below_bound(n.to_string(), &scene, n, error).with_largest(scene.text(), n, 1);
     let ns = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512].into_iter().filter(|&n| n <= finest);
     Ladder {
         name: "mesh",
@@ -180,18 +179,11 @@ pub(crate) fn mesh_size(finest: u32) -> Ladder {
 /// A strip 1 × δ of cells with aspect ratio 1/δ, n = 8: the bound has no constant of shape.
 pub(crate) fn aspect_ratio() -> Ladder {
     let rung = |e: i32| {
-        let run = move |under_test: &UnderTest<'_>| {
-            let height = power_of_ten(-e);
-            let domain = format!(
-                "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [1.0, {height:?}], [0.0, {height:?}]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"bottom\"]\n"
-            );
-            let y = format!("(y/{height:?})");
-            let exact = SMOOTH.replace('y', &y);
-            let text = SceneText { domain, ..SceneText::free(exact) }.text();
-            let found = InSpace::run(text, 8, under_test)?;
-            Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer))
-        };
-        Rung::new(format!("1e{e}"), Expected::AtMost(1.0 + QUADRATURE), run)
+        let height = power_of_ten(-e);
+        let domain = SceneText::parallelogram([0.0, height]);
+        let exact = SMOOTH.replace('y', &format!("(y/{height:?})"));
+        let scene = SceneText { domain, ..SceneText::free(exact) };
+        below_bound(format!("1e{e}"), &scene, 8, |_| String::new())
     };
     Ladder {
         name: "aspect",

@@ -2,41 +2,34 @@
 
 use super::judge::{RungRow, Standing};
 use super::rung::{Expected, Ladder};
+use crate::table;
 use report::{Cell, Map, ReportError, Shade};
 
-/// Columns of `extremes.csv`.
-pub const COLUMNS: [&str; 11] = [
-    "ladder",
-    "at",
-    "quantity",
-    "expected",
-    "measured",
-    "digits_lost",
-    "iterations",
-    "kkt",
-    "standing",
-    "note",
-    "seconds",
-];
-
-impl RungRow {
-    /// The fields of a line, in the order of [`COLUMNS`].
-    pub fn fields(&self) -> [String; 11] {
-        let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:e}"));
+/// The table of `extremes.csv`.
+///
+/// # Errors
+/// The writer's.
+pub fn csv(rows: &[RungRow]) -> Result<Vec<u8>, csv::Error> {
+    let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:e}"));
+    let digits = |value: Option<f64>, digits: usize| {
+        value.map_or_else(String::new, |value| format!("{value:.digits$}"))
+    };
+    let row = |row: &RungRow| {
         [
-            self.ladder.to_owned(),
-            self.at.clone(),
-            self.quantity.to_owned(),
-            self.expected.clone(),
-            number(self.measured),
-            self.digits_lost.map_or_else(String::new, |digits| format!("{digits:.1}")),
-            self.iterations.map_or_else(String::new, |mean| format!("{mean:.2}")),
-            number(self.kkt),
-            self.standing.words().to_owned(),
-            self.note.clone(),
-            format!("{:.3}", self.seconds),
+            ("ladder", row.ladder.to_owned()),
+            ("at", row.at.clone()),
+            ("quantity", row.quantity.to_owned()),
+            ("expected", row.expected.clone()),
+            ("measured", number(row.measured)),
+            ("digits_lost", digits(row.digits_lost, 1)),
+            ("iterations", digits(row.iterations, 2)),
+            ("kkt", number(row.kkt)),
+            ("standing", row.standing.words().to_owned()),
+            ("note", row.note.clone()),
+            ("seconds", digits(Some(row.seconds), 3)),
         ]
-    }
+    };
+    table::csv(rows.iter().map(row), true)
 }
 
 /// The map of all rows: one line a ladder, one cell a rung, shaded by how far the measured number is within

@@ -81,7 +81,7 @@ pub(crate) fn gap() -> Ladder {
 /// (1,0): ½(λ + 2μ)p = 0, ½ μ q + ½ λ_c s = -c/6 for f0 = (0, -c); u_ν = -q ≤ g. For λ = μ = 1 and g = 0.1 it is
 /// open for c ≤ 0.3, q = -c/3, and locked beyond, the pressure being c/3 - 0.1.
 pub(crate) fn one_vertex() -> Ladder {
-    let rung = |label: &str, c: f64| {
+    let rung = |(label, c): (&str, f64)| {
         let bound = Expected::AtMost(16.0 * f64::EPSILON);
         Rung::new(label, bound, move |under_test| {
             let domain = "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]\nsides = [\"bottom\", \"slope\", \"left\"]\nclamped = [\"left\"]\ntraction = [\"slope\"]\ncontact = [\"bottom\"]\n".to_owned();
@@ -99,21 +99,22 @@ pub(crate) fn one_vertex() -> Ladder {
             Ok(Measured::of(relative(&found, &[q, pressure]), &answer))
         })
     };
+    let loads = [
+        ("0.2", 0.2),
+        ("0.3 - 1e-12", 0.3 - 1e-12),
+        ("0.3 - 1e-16", 0.3 - 1e-16),
+        ("0.3", 0.3),
+        ("0.3 + 1e-16", 0.3 + 1e-16),
+        ("0.3 + 1e-12", 0.3 + 1e-12),
+        ("0.6", 0.6),
+        ("1e10", 1e10),
+    ];
     Ladder {
         name: "one-vertex",
         parameter: "load on one cell with one vertex in contact: open below 0.3, locked above",
         quantity: "error against the closed form, relative",
         why: "two unknowns, solved by hand: open, nearly touching, grazing, locked",
-        rungs: vec![
-            rung("0.2", 0.2),
-            rung("0.3 - 1e-12", 0.3 - 1e-12),
-            rung("0.3 - 1e-16", 0.3 - 1e-16),
-            rung("0.3", 0.3),
-            rung("0.3 + 1e-16", 0.3 + 1e-16),
-            rung("0.3 + 1e-12", 0.3 + 1e-12),
-            rung("0.6", 0.6),
-            rung("1e10", 1e10),
-        ],
+        rungs: loads.map(rung).into(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Units of length, stiffness, time and displacement, and scenes written in them.
 
 use super::answer::SceneAnswer;
+use super::scene_text::SceneText;
 
 /// The units in which a scene is written: a number of the scene is its nondimensional value times the
 /// unit of its dimension. Strains are small, so displacements are not measured in the unit of length.
@@ -148,20 +149,18 @@ impl Unitless {
         };
         let domain = if self == Self::Box {
             format!(
-                "[domain]\nshape = \"box\"\nsize = [{length:?}, {length:?}, {length:?}]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\n"
+                "shape = \"box\"\nsize = [{length:?}, {length:?}, {length:?}]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\n"
             )
         } else {
             format!(
-                "[domain]\nshape = \"polygon\"\nvertices = [[0.0, 0.0], [{length:?}, 0.0], [{length:?}, {length:?}], [0.0, {length:?}]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\n{}\n",
+                "shape = \"polygon\"\nvertices = [[0.0, 0.0], [{length:?}, 0.0], [{length:?}, {length:?}], [0.0, {length:?}]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\n{}\n",
                 match self {
                     Self::Linear => "traction = [\"left\", \"right\", \"bottom\"]",
                     _ => "traction = [\"left\", \"right\"]\ncontact = [\"bottom\"]",
                 }
             )
         };
-        format!(
-            "[scene]\nname = \"units\"\nquestion = \"Does the answer depend on the units?\"\ndimension = {}\njudge = false\n{domain}[time]\nhorizon = {time:?}\n[material]\nlambda = {stiffness:?}\nmu_L = {stiffness:?}\n{terms}",
-            self.dimension()
-        )
+        let (dimension, lame) = (self.dimension(), [stiffness; 2]);
+        SceneText { dimension, domain, horizon: time, lame, rest: terms }.text()
     }
 }
