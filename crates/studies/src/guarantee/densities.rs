@@ -36,10 +36,44 @@ pub(super) struct Loads {
     pub given: Given,
     /// Πf0 at the corners of the cells, Π on linear functions.
     pub corners: Vec<Moments>,
-    /// f0 at the points of the cells.
-    body: Vec<Vec<f64>>,
+    /// ∫ |f0 - Πf0|² on each cell.
+    rough_cells: Vec<f64>,
     /// ∫ |q - Πq|² on each free edge.
     rough_edges: Vec<f64>,
+}
+
+/// The linear function nearest to a density on a simplex with C corners of measure one.
+struct Nearest<const C: usize> {
+    /// ∫ of the density times ψ_a.
+    means: [[f64; 2]; C],
+    /// Values at the corners.
+    corners: [[f64; 2]; C],
+    /// ∫ of the square that is missed.
+    missed: f64,
+}
+
+impl<const C: usize> Nearest<C> {
+    fn new(rule: &Rule, density: impl Fn(usize) -> [f64; 2]) -> Self {
+        let points = || rule.weights.iter().zip(&rule.points).enumerate();
+        let mut means = [[0.0; 2]; C];
+        for (q, (weight, b)) in points() {
+            for (mean, shape) in means.iter_mut().zip(b) {
+                (0..2).for_each(|i| mean[i] += weight * shape * density(q)[i]);
+            }
+        }
+        // The inverse of (1 + δ)/(C (C + 1)).
+        let size = (C * (C + 1)) as f64;
+        let shift = [0, 1].map(|i| means.iter().map(|m| m[i]).sum::<f64>() / (C + 1) as f64);
+        let corners = means.map(|mean| [0, 1].map(|i| size * (mean[i] - shift[i])));
+        let mut missed = 0.0;
+        for (q, (weight, b)) in points() {
+            for i in 0..2 {
+                let linear: f64 = b.iter().zip(&corners).map(|(b, corner)| b * corner[i]).sum();
+                missed += weight * (density(q)[i] - linear).powi(2);
+            }
+        }
+        Self { means, corners, missed }
+    }
 }
 
 impl Densities {
@@ -118,69 +152,68 @@ impl Densities {
         edges: &Edges,
         t: f64,
     ) -> Result<Loads, GuaranteeError> {
-        let mut body = vec![Vec::new(); 2];
-        self.body.evaluate(t, 0.0, &mut body);
-        if body.iter().flatten().any(|f| !f.is_finite()) {
-            return Err(GuaranteeError::NotFinite { what: "f0", t });
-        }
+        let body = finite(&mut self.body, t, "f0")?;
         let count = self.inside.weights.len();
-        let moments = (0..space.mesh.cell_count()).map(|c| {
-            let mut of_cell = Moments::zeros();
-            for (q, (weight, shapes)) in
-                self.inside.weights.iter().zip(&self.inside.points).enumerate()
-            {
-                let share = weight * space.geometry.measure[c];
-                for (a, shape) in shapes.iter().enumerate() {
-                    for i in 0..2 {
-                        of_cell[2 * a + i] += share * shape * body[i][count * c + q];
-                    }
-                }
-            }
-            of_cell
-        });
-        let moments: Vec<Moments> = moments.collect();
-        // The inverse of |T|/12 (1 + δ).
-        let corners = moments.iter().zip(&space.geometry.measure).map(|(moments, measure)| {
-            let mean = |i: usize| (0..3).map(|a| moments[2 * a + i]).sum::<f64>() / 4.0;
-            let means = [mean(0), mean(1)];
-            Moments::from_fn(|row, _| 12.0 / measure * (moments[row] - means[row % 2]))
-        });
-        let corners = corners.collect();
+        let (mut moments, mut corners, mut rough_cells) = (Vec::new(), Vec::new(), Vec::new());
+        for (c, measure) in space.geometry.measure.iter().enumerate() {
+            let density = |q: usize| [0, 1].map(|i: usize| body[i][count * c + q]);
+            let Nearest { means, corners: at, missed } = Nearest::<3>::new(&self.inside, density);
+            moments.push(Moments::from_fn(|row, _| measure * means[row / 2][row % 2]));
+            corners.push(Moments::from_fn(|row, _| at[row / 2][row % 2]));
+            rough_cells.push(measure * missed);
+        }
         let mut tractions = vec![0.0; 4 * edges.free_count];
         let mut rough_edges = vec![0.0; edges.free_count];
         for side in &mut self.sides {
-            side.project(space, &self.outside, t, &mut tractions, &mut rough_edges)?;
+            let values = finite(&mut side.traction, t, "a traction")?;
+            let count = self.outside.weights.len();
+            for (e, (free, ends)) in side.edges.iter().enumerate() {
+                let corner = ends.map(|v| space.mesh.vertex(v));
+                let length = (corner[1][0] - corner[0][0]).hypot(corner[1][1] - corner[0][1]);
+                let density = |q: usize| [0, 1].map(|i: usize| values[i][count * e + q]);
+                let found = Nearest::<2>::new(&self.outside, density);
+                let (at, free) = (4 * *free as usize, *free as usize);
+                let on_edge = tractions[at..at + 4].iter_mut();
+                on_edge.zip(found.corners.as_flattened()).for_each(|(sum, q)| *sum += q);
+                rough_edges[free] += length * found.missed;
+            }
         }
-        Ok(Loads { given: Given { moments, tractions }, corners, body, rough_edges })
+        Ok(Loads { given: Given { moments, tractions }, corners, rough_cells, rough_edges })
     }
+}
 
+/// The two components at the points of a program.
+fn finite(
+    program: &mut BoundProgram,
+    t: f64,
+    what: &'static str,
+) -> Result<Vec<Vec<f64>>, GuaranteeError> {
+    let mut values = vec![Vec::new(); 2];
+    program.evaluate(t, 0.0, &mut values);
+    match values.iter().flatten().all(|value| value.is_finite()) {
+        true => Ok(values),
+        false => Err(GuaranteeError::NotFinite { what, t }),
+    }
+}
+
+impl Loads {
     /// The root of Σ (C_T ‖f0 - Πf0‖_T + Σ C_E ‖q - Πq‖_E)²/m_𝒜 over the cells: what no linear load has, as a functional
     /// on the energy space.
     pub(super) fn oscillation(
         &self,
         space: &Discretization,
         equilibrium: &Equilibrium<'_>,
-        loads: &Loads,
         elasticity: &TensorField,
     ) -> f64 {
-        let (count, edges) = (self.inside.weights.len(), &equilibrium.edges);
+        let edges = &equilibrium.edges;
         let least: Vec<f64> =
             elasticity.regions().iter().map(|tensor| tensor.eigenvalues(2).0).collect();
         let cell = |c: usize| {
-            let (mut rest, corner) = (0.0, &loads.corners[c]);
-            for (q, (weight, b)) in self.inside.weights.iter().zip(&self.inside.points).enumerate()
-            {
-                for i in 0..2 {
-                    let linear: f64 = (0..3).map(|a| b[a] * corner[2 * a + i]).sum();
-                    let missed = loads.body[i][count * c + q] - linear;
-                    rest += weight * space.geometry.measure[c] * missed * missed;
-                }
-            }
             let constants = equilibrium.constants(c);
-            let mut missed = constants.inside * rest.sqrt();
+            let mut missed = constants.inside * self.rough_cells[c].sqrt();
             for (s, &edge) in edges.of_cell[c].iter().enumerate() {
                 if let Some(free) = edges.free[edge as usize] {
-                    missed += constants.on_edge[s] * loads.rough_edges[free as usize].sqrt();
+                    missed += constants.on_edge[s] * self.rough_edges[free as usize].sqrt();
                 }
             }
             // One tensor for all regions, or one each.
@@ -206,47 +239,4 @@ fn traction(
         let pressed = graph.mul(pressure, nu[i]);
         graph.add(sum, pressed)
     })
-}
-
-impl Side {
-    /// Adds the linear functions nearest to σν on the edges of the side, and what they miss.
-    fn project(
-        &mut self,
-        space: &Discretization,
-        rule: &Rule,
-        t: f64,
-        tractions: &mut [f64],
-        rough: &mut [f64],
-    ) -> Result<(), GuaranteeError> {
-        let mut values = vec![Vec::new(); 2];
-        self.traction.evaluate(t, 0.0, &mut values);
-        if values.iter().flatten().any(|value| !value.is_finite()) {
-            return Err(GuaranteeError::NotFinite { what: "a traction", t });
-        }
-        let density = |at: usize| [values[0][at], values[1][at]];
-        for (e, (free, ends)) in self.edges.iter().enumerate() {
-            let corner = ends.map(|v| space.mesh.vertex(v));
-            let length = (corner[1][0] - corner[0][0]).hypot(corner[1][1] - corner[0][1]);
-            let at = |q: usize| density(rule.weights.len() * e + q);
-            // Means against both linear functions give the values 4m_a - 2m_b at the ends.
-            let mut means = [[0.0; 2]; 2];
-            for (q, (weight, b)) in rule.weights.iter().zip(&rule.points).enumerate() {
-                for (end, shape) in b.iter().enumerate() {
-                    (0..2).for_each(|i| means[end][i] += weight * shape * at(q)[i]);
-                }
-            }
-            let ends = [0, 1]
-                .map(|end: usize| [0, 1].map(|i| 4.0 * means[end][i] - 2.0 * means[1 - end][i]));
-            for (end, at_end) in ends.iter().enumerate() {
-                (0..2).for_each(|i| tractions[4 * *free as usize + 2 * end + i] += at_end[i]);
-            }
-            for (q, (weight, b)) in rule.weights.iter().zip(&rule.points).enumerate() {
-                for i in 0..2 {
-                    let missed = at(q)[i] - b[0] * ends[0][i] - b[1] * ends[1][i];
-                    rough[*free as usize] += weight * length * missed * missed;
-                }
-            }
-        }
-        Ok(())
-    }
 }

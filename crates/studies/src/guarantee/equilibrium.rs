@@ -105,10 +105,6 @@ impl<'a> Equilibrium<'a> {
         &self.shapes[self.shape[c] as usize]
     }
 
-    fn triangle(&self, c: usize) -> &Triangle {
-        &self.shape(c).triangle
-    }
-
     /// How loads that are orthogonal to linear functions act on the strains of a cell.
     pub(super) fn constants(&self, c: usize) -> &Constants {
         &self.shape(c).constants
@@ -120,7 +116,7 @@ impl<'a> Equilibrium<'a> {
         let mut right: Vec<f64> = given.tractions.iter().map(|traction| -traction).collect();
         let mut stresses = Vec::with_capacity(start.len());
         for c in 0..start.len() {
-            let triangle = self.triangle(c);
+            let triangle = &self.shape(c).triangle;
             let asked = given.moments[c] + self.own_moments(triangle, &start[c]);
             let stress = start[c] - triangle.of_moments * asked;
             let tractions = triangle.to_tractions * stress;
@@ -138,7 +134,7 @@ impl<'a> Equilibrium<'a> {
             let of_cell = Tractions::from_fn(|i, _| {
                 unknowns[i].map_or(0.0, |unknown| displacements[unknown as usize])
             });
-            *stress -= self.triangle(c).of_edges * of_cell;
+            *stress -= self.shape(c).triangle.of_edges * of_cell;
         }
         stresses
     }
@@ -161,7 +157,7 @@ impl<'a> Equilibrium<'a> {
         corners: &[Moments],
     ) -> f64 {
         let cell = |c: usize| {
-            let triangle = self.triangle(c);
+            let triangle = &self.shape(c).triangle;
             let divergence = triangle.divergence(&stresses[c]);
             let load = Unbalanced::from_fn(|row, _| match row {
                 0..6 => corners[c][row],
@@ -181,7 +177,7 @@ impl<'a> Equilibrium<'a> {
         let mut sums: Vec<f64> = given.tractions.iter().map(|traction| -traction).collect();
         let mut largest = 0.0f64;
         for (c, stress) in stresses.iter().enumerate() {
-            let tractions = self.triangle(c).to_tractions * stress;
+            let tractions = self.shape(c).triangle.to_tractions * stress;
             let unknowns = self.edges.unknowns(mesh.cell(c), c);
             for (unknown, traction) in unknowns.iter().zip(tractions.iter()) {
                 largest = algebra::linalg::larger(largest, traction.abs());

@@ -3,7 +3,6 @@
 //! what lets f0 be linear.
 
 use nalgebra::{SMatrix, SVector};
-use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::triangle::{Stress, Triangle, add_traction};
 
@@ -87,24 +86,11 @@ impl Inside {
 fn conditions(triangle: &Triangle) -> (SMatrix<f64, SIZE, SIZE>, SMatrix<f64, SIZE, 12>) {
     let mut matrix = SMatrix::zeros();
     let mut asked = SMatrix::zeros();
-    let mut row = 0;
-    // The nodes of the edge opposite to corner l of a part: its ends, and its middle.
-    let nodes = |l: usize| [(l + 1) % 3, (l + 2) % 3, 3 + l];
-    for v in 0..3 {
-        // From corner v to the centroid: in the part before it is opposite to its first corner, in the part after to
-        // its second, run through the other way.
-        let normal = triangle.normal(v);
-        let (before, after) = ((v + 1) % 3, (v + 2) % 3);
-        let [end, centre, middle] = nodes(0);
-        let [other_centre, other_end, other_middle] = nodes(1);
-        for (node, other) in [(end, other_end), (centre, other_centre), (middle, other_middle)] {
-            add_traction(&mut matrix, row, 18 * before + 3 * node, normal);
-            add_traction(&mut matrix, row, 18 * after + 3 * other, normal.map(|n| -n));
-            row += 2;
-        }
-    }
+    // To the centroid: an end, the centroid and the middle of the part before, and those of the part after.
+    triangle.add_jumps(&mut matrix, 18, &[[1, 0], [2, 2], [3, 4]]);
+    let mut row = 18;
     for part in 0..3 {
-        for node in nodes(2) {
+        for node in [0, 1, 5] {
             add_traction(&mut matrix, row, 18 * part + 3 * node, triangle.outward(part));
             row += 2;
         }
@@ -115,11 +101,8 @@ fn conditions(triangle: &Triangle) -> (SMatrix<f64, SIZE, SIZE>, SMatrix<f64, SI
         let gradients = triangle.part_gradients(part);
         for corner in 0..3 {
             for (node, [gx, gy]) in slopes(&gradients, corner).into_iter().enumerate() {
-                let at = 18 * part + 3 * node;
-                matrix[(row, at)] = length * gx;
-                matrix[(row, at + 2)] = length * gy * FRAC_1_SQRT_2;
-                matrix[(row + 1, at + 1)] = length * gy;
-                matrix[(row + 1, at + 2)] = length * gx * FRAC_1_SQRT_2;
+                let slope = [length * gx, length * gy];
+                add_traction(&mut matrix, row, 18 * part + 3 * node, slope);
             }
             for i in 0..2 {
                 match corner {

@@ -260,7 +260,7 @@ impl<'a> Bounding<'a> {
         }
         let square = self.equilibrium.distance(&stresses, &start, &loads.corners);
         let residual = square.max(0.0).sqrt();
-        let oscillation = self.densities.oscillation(space, &self.equilibrium, &loads, elasticity);
+        let oscillation = loads.oscillation(space, &self.equilibrium, elasticity);
         let bound = self.bound(view.n, residual + oscillation, gap)?;
         let error =
             self.truth.as_mut().map(|truth| truth.distance(space, elasticity, view.u, view.t));

@@ -126,56 +126,39 @@ fn at_point(law: &dyn Potential, gap: f64, r: f64, p: f64) -> f64 {
     0.0
 }
 
-/// ∫ |p - ∂j_ν| from r in a direction to where the law has the pressure p, or to `end`.
+/// ∫ |p - ∂j_ν| from r in a direction to where the monotone law has the pressure p, or to `end`.
 fn walk(law: &dyn Potential, r: f64, end: f64, p: f64, direction: f64) -> f64 {
-    let ahead = |at: f64| direction * (at - r) > 0.0 && direction * (end - at) > 0.0;
+    let short = |at: f64| direction * (p - law.value_and_slope(at).0);
+    let mut reach = if end.is_finite() { end } else { r + direction * (1.0 + r.abs()) };
+    // An open end: as far as the law asks for, if it ever does.
+    for _ in 0..60 {
+        if end.is_finite() || short(reach) <= 0.0 {
+            break;
+        }
+        reach += direction * (reach - r).abs();
+    }
+    if !end.is_finite() && short(reach) > 0.0 {
+        return f64::INFINITY;
+    }
+    let (mut near, mut far) = (r, reach);
+    for _ in 0..100 {
+        let middle = 0.5 * (near + far);
+        if short(middle) > 0.0 { near = middle } else { far = middle }
+    }
+    let ahead = |at: f64| direction * (at - r) > 0.0 && direction * (far - at) > 0.0;
     let mut stops: Vec<f64> =
         law.kinks().iter().chain(law.jumps()).copied().filter(|&at| ahead(at)).collect();
     stops.sort_by(|a, b| (direction * a).total_cmp(&(direction * b)));
-    stops.push(end);
-    let short = |at: f64| direction * (p - law.value_and_slope(at).0);
+    stops.push(far);
+    let gauss = gauss_legendre(8);
     let (mut from, mut sum) = (r, 0.0);
     for stop in stops {
-        let mut reach = if stop.is_finite() { stop } else { from + direction * (1.0 + from.abs()) };
-        // An open end: as far as the law asks for, if it ever does.
-        let mut doublings = 0;
-        while !stop.is_finite() && short(reach) > 0.0 {
-            doublings += 1;
-            if doublings > 60 {
-                return f64::INFINITY;
-            }
-            reach += direction * (reach - from).abs();
-        }
-        let inside = |share: f64| from + share * (reach - from);
-        // The law is monotone on the piece: at its far end it may have jumped already.
-        let nearly = inside(1.0 - 1e-12);
-        let until = if short(nearly) >= 0.0 { 1.0 } else { crossing(|share| short(inside(share))) };
-        let width = until * (reach - from).abs();
-        let gauss = gauss_legendre(8);
-        sum += gauss
-            .iter()
-            .map(|(z, w)| 0.5 * w * width * short(inside(0.5 * (1.0 + z) * until)).max(0.0))
-            .sum::<f64>();
-        if until < 1.0 || !stop.is_finite() {
-            return sum;
-        }
-        from = reach;
-        let (lo, hi) = law.subdifferential(from);
-        if from == end || (lo <= p && p <= hi) {
-            return sum;
-        }
+        let at = |z: f64| from + 0.5 * (1.0 + z) * (stop - from);
+        let value: f64 = gauss.iter().map(|(z, w)| w * short(at(*z)).max(0.0)).sum();
+        sum += 0.5 * (stop - from).abs() * value;
+        from = stop;
     }
     sum
-}
-
-/// Where a falling function of [0, 1] has its zero.
-fn crossing(f: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if f(middle) > 0.0 { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 #[cfg(test)]

@@ -87,16 +87,7 @@ impl Triangle {
     /// The conditions: jumps of tractions across the lines from corners to the centroid, then ∫ Div σ·ψ.
     fn conditions(&self) -> Conditions {
         let mut matrix = Conditions::zeros();
-        for v in 0..3 {
-            let normal = self.normal(v);
-            let (before, after) = ((v + 1) % 3, (v + 2) % 3);
-            // Corner v is the second corner of the part before and the first of the part after.
-            for (end, [corner, other]) in [[1, 0], [2, 2]].into_iter().enumerate() {
-                let row = 4 * v + 2 * end;
-                add_traction(&mut matrix, row, 9 * before + 3 * corner, normal);
-                add_traction(&mut matrix, row, 9 * after + 3 * other, normal.map(|n| -n));
-            }
-        }
+        self.add_jumps(&mut matrix, 9, &[[1, 0], [2, 2]]);
         for part in 0..3 {
             let gradients = self.part_gradients(part);
             for corner in 0..3 {
@@ -106,14 +97,31 @@ impl Triangle {
                 for (local, [gx, gy]) in gradients.into_iter().enumerate() {
                     let at = 9 * part + 3 * local;
                     let row = 12 + 2 * corner;
-                    matrix[(row, at)] += weight * gx;
-                    matrix[(row, at + 2)] += weight * gy * FRAC_1_SQRT_2;
-                    matrix[(row + 1, at + 1)] += weight * gy;
-                    matrix[(row + 1, at + 2)] += weight * gx * FRAC_1_SQRT_2;
+                    add_traction(&mut matrix, row, at, [weight * gx, weight * gy]);
                 }
             }
         }
         matrix
+    }
+
+    /// Adds, in the first rows, the jumps of tractions across the lines from corners to the centroid, at nodes of the part
+    /// before and of the part after: corner v is the second corner of the one and the first of the other. A part has so
+    /// many `numbers`.
+    pub(super) fn add_jumps<const R: usize, const C: usize>(
+        &self,
+        matrix: &mut SMatrix<f64, R, C>,
+        numbers: usize,
+        nodes: &[[usize; 2]],
+    ) {
+        for v in 0..3 {
+            let normal = self.normal(v);
+            let (before, after) = ((v + 1) % 3, (v + 2) % 3);
+            for (at, [node, other]) in nodes.iter().enumerate() {
+                let row = 2 * (nodes.len() * v + at);
+                add_traction(matrix, row, numbers * before + 3 * node, normal);
+                add_traction(matrix, row, numbers * after + 3 * other, normal.map(|n| -n));
+            }
+        }
     }
 
     /// The outward normal of the edge opposite to a corner.
@@ -197,7 +205,7 @@ fn right_of(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     [(to[1] - from[1]) / length, (from[0] - to[0]) / length]
 }
 
-/// Adds σν, σ being the three numbers from column `at`, to two rows.
+/// Adds σν, σ being the three numbers from column `at`, to two rows; the slopes of a function in place of ν give Div σ.
 pub(super) fn add_traction<const R: usize, const C: usize>(
     matrix: &mut SMatrix<f64, R, C>,
     row: usize,
