@@ -107,17 +107,13 @@ fn document(diagnosis: &Diagnosis) -> serde_json::Value {
 
 fn trial(outcome: &Outcome) -> serde_json::Value {
     let verdict = outcome.verdict.as_ref();
-    let question = match outcome.question {
-        Question::Order => "order",
-        Question::Exact => "exact",
-    };
     let names: Vec<&str> = outcome.suspects.iter().map(|suspect| suspect.name()).collect();
     let measured = outcome.error.as_ref().map(|(norm, _)| norm.as_str());
     serde_json::json!({
         "name": outcome.name,
         "terms": outcome.terms,
         "removed": outcome.removed.map(|suspect| suspect.name()),
-        "question": question,
+        "question": outcome.question,
         "verdict": outcome.decision.name(),
         "predicted": verdict.map(|verdict| verdict.predicted),
         "observed": verdict.and_then(|verdict| verdict.observed),

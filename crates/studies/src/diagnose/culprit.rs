@@ -80,23 +80,17 @@ pub fn sentence(finding: &Finding, outcomes: &[Outcome]) -> String {
             "not among the terms: the trials that fail have nothing in common".into()
         }
         Finding::Two(a, b) => format!("culprits: {}, and {}", a.words(), b.words()),
-        Finding::One(convicted) => {
-            let names: Vec<&str> = convicted.iter().map(|suspect| suspect.words()).collect();
-            let only = match convicted[..] {
-                [one] => Some(one),
-                _ => None,
-            };
-            let head = if convicted.iter().any(|suspect| suspect.is_term()) || only.is_some() {
-                "culprit"
-            } else {
-                "not among the terms"
-            };
-            let evidence = only.map_or_else(
-                || "no trial tells them apart".to_owned(),
-                |suspect| evidence(suspect, outcomes),
-            );
-            format!("{head}: {} ({evidence})", names.join("; or "))
-        }
+        Finding::One(convicted) => match convicted[..] {
+            [one] => format!("culprit: {} ({})", one.words(), evidence(one, outcomes)),
+            _ => {
+                let names: Vec<&str> = convicted.iter().map(|suspect| suspect.words()).collect();
+                let head = match convicted.iter().any(|suspect| suspect.is_term()) {
+                    true => "culprit",
+                    false => "not among the terms",
+                };
+                format!("{head}: {} (no trial tells them apart)", names.join("; or "))
+            }
+        },
     }
 }
 

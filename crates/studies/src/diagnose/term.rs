@@ -124,36 +124,33 @@ impl Suspect {
 
     /// Its name in JSON.
     pub fn name(self) -> &'static str {
-        match self {
-            Suspect::Projection => "projection",
-            Suspect::Accumulation => "zeta",
-            Suspect::Memory => "memory",
-            Suspect::Compliance => "law",
-            Suspect::Gap => "gap",
-            Suspect::TimeRule => "time-rule",
-            Suspect::Solver => "solver",
-            Suspect::Elasticity => "elasticity",
-            Suspect::Loads => "loads",
-            Suspect::Space => "space",
-        }
+        self.described().0
     }
 
     pub(crate) fn words(self) -> &'static str {
+        self.described().1
+    }
+
+    fn described(self) -> (&'static str, &'static str) {
         match self {
-            Suspect::Projection => "the projection term mu (eps - P eps)",
-            Suspect::Accumulation => "zeta, the yield limit's dependence on the past",
-            Suspect::Memory => "the memory term B",
-            Suspect::Compliance => "the compliance law",
-            Suspect::Gap => "the constraint u_nu <= g",
-            Suspect::TimeRule => "the time rule that memory and zeta share",
-            Suspect::Solver => "the iteration that solves a nonlinear level, or its tolerance",
-            Suspect::Elasticity => "elasticity A",
-            Suspect::Loads => {
-                "the loads as the solver takes them, or what else every run has (clamped sides, the linear solver, the measured error)"
+            Suspect::Projection => ("projection", "the projection term mu (eps - P eps)"),
+            Suspect::Accumulation => ("zeta", "zeta, the yield limit's dependence on the past"),
+            Suspect::Memory => ("memory", "the memory term B"),
+            Suspect::Compliance => ("law", "the compliance law"),
+            Suspect::Gap => ("gap", "the constraint u_nu <= g"),
+            Suspect::TimeRule => ("time-rule", "the time rule that memory and zeta share"),
+            Suspect::Solver => {
+                ("solver", "the iteration that solves a nonlinear level, or its tolerance")
             }
-            Suspect::Space => {
-                "what only a solution outside V^h has: quadrature of its loads or of its error, interpolation"
-            }
+            Suspect::Elasticity => ("elasticity", "elasticity A"),
+            Suspect::Loads => (
+                "loads",
+                "the loads as the solver takes them, or what else every run has (clamped sides, the linear solver, the measured error)",
+            ),
+            Suspect::Space => (
+                "space",
+                "what only a solution outside V^h has: quadrature of its loads or of its error, interpolation",
+            ),
         }
     }
 

@@ -8,7 +8,8 @@ use super::variant::{
 use scene::{ContactScene, Direction, Hypothesis, Prediction, Scene, TimeRule};
 
 /// What a variant must show of a sound solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Question {
     /// The order that its scene predicts.
     Order,

@@ -25,12 +25,12 @@ pub(crate) enum Course {
 /// Interior points per side at which a profile is sampled.
 const SAMPLES: u32 = 6;
 
-/// The body of a scene that [`scene::setup::Setup`] accepted.
-fn body_mut(scene: &mut Scene) -> Option<&mut ContactScene> {
-    match &mut scene.body {
-        Body::Contact(body) => Some(body),
-        Body::Abstract(_) => None,
+/// A scene with its body and its formulas changed.
+fn changed(mut scene: Scene, change: impl FnOnce(&mut ContactScene, &mut Graph)) -> Scene {
+    if let Body::Contact(body) = &mut scene.body {
+        change(body, &mut scene.formulas);
     }
+    scene
 }
 
 /// The scene with no terms but `kept`; u stays what it is.
@@ -40,8 +40,7 @@ pub(super) fn with_terms(scene: &Scene, kept: SceneTerms) -> Scene {
     scene
         .violates
         .retain(|claim| !matches!(claim, Hypothesis::RegularInTime | Hypothesis::RegularInSpace));
-    let mut graph = std::mem::take(&mut scene.formulas);
-    if let Some(body) = body_mut(&mut scene) {
+    changed(scene, |body, graph| {
         if !kept.has(Suspect::Memory) {
             body.material.memory.clear();
         }
@@ -50,7 +49,7 @@ pub(super) fn with_terms(scene: &Scene, kept: SceneTerms) -> Scene {
         }
         let projection = body.material.projection.as_mut();
         if let Some(projection) = projection.filter(|_| !kept.has(Suspect::Accumulation)) {
-            *projection = frozen(&mut graph, projection);
+            *projection = frozen(graph, projection);
         }
         if let Some(contact) = &mut body.contact {
             contact.law = contact.law.take().filter(|_| kept.has(Suspect::Compliance));
@@ -60,9 +59,7 @@ pub(super) fn with_terms(scene: &Scene, kept: SceneTerms) -> Scene {
             *multiplier = multiplier.filter(|_| kept.has(Suspect::Gap));
             *selection = selection.filter(|_| kept.has(Suspect::Compliance));
         }
-    }
-    scene.formulas = graph;
-    scene
+    })
 }
 
 /// κ at ζ = 0 for all ζ.
@@ -72,29 +69,25 @@ fn frozen(graph: &mut Graph, projection: &Projection) -> Projection {
 }
 
 /// The scene with u(t) replaced by its nodal interpolant on each mesh.
-pub(super) fn in_space(mut scene: Scene) -> Scene {
-    if let Some(Data::Exact { interpolated, form, .. }) =
-        body_mut(&mut scene).map(|body| &mut body.data)
-    {
-        *interpolated = true;
-        *form = LoadForm::Weak;
-    }
-    scene
+pub(super) fn in_space(scene: Scene) -> Scene {
+    changed(scene, |body, _| {
+        if let Data::Exact { interpolated, form, .. } = &mut body.data {
+            *interpolated = true;
+            *form = LoadForm::Weak;
+        }
+    })
 }
 
 /// The scene in V^h with u(t) on the given course through U, the largest of a few states of u.
 ///
 /// Histories inside formulas of u are left out of U: they are the solution's, not the model's.
 pub(super) fn on_course(scene: Scene, course: Course) -> Scene {
-    let mut scene = in_space(scene);
     let horizon = scene.time.horizon;
-    let mut graph = std::mem::take(&mut scene.formulas);
-    if let Some(body) = body_mut(&mut scene)
-        && let Data::Exact { u, multiplier, selection, .. } = &mut body.data
-    {
+    changed(in_space(scene), |body, graph| {
+        let Data::Exact { u, multiplier, selection, .. } = &mut body.data else { return };
         let points = interior(&body.domain);
-        let at = largest_state(&mut graph, u, horizon, &points);
-        let factor = factor(&mut graph, course, horizon);
+        let at = largest_state(graph, u, horizon, &points);
+        let factor = factor(graph, course, horizon);
         for component in u.iter_mut() {
             let profile = graph.instant(*component, at);
             *component = graph.mul(factor, profile);
@@ -102,9 +95,7 @@ pub(super) fn on_course(scene: Scene, course: Course) -> Scene {
         let constant = course == Course::Constant;
         *multiplier = multiplier.filter(|_| constant).map(|node| graph.instant(node, at));
         *selection = selection.filter(|_| constant).map(|node| graph.instant(node, at));
-    }
-    scene.formulas = graph;
-    scene
+    })
 }
 
 fn factor(graph: &mut Graph, course: Course, horizon: f64) -> Node {
@@ -158,13 +149,11 @@ fn isotropic(elastic: &FourthOrder, d: usize) -> [f64; 2] {
 }
 
 /// The scene with memory b(t) = -exp(-t/T), ℬ₀ = 𝒜/4: a control where the scene has none.
-pub(super) fn with_memory(mut scene: Scene) -> Scene {
-    let rate = 1.0 / scene.time.horizon;
-    let text = format!("-exp(-({rate:?})*t)");
-    let (mut graph, d) = (std::mem::take(&mut scene.formulas), scene.dimension);
-    if let (Ok(kernel), Some(body)) =
-        (graph.parse(&text, &Scope::new(&[Variable::T])), body_mut(&mut scene))
-    {
+pub(super) fn with_memory(scene: Scene) -> Scene {
+    let (rate, d) = (1.0 / scene.time.horizon, scene.dimension);
+    changed(scene, |body, graph| {
+        let text = format!("-exp(-({rate:?})*t)");
+        let Ok(kernel) = graph.parse(&text, &Scope::new(&[Variable::T])) else { return };
         let exponentials = graph.exponential_sum(kernel);
         // Fading memory of unit time scale: its integral over [0, T] stays below 𝒜/4.
         let quarter = 0.25 * rate.min(1.0);
@@ -174,20 +163,16 @@ pub(super) fn with_memory(mut scene: Scene) -> Scene {
         let regions = body.regions.iter().map(|region| share(&region.elastic)).collect();
         body.memory =
             vec![RelaxationTerm { kernel, singular: None, exponentials, lambda, mu, regions }];
-    }
-    scene.formulas = graph;
-    scene
+    })
 }
 
 /// The scene with a projection that yields in a part of the body: a control where the scene has none.
-pub(super) fn with_projection(mut scene: Scene) -> Scene {
+pub(super) fn with_projection(scene: Scene) -> Scene {
     let horizon = scene.time.horizon;
-    let mut graph = std::mem::take(&mut scene.formulas);
-    if let Some(body) = body_mut(&mut scene)
-        && let Data::Exact { u, .. } = &body.data
-    {
+    changed(scene, |body, graph| {
+        let Data::Exact { u, .. } = &body.data else { return };
         let points = interior(&body.domain);
-        let strain = mean_gradient(&mut graph, u, horizon, &points);
+        let strain = mean_gradient(graph, u, horizon, &points);
         // Half of a mean strain, and a fifth more over [0, T].
         let (start, slope) = (0.5 * strain, 0.2 / horizon);
         let text = format!("{start:?} + {slope:?}*zeta");
@@ -195,9 +180,7 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
             let [_, mu] = isotropic(&body.material.elastic, 2);
             body.material.projection = Some(Projection { mu, kappa, lipschitz: slope });
         }
-    }
-    scene.formulas = graph;
-    scene
+    })
 }
 
 /// Mean of |Du| at t = T, by its exact derivatives.
