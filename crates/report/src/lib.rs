@@ -42,8 +42,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held, number,
-    precise, sides, text_table,
+    Chapter, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, escaped, held,
+    number, precise, sides, text_table,
 };
 pub use github::{AnnotationPlace, annotations, step_summary};
 pub use group::Group;

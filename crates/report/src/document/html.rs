@@ -225,7 +225,8 @@ fn of_run(run: &Run) -> String {
     }
 }
 
-fn escaped(text: &str) -> String {
+/// Text as the content or an attribute of an element.
+pub fn escaped(text: &str) -> String {
     replaced(text, |character| {
         Some(match character {
             '&' => "&amp;",

@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 pub use columns::{beside, text_table};
 pub(super) use content::{Report, document, group};
 pub use equation::{Equation, Terms, equations};
+pub use html::escaped;
 pub(super) use html::page;
 pub(super) use latex::tables;
 pub(super) use markdown::markdown;

@@ -162,12 +162,8 @@ fn over_cells<const S: usize>(
 /// Smallest u_y and its vertex; of equal values the first vertex in mesh order.
 fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
     let (d, values) = (space.mesh.dimension, space.at_vertices(view.u));
-    let mut best = (f64::INFINITY, 0);
-    for v in 0..space.mesh.vertices() {
-        let value = values[d * v + 1];
-        if value < best.0 {
-            best = (value, v as u32);
-        }
-    }
+    let heights = values.iter().skip(1).step_by(d).copied().zip(0u32..);
+    let lower = |best: (f64, u32), next: (f64, u32)| if next.0 < best.0 { next } else { best };
+    let best = heights.fold((f64::INFINITY, 0), lower);
     (best.0, space.mesh.vertex(best.1).to_vec())
 }

@@ -40,7 +40,7 @@ impl VtuSeries {
             (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
         let (stress, yields) =
             in_dimension!(mesh.dimension, D, S => cell_fields::<S>(space, model, view));
-        let displacement = displacement(space, view);
+        let displacement = space.at_vertices(view.u);
         let (mut xi, mut lambda) = (vec![0.0; points.len()], vec![0.0; points.len()]);
         for (i, point) in space.trace.points.iter().enumerate() {
             xi[point.vertex as usize] += view.compliance[i];
@@ -60,7 +60,7 @@ impl VtuSeries {
             &self.dir.join(&file),
             &grid,
             &[
-                Field { name: "displacement", components: 3, values: &displacement },
+                Field { name: "displacement", components: mesh.dimension, values: &displacement },
                 scalar("contact pressure", &pressure),
                 scalar("compliance", &xi),
                 scalar("multiplier", &lambda),
@@ -81,15 +81,6 @@ impl VtuSeries {
     pub fn finish(self) -> Result<(), VtuError> {
         write_pvd(&self.dir.join(format!("{}.pvd", self.name)), &self.steps)
     }
-}
-
-fn displacement(space: &Discretization, view: &StepView<'_>) -> Vec<f64> {
-    let d = space.mesh.dimension;
-    let mut out = vec![0.0; 3 * space.mesh.vertices()];
-    for (vector, values) in out.chunks_exact_mut(3).zip(space.at_vertices(view.u).chunks_exact(d)) {
-        vector[..d].copy_from_slice(values);
-    }
-    out
 }
 
 /// Stress in the component order of ParaView, and 1 where the projection acts.

@@ -64,19 +64,23 @@ pub fn write_pvd(path: &Path, steps: &[(f64, String)]) -> Result<(), VtuError> {
 
 /// The VTK number of the grid's cells, once its indices are known to be sound.
 fn cell_type(grid: &VtuGrid<'_>) -> Result<u8, VtuError> {
-    let cell_type = match grid.vertices_per_cell {
+    let fault = |text: String| Err(VtuError::Inconsistent(text));
+    let (a_cell, found, points) = (grid.vertices_per_cell, grid.cells.len(), grid.points.len());
+    let cell_type = match a_cell {
         3 => 5,
         4 => 10,
         6 => 22,
-        other => return Err(VtuError::CellShape(other)),
+        other => {
+            return fault(format!(
+                "cells of {other} vertices are neither triangles (3, or 6 with midpoints) nor tetrahedra (4)"
+            ));
+        }
     };
-    let (vertices_per_cell, found) = (grid.vertices_per_cell, grid.cells.len());
-    if !found.is_multiple_of(vertices_per_cell) {
-        return Err(VtuError::IncompleteCell { vertices_per_cell, found });
+    if !found.is_multiple_of(a_cell) {
+        return fault(format!("{found} cell vertices are no multiple of {a_cell}"));
     }
-    let points = grid.points.len();
     match grid.cells.iter().find(|&&vertex| vertex as usize >= points) {
-        Some(&vertex) => Err(VtuError::UnknownVertex { vertex, points }),
+        Some(vertex) => fault(format!("a cell has vertex {vertex}, but there are {points} points")),
         None => Ok(cell_type),
     }
 }

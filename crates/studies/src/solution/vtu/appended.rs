@@ -1,9 +1,8 @@
 //! The appended part of a file: an underscore, then for each array its length in bytes (`u64`) and
 //! its values, everything little endian. Offsets in the XML count from behind the underscore.
 
-use std::borrow::Cow;
-
 use super::grid::{Field, VtuError};
+use report::escaped;
 
 /// The XML declarations of the arrays, and the bytes that they point to.
 #[derive(Default)]
@@ -51,12 +50,14 @@ impl Appended {
     /// Appends fields that have values at `count` points or in `count` cells.
     ///
     /// # Errors
-    /// [`VtuError::FieldLength`].
+    /// [`VtuError::Inconsistent`].
     pub(crate) fn fields(&mut self, fields: &[Field<'_>], count: usize) -> Result<(), VtuError> {
         for &Field { name, components, values } in fields {
             if components == 0 || count.checked_mul(components) != Some(values.len()) {
-                let (name, found) = (name.to_owned(), values.len());
-                return Err(VtuError::FieldLength { name, count, components, found });
+                let found = values.len();
+                return Err(VtuError::Inconsistent(format!(
+                    "field `{name}`: {found} values, expected {count} × {components}"
+                )));
             }
             // Viewers take an array for a vector if it has three components.
             let written = if components == 2 { 3 } else { components };
@@ -85,21 +86,6 @@ impl Appended {
 
 /// `text` as the value of an XML attribute. Control characters, which XML cannot hold, become
 /// blanks.
-pub(crate) fn escape(text: &str) -> Cow<'_, str> {
-    if !text.contains(|c: char| c.is_control() || "<>&\"'".contains(c)) {
-        return Cow::Borrowed(text);
-    }
-    let mut escaped = String::with_capacity(text.len() + 8);
-    for c in text.chars() {
-        match c {
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '&' => escaped += "&amp;",
-            '"' => escaped += "&quot;",
-            '\'' => escaped += "&apos;",
-            c if c.is_control() => escaped.push(' '),
-            c => escaped.push(c),
-        }
-    }
-    Cow::Owned(escaped)
+pub(crate) fn escape(text: &str) -> String {
+    escaped(&text.replace(char::is_control, " "))
 }

@@ -30,33 +30,8 @@ pub struct VtuGrid<'a> {
 pub enum VtuError {
     #[error("{}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    /// A field has no components, or does not cover its points or cells.
-    #[error("field `{name}`: {found} values, expected {count} × {components}")]
-    FieldLength {
-        name: String,
-        /// Number of points or cells.
-        count: usize,
-        /// Values per point or cell.
-        components: usize,
-        /// Number of values given.
-        found: usize,
-    },
-    #[error(
-        "cells of {0} vertices are neither triangles (3, or 6 with midpoints) nor tetrahedra (4)"
-    )]
-    CellShape(usize),
-    #[error("{found} cell vertices are no multiple of {vertices_per_cell}")]
-    IncompleteCell {
-        /// 3, 4 or 6.
-        vertices_per_cell: usize,
-        /// Number of entries in `cells`.
-        found: usize,
-    },
-    /// A cell names a point that does not exist.
-    #[error("a cell has vertex {vertex}, but there are {points} points")]
-    UnknownVertex {
-        vertex: u32,
-        /// Number of points.
-        points: usize,
-    },
+    /// A field has no components or does not cover its points or cells, or cells are no triangles or tetrahedra of the
+    /// points.
+    #[error("{0}")]
+    Inconsistent(String),
 }
