@@ -4,25 +4,23 @@ use crate::cli::width;
 use report::digits;
 use serde_json::Value;
 
-/// Units, by powers of the scene's units of length and stress.
-#[derive(Clone, Copy)]
-enum Unit {
-    /// A count, or a ratio.
-    None,
-    Length,
-    Stress,
-    /// Stress times area; in the plane, times length.
-    Force,
-    /// Stress times volume.
-    Energy,
-    /// The norm of a strain in L²(Ω).
-    Strain,
-    /// A strain accumulated over time.
-    Accumulated,
-    Seconds,
-    /// Shown in MiB.
-    Bytes,
-}
+/// A unit in the scene's units of length and stress, in the plane and in space; forces and energies of a plane body are
+/// per unit depth.
+type Unit = [&'static str; 2];
+
+/// Of a count, or a ratio.
+const NONE: Unit = [""; 2];
+const LENGTH: Unit = ["length"; 2];
+const STRESS: Unit = ["stress"; 2];
+const FORCE: Unit = ["stress · length", "stress · length²"];
+const ENERGY: Unit = ["stress · length²", "stress · length³"];
+/// Of the norm of a strain in L²(Ω).
+const STRAIN: Unit = ["length", "length^(3/2)"];
+/// Of a strain accumulated over time.
+const ACCUMULATED: Unit = ["length · time", "length^(3/2) · time"];
+const SECONDS: Unit = ["s"; 2];
+/// Of bytes.
+const MEBIBYTES: Unit = ["MiB"; 2];
 
 /// A group of quantities: key of the JSON document, words, unit.
 type Quantities = &'static [(&'static str, &'static str, Unit)];
@@ -31,60 +29,60 @@ const GROUPS: [(&str, Quantities); 4] = [
     (
         "contact at t = T",
         &[
-            ("contact_force", "force ∫(ξ+λ) on Γ3", Unit::Force),
-            ("compliance_force", "  of the law, ∫ξ", Unit::Force),
-            ("multiplier_force", "  of the obstacle, ∫λ", Unit::Force),
-            ("peak_pressure", "largest pressure ξ+λ", Unit::Stress),
-            ("contact_half_width", "half of the length under pressure", Unit::Length),
-            ("pressure_spread", "spread of the pressure", Unit::Length),
-            ("locked_vertices", "vertices at the obstacle, u_ν = g", Unit::None),
-            ("jump_vertices", "vertices at a jump of the law", Unit::None),
-            ("friction_force", "friction ∫(−σ_τ) on Γ3", Unit::Force),
-            ("stick_vertices", "vertices that stick", Unit::None),
-            ("slip_vertices", "vertices that slip", Unit::None),
-            ("max_normal_displacement", "largest u_ν", Unit::Length),
-            ("min_normal_gap", "smallest distance g − u_ν", Unit::Length),
+            ("contact_force", "force ∫(ξ+λ) on Γ3", FORCE),
+            ("compliance_force", "  of the law, ∫ξ", FORCE),
+            ("multiplier_force", "  of the obstacle, ∫λ", FORCE),
+            ("peak_pressure", "largest pressure ξ+λ", STRESS),
+            ("contact_half_width", "half of the length under pressure", LENGTH),
+            ("pressure_spread", "spread of the pressure", LENGTH),
+            ("locked_vertices", "vertices at the obstacle, u_ν = g", NONE),
+            ("jump_vertices", "vertices at a jump of the law", NONE),
+            ("friction_force", "friction ∫(−σ_τ) on Γ3", FORCE),
+            ("stick_vertices", "vertices that stick", NONE),
+            ("slip_vertices", "vertices that slip", NONE),
+            ("max_normal_displacement", "largest u_ν", LENGTH),
+            ("min_normal_gap", "smallest distance g − u_ν", LENGTH),
         ],
     ),
     (
         "body at t = T",
         &[
-            ("strain_norm", "strain ‖ε(u)‖", Unit::Strain),
-            ("zeta", "accumulated strain ζ", Unit::Accumulated),
-            ("elastic_energy", "elastic energy ½(𝒜ε, ε)", Unit::Energy),
-            ("yielding_elements", "cells that yield", Unit::None),
-            ("min_uy", "smallest u_y", Unit::Length),
-            ("min_uy_vertex", "  at the vertex", Unit::Length),
+            ("strain_norm", "strain ‖ε(u)‖", STRAIN),
+            ("zeta", "accumulated strain ζ", ACCUMULATED),
+            ("elastic_energy", "elastic energy ½(𝒜ε, ε)", ENERGY),
+            ("yielding_elements", "cells that yield", NONE),
+            ("min_uy", "smallest u_y", LENGTH),
+            ("min_uy_vertex", "  at the vertex", LENGTH),
         ],
     ),
     (
         "inequality at t = T",
         &[
-            ("norm", "‖u‖ in X", Unit::None),
-            ("V_max", "largest error over the steps, in X", Unit::None),
-            ("u", "u", Unit::None),
-            ("history", "history Su", Unit::None),
-            ("pressure", "multipliers", Unit::None),
+            ("norm", "‖u‖ in X", NONE),
+            ("V_max", "largest error over the steps, in X", NONE),
+            ("u", "u", NONE),
+            ("history", "history Su", NONE),
+            ("pressure", "multipliers", NONE),
         ],
     ),
     (
         "solver, all levels",
         &[
-            ("element", "element of displacements", Unit::None),
-            ("dofs", "unknowns of a level", Unit::None),
-            ("newton_iterations", "Newton iterations", Unit::None),
-            ("fixed_point_iterations", "applications of Λ", Unit::None),
-            ("convex_problems", "convex problems", Unit::None),
-            ("contraction", "largest quotient of changes", Unit::None),
-            ("contraction_bound", "  its bound, (α_ν c_j² + α_τ c_τ²)/m", Unit::None),
-            ("linear_solver", "linear solver", Unit::None),
-            ("factorizations", "factorizations", Unit::None),
-            ("linear_solves", "linear solves", Unit::None),
-            ("linear_iterations", "conjugate gradient iterations", Unit::None),
-            ("kkt_residual", "residual of the system, relative", Unit::None),
-            ("paths", "ways taken", Unit::None),
-            ("seconds", "time of this run", Unit::Seconds),
-            ("peak_resident_bytes", "memory of this process", Unit::Bytes),
+            ("element", "element of displacements", NONE),
+            ("dofs", "unknowns of a level", NONE),
+            ("newton_iterations", "Newton iterations", NONE),
+            ("fixed_point_iterations", "applications of Λ", NONE),
+            ("convex_problems", "convex problems", NONE),
+            ("contraction", "largest quotient of changes", NONE),
+            ("contraction_bound", "  its bound, (α_ν c_j² + α_τ c_τ²)/m", NONE),
+            ("linear_solver", "linear solver", NONE),
+            ("factorizations", "factorizations", NONE),
+            ("linear_solves", "linear solves", NONE),
+            ("linear_iterations", "conjugate gradient iterations", NONE),
+            ("kkt_residual", "residual of the system, relative", NONE),
+            ("paths", "ways taken", NONE),
+            ("seconds", "time of this run", SECONDS),
+            ("peak_resident_bytes", "memory of this process", MEBIBYTES),
         ],
     ),
 ];
@@ -106,11 +104,11 @@ pub(in crate::cli) fn in_words(case: &str, document: &Value, dimension: usize) -
     let wide = width(u16::MAX);
     let mut lines = vec![report::beside("", 0, &format!("{case}: {}", answer(document)), wide)];
     for (title, quantities) in GROUPS {
-        let rows: Vec<(&str, String, String)> = quantities
+        let rows: Vec<(&str, String, &str)> = quantities
             .iter()
             .filter_map(|&(key, words, unit)| {
                 let value = shown(key, &document[key], unit)?;
-                Some((words, value, words_of(unit, dimension)))
+                Some((words, value, unit[usize::from(dimension == 3)]))
             })
             .collect();
         // A scene without Γ3 has zeros for its contact.
@@ -165,8 +163,8 @@ fn answer(document: &Value) -> String {
 /// A printed value; None if the scene has none.
 fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
     let number = |value: f64| match unit {
-        Unit::Bytes => format!("{:.0}", value / (1024.0 * 1024.0)),
-        Unit::Seconds => digits(value, 3),
+        MEBIBYTES => format!("{:.0}", value / (1024.0 * 1024.0)),
+        SECONDS => digits(value, 3),
         _ => digits(value, 7),
     };
     if ZERO_IS_NOTHING.contains(&key) && is_zero(value) {
@@ -185,7 +183,7 @@ fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
             (!parts.is_empty()).then(|| parts.join(", "))
         }
         other => Some(match other.as_u64() {
-            Some(count) if !matches!(unit, Unit::Bytes) => count.to_string(),
+            Some(count) if unit != MEBIBYTES => count.to_string(),
             _ => other.as_f64().map_or_else(|| "–".into(), number),
         }),
     }
@@ -195,29 +193,6 @@ fn is_zero(value: &Value) -> bool {
     match value {
         Value::Array(items) => items.iter().all(is_zero),
         other => other.as_f64() == Some(0.0),
-    }
-}
-
-/// A unit in the scene's units of length and stress; forces and energies of a plane body are per unit depth.
-fn words_of(unit: Unit, dimension: usize) -> String {
-    let power = |base: &str, exponent: usize| match exponent {
-        0 => String::new(),
-        1 => base.to_owned(),
-        2 => format!("{base}²"),
-        _ => format!("{base}³"),
-    };
-    match unit {
-        Unit::None => String::new(),
-        Unit::Length => "length".into(),
-        Unit::Stress => "stress".into(),
-        Unit::Force => format!("stress · {}", power("length", dimension.saturating_sub(1))),
-        Unit::Energy => format!("stress · {}", power("length", dimension)),
-        Unit::Strain if dimension == 2 => "length".into(),
-        Unit::Strain => "length^(3/2)".into(),
-        Unit::Accumulated if dimension == 2 => "length · time".into(),
-        Unit::Accumulated => "length^(3/2) · time".into(),
-        Unit::Seconds => "s".into(),
-        Unit::Bytes => "MiB".into(),
     }
 }
 
