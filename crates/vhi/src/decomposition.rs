@@ -1,5 +1,6 @@
 //! The decomposition of Remarks 2 and 3 as a solver: j = j1 - j2 with j1 convex and j2 quadratic.
 
+use super::repeated::{Limits, repeated};
 use super::{
     BoundaryGraph, Newton, OpenInequality, Scratch, StepError, StepInequality, StepInfo,
     StepSolver, StepState,
@@ -30,10 +31,6 @@ impl Default for Decomposition {
     }
 }
 
-/// Changes within rounding, as a share of ‖u‖.
-const ROUNDING: f64 = 1e-11;
-/// Problems in a row without a smaller change after which the map does not contract.
-const PATIENCE: u32 = 12;
 /// Above any residual, in units of rounding: an evaluation without iteration.
 const ANY: f64 = 1e200;
 
@@ -51,60 +48,26 @@ impl StepSolver for Decomposition {
             let info = self.newton.solve(problem, state, scratch)?;
             return Ok(StepInfo { convex_problems: 1, ..info });
         }
-        let mut total = StepInfo::default();
-        let mut difference = vec![0.0; state.u.len()];
-        let (mut best, mut since_best, mut last) = (f64::INFINITY, 0, f64::INFINITY);
-        for count in 1..=self.max_iterations {
-            let mut convex = Convex { centre: state.u.clone(), alpha: &alpha, problem };
-            let info = self.newton.solve(&mut convex, state, scratch)?;
-            for (d, (u, old)) in difference.iter_mut().zip(state.u.iter().zip(&convex.centre)) {
-                *d = u - old;
-            }
-            let (change, size) = (problem.norm(&difference), problem.norm(&state.u));
-            total.iterations += info.iterations;
-            total.active_set_changes += info.active_set_changes;
-            total.damped += info.damped;
-            total.convex_problems = count;
-            if !change.is_finite() {
-                return Err(StepError::NotFinite { iteration: count, value: change });
-            }
-            // Quotients of changes near rounding say nothing about the map.
-            if last.is_finite() && last > COUNTED * size {
-                total.contraction = total.contraction.max(change / last);
-            }
-            let done = change <= self.tolerance * size;
-            if change < best {
-                (best, since_best) = (change, 0);
-            } else {
-                since_best += 1;
-            }
-            let stands = since_best >= PATIENCE && best <= ROUNDING * size;
-            if done || stands {
-                // Evaluates the level itself, without the term α(u' - u).
-                let plain = Newton { max_iterations: 0, rounding_units: ANY, ..Newton::standard() };
-                let info = plain.solve(problem, state, scratch)?;
-                let StepInfo { residual, tolerance, .. } = info;
-                return Ok(StepInfo { residual, tolerance, ..total });
-            }
-            if since_best >= PATIENCE {
-                let factor = change / last;
-                return Err(StepError::Expanding { problems: count, change, factor });
-            }
-            last = change;
-        }
-        let problems = self.max_iterations;
-        Err(StepError::Expanding { problems, change: last, factor: f64::NAN })
+        let limits = Limits { iterations: self.max_iterations, tolerance: self.tolerance };
+        let map = |problem: &mut dyn OpenInequality, centre: &[f64], state: &mut StepState| {
+            self.newton.solve(&mut Convex { centre, alpha: &alpha, problem }, state, scratch)
+        };
+        let expanding =
+            |problems, change, factor| StepError::Expanding { problems, change, factor };
+        let (total, convex_problems, contraction) =
+            repeated(limits, problem, state, map, expanding)?;
+        // Evaluates the level itself, without the term α(u' - u).
+        let plain = Newton { max_iterations: 0, rounding_units: ANY, ..Newton::standard() };
+        let StepInfo { residual, tolerance, .. } = plain.solve(problem, state, scratch)?;
+        Ok(StepInfo { residual, tolerance, convex_problems, contraction, ..total })
     }
 }
-
-/// Changes, as a share of ‖u‖, whose quotients count: above the accuracy of one convex problem.
-const COUNTED: f64 = 1e-8;
 
 struct Convex<'a> {
     problem: &'a mut dyn OpenInequality,
     alpha: &'a [f64],
     /// u.
-    centre: Vec<f64>,
+    centre: &'a [f64],
 }
 
 impl StepInequality for Convex<'_> {

@@ -1,5 +1,6 @@
 //! The fixed-point iteration Λ of the proof of Theorem 6, as a solver.
 
+use super::repeated::{Limits, repeated};
 use super::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 /// η ← Λη = u_η until it converges: the last slot of the history is frozen at η, the rest of the level solved by
@@ -22,12 +23,6 @@ impl Default for FixedPoint {
     }
 }
 
-/// Changes within rounding, as a share of ‖u‖: a frozen level is solved to about condition · ε, so iterates keep
-/// differing by as much.
-const ROUNDING: f64 = 1e-11;
-/// Iterations in a row without a smaller change after which Λ does not contract.
-const PATIENCE: u32 = 12;
-
 impl StepSolver for FixedPoint {
     fn solve_level(
         &self,
@@ -35,59 +30,16 @@ impl StepSolver for FixedPoint {
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
-        let outcome = self.iterate(problem, state, scratch);
+        let limits = Limits { iterations: self.max_iterations, tolerance: self.tolerance };
+        let map = |problem: &mut dyn OpenInequality, eta: &[f64], state: &mut StepState| {
+            problem.freeze(Some(eta));
+            self.newton.solve(problem, state, scratch)
+        };
+        let expanding =
+            |iterations, change, factor| StepError::NotContracting { iterations, change, factor };
+        let outcome = repeated(limits, problem, state, map, expanding);
         problem.freeze(None);
-        outcome
-    }
-}
-
-impl FixedPoint {
-    fn iterate(
-        &self,
-        problem: &mut dyn OpenInequality,
-        state: &mut StepState,
-        scratch: &mut Scratch,
-    ) -> Result<StepInfo, StepError> {
-        let mut total = StepInfo::default();
-        let mut eta = state.u.clone();
-        let mut difference = vec![0.0; eta.len()];
-        let (mut best, mut since_best, mut last) = (f64::INFINITY, 0, f64::INFINITY);
-        for iteration in 1..=self.max_iterations {
-            problem.freeze(Some(&eta));
-            let info = self.newton.solve(problem, state, scratch)?;
-            total = StepInfo {
-                iterations: total.iterations + info.iterations,
-                active_set_changes: total.active_set_changes + info.active_set_changes,
-                damped: total.damped + info.damped,
-                fixed_point_iterations: iteration,
-                ..info
-            };
-            for (d, (u, eta)) in difference.iter_mut().zip(state.u.iter().zip(&eta)) {
-                *d = u - eta;
-            }
-            let (change, size) = (problem.norm(&difference), problem.norm(&state.u));
-            if !change.is_finite() {
-                return Err(StepError::NotFinite { iteration, value: change });
-            }
-            if change <= self.tolerance * size {
-                return Ok(total);
-            }
-            if change < best {
-                (best, since_best) = (change, 0);
-            } else {
-                since_best += 1;
-            }
-            if since_best >= PATIENCE {
-                if best <= ROUNDING * size {
-                    return Ok(total);
-                }
-                let factor = change / last;
-                return Err(StepError::NotContracting { iterations: iteration, change, factor });
-            }
-            last = change;
-            eta.clone_from(&state.u);
-        }
-        let iterations = self.max_iterations;
-        Err(StepError::NotContracting { iterations, change: last, factor: f64::NAN })
+        let (info, fixed_point_iterations, _) = outcome?;
+        Ok(StepInfo { fixed_point_iterations, ..info })
     }
 }

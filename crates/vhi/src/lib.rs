@@ -14,6 +14,7 @@ pub mod law;
 mod line;
 mod newton;
 mod polished;
+mod repeated;
 mod state;
 mod step;
 mod step_bounds;
