@@ -66,4 +66,4 @@ pub use on_mesh::ExactOnMesh;
 pub use separation::Separation;
 pub use shapes::Shapes;
 pub use sign_changes::sign_changes;
-pub use truth::Truth;
+pub use truth::{ByTime, Truth};

@@ -49,7 +49,7 @@ pub trait Truth: Send + Sync {
 }
 
 /// Values by time, computed once.
-pub(super) struct ByTime<T> {
+pub struct ByTime<T> {
     values: Mutex<HashMap<u64, Arc<T>>>,
 }
 
@@ -60,16 +60,17 @@ impl<T> Default for ByTime<T> {
 }
 
 impl<T> ByTime<T> {
+    /// The value at t, if it was computed.
     pub(super) fn known(&self, t: f64) -> Option<Arc<T>> {
         let values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
         values.get(&t.to_bits()).cloned()
     }
 
-    pub(super) fn get_or(
-        &self,
-        t: f64,
-        compute: impl FnOnce() -> Result<T, LoadError>,
-    ) -> Result<Arc<T>, LoadError> {
+    /// The value at t, computed if necessary.
+    ///
+    /// # Errors
+    /// Those of `compute`.
+    pub fn get_or<E>(&self, t: f64, compute: impl FnOnce() -> Result<T, E>) -> Result<Arc<T>, E> {
         if let Some(value) = self.known(t) {
             return Ok(value);
         }
@@ -78,7 +79,7 @@ impl<T> ByTime<T> {
     }
 
     /// The value at t, computed if necessary; for infallible computations.
-    pub(super) fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
+    pub fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
         if let Some(value) = self.known(t) {
             return value;
         }

@@ -1,7 +1,6 @@
 //! An abstract scene made computable: model, exact solution, and checks before a solve.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::{DMatrix, DVector};
@@ -10,7 +9,7 @@ use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
 use super::{SetupError, potential, time_grid};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
-use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace};
+use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 use vhi::StepSolver;
 use vhi::finite::{
@@ -28,7 +27,7 @@ pub struct AbstractSetup {
     pub exact: FiniteExact,
     pub constants: AbstractConstants,
     /// States at times already asked for: grids share their common times.
-    states: Mutex<HashMap<u64, Arc<FiniteState>>>,
+    states: ByTime<FiniteState>,
 }
 
 impl AbstractSetup {
@@ -49,7 +48,7 @@ impl AbstractSetup {
         })?;
         let constants = abstract_constants(&scene, &problem, &model)?;
         let setup =
-            Self { scene, problem: *problem, model, exact, constants, states: Mutex::default() };
+            Self { scene, problem: *problem, model, exact, constants, states: ByTime::default() };
         setup.admissible()?;
         Ok(setup)
     }
@@ -61,12 +60,7 @@ impl AbstractSetup {
 
     /// The exact state at time t; computed once.
     pub fn state(&self, t: f64) -> Arc<FiniteState> {
-        let lock = || self.states.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = lock().get(&t.to_bits()) {
-            return known.clone();
-        }
-        let state = Arc::new(self.exact.at(t));
-        lock().entry(t.to_bits()).or_insert(state).clone()
+        self.states.always(t, || self.exact.at(t))
     }
 
     /// Solves the scene with `steps` steps and measures it against the exact solution.

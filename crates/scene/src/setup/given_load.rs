@@ -1,11 +1,11 @@
 //! Loads given as formulas f0, f2, and the reference run that replaces their solution.
 
 use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::Side;
-use exact::Truth;
+use exact::{ByTime, Truth};
 use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
 use fem::space::Simplex;
@@ -87,6 +87,7 @@ impl GivenLoad {
                 load.add(part, component, formula, space);
             }
         }
+        load.basis.iter_mut().for_each(|vector| vector.truncate(space.dofs()));
         load
     }
 
@@ -132,7 +133,7 @@ impl GivenLoad {
         }
     }
 
-    /// The vectors F_i over all nodes, if every formula separates.
+    /// The vectors F_i over the unknowns, if every formula separates.
     pub(crate) fn basis(&self) -> Option<&[Vec<f64>]> {
         self.rest.is_empty().then_some(self.basis.as_slice())
     }
@@ -142,7 +143,7 @@ impl GivenLoad {
         self.factors_at(t, &mut factors);
         let mut force = vec![0.0; space.nodes.len()];
         for (vector, factor) in self.basis.iter().zip(&factors) {
-            algebra::linalg::axpy(*factor, vector, &mut force);
+            algebra::linalg::axpy(*factor, vector, &mut force[..vector.len()]);
         }
         for term in &self.rest {
             term.add_to(t, space, &self.rules, &mut force);
@@ -213,11 +214,10 @@ impl Term {
 pub(crate) struct ReferenceTruth {
     space: Arc<Discretization>,
     load: GivenLoad,
-    basis: Option<Vec<Vec<f64>>>,
     reference: Option<Arc<ReferenceRun>>,
     /// Position of the reference mesh within this one.
     refinement: OnceLock<Result<Refinement, ReferenceError>>,
-    moments: Mutex<HashMap<u64, Arc<Moments>>>,
+    moments: ByTime<Moments>,
 }
 
 impl ReferenceTruth {
@@ -227,11 +227,8 @@ impl ReferenceTruth {
         load: GivenLoad,
         reference: Option<Arc<ReferenceRun>>,
     ) -> Self {
-        let basis = load
-            .basis()
-            .map(|basis| basis.iter().map(|vector| vector[..space.dofs()].to_vec()).collect());
-        let (refinement, moments) = (OnceLock::new(), Mutex::default());
-        Self { space, load, basis, reference, refinement, moments }
+        let (refinement, moments) = (OnceLock::new(), ByTime::default());
+        Self { space, load, reference, refinement, moments }
     }
 }
 
@@ -241,7 +238,7 @@ impl Truth for ReferenceTruth {
     }
 
     fn load_basis(&self) -> Option<&[Vec<f64>]> {
-        self.basis.as_deref()
+        self.load.basis()
     }
 
     fn load_factors(&self, t: f64, out: &mut [f64]) {
@@ -249,16 +246,12 @@ impl Truth for ReferenceTruth {
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        let lock = || self.moments.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = lock().get(&t.to_bits()) {
-            return Ok(known.clone());
-        }
         let reference = self.reference.as_ref().ok_or(LoadError::NoTruth { t })?;
         let refused = |error: &ReferenceError| LoadError::Reference { reason: error.to_string() };
         let refinement = self.refinement.get_or_init(|| reference.refinement(&self.space));
         let refinement = refinement.as_ref().map_err(refused)?;
-        let moments =
-            reference.moments(refinement, &self.space, t).map_err(|error| refused(&error))?;
-        Ok(lock().entry(t.to_bits()).or_insert(Arc::new(moments)).clone())
+        self.moments.get_or(t, || {
+            reference.moments(refinement, &self.space, t).map_err(|error| refused(&error))
+        })
     }
 }
