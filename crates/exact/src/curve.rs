@@ -1,6 +1,6 @@
 //! Curved laws of the manufactured side: as formulas, and as numbers for edge integrals.
 
-use formula::{Graph, Node};
+use formula::{Function, Graph, Node};
 
 /// p(r) for r > 0, zero for r ≤ 0; all numbers are positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +26,7 @@ impl CurveNumbers {
             Self::Exponential { c, r0 } => {
                 let (c, r0) = (graph.constant(c), graph.constant(r0));
                 let (rise, ratio) = (graph.mul(c, r), graph.div(r, r0));
-                let growth = graph.exp(ratio);
+                let growth = graph.apply(Function::Exp, ratio);
                 graph.div(rise, growth)
             }
             Self::Power { c, m, r1 } => {

@@ -1,7 +1,7 @@
 //! Fields as formulas: strain, memory integral, stress and body force of an exact displacement.
 
 use super::exact::{MaterialNumbers, RegionNumbers};
-use formula::{Graph, Node, Variable};
+use formula::{Function, Graph, Node, Variable};
 
 /// The space variables in order.
 pub const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
@@ -88,7 +88,7 @@ fn stress(
         let term = graph.mul(count, square);
         squares = graph.add(squares, term);
     }
-    let length = graph.sqrt(squares);
+    let length = graph.apply(Function::Sqrt, squares);
     let (zero, one, mu) = (graph.constant(0.0), graph.constant(1.0), graph.constant(mu));
     let ratio = graph.div(kappa, length);
     let excess = graph.sub(one, ratio);

@@ -221,7 +221,8 @@ impl Graph {
         node
     }
 
-    pub(super) fn apply(&mut self, function: Function, a: Node) -> Node {
+    /// A function of a.
+    pub fn apply(&mut self, function: Function, a: Node) -> Node {
         match (function, self.op(a)) {
             (_, Op::Constant(bits)) => self.constant(function.value(f64::from_bits(bits))),
             (Function::Abs, Op::Neg(b)) => self.apply(function, b),

@@ -128,7 +128,7 @@ impl Graph {
         if self.value_of_constant(db) == Some(0.0) {
             return base;
         }
-        let logarithm = self.log(a);
+        let logarithm = self.apply(Function::Log, a);
         let growth = self.mul(f, logarithm);
         let growth = self.mul(growth, db);
         self.add(base, growth)
@@ -137,9 +137,9 @@ impl Graph {
     fn outer_derivative(&mut self, function: Function, a: Node, f: Node) -> Node {
         let one = self.constant(1.0);
         match function {
-            Function::Sin => self.cos(a),
+            Function::Sin => self.apply(Function::Cos, a),
             Function::Cos => {
-                let s = self.sin(a);
+                let s = self.apply(Function::Sin, a);
                 self.neg(s)
             }
             Function::Tan => {
@@ -149,7 +149,7 @@ impl Graph {
             Function::Asin | Function::Acos => {
                 let square = self.powi(a, 2);
                 let rest = self.sub(one, square);
-                let root = self.sqrt(rest);
+                let root = self.apply(Function::Sqrt, rest);
                 let slope = self.div(one, root);
                 if function == Function::Asin { slope } else { self.neg(slope) }
             }
@@ -158,20 +158,20 @@ impl Graph {
                 let sum = self.add(one, square);
                 self.div(one, sum)
             }
-            Function::Sinh => self.cosh(a),
-            Function::Cosh => self.sinh(a),
+            Function::Sinh => self.apply(Function::Cosh, a),
+            Function::Cosh => self.apply(Function::Sinh, a),
             Function::Tanh => {
                 let square = self.powi(f, 2);
                 self.sub(one, square)
             }
             Function::Exp => f,
-            Function::ExpMinusOne => self.exp(a),
+            Function::ExpMinusOne => self.apply(Function::Exp, a),
             Function::Log => self.div(one, a),
             Function::Sqrt => {
                 let half = self.constant(0.5);
                 self.div(half, f)
             }
-            Function::Abs => self.sign(a),
+            Function::Abs => self.apply(Function::Sign, a),
             Function::Sign => self.constant(0.0),
         }
     }

@@ -8,6 +8,7 @@
 //! values.
 
 use super::graph::{Graph, Node, Op, Variable};
+use super::vocabulary::Function;
 
 /// Rates closer than this (relative) are not split: the difference quotient would lose as many digits.
 const DISTINCT_RATES: f64 = 1e-4;
@@ -102,7 +103,7 @@ impl Graph {
         }
         let rate = self.constant(-c);
         let exponent = self.mul(rate, t);
-        let growth = self.exp_minus_one(exponent);
+        let growth = self.apply(Function::ExpMinusOne, exponent);
         self.div(growth, rate)
     }
 }

@@ -15,7 +15,6 @@ mod decompose;
 mod derivative;
 mod error;
 mod expsum;
-mod functions;
 mod graph;
 mod guards;
 mod hereditary;
@@ -47,6 +46,7 @@ pub use program::Program;
 pub use scalar::EvaluationPoint;
 pub use scope::Scope;
 pub use separate::Together;
+pub use vocabulary::Function;
 
 #[cfg(test)]
 mod tests;

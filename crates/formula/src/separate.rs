@@ -155,7 +155,7 @@ impl Graph {
                     if !self.is_pure(exponent) {
                         return None;
                     }
-                    let factor = self.exp(exponent);
+                    let factor = self.apply(Function::Exp, exponent);
                     if self.dependence(exponent).at_most_time() {
                         first = self.mul(first, factor);
                     } else {

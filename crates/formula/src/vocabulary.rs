@@ -1,7 +1,8 @@
 //! Functions of one argument, and the words of the language beside variables.
 
+/// A function of one argument.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Function {
+pub enum Function {
     Sin,
     Cos,
     Tan,
@@ -16,7 +17,9 @@ pub(super) enum Function {
     ExpMinusOne,
     Log,
     Sqrt,
+    /// |a|, whose derivative is sign(a).
     Abs,
+    /// -1, 0 or 1 with the sign of a; its derivative is taken as zero.
     Sign,
 }
 
