@@ -12,7 +12,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::running_integral::RunningIntegral;
 use super::separation::TimeFactors;
-use super::sign_changes::sign_changes;
+use super::sign_changes::Guards;
 use super::zeta_domain::{Domain, Region, Shape};
 use fem::space::quadrature::gauss_legendre;
 use formula::{BoundProgram, Graph, Node, Program, Variable};
@@ -44,8 +44,7 @@ struct Integrand {
     gram: OnceLock<Vec<f64>>,
     /// The strain at the points last used: without moving guards they are always the same.
     bound: Mutex<Option<(Vec<[f64; 3]>, BoundProgram)>>,
-    guards: Program,
-    guard_count: usize,
+    guards: Guards,
     /// Cuts of the height: uniform ones of a rectangle or box, and sign changes of guards that depend on y only.
     cuts_in_y: Vec<f64>,
     /// Ends of the width, and number of its uniform pieces.
@@ -118,8 +117,7 @@ impl Integrand {
             cuts_in_y,
             along_x: (along_x, parts),
             cuts_at_start: OnceLock::new(),
-            guard_count: guards.len(),
-            guards: Program::compile(graph, &guards, horizon),
+            guards: Guards::new(graph, &guards, horizon),
             weights: super::symbolic::components(domain.dimension())
                 .into_iter()
                 .map(|(i, j)| if i == j { 1.0 } else { 2.0 })
@@ -148,20 +146,7 @@ impl Integrand {
             None => vec![[0.0, 0.0, 0.0], [self.size[0], 0.0, 0.0]],
             Some(polytope) => polytope.corners.clone(),
         };
-        let mut events = sign_changes(from, to, TIME_WATCHES, |times| {
-            let mut bound = self.guards.bind(&ends);
-            let mut values = vec![Vec::new(); self.guard_count];
-            let mut rows = vec![Vec::with_capacity(times.len()); ends.len() * self.guard_count];
-            for &t in times {
-                bound.evaluate(t, 0.0, &mut values);
-                for (g, value) in values.iter().enumerate() {
-                    for (e, at) in value.iter().enumerate() {
-                        rows[ends.len() * g + e].push(*at);
-                    }
-                }
-            }
-            rows
-        });
+        let mut events = self.guards.in_time([from, to], TIME_WATCHES, &ends);
         events.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * (to - from));
         events
     }
@@ -271,14 +256,7 @@ impl Integrand {
     /// a zone began.
     fn cuts_in_x(&self, t: f64) -> Vec<f64> {
         let ([from, to], parts) = self.along_x;
-        let at = |time: f64| {
-            sign_changes(from, to, WATCHES, |places| {
-                let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
-                let mut values = vec![Vec::new(); self.guard_count];
-                self.guards.bind(&points).evaluate(time, 0.0, &mut values);
-                values
-            })
-        };
+        let at = |time: f64| self.guards.along([from, to], WATCHES, time, |x| [x, 0.0, 0.0]);
         let mut cuts = uniform_cuts([from, to], parts);
         cuts.extend(at(t));
         cuts.extend(self.cuts_at_start.get_or_init(|| at(0.0)));
@@ -299,14 +277,9 @@ fn cuts_in_y(
         others.iter().all(|&other| !graph.depends_on(*guard, other))
     };
     let fixed: Vec<Node> = guards.iter().copied().filter(alone).collect();
-    let program = Program::compile(graph, &fixed, horizon);
+    let fixed = Guards::new(graph, &fixed, horizon);
     let mut cuts = uniform_cuts([from, to], parts);
-    cuts.extend(sign_changes(from, to, WATCHES, |places| {
-        let points: Vec<[f64; 3]> = places.iter().map(|&y| [0.0, y, 0.0]).collect();
-        let mut values = vec![Vec::new(); fixed.len()];
-        program.bind(&points).evaluate(0.0, 0.0, &mut values);
-        values
-    }));
+    cuts.extend(fixed.along([from, to], WATCHES, 0.0, |y| [0.0, y, 0.0]));
     sorted(cuts, to - from)
 }
 

@@ -162,7 +162,7 @@ const fn off_diagonal(d: usize) -> &'static [(usize, usize)] {
 
 /// The symmetric tensor of its numbers in the notation of moments.
 #[inline]
-pub(crate) fn from_mandel<const D: usize>(numbers: &[f64]) -> Tensor<D> {
+pub fn from_mandel<const D: usize>(numbers: &[f64]) -> Tensor<D> {
     let mut tensor = [[0.0; D]; D];
     (0..D).for_each(|i| tensor[i][i] = numbers[i]);
     for (&(i, j), number) in off_diagonal(D).iter().zip(&numbers[D..]) {

@@ -111,17 +111,8 @@ fn state(law: Option<&LawNumbers>, r: f64, locked: bool) -> ContactState {
     if jumps.into_iter().any(|pair| (r - pair[0][0]).abs() <= AT_JUMP_WITHIN * scale) {
         return ContactState::AtJump;
     }
-    let (last, end) = (law.points.len() - 1, law.points.partition_point(|point| point[0] < r));
-    let linear = match end {
-        0 => law.slope_before,
-        end if end > last => law.slope_after,
-        end => {
-            let [a, b] = [law.points[end - 1], law.points[end]];
-            (b[1] - a[1]) / (b[0] - a[0])
-        }
-    };
     // A factor c(x) > 0 of the law changes no sign.
-    match (linear + law.curve.map_or(0.0, |curve| curve.slope(r)), law.pressure(r)) {
+    match (law.slope(r), law.pressure(r)) {
         (slope, _) if slope < 0.0 => ContactState::Falling,
         (0.0, 0.0) => ContactState::Open,
         _ => ContactState::Rising,

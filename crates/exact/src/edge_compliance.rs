@@ -26,6 +26,20 @@ impl LawNumbers {
         self.graph(r) + self.curve.map_or(0.0, |curve| curve.value(r))
     }
 
+    /// p'(r), from the left at a kink.
+    pub fn slope(&self, r: f64) -> f64 {
+        let end = self.points.partition_point(|point| point[0] < r);
+        let linear = match end {
+            0 => self.slope_before,
+            end if end == self.points.len() => self.slope_after,
+            end => {
+                let [a, b] = [self.points[end - 1], self.points[end]];
+                (b[1] - a[1]) / (b[0] - a[0])
+            }
+        };
+        linear + self.curve.map_or(0.0, |curve| curve.slope(r))
+    }
+
     /// Where p is not smooth, increasing.
     pub fn kinks(&self) -> Vec<f64> {
         let mut kinks: Vec<f64> = self.points.iter().map(|point| point[0]).collect();

@@ -1,7 +1,7 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
 use super::AccumulatedStrain;
-use super::constitutive::{Tensor, full};
+use super::constitutive::{Tensor, full, stress};
 use super::curve::CurveNumbers;
 use super::friction::FrictionFormulas;
 use super::lanes::Number;
@@ -243,6 +243,18 @@ impl Exact {
             memory.push(from(D + count * (1 + term)));
         }
         from(D)
+    }
+
+    /// σ at points.
+    pub(crate) fn stress_at<const D: usize>(&self, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
+        let mut out = vec![Vec::new(); D + self.strain.len() + self.memory.len()];
+        self.interior.bind(points).evaluate(t, 0.0, &mut out);
+        let (kappa, regions, mut memory) = (self.kappa(t), self.regions_at(points), Vec::new());
+        let one = |p: usize| {
+            let strain = self.tensors::<D, f64>(|k| out[k][p], &mut memory);
+            stress(self.material_in(regions[p]), &strain, &memory, kappa)
+        };
+        (0..points.len()).map(one).collect()
     }
 
     /// The numbers of a region.

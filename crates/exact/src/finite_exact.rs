@@ -8,7 +8,7 @@
 
 use super::double_exponential::against_power;
 use super::exact::{LawNumbers, law_formula, normal_component};
-use super::sign_changes::sign_changes;
+use super::sign_changes::Guards;
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 
 /// Defining data; matrices by rows.
@@ -93,8 +93,7 @@ pub struct FiniteExact {
     /// q_l(t, s) u_j(s), by l, then j, without the power.
     integrands: Program,
     /// Their signs decide the branches of the integrands.
-    guards: Program,
-    guard_count: usize,
+    guards: Guards,
     panels: usize,
 }
 
@@ -134,8 +133,7 @@ impl FiniteExact {
         let mut exact = Self {
             present: Program::compile(graph, &present, horizon),
             integrands: Program::compile(graph, &integrands, horizon),
-            guards: Program::compile(graph, &guards, horizon),
-            guard_count: guards.len(),
+            guards: Guards::new(graph, &guards, horizon),
             panels: 1,
             data,
         };
@@ -177,7 +175,7 @@ impl FiniteExact {
             return sums;
         }
         let mut cuts: Vec<f64> = (0..=panels).map(|i| t * i as f64 / panels as f64).collect();
-        cuts.extend(self.kinks(t));
+        cuts.extend(self.guards.along([0.0, t], WATCHES, t, |s| [s, 0.0, 0.0]));
         cuts.sort_by(f64::total_cmp);
         cuts.dedup_by(|a, b| *a - *b <= 1e-13 * t);
         let inner = |ends: &[f64]| {
@@ -207,19 +205,6 @@ impl FiniteExact {
             }
         }
         sums
-    }
-
-    /// Places in (0, t) where an integrand changes its branch.
-    fn kinks(&self, t: f64) -> Vec<f64> {
-        if self.guard_count == 0 {
-            return Vec::new();
-        }
-        sign_changes(0.0, t, WATCHES, |places| {
-            let points: Vec<[f64; 3]> = places.iter().map(|&s| [s, 0.0, 0.0]).collect();
-            let mut values = vec![Vec::new(); self.guard_count];
-            self.guards.bind(&points).evaluate(t, 0.0, &mut values);
-            values
-        })
     }
 
     /// (S u)(t).

@@ -16,7 +16,7 @@ use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
 use super::shapes::Shapes;
 use super::side_points::{SidePoints, side_points};
-use super::sign_changes::sign_changes;
+use super::sign_changes::Guards;
 use super::truth::{ByTime, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::norms::{ContactSamples, Moments, facet_samples, is_locked};
@@ -61,7 +61,10 @@ impl InterpolatedOnMesh {
         Self {
             bound: Mutex::new(nodal.bind(&points)),
             regions: exact.cell_regions(&space.mesh),
-            strains: NodalStrain::new(space.clone()),
+            strains: NodalStrain::new(
+                space.clone(),
+                &space.element.strain_rule(space.mesh.dimension),
+            ),
             boundary,
             events: OnceLock::new(),
             accumulated: RunningIntegral::new(horizon),
@@ -339,23 +342,12 @@ fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
 fn events(exact: &Exact, space: &Discretization) -> Vec<f64> {
     let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
     let guards = graph.guards(&exact.data.u);
-    let (count, program) = (guards.len(), Program::compile(&mut graph, &guards, horizon));
+    let guards = Guards::new(&mut graph, &guards, horizon);
     // Guards of contact scenes depend on x and t: one vertex per distinct x suffices.
     let mut distinct = points_of_nodes(space);
     distinct.sort_by(|a, b| a[0].total_cmp(&b[0]));
     distinct.dedup_by(|a, b| a[0] == b[0]);
-    let mut events = sign_changes(0.0, horizon, WATCHES, |times| {
-        let mut bound = program.bind(&distinct);
-        let mut values = vec![Vec::new(); count];
-        let mut rows = vec![Vec::with_capacity(times.len()); count * distinct.len()];
-        for &t in times {
-            bound.evaluate(t, 0.0, &mut values);
-            for (row, value) in rows.iter_mut().zip(values.iter().flatten()) {
-                row.push(*value);
-            }
-        }
-        rows
-    });
+    let mut events = guards.in_time([0.0, horizon], WATCHES, &distinct);
     events.dedup();
     events
 }

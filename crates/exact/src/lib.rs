@@ -62,6 +62,7 @@ pub use finite_exact::{
 };
 pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
 pub use interpolated::InterpolatedOnMesh;
+pub use nodal_strain::NodalStrain;
 pub use on_mesh::ExactOnMesh;
 pub use separation::Separation;
 pub use shapes::Shapes;

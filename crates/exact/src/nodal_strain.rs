@@ -8,19 +8,21 @@ use super::constitutive::Tensor;
 use super::linear::edge_slopes;
 use super::shapes::Shapes;
 use fem::contact::Discretization;
+use fem::space::quadrature::Rule;
 
 /// Data independent of the function.
-pub(super) struct NodalStrain {
+pub struct NodalStrain {
     space: Arc<Discretization>,
     /// ∇λ of all corners of a cell but its first, cell by cell.
     slopes: Vec<f64>,
-    /// At each strain point of a cell, where they are not zero: node but the first, corner, and the derivative of its shape
+    /// At each point of a cell, where they are not zero: node but the first, corner, and the derivative of its shape
     /// function by that coordinate.
     at_points: Vec<Vec<(usize, usize, f64)>>,
 }
 
 impl NodalStrain {
-    pub(super) fn new(space: Arc<Discretization>) -> Self {
+    /// For the points of a rule on the cells; those of the strain points of the element serve [`Self::norm`].
+    pub fn new(space: Arc<Discretization>, rule: &Rule) -> Self {
         let d = space.mesh.dimension;
         let slopes = in_dimension!(d, D => edge_slopes::<D>(&space.mesh));
         let functions = Shapes::of_cell(space.element, d);
@@ -31,7 +33,7 @@ impl NodalStrain {
             });
             each.filter(|(_, _, slope)| *slope != 0.0).collect()
         };
-        let at_points = space.element.strain_rule(d).points.iter().map(at_point).collect();
+        let at_points = rule.points.iter().map(at_point).collect();
         Self { slopes, at_points, space }
     }
 
@@ -39,8 +41,8 @@ impl NodalStrain {
         self.at_points.len()
     }
 
-    /// ε of a nodal vector at strain point p of cell c, as a full tensor.
-    pub(super) fn at<const D: usize>(&self, nodal: &[f64], c: usize, p: usize) -> Tensor<D> {
+    /// ε of a nodal vector at point p of cell c, as a full tensor.
+    pub fn at<const D: usize>(&self, nodal: &[f64], c: usize, p: usize) -> Tensor<D> {
         let nodes = self.space.cell_nodes(c);
         let slopes = &self.slopes.as_chunks::<D>().0[D * c..D * (c + 1)];
         let values = nodal.as_chunks::<D>().0;

@@ -1,5 +1,62 @@
 //! Places where guards change sign: the cuts of quadrature on piecewise smooth fields.
 
+use formula::{Graph, Node, Program};
+
+/// Expressions whose signs decide the branches of fields.
+pub(super) struct Guards {
+    program: Program,
+    count: usize,
+}
+
+impl Guards {
+    pub(super) fn new(graph: &mut Graph, guards: &[Node], horizon: f64) -> Self {
+        Self { program: Program::compile(graph, guards, horizon), count: guards.len() }
+    }
+
+    /// Their values at points, guard by guard.
+    pub(super) fn at(&self, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
+        let mut values = vec![Vec::new(); self.count];
+        self.program.bind(points).evaluate(t, 0.0, &mut values);
+        values
+    }
+
+    /// Where one changes sign on a line at time t, by the coordinate of which `point` is a function.
+    pub(super) fn along(
+        &self,
+        [from, to]: [f64; 2],
+        watches: usize,
+        t: f64,
+        point: impl Fn(f64) -> [f64; 3],
+    ) -> Vec<f64> {
+        if self.count == 0 {
+            return Vec::new();
+        }
+        sign_changes(from, to, watches, |places| {
+            self.at(&places.iter().map(|&place| point(place)).collect::<Vec<_>>(), t)
+        })
+    }
+
+    /// When one changes sign at one of some points.
+    pub(super) fn in_time(
+        &self,
+        [from, to]: [f64; 2],
+        watches: usize,
+        points: &[[f64; 3]],
+    ) -> Vec<f64> {
+        sign_changes(from, to, watches, |times| {
+            let mut bound = self.program.bind(points);
+            let mut values = vec![Vec::new(); self.count];
+            let mut rows = vec![Vec::with_capacity(times.len()); points.len() * self.count];
+            for &t in times {
+                bound.evaluate(t, 0.0, &mut values);
+                let pairs = rows.iter_mut().zip(values.iter().flatten());
+                pairs.for_each(|(row, value)| row.push(*value));
+            }
+            rows
+        })
+    }
+}
+
 /// Places in (from, to) where one of several functions changes sign, sorted, by simultaneous bisection to rounding.
 /// `values` returns one list per function for a list of places.
 pub fn sign_changes(

@@ -4,10 +4,10 @@
 //! earlier axes only: a front x = x0(z, t) cuts each line along x at its position.
 
 use crate::Exact;
-use crate::sign_changes::sign_changes;
+use crate::sign_changes::{Guards, sign_changes};
 use crate::symbolic::AXES;
 use fem::space::quadrature::gauss_legendre;
-use formula::{Node, Program};
+use formula::Node;
 
 /// The order of the axes.
 const ORDER: [usize; 3] = [2, 0, 1];
@@ -20,7 +20,7 @@ const WATCHES: usize = 64;
 /// The guards of the stress at one time, and at t = 0, where histories begin.
 pub(super) struct Lines<'a> {
     size: &'a [f64],
-    guards: Program,
+    guards: Guards,
     depends: Vec<[bool; 3]>,
     times: [f64; 2],
 }
@@ -38,7 +38,7 @@ impl<'a> Lines<'a> {
         let guards: Vec<Node> = all.iter().map(|(guard, _)| *guard).collect();
         Self {
             size: &exact.data.size,
-            guards: Program::compile(&mut graph, &guards, exact.data.horizon),
+            guards: Guards::new(&mut graph, &guards, exact.data.horizon),
             depends: all.into_iter().map(|(_, depends)| depends).collect(),
             times: [t, 0.0],
         }
@@ -64,8 +64,7 @@ impl<'a> Lines<'a> {
                     moved
                 };
                 let points: Vec<[f64; 3]> = places.iter().map(at).collect();
-                let mut values = vec![Vec::new(); chosen.len()];
-                self.guards.bind(&points).evaluate(time, 0.0, &mut values);
+                let mut values = self.guards.at(&points, time);
                 // The other guards are ignored.
                 let ignored = values.iter_mut().zip(&chosen).filter(|(_, chosen)| !**chosen);
                 ignored.for_each(|(values, _)| values.fill(0.0));

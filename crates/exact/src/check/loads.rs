@@ -5,8 +5,9 @@
 //! may jump across such a line (a kink of u): the strong form then lacks ∫ [σ]e_x·v, which is reported separately.
 
 use super::lines::Lines;
+use super::smoothness::worst;
 use super::{Finding, SideOfBox, Status, times};
-use crate::constitutive::{Tensor, full, stress};
+use crate::constitutive::{Tensor, full};
 use crate::{Exact, symbolic::AXES};
 use fem::mesh::in_dimension;
 use formula::{Graph, Node, Program, Scope};
@@ -59,10 +60,6 @@ fn compare<const D: usize>(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
         findings.push(Finding::new("stress jump", Status::Weak, jump, text));
     }
     findings
-}
-
-fn worst(known: f64, value: f64) -> f64 {
-    if value.is_nan() { f64::INFINITY } else { known.max(value.abs()) }
 }
 
 /// v = φ·m e_i with φ the product of distances to the clamped sides and m one of 1, x, y, ….
@@ -121,19 +118,6 @@ fn balances<const D: usize>(
         interface::<D>(exact, tests, t, x, &lines, &mut balances);
     }
     balances
-}
-
-fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
-    let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
-    exact.interior.bind(points).evaluate(t, 0.0, &mut out);
-    let kappa = exact.kappa(t);
-    let (regions, mut memory) = (exact.regions_at(points), Vec::new());
-    (0..points.len())
-        .map(|p| {
-            let strain = exact.tensors::<D, f64>(|k| out[k][p], &mut memory);
-            stress(exact.material_in(regions[p]), &strain, &memory, kappa)
-        })
-        .collect()
 }
 
 /// Quadrature points with weights; lines along y are also cut at the yield curve, where f0 jumps.
@@ -212,7 +196,7 @@ fn volume<const D: usize>(
     balances: &mut [Balance],
 ) {
     let points: Vec<[f64; 3]> = columns.iter().map(|(point, _)| *point).collect();
-    let sigma = stresses::<D>(exact, &points, t);
+    let sigma = exact.stress_at::<D>(&points, t);
     let mut force = vec![Vec::new(); D];
     exact.forces.bind(&points).evaluate(t, exact.zeta.at(t), &mut force);
     let v = tests.at::<D>(&points);
@@ -243,7 +227,7 @@ fn boundary<const D: usize>(
 ) {
     let places = lines.across(side.axis(), side.level(&exact.data.size));
     let points: Vec<[f64; 3]> = places.iter().map(|(point, _)| *point).collect();
-    let sigma = stresses::<D>(exact, &points, t);
+    let sigma = exact.stress_at::<D>(&points, t);
     let v = tests.at::<D>(&points);
     for (p, (_, weight)) in places.iter().enumerate() {
         for test in 0..tests.count {
@@ -269,8 +253,8 @@ fn interface<const D: usize>(
     let offset = 1e-11 * exact.data.size[0];
     let places = lines.across(0, x);
     let at = |x: f64| places.iter().map(|(p, _)| [x, p[1], p[2]]).collect::<Vec<_>>();
-    let left = stresses::<D>(exact, &at(x - offset), t);
-    let right = stresses::<D>(exact, &at(x + offset), t);
+    let left = exact.stress_at::<D>(&at(x - offset), t);
+    let right = exact.stress_at::<D>(&at(x + offset), t);
     let v = tests.at::<D>(&at(x));
     for (p, (_, weight)) in places.iter().enumerate() {
         let sides = left[p].iter().chain(&right[p]).flatten();

@@ -1,9 +1,10 @@
 //! The checks on a domain of coarse simplices: as on a rectangle or box, on the cells of a refined mesh and on the real
 //! sides.
 
-use super::smoothness::{FINE, STRIDES, judge, largest, rounding, worst};
+use super::regularity::Lines;
+use super::smoothness::{FINE, worst};
 use super::{Finding, Status, regularity, times};
-use crate::constitutive::{Tensor, stress};
+use crate::constitutive::Tensor;
 use crate::exact::Polytope;
 use crate::linear::gradient_of;
 use crate::nodal_force::facet_measure;
@@ -93,7 +94,7 @@ impl<const D: usize> Fields<D> {
             }
         };
         let inside = SimplexPoints::of(mesh, &rule);
-        let sigma = stresses(exact, &inside.points, t);
+        let sigma = exact.stress_at(&inside.points, t);
         let mut force = vec![Vec::new(); D];
         exact.forces.bind(&inside.points).evaluate(t, exact.zeta.at(t), &mut force);
         let facets = 0..mesh.facet_side.len();
@@ -101,7 +102,7 @@ impl<const D: usize> Fields<D> {
             |f: usize| side_rule.points.iter().map(move |b| mesh.point(mesh.facet(f), b));
         let points: Vec<[f64; 3]> = facets.flat_map(on_facet).collect();
         let count = side_rule.points.len();
-        let tractions = stresses::<D>(exact, &points, t).into_iter().enumerate();
+        let tractions = exact.stress_at::<D>(&points, t).into_iter().enumerate();
         let traction = tractions.map(|(p, sigma)| {
             let normal = mesh.normal(p / count);
             sigma.map(|row| row.iter().zip(normal).map(|(s, n)| s * n).sum())
@@ -152,17 +153,6 @@ fn gradient<const D: usize>(mesh: &Mesh, c: usize, v: &[f64]) -> [f64; D] {
     gradient_of(&edges, &rise)
 }
 
-fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
-    let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
-    exact.interior.bind(points).evaluate(t, 0.0, &mut out);
-    let (kappa, regions, mut memory) = (exact.kappa(t), exact.regions_at(points), Vec::new());
-    let one = |p: usize| {
-        let strain = exact.tensors::<D, f64>(|k| out[k][p], &mut memory);
-        stress(exact.material_in(regions[p]), &strain, &memory, kappa)
-    };
-    (0..points.len()).map(one).collect()
-}
-
 /// ζ(T) by the usual rule against a finer one, which detects kinks inside cells.
 pub(super) fn zeta(exact: &Exact, polytope: &Polytope) -> Option<Finding> {
     let known = exact.zeta.at(exact.data.horizon);
@@ -187,46 +177,8 @@ pub(super) fn in_time(polytope: &Polytope) -> (Vec<[f64; 3]>, Vec<f64>) {
     (centroids.points, centroids.weights)
 }
 
-/// ‖f(· + δe) - f‖/δ in L² along lines parallel to the edges of each coarse simplex, crowded at the edge, at three
-/// times.
-pub(super) fn space_derivative(
-    exact: &Exact,
-    polytope: &Polytope,
-    values: impl Fn(&[[f64; 3]], f64) -> Vec<Vec<f64>>,
-    subject: &str,
-) -> Finding {
-    let coarse = &polytope.coarse;
-    let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
-    for t in times(exact) {
-        for direction in 0..directions(coarse) {
-            let mut sums = [0.0; 4];
-            for simplex in 0..coarse.count() {
-                let (points, lines) = gathered(coarse, simplex, direction);
-                for component in values(&points, t) {
-                    size = worst(size, largest(&component));
-                    for (line, (weight, length)) in component.chunks(FINE).zip(&lines) {
-                        for (sum, stride) in sums.iter_mut().zip(STRIDES) {
-                            let delta = length * stride as f64 / FINE as f64;
-                            let pairs = line.iter().zip(&line[stride..]);
-                            let squares = pairs.map(|(a, b)| ((b - a) / delta).powi(2));
-                            *sum += weight * squares.sum::<f64>();
-                        }
-                    }
-                }
-            }
-            for (quotient, sum) in quotients.iter_mut().zip(sums) {
-                *quotient = worst(*quotient, sum.sqrt());
-            }
-        }
-    }
-    let lengths = &exact.data.size;
-    let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
-    let floor = rounding(size, lengths.iter().product::<f64>().sqrt(), shortest / FINE as f64);
-    judge(subject, "the difference quotient in L2", &quotients, floor)
-}
-
 /// Number of edges of a simplex.
-fn directions(coarse: &CoarseMesh) -> usize {
+pub(super) fn directions(coarse: &CoarseMesh) -> usize {
     match coarse {
         CoarseMesh::Plane(_) => 3,
         CoarseMesh::Space(_) => 6,
@@ -237,12 +189,12 @@ fn directions(coarse: &CoarseMesh) -> usize {
 const EDGES: [[usize; 4]; 6] =
     [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
 
-/// Points along lines parallel to an edge of a simplex, with the measure per point of each line, and the length.
-fn gathered(
-    coarse: &CoarseMesh,
-    simplex: usize,
-    direction: usize,
-) -> (Vec<[f64; 3]>, Vec<(f64, f64)>) {
+/// Lines parallel to an edge of each simplex, crowded at the edge.
+pub(super) fn gathered(coarse: &CoarseMesh, direction: usize) -> Vec<Lines> {
+    (0..coarse.count()).map(|simplex| in_simplex(coarse, simplex, direction)).collect()
+}
+
+fn in_simplex(coarse: &CoarseMesh, simplex: usize, direction: usize) -> Lines {
     let (corners, measure) = (coarse.corners(simplex), coarse.measure_of(simplex));
     // The edge, and the points opposite to it with the share of the opposite edge that each represents.
     let (a, b, opposite, lines) = match coarse {
@@ -261,8 +213,8 @@ fn gathered(
     };
     // Not towards the tip: on ever shorter lines all strides would resolve a singularity there equally.
     let place = |i: usize| (i as f64 / lines as f64).powi(GRADING);
-    let length = blend(a, b, 1.0).iter().zip(a).map(|(b, a)| (b - a).powi(2)).sum::<f64>().sqrt();
-    let (mut points, mut out) = (Vec::new(), Vec::new());
+    let length = distance(a, blend(a, b, 1.0));
+    let (mut points, mut all) = (Vec::new(), Vec::new());
     for (tip, part) in opposite {
         for line in 0..lines {
             let (from, to) = (place(line), place(line + 1));
@@ -270,38 +222,36 @@ fn gathered(
             // The density of the distance from the edge: 2(1 - up) in the plane, 6(1 - up) up in space.
             let density = if corners.len() == 3 { 2.0 * (1.0 - up) } else { 6.0 * (1.0 - up) * up };
             let weight = measure * part * density * (to - from) / FINE as f64;
-            out.push((weight, (1.0 - up) * length));
+            all.push((weight, (1.0 - up) * length));
             let at = |i: usize| blend(blend(a, b, (i as f64 + 0.5) / FINE as f64), tip, up);
             points.extend((0..FINE).map(at));
         }
     }
-    (points, out)
+    Lines { points, lines: all }
 }
 
-/// ‖second difference of u_ν‖/δ² in L² along each plane piece of Γ3: in space along lines parallel to each of its
-/// edges.
+/// The second differences of u_ν on each plane piece of Γ3: in space along lines parallel to each of its edges.
 pub(super) fn normal_traces(exact: &Exact, polytope: &Polytope) -> Vec<Finding> {
-    let d = exact.dimension();
-    contact_pieces(polytope)
-        .map(|piece| {
-            let program = exact.boundary(&piece.normal[..d]).program;
-            regularity::normal_trace_along(exact, &program, &lines_on(&piece))
-        })
-        .collect()
+    let family = |([p, q], measure): ([[f64; 3]; 2], f64)| {
+        let points = (0..=FINE).map(|i| blend(p, q, i as f64 / FINE as f64)).collect();
+        (points, distance(p, q), measure)
+    };
+    let of_piece = |piece: Piece| {
+        let families = lines_on(&piece).into_iter().map(family).collect();
+        regularity::normal_trace(exact, piece.normal, families)
+    };
+    contact_pieces(polytope).map(of_piece).collect()
 }
 
 /// Ends of lines on a piece of the boundary, with the measure that each represents: a segment itself, or lines parallel
 /// to each edge of a triangle.
 fn lines_on(piece: &Piece) -> Vec<([[f64; 3]; 2], f64)> {
     let corners = &piece.corners;
-    let length = |p: [f64; 3], q: [f64; 3]| {
-        p.iter().zip(q).map(|(p, q)| (q - p).powi(2)).sum::<f64>().sqrt()
-    };
     let [p, q] = [corners[0], corners[1]];
-    let Some(&r) = corners.get(2) else { return vec![([p, q], length(p, q))] };
+    let Some(&r) = corners.get(2) else { return vec![([p, q], distance(p, q))] };
     let (e, f) = ([0, 1, 2].map(|i| q[i] - p[i]), [0, 1, 2].map(|i| r[i] - p[i]));
     let cross = |i: usize| e[(i + 1) % 3] * f[(i + 2) % 3] - e[(i + 2) % 3] * f[(i + 1) % 3];
-    let doubled_area = length([0.0; 3], [0, 1, 2].map(cross));
+    let doubled_area = distance([0.0; 3], [0, 1, 2].map(cross));
     let lines = |[a, b, tip]: [[f64; 3]; 3]| {
         (0..LINES_ON_FACE).map(move |line| {
             let up = (line as f64 + 0.5) / LINES_ON_FACE as f64;
@@ -331,6 +281,10 @@ pub(super) fn points_of(piece: &Piece, count: usize) -> Vec<[f64; 3]> {
             inside.map(at).collect()
         }
     }
+}
+
+fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
+    p.iter().zip(q).map(|(p, q)| (q - p).powi(2)).sum::<f64>().sqrt()
 }
 
 /// The point at fraction s from p to q.

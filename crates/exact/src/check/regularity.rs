@@ -50,7 +50,7 @@ fn space_findings(exact: &Exact, sides: &[SideOfBox]) -> [Vec<Finding>; 2] {
         (_, Some(polytope)) => polytope::normal_traces(exact, polytope),
         _ => {
             let contact = sides.iter().filter(|side| side.contact);
-            contact.map(|side| normal_trace(exact, side)).collect()
+            contact.map(|side| normal_trace(exact, side.normal, on_side(exact, side))).collect()
         }
     };
     let subject = in_body(exact, "u in H2", "(5.25)");
@@ -131,31 +131,46 @@ enum Field {
     Stress,
 }
 
-/// ‖f(· + δe) - f‖/δ in L², in all directions, at three times.
+/// Lines of equally many points each, in order.
+pub(super) struct Lines {
+    pub points: Vec<[f64; 3]>,
+    /// The measure per point of each line, and its length.
+    pub lines: Vec<(f64, f64)>,
+}
+
+/// ‖f(· + δe) - f‖/δ in L², in all directions (along the edges of each coarse simplex), at three times.
 fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
-    if let Some(polytope) = &exact.data.polytope {
-        let values = |points: &[[f64; 3]], t: f64| field_values(exact, field, points, t);
-        return polytope::space_derivative(exact, polytope, values, subject);
-    }
+    let directions = match &exact.data.polytope {
+        Some(polytope) => polytope::directions(&polytope.coarse),
+        None => exact.dimension(),
+    };
     let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
-        for direction in 0..exact.dimension() {
-            let (points, weights) = gathered(exact, direction);
-            let values = field_values(exact, field, &points, t);
-            let regions = exact.regions_at(&points);
-            for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
-                let delta = exact.data.size[direction] * stride as f64 / FINE as f64;
-                let mut sum = 0.0;
-                for component in &values {
-                    size = worst(size, largest(component));
-                    let lines = component.chunks(FINE).zip(regions.chunks(FINE));
-                    for ((line, region), weight) in lines.zip(&weights) {
-                        // Strains jump where the material does: H² is required on each region.
-                        let pairs = (0..FINE - stride).filter(|&i| region[i] == region[i + stride]);
-                        let squares = pairs.map(|i| ((line[i + stride] - line[i]) / delta).powi(2));
-                        sum += weight * squares.sum::<f64>();
+        for direction in 0..directions {
+            let families = match &exact.data.polytope {
+                Some(polytope) => polytope::gathered(&polytope.coarse, direction),
+                None => vec![gathered(exact, direction)],
+            };
+            let mut sums = [0.0; 4];
+            for Lines { points, lines } in families {
+                let regions = exact.regions_at(&points);
+                for component in field_values(exact, field, &points, t) {
+                    size = worst(size, largest(&component));
+                    let on_lines = component.chunks(FINE).zip(regions.chunks(FINE)).zip(&lines);
+                    for ((line, region), (weight, length)) in on_lines {
+                        for (sum, stride) in sums.iter_mut().zip(STRIDES) {
+                            let delta = length * stride as f64 / FINE as f64;
+                            // Strains jump where the material does: H² is required on each region.
+                            let pairs =
+                                (0..FINE - stride).filter(|&i| region[i] == region[i + stride]);
+                            let squares =
+                                pairs.map(|i| ((line[i + stride] - line[i]) / delta).powi(2));
+                            *sum += weight * squares.sum::<f64>();
+                        }
                     }
                 }
+            }
+            for (quotient, sum) in quotients.iter_mut().zip(sums) {
                 *quotient = worst(*quotient, sum.sqrt());
             }
         }
@@ -183,12 +198,24 @@ fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec
     out
 }
 
-/// ‖second difference of u_ν along Γ3‖/δ² in L², in each direction of the side.
-fn normal_trace(exact: &Exact, side: &SideOfBox) -> Finding {
-    let size = &exact.data.size;
-    let program = exact.boundary(&side.normal[..size.len()]).program;
+/// Lines of [`FINE`] intervals on a plane part of Γ3, with their length and the measure of what they represent.
+pub(super) type OnContact = (Vec<[f64; 3]>, f64, f64);
+
+/// ‖second difference of u_ν‖/δ² in L² along families of lines on a part of Γ3.
+pub(super) fn normal_trace(exact: &Exact, normal: [f64; 3], families: Vec<OnContact>) -> Finding {
+    let program = exact.boundary(&normal[..exact.dimension()]).program;
     let mut bends = TraceBends::default();
-    for axis in side.along(size) {
+    for (points, length, measure) in families {
+        bends.add(exact, &program, &points, length, measure);
+    }
+    let (subject, what) = ("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2");
+    judge(subject, what, &bends.quotients, bends.floor)
+}
+
+/// The lines along each direction of a side of a box.
+fn on_side(exact: &Exact, side: &SideOfBox) -> Vec<OnContact> {
+    let size = &exact.data.size;
+    let of_axis = |axis: usize| {
         let lines = |other: usize| match other == axis {
             true => vec![0.0],
             false => (0..ON_FACE).map(|i| size[other] * middle(i, ON_FACE)).collect(),
@@ -200,29 +227,10 @@ fn normal_trace(exact: &Exact, side: &SideOfBox) -> Finding {
                 point
             })
         };
-        let points: Vec<[f64; 3]> = side.points(size, lines).into_iter().flat_map(along).collect();
-        bends.add(exact, &program, &points, size[axis], side.measure(size));
-    }
-    bends.finding()
-}
-
-/// As above along straight lines, given by their ends, each with the measure that it represents.
-pub(super) fn normal_trace_along(
-    exact: &Exact,
-    program: &Program,
-    lines: &[([[f64; 3]; 2], f64)],
-) -> Finding {
-    let mut bends = TraceBends::default();
-    for ([p, q], measure) in lines {
-        let at = |i: usize| {
-            let s = i as f64 / FINE as f64;
-            [0, 1, 2].map(|axis| (1.0 - s) * p[axis] + s * q[axis])
-        };
-        let points: Vec<[f64; 3]> = (0..=FINE).map(at).collect();
-        let length = p.iter().zip(q).map(|(p, q)| (q - p).powi(2)).sum::<f64>().sqrt();
-        bends.add(exact, program, &points, length, *measure);
-    }
-    bends.finding()
+        let points = side.points(size, lines).into_iter().flat_map(along).collect();
+        (points, size[axis], side.measure(size))
+    };
+    side.along(size).into_iter().map(of_axis).collect()
 }
 
 /// Second difference quotients of u_ν, the largest over directions and times.
@@ -264,11 +272,6 @@ impl TraceBends {
         let step = length / FINE as f64;
         self.floor = self.floor.max(rounding(extent, measure.sqrt(), step.powi(2)));
     }
-
-    fn finding(&self) -> Finding {
-        let (subject, what) = ("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2");
-        judge(subject, what, &self.quotients, self.floor)
-    }
 }
 
 /// max |b''| by second differences, of each term of the memory.
@@ -281,9 +284,8 @@ fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
     })
 }
 
-/// Points along lines in a direction, [`FINE`] midpoints per line, and the area per point of each line; the lines crowd
-/// at the sides.
-fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
+/// Lines in a direction, with [`FINE`] midpoints each; they crowd at the sides.
+fn gathered(exact: &Exact, direction: usize) -> Lines {
     let size = &exact.data.size;
     let graded = if size.len() == 2 { GRADED_LINES } else { GRADED_IN_SPACE };
     let place = |i: usize| {
@@ -304,16 +306,17 @@ fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
         };
         crossings = crossings.into_iter().flat_map(strip).collect();
     }
-    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    let (mut points, mut lines) = (Vec::new(), Vec::new());
     for (crossing, share) in crossings {
-        weights.push(size.iter().fold(share, |weight, length| weight * length) / FINE as f64);
+        let weight = size.iter().fold(share, |weight, length| weight * length) / FINE as f64;
+        lines.push((weight, size[direction]));
         points.extend((0..FINE).map(|i| {
             let mut point = crossing;
             point[direction] = size[direction] * (i as f64 + 0.5) / FINE as f64;
             point
         }));
     }
-    (points, weights)
+    Lines { points, lines }
 }
 
 fn middle(i: usize, n: usize) -> f64 {
