@@ -9,7 +9,7 @@ use judge::record::{CaseRecord, Key};
 use judge::verdict::{Decision, FittedConstant, Foreseen, Verdict};
 use nalgebra::DVector;
 use run::leading_error::{
-    Case, InterpolationError, MeasuredNorm, interpolation_constant, leading_errors,
+    Case, InTime, InterpolationError, MeasuredNorm, interpolation_constant, leading_errors,
 };
 use run::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
 use scene::setup::{AbstractSetup, Setup, Subject};
@@ -231,8 +231,9 @@ fn a_past_too_long_for_direct_sums_is_left_out() {
     let measured =
         MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 2 };
     let cases = [8, 1_000_000].map(|steps| Case { n: Some(4), steps });
-    let told = leading_errors(&subject, &measured, &cases).unwrap_or_else(|e| panic!("{e}"));
-    let steps: Vec<u32> = told.points.iter().map(|point| point.case.steps).collect();
+    let told = leading_errors(&subject, &measured, &cases, &mut InTime::default())
+        .unwrap_or_else(|e| panic!("{e}"));
+    let steps: Vec<u32> = told.points.iter().map(|point| point.steps).collect();
     assert_eq!(steps, [8]);
 }
 

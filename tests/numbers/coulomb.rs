@@ -7,7 +7,7 @@
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text, v_max};
 use algebra::linalg::{FactorError, signed_unit};
 use fem::contact::{Evolution, Friction, StepView};
-use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use run::sweep::{CasePlan, run_contact_case};
 use scene::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
 use scene::{Direction, Norm, Scene, Source};
@@ -212,7 +212,12 @@ fn foreseen(scene: &str) -> f64 {
         time_reference: 8,
     };
     let subject = Subject::Contact(Box::new(setup_of(scene.into())));
-    let told = leading_errors(&subject, &measured, &[Case { n: Some(8), steps: 64 }]);
+    let told = leading_errors(
+        &subject,
+        &measured,
+        &[Case { n: Some(8), steps: 64 }],
+        &mut InTime::default(),
+    );
     told.unwrap_or_else(|error| panic!("{error}")).points[0].error
 }
 

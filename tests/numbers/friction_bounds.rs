@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::shipped::{on_mesh, run, setup, v_max};
 use algebra::linalg::signed_unit;
 use fem::contact::{Evolution, Friction, Model};
-use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use scene::setup::{MeshData, Setup, Subject, TruthLoad};
 use scene::{Direction, Norm};
 use vhi::law::PiecewiseLinear;
@@ -187,7 +187,12 @@ fn foreseen(setup: Setup) -> (f64, f64) {
     let measured =
         MeasuredNorm { norm: Norm::VMax, variable: Direction::H, order: 1.0, time_reference: 8 };
     let subject = Subject::Contact(Box::new(setup));
-    let told = leading_errors(&subject, &measured, &[Case { n: Some(8), steps: 2 }]);
+    let told = leading_errors(
+        &subject,
+        &measured,
+        &[Case { n: Some(8), steps: 2 }],
+        &mut InTime::default(),
+    );
     let told = told.unwrap_or_else(|error| panic!("{error}"));
     (told.points[0].error, told.tolerance)
 }

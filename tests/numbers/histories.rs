@@ -11,7 +11,7 @@ use exact::Truth;
 use fem::contact::LoadError;
 use fem::norms::Moments;
 use formula::{Graph, Node, Program, Scope, Variable};
-use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use run::sweep::{CasePlan, run_contact_case};
 use scene::setup::{MeshData, Setup, Subject};
 use scene::{Direction, Norm};
@@ -203,7 +203,12 @@ fn predicted(setup: Setup, order: f64, list: &[u32]) -> Vec<f64> {
     let measured =
         MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
     let cases: Vec<Case> = list.iter().map(|&steps| Case { n: Some(1), steps }).collect();
-    let errors = leading_errors(&Subject::Contact(Box::new(setup)), &measured, &cases);
+    let errors = leading_errors(
+        &Subject::Contact(Box::new(setup)),
+        &measured,
+        &cases,
+        &mut InTime::default(),
+    );
     let errors = errors.unwrap_or_else(|error| panic!("{error}"));
     errors.points.iter().map(|point| point.error).collect()
 }

@@ -6,7 +6,7 @@
 
 use crate::shipped::{edited, on_mesh, setup_of, text, v_max};
 use nalgebra::DVector;
-use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use scene::setup::{AbstractLoad, AbstractSetup, Subject};
 use scene::{Direction, Extension, Norm, Scene, Source};
 use studies::guarantee::guarantee;
@@ -126,7 +126,12 @@ const RULES: [(&str, Wrong); 6] = [
 fn seen(errors: [f64; 2], subject: &Subject, n: Option<u32>, steps: [u32; 2]) -> (f64, f64) {
     let measured =
         MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 8 };
-    let told = leading_errors(subject, &measured, &steps.map(|steps| Case { n, steps }));
+    let told = leading_errors(
+        subject,
+        &measured,
+        &steps.map(|steps| Case { n, steps }),
+        &mut InTime::default(),
+    );
     let told = told.unwrap_or_else(|error| panic!("{error}"));
     (errors[1] / told.points[1].error, (errors[0] / errors[1]).log2())
 }

@@ -6,7 +6,7 @@
 
 use crate::shipped::{on_mesh, setup, v_max};
 use fem::contact::Model;
-use run::leading_error::{Case, MeasuredNorm, leading_errors};
+use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use scene::setup::Subject;
 use scene::{Direction, Norm};
 use vhi::history::{Gregory, GregoryOrder, Left, TimeGrid, TimeRule, Trapezoid};
@@ -38,7 +38,12 @@ fn measured(name: &str, steps: u32, order: f64, rule: Option<Box<dyn TimeRule>>)
     let wanted =
         MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
     let case = Case { n: Some(2), steps: 2 * steps };
-    let told = leading_errors(&Subject::Contact(Box::new(sound)), &wanted, &[case]);
+    let told = leading_errors(
+        &Subject::Contact(Box::new(sound)),
+        &wanted,
+        &[case],
+        &mut InTime::default(),
+    );
     let told = told.unwrap_or_else(|error| panic!("{name}: {error}"));
     ((coarse / fine).log2(), fine / told.points[0].error)
 }

@@ -6,7 +6,7 @@ use super::NoConstant;
 use super::adaptive::{cuts, integral_against};
 use super::law_slope::{Answer, answer};
 use super::time::Weights;
-use exact::LawNumbers;
+use exact::{LawNumbers, sign_changes};
 use formula::{BoundProgram, EvaluationPoint, Graph, Node, Program, Variable};
 use scene::AbstractKernel;
 use scene::setup::AbstractSetup;
@@ -144,29 +144,16 @@ impl<'a> Linearised<'a> {
         (e.dot(&(&self.product * e))).sqrt()
     }
 
-    /// Interval ends where a guard of u changes sign between two of these times.
+    /// Where a guard of u changes sign between two of these times.
     fn kinks(&self, times: &[f64]) -> Vec<f64> {
-        let mut kinks = Vec::new();
-        for guard in self.graph.guards(&self.setup.problem.u) {
-            let above = |t: f64| {
+        let guards = self.graph.guards(&self.setup.problem.u);
+        let values = |times: &[f64]| -> Vec<Vec<f64>> {
+            let at = |guard: Node, t: f64| {
                 self.graph.evaluate(guard, &EvaluationPoint { t, ..EvaluationPoint::default() })
-                    > 0.0
             };
-            for ends in times.windows(2) {
-                let (mut low, mut high) = (ends[0], ends[1]);
-                let before = above(low);
-                if above(high) == before {
-                    continue;
-                }
-                let mut middle = 0.5 * (low + high);
-                while low < middle && middle < high {
-                    *if above(middle) == before { &mut low } else { &mut high } = middle;
-                    middle = 0.5 * (low + high);
-                }
-                kinks.push(high);
-            }
-        }
-        kinks
+            guards.iter().map(|&guard| times.iter().map(|&t| at(guard, t)).collect()).collect()
+        };
+        times.windows(2).flat_map(|ends| sign_changes(ends[0], ends[1], 1, values)).collect()
     }
 
     /// (S u)(t), integrated independently of the exact solution's histories; `sums` are the discrete sums, `kinks`

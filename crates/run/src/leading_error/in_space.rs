@@ -9,7 +9,7 @@ use super::law_slope::Answer;
 use super::low_rank::{self, RankOne};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
-use super::sums::{Kernel, Numbers, Sums};
+use super::sums::{Kernel, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::Weights;
 use algebra::linalg::axpy;
@@ -29,6 +29,8 @@ pub(super) struct InSpace<const S: usize> {
     graph: formula::Graph,
     regions: Vec<usize>,
     kernels: Vec<Kernel>,
+    /// The kernel of ζ.
+    one: [Kernel; 1],
 }
 
 /// I_h u with its exact histories at one time.
@@ -37,8 +39,8 @@ pub(super) struct State<const S: usize> {
     strain: Vec<Mandel<S>>,
     /// ‖ε‖_ℋ.
     norm: f64,
-    /// ε(∫ b_i(t-s) u ds) of each term of the memory.
-    memory: Vec<Vec<Mandel<S>>>,
+    /// Of each term of the memory.
+    memory: Vec<Remembered<S>>,
     /// ζ, if κ depends on it.
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
@@ -47,14 +49,16 @@ pub(super) struct State<const S: usize> {
     pub(super) friction: Option<Vec<Sliding>>,
 }
 
-/// The past of a level: Σ' over exact values, and over the errors of earlier levels.
-struct Past<const S: usize> {
-    /// One per term of the memory.
-    memory: Vec<Vec<Mandel<S>>>,
-    memory_error: Vec<Vec<Mandel<S>>>,
-    /// The weights of the level itself.
-    current_memory: Vec<f64>,
-    accumulated: Accumulated,
+/// One term of the memory at one time.
+struct Remembered<const S: usize> {
+    /// ε(∫ b_i(t-s) u ds).
+    exact: Vec<Mandel<S>>,
+    /// Its sum over all levels.
+    discrete: Vec<Mandel<S>>,
+    /// The sum over the errors of earlier levels.
+    error: Vec<Mandel<S>>,
+    /// The weight of the level itself.
+    weight: f64,
 }
 
 /// ζ of the discrete history.
@@ -101,12 +105,14 @@ impl<const S: usize> InSpace<S> {
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
         let horizon = exact.data.horizon;
-        let kernel = |term: &RelaxationTerm| match term.singular {
-            None => Kernel::new(&mut graph, term.kernel, horizon),
-            Some(parts) => Kernel::singular(&mut graph, parts.power, parts.factor, horizon),
+        let kernel = |term: &RelaxationTerm| {
+            let (power, factor) =
+                term.singular.map_or((0.0, term.kernel), |parts| (parts.power, parts.factor));
+            Kernel::new(&mut graph, power, factor, horizon)
         };
         let kernels = memory.iter().map(kernel).collect();
-        Self { exact, space, rule, truth, slope, graph, regions, kernels }
+        let one = [Kernel::one(&mut graph, horizon)];
+        Self { exact, space, rule, truth, slope, graph, regions, kernels, one }
     }
 
     /// Number of steps beyond which the direct sums cost too much.
@@ -132,11 +138,11 @@ impl<const S: usize> InSpace<S> {
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
         let weights = Weights::of_plain(self.rule)?;
         let of_kernels =
-            self.kernels.iter().map(|kernel| Weights::of_kernel(self.rule, kernel.power()));
+            self.kernels.iter().map(|kernel| Weights::of_kernel(self.rule, kernel.power));
         let of_kernels = of_kernels.collect::<Result<Vec<_>, _>>()?;
         let mut sums = Sums::new(of_kernels, &self.kernels, times, self.space.nodes.len());
         // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
-        let mut sizes = Numbers::new(weights);
+        let mut sizes = Sums::new(vec![weights], &self.one, times, 1);
         let mut largest = Largest::default();
         let mut history = self.own_history();
         for (n, &t) in times.iter().enumerate() {
@@ -146,11 +152,10 @@ impl<const S: usize> InSpace<S> {
             let state = self.state(t, &mut history, &sums);
             let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
             if n > 0 {
-                let weight = weights.at(times, n, n);
-                let [zeta, zeta_error] = sizes.before();
+                let weight = sizes.current_weight(0);
+                let [zeta, zeta_error] = sizes.before(0).map(|sum| sum[0]);
                 let zeta = zeta + weight * state.norm;
-                let past = self.past(&sums, &state, Accumulated { weight, zeta, zeta_error });
-                let level = self.level(t, &state, &past)?;
+                let level = self.level(t, &state, Accumulated { weight, zeta, zeta_error })?;
                 let norm = inner(&self.space, &level.strain, &level.strain).sqrt();
                 let along = inner(&self.space, &state.strain, &level.strain) / state.norm;
                 // If ε vanishes, the norm of the discrete strain is that of the error.
@@ -161,10 +166,8 @@ impl<const S: usize> InSpace<S> {
                 largest.raise(&self.space, &level);
                 error = level.error;
             }
-            if n + 1 < times.len() {
-                sizes.advance(times, n, [state.norm, of_norm]);
-                sums.advance([state.u, error]);
-            }
+            sizes.advance([vec![state.norm], vec![of_norm]]);
+            sums.advance([state.u, error]);
         }
         Ok(largest)
     }
@@ -183,27 +186,18 @@ impl<const S: usize> InSpace<S> {
         let u = history.displacement(t);
         let strain: Vec<Mandel<S>> = strains(&self.space, &u);
         let remembered = |term: usize| {
-            let [mut discrete, _] = sums.before(term);
-            axpy(sums.current_weight(term), &u, &mut discrete);
-            strains(&self.space, &history.remembered(term, &discrete))
+            let ([mut discrete, error], weight) = (sums.before(term), sums.current_weight(term));
+            axpy(weight, &u, &mut discrete);
+            let exact = history.remembered(term, &discrete);
+            let [exact, discrete, error] =
+                [exact, discrete, error].map(|nodal| strains(&self.space, &nodal));
+            Remembered { exact, discrete, error, weight }
         };
         let memory = (0..self.kernels.len()).map(remembered).collect();
         let norm = inner(&self.space, &strain, &strain).sqrt();
         let (zeta, contact) = (history.zeta(), self.truth.contact_state(t));
         let friction = self.truth.friction_state(t);
         State { u, strain, norm, memory, zeta, contact, friction }
-    }
-
-    fn past(&self, sums: &Sums, state: &State<S>, accumulated: Accumulated) -> Past<S> {
-        let (mut memory, mut memory_error, mut current_memory) = (vec![], vec![], vec![]);
-        for term in 0..self.kernels.len() {
-            let ([mut exact, error], weight) = (sums.before(term), sums.current_weight(term));
-            axpy(weight, &state.u, &mut exact);
-            current_memory.push(weight);
-            memory.push(strains(&self.space, &exact));
-            memory_error.push(strains(&self.space, &error));
-        }
-        Past { memory, memory_error, current_memory, accumulated }
     }
 
     /// e_n from the linearised step
@@ -213,28 +207,37 @@ impl<const S: usize> InSpace<S> {
     /// ```
     ///
     /// with ρ the stress of the discrete history less that of the exact one.
-    fn level(&self, t: f64, state: &State<S>, past: &Past<S>) -> Result<Level<S>, NoConstant> {
+    fn level(
+        &self,
+        t: f64,
+        state: &State<S>,
+        accumulated: Accumulated,
+    ) -> Result<Level<S>, NoConstant> {
         let space = &self.space;
         let kappa = self.exact.data.kappa;
         let (exact_kappa, scheme_kappa) = (
             self.at_zeta(kappa, state.zeta, f64::INFINITY),
-            self.at_zeta(kappa, past.accumulated.zeta, f64::INFINITY),
+            self.at_zeta(kappa, accumulated.zeta, f64::INFINITY),
         );
-        let slope = self.at_zeta(self.slope, past.accumulated.zeta, 0.0);
+        let slope = self.at_zeta(self.slope, accumulated.zeta, 0.0);
         let mut values = vec![0.0; space.pattern.entries()];
         let mut right = vec![0.0; space.nodes.len()];
         let (mut column, mut row) = (right.clone(), right.clone());
         let mut responses = Vec::with_capacity(state.strain.len());
         for at in space.points() {
             let strain = &state.strain[at.index];
-            let response = self.response(&at, state, past, [exact_kappa, scheme_kappa, slope]);
+            let response = self.response(
+                &at,
+                state,
+                [exact_kappa, scheme_kappa, slope, accumulated.zeta_error],
+            );
             let by_zeta = response.by_zeta;
             add_force(&at, &response.source, &mut right);
             add_stiffness(space, &at, &response.tangent, &mut values);
             responses.push(response);
             if self.slope.is_some() && state.norm > 0.0 {
                 add_force(&at, &by_zeta, &mut column);
-                add_force(&at, &strain.map(|e| past.accumulated.weight * e / state.norm), &mut row);
+                add_force(&at, &strain.map(|e| accumulated.weight * e / state.norm), &mut row);
             }
         }
         let answers = self.answers(state);
@@ -248,7 +251,7 @@ impl<const S: usize> InSpace<S> {
         let strain: Vec<Mandel<S>> = strains(space, &error);
         // The level's contribution to the change of ζ.
         let share = match self.slope.is_some() && state.norm > 0.0 {
-            true => past.accumulated.weight * inner(space, &state.strain, &strain) / state.norm,
+            true => accumulated.weight * inner(space, &state.strain, &strain) / state.norm,
             false => 0.0,
         };
         let stress: Vec<Mandel<S>> =
@@ -264,35 +267,32 @@ impl<const S: usize> InSpace<S> {
         Ok(Level { error, strain, stress, pressure })
     }
 
-    /// Response of the stress at a point, with κ at the exact ζ and at that of the scheme, and κ' there.
+    /// Response of the stress at a point, with κ at the exact ζ and at that of the scheme, κ' there, and the error of ζ.
     fn response(
         &self,
         at: &StrainPoint<'_>,
         state: &State<S>,
-        past: &Past<S>,
-        [exact_kappa, scheme_kappa, slope]: [f64; 3],
+        [exact_kappa, scheme_kappa, slope, zeta_error]: [f64; 4],
     ) -> Response<S> {
         let strain = &state.strain[at.index];
         let material = self.exact.material_in(self.regions[at.cell]);
-        let here = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
-            terms.iter().map(|term| term[at.index]).collect()
-        };
-        let before = stress_of(material, strain, &here(&state.memory), exact_kappa);
-        let after = stress_of(material, strain, &here(&past.memory), scheme_kappa);
+        let (exact, discrete): (Vec<Mandel<S>>, Vec<Mandel<S>>) =
+            state.memory.iter().map(|term| (term.exact[at.index], term.discrete[at.index])).unzip();
+        let before = stress_of(material, strain, &exact, exact_kappa);
+        let after = stress_of(material, strain, &discrete, scheme_kappa);
         let mut tangent = by_strain(material, strain, scheme_kappa);
         let mut remembered = [0.0; S];
-        for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
-            let part = isotropic(lambda, mu, &past.memory_error[term][at.index]);
+        for (term, &(lambda, mu)) in state.memory.iter().zip(&material.memory) {
+            let part = isotropic(lambda, mu, &term.error[at.index]);
             (0..S).for_each(|i| remembered[i] += part[i]);
             for (i, line) in tangent.iter_mut().enumerate() {
                 let memory = isotropic(lambda, mu, &unit::<S>(i));
-                (0..S).for_each(|j| line[j] += past.current_memory[term] * memory[j]);
+                (0..S).for_each(|j| line[j] += term.weight * memory[j]);
             }
         }
         let by_zeta = by_kappa(material, strain, scheme_kappa).map(|value| slope * value);
-        let source = std::array::from_fn(|i| {
-            before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
-        });
+        let source =
+            std::array::from_fn(|i| before[i] - after[i] - remembered[i] - by_zeta[i] * zeta_error);
         Response { tangent, source, by_zeta }
     }
 }

@@ -4,17 +4,18 @@ use algebra::in_dimension;
 use std::sync::Arc;
 
 use super::interpolation_stress::StressInterpolationError;
+use super::own_history::{nodal, points_of_nodes};
 use super::quadratic::QuadraticError;
 use super::time::{largest_step, times};
-use super::{Case, LeadingError, LeadingErrors, NoConstant};
+use super::{Case, NoConstant};
 use exact::constitutive::{Tensor, full};
-use exact::linear::gradient_of;
-use exact::{Exact, Shapes};
+use exact::{Exact, NodalStrain};
 use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::space::Element;
 use fem::space::quadrature::{Rule, gauss_legendre};
 use formula::{BoundProgram, Program, Variable};
+use judge::verdict::LeadingLine;
 use scene::Shape;
 use scene::setup::Setup;
 
@@ -109,28 +110,25 @@ fn simplices_of_a_cube<const D: usize>() -> Vec<QuadraticError<D>> {
 /// ‖ε(u(t) - I_h u(t))‖ on one mesh.
 pub struct InterpolationError<'a> {
     space: &'a Discretization,
-    /// u at the vertices, and midpoints that have nodes.
+    /// u at the nodes.
     nodal: BoundProgram,
     /// ε(u) at the points of the cells.
     strain: BoundProgram,
     rule: Rule,
+    of_interpolant: NodalStrain,
 }
 
 impl<'a> InterpolationError<'a> {
     /// Binds u to the nodes of a mesh, ε(u) to the points of a rule of degree 4 or 5 per cell: the squared strain error
     /// of linear interpolation has degree 2 for a quadratic, that of quadratic interpolation degree 4 for a cubic.
-    pub fn new(exact: &Exact, space: &'a Discretization) -> Self {
-        let (mesh, mut graph) = (&space.mesh, exact.data.graph.clone());
-        let horizon = exact.data.horizon;
-        let vertices: Vec<[f64; 3]> =
-            (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
-        let rule = space.element.square_rule(mesh.dimension + 1);
-        let points: Vec<[f64; 3]> = (0..mesh.cell_count())
-            .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
-            .collect();
-        let nodal = Program::compile(&mut graph, &exact.data.u, horizon).bind(&vertices);
-        let strain = Program::compile(&mut graph, &exact.strain, horizon).bind(&points);
-        Self { space, nodal, strain, rule }
+    pub fn new(exact: &Exact, space: &'a Arc<Discretization>) -> Self {
+        let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
+        let rule = space.element.square_rule(space.mesh.dimension + 1);
+        let u = Program::compile(&mut graph, &exact.data.u, horizon);
+        let strain = Program::compile(&mut graph, &exact.strain, horizon);
+        let of_interpolant = NodalStrain::new(space.clone(), &rule);
+        let strain = strain.bind(&points_of_cells(&space.mesh, &rule));
+        Self { space, nodal: u.bind(&points_of_nodes(space)), strain, rule, of_interpolant }
     }
 
     /// The error at time t.
@@ -139,63 +137,31 @@ impl<'a> InterpolationError<'a> {
     }
 
     fn at_in<const D: usize>(&mut self, t: f64) -> f64 {
-        let mut nodal = vec![Vec::new(); D];
-        self.nodal.evaluate(t, 0.0, &mut nodal);
+        let nodal = nodal(&mut self.nodal, self.space, t);
         let mut strain = vec![Vec::new(); D * (D + 1) / 2];
         self.strain.evaluate(t, 0.0, &mut strain);
         let mut sum = 0.0;
-        let functions = Shapes::of_cell(self.space.element, D);
-        let slopes: Vec<_> = self.rule.points.iter().map(|b| functions.slopes(b)).collect();
-        for c in 0..self.space.mesh.cell_count() {
-            let edges = edges_of::<D>(&self.space.mesh, c);
-            let measure = measure(&edges);
-            let at = |q: usize| strain_of_interpolant(self.space, (c, &slopes[q]), &edges, &nodal);
-            // The strain of a linear function is constant.
-            let constant = (self.space.element.degree() == 1).then(|| at(0));
+        for (c, measure) in self.space.geometry.measure.iter().enumerate() {
             for (q, weight) in self.rule.weights.iter().enumerate() {
                 let p = c * self.rule.weights.len() + q;
-                let interpolant: Tensor<D> = constant.unwrap_or_else(|| at(q));
-                let exact: Tensor<D> = full(|k| strain[k][p]);
-                let pairs = exact.as_flattened().iter().zip(interpolant.as_flattened());
-                sum += weight * measure * pairs.map(|(e, i)| (e - i).powi(2)).sum::<f64>();
+                let interpolant: Tensor<D> = self.of_interpolant.at(&nodal, c, q);
+                sum += weight * measure * square_apart(&full(|k| strain[k][p]), &interpolant);
             }
         }
         sum.sqrt()
     }
 }
 
-fn edges_of<const D: usize>(mesh: &Mesh, c: usize) -> [[f64; D]; D] {
-    let cell = mesh.cell(c);
-    let corner = |a: usize| mesh.vertex(cell[a]);
-    std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]))
+/// The points of a rule, cell by cell.
+pub(super) fn points_of_cells(mesh: &Mesh, rule: &Rule) -> Vec<[f64; 3]> {
+    (0..mesh.cell_count())
+        .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
+        .collect()
 }
 
-/// ε at a point of a cell, where shape functions have these slopes by barycentric coordinates, for the function with these
-/// nodal values.
-fn strain_of_interpolant<const D: usize>(
-    space: &Discretization,
-    (c, slopes): (usize, &[Vec<f64>]),
-    edges: &[[f64; D]; D],
-    nodal: &[Vec<f64>],
-) -> Tensor<D> {
-    let vertex = |a: usize| space.nodes.vertex[space.cell_nodes(c)[a] as usize] as usize;
-    let gradient: [[f64; D]; D] = std::array::from_fn(|i| {
-        let slope = |corner: usize| -> f64 {
-            slopes.iter().enumerate().map(|(a, of_a)| of_a[corner] * nodal[i][vertex(a)]).sum()
-        };
-        gradient_of(edges, &std::array::from_fn(|a| slope(a + 1) - slope(0)))
-    });
-    std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (gradient[i][j] + gradient[j][i])))
-}
-
-fn measure<const D: usize>(edges: &[[f64; D]; D]) -> f64 {
-    let minor = |p: &[f64; D], q: &[f64; D], i: usize, j: usize| p[i] * q[j] - p[j] * q[i];
-    if D == 2 {
-        return 0.5 * minor(&edges[0], &edges[1], 0, 1);
-    }
-    let (q, r) = (&edges[1], &edges[2 % D]);
-    let axis = |i: usize| edges[0][i] * minor(q, r, (i + 1) % D, (i + 2) % D);
-    (0..D).map(axis).sum::<f64>() / 6.0
+/// |σ - τ|².
+pub(super) fn square_apart<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> f64 {
+    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
 /// Up to this n all times of the grid are tried: the error depends on where moving fronts are in the cells, less so on
@@ -210,7 +176,7 @@ pub(super) fn over_cases(
     exact: &Arc<Exact>,
     of_stress: bool,
     cases: &[Case],
-) -> Result<LeadingErrors, NoConstant> {
+) -> Result<LeadingLine, NoConstant> {
     let mut sorted: Vec<(u32, Case)> =
         cases.iter().filter_map(|&case| Some((case.n?, case))).collect();
     sorted.sort_unstable_by_key(|&(n, case)| (case.steps, n));
@@ -239,7 +205,7 @@ pub(super) fn over_cases(
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let Some(&(_, error)) = worst.first() else { continue };
         let (h, k) = (Some(space.mesh.h()), largest_step(&grid));
-        points.push(LeadingError { case, h, k, error });
+        points.push(case.point(h, k, error));
     }
     let domain = &setup.body.domain;
     // The limit is computed for rectangles and boxes, and linear interpolation.
@@ -248,5 +214,5 @@ pub(super) fn over_cases(
     let limit = at.map(|&(t, _)| interpolation_constant(exact, &domain.size, t));
     let finest = points.iter().filter_map(|point| point.h).fold(f64::INFINITY, f64::min);
     let tolerance = along_the_interpolant(setup, finest);
-    Ok(LeadingErrors { points, limit, tolerance })
+    Ok(LeadingLine { points, limit, tolerance })
 }

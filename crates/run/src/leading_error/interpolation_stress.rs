@@ -6,12 +6,11 @@
 use algebra::in_dimension;
 use std::sync::Arc;
 
-use super::cells::{Mandel, strains};
-use super::tangent::stress_of;
-use exact::constitutive::{Tensor, mandel, stress};
-use exact::{ComplianceRule, Exact, InterpolatedOnMesh};
+use super::interpolation::{points_of_cells, square_apart};
+use exact::constitutive::{Tensor, stress};
+use exact::{ComplianceRule, Exact, InterpolatedOnMesh, NodalStrain};
 use fem::contact::{Discretization, LoadError};
-use fem::space::quadrature::{Rule, tetrahedron_degree_5, triangle_degree_4};
+use fem::space::quadrature::Rule;
 use formula::BoundProgram;
 
 /// ‖σ(u(t)) - σ(I_h u(t))‖ on one mesh.
@@ -20,6 +19,7 @@ pub(crate) struct StressInterpolationError {
     space: Arc<Discretization>,
     /// I_h u and its histories.
     interpolant: InterpolatedOnMesh,
+    strains: NodalStrain,
     /// ε(u) and its histories at the points of the cells.
     fields: BoundProgram,
     rule: Rule,
@@ -28,17 +28,15 @@ pub(crate) struct StressInterpolationError {
 
 impl StressInterpolationError {
     pub(crate) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
-        let mesh = &space.mesh;
-        let rule = if mesh.dimension == 2 { triangle_degree_4() } else { tetrahedron_degree_5() };
-        let points: Vec<[f64; 3]> = (0..mesh.cell_count())
-            .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
-            .collect();
-        let fields = exact.interior.bind(&points);
+        let (mesh, element) = (&space.mesh, space.element);
+        let rule = element.square_rule(mesh.dimension + 1);
+        let fields = exact.interior.bind(&points_of_cells(mesh, &rule));
         let regions = exact.cell_regions(mesh);
+        let strains = NodalStrain::new(space.clone(), &element.strain_rule(mesh.dimension));
         // The rule affects loads only.
         let interpolant =
             InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
-        Self { exact, space, interpolant, fields, rule, regions }
+        Self { exact, space, interpolant, strains, fields, rule, regions }
     }
 
     /// The error at time t.
@@ -46,29 +44,26 @@ impl StressInterpolationError {
     /// # Errors
     /// A formula that is not finite at a vertex.
     pub(crate) fn at(&mut self, t: f64) -> Result<f64, LoadError> {
-        in_dimension!(self.space.mesh.dimension, D, S => self.at_in::<D, S>(t))
+        in_dimension!(self.space.mesh.dimension, D => self.at_in::<D>(t))
     }
 
-    fn at_in<const D: usize, const S: usize>(&mut self, t: f64) -> Result<f64, LoadError> {
+    fn at_in<const D: usize>(&mut self, t: f64) -> Result<f64, LoadError> {
         let (u, histories) = self.interpolant.displacements(t)?;
-        let strain: Vec<Mandel<S>> = strains(&self.space, &u);
-        let histories: Vec<Vec<Mandel<S>>> =
-            histories.iter().map(|history| strains(&self.space, history)).collect();
         let mut out = vec![Vec::new(); D + self.exact.strain.len() + self.exact.memory.len()];
         self.fields.evaluate(t, 0.0, &mut out);
         let kappa = self.exact.kappa(t);
         let (mut sum, mut remembered): (f64, Vec<Tensor<D>>) = (0.0, Vec::new());
         for c in 0..self.space.mesh.cell_count() {
             let material = self.exact.material_in(self.regions[c]);
-            let memory: Vec<Mandel<S>> = histories.iter().map(|history| history[c]).collect();
-            let of_interpolant = stress_of(material, &strain[c], &memory, kappa);
+            let of_cell = |nodal: &Vec<f64>| -> Tensor<D> { self.strains.at(nodal, c, 0) };
+            let memory: Vec<Tensor<D>> = histories.iter().map(of_cell).collect();
+            let of_interpolant = stress(material, &of_cell(&u), &memory, kappa);
             for (q, weight) in self.rule.weights.iter().enumerate() {
                 let p = c * self.rule.weights.len() + q;
                 let present: Tensor<D> = self.exact.tensors(|k| out[k][p], &mut remembered);
-                let of_exact: Mandel<S> = mandel(&stress(material, &present, &remembered, kappa));
-                let pairs = of_exact.iter().zip(&of_interpolant);
-                let squares: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
-                sum += weight * self.space.geometry.measure[c] * squares;
+                let of_exact = stress(material, &present, &remembered, kappa);
+                let square = square_apart(&of_exact, &of_interpolant);
+                sum += weight * self.space.geometry.measure[c] * square;
             }
         }
         Ok(sum.sqrt())

@@ -15,24 +15,15 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
         return Answer::Held;
     }
     let Some(law) = law else { return Answer::Slope(0.0) };
-    let curve = law.curve.map_or(0.0, |curve| curve.slope(r));
-    let [first, .., last] = law.points[..] else { return Answer::Slope(outer(law, r) + curve) };
-    let pairs = || law.points.windows(2).map(|pair| (pair[0], pair[1]));
+    let mut pairs = law.points.windows(2).map(|pair| (pair[0], pair[1]));
     // Strictly inside a jump ξ keeps r fixed.
-    let jump = pairs().any(|([from, low], [to, high])| {
+    let jump = pairs.any(|([from, low], [to, high])| {
         from == to && (r - from).abs() <= ROUNDING * from.abs().max(1.0) && xi > low && xi < high
     });
     if jump {
         return Answer::Held;
     }
-    let piece = pairs().find(|([from, _], [to, _])| *from < r && r <= *to);
-    let graph = match piece {
-        Some(([from, low], [to, high])) => (high - low) / (to - from),
-        None if r <= first[0] => law.slope_before,
-        None if r > last[0] => law.slope_after,
-        None => f64::NAN,
-    };
-    Answer::Slope(graph + curve)
+    Answer::Slope(law.slope(r))
 }
 
 /// Response of s ∈ S ∂|u_τ| along the slip; a vertex below the bound sticks.
@@ -79,14 +70,6 @@ fn turning(sliding: &Sliding, slope: f64) -> [[f64; 2]; 2] {
 
 /// Rounding of a formula that is meant to stay at a jump.
 const ROUNDING: f64 = 1e-12;
-
-fn outer(law: &LawNumbers, r: f64) -> f64 {
-    if law.points.first().is_some_and(|point| r > point[0]) {
-        law.slope_after
-    } else {
-        law.slope_before
-    }
-}
 
 #[cfg(test)]
 mod tests {

@@ -22,7 +22,6 @@ mod cells;
 mod contact_answers;
 mod error;
 mod finite;
-mod found;
 mod in_space;
 mod interpolation;
 mod interpolation_stress;
@@ -36,7 +35,6 @@ mod tangent;
 mod time;
 
 pub use error::NoConstant;
-pub use found::{Case, LeadingError, LeadingErrors};
 pub use interpolation::{InterpolationError, interpolation_constant};
 
 use std::sync::Arc;
@@ -44,6 +42,7 @@ use std::sync::Arc;
 use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::Element;
+use judge::verdict::{LeadingLine, LeadingPoint};
 use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Direction, Hypothesis, MeshFamily, Norm};
@@ -54,6 +53,20 @@ use scene::{Direction, Hypothesis, MeshFamily, Norm};
 const IN_TIME: f64 = 1e-4;
 /// Steps beyond which direct sums are not worth their cost: the error is long asymptotic.
 const MOST_STEPS: u32 = 1024;
+
+/// One case, by its mesh and number of steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Case {
+    /// Cells per unit length; none in ℝ^m.
+    pub n: Option<u32>,
+    pub steps: u32,
+}
+
+impl Case {
+    fn point(self, h: Option<f64>, k: f64, error: f64) -> LeadingPoint {
+        LeadingPoint { n: self.n, steps: self.steps, h, k, error }
+    }
+}
 
 /// What is measured, and against which reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +81,7 @@ pub struct MeasuredNorm {
 
 /// Computed time errors, shared by the norms and predictions of a scene.
 #[derive(Debug, Default)]
-pub(crate) struct InTime(Vec<OfMesh>);
+pub struct InTime(Vec<OfMesh>);
 
 /// The cases of one mesh, whether u(t) had to be in V^h, and the largest step and errors of each computed case.
 #[derive(Debug)]
@@ -78,22 +91,14 @@ struct OfMesh {
     errors: Vec<(Case, f64, Largest)>,
 }
 
-/// The leading errors of `cases` of a scene, or why there are none.
+/// The leading errors of `cases` of a scene, in the order of the cases, or why there are none; reuses what has been
+/// computed for other norms of the scene.
 pub fn leading_errors(
     subject: &Subject,
     measured: &MeasuredNorm,
     cases: &[Case],
-) -> Result<LeadingErrors, NoConstant> {
-    leading_errors_beside(subject, measured, cases, &mut InTime::default())
-}
-
-/// [`leading_errors`], reusing what has been computed for other norms of the scene.
-pub(crate) fn leading_errors_beside(
-    subject: &Subject,
-    measured: &MeasuredNorm,
-    cases: &[Case],
     known: &mut InTime,
-) -> Result<LeadingErrors, NoConstant> {
+) -> Result<LeadingLine, NoConstant> {
     match subject {
         Subject::Abstract(setup) => of_abstract(setup, cases),
         // Jumps, and their effect on the load, are of the order of the interpolation error itself.
@@ -108,21 +113,21 @@ pub(crate) fn leading_errors_beside(
     }
 }
 
-fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingErrors, NoConstant> {
+fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingLine, NoConstant> {
     let points = of_few_steps(cases, MOST_STEPS).map(|&case| {
         let times = time::times(&setup.scene.time, case.steps);
         let error = finite::largest_error(setup, &times)?;
-        Ok(LeadingError { case, h: None, k: time::largest_step(&times), error })
+        Ok(case.point(None, time::largest_step(&times), error))
     });
     let points = points.collect::<Result<_, NoConstant>>()?;
-    Ok(LeadingErrors { points, limit: None, tolerance: IN_TIME })
+    Ok(LeadingLine { points, limit: None, tolerance: IN_TIME })
 }
 
 fn in_space_direction(
     setup: &Setup,
     measured: &MeasuredNorm,
     cases: &[Case],
-) -> Result<LeadingErrors, NoConstant> {
+) -> Result<LeadingLine, NoConstant> {
     let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
     // ‖u - u_h‖ is of the order of ‖u - I_h u‖ but not equal to leading order, so L² norms of u have no leading error
@@ -152,7 +157,7 @@ fn in_time_direction(
     measured: &MeasuredNorm,
     cases: &[Case],
     known: &mut InTime,
-) -> Result<LeadingErrors, NoConstant> {
+) -> Result<LeadingLine, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
     let interpolated = setup.body.data.is_interpolated();
     // A reference of M times the steps has M^-order of the error.
@@ -180,10 +185,10 @@ fn in_time_direction(
         for &(case, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
             let norm = measured.norm;
             let error = errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
-            points.push(LeadingError { case, h, k, error: share * error });
+            points.push(case.point(h, k, share * error));
         }
     }
-    Ok(LeadingErrors { points, limit: None, tolerance })
+    Ok(LeadingLine { points, limit: None, tolerance })
 }
 
 impl InTime {

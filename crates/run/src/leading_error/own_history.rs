@@ -34,8 +34,7 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
     ) -> Self {
         let mut graph = exact.data.graph.clone();
         let program = Program::compile(&mut graph, &exact.data.u, exact.data.horizon);
-        let point = |&vertex: &u32| space.mesh.point(&[vertex], &[1.0]);
-        let points: Vec<[f64; 3]> = space.nodes.vertex.iter().map(point).collect();
+        let points = points_of_nodes(space);
         let terms = kernels.iter().flat_map(Kernel::exponentials);
         let rates: Vec<f64> = terms.map(|&(_, rate)| rate).collect();
         let carried = vec![0.0; rates.len() * space.nodes.len() + usize::from(with_zeta)];
@@ -106,11 +105,12 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         if kernel.is_direct() {
             let cuts = cuts(t, &self.kinked);
             let (u, space) = (&mut self.u, self.space);
-            return integral_against(kernel.power(), &cuts, discrete, |times| {
-                let of_lag = kernel.at_lags(t, times);
+            return integral_against(kernel.power, &cuts, discrete, |times| {
+                let mut of_lag = [Vec::new()];
+                kernel.at_lags(times).evaluate(t, 0.0, &mut of_lag);
                 let at =
                     |(&s, b): (&f64, &f64)| nodal(u, space, s).into_iter().map(|u| b * u).collect();
-                times.iter().zip(&of_lag).map(at).collect()
+                times.iter().zip(&of_lag[0]).map(at).collect()
             });
         }
         let before: usize = self.kernels[..term].iter().map(|k| k.exponentials().len()).sum();
@@ -129,7 +129,12 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
     }
 }
 
-fn nodal(bound: &mut BoundProgram, space: &Discretization, t: f64) -> Vec<f64> {
+pub(super) fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
+    space.nodes.vertex.iter().map(|&vertex| space.mesh.point(&[vertex], &[1.0])).collect()
+}
+
+/// A field at the nodes as a nodal vector.
+pub(super) fn nodal(bound: &mut BoundProgram, space: &Discretization, t: f64) -> Vec<f64> {
     let d = space.mesh.dimension;
     let mut fields = vec![Vec::new(); d];
     bound.evaluate(t, 0.0, &mut fields);

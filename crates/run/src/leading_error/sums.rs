@@ -3,64 +3,45 @@
 use super::time::Weights;
 use formula::{BoundProgram, Graph, Node, Program, Variable};
 
-/// The kernel b of one term of the memory.
-pub(super) enum Kernel {
-    /// The pairs (a, c) of b(t) = Σ a exp(-c t).
-    Exponentials(Vec<(f64, f64)>),
-    /// c(t - x) of b(t) = t^{-a} c(t), 0 ≤ a < 1.
-    Direct(f64, Program),
+/// The kernel b of one term of the memory, b(t) = t^{-a} c(t), 0 ≤ a < 1.
+pub(super) struct Kernel {
+    /// a; 0 except for singular kernels.
+    pub(super) power: f64,
+    /// c(t - x).
+    of_lag: Program,
+    /// The pairs (a, c) of b(t) = Σ a exp(-c t), if it has that form.
+    exponentials: Option<Vec<(f64, f64)>>,
 }
 
 impl Kernel {
-    pub(super) fn new(graph: &mut Graph, kernel: Node, horizon: f64) -> Self {
-        match graph.exponential_sum(kernel) {
-            Some(terms) => Self::Exponentials(terms),
-            None => Self::Direct(0.0, of_lag(graph, kernel, horizon)),
-        }
+    pub(super) fn new(graph: &mut Graph, power: f64, factor: Node, horizon: f64) -> Self {
+        let exponentials = graph.exponential_sum(factor).filter(|_| power == 0.0);
+        let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
+        let lag = graph.sub(t, x);
+        let of_lag = graph.substitute(factor, Variable::T, lag);
+        Self { power, of_lag: Program::compile(graph, &[of_lag], horizon), exponentials }
     }
 
-    pub(super) fn singular(graph: &mut Graph, a: f64, factor: Node, horizon: f64) -> Self {
-        Self::Direct(a, of_lag(graph, factor, horizon))
-    }
-
-    /// a; 0 except for singular kernels.
-    pub(super) fn power(&self) -> f64 {
-        if let Self::Direct(a, _) = self { *a } else { 0.0 }
+    /// b = 1.
+    pub(super) fn one(graph: &mut Graph, horizon: f64) -> Self {
+        let one = graph.constant(1.0);
+        Self::new(graph, 0.0, one, horizon)
     }
 
     /// The pairs (a, c), or empty.
     pub(super) fn exponentials(&self) -> &[(f64, f64)] {
-        if let Self::Exponentials(terms) = self { terms } else { &[] }
+        self.exponentials.as_deref().unwrap_or_default()
     }
 
-    /// b(t - s) at some times s, without the power.
-    pub(super) fn at_lags(&self, t: f64, times: &[f64]) -> Vec<f64> {
-        match self {
-            Self::Exponentials(terms) => {
-                let at = |s: f64| terms.iter().map(|(a, c)| a * (-c * (t - s)).exp()).sum();
-                times.iter().map(|&s| at(s)).collect()
-            }
-            Self::Direct(_, program) => {
-                let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
-                let mut values = vec![Vec::new()];
-                program.bind(&places).evaluate(t, 0.0, &mut values);
-                values.swap_remove(0)
-            }
-        }
+    /// c(t - s) for t and some times s.
+    pub(super) fn at_lags(&self, times: &[f64]) -> BoundProgram {
+        self.of_lag.bind(&times.iter().map(|&s| [s, 0.0, 0.0]).collect::<Vec<_>>())
     }
 
     /// Whether sums are recomputed over all earlier levels.
     pub(super) fn is_direct(&self) -> bool {
-        matches!(self, Self::Direct(..))
+        self.exponentials.is_none()
     }
-}
-
-/// A formula in t at the lag t - x.
-fn of_lag(graph: &mut Graph, formula: Node, horizon: f64) -> Program {
-    let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
-    let lag = graph.sub(t, x);
-    let of_lag = graph.substitute(formula, Variable::T, lag);
-    Program::compile(graph, &[of_lag], horizon)
 }
 
 /// Values and errors, summed in parallel.
@@ -87,8 +68,6 @@ pub(super) struct Sums<'a> {
 
 enum Sum {
     Carried(Vec<Carried>),
-    /// Exponentials whose weights differ from level to level.
-    Anew(Vec<(f64, f64)>),
     /// The kernel bound to the times, and its values b(t_n - t_j).
     Direct(Box<BoundProgram>, Vec<Vec<f64>>),
 }
@@ -107,16 +86,12 @@ impl<'a> Sums<'a> {
         times: &'a [f64],
         length: usize,
     ) -> Self {
-        let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let zero = || [vec![0.0; length], vec![0.0; length]];
-        let sum = |(kernel, weights): (&Kernel, &Weights)| match kernel {
-            Kernel::Exponentials(terms) if !weights.are_fixed() => Sum::Anew(terms.clone()),
-            Kernel::Exponentials(terms) => {
+        let sum = |(kernel, weights): (&Kernel, &Weights)| match &kernel.exponentials {
+            Some(terms) if weights.are_fixed() => {
                 Sum::Carried(terms.iter().map(|&(a, c)| Carried { a, c, sums: zero() }).collect())
             }
-            Kernel::Direct(_, program) => {
-                Sum::Direct(Box::new(program.bind(&places)), vec![Vec::new()])
-            }
+            _ => Sum::Direct(Box::new(kernel.at_lags(times)), vec![Vec::new()]),
         };
         let mut sums = Self {
             times,
@@ -134,7 +109,6 @@ impl<'a> Sums<'a> {
     pub(super) fn current_weight(&self, kernel: usize) -> f64 {
         let at_zero = match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().map(|term| term.a).sum(),
-            Sum::Anew(terms) => terms.iter().map(|(a, _)| a).sum(),
             Sum::Direct(_, values) => values[0][self.level],
         };
         self.weights[kernel].at(self.times, self.level, self.level) * at_zero
@@ -146,14 +120,6 @@ impl<'a> Sums<'a> {
         let weights = self.weights[kernel];
         match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().for_each(|term| add(1.0, &term.sums, &mut out)),
-            Sum::Anew(terms) => {
-                let t = self.times[self.level];
-                for (j, past) in self.past.iter().enumerate() {
-                    let lag = t - self.times[j];
-                    let b: f64 = terms.iter().map(|(a, c)| a * (-c * lag).exp()).sum();
-                    add(weights.at(self.times, self.level, j) * b, past, &mut out);
-                }
-            }
             Sum::Direct(_, values) => {
                 for (j, past) in self.past.iter().enumerate() {
                     let weight = weights.at(self.times, self.level, j);
@@ -195,37 +161,6 @@ impl<'a> Sums<'a> {
     }
 }
 
-/// Σ_{j<n} w_nj v_j of pairs of numbers.
-pub(super) struct Numbers {
-    weights: Weights,
-    sums: Pair<f64>,
-    /// v_0, …, v_{n-1}.
-    past: Vec<Pair<f64>>,
-}
-
-impl Numbers {
-    pub(super) fn new(weights: Weights) -> Self {
-        Self { weights, sums: [0.0; 2], past: Vec::new() }
-    }
-
-    pub(super) fn before(&self) -> Pair<f64> {
-        self.sums
-    }
-
-    /// Advances from level n < N, with its numbers.
-    pub(super) fn advance(&mut self, times: &[f64], n: usize, numbers: Pair<f64>) {
-        let first = if self.weights.are_fixed() { n } else { 0 };
-        if first == 0 {
-            self.sums = [0.0; 2];
-        }
-        self.past.push(numbers);
-        for (j, &pair) in self.past.iter().enumerate().skip(first) {
-            let w = self.weights.at(times, n + 1, j);
-            self.sums.iter_mut().zip(pair).for_each(|(sum, value)| *sum += w * value);
-        }
-    }
-}
-
 fn add(factor: f64, vectors: &Pair<Vec<f64>>, sums: &mut Pair<Vec<f64>>) {
     for (vector, sum) in vectors.iter().zip(sums) {
         algebra::linalg::axpy(factor, vector, sum);
@@ -261,7 +196,7 @@ mod tests {
             .iter()
             .map(|(text, _, direct)| {
                 let node = graph.parse(text, &scope).unwrap();
-                let kernel = Kernel::new(&mut graph, node, 1.3);
+                let kernel = Kernel::new(&mut graph, 0.0, node, 1.3);
                 assert_eq!(kernel.is_direct(), *direct, "{text}");
                 kernel
             })

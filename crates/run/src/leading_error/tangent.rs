@@ -1,10 +1,8 @@
 //! The derivative of the manufactured side's stress (5.1) in the strain and in κ.
 
-use std::f64::consts::FRAC_1_SQRT_2;
-
 use super::cells::{Mandel, dimension, product};
 use exact::MaterialNumbers;
-use exact::constitutive::{Tensor, stress};
+use exact::constitutive::{Tensor, from_mandel, mandel, stress};
 
 fn trace<const S: usize>() -> Mandel<S> {
     std::array::from_fn(|i| f64::from(u8::from(i < dimension(S))))
@@ -88,26 +86,8 @@ fn stress_in<const D: usize, const S: usize>(
     memory: &[Mandel<S>],
     kappa: f64,
 ) -> Mandel<S> {
-    // The shear (i, j): xy in the plane; in space yz, xz, xy after the diagonal.
-    let place = |i: usize, j: usize| if D == 2 { 2 } else { 6 - i - j };
-    let full = |tensor: &Mandel<S>| -> Tensor<D> {
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| match i == j {
-                true => tensor[i],
-                false => FRAC_1_SQRT_2 * tensor[place(i, j)],
-            })
-        })
-    };
-    let memory: Vec<Tensor<D>> = memory.iter().map(full).collect();
-    let sigma = stress(material, &full(strain), &memory, kappa);
-    let mut out = [0.0; S];
-    for i in 0..D {
-        out[i] = sigma[i][i];
-        for j in i + 1..D {
-            out[place(i, j)] = FRAC_1_SQRT_2 * (sigma[i][j] + sigma[j][i]);
-        }
-    }
-    out
+    let memory: Vec<Tensor<D>> = memory.iter().map(|tensor| from_mandel(tensor)).collect();
+    mandel(&stress(material, &from_mandel(strain), &memory, kappa))
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! From a scene's predictions to verdicts on records.
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors_beside};
+use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors};
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{
-    self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable,
-    Verdict,
+    self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, Variable, Verdict,
 };
 use scene::setup::Subject;
 use scene::{Data, Direction, Expectation, Hypothesis, LoadForm, Prediction, Scene};
@@ -114,26 +113,15 @@ fn foreseen(
         time_reference: TIME_REFERENCE,
     };
     let leading = match written.constant {
-        true => leading_errors_beside(subject, &measured, cases, known),
+        true => leading_errors(subject, &measured, cases, known),
         false => Err(NoConstant::OptedOut),
     };
     match leading {
         Err(reason) => Foreseen::Nothing { not_predicted: reason.to_string() },
-        Ok(leading) => Foreseen::Leading(LeadingLine {
-            points: leading
-                .points
-                .iter()
-                .map(|point| LeadingPoint {
-                    n: point.case.n,
-                    steps: point.case.steps,
-                    h: point.h,
-                    k: point.k,
-                    error: point.error,
-                })
-                .collect(),
-            limit: leading.limit,
-            tolerance: written.constant_within.unwrap_or(leading.tolerance),
-        }),
+        Ok(leading) => {
+            let tolerance = written.constant_within.unwrap_or(leading.tolerance);
+            Foreseen::Leading(LeadingLine { tolerance, ..leading })
+        }
     }
 }
 
