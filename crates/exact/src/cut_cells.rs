@@ -35,19 +35,19 @@ pub(super) fn correct<const D: usize>(
     moments: &mut Moments,
 ) -> Vec<(usize, Vec<f64>)> {
     match D {
-        2 => Correction::<D, 3, 3> { parts, rule, moments }.all(cuts),
-        _ => Correction::<D, 6, 4> { parts, rule, moments }.all(cuts),
+        2 => Correction::<D, 3> { parts, rule, moments }.all(cuts),
+        _ => Correction::<D, 6> { parts, rule, moments }.all(cuts),
     }
 }
 
-/// For tensors of N numbers and cells of C corners.
-struct Correction<'a, const D: usize, const N: usize, const C: usize> {
+/// For tensors of N numbers.
+struct Correction<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
     rule: &'a Rule,
     moments: &'a mut Moments,
 }
 
-impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
+impl<const D: usize, const N: usize> Correction<'_, D, N> {
     fn all(mut self, cuts: &Cuts) -> Vec<(usize, Vec<f64>)> {
         let whole = self.rule;
         let cut = cuts.rules(&self.parts.space.mesh, whole, self.parts.t);
@@ -92,9 +92,9 @@ impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
         }
         let (onto, mut moments) =
             (Onto::new(self.parts.space.element, rule), CellMoments::default());
-        onto.strains(&mut fields.strain, &mut moments.strain);
-        onto.strains(&mut fields.stress, &mut moments.stress);
-        onto.functions::<f64, D, C>(&mut fields.displacement, &mut moments.displacement);
+        onto.strains.split(&mut fields.strain, &mut moments.strain);
+        onto.strains.split(&mut fields.stress, &mut moments.stress);
+        onto.functions.split(&mut fields.displacement, &mut moments.displacement);
         moments.rest = [
             mean_square(&fields.strain, &rule.weights),
             mean_square(&fields.stress, &rule.weights),

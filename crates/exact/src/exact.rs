@@ -209,19 +209,6 @@ impl Exact {
         self.regions_at(&points)
     }
 
-    /// Whether ε, all memories and the law are constant in cells of the given regions.
-    pub fn is_uniform(&self, regions: &[usize]) -> bool {
-        let varies = |node| {
-            let space = [Variable::X, Variable::Y, Variable::Z];
-            space.iter().any(|&axis| self.data.graph.depends_on(node, axis))
-        };
-        // A jump of u has no strain between its sides.
-        let guards = self.data.graph.guards(&self.data.u);
-        regions.iter().all(|region| *region == regions[0])
-            && !guards.into_iter().any(varies)
-            && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
-    }
-
     /// The region of each of some facets of a mesh, by its centroid.
     pub fn facet_regions(&self, mesh: &Mesh, facets: &[usize]) -> Vec<usize> {
         let centroid = vec![1.0 / mesh.dimension as f64; mesh.dimension];
@@ -275,15 +262,6 @@ impl Exact {
     /// Programs on a boundary part with outward normal ν: [u_ν, c = ξ + λ, g]. ξ is the scene's selection, or else the
     /// law at u_ν - s.
     pub fn boundary(&self, normal: &[f64]) -> BoundaryFormulas {
-        self.boundary_at(normal, None)
-    }
-
-    /// The fields of a side on a coordinate plane: terms that vanish there are left out.
-    pub(super) fn boundary_at(
-        &self,
-        normal: &[f64],
-        plane: Option<(Variable, f64)>,
-    ) -> BoundaryFormulas {
         let mut graph = self.data.graph.clone();
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
         let zero = graph.constant(0.0);
@@ -297,12 +275,7 @@ impl Exact {
         let pressure = graph.add(xi, lambda);
         let gap = contact.and_then(|contact| contact.gap);
         let gap = gap.unwrap_or_else(|| graph.constant(f64::INFINITY));
-        let mut outputs = [u_nu, pressure, gap, xi, lambda];
-        if let Some((axis, value)) = plane {
-            let value = graph.constant(value);
-            outputs = outputs.map(|formula| graph.substitute(formula, axis, value));
-        }
-        let [u_nu, _, gap, xi, lambda] = outputs;
+        let outputs = [u_nu, pressure, gap, xi, lambda];
         let program = Program::compile(&mut graph, &outputs, self.data.horizon);
         BoundaryFormulas { graph, program, normal: u_nu, xi, lambda, gap }
     }

@@ -7,7 +7,6 @@ use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::norms::facet_samples;
 use fem::space::quadrature::Rule;
-use formula::Variable;
 
 pub(super) struct FacetGroup {
     /// ν, padded with zeros.
@@ -53,19 +52,6 @@ impl FacetGroup {
     }
 }
 
-/// The coordinate that all vertices of some facets share, if their normal is along an axis.
-fn plane(mesh: &Mesh, members: &[(usize, usize)], normal: &[f64; 3]) -> Option<(Variable, f64)> {
-    let axis = normal.iter().position(|component| component.abs() == 1.0)?;
-    let mut places = members
-        .iter()
-        .flat_map(|(_, facet)| mesh.facet(*facet))
-        .map(|&vertex| mesh.vertex(vertex)[axis]);
-    let first = places.next()?;
-    places
-        .all(|place| place == first)
-        .then_some(([Variable::X, Variable::Y, Variable::Z][axis], first))
-}
-
 pub(super) fn facet_groups(
     exact: &Exact,
     space: &Discretization,
@@ -86,11 +72,10 @@ pub(super) fn facet_groups(
         normal[..d].copy_from_slice(&part.normal[..d]);
         let sampled = |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
         let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
-        let plane = plane(mesh, &members, &normal);
-        let friction = exact.friction_at(&normal[..d], plane);
+        let friction = exact.friction(&normal[..d]);
         groups.push(FacetGroup {
             normal,
-            formulas: exact.boundary_at(&normal[..d], plane),
+            formulas: exact.boundary(&normal[..d]),
             friction: friction.map(|friction| (friction, sampled(rule))),
             points: sampled(rule),
             samples: sampled(&samples),

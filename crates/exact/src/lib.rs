@@ -32,7 +32,6 @@ mod on_mesh;
 mod onto;
 mod part_moments;
 mod parts;
-mod reduction;
 mod remainders;
 mod running_integral;
 mod sampled;
@@ -44,7 +43,6 @@ mod simplex_points;
 mod strips;
 mod symbolic;
 mod truth;
-mod uniform;
 mod zeta_domain;
 
 pub use accumulated::AccumulatedStrain;

@@ -20,10 +20,8 @@ use super::parts::Parts;
 use super::sampled::Sampled;
 use super::separation::Separation;
 use super::truth::{ByTime, Truth};
-use super::uniform::Uniform;
 use fem::contact::{Discretization, LoadError};
 use fem::norms::{ContactSamples, Moments};
-use fem::space::Element;
 use fem::space::quadrature::{Rule, TruthRules};
 
 /// An exact solution on one mesh of its dimension.
@@ -54,9 +52,6 @@ pub struct ExactOnMesh {
     moment_parts: OnceLock<Option<PartMoments>>,
     /// Whether separable fields are taken in parts.
     in_parts: bool,
-    /// The fields, if strain and law are constant in space.
-    is_uniform: bool,
-    uniform: OnceLock<Uniform>,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -96,9 +91,6 @@ impl ExactOnMesh {
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let regions = exact.cell_regions(&space.mesh);
-        // The shortcuts apply to linear elements.
-        let is_linear = space.element == Element::P1;
-        let is_uniform = is_linear && exact.is_uniform(&regions);
         let fields = [&exact.data.u[..], &exact.strain].concat();
         let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
         let graph = &exact.data.graph;
@@ -124,8 +116,6 @@ impl ExactOnMesh {
             load_parts: OnceLock::new(),
             moment_parts: OnceLock::new(),
             in_parts: true,
-            is_uniform,
-            uniform: OnceLock::new(),
             state_points: OnceLock::new(),
         }
     }
@@ -133,12 +123,6 @@ impl ExactOnMesh {
     /// Evaluates all fields at each time: for few times, and to check the parts.
     pub fn time_by_time(mut self) -> Self {
         self.in_parts = false;
-        self
-    }
-
-    /// Evaluates all fields at all points, even if constant: to check that shortcut.
-    pub fn point_by_point(mut self) -> Self {
-        self.is_uniform = false;
         self
     }
 
@@ -186,11 +170,6 @@ impl ExactOnMesh {
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
     fn volume_forces<const D: usize>(&self, parts: &Parts<'_>) -> Result<Vec<Vec<f64>>, LoadError> {
         if self.form == LoadForm::Weak {
-            let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
-            if let Some(moments) = uniform {
-                let means = moments.stress_means().iter();
-                return Ok(means.map(|means| force_of_means::<D>(&self.space, means)).collect());
-            }
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
             let mut forces = parts.stress_forces::<D>(points)?;
             if let Some(points) = &self.facet_points {
@@ -245,22 +224,11 @@ impl ExactOnMesh {
         })
     }
 
-    /// The fields, if their strain is constant and they are not parts.
-    fn uniform(&self, parts: &Parts<'_>) -> Option<&Uniform> {
-        let new = || Uniform::new(&self.exact, &self.space.mesh);
-        (self.is_uniform && parts.again).then(|| self.uniform.get_or_init(new))
-    }
-
-    fn part_moments<const D: usize>(&self, parts: &Parts<'_>) -> Result<PartMoments, LoadError> {
-        let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
-        uniform.map_or_else(|| parts.moments::<D>(&self.error_points), Ok)
-    }
-
     /// Moments in the cells from the parts; None if there are none, or a number is not finite.
     fn moments_from_parts<const D: usize>(&self, t: f64) -> Option<Moments> {
         let separation = self.separation()?;
         let parts = self.moment_parts.get_or_init(|| {
-            Some(self.part_moments::<D>(&self.parts(separation)).ok()?.without_zeros())
+            Some(self.parts(separation).moments::<D>(&self.error_points).ok()?.without_zeros())
         });
         parts.as_ref()?.at(&separation.factors.at(t), &separation.of_stress().at(t))
     }
@@ -280,7 +248,7 @@ impl ExactOnMesh {
             let at = self.at(t);
             let mut cells = match self.moments_from_parts::<D>(t) {
                 Some(cells) => cells,
-                None => self.part_moments::<D>(&at)?.single(),
+                None => at.moments::<D>(&self.error_points)?.single(),
             };
             let rule = &self.error_points.rule;
             let correct = |cuts| cut_cells::correct::<D>(cuts, &at, rule, &mut cells);

@@ -3,95 +3,30 @@
 use nalgebra::DMatrix;
 
 use super::lanes::{Lanes, Number};
-use super::reduction::{deviations, mean, remainders};
 use super::shapes::Shapes;
 use fem::space::Element;
 use fem::space::quadrature::Rule;
 
 /// L² projections by a rule, onto the strains and onto the functions of an element.
-pub(super) struct Onto<'a> {
-    rule: &'a Rule,
-    /// None for linear elements, which have shortcuts.
-    others: Option<[Projector; 2]>,
+pub(super) struct Onto {
+    /// Projections by their values at the strain points.
+    pub(super) strains: Projector,
+    /// By their values at the nodes.
+    pub(super) functions: Projector,
 }
 
-impl<'a> Onto<'a> {
+impl Onto {
     /// Onto those of cells.
-    pub(super) fn new(element: Element, rule: &'a Rule) -> Self {
+    pub(super) fn new(element: Element, rule: &Rule) -> Self {
         let d = rule.points[0].len() - 1;
-        Self::functions_of(element, rule, || {
-            [Shapes::of_strains(element, d), Shapes::of_cell(element, d)]
-        })
-    }
-
-    /// Onto the functions on facets; there are no strains.
-    pub(super) fn facets(element: Element, rule: &'a Rule) -> Self {
-        let d = rule.points[0].len();
-        Self::functions_of(element, rule, || [(); 2].map(|()| Shapes::of_facet(element, d)))
-    }
-
-    fn functions_of(element: Element, rule: &'a Rule, functions: impl Fn() -> [Shapes; 2]) -> Self {
-        let projectors = || functions().map(|functions| Projector::new(rule, &functions));
-        Self { rule, others: (element != Element::P1).then(projectors) }
-    }
-
-    /// Replaces tensors point by point by their remainders; `out` are the projections, at the strain points.
-    #[inline(always)]
-    pub(super) fn strains<T: Number, const N: usize>(
-        &self,
-        values: &mut [[T; N]],
-        out: &mut Vec<[T; N]>,
-    ) {
-        out.clear();
-        match &self.others {
-            None => out.push(deviations(values, &self.rule.weights)),
-            Some([strains, _]) => {
-                strains.values(values, out);
-                strains.subtract(out, values);
-            }
-        }
-    }
-
-    /// The projections onto strains only.
-    #[inline(always)]
-    pub(super) fn of_strains<T: Number, const N: usize>(
-        &self,
-        values: &[[T; N]],
-        out: &mut Vec<[T; N]>,
-    ) {
-        out.clear();
-        match &self.others {
-            None => out.push(mean(values, &self.rule.weights)),
-            Some([strains, _]) => strains.values(values, out),
-        }
-    }
-
-    /// Replaces vectors point by point by their remainders; `out` are the projections, at the nodes.
-    #[inline(always)]
-    pub(super) fn functions<T: Number, const N: usize, const C: usize>(
-        &self,
-        values: &mut [[T; N]],
-        out: &mut Vec<[T; N]>,
-    ) {
-        out.clear();
-        let Some([_, functions]) = &self.others else {
-            let corners: [[T; C]; N] = remainders(values, self.rule);
-            for a in 0..C {
-                let mut corner_value = [T::from(0.0); N];
-                for i in 0..N {
-                    corner_value[i] = corners[i][a];
-                }
-                out.push(corner_value);
-            }
-            return;
-        };
-        functions.values(values, out);
-        functions.subtract(out, values);
+        let [strains, functions] = [Shapes::of_strains(element, d), Shapes::of_cell(element, d)]
+            .map(|functions| Projector::new(rule, &functions));
+        Self { strains, functions }
     }
 }
 
 /// A projection onto the span of some functions.
-struct Projector {
+pub(super) struct Projector {
     /// For each point the values of all functions.
     shape: Vec<Vec<f64>>,
     /// For each function the weights of the points in its coefficient.
@@ -99,7 +34,7 @@ struct Projector {
 }
 
 impl Projector {
-    fn new(rule: &Rule, functions: &Shapes) -> Self {
+    pub(super) fn new(rule: &Rule, functions: &Shapes) -> Self {
         let shape: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
         let (points, count) = (shape.len(), shape[0].len());
         let product = |i: usize, j: usize| {
@@ -114,17 +49,36 @@ impl Projector {
         Self { shape, dual }
     }
 
+    /// The coefficients of sampled values.
     #[inline(always)]
-    fn values<T: Number, const N: usize>(&self, values: &[[T; N]], out: &mut Vec<[T; N]>) {
+    pub(super) fn project<T: Number, const N: usize>(
+        &self,
+        values: &[[T; N]],
+        out: &mut Vec<[T; N]>,
+    ) {
+        out.clear();
         for dual in &self.dual {
-            out.push(mean(values, dual));
+            let mut sum = [T::from(0.0); N];
+            for (value, weight) in values.iter().zip(dual) {
+                let weight = T::from(*weight);
+                for i in 0..N {
+                    sum[i] += weight * value[i];
+                }
+            }
+            out.push(sum);
         }
     }
 
+    /// Replaces values point by point by their remainders; `out` are the coefficients.
     #[inline(always)]
-    fn subtract<T: Number, const N: usize>(&self, coefficients: &[[T; N]], values: &mut [[T; N]]) {
+    pub(super) fn split<T: Number, const N: usize>(
+        &self,
+        values: &mut [[T; N]],
+        out: &mut Vec<[T; N]>,
+    ) {
+        self.project(values, out);
         for (value, shape) in values.iter_mut().zip(&self.shape) {
-            for (coefficient, s) in coefficients.iter().zip(shape) {
+            for (coefficient, s) in out.iter().zip(shape) {
                 let s = T::from(*s);
                 for i in 0..N {
                     value[i] -= coefficient[i] * s;
@@ -161,16 +115,16 @@ mod tests {
         let linear = |b: &[f64]| [1.0 + 2.0 * b[1] - 3.0 * b[2]];
         let mut values: Vec<[f64; 1]> = rule.points.iter().map(|b| linear(b)).collect();
         let mut out = Vec::new();
-        onto.strains(&mut values, &mut out);
+        onto.strains.split(&mut values, &mut out);
         let points = Element::P2.strain_rule(2).points;
         assert!(points.iter().zip(&out).all(|(b, at)| (at[0] - linear(b)[0]).abs() < 1e-14));
         assert!(values.iter().all(|[left]| left.abs() < 1e-14));
         let rule = edge(6);
-        let onto = Onto::facets(Element::P2, &rule);
+        let onto = Projector::new(&rule, &Shapes::of_facet(Element::P2, 2));
         let left = |f: &dyn Fn(f64) -> f64, expected: [f64; 3]| {
             let mut values: Vec<[f64; 1]> = rule.points.iter().map(|b| [f(b[1])]).collect();
             let mut out = Vec::new();
-            onto.functions::<f64, 1, 2>(&mut values, &mut out);
+            onto.split(&mut values, &mut out);
             let off = out.iter().zip(expected).map(|(at, e)| (at[0] - e).abs()).fold(0.0, f64::max);
             let weights = values.iter().zip(&rule.weights);
             (off, weights.map(|([left], w)| w * left * left).sum::<f64>())

@@ -69,7 +69,7 @@ impl<const D: usize, const N: usize> Remainders<D, N> {
 /// Adds the moments on some cells, on the widest vectors of the processor.
 struct Add<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
-    onto: &'a Onto<'a>,
+    onto: &'a Onto,
     rule: &'a Rule,
     cells: Range<usize>,
     values: &'a [&'a [f64]],
@@ -102,14 +102,14 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
                     strains.push(mandel(&strain));
                     stresses.push(mandel(&sigma));
                 }
-                onto.strains(stresses, &mut at_points);
+                onto.strains.split(stresses, &mut at_points);
                 append(&mut sums.stress.vectors[m], chunk.len(), &at_points);
                 if !parts.is_present(m) {
                     // Empty, like any vector that vanishes.
                     strains.clear();
                     continue;
                 }
-                onto.strains(strains, &mut at_points);
+                onto.strains.split(strains, &mut at_points);
                 append(&mut sums.strain.vectors[m], chunk.len(), &at_points);
                 let displacements = &mut room.displacement[m];
                 displacements.clear();
@@ -120,10 +120,7 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
                     }
                     displacements.push(displacement);
                 }
-                match D {
-                    2 => onto.functions::<_, D, 3>(displacements, &mut at_nodes),
-                    _ => onto.functions::<_, D, 4>(displacements, &mut at_nodes),
-                }
+                onto.functions.split(displacements, &mut at_nodes);
                 append(&mut sums.displacement.vectors[m], chunk.len(), &at_nodes);
             }
             let measures = &parts.space.geometry.measure[global];

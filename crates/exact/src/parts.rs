@@ -212,7 +212,7 @@ fn by_region<const D: usize>(
 struct Means<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
     rule: &'a Rule,
-    onto: &'a Onto<'a>,
+    onto: &'a Onto,
     cells: &'a Range<usize>,
     values: &'a [&'a [f64]],
     /// For each part, cell by cell, in the notation of moments.
@@ -239,7 +239,7 @@ impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
                     let (_, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
                     sigmas.push(mandel(&sigma));
                 }
-                onto.of_strains(&sigmas, &mut projected);
+                onto.strains.project(&sigmas, &mut projected);
                 append(means, end - first, &projected);
             }
         }

@@ -18,18 +18,6 @@ pub struct TimeFactors {
 }
 
 impl TimeFactors {
-    /// Separates the formulas; also returns the S_m of all formulas, part by part. None if a formula does not show a
-    /// short sum.
-    pub(crate) fn of(
-        graph: &mut Graph,
-        formulas: &[Node],
-        horizon: f64,
-    ) -> Option<(Self, Vec<Vec<Node>>)> {
-        let (factors, shapes) = short_sum(graph, formulas)?;
-        Some((Self::new(graph, &factors, horizon), shapes))
-    }
-
-    /// From given formulas of time.
     fn new(graph: &mut Graph, factors: &[Node], horizon: f64) -> Self {
         let bound = Program::compile(graph, factors, horizon).bind(&[[0.0; 3]]);
         Self { parts: factors.len(), bound: Mutex::new(bound), known: ByTime::default() }

@@ -1,4 +1,4 @@
-//! Domains for integrating ζ: a rectangle or box, strips of a polygon, points in a polyhedron.
+//! Domains for integrating ζ: strips of a polygon or box, points in a polyhedron.
 
 use super::simplex_points::SimplexPoints;
 use super::strips::Strips;
@@ -15,27 +15,6 @@ pub(super) enum Domain<'a> {
     Finer(&'a CoarseMesh),
 }
 
-impl Domain<'_> {
-    /// Ends along x and y; unused for a polyhedron.
-    pub(crate) fn ends(self) -> [[f64; 2]; 2] {
-        match self {
-            Self::Box(size) => [[0.0, size[0]], [0.0, size[1]]],
-            Self::Coarse(CoarseMesh::Plane(coarse)) | Self::Finer(CoarseMesh::Plane(coarse)) => {
-                let [low, high] = coarse.bounds();
-                [0, 1].map(|axis| [low[axis], high[axis]])
-            }
-            Self::Coarse(_) | Self::Finer(_) => [[0.0, 1.0]; 2],
-        }
-    }
-
-    pub(crate) fn dimension(self) -> usize {
-        match self {
-            Self::Box(size) => size.len(),
-            Self::Coarse(coarse) | Self::Finer(coarse) => coarse.dimension(),
-        }
-    }
-}
-
 pub(super) struct Region {
     pub shape: Shape,
     /// A finer rule; None if every guard is cut.
@@ -45,20 +24,22 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// The region of a domain; None for a rectangle or box. `guards` are those of ε.
-    pub(crate) fn of(graph: &Graph, guards: &[Node], domain: Domain<'_>) -> Option<Self> {
-        let (coarse, finer) = match domain {
-            Domain::Box(_) => return None,
-            Domain::Coarse(coarse) => (coarse, false),
-            Domain::Finer(coarse) => (coarse, true),
-        };
-        let uncut = |&guard: &Node| is_uncut(graph, guard, coarse.dimension());
-        let compares = !finer && guards.iter().any(uncut);
-        Some(Self {
-            shape: Shape::of(coarse, finer),
-            finer: compares.then(|| Shape::of(coarse, true)),
-            corners: coarse.vertices(),
-        })
+    /// The region of a domain; `guards` are those of ε, which varies `along_z` or not.
+    pub(crate) fn of(graph: &Graph, guards: &[Node], domain: Domain<'_>, along_z: bool) -> Self {
+        match domain {
+            Domain::Box(size) => {
+                let strips = Strips::of_box(size, along_z);
+                Self { corners: strips.corners(), shape: Shape::Strips(strips), finer: None }
+            }
+            Domain::Coarse(coarse) => {
+                let uncut = |&guard: &Node| is_uncut(graph, guard, coarse.dimension());
+                let finer = guards.iter().any(uncut).then(|| Shape::of(coarse, true));
+                Self { shape: Shape::of(coarse, false), finer, corners: coarse.vertices() }
+            }
+            Domain::Finer(coarse) => {
+                Self { shape: Shape::of(coarse, true), finer: None, corners: coarse.vertices() }
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::ExactOnMesh;
 use crate::nodal_force::facet_measure;
-use crate::onto::Onto;
+use crate::onto::Projector;
 use crate::shapes::Shapes;
 use fem::contact::LoadError;
 use fem::norms::{Piecewise, facet_samples, is_locked};
@@ -73,14 +73,15 @@ impl ExactOnMesh {
             let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
             let (rule, sampled) = (&group.points.rule, group.samples.rule.points.len());
             let count = rule.weights.len();
-            let (onto, mut of_nodes) = (Onto::facets(self.space.element, rule), Vec::new());
+            let functions = Shapes::of_facet(self.space.element, D);
+            let (onto, mut of_nodes) = (Projector::new(rule, &functions), Vec::new());
             let mut at = vec![[0.0]; count];
             for (index, &f) in group.facets.iter().enumerate() {
                 let measure = self.space.trace.measure[f];
                 for (field, target) in [(0, &mut normal), (1, &mut pressure)] {
                     let of_facet = &values[field][count * index..count * (index + 1)];
                     at.iter_mut().zip(of_facet).for_each(|(at, value)| *at = [*value]);
-                    onto.functions::<f64, 1, D>(&mut at, &mut of_nodes);
+                    onto.split(&mut at, &mut of_nodes);
                     let of_facet = &mut target.node[nodes * f..nodes * (f + 1)];
                     of_facet.copy_from_slice(of_nodes.as_flattened());
                     let squares = at.iter().zip(&rule.weights).map(|([rest], w)| w * rest * rest);

@@ -1,8 +1,6 @@
 //! Cost of loads and exact fields: formulas at quadrature points, per time, or once per mesh if they separate.
 
-use exact::Exact;
 use fem::contact::Discretization;
-use fem::space::Element;
 use fem::space::quadrature::TruthRules;
 use scene::setup::Setup;
 use scene::{Data, LoadForm};
@@ -11,8 +9,6 @@ use scene::{Data, LoadForm};
 const POINT: f64 = 0.09e-6;
 /// Seconds per integral over the past for a non-exponential kernel.
 const FROM_ZERO: f64 = 20e-6;
-/// Share of a point's cost if the strain is uniform.
-const SHORTER: f64 = 0.1;
 /// Rules are compared at two times, by one of about twice the points.
 const COMPARED: f64 = 4.0;
 /// Bytes per facet of Γ3 and time of unsummed values, if fields separate.
@@ -61,21 +57,16 @@ pub(super) fn truth(setup: &Setup, space: &Discretization) -> TruthCost {
     let Some(exact) = exact else { return TruthCost { a_time, ..TruthCost::default() } };
     let [load, error] = points(setup, &TruthRules::for_element(space.element, d));
     let [next_load, next_error] = points(setup, &TruthRules::stronger_for(space.element, d));
-    let shorter = shorter_way(setup, exact, space);
-    let of_moments = |points: f64| match shorter {
-        Some(bytes) => bytes * points / error,
-        None => formulas(setup, points * count),
-    };
+    let of_moments = |points: f64| formulas(setup, points * count);
     let beside = |of_loads: f64| if is_shared(setup) { 0.0 } else { of_loads };
     let checked = formulas(setup, beside(next_load) * count).max(of_moments(next_error));
     let seconds = POINT * (d + d * (d + 1)) as f64 / 8.0 * count;
-    let ease = if shorter.is_some() { SHORTER } else { 1.0 };
     let parts = exact.separation.as_ref().map(|separation| separation.factors.parts as f64);
     let (once, a_time) = match parts {
         Some(parts) => (a_time * (1.0 + parts), FACET * space.trace.measure.len() as f64),
         None => (formulas(setup, beside(load) * count) + of_moments(error), a_time),
     };
-    let (moment, load) = (ease * error * seconds, beside(load) * seconds);
+    let (moment, load) = (error * seconds, beside(load) * seconds);
     let past = FROM_ZERO * exact.interior.integrals_from_zero(error * count, d);
     TruthCost { once, a_time, checked, moment, load, past, parts }
 }
@@ -86,20 +77,7 @@ pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
         return 8.0 * (separation.factors.parts * space.dofs()) as f64;
     }
     let [load, _] = points(setup, &TruthRules::for_element(space.element, setup.scene.dimension));
-    let shorter = exact.filter(|_| is_shared(setup));
-    let shorter = shorter.and_then(|exact| shorter_way(setup, exact, space));
-    shorter.unwrap_or_else(|| formulas(setup, load * space.mesh.cell_count() as f64))
-}
-
-/// Bytes held for the moments, if they need no points in the cells.
-fn shorter_way(setup: &Setup, exact: &Exact, space: &Discretization) -> Option<f64> {
-    let (mesh, horizon) = (&space.mesh, setup.scene.time.horizon);
-    if space.element != Element::P1 {
-        return None;
-    }
-    let regions = exact.cell_regions(mesh);
-    let bytes = || exact.interior.bytes(mesh.vertices() as f64, mesh.dimension, horizon);
-    exact.is_uniform(&regions).then(bytes)
+    formulas(setup, load * space.mesh.cell_count() as f64)
 }
 
 /// Bytes that the formulas of an exact solution keep at so many points.
