@@ -61,7 +61,6 @@ const FEM_OF_EXACT: &[&str] = &[
     "norms::Piecewise",
     "norms::facet_samples",
     "norms::is_locked",
-    "norms::linear_projection",
     "norms::state_rule",
     "space::*",
 ];
