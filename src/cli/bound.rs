@@ -61,7 +61,7 @@ impl BoundCommand {
             }
         }
         .map_err(|error| CliError::about(&scene.name, error))?;
-        study::deliver(&bound, &bound.document()?, self.out.as_deref(), self.json)?;
+        study::deliver(&bound, &bound.document(), self.out.as_deref(), self.json)?;
         Ok(u8::from(!bound.holds()))
     }
 }

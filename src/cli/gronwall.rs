@@ -61,7 +61,7 @@ impl Gronwall {
             let levels = study.csv().map_err(CliError::other)?;
             write_file(&dir.join(format!("{}-gronwall.csv", study.scene)), levels)?;
         }
-        deliver(&study, &study.document()?, self.out.as_deref(), self.json)?;
+        deliver(&study, &study.document(), self.out.as_deref(), self.json)?;
         Ok(u8::from(!study.violations.is_empty()))
     }
 

@@ -83,7 +83,7 @@ impl List {
 fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> {
     create_dir(folder)?;
     for scene in scenes {
-        write_file(&folder.join(format!("{}.svg", scene.name)), scene_picture(scene)?)?;
+        write_file(&folder.join(format!("{}.svg", scene.name)), scene_picture(scene))?;
     }
     print_text(&format!("{} in {}", counted(scenes.len(), "picture"), folder.display()));
     Ok(0)

@@ -274,7 +274,7 @@ impl Solve {
         }
         if let (Some(pictures), Some(dir)) = (pictures, &self.pictures) {
             create_dir(dir)?;
-            for (file, svg) in pictures.finish()? {
+            for (file, svg) in pictures.finish() {
                 write_file(&dir.join(file), svg)?;
             }
         }

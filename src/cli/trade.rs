@@ -88,7 +88,7 @@ impl TradeCommand {
             Table::create(self.at(&scene), &scene.name, norm.name()).map_err(CliError::other)?;
         let mut heard = |trial: &Trial| super::progress::note(&row(trial));
         let study = Study::run(&mut bench, &plan, &table, &mut heard).map_err(CliError::other)?;
-        let mut document = study.document(None)?;
+        let mut document = study.document(None);
         let mut found = Found { study: &study, answer: None, confirmed: None };
         // Measurements are on disk before a target can be refused.
         write(&found, &document, Some(&self.out))?;
@@ -123,7 +123,7 @@ impl TradeCommand {
         document: &mut StudyDocument,
     ) -> Result<(Answered, Option<Confirmed>), CliError> {
         let answer = Answered::new(bench, study, plan, target, &self.allowance.limit())?;
-        *document = study.document(Some(&answer))?;
+        *document = study.document(Some(&answer));
         document.answer(answer.words(study));
         if !self.confirm {
             return Ok((answer, None));

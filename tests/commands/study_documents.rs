@@ -25,7 +25,7 @@ fn shows(sound: &StudyDocument, defect: &StudyDocument, words: &str) {
 #[test]
 fn a_bound_says_what_is_violated() {
     let sound = BoundStudy::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
-    let document = |bound: &BoundStudy| bound.document().expect("a document");
+    let document = |bound: &BoundStudy| bound.document();
     let mut defect = sound.clone();
     defect.violations.push(studies::theory::bound::gate::BoundViolation {
         k: Some(0.5),
@@ -46,7 +46,7 @@ fn a_chain_says_which_link_fails() {
     let subject = Subject::Contact(Box::new(setup("affine")));
     let plan = StudyRuns { n: Some(4), steps: vec![8], horizons: Vec::new() };
     let mut study = Study::run(&subject, plan).expect("a study");
-    let sound = study.document().expect("a document");
+    let sound = study.document();
     let violation = studies::theory::gronwall::LinkViolation {
         link: "e <= weighted envelope",
         n: 3,
@@ -59,10 +59,10 @@ fn a_chain_says_which_link_fails() {
         .push(studies::theory::gronwall::FailedLink { part: "N = 8".into(), violation });
     let words =
         "N = 8: e <= weighted envelope at n = 3 (t = 0.375): 5.000000000e-1 against no number";
-    shows(&sound, &study.document().expect("a document"), words);
+    shows(&sound, &study.document(), words);
     study.violations.clear();
     study.grids.clear();
-    shows(&sound, &study.document().expect("a document"), "nothing was compared");
+    shows(&sound, &study.document(), "nothing was compared");
 }
 
 #[test]
@@ -94,12 +94,12 @@ fn a_claim_and_a_rung_that_fail_are_said() {
         catalogue(false).into_iter().filter(|ladder| ladder.name == "one-vertex").collect();
     let rung = judge(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
     let mut climbed = Climbed { ladders, rungs: vec![rung] };
-    let sound = climbed.document().expect("a document");
+    let sound = climbed.document();
     climbed.rungs[0].standing = Standing::NotAsExpected;
     let words = format!("one-vertex at {}: not as expected", climbed.rungs[0].at);
-    shows(&sound, &climbed.document().expect("a document"), &words);
+    shows(&sound, &climbed.document(), &words);
     climbed.rungs.clear();
-    shows(&sound, &climbed.document().expect("a document"), "nothing was compared");
+    shows(&sound, &climbed.document(), "nothing was compared");
 }
 
 /// Every key of a value, at every depth.

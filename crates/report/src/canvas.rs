@@ -1,22 +1,25 @@
-//! Strokes, markers and words on an SVG, in units of 1/1800 of its width.
+//! Strokes, markers and words of an SVG, in units of 1/1800 of its width.
 
 use plotters::coord::Shift;
-use plotters::element::{Circle, PathElement, Polygon};
-use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, Text};
+use plotters::element::{Circle, Drawable, PathElement, PointCollection, Polygon};
+use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
-use super::ReportError;
-use super::sheet::{PAPER, WORDS, WORDS_ON_TINT};
-use files::harmless;
+use super::backend::{Elements, moves};
+use super::palette::{Colour, INK};
+use super::sheet::{PAPER, WORDS, WORDS_ON_TINT, style};
 
 pub(super) const SIZE: (u32, u32) = (1800, 1120);
 
 /// Text height: 33 of 1800 units are 8.3 pt at a picture width of 16 cm.
-const TEXT: f64 = 33.0;
+pub(super) const TEXT: f64 = 33.0;
 
-/// plotters divides font sizes by this.
-const PLOTTERS_FONT: f64 = 1.24;
+/// Line spacing of a large picture.
+pub(super) const LINE: f64 = 44.0;
+
+/// Strokes and gaps of dashed lines.
+pub(super) const DASHES: (f64, f64) = (14.0, 10.0);
 
 /// Half of the size of a marker.
 const MARKER: f64 = 11.0;
@@ -34,47 +37,67 @@ pub(super) enum Anchor {
     Upwards,
 }
 
-pub(super) struct Canvas<'a> {
-    area: DrawingArea<SVGBackend<'a>, Shift>,
+pub(super) struct Canvas {
+    area: DrawingArea<Elements, Shift>,
+    elements: Elements,
+    size: (u32, u32),
     text: f64,
 }
 
-impl<'a> Canvas<'a> {
-    pub(super) fn new(svg: &'a mut String) -> Result<Self, ReportError> {
-        Self::of_size(svg, SIZE, TEXT)
+impl Canvas {
+    pub(super) fn new() -> Self {
+        Self::of_size(SIZE, TEXT)
     }
 
-    pub(super) fn of_size(
-        svg: &'a mut String,
-        size: (u32, u32),
-        text: f64,
-    ) -> Result<Self, ReportError> {
-        let area = SVGBackend::with_string(svg, size).into_drawing_area();
-        area.fill(&PAPER).map_err(ReportError::drawing)?;
-        Ok(Self { area, text })
+    pub(super) fn of_size(size: (u32, u32), text: f64) -> Self {
+        let elements = Elements::new(size);
+        Self { area: elements.clone().into_drawing_area(), elements, size, text }
     }
 
-    pub(super) fn finish(self) -> Result<(), ReportError> {
-        self.area.present().map_err(ReportError::drawing)
+    /// The picture.
+    pub(super) fn finish(self) -> String {
+        self.without_head(0)
     }
 
-    pub(super) fn line(
-        &self,
-        path: &[CanvasPoint],
-        colour: RGBColor,
-        width: u32,
-    ) -> Result<(), ReportError> {
-        let style = colour.stroke_width(width);
-        self.area.draw(&PathElement::new(pixels(path), style)).map_err(ReportError::drawing)
+    /// The picture without so much of its top.
+    pub(super) fn without_head(self, head: u32) -> String {
+        let Self { size: (width, height), elements, .. } = self;
+        let (left, style, elements) = (height - head, style(), elements.text());
+        format!(
+            "<svg font-family=\"sans-serif\" width=\"{width}\" height=\"{left}\" viewBox=\"0 {head} {width} {left}\" \
+             xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
+             <rect x=\"0\" y=\"0\" width=\"{width}\" height=\"{height}\" fill=\"{PAPER}\"/>\n{elements}</svg>\n"
+        )
+    }
+
+    pub(super) fn height(&self) -> f64 {
+        f64::from(self.size.1)
+    }
+
+    fn draw<'a, E>(&self, element: &'a E)
+    where
+        &'a E: PointCollection<'a, (i32, i32)>,
+        E: Drawable<Elements>,
+    {
+        self.area.draw(element).expect("elements of a text have no errors");
+    }
+
+    pub(super) fn line(&mut self, path: &[CanvasPoint], colour: Colour, width: u32) {
+        self.draw(&PathElement::new(pixels(path), colour.stroke_width(width)));
+    }
+
+    /// Areas under lines from lower left to upper right.
+    pub(super) fn hatch(&mut self, areas: impl Iterator<Item = Vec<CanvasPoint>>, colour: Colour) {
+        let data: String = areas.map(|corners| moves(pixels(&corners)) + "Z").collect();
+        self.elements.push(&format!(
+            "<pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"13\" height=\"13\" patternTransform=\"rotate(45)\">\
+             <path fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\" d=\"M6 0L6 13\"/></pattern>\n\
+             <path fill=\"url(#hatch)\" d=\"{data}\"/>"
+        ));
     }
 
     /// A path of strokes of length `on` with gaps of length `off`.
-    pub(super) fn dashed(
-        &self,
-        path: &[CanvasPoint],
-        colour: RGBColor,
-        (on, off): (f64, f64),
-    ) -> Result<(), ReportError> {
+    pub(super) fn dashed(&mut self, path: &[CanvasPoint], colour: Colour, (on, off): (f64, f64)) {
         let mut phase = 0.0;
         for pair in path.windows(2) {
             let (from, to) = (pair[0], pair[1]);
@@ -87,93 +110,111 @@ impl<'a> Canvas<'a> {
             while start < length {
                 let stroke = (start.max(0.0), (start + on).min(length));
                 if stroke.1 > stroke.0 {
-                    self.line(&[along(stroke.0), along(stroke.1)], colour, 4)?;
+                    self.line(&[along(stroke.0), along(stroke.1)], colour, 4);
                 }
                 start += on + off;
             }
             phase = (phase + length) % (on + off);
         }
-        Ok(())
     }
 
-    pub(super) fn fill(
-        &self,
-        corners: &[CanvasPoint],
-        colour: RGBColor,
-        opacity: f64,
-    ) -> Result<(), ReportError> {
-        let shape = Polygon::new(pixels(corners), colour.mix(opacity).filled());
-        self.area.draw(&shape).map_err(ReportError::drawing)
+    pub(super) fn fill(&mut self, corners: &[CanvasPoint], colour: Colour, opacity: f64) {
+        self.draw(&Polygon::new(pixels(corners), colour.mix(opacity).filled()));
     }
 
     /// A box from [left, top, right, bottom].
-    pub(super) fn fill_box(
-        &self,
-        sides: [f64; 4],
-        colour: RGBColor,
-        opacity: f64,
-    ) -> Result<(), ReportError> {
-        self.fill(&corners(sides), colour, opacity)
+    pub(super) fn fill_box(&mut self, sides: [f64; 4], colour: Colour, opacity: f64) {
+        self.fill(&corners(sides), colour, opacity);
     }
 
-    pub(super) fn line_box(
-        &self,
-        sides: [f64; 4],
-        colour: RGBColor,
-        width: u32,
-    ) -> Result<(), ReportError> {
+    pub(super) fn line_box(&mut self, sides: [f64; 4], colour: Colour, width: u32) {
         let corners = corners(sides);
-        self.line(&[&corners[..], &corners[..1]].concat(), colour, width)
+        self.line(&[&corners[..], &corners[..1]].concat(), colour, width);
     }
 
     /// One of four shapes by number; hollow for a point that is left out.
     pub(super) fn marker(
-        &self,
+        &mut self,
         place: CanvasPoint,
         shape: usize,
-        colour: RGBColor,
+        colour: Colour,
         hollow: bool,
-    ) -> Result<(), ReportError> {
+    ) {
         let corners = outline(shape, place);
         let inside = if hollow { PAPER } else { colour };
         if corners.is_empty() {
-            let disc = |radius: f64, ink: RGBColor| {
-                Circle::new(pixel(place), radius.round() as i32, ink.filled())
-            };
-            self.area.draw(&disc(MARKER, colour)).map_err(ReportError::drawing)?;
-            return self.area.draw(&disc(MARKER - 4.0, inside)).map_err(ReportError::drawing);
+            for (radius, ink) in [(MARKER, colour), (MARKER - 4.0, inside)] {
+                self.draw(&Circle::new(pixel(place), radius as i32, ink.filled()));
+            }
+            return;
         }
-        self.fill(&corners, inside, 1.0)?;
+        self.fill(&corners, inside, 1.0);
         let closed: Vec<CanvasPoint> = corners.iter().chain(corners.first()).copied().collect();
-        self.line(&closed, colour, 4)
+        self.line(&closed, colour, 4);
     }
 
-    pub(super) fn text(
-        &self,
-        words: &str,
-        place: CanvasPoint,
-        anchor: Anchor,
-    ) -> Result<(), ReportError> {
-        self.styled(words, place, anchor, (FontStyle::Normal, WORDS))
+    pub(super) fn text(&mut self, words: &str, place: CanvasPoint, anchor: Anchor) {
+        self.styled(words, place, anchor, (FontStyle::Normal, WORDS));
     }
 
-    pub(super) fn bold(&self, words: &str, place: CanvasPoint) -> Result<(), ReportError> {
-        self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS))
+    pub(super) fn bold(&mut self, words: &str, place: CanvasPoint) {
+        self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS));
     }
 
-    /// Words centred on an area of light colour.
-    pub(super) fn on_tint(&self, words: &str, place: CanvasPoint) -> Result<(), ReportError> {
-        self.styled(words, place, Anchor::Centre, (FontStyle::Normal, WORDS_ON_TINT))
+    /// A box of a light colour around lines of words; `crossed` for prints without colours.
+    pub(super) fn tinted(
+        &mut self,
+        [left, top, right, bottom]: [f64; 4],
+        (colour, crossed): (Colour, bool),
+        lines: &[String],
+    ) {
+        self.fill_box([left, top, right, bottom], colour, 1.0);
+        if crossed {
+            self.line(&[(left, top), (right, bottom)], INK, 3);
+            self.line(&[(left, bottom), (right, top)], INK, 3);
+        }
+        let apart = 1.27 * self.text;
+        let first = 0.5 * (top + bottom) - 0.5 * apart * (lines.len() as f64 - 1.0);
+        for (i, words) in lines.iter().enumerate() {
+            let place = (0.5 * (left + right), first + apart * i as f64);
+            self.styled(words, place, Anchor::Centre, (FontStyle::Normal, WORDS_ON_TINT));
+        }
+    }
+
+    /// A legend of colours on one line.
+    pub(super) fn swatches<const COUNT: usize>(
+        &mut self,
+        (mut x, y): CanvasPoint,
+        entries: [((Colour, bool), &str); COUNT],
+    ) {
+        for (tint, words) in entries {
+            let sides = [x, y - 16.0, x + 60.0, y + 16.0];
+            self.tinted(sides, tint, &[]);
+            self.line_box(sides, INK, 1);
+            self.text(words, (x + 76.0, y), Anchor::Left);
+            x += 120.0 + 0.53 * self.text * words.chars().count() as f64;
+        }
+    }
+
+    /// A title, and lines below it.
+    pub(super) fn heading(&mut self, title: &str, lines: &[String]) {
+        self.bold(title, (30.0, 44.0));
+        for (i, line) in lines.iter().enumerate() {
+            self.text(line, (30.0, 44.0 + LINE * (i + 1) as f64), Anchor::Left);
+        }
     }
 
     fn styled(
-        &self,
+        &mut self,
         words: &str,
         place: CanvasPoint,
         anchor: Anchor,
-        (weight, ink): (FontStyle, RGBColor),
-    ) -> Result<(), ReportError> {
-        let font = ("sans-serif", self.text * PLOTTERS_FONT).into_font().style(weight);
+        (weight, ink): (FontStyle, Colour),
+    ) {
+        if words.is_empty() {
+            return;
+        }
+        let font = ("sans-serif", self.text).into_font().style(weight);
         let (font, horizontal) = match anchor {
             Anchor::Left => (font, HPos::Left),
             Anchor::Centre => (font, HPos::Center),
@@ -181,9 +222,7 @@ impl<'a> Canvas<'a> {
             Anchor::Upwards => (font.transform(FontTransform::Rotate270), HPos::Center),
         };
         let style = TextStyle::from(font).color(&ink).pos(Pos::new(horizontal, VPos::Center));
-        self.area
-            .draw(&Text::new(harmless(words).into_owned(), pixel(place), style))
-            .map_err(ReportError::drawing)
+        self.draw(&Text::new(words, pixel(place), style));
     }
 }
 

@@ -1,16 +1,13 @@
 //! A picture of series over two axes.
 
-use super::ReportError;
-use super::canvas::{Anchor, Canvas, CanvasPoint, SIZE};
+use super::canvas::{Anchor, Canvas, CanvasPoint, DASHES};
 use super::direct;
-use super::frame::{Frame, RIGHT, TITLE_ROOM};
-use super::legend::{Legend, Sample, Stroke};
+use super::frame::{Frame, LARGE, Layout, SMALL, TITLE_ROOM};
+use super::legend::{Legend, wrapped};
 use super::marks::{draw_marks, mark_entries};
-use super::palette::{INK, colour};
+use super::palette::{Colour, INK, colour};
 use super::ruler::Scale;
-use super::sheet::with_sheet;
 use super::slope::{self, Slope};
-use plotters::style::RGBColor;
 
 /// x and y.
 pub type Datum = (f64, f64);
@@ -30,6 +27,8 @@ pub enum Part {
     /// Dashed.
     Dashed(Vec<Datum>),
     Dotted(Vec<Datum>),
+    /// Of strokes and gaps of these lengths.
+    Broken((f64, f64), Vec<Datum>),
     Points(Vec<Datum>),
     /// Shown but not counted.
     Hollow(Vec<Datum>),
@@ -61,17 +60,6 @@ pub struct Mark {
     pub label: String,
 }
 
-/// The meaning of a sign that no series explains.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LegendKey {
-    /// Of an area.
-    Band(String),
-    /// Of hollow markers.
-    Hollow(String),
-    /// Of dashed lines.
-    Dashed(String),
-}
-
 /// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
@@ -85,10 +73,13 @@ pub struct Chart {
     pub verticals: Vec<Mark>,
     pub horizontals: Vec<Mark>,
     pub labels: Vec<(Datum, String)>,
-    pub keys: Vec<LegendKey>,
+    /// Signs that no series explains, with their meaning.
+    pub keys: Vec<(Part, String)>,
     pub note: String,
     /// Writes names at the ends of lines, not in the legend.
     pub direct: bool,
+    /// Readable at 240 pixels, with room for a few short names.
+    pub small: bool,
 }
 
 impl Axis {
@@ -104,21 +95,19 @@ impl Series {
         Self { name: name.into(), detail: String::new(), parts, grey: false, slope: None }
     }
 
-    fn sample(&self, shape: usize) -> Sample {
-        let marker = self.parts.iter().any(Part::has_markers);
-        let stroke = self.parts.iter().find_map(|part| match part {
-            Part::Line(_) => Some(Stroke::Full),
-            Part::Dashed(_) => Some(Stroke::Broken(DASHES)),
-            Part::Dotted(_) => Some(Stroke::Broken(DOTS)),
-            Part::Points(_) | Part::Hollow(_) | Part::Band(_) => None,
-        });
-        Sample::Series { stroke, shape: marker.then_some(shape) }
+    /// Its first line and its markers, filled.
+    fn samples(&self) -> Vec<&Part> {
+        let line = self.parts.iter().find(|part| part.layer() == 1);
+        let marker = self.parts.iter().find(|part| part.has_markers());
+        line.into_iter().chain(marker).collect()
     }
 }
 
-/// Strokes and gaps of dashed lines, and of dotted ones.
-const DASHES: (f64, f64) = (14.0, 10.0);
+/// Strokes and gaps of dotted lines.
 const DOTS: (f64, f64) = (4.0, 9.0);
+
+/// Characters in the width of the picture.
+const TITLE_CHARACTERS: usize = 92;
 
 /// Offset of words from their point: above the line that goes on to the right.
 const LABEL: (f64, f64) = (10.0, -34.0);
@@ -134,6 +123,7 @@ impl Part {
             Part::Line(points)
             | Part::Dashed(points)
             | Part::Dotted(points)
+            | Part::Broken(_, points)
             | Part::Points(points)
             | Part::Hollow(points)
             | Part::Band(points) => points,
@@ -141,15 +131,33 @@ impl Part {
     }
 
     pub(super) fn has_markers(&self) -> bool {
-        matches!(self, Part::Points(_) | Part::Hollow(_))
+        self.layer() == 2
     }
 
     /// Areas lie below lines, lines below markers.
     fn layer(&self) -> usize {
         match self {
             Part::Band(_) => 0,
-            Part::Line(_) | Part::Dashed(_) | Part::Dotted(_) => 1,
             Part::Points(_) | Part::Hollow(_) => 2,
+            _ => 1,
+        }
+    }
+
+    /// Draws an uninterrupted run of places as this part is drawn, by colour and shape.
+    pub(super) fn draw(
+        &self,
+        canvas: &mut Canvas,
+        run: &[CanvasPoint],
+        (ink, shape): (Colour, usize),
+    ) {
+        match self {
+            Part::Line(_) => canvas.line(run, ink, 4),
+            Part::Dashed(_) => canvas.dashed(run, ink, DASHES),
+            Part::Dotted(_) => canvas.dashed(run, ink, DOTS),
+            Part::Broken(pattern, _) => canvas.dashed(run, ink, *pattern),
+            Part::Band(_) => canvas.fill(run, ink, 0.22),
+            Part::Points(_) => run.iter().for_each(|at| canvas.marker(*at, shape, ink, false)),
+            Part::Hollow(_) => run.iter().for_each(|at| canvas.marker(*at, shape, ink, true)),
         }
     }
 }
@@ -169,44 +177,46 @@ impl Chart {
             keys: Vec::new(),
             note: String::new(),
             direct: false,
+            small: false,
         }
     }
 
     /// The picture as SVG; none if no point has a place.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
-    pub fn svg(&self) -> Result<Option<String>, ReportError> {
-        let Some((frame, slopes)) = self.arranged() else {
-            return Ok(None);
-        };
-        let mut svg = String::new();
-        let canvas = Canvas::new(&mut svg)?;
-        frame.draw(&canvas, self)?;
-        draw_marks(&canvas, &frame, self)?;
+    pub fn svg(&self) -> Option<String> {
+        let (frame, slopes) = self.arranged()?;
+        let layout = self.layout();
+        let mut canvas = Canvas::of_size(layout.size, layout.text);
+        canvas.heading(&self.title, &wrapped(&self.question, TITLE_CHARACTERS, 2));
+        frame.draw(&mut canvas, [&self.x.label, &self.y.label]);
+        canvas.line_box(layout.room, INK, 3);
+        draw_marks(&mut canvas, &frame, self);
         for layer in 0..3 {
-            for (series, (ink, shape)) in self.series.iter().zip(self.inks()) {
+            for (series, ink) in self.series.iter().zip(self.inks()) {
                 for part in series.parts.iter().filter(|part| part.layer() == layer) {
-                    self.draw_part(&canvas, &frame, part, ink, shape)?;
+                    self.runs(&frame, part).iter().for_each(|run| part.draw(&mut canvas, run, ink));
                 }
             }
         }
         for placed in &slopes {
-            placed.draw(&canvas, self.inks()[placed.series].0)?;
+            placed.draw(&mut canvas, self.inks()[placed.series].0);
         }
         for (point, words) in &self.labels {
             let (x, y) = frame.place(*point);
             let end = x + LABEL.0 + CHARACTER * words.chars().count() as f64;
-            let (x, anchor) = match end > RIGHT {
-                true => (RIGHT - LABEL.0, Anchor::Right),
+            let right = layout.room[2];
+            let (x, anchor) = match end > right {
+                true => (right - LABEL.0, Anchor::Right),
                 false => (x + LABEL.0, Anchor::Left),
             };
-            canvas.text(words, (x, y + LABEL.1), anchor)?;
+            canvas.text(words, (x, y + LABEL.1), anchor);
         }
-        self.draw_legend(&canvas, &frame, !slopes.is_empty())?;
-        canvas.finish()?;
-        let svg = if self.title.is_empty() { without_head(&svg) } else { svg };
-        Ok(Some(with_sheet(&svg)))
+        self.draw_legend(&mut canvas, &frame, !slopes.is_empty());
+        let has_head = self.small || !self.title.is_empty();
+        Some(canvas.without_head(if has_head { 0 } else { TITLE_ROOM }))
+    }
+
+    pub(super) fn layout(&self) -> &'static Layout {
+        if self.small { &SMALL } else { &LARGE }
     }
 
     /// The axes, extended until every triangle has a place; failing that, the triangle is omitted.
@@ -231,7 +241,7 @@ impl Chart {
     }
 
     /// Colour and shape of each series.
-    pub(super) fn inks(&self) -> Vec<(RGBColor, usize)> {
+    pub(super) fn inks(&self) -> Vec<(Colour, usize)> {
         let mut next = 0;
         let ink = |series: &Series| {
             if series.grey {
@@ -253,78 +263,34 @@ impl Chart {
             .collect()
     }
 
-    fn draw_part(
-        &self,
-        canvas: &Canvas<'_>,
-        frame: &Frame,
-        part: &Part,
-        ink: RGBColor,
-        shape: usize,
-    ) -> Result<(), ReportError> {
-        for run in self.runs(frame, part) {
-            match part {
-                Part::Line(_) => canvas.line(&run, ink, 4)?,
-                Part::Dashed(_) => canvas.dashed(&run, ink, DASHES)?,
-                Part::Dotted(_) => canvas.dashed(&run, ink, DOTS)?,
-                Part::Band(_) => canvas.fill(&run, ink, 0.22)?,
-                Part::Points(_) | Part::Hollow(_) => {
-                    let hollow = matches!(part, Part::Hollow(_));
-                    run.into_iter().try_for_each(|at| canvas.marker(at, shape, ink, hollow))?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn draw_legend(
-        &self,
-        canvas: &Canvas<'_>,
-        frame: &Frame,
-        triangles: bool,
-    ) -> Result<(), ReportError> {
-        let mut legend = Legend::new(canvas);
-        let direct = self.direct && direct::fits(self);
+    fn draw_legend(&self, canvas: &mut Canvas, frame: &Frame, triangles: bool) {
+        let [_, top, _, bottom] = frame.room;
+        let direct = self.direct && direct::fits(self, [top, bottom]);
+        let lowest = if direct { direct::draw(canvas, self, frame) } else { 0.0 };
+        let mut legend = Legend::new(canvas, frame);
         if direct {
-            legend.below(direct::draw(canvas, self, frame)?);
+            legend.below(lowest);
         }
-        for (series, (ink, shape)) in self.series.iter().zip(self.inks()) {
+        let grey = (INK, 0);
+        for (series, ink) in self.series.iter().zip(self.inks()) {
             if !series.name.is_empty() && !direct {
-                legend.entry(series.sample(shape), ink, &series.name)?;
-                for words in series.detail.lines() {
-                    legend.entry(Sample::Text, INK, words)?;
-                }
+                legend.entry(&series.samples(), ink, &series.name);
+                series.detail.lines().for_each(|words| legend.entry(&[], grey, words));
                 legend.space();
             }
         }
         for (sample, words) in mark_entries(self) {
-            legend.entry(sample, INK, &words)?;
+            legend.entry(&sample.iter().collect::<Vec<_>>(), grey, &words);
         }
-        for key in &self.keys {
-            let (sample, words) = match key {
-                LegendKey::Band(words) => (Sample::Band, words),
-                LegendKey::Hollow(words) => (Sample::Hollow, words),
-                LegendKey::Dashed(words) => {
-                    (Sample::Series { stroke: Some(Stroke::Broken(DASHES)), shape: None }, words)
-                }
-            };
-            legend.entry(sample, INK, words)?;
+        for (sample, words) in &self.keys {
+            legend.entry(&[sample], grey, words);
         }
         if triangles {
-            legend.entry(Sample::Text, INK, "triangle: predicted order")?;
+            legend.entry(&[], grey, "triangle: predicted order");
         }
         legend.space();
-        legend.entry(Sample::Text, INK, &self.note)
+        legend.entry(&[], grey, &self.note);
     }
-}
-
-/// The picture without the room for its title.
-fn without_head(svg: &str) -> String {
-    let ((width, height), head) = (SIZE, TITLE_ROOM);
-    let size = |from: u32| {
-        let left = height - from;
-        format!("height=\"{left}\" viewBox=\"0 {from} {width} {left}\"")
-    };
-    svg.replacen(&size(0), &size(head), 1)
 }
 
 #[cfg(test)]

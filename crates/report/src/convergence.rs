@@ -1,11 +1,12 @@
 //! Error against h, and against k: one curve per norm, with prediction and fit.
 
 use std::collections::BTreeMap;
+use std::mem::discriminant;
 
-use super::chart::{Axis, Chart, Datum, LegendKey, Part, Series};
+use super::SceneSummary;
+use super::chart::{Axis, Chart, Datum, Part, Series};
 use super::curve::{Curve, curve, is_path, norms};
 use super::ruler::Scale;
-use super::{ReportError, SceneSummary};
 use judge::fit::Direction;
 use judge::record::{CaseRecord, is_by_state, norm_label, norm_label_in_time};
 use judge::verdict::{Verdict, cell_texts};
@@ -16,7 +17,7 @@ pub fn convergence_svg(
     records: &[CaseRecord],
     verdicts: &[Verdict],
     direction: Direction,
-) -> Result<Option<String>, ReportError> {
+) -> Option<String> {
     let records: Vec<CaseRecord> =
         records.iter().filter(|record| record.scene == scene.name).cloned().collect();
     let (curves, not_drawn): (Vec<Curve<'_>>, Vec<Curve<'_>>) = norms(&records)
@@ -118,17 +119,16 @@ fn fitted(curve: &Curve<'_>) -> Option<[Part; 3]> {
 }
 
 /// Explains the signs that occur.
-fn keys(series: &[Series]) -> Vec<LegendKey> {
-    let occurs = |part: fn(&Part) -> bool| series.iter().flat_map(|s| &s.parts).any(part);
-    let mut keys = Vec::new();
-    if occurs(|part| matches!(part, Part::Band(_))) {
-        keys.push(LegendKey::Band("fitted line, its interval".into()));
-    }
-    if occurs(|part| matches!(part, Part::Hollow(_))) {
-        keys.push(LegendKey::Hollow("left out".into()));
-    }
-    if occurs(|part| matches!(part, Part::Dashed(_))) {
-        keys.push(LegendKey::Dashed("floor of the error".into()));
-    }
-    keys
+fn keys(series: &[Series]) -> Vec<(Part, String)> {
+    let keys = [
+        (Part::Band(Vec::new()), "fitted line, its interval"),
+        (Part::Hollow(Vec::new()), "left out"),
+        (Part::Dashed(Vec::new()), "floor of the error"),
+    ];
+    let occurs = |key: &Part| {
+        let mut parts = series.iter().flat_map(|series| &series.parts);
+        parts.any(|part| discriminant(part) == discriminant(key))
+    };
+    let occurring = keys.into_iter().filter(|(key, _)| occurs(key));
+    occurring.map(|(key, words)| (key, words.to_owned())).collect()
 }

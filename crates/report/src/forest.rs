@@ -1,13 +1,10 @@
 //! The forest plot: every observed order with its interval and prediction, a row each.
 
-use super::ReportError;
 use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::group::Group;
-use super::palette::{COLOURS, GRID, INK};
-use super::sheet::with_sheet;
+use super::palette::{COLOURS, Colour, GRID, INK};
 use judge::fit::TOLERANCE;
 use judge::verdict::{Decision, Verdict};
-use plotters::style::RGBColor;
 
 /// Width of a column and height of a row in units, two per pixel.
 const COLUMN: f64 = 850.0;
@@ -113,71 +110,62 @@ pub(super) fn columns(lines: &[Line], count: usize) -> Vec<Vec<Line>> {
 }
 
 /// Columns side by side; None without lines.
-pub(super) fn svg(columns: &[Vec<Line>]) -> Result<Option<String>, ReportError> {
-    let Some(longest) = columns.iter().map(Vec::len).max() else { return Ok(None) };
+pub(super) fn svg(columns: &[Vec<Line>]) -> Option<String> {
+    let longest = columns.iter().map(Vec::len).max()?;
     let size = (COLUMN * columns.len() as f64, ROW * (longest as f64 + 0.5));
-    let mut svg = String::new();
-    let canvas = Canvas::of_size(&mut svg, (size.0 as u32, size.1 as u32), TEXT)?;
+    let mut canvas = Canvas::of_size((size.0 as u32, size.1 as u32), TEXT);
     for (i, column) in columns.iter().enumerate() {
-        draw_column(&canvas, COLUMN * i as f64, column)?;
+        draw_column(&mut canvas, COLUMN * i as f64, column);
     }
-    canvas.finish()?;
-    Ok(Some(with_sheet(&svg)))
+    Some(canvas.finish())
 }
 
-fn draw_column(canvas: &Canvas<'_>, left: f64, lines: &[Line]) -> Result<(), ReportError> {
+fn draw_column(canvas: &mut Canvas, left: f64, lines: &[Line]) {
     let mut scene = "";
     for (i, line) in lines.iter().enumerate() {
         let y = ROW * (i as f64 + 0.75);
         match line {
             Line::Heading { title, held } => {
                 scene = "";
-                canvas.bold(title, (left + 4.0, y))?;
-                canvas.text(held, (left + NORM - 22.0, y), Anchor::Right)?;
+                canvas.bold(title, (left + 4.0, y));
+                canvas.text(held, (left + NORM - 22.0, y), Anchor::Right);
                 for (at, label) in TICKS {
-                    canvas.text(label, (left + across(at), y), Anchor::Centre)?;
+                    canvas.text(label, (left + across(at), y), Anchor::Centre);
                 }
             }
             Line::Row(row) => {
                 let named = if row.scene == scene { "" } else { &row.scene };
                 scene = &row.scene;
-                draw_row(canvas, left, y, named, row)?;
+                draw_row(canvas, left, y, named, row);
             }
         }
     }
-    Ok(())
 }
 
-fn draw_row(
-    canvas: &Canvas<'_>,
-    left: f64,
-    y: f64,
-    named: &str,
-    row: &Row,
-) -> Result<(), ReportError> {
+fn draw_row(canvas: &mut Canvas, left: f64, y: f64, named: &str, row: &Row) {
     let (zero, ends) = (left + across(0.0), [y - 0.5 * ROW, y + 0.5 * ROW]);
     let upright = ends.map(|y| (zero, y));
-    canvas.line(&upright, GRID, (across(TOLERANCE) - across(-TOLERANCE)) as u32)?;
-    canvas.line(&upright, INK, 1)?;
-    canvas.text(named, (left + 4.0, y), Anchor::Left)?;
-    canvas.text(&row.norm, (left + NORM, y), Anchor::Right)?;
-    canvas.text(&row.prediction, (left + PREDICTION, y), Anchor::Left)?;
+    canvas.line(&upright, GRID, (across(TOLERANCE) - across(-TOLERANCE)) as u32);
+    canvas.line(&upright, INK, 1);
+    canvas.text(named, (left + 4.0, y), Anchor::Left);
+    canvas.text(&row.norm, (left + NORM, y), Anchor::Right);
+    canvas.text(&row.prediction, (left + PREDICTION, y), Anchor::Left);
     let ink = if row.as_expected { COLOURS[0] } else { COLOURS[1] };
     let Some([lo, order, hi]) = row.apart.filter(|ends| ends.iter().all(|end| end.is_finite()))
     else {
         return canvas.text("no order", (left + across(0.5), y), Anchor::Centre);
     };
-    canvas.line(&[(left + across(lo), y), (left + across(hi), y)], ink, 3)?;
+    canvas.line(&[(left + across(lo), y), (left + across(hi), y)], ink, 3);
     for (end, outwards) in [(lo, -1.0), (hi, 1.0)] {
         if across(end) != unclipped(end) {
-            arrow(canvas, (left + across(end), y), outwards, ink)?;
+            arrow(canvas, (left + across(end), y), outwards, ink);
         }
     }
     let at = (left + across(order), y);
     match row.decision {
         Decision::Pass => canvas.fill_box(square(at, POINT), ink, 1.0),
         Decision::Fail | Decision::Unresolved => {
-            canvas.fill_box(square(at, POINT), super::sheet::PAPER, 1.0)?;
+            canvas.fill_box(square(at, POINT), super::sheet::PAPER, 1.0);
             canvas.line_box(square(at, POINT), ink, 2)
         }
     }
@@ -187,12 +175,7 @@ fn square((x, y): CanvasPoint, half: f64) -> [f64; 4] {
     [x - half, y - half, x + half, y + half]
 }
 
-fn arrow(
-    canvas: &Canvas<'_>,
-    (x, y): CanvasPoint,
-    to: f64,
-    ink: RGBColor,
-) -> Result<(), ReportError> {
+fn arrow(canvas: &mut Canvas, (x, y): CanvasPoint, to: f64, ink: Colour) {
     canvas.fill(&[(x + 10.0 * to, y), (x, y - 8.0), (x, y + 8.0)], ink, 1.0)
 }
 
@@ -239,13 +222,13 @@ mod tests {
                 assert!(matches!(column.last(), Some(Line::Row(_))), "{count}: {column:?}");
             }
         }
-        assert!(svg(&columns(&[], 2)).unwrap().is_none());
+        assert!(svg(&columns(&[], 2)).is_none());
     }
 
     /// Orders off the axis, missed or missing differ from met ones.
     #[test]
     fn rows_say_what_they_found() {
-        let drawn = |line: Line| without(&svg(&[vec![line]]).unwrap().unwrap());
+        let drawn = |line: Line| without(&svg(&[vec![line]]).unwrap());
         let met = drawn(row("s", Some([-0.1, 0.0, 0.1]), true));
         let missed = drawn(row("s", Some([-0.1, 0.0, 0.1]), false));
         assert!(met.contains("#0072B2") && !met.contains("#D55E00"));

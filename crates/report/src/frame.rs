@@ -1,35 +1,35 @@
 //! The axes of a picture, with room for a title above and a legend beside.
 
-use super::ReportError;
-use super::canvas::{Anchor, Canvas, CanvasPoint};
+use super::canvas::{Anchor, Canvas, CanvasPoint, SIZE, TEXT};
 use super::chart::{Chart, Mark};
-use super::legend::wrapped;
 use super::palette::{GRID, INK};
 use super::ruler::{Room, Ruler};
 
-pub(super) const LEFT: f64 = 170.0;
-pub(super) const RIGHT: f64 = 1140.0;
-pub(super) const TOP: f64 = 190.0;
-pub(super) const BOTTOM: f64 = 990.0;
+/// Size of a picture, height of its words, and its axes: left, top, right, bottom.
+pub(super) struct Layout {
+    pub(super) size: (u32, u32),
+    pub(super) text: f64,
+    pub(super) room: [f64; 4],
+}
+
+pub(super) const LARGE: Layout =
+    Layout { size: SIZE, text: TEXT, room: [170.0, 190.0, 1140.0, 990.0] };
+/// Readable at 240 pixels.
+pub(super) const SMALL: Layout =
+    Layout { size: (480, 404), text: 22.0, room: [84.0, 16.0, 336.0, 312.0] };
+
 /// Height of title and question, above the letters of marks.
 pub(super) const TITLE_ROOM: u32 = 136;
-
-/// Line spacing.
-pub(super) const LINE: f64 = 44.0;
-
-/// Characters in the width of the picture.
-const TITLE_CHARACTERS: usize = 92;
-
-/// Space for labels along the axes: five digits side by side, twice a line of text above another.
-const ROOM_X: Room = Room { length: RIGHT - LEFT, label: 100.0 };
-const ROOM_Y: Room = Room { length: BOTTOM - TOP, label: 80.0 };
 
 /// Length of an unlabelled tick.
 const STROKE: f64 = 12.0;
 
+/// Lengths beside the axes are those of a large picture times `unit`.
 pub(super) struct Frame {
-    x: Ruler,
-    y: Ruler,
+    pub(super) x: Ruler,
+    pub(super) y: Ruler,
+    pub(super) room: [f64; 4],
+    pub(super) unit: f64,
 }
 
 impl Frame {
@@ -50,9 +50,15 @@ impl Frame {
         let levels: Vec<f64> = markers.filter(shown).map(|point| point.0).collect();
         let (data, beside) = if levels.is_empty() { (&xs, &levels) } else { (&levels, &xs) };
         let beside = [&beside[..], &marks(&chart.verticals)].concat();
-        let x = Ruler::new(scales.0, data, &beside, ROOM_X)?;
-        let y = Ruler::new(scales.1, &ys, &marks(&chart.horizontals), ROOM_Y)?;
-        Some(Self { x, y })
+        let Layout { room, text, .. } = chart.layout();
+        let [left, top, right, bottom] = *room;
+        let unit = text / TEXT;
+        // Space for labels: five digits side by side, twice a line of text above another.
+        let room_x = Room { length: right - left, label: 100.0 * unit };
+        let room_y = Room { length: bottom - top, label: 80.0 * unit };
+        let x = Ruler::new(scales.0, data, &beside, room_x)?;
+        let y = Ruler::new(scales.1, &ys, &marks(&chart.horizontals), room_y)?;
+        Some(Self { x, y, room: *room, unit })
     }
 
     pub(super) fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
@@ -60,48 +66,47 @@ impl Frame {
     }
 
     pub(super) fn across(&self, x: f64) -> f64 {
-        LEFT + self.x.share(x) * (RIGHT - LEFT)
+        let [left, _, right, _] = self.room;
+        left + self.x.share(x) * (right - left)
     }
 
     /// Clamped to the frame, which a fitted line may leave.
     pub(super) fn up(&self, y: f64) -> f64 {
-        BOTTOM - self.y.share(y).clamp(0.0, 1.0) * (BOTTOM - TOP)
+        let [_, top, _, bottom] = self.room;
+        bottom - self.y.share(y).clamp(0.0, 1.0) * (bottom - top)
     }
 
     /// Height of a decade of y, if logarithmic.
     pub(super) fn decade(&self) -> Option<f64> {
-        self.y.decade().map(|share| share * (BOTTOM - TOP))
+        let [_, top, _, bottom] = self.room;
+        self.y.decade().map(|share| share * (bottom - top))
     }
 
-    pub(super) fn draw(&self, canvas: &Canvas<'_>, chart: &Chart) -> Result<(), ReportError> {
-        if !chart.title.is_empty() {
-            canvas.bold(&chart.title, (30.0, 44.0))?;
-        }
-        for (i, line) in wrapped(&chart.question, TITLE_CHARACTERS, 2).iter().enumerate() {
-            canvas.text(line, (30.0, 44.0 + LINE * (i + 1) as f64), Anchor::Left)?;
-        }
+    /// Grid, ticks, and the names of the axes.
+    pub(super) fn draw(&self, canvas: &mut Canvas, [name_x, name_y]: [&str; 2]) {
+        let ([left, top, right, bottom], unit) = (self.room, self.unit);
         for tick in &self.x.ticks {
             let x = self.across(tick.at);
             match &tick.label {
                 Some(label) => {
-                    canvas.line(&[(x, TOP), (x, BOTTOM)], GRID, 2)?;
-                    canvas.text(label, (x, BOTTOM + 36.0), Anchor::Centre)?;
+                    canvas.line(&[(x, top), (x, bottom)], GRID, 2);
+                    canvas.text(label, (x, bottom + 36.0 * unit), Anchor::Centre);
                 }
-                None => canvas.line(&[(x, BOTTOM), (x, BOTTOM - STROKE)], INK, 2)?,
+                None => canvas.line(&[(x, bottom), (x, bottom - STROKE)], INK, 2),
             }
         }
         for tick in &self.y.ticks {
             let y = self.up(tick.at);
             match &tick.label {
                 Some(label) => {
-                    canvas.line(&[(LEFT, y), (RIGHT, y)], GRID, 2)?;
-                    canvas.text(label, (LEFT - 16.0, y), Anchor::Right)?;
+                    canvas.line(&[(left, y), (right, y)], GRID, 2);
+                    canvas.text(label, (left - 16.0 * unit, y), Anchor::Right);
                 }
-                None => canvas.line(&[(LEFT, y), (LEFT + STROKE, y)], INK, 2)?,
+                None => canvas.line(&[(left, y), (left + STROKE, y)], INK, 2),
             }
         }
-        canvas.line_box([LEFT, TOP, RIGHT, BOTTOM], INK, 3)?;
-        canvas.text(&chart.x.label, (0.5 * (LEFT + RIGHT), BOTTOM + 96.0), Anchor::Centre)?;
-        canvas.text(&chart.y.label, (30.0, 0.5 * (TOP + BOTTOM)), Anchor::Upwards)
+        let middle = (0.5 * (left + right), 0.5 * (top + bottom));
+        canvas.text(name_x, (middle.0, bottom + 96.0 * unit), Anchor::Centre);
+        canvas.text(name_y, (left - 140.0 * unit, middle.1), Anchor::Upwards);
     }
 }

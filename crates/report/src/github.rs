@@ -1,6 +1,7 @@
 //! Verdicts as workflow commands of GitHub Actions, and as Markdown for its step summary. Deterministic, without
 //! clocks.
 
+use super::document::verdict_rows;
 use files::{counted, harmless};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Verdict, cell_texts};
@@ -47,18 +48,11 @@ pub fn annotations(
 
 /// The verdicts as a Markdown table under a heading.
 pub fn step_summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
-    let head = "| scene | norm | in | predicted | observed | verdict | why | reason |";
-    let rule = "|---|---|---|---|---|---|---|---|";
-    let row = |verdict: &Verdict| {
-        let sign = if verdict.as_expected() { "" } else { "**" };
-        let mut cells = cell_texts(verdict).map(|text| cell(&text)).to_vec();
-        cells[5] = format!("{sign}{}{sign}", cells[5]);
-        cells.push(cell(&verdict.reason));
-        format!("| {} |", cells.join(" | "))
-    };
-    let rows: Vec<String> = verdicts.iter().map(row).collect();
-    let count = count(records, verdicts);
-    format!("### Orders of convergence\n\n{count}\n\n{head}\n{rule}\n{}\n\n", rows.join("\n"))
+    format!(
+        "### Orders of convergence\n\n{}\n\n{}\n",
+        count(records, verdicts),
+        verdict_rows(verdicts)
+    )
 }
 
 fn count(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
@@ -85,15 +79,6 @@ fn property(text: &str) -> String {
     data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
-/// Escapes text in a cell of a Markdown table, against HTML.
-fn cell(text: &str) -> String {
-    let text = harmless(text).replace('&', "&amp;").replace('<', "&lt;").replace('\\', "\\\\");
-    ["|", "*", "_", "`", "[", "]", "~"]
-        .iter()
-        .fold(text, |text, sign| text.replace(sign, &format!("\\{sign}")))
-        .replace(['\r', '\n'], " ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,10 +91,5 @@ mod tests {
             line,
             "::error file=a%2Cb%3Ac%25.toml,line=7,title=x%3A y%2C z%0A::50 %25\\u{d}%0Aof :: all, it"
         );
-    }
-
-    #[test]
-    fn nothing_in_a_text_ends_a_cell_early() {
-        assert_eq!(cell("V_max | <b>\nh*k"), "V\\_max \\| &lt;b> h\\*k");
     }
 }

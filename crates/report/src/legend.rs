@@ -1,41 +1,23 @@
 //! The words beside a picture.
 
-use plotters::style::RGBColor;
-
-use super::ReportError;
-use super::canvas::{Anchor, Canvas, SIZE};
-use super::frame::{LINE, RIGHT, TOP};
+use super::canvas::{Anchor, Canvas, LINE};
+use super::chart::Part;
+use super::frame::Frame;
+use super::palette::Colour;
 
 /// Characters in the width of the legend.
 pub(super) const LEGEND_CHARACTERS: usize = 28;
 
-/// A solid line, or one of strokes and gaps of these lengths.
-#[derive(Clone, Copy)]
-pub(super) enum Stroke {
-    Full,
-    Broken((f64, f64)),
-}
-
-#[derive(Clone, Copy)]
-pub(super) enum Sample {
-    /// A line, a marker of this shape, or both.
-    Series {
-        stroke: Option<Stroke>,
-        shape: Option<usize>,
-    },
-    Hollow,
-    Band,
-    Text,
-}
-
-pub(super) struct Legend<'a, 'b> {
-    canvas: &'b Canvas<'a>,
+pub(super) struct Legend<'a> {
+    canvas: &'a mut Canvas,
+    left: f64,
     y: f64,
 }
 
-impl<'a, 'b> Legend<'a, 'b> {
-    pub(super) fn new(canvas: &'b Canvas<'a>) -> Self {
-        Self { canvas, y: TOP + 22.0 }
+impl<'a> Legend<'a> {
+    pub(super) fn new(canvas: &'a mut Canvas, frame: &Frame) -> Self {
+        let [_, top, right, _] = frame.room;
+        Self { canvas, left: right + 50.0, y: top + 22.0 }
     }
 
     /// Continues below this height.
@@ -43,46 +25,48 @@ impl<'a, 'b> Legend<'a, 'b> {
         self.y = self.y.max(y + LINE);
     }
 
-    /// An entry: a sample, and its words in at most six lines. What does not fit is left to the table.
-    pub(super) fn entry(
-        &mut self,
-        sample: Sample,
-        colour: RGBColor,
-        words: &str,
-    ) -> Result<(), ReportError> {
-        let (left, middle, right) = (RIGHT + 50.0, RIGHT + 82.0, RIGHT + 114.0);
-        if self.y > f64::from(SIZE.1) - LINE {
-            return Ok(());
+    /// An entry: a sample of each part, and its words in at most six lines. What does not fit is left to the table.
+    pub(super) fn entry(&mut self, parts: &[&Part], ink: (Colour, usize), words: &str) {
+        let (left, right, y) = (self.left, self.left + 64.0, self.y);
+        if y > self.canvas.height() - LINE {
+            return;
         }
-        let line = [(left, self.y), (right, self.y)];
-        match sample {
-            Sample::Series { stroke, shape } => {
-                match stroke {
-                    Some(Stroke::Full) => self.canvas.line(&line, colour, 4)?,
-                    Some(Stroke::Broken(pattern)) => self.canvas.dashed(&line, colour, pattern)?,
-                    None => {}
+        for part in parts {
+            let sample = match part {
+                Part::Points(_) | Part::Hollow(_) => vec![(0.5 * (left + right), y)],
+                Part::Band(_) => {
+                    let (above, below) = (y - 12.0, y + 12.0);
+                    vec![(left, above), (right, above), (right, below), (left, below)]
                 }
-                if let Some(shape) = shape {
-                    self.canvas.marker((middle, self.y), shape, colour, false)?;
-                }
-            }
-            Sample::Hollow => self.canvas.marker((middle, self.y), 0, colour, true)?,
-            Sample::Band => {
-                let sides = [left, self.y - 12.0, right, self.y + 12.0];
-                self.canvas.fill_box(sides, colour, 0.3)?;
-            }
-            Sample::Text => {}
+                _ => vec![(left, y), (right, y)],
+            };
+            part.draw(self.canvas, &sample, ink);
         }
         for text in wrapped(words, LEGEND_CHARACTERS, 6) {
-            self.canvas.text(&text, (right + 18.0, self.y), Anchor::Left)?;
+            self.canvas.text(&text, (right + 18.0, self.y), Anchor::Left);
             self.y += LINE;
         }
-        Ok(())
     }
 
     pub(super) fn space(&mut self) {
         self.y += 0.35 * LINE;
     }
+}
+
+/// Heights or places in ascending order, moved apart, and where possible not beyond the ends.
+pub(super) fn spread(wanted: &[f64], apart: f64, [low, high]: [f64; 2]) -> Vec<f64> {
+    let mut places = wanted.to_vec();
+    let mut least = low;
+    for place in &mut places {
+        *place = place.max(least);
+        least = *place + apart;
+    }
+    let mut most = high;
+    for place in places.iter_mut().rev() {
+        *place = place.min(most);
+        most = *place - apart;
+    }
+    places
 }
 
 /// Wraps to `most` lines of at most `width` characters; the last one marks an omission.
@@ -108,6 +92,15 @@ pub(super) fn wrapped(text: &str, width: usize, most: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_stand_a_line_apart_and_near_their_ends() {
+        let spread = |wanted: &[f64]| spread(wanted, LINE, [190.0, 990.0]);
+        assert_eq!(spread(&[300.0, 500.0]), [300.0, 500.0]);
+        assert_eq!(spread(&[300.0, 300.0, 310.0]), [300.0, 300.0 + LINE, 300.0 + 2.0 * LINE]);
+        assert_eq!(spread(&[990.0, 990.0]), [990.0 - LINE, 990.0]);
+        assert!(spread(&[]).is_empty());
+    }
 
     #[test]
     fn text_breaks_at_blanks_and_says_if_it_is_cut() {

@@ -3,10 +3,10 @@
 //! Everything is rebuilt from records and verdicts; equal input gives equal bytes. A picture is a [`Chart`] (series
 //! over two axes) or a [`Map`].
 
+mod backend;
 mod body;
 mod canvas;
 mod chart;
-mod compact;
 mod convergence;
 mod curve;
 mod direct;
@@ -37,13 +37,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use body::{Arrow, Cell as BodyCell, Deformed};
-pub use chart::{Axis, Chart, Datum, LegendKey, Mark, Part, Series};
+pub use chart::{Axis, Chart, Datum, Mark, Part, Series};
 pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, escaped, held,
-    number, precise, sides, text_table,
+    Chapter, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held, number,
+    precise, sides, text_table,
 };
 pub use github::{AnnotationPlace, annotations, step_summary};
 pub use group::Group;
@@ -54,9 +54,12 @@ pub use sketch::{Ink, Sketch, Stroke};
 pub use slope::Slope;
 pub use space_time::{Panel, SpaceTime, Zone};
 pub use split::split_svg;
+pub use symbols::escaped;
 pub use written::remove_earlier;
 
-use document::{DATA, Report, TEMPLATE, data, document, group, markdown, page, tables};
+use document::{
+    DATA, Drawn, Figure, Report, TEMPLATE, data, document, group, markdown, page, tables,
+};
 use files::make_directory;
 use judge::fit::Direction;
 use judge::record::{CaseRecord, RecordError, write_sorted};
@@ -118,8 +121,6 @@ pub enum ReportError {
     /// An invalid list of the files of an earlier report.
     #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
     List { path: PathBuf, reason: String },
-    #[error("drawing: {what}")]
-    Drawing { what: String },
     #[error("typesetting: {what}")]
     Typesetting { what: String },
     #[error("JUnit: {source}")]
@@ -139,10 +140,6 @@ impl ReportError {
     fn io(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
         |source| Self::Io { path: path.to_owned(), source }
     }
-
-    fn drawing(error: impl std::fmt::Display) -> Self {
-        Self::Drawing { what: error.to_string() }
-    }
 }
 
 /// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`,
@@ -161,22 +158,16 @@ pub fn write_all(
     baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
     make_directory(dir).map_err(ReportError::io(dir))?;
-    let stems = stems(scenes)?;
-    let drawn =
-        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
-    let pictures: Vec<Vec<Picture>> = drawn.collect::<Result<_, _>>()?;
-    let cards: Vec<Vec<Picture>> = scenes
-        .iter()
-        .zip(&stems)
-        .map(|(scene, stem)| card(scene, stem, records, verdicts))
-        .collect::<Result<_, _>>()?;
-    let forest = forest(scenes, verdicts, provenance)?;
+    let drawn: Vec<Drawn> = stems(scenes)?
+        .into_iter()
+        .zip(scenes)
+        .map(|(stem, scene)| drawn(scene, stem, records, verdicts))
+        .collect();
+    let forest = forest(scenes, verdicts, provenance);
     let document = document(Report {
         scenes,
-        stems: &stems,
-        pictures: &pictures,
-        cards: &cards,
-        forest: forest.clone(),
+        drawn: &drawn,
+        forest: forest.as_ref(),
         studies: StudyDocument::read_all(dir)?,
         of_cases: pictures::of_cases(dir)?,
         records,
@@ -192,75 +183,53 @@ pub fn write_all(
         ("report.typ", TEMPLATE.to_owned()),
         (DATA, data(&document)),
     ];
-    let forest = forest.iter().map(|(picture, _)| picture);
-    let drawings = pictures.iter().chain(&cards).flatten().chain(forest);
-    let drawings = drawings.map(|(file, _, svg)| (file.clone(), svg.as_str()));
+    let figures = drawn.iter().flat_map(|drawn| drawn.figures.iter().chain(&drawn.card));
+    let figures = figures.chain(&forest).map(|figure| (figure.file.clone(), &*figure.svg));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
-    let files: Vec<(String, &str)> = drawings.chain(pages).collect();
+    let files: Vec<(String, &str)> = figures.chain(pages).collect();
     write_listed(dir, &files)
 }
-
-type Picture = (String, String, String);
 
 /// The forest plot of all verdicts in two columns, and in three pieces.
 fn forest(
     scenes: &[SceneSummary],
     verdicts: &[Verdict],
     provenance: &serde_json::Value,
-) -> Result<Option<(Picture, Vec<String>)>, ReportError> {
+) -> Option<Figure> {
     let lines = forest::lines(verdicts, |scene| group(scenes, provenance, scene));
-    let Some(svg) = forest::svg(&forest::columns(&lines, 2))? else { return Ok(None) };
+    let svg = forest::svg(&forest::columns(&lines, 2))?;
     let caption = "Observed minus predicted order, with its 95 % interval, of every norm judged in h or k. Grey: the tolerance of a prediction; \
                    right: the order predicted; filled: pass; orange: not as expected.";
     let pieces = forest::columns(&lines, 3);
-    let pieces = pieces.into_iter().map(|piece| forest::svg(&[piece]));
-    let pieces: Vec<Option<String>> = pieces.collect::<Result<_, _>>()?;
-    let picture = ("forest.svg".into(), caption.into(), svg);
-    Ok(Some((picture, pieces.into_iter().flatten().collect())))
-}
-
-/// Small pictures of the body of a scene and its errors, if any.
-fn card(
-    scene: &SceneSummary,
-    stem: &str,
-    records: &[CaseRecord],
-    verdicts: &[Verdict],
-) -> Result<Vec<Picture>, ReportError> {
-    let errors = thumbnail::thumbnail_svg(scene, records, verdicts)?;
-    let drawn = [
-        ("scene", "the body with the parts of its boundary", scene.picture.clone()),
-        ("errors", "errors judged, with the observed order", errors),
-    ];
-    Ok(named(scene, stem, "", drawn))
+    let pieces = pieces.into_iter().filter_map(|piece| forest::svg(&[piece])).collect();
+    Some(Figure { pieces, ..Figure::new("forest.svg", caption, svg) })
 }
 
 /// The pictures of a scene, as far as there is something to draw.
-fn figures(
+fn drawn(
     scene: &SceneSummary,
-    stem: &str,
+    stem: String,
     records: &[CaseRecord],
     verdicts: &[Verdict],
-) -> Result<Vec<Picture>, ReportError> {
-    let along = |direction| convergence_svg(scene, records, verdicts, direction);
-    let drawn = [
-        ("h", "error against h, at the number N of time steps named", along(Direction::Space)?),
-        ("k", "error against k, on the mesh n named", along(Direction::Time)?),
-        ("hk", "error over h and k, and which of them it is of", split_svg(scene, records)?),
-    ];
-    Ok(named(scene, stem, ".", drawn))
-}
-
-/// Pictures of a scene, by the ends of their names, with captions that end with `end`.
-fn named<const COUNT: usize>(
-    scene: &SceneSummary,
-    stem: &str,
-    end: &str,
-    drawn: [(&str, &str, Option<String>); COUNT],
-) -> Vec<Picture> {
-    let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
-        Some((format!("{stem}-{suffix}.svg"), format!("{}: {caption}{end}", scene.name), svg?))
+) -> Drawn {
+    let figure = |(suffix, caption, svg): (&str, &str, Option<String>)| {
+        let caption = format!("{}: {caption}", scene.name);
+        Some(Figure::new(format!("{stem}-{suffix}.svg"), caption, svg?))
     };
-    drawn.into_iter().filter_map(picture).collect()
+    let along = |direction| convergence_svg(scene, records, verdicts, direction);
+    let figures = [
+        ("h", "error against h, at the number N of time steps named.", along(Direction::Space)),
+        ("k", "error against k, on the mesh n named.", along(Direction::Time)),
+        ("hk", "error over h and k, and which of them it is of.", split_svg(scene, records)),
+    ];
+    let errors = thumbnail::thumbnail_svg(scene, records, verdicts);
+    let card = [
+        ("scene", "the body with the parts of its boundary", scene.picture.clone()),
+        ("errors", "errors judged, with the observed order", errors),
+    ];
+    let figures = figures.into_iter().filter_map(figure).collect();
+    let card = card.into_iter().filter_map(figure).collect();
+    Drawn { stem, figures, card }
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.

@@ -1,10 +1,9 @@
 //! Lines across a picture at values of its axes, with letters that the legend explains.
 
-use super::ReportError;
 use super::canvas::{Anchor, Canvas};
-use super::chart::{Chart, Mark};
-use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP};
-use super::legend::{Sample, Stroke};
+use super::chart::{Chart, Mark, Part};
+use super::frame::Frame;
+use super::legend::spread;
 use super::palette::INK;
 use super::ruler::Scale;
 
@@ -29,54 +28,46 @@ fn both(chart: &Chart) -> [Vec<(usize, &Mark)>; 2] {
     [verticals, horizontals]
 }
 
+fn pattern(index: usize) -> (f64, f64) {
+    PATTERNS[index % PATTERNS.len()]
+}
+
 fn letter(index: usize) -> char {
     char::from(b'a' + (index % 26) as u8)
 }
 
-pub(super) fn draw_marks(
-    canvas: &Canvas<'_>,
-    frame: &Frame,
-    chart: &Chart,
-) -> Result<(), ReportError> {
-    let [verticals, horizontals] = both(chart);
-    for ((index, _), at, tag) in spread(&verticals, |at| frame.across(at)) {
-        canvas.dashed(&[(at, TOP), (at, BOTTOM)], INK, PATTERNS[index % PATTERNS.len()])?;
-        canvas.line(&[(at, TOP), (tag, TOP - STUB)], INK, 2)?;
-        let words = letter(index).to_string();
-        canvas.text(&words, (tag, TOP - STUB - 18.0), Anchor::Centre)?;
+pub(super) fn draw_marks(canvas: &mut Canvas, frame: &Frame, chart: &Chart) {
+    let ([left, top, right, bottom], [verticals, horizontals]) = (frame.room, both(chart));
+    for (index, at, tag) in spaced(&verticals, |at| frame.across(at)) {
+        canvas.dashed(&[(at, top), (at, bottom)], INK, pattern(index));
+        canvas.line(&[(at, top), (tag, top - STUB)], INK, 2);
+        canvas.text(&letter(index).to_string(), (tag, top - STUB - 18.0), Anchor::Centre);
     }
-    for ((index, _), at, tag) in spread(&horizontals, |at| frame.up(at)) {
-        canvas.dashed(&[(LEFT, at), (RIGHT, at)], INK, PATTERNS[index % PATTERNS.len()])?;
-        canvas.line(&[(RIGHT, at), (RIGHT + STUB, tag)], INK, 2)?;
-        let words = letter(index).to_string();
-        canvas.text(&words, (RIGHT + STUB + 3.0, tag), Anchor::Left)?;
+    for (index, at, tag) in spaced(&horizontals, |at| frame.up(at)) {
+        canvas.dashed(&[(left, at), (right, at)], INK, pattern(index));
+        canvas.line(&[(right, at), (right + STUB, tag)], INK, 2);
+        canvas.text(&letter(index).to_string(), (right + STUB + 3.0, tag), Anchor::Left);
     }
-    Ok(())
 }
 
 /// Each mark with its place and that of its letter; letters keep their order and distance.
-fn spread<'a>(
-    marks: &[(usize, &'a Mark)],
-    place: impl Fn(f64) -> f64,
-) -> Vec<((usize, &'a Mark), f64, f64)> {
-    let mut all: Vec<_> =
-        marks.iter().map(|mark| (*mark, place(mark.1.at), place(mark.1.at))).collect();
+fn spaced(marks: &[(usize, &Mark)], place: impl Fn(f64) -> f64) -> Vec<(usize, f64, f64)> {
+    let mut all: Vec<_> = marks.iter().map(|(index, mark)| (*index, place(mark.at))).collect();
     all.sort_by(|a, b| a.1.total_cmp(&b.1));
-    for i in 1..all.len() {
-        all[i].2 = all[i].2.max(all[i - 1].2 + LETTERS);
-    }
-    all
+    let places: Vec<f64> = all.iter().map(|(_, place)| *place).collect();
+    let tags = spread(&places, LETTERS, [f64::NEG_INFINITY, f64::INFINITY]);
+    all.into_iter().zip(tags).map(|((index, at), tag)| (index, at, tag)).collect()
 }
 
 /// Legend entries; marks without a place come last, without a letter.
-pub(super) fn mark_entries(chart: &Chart) -> Vec<(Sample, String)> {
+pub(super) fn mark_entries(chart: &Chart) -> Vec<(Option<Part>, String)> {
     let drawn = both(chart).into_iter().flatten().map(|(index, mark)| {
-        let stroke = Some(Stroke::Broken(PATTERNS[index % PATTERNS.len()]));
-        (Sample::Series { stroke, shape: None }, format!("{}: {}", letter(index), mark.label))
+        let sample = Part::Broken(pattern(index), Vec::new());
+        (Some(sample), format!("{}: {}", letter(index), mark.label))
     });
-    let lost = |marks: &[Mark], scale: Scale| -> Vec<(Sample, String)> {
+    let lost = |marks: &[Mark], scale: Scale| -> Vec<(Option<Part>, String)> {
         let nowhere = marks.iter().filter(|mark| !scale.holds(mark.at));
-        nowhere.map(|mark| (Sample::Text, mark.label.clone())).collect()
+        nowhere.map(|mark| (None, mark.label.clone())).collect()
     };
     let verticals = lost(&chart.verticals, chart.x.scale);
     drawn.chain(verticals).chain(lost(&chart.horizontals, chart.y.scale)).collect()

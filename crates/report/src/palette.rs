@@ -1,30 +1,49 @@
 //! Colours for colour-blind readers, after Okabe and Ito (2008), each with a marker for prints without colours.
 
-use plotters::style::RGBColor;
+use std::fmt;
 
-pub(super) const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
+use plotters::style::Color;
+use plotters_backend::BackendColor;
+
+/// Red, green and blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Colour(pub(super) u8, pub(super) u8, pub(super) u8);
+
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{:02X}{:02X}{:02X}", self.0, self.1, self.2)
+    }
+}
+
+impl Color for Colour {
+    fn to_backend_color(&self) -> BackendColor {
+        BackendColor { alpha: 1.0, rgb: (self.0, self.1, self.2) }
+    }
+}
+
+pub(super) const COLOURS: [Colour; 7] = [
+    Colour(0, 114, 178),
+    Colour(213, 94, 0),
+    Colour(0, 158, 115),
+    Colour(204, 121, 167),
+    Colour(230, 159, 0),
+    Colour(86, 180, 233),
+    Colour(0, 0, 0),
 ];
 
 /// Lines of the grid.
-pub(super) const GRID: RGBColor = RGBColor(222, 222, 222);
+pub(super) const GRID: Colour = Colour(222, 222, 222);
 
 /// Axes, triangles and floors.
-pub(super) const INK: RGBColor = RGBColor(90, 90, 90);
+pub(super) const INK: Colour = Colour(90, 90, 90);
 
 /// Colour of the i-th curve. With four markers, 28 curves differ.
-pub(super) fn colour(index: usize) -> RGBColor {
+pub(super) fn colour(index: usize) -> Colour {
     COLOURS[index % COLOURS.len()]
 }
 
 /// The colour at a part of the way between two, by their numbers.
-pub(super) fn mixed(from: [f64; 3], to: [f64; 3], part: f64) -> RGBColor {
+pub(super) fn mixed(from: [f64; 3], to: [f64; 3], part: f64) -> Colour {
     let [r, g, b] = [0, 1, 2].map(|i| (from[i] + part * (to[i] - from[i])) as u8);
-    RGBColor(r, g, b)
+    Colour(r, g, b)
 }

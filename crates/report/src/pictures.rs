@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::{Picture, ReportError};
+use super::ReportError;
+use super::document::Figure;
 use files::read_text;
 
 /// Endings of file names, and what the files show.
@@ -24,7 +25,7 @@ pub(super) fn names(dir: &Path) -> Result<Vec<String>, ReportError> {
 }
 
 /// The pictures in a directory, by kind, then by file name.
-pub(super) fn of_cases(dir: &Path) -> Result<Vec<Picture>, ReportError> {
+pub(super) fn of_cases(dir: &Path) -> Result<Vec<Figure>, ReportError> {
     let names = names(dir)?;
     let mut found = Vec::new();
     for (ending, shows) in ENDINGS {
@@ -35,7 +36,8 @@ pub(super) fn of_cases(dir: &Path) -> Result<Vec<Picture>, ReportError> {
             // Foreign files with such a name are ignored.
             if svg.trim_start().starts_with("<svg") {
                 let case = if case.is_empty() { String::new() } else { format!("{case}: ") };
-                found.push((name.clone(), format!("{case}{shows} (sweep solve --pictures)."), svg));
+                let caption = format!("{case}{shows} (sweep solve --pictures).");
+                found.push(Figure::new(name, caption, svg));
             }
         }
     }

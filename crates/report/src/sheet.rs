@@ -3,14 +3,13 @@
 //! Pictures are drawn for white paper and printed so; viewers with a dark page map their inks. The sheet selects by the
 //! colours themselves, so that a picture without media queries is the light one.
 
-use super::compact::compact;
-use plotters::style::RGBColor;
+use super::palette::Colour;
 
 /// Paper; hollow markers are filled with it.
-pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
-pub(super) const WORDS: RGBColor = RGBColor(30, 30, 30);
+pub(super) const PAPER: Colour = Colour(255, 255, 255);
+pub(super) const WORDS: Colour = Colour(30, 30, 30);
 /// Words on an area of light colour, which a dark page leaves as it is.
-pub(super) const WORDS_ON_TINT: RGBColor = RGBColor(31, 31, 31);
+pub(super) const WORDS_ON_TINT: Colour = Colour(31, 31, 31);
 
 /// The rules, for a page that shows several pictures.
 pub(super) const RULES: &str = "\
@@ -27,20 +26,12 @@ svg [fill=\"#CC79A7\"]{fill:#e39cc4}svg [stroke=\"#CC79A7\"]{stroke:#e39cc4}\
 svg [fill=\"#56B4E9\"]{fill:#a5dbff}svg [stroke=\"#56B4E9\"]{stroke:#a5dbff}\
 }\n";
 
-/// Compresses a drawn picture and inserts the sheet.
-pub(super) fn with_sheet(drawn: &str) -> String {
-    let svg = compact(drawn);
-    match svg.find('>') {
-        Some(end) => format!("{}{}{}", &svg[..=end], element(), &svg[end + 1..]),
-        None => svg,
-    }
-}
-
 pub(super) fn without(svg: &str) -> String {
-    svg.replacen(&element(), "", 1)
+    svg.replacen(&style(), "", 1)
 }
 
-fn element() -> String {
+/// The rules as an element of a picture.
+pub(super) fn style() -> String {
     format!("\n<style>{}</style>", RULES.trim_end())
 }
 
@@ -48,19 +39,18 @@ fn element() -> String {
 mod tests {
     use super::super::palette::{COLOURS, GRID, INK};
     use super::*;
+    use crate::canvas::Canvas;
 
-    /// Every ink except the light orange has its counterpart, spelt as plotters spells it.
+    /// Every ink except the light orange has its counterpart, spelt as pictures spell it.
     #[test]
     fn every_ink_has_a_dark_counterpart() {
-        let orange = RGBColor(230, 159, 0);
+        let orange = Colour(230, 159, 0);
         let inks = COLOURS.into_iter().filter(|colour| *colour != orange);
-        for RGBColor(r, g, b) in inks.chain([PAPER, WORDS, GRID, INK]) {
-            assert!(RULES.contains(&format!("#{r:02X}{g:02X}{b:02X}")), "{r} {g} {b}");
+        for ink in inks.chain([PAPER, WORDS, GRID, INK]) {
+            assert!(RULES.contains(&ink.to_string()), "{ink}");
         }
-        let RGBColor(r, g, b) = WORDS_ON_TINT;
-        assert!(!RULES.contains(&format!("#{r:02X}{g:02X}{b:02X}")));
-        let svg = "<svg width=\"1\">\n</svg>";
-        assert_eq!(without(&with_sheet(svg)), compact(svg));
-        assert!(with_sheet(svg).contains(" width=\"1\">\n<style>@media"));
+        assert!(!RULES.contains(&WORDS_ON_TINT.to_string()));
+        let svg = Canvas::new().finish();
+        assert!(svg.contains("2000/svg\">\n<style>@media") && !without(&svg).contains("style"));
     }
 }

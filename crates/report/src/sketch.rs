@@ -1,11 +1,7 @@
 //! A small picture of a domain or a few curves, readable at 240 pixels.
 
-use plotters::style::RGBColor;
-
-use super::ReportError;
 use super::canvas::{Anchor, Canvas, CanvasPoint, View};
-use super::palette::{INK, colour};
-use super::sheet::with_sheet;
+use super::palette::{Colour, INK, colour};
 
 /// Size in units, two per pixel.
 const SIZE: (u32, u32) = (480, 404);
@@ -70,29 +66,27 @@ pub struct Sketch {
 
 impl Sketch {
     /// Renders the picture as SVG.
-    pub fn svg(&self) -> Result<String, ReportError> {
-        let mut svg = String::new();
-        let canvas = Canvas::of_size(&mut svg, SIZE, TEXT)?;
+    pub fn svg(&self) -> String {
+        let mut canvas = Canvas::of_size(SIZE, TEXT);
         let view = self.view();
         let path = |points: &[_]| points.iter().map(|&p| view.place(p)).collect::<Vec<_>>();
         for (corners, ink, opacity) in &self.areas {
-            canvas.fill(&path(corners), tint(*ink), *opacity)?;
+            canvas.fill(&path(corners), tint(*ink), *opacity);
         }
         for stroke in &self.strokes {
-            draw(&canvas, stroke.ink, &path(&stroke.path))?;
+            draw(&mut canvas, stroke.ink, &path(&stroke.path));
         }
         for (place, words) in &self.words {
-            canvas.text(words, (MARGIN, view.place(*place).1), Anchor::Left)?;
+            canvas.text(words, (MARGIN, view.place(*place).1), Anchor::Left);
         }
         let column = (ROOM[2] - ROOM[0]) / ENTRIES as f64;
         for (i, (ink, words)) in self.legend.iter().enumerate() {
             let x = ROOM[0] + column * (i % ENTRIES) as f64;
             let y = FIRST_LINE + NEXT_LINE * (i / ENTRIES) as f64;
-            draw(&canvas, *ink, &[(x, y), (x + 36.0, y)])?;
-            canvas.text(words, (x + 44.0, y), Anchor::Left)?;
+            draw(&mut canvas, *ink, &[(x, y), (x + 36.0, y)]);
+            canvas.text(words, (x + 44.0, y), Anchor::Left);
         }
-        canvas.finish()?;
-        Ok(with_sheet(&svg))
+        canvas.finish()
     }
 
     fn view(&self) -> View {
@@ -104,25 +98,25 @@ impl Sketch {
     }
 }
 
-fn tint(ink: Ink) -> RGBColor {
+fn tint(ink: Ink) -> Colour {
     match ink {
-        Ink::Clamped => RGBColor(0, 0, 0),
+        Ink::Clamped => Colour(0, 0, 0),
         Ink::Traction => colour(0),
         Ink::Contact => colour(1),
         Ink::Moved => colour(2),
         Ink::Edge | Ink::Obstacle => INK,
-        Ink::Region => RGBColor(170, 170, 170),
-        Ink::Thin => RGBColor(150, 150, 150),
+        Ink::Region => Colour(170, 170, 170),
+        Ink::Thin => Colour(150, 150, 150),
         Ink::Curve(i) => colour(i),
     }
 }
 
-fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[CanvasPoint]) -> Result<(), ReportError> {
+fn draw(canvas: &mut Canvas, ink: Ink, path: &[CanvasPoint]) {
     let colour = tint(ink);
     match ink {
         Ink::Clamped => {
-            canvas.line(path, colour, 5)?;
-            path.windows(2).try_for_each(|pair| hatches(canvas, pair[0], pair[1]))
+            canvas.line(path, colour, 5);
+            path.windows(2).for_each(|pair| hatches(canvas, pair[0], pair[1]))
         }
         Ink::Traction | Ink::Curve(_) => canvas.line(path, colour, 4),
         Ink::Contact => canvas.line(path, colour, 9),
@@ -135,14 +129,14 @@ fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[CanvasPoint]) -> Result<(), Repor
 }
 
 /// Short strokes on one side of a line.
-fn hatches(canvas: &Canvas<'_>, from: CanvasPoint, to: CanvasPoint) -> Result<(), ReportError> {
+fn hatches(canvas: &mut Canvas, from: CanvasPoint, to: CanvasPoint) {
     let length = (to.0 - from.0).hypot(to.1 - from.1);
     let (along, count) = (((to.0 - from.0) / length, (to.1 - from.1) / length), length / 14.0);
-    (0..count as usize).try_for_each(|i| {
+    (0..count as usize).for_each(|i| {
         let s = (i as f64 + 0.5) / count.floor() * length;
         let foot = (from.0 + s * along.0, from.1 + s * along.1);
         let tip = (foot.0 + 5.0 * along.0 + 9.0 * along.1, foot.1 + 5.0 * along.1 - 9.0 * along.0);
-        canvas.line(&[foot, tip], RGBColor(0, 0, 0), 2)
+        canvas.line(&[foot, tip], Colour(0, 0, 0), 2)
     })
 }
 
@@ -173,7 +167,7 @@ mod tests {
         let [left, top, ..] = ROOM;
         assert!((a.0 - left).abs() + (b.1 - top).abs() < 1e-9);
         // Hatches mark what is clamped, dashes what is moved.
-        let svg = plain.svg().expect("a picture");
+        let svg = plain.svg();
         assert!(svg.matches('M').count() > 20 && svg.contains("contact"), "{svg}");
         assert!(svg.len() < 8000 && !svg.contains("NaN"));
     }

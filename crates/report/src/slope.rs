@@ -1,11 +1,9 @@
 //! Triangles of a predicted order, placed in free space.
 
-use plotters::style::RGBColor;
-
-use super::ReportError;
 use super::canvas::{Anchor, Canvas, CanvasPoint, corners, span};
 use super::chart::{Chart, Datum, Part};
-use super::frame::{BOTTOM, Frame, RIGHT};
+use super::frame::Frame;
+use super::palette::Colour;
 
 /// A predicted order along points of a series.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +75,8 @@ fn free_place(
     decade: f64,
     taken: &[Segment],
 ) -> Option<[CanvasPoint; 3]> {
-    let steps = ((BOTTOM - super::frame::TOP) / MOVE) as usize;
+    let [_, top, right_end, bottom] = frame.room;
+    let steps = ((bottom - top) / MOVE) as usize;
     (0..steps).find_map(|step| {
         slope.along.windows(2).find_map(|pair| {
             let (fine, coarse) = (pair[0], pair[1]);
@@ -86,7 +85,7 @@ fn free_place(
             let (left, right) = (frame.across(fine.0), frame.across(coarse.0));
             let corners = [(left, top + height), (right, top + height), (right, top)];
             let label = label_box(corners[1], corners[2], &slope.label);
-            let inside = corners[0].1.max(top) < BOTTOM - MOVE && label[1].0 < RIGHT;
+            let inside = corners[0].1.max(top) < bottom - MOVE && label[1].0 < right_end;
             let free = |shape: &[CanvasPoint], clear: f64| {
                 taken.iter().all(|segment| !meets(shape, segment, clear))
             };
@@ -145,11 +144,11 @@ impl Placed {
         self.corners
     }
 
-    pub(super) fn draw(&self, canvas: &Canvas<'_>, ink: RGBColor) -> Result<(), ReportError> {
+    pub(super) fn draw(&self, canvas: &mut Canvas, ink: Colour) {
         let [fine, corner, coarse] = self.corners;
-        canvas.line(&[fine, corner, coarse, fine], ink, 3)?;
+        canvas.line(&[fine, corner, coarse, fine], ink, 3);
         let middle = (corner.0 + MOVE, 0.5 * (corner.1 + coarse.1));
-        canvas.text(&self.label, middle, Anchor::Left)
+        canvas.text(&self.label, middle, Anchor::Left);
     }
 }
 

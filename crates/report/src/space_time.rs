@@ -1,12 +1,10 @@
 //! The contact state along Γ3 over time, exact and discrete.
 
-use plotters::style::RGBColor;
-
-use super::ReportError;
-use super::canvas::{Anchor, Canvas};
-use super::palette::INK;
+use super::canvas::{Anchor, Canvas, span};
+use super::frame::Frame;
+use super::palette::{Colour, INK};
 use super::ruler::{Room, Ruler, Scale};
-use super::sheet::with_sheet;
+use super::sheet::PAPER;
 
 /// State of Γ3 at a place and time; shades get darker, for prints without colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,26 +35,26 @@ pub struct SpaceTime {
     pub panels: Vec<Panel>,
 }
 
-const LEFT: f64 = 130.0;
+const LEFT: f64 = 170.0;
 const RIGHT: f64 = 1770.0;
 /// Overlap of neighbouring boxes.
 const SEAM: f64 = 1.0;
-const GUTTER: f64 = 170.0;
+const GUTTER: f64 = 190.0;
 const TOP: f64 = 190.0;
 const BOTTOM: f64 = 910.0;
 const LEGEND: f64 = 1070.0;
 /// Widest single panel.
 const WIDEST: f64 = 1000.0;
 
-const COMPLIANT: RGBColor = RGBColor(134, 190, 226);
-const LOCKED: RGBColor = RGBColor(20, 74, 122);
+const COMPLIANT: Colour = Colour(134, 190, 226);
+const LOCKED: Colour = Colour(20, 74, 122);
 
 impl Zone {
-    fn colour(self) -> Option<RGBColor> {
+    fn colour(self) -> Colour {
         match self {
-            Self::Open => None,
-            Self::Compliant => Some(COMPLIANT),
-            Self::Locked => Some(LOCKED),
+            Self::Open => PAPER,
+            Self::Compliant => COMPLIANT,
+            Self::Locked => LOCKED,
         }
     }
 
@@ -71,10 +69,7 @@ impl Zone {
 
 impl SpaceTime {
     /// The picture; none without a level.
-    ///
-    /// # Errors
-    /// [`ReportError::Drawing`].
-    pub fn svg(&self) -> Result<Option<String>, ReportError> {
+    pub fn svg(&self) -> Option<String> {
         let pieces = || self.panels.iter().flat_map(|p| &p.levels).flatten();
         let ends: Vec<f64> = pieces().flat_map(|piece| [piece.0, piece.1]).collect();
         let times: Vec<f64> = self.panels.iter().flat_map(|p| &p.times).copied().collect();
@@ -82,81 +77,44 @@ impl SpaceTime {
         let width = ((RIGHT - LEFT - (count - 1.0) * GUTTER) / count).min(WIDEST);
         let across = Room { length: width, label: 110.0 };
         let up = Room { length: BOTTOM - TOP, label: 90.0 };
-        let rulers = (
-            Ruler::new(Scale::Linear, &ends, &[], across),
-            Ruler::new(Scale::Linear, &times, &[], up),
-        );
-        let (Some(x), Some(t)) = rulers else { return Ok(None) };
-        let mut svg = String::new();
-        let canvas = Canvas::new(&mut svg)?;
-        canvas.bold(&self.title, (30.0, 44.0))?;
-        canvas.text(&self.subtitle, (30.0, 92.0), Anchor::Left)?;
+        let mut canvas = Canvas::new();
+        canvas.heading(&self.title, std::slice::from_ref(&self.subtitle));
         for (i, panel) in self.panels.iter().enumerate() {
             let left = LEFT + i as f64 * (width + GUTTER);
-            draw(&canvas, panel, (left, width), (&x, &t))?;
+            let x = Ruler::new(Scale::Linear, &ends, &[], across)?;
+            let y = Ruler::new(Scale::Linear, &times, &[], up)?;
+            let room = [left, TOP, left + width, BOTTOM];
+            draw(&mut canvas, panel, &Frame { x, y, room, unit: 1.0 });
         }
-        let mut at = LEFT;
-        for zone in [Zone::Open, Zone::Compliant, Zone::Locked] {
-            let sides = [at, LEGEND - 18.0, at + 60.0, LEGEND + 18.0];
-            if let Some(colour) = zone.colour() {
-                canvas.fill_box(sides, colour, 1.0)?;
-            }
-            canvas.line_box(sides, INK, 3)?;
-            canvas.text(zone.words(), (at + 78.0, LEGEND), Anchor::Left)?;
-            at += 130.0 + 17.0 * zone.words().chars().count() as f64;
-        }
-        canvas.finish()?;
-        Ok(Some(with_sheet(&svg)))
+        let zones = [Zone::Open, Zone::Compliant, Zone::Locked];
+        canvas.swatches((LEFT, LEGEND), zones.map(|zone| ((zone.colour(), false), zone.words())));
+        (!ends.is_empty()).then(|| canvas.finish())
     }
 }
 
-fn draw(
-    canvas: &Canvas<'_>,
-    panel: &Panel,
-    (left, width): (f64, f64),
-    (x, t): (&Ruler, &Ruler),
-) -> Result<(), ReportError> {
-    let across = |value: f64| left + width * x.share(value);
-    let up = |value: f64| BOTTOM - (BOTTOM - TOP) * t.share(value);
+fn draw(canvas: &mut Canvas, panel: &Panel, frame: &Frame) {
+    let [left, top, right, _] = frame.room;
+    frame.draw(canvas, ["length along Γ3", "time t"]);
+    canvas.text(&panel.title, (0.5 * (left + right), top - 34.0), Anchor::Centre);
+    // The area outside Γ3 and the time is not an open zone.
+    let ends = panel.levels.iter().flatten().map(|piece| piece.1).fold(0.0, f64::max);
+    let (first, last) = span(panel.times.iter().copied());
+    let all = [frame.across(0.0), frame.up(last), frame.across(ends), frame.up(first)];
+    canvas.fill_box(all, PAPER, 1.0);
     // A level covers the time halfway to its neighbours.
     let halfway = |a: usize, b: usize| 0.5 * (panel.times[a] + panel.times[b]);
     let last = panel.times.len().saturating_sub(1);
     for (n, pieces) in panel.levels.iter().enumerate() {
         let from = if n == 0 { panel.times[n] } else { halfway(n - 1, n) };
         let to = if n == last { panel.times[n] } else { halfway(n, n + 1) };
-        for run in pieces.chunk_by(|a, b| a.2 == b.2) {
-            if let (Some(colour), Some(first), Some(end)) =
-                (run[0].2.colour(), run.first(), run.last())
-            {
-                // Without the overlap viewers show the seam.
-                let corners = [across(first.0), up(to) - SEAM, across(end.1), up(from)];
-                canvas.fill_box(corners, colour, 1.0)?;
-            }
+        for run in pieces.chunk_by(|a, b| a.2 == b.2).filter(|run| run[0].2 != Zone::Open) {
+            // Without the overlap viewers show the seam.
+            let (start, end) = (frame.across(run[0].0), frame.across(run[run.len() - 1].1));
+            let sides = [start, frame.up(to) - SEAM, end, frame.up(from)];
+            canvas.fill_box(sides, run[0].2.colour(), 1.0);
         }
     }
-    canvas.text(&panel.title, (left + 0.5 * width, TOP - 34.0), Anchor::Centre)?;
-    for tick in &x.ticks {
-        if let Some(label) = &tick.label {
-            let at = across(tick.at);
-            canvas.line(&[(at, BOTTOM - 12.0), (at, BOTTOM + 10.0)], INK, 2)?;
-            canvas.text(label, (at, BOTTOM + 36.0), Anchor::Centre)?;
-        }
-    }
-    for tick in &t.ticks {
-        if let Some(label) = &tick.label {
-            let at = up(tick.at);
-            canvas.line(&[(left - 10.0, at), (left, at)], INK, 2)?;
-            canvas.text(label, (left - 16.0, at), Anchor::Right)?;
-        }
-    }
-    // The area outside Γ3 and the time is not an open zone.
-    let ends = panel.levels.iter().flatten().map(|piece| piece.1).fold(0.0, f64::max);
-    let (first, last) = (panel.times.first().copied(), panel.times.last().copied());
-    if let (Some(first), Some(last)) = (first, last) {
-        canvas.line_box([across(0.0), up(last), across(ends), up(first)], INK, 3)?;
-    }
-    canvas.text("length along Γ3", (left + 0.5 * width, BOTTOM + 86.0), Anchor::Centre)?;
-    canvas.text("time t", (left - 106.0, 0.5 * (TOP + BOTTOM)), Anchor::Upwards)
+    canvas.line_box(all, INK, 3);
 }
 
 #[cfg(test)]
@@ -178,9 +136,9 @@ mod tests {
             subtitle: String::new(),
             panels: vec![panel(zone)],
         };
-        let boxes = |zone| picture(zone).svg().unwrap().unwrap().matches("<polygon").count();
-        // Two more are those of the legend.
-        assert_eq!([Zone::Locked, Zone::Open, Zone::Compliant].map(boxes), [3, 3, 4]);
-        assert_eq!(SpaceTime { panels: Vec::new(), ..picture(Zone::Open) }.svg().unwrap(), None);
+        let boxes = |zone| picture(zone).svg().unwrap().matches("<polygon").count();
+        // Four more are the empty panel and those of the legend.
+        assert_eq!([Zone::Locked, Zone::Open, Zone::Compliant].map(boxes), [5, 5, 6]);
+        assert_eq!(SpaceTime { panels: Vec::new(), ..picture(Zone::Open) }.svg(), None);
     }
 }

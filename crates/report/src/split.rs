@@ -1,117 +1,68 @@
 //! The error over h and k: a cell per run, with its error and the share that the fitted model attributes to either
 //! step.
 
-use plotters::style::RGBColor;
-
-use super::canvas::{Anchor, Canvas, CanvasPoint, SIZE};
+use super::SceneSummary;
 use super::curve::norms;
-use super::palette::{INK, mixed};
-use super::sheet::with_sheet;
+use super::map::{Cell, Map, Shade};
 use super::ticks::step_label;
-use super::{ReportError, SceneSummary};
 use judge::fit::{ErrorCombination, JointFit, Point, joint_fits, screen};
 use judge::record::{CaseRecord, norm_label};
 
-/// The cells: left, top, right, row height. Text of 30 units is 7.5 pt at a picture width of 16 cm.
-const ROOM: (f64, f64, f64, f64) = (170.0, 70.0, 1770.0, 88.0);
+/// Text of 30 units is 7.5 pt at a picture width of 16 cm.
 const TEXT: f64 = 30.0;
-const WIDEST: f64 = 320.0;
-/// Below the cells: the name of k, the words.
-const BELOW: [f64; 3] = [40.0, 92.0, 134.0];
-
-/// All of the error from h, from both alike, from k: light enough for dark words.
-const OF_H: [f64; 3] = [140.0, 190.0, 226.0];
-const OF_BOTH: [f64; 3] = [246.0, 246.0, 246.0];
-const OF_K: [f64; 3] = [242.0, 180.0, 134.0];
 
 /// The picture of one scene; None if no norm has a grid of h and k from which both parts can be fitted.
-pub fn split_svg(
-    scene: &SceneSummary,
-    records: &[CaseRecord],
-) -> Result<Option<String>, ReportError> {
-    let Some((norm, rows)) = grid(scene, records) else { return Ok(None) };
+pub fn split_svg(scene: &SceneSummary, records: &[CaseRecord]) -> Option<String> {
+    let (norm, rows) = grid(scene, records)?;
     let points: Vec<Point> = rows.iter().flatten().copied().collect();
-    let Ok(fits) = joint_fits(&points, false) else { return Ok(None) };
+    let best = joint_fits(&points, false).ok()?.best;
     let mut steps: Vec<f64> = points.iter().map(|point| point.k).collect();
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
-    let (left, top, right, height) = ROOM;
-    let width = ((right - left) / steps.len() as f64).min(WIDEST);
-    let bottom = top + height * rows.len() as f64;
-    let size = (SIZE.0, (bottom + BELOW[2] + 36.0) as u32);
-    let mut svg = String::new();
-    let canvas = Canvas::of_size(&mut svg, size, TEXT)?;
-    let best = &fits.best;
-    for (r, row) in rows.iter().enumerate() {
-        let y = top + height * r as f64;
-        let name = row.first().map_or_else(String::new, |point| step_label(point.h));
-        canvas.text(&name, (left - 16.0, y + 0.5 * height), Anchor::Right)?;
-        for point in row {
-            let column = steps.iter().position(|k| *k == point.k).unwrap_or(0);
-            let x = left + width * column as f64;
-            cell(&canvas, [x, y, x + width - 4.0, y + height - 4.0], point, best)?;
-        }
-    }
-    for (c, k) in steps.iter().enumerate() {
-        let at = (left + width * (c as f64 + 0.5), top - 28.0);
-        canvas.text(&step_label(*k), at, Anchor::Centre)?;
-    }
-    canvas.text("h", (left - 60.0, top - 28.0), Anchor::Centre)?;
-    canvas.text("k", (left - 22.0, top - 28.0), Anchor::Centre)?;
-    let words = |line: usize| (left, bottom + BELOW[line]);
-    legend(&canvas, words(0))?;
-    let text = format!(
+    let row = |row: &Vec<Point>| {
+        let at = |k: &f64| row.iter().find(|point| point.k == *k);
+        let cells = steps.iter().map(|k| at(k).map_or_else(Cell::default, |p| cell(p, &best)));
+        (row.first().map_or_else(String::new, |point| step_label(point.h)), cells.collect())
+    };
+    let mut notes = vec![format!(
         "{}; {} model, p = {:.2} in h, q = {:.2} in k",
         norm_label(&norm),
         best.model.name(),
         best.order_h.value,
         best.order_k.value
-    );
-    canvas.text(&text, words(1), Anchor::Left)?;
+    )];
     if points.iter().any(|point| screen(point).is_err()) {
-        canvas.text("in brackets: below the floor of the error", words(2), Anchor::Left)?;
+        notes.push("in brackets: below the floor of the error".into());
     }
-    canvas.finish()?;
-    Ok(Some(with_sheet(&svg)))
+    let map = Map {
+        title: String::new(),
+        subtitle: String::new(),
+        heads: std::iter::once("h  k".into())
+            .chain(steps.iter().copied().map(step_label))
+            .collect(),
+        rows: rows.iter().map(row).collect(),
+        legend: [
+            (Shade::Shared(0.0), "the error is of h"),
+            (Shade::Shared(0.5), "of both alike"),
+            (Shade::Shared(1.0), "of k"),
+        ],
+        notes,
+    };
+    Some(map.with_text(TEXT))
 }
 
-/// A run: its error, and the share of the larger part.
-fn cell(
-    canvas: &Canvas<'_>,
-    [left, top, right, bottom]: [f64; 4],
-    point: &Point,
-    fit: &JointFit,
-) -> Result<(), ReportError> {
+/// The error of a run, and the larger share in it.
+fn cell(point: &Point, fit: &JointFit) -> Cell {
     let of_k = share_of_k(fit, point.h, point.k);
-    canvas.fill_box([left, top, right, bottom], tint(of_k), 1.0)?;
-    let (x, middle) = (0.5 * (left + right), 0.5 * (top + bottom));
     let error = match screen(point) {
         Ok(_) => format!("{:.1e}", point.error),
         Err(_) => format!("[{:.1e}]", point.error),
     };
-    canvas.on_tint(&error, (x, middle - 19.0))?;
     let share = match of_k {
         more if more >= 0.5 => format!("{:.0} % of k", 100.0 * more),
         less => format!("{:.0} % of h", 100.0 * (1.0 - less)),
     };
-    canvas.on_tint(&share, (x, middle + 19.0))
-}
-
-fn legend(canvas: &Canvas<'_>, (mut x, y): CanvasPoint) -> Result<(), ReportError> {
-    for (of_k, words) in [(0.0, "the error is of h"), (0.5, "of both alike"), (1.0, "of k")] {
-        let sides = [x, y - 16.0, x + 60.0, y + 16.0];
-        canvas.fill_box(sides, tint(of_k), 1.0)?;
-        canvas.line_box(sides, INK, 1)?;
-        canvas.text(words, (x + 76.0, y), Anchor::Left)?;
-        x += 120.0 + 16.0 * words.chars().count() as f64;
-    }
-    Ok(())
-}
-
-fn tint(of_k: f64) -> RGBColor {
-    let end = if of_k < 0.5 { OF_H } else { OF_K };
-    let part = (2.0 * of_k - 1.0).abs().min(1.0);
-    mixed(OF_BOTH, end, part)
+    (format!("{error}\n{share}"), Shade::Shared(of_k))
 }
 
 /// The share of E^m that the model attributes to the time step.
@@ -165,7 +116,7 @@ mod tests {
         };
         let records: Vec<CaseRecord> = grid.map(case).collect();
         let scene = SceneSummary { name: "s".into(), ..SceneSummary::default() };
-        split_svg(&scene, &records).unwrap().unwrap()
+        split_svg(&scene, &records).unwrap()
     }
 
     /// h + k² with equal constants: a coarse mesh with many steps has the error of h, few steps on a fine mesh that of

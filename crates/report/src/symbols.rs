@@ -1,5 +1,7 @@
 //! Converts formulas from ASCII (`E_phi1 <= alpha_phi e^2`) to print (`E_{φ1} ≤ α_φ e²`).
 
+use std::ops::Range;
+
 /// ASCII names of letters and signs.
 const LETTERS: [(&str, &str); 18] = [
     ("alpha", "α"),
@@ -47,7 +49,7 @@ pub fn symbols(ascii: &str) -> String {
             let second: String = rest[end..].iter().take(3).collect();
             let end = if second == ",nu" { end + 3 } else { end };
             let inside: String = rest[1..end].iter().filter(|c| **c != ',').collect();
-            out += &script(sign, &split(&inside));
+            out += &written(sign, &split(&inside));
             at += end;
         } else {
             out.push(match sign {
@@ -69,7 +71,7 @@ fn split(inside: &str) -> String {
     }
 }
 
-fn script(sign: char, inside: &str) -> String {
+fn written(sign: char, inside: &str) -> String {
     match (sign, inside) {
         ('^', "2") => "²".into(),
         _ if inside.chars().count() == 1 => format!("{sign}{inside}"),
@@ -86,33 +88,57 @@ fn letters(word: &str) -> String {
     named.unwrap_or_else(|| word.to_owned())
 }
 
-/// Words with low and high signs: `a_b` and `a^b` are symbols if one letter has an index of one or two signs (or a
-/// numeric power, as `h^0.99`) and ends with it, so that `V_max` and `cases_by_n` stay names.
-pub(crate) fn indexed(words: &str, set: impl Fn(char, &str) -> String) -> String {
+/// Words in pieces, each after its sign: a blank, or `_` or `^` for what stands low or high. In a formula that is what
+/// follows the sign, in braces or one character. Among words `a_b` is a symbol if one letter, or a bracket, has an index
+/// in braces or of one or two characters, or a power of letters, and ends with it: `V_max`, `cases_by_n` and `h^0.99`
+/// stay as they are. Γ3 is Γ with a low 3.
+pub(crate) fn scripts(words: &str, formula: bool) -> Vec<(char, String)> {
     let characters: Vec<char> = words.chars().collect();
-    let ends = |c: Option<&char>| c.is_none_or(|c| !c.is_alphanumeric() && *c != '_' || *c == '²');
-    let (mut out, mut at) = (String::new(), 0);
+    let (mut pieces, mut plain, mut at) = (Vec::new(), String::new(), 0);
     while at < characters.len() {
-        let base = characters[at].is_alphabetic() && (at == 0 || ends(characters.get(at - 1)));
-        out.push(characters[at]);
-        at += 1;
-        let Some(sign) = characters.get(at).filter(|c| base && "_^".contains(**c)) else {
+        let Some((sign, inside, end)) = script(&characters, at, formula) else {
+            plain.push(characters[at]);
+            at += 1;
             continue;
         };
-        let belongs = |c: &&char| match sign {
-            '_' => c.is_alphanumeric() && **c != '²',
-            _ => c.is_alphabetic(),
-        };
-        let end = at + 1 + characters[at + 1..].iter().take_while(belongs).count();
-        if (at + 2..=at + 3).contains(&end) && ends(characters.get(end)) {
-            out += &set(*sign, &characters[at + 1..end].iter().collect::<String>());
-            at = end;
-        }
+        pieces.push((' ', std::mem::take(&mut plain)));
+        pieces.push((sign, characters[inside].iter().collect()));
+        at = end;
     }
-    out
+    pieces.push((' ', plain));
+    pieces.retain(|(_, text)| !text.is_empty());
+    pieces
 }
 
-/// A formula without scripts and braces.
+/// The script that begins here, if any: sign, place of its content, end.
+fn script(characters: &[char], at: usize, formula: bool) -> Option<(char, Range<usize>, usize)> {
+    let before = |back: usize| at.checked_sub(back).map(|i| characters[i]);
+    let ends = |c: char| !c.is_alphanumeric() && c != '_' || c == '²';
+    let alone = before(2).is_none_or(|c| ends(c) && !"-.".contains(c));
+    let is_base = |c: char| "‖|)]".contains(c) || c.is_alphabetic() && alone;
+    let (sign, from) = match characters[at] {
+        sign @ ('_' | '^') if formula || before(1).is_some_and(is_base) => (sign, at + 1),
+        '1'..='4' if before(1) == Some('Γ') => ('_', at),
+        _ => return None,
+    };
+    let rest = &characters[from..];
+    if rest.first() == Some(&'{') {
+        let to = from + rest.iter().position(|c| *c == '}')?;
+        return Some((sign, from + 1..to, to + 1));
+    }
+    if formula {
+        return (!rest.is_empty()).then_some((sign, from..from + 1, from + 1));
+    }
+    // A power behind an index is not part of it.
+    let belongs = |c: &&char| match sign {
+        '_' => c.is_alphanumeric() && **c != '²',
+        _ => c.is_alphabetic(),
+    };
+    let length = rest.iter().take_while(belongs).count();
+    let ended = rest.get(length).is_none_or(|c| ends(*c));
+    ((1..=2).contains(&length) && ended).then_some((sign, from..from + length, from + length))
+}
+
 /// The text without control characters, each sign as `set` has it for a format.
 pub(crate) fn replaced(text: &str, set: impl Fn(char) -> Option<&'static str>) -> String {
     let mut result = String::with_capacity(text.len());
@@ -125,6 +151,21 @@ pub(crate) fn replaced(text: &str, set: impl Fn(char) -> Option<&'static str>) -
     result
 }
 
+/// Escapes words for HTML and SVG.
+pub fn escaped(text: &str) -> String {
+    replaced(text, |character| {
+        Some(match character {
+            '&' => "&amp;",
+            '<' => "&lt;",
+            '>' => "&gt;",
+            '"' => "&quot;",
+            '\'' => "&#39;",
+            _ => return None,
+        })
+    })
+}
+
+/// A formula without braces.
 pub(crate) fn in_line(formula: &str) -> String {
     formula.replace(['{', '}'], "")
 }
@@ -153,11 +194,21 @@ mod tests {
         assert_eq!(in_line("E_{φ1} ≤ α_φ"), "E_φ1 ≤ α_φ");
     }
 
+    fn set(words: &str, formula: bool) -> String {
+        let piece = |(sign, text): (char, String)| match sign {
+            ' ' => text,
+            _ => format!("{sign}<{text}>"),
+        };
+        scripts(words, formula).into_iter().map(piece).collect()
+    }
+
     #[test]
     fn symbols_among_words_have_their_index() {
-        let set = |words: &str| indexed(words, |sign, index| format!("{sign}<{index}>"));
+        let set = |words: &str| set(words, false);
         assert_eq!(set("e_n is at t_n, c_j² ≤ 1, u_hν"), "e_<n> is at t_<n>, c_<j>² ≤ 1, u_<hν>");
         assert_eq!(set("exact u(t) in V^h, k ~ h^s"), "exact u(t) in V^<h>, k ~ h^<s>");
+        assert_eq!(set("max ‖u_ν−u_hν‖_V on Γ3"), "max ‖u_<ν>−u_<hν>‖_<V> on Γ_<3>");
+        assert_eq!(set("E_{φ1}² ≤ σ^D"), "E_<φ1>² ≤ σ^<D>");
         for name in [
             "V_max in k",
             "cases_by_n",
@@ -170,8 +221,17 @@ mod tests {
             "h^0.99",
             "E^-1.5",
             "h^(1/2)",
+            "a-b_c",
+            "10⁻³",
+            "Γ",
+            "m0",
         ] {
             assert_eq!(set(name), name);
         }
+    }
+
+    #[test]
+    fn every_sign_of_a_formula_sets_what_follows() {
+        assert_eq!(set("max_n |u_n^{kh}|^{1/2}", true), "max_<n> |u_<n>^<kh>|^<1/2>");
     }
 }

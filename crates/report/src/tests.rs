@@ -111,19 +111,19 @@ fn a_report_is_whole_and_the_same_twice() {
 #[test]
 fn nothing_to_draw_draws_nothing() {
     let scene = SceneSummary { name: "empty".into(), ..SceneSummary::default() };
-    assert!(convergence_svg(&scene, &[], &[], Direction::Space).unwrap().is_none());
-    assert!(split_svg(&scene, &[]).unwrap().is_none());
+    assert!(convergence_svg(&scene, &[], &[], Direction::Space).is_none());
+    assert!(split_svg(&scene, &[]).is_none());
     let mut broken = case("empty", 8, 8);
     broken.errors[0].error = Some(f64::NAN);
     broken.errors.truncate(1);
     let records = [broken.clone(), CaseRecord { n: None, h: None, ..broken }];
-    assert!(convergence_svg(&scene, &records, &[], Direction::Time).unwrap().is_none());
-    assert!(split_svg(&scene, &records).unwrap().is_none());
+    assert!(convergence_svg(&scene, &records, &[], Direction::Time).is_none());
+    assert!(split_svg(&scene, &records).is_none());
 }
 
 fn picture(records: &[CaseRecord], verdicts: &[Verdict], direction: Direction) -> String {
     let scene = SceneSummary { name: "s".into(), ..SceneSummary::default() };
-    convergence_svg(&scene, records, verdicts, direction).unwrap().unwrap()
+    convergence_svg(&scene, records, verdicts, direction).unwrap()
 }
 
 /// The distance of the locked sets, a flat line, is left to the table unless judged.

@@ -37,5 +37,5 @@ pub(super) fn svg(
         let parts = vec![Part::Line(points.clone()), Part::Points(points)];
         chart.series.push(Series { slope, ..Series::new(name, parts) });
     }
-    chart.svg().map_err(CliError::other)?.ok_or_else(nothing)
+    chart.svg().ok_or_else(nothing)
 }

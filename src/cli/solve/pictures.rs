@@ -166,7 +166,7 @@ impl Pictures {
     }
 
     /// Names and texts of the files; without Γ3 there is no contact state.
-    pub(super) fn finish(self) -> Result<Vec<(String, String)>, report::ReportError> {
+    pub(super) fn finish(self) -> Vec<(String, String)> {
         let both = [self.exact, self.discrete];
         let panels = both.into_iter().filter(|panel| !panel.levels.is_empty()).collect();
         let picture = SpaceTime {
@@ -177,10 +177,10 @@ impl Pictures {
             ),
             panels,
         };
-        let contact = picture.svg()?.map(|svg| (format!("{}-contact.svg", self.name), svg));
-        let body = self.body.map(|body| body.svg()).transpose()?.flatten();
+        let contact = picture.svg().map(|svg| (format!("{}-contact.svg", self.name), svg));
+        let body = self.body.and_then(|body| body.svg());
         let body = body.map(|svg| (format!("{}-body.svg", self.name), svg));
-        Ok(contact.into_iter().chain(body).collect())
+        contact.into_iter().chain(body).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The first answers: did the estimates hold, what is least certain, what was broken on purpose.
 
-use super::content::{Report, id_of, tone};
+use super::content::{Report, tone};
 use super::{Run, Section, Tone};
 use files::counted;
 use judge::verdict::{Verdict, cell_texts};
@@ -55,7 +55,7 @@ fn named(report: &Report<'_>, verdict: &Verdict) -> Vec<Run> {
     };
     let observed = observed.replace('\n', "; ");
     vec![
-        Run { target: id_of(report, &verdict.scene), ..Run::plain(scene) },
+        Run { target: report.link(&verdict.scene), ..Run::plain(scene) },
         Run::plain(format!(", {norm} in {variable}: {observed} for {predicted} {certain}, ")),
         Run::of(decision, tone(verdict)),
         Run::plain("."),

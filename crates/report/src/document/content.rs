@@ -5,65 +5,40 @@ use super::answers;
 use super::chapter::{chapters, failures};
 use super::scene::{of_scene, sentence};
 use super::{Block, Document, Figure, Run, Section, Table, Tone};
-use crate::{Group, Picture, SceneSummary};
+use crate::{Group, SceneSummary};
 use files::{counted, quoted};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, NOTHING_JUDGED, Verdict, cell_texts, exit_code};
 use serde_json::Value;
 
+/// The pictures of a scene.
+#[derive(Default)]
+pub(crate) struct Drawn {
+    /// Its file names without endings.
+    pub(crate) stem: String,
+    pub(crate) figures: Vec<Figure>,
+    /// Small pictures of body and errors.
+    pub(crate) card: Vec<Figure>,
+}
+
 pub(crate) struct Report<'a> {
     pub(crate) scenes: &'a [SceneSummary],
-    /// A file name per scene, without ending.
-    pub(crate) stems: &'a [String],
-    /// File name, caption and SVG of the pictures of each scene.
-    pub(crate) pictures: &'a [Vec<Picture>],
-    /// Small pictures of body and errors of each scene.
-    pub(crate) cards: &'a [Vec<Picture>],
+    /// One per scene.
+    pub(crate) drawn: &'a [Drawn],
     /// The forest plot, whole and in pieces.
-    pub(crate) forest: Option<(Picture, Vec<String>)>,
+    pub(crate) forest: Option<&'a Figure>,
     /// Studies found in the directory.
     pub(crate) studies: Vec<StudyDocument>,
     /// Pictures of single cases found in the directory.
-    pub(crate) of_cases: Vec<Picture>,
+    pub(crate) of_cases: Vec<Figure>,
     pub(crate) records: &'a [CaseRecord],
     pub(crate) verdicts: &'a [Verdict],
     pub(crate) provenance: &'a Value,
 }
 
-/// Running numbers of tables and figures.
-#[derive(Default)]
-pub(super) struct Numbers {
-    tables: usize,
-    figures: usize,
-}
-
-impl Numbers {
-    /// Numbers a block.
-    pub(super) fn given(&mut self, block: Block) -> Block {
-        match block {
-            Block::Table(table) => {
-                self.tables += 1;
-                Block::Table(Table { number: self.tables, ..table })
-            }
-            Block::Figure(figure) => {
-                self.figures += 1;
-                Block::Figure(Figure { number: self.figures, ..figure })
-            }
-            other => other,
-        }
-    }
-
-    /// Numbers all blocks of a section.
-    pub(super) fn given_all(&mut self, section: Section) -> Section {
-        let blocks = section.blocks.into_iter().map(|block| self.given(block)).collect();
-        Section { blocks, ..section }
-    }
-}
-
 pub(crate) fn document(report: Report<'_>) -> Document {
-    let mut numbers = Numbers::default();
     let outcome = outcome(report.records, report.verdicts);
-    let mut sections = vec![summary(&report, &outcome, &failures(&report.studies), &mut numbers)];
+    let mut sections = vec![summary(&report, &outcome, &failures(&report.studies))];
     if !report.scenes.is_empty() {
         sections.push(introduction());
     }
@@ -74,13 +49,17 @@ pub(crate) fn document(report: Report<'_>) -> Document {
             let id = format!("group-{group:?}").to_lowercase();
             sections.push(Section::new(2, &id, group.title()));
         }
-        sections.extend(members.into_iter().map(|at| of_scene(&report, at, &mut numbers)));
+        sections.extend(members.into_iter().map(|at| of_scene(&report, at)));
     }
-    sections.extend(chapters(&report, &mut numbers));
+    sections.extend(chapters(&report));
     if !report.of_cases.is_empty() {
-        sections.push(further(report.of_cases.clone(), &mut numbers));
+        let mut further = Section::new(1, "studies", "Further pictures in this directory");
+        further.words("Written here by the command that each caption names.");
+        further.figures(&report.of_cases);
+        sections.push(further);
     }
-    sections.push(reproduction(&report, &mut numbers));
+    sections.push(reproduction(&report));
+    number(&mut sections);
     let entry = |key: &str| report.provenance.get(key).and_then(Value::as_str);
     let made_by = ["program", "version", "platform"].into_iter().filter_map(entry);
     Document {
@@ -88,6 +67,18 @@ pub(crate) fn document(report: Report<'_>) -> Document {
         outcome,
         made_by: made_by.collect::<Vec<_>>().join(" "),
         sections,
+    }
+}
+
+/// Numbers tables and figures throughout.
+fn number(sections: &mut [Section]) {
+    let (mut tables, mut figures) = (1.., 1..);
+    for block in sections.iter_mut().flat_map(|section| &mut section.blocks) {
+        match block {
+            Block::Table(table) => table.number = tables.next().unwrap_or_default(),
+            Block::Figure(figure) => figure.number = figures.next().unwrap_or_default(),
+            Block::Text(_) | Block::Formulas(_) | Block::Code(_) => {}
+        }
     }
 }
 
@@ -116,7 +107,13 @@ impl Report<'_> {
 
     pub(super) fn stem(&self, scene: &SceneSummary) -> &str {
         let at = self.scenes.iter().position(|other| other.name == scene.name);
-        at.map_or("", |at| &self.stems[at])
+        at.map_or("", |at| &self.drawn[at].stem)
+    }
+
+    /// A link to the section of a scene.
+    pub(super) fn link(&self, name: &str) -> Option<String> {
+        let scene = self.scenes.iter().find(|scene| scene.name == name)?;
+        Some(format!("#{}", self.stem(scene)))
     }
 }
 
@@ -132,20 +129,22 @@ pub(crate) fn group(scenes: &[SceneSummary], provenance: &Value, scene: &str) ->
         .map_or(Group::default(), |summary| summary.group)
 }
 
-/// The section of a scene by its name.
-pub(super) fn id_of(report: &Report<'_>, name: &str) -> Option<String> {
-    let at = report.scenes.iter().position(|scene| scene.name == name)?;
-    Some(format!("#{}", report.stems[at]))
+/// A verdict as a row: scene, norm, variable, prediction, observation, decision and reason; the first and the decision
+/// are linked.
+pub(super) fn verdict_row(verdict: &Verdict, target: Option<String>) -> Vec<Run> {
+    let mut row = cell_texts(verdict).map(Run::plain);
+    row[5].tone = tone(verdict);
+    (row[0].target, row[5].target) = (target.clone(), target);
+    row.into()
 }
 
-fn summary(
-    report: &Report<'_>,
-    outcome: &str,
-    failures: &[(String, String)],
-    numbers: &mut Numbers,
-) -> Section {
+/// Heads of such rows.
+pub(super) const VERDICT_HEADS: [&str; 7] =
+    ["scene", "norm", "in", "predicted", "observed", "verdict", "by"];
+
+fn summary(report: &Report<'_>, outcome: &str, failures: &[(String, String)]) -> Section {
     let mut section = Section::new(1, "verdicts", "Verdicts");
-    section.text(vec![Run::plain(outcome)]);
+    section.words(outcome);
     for (failure, target) in failures {
         section.text(vec![Run::of(format!("{failure}."), Tone::Miss).to(target)]);
     }
@@ -153,27 +152,11 @@ fn summary(
         return section;
     }
     answers::write(&mut section, report);
-    if let Some((picture, pieces)) = report.forest.clone() {
-        section.blocks.push(Block::Figure(Figure { pieces, ..Figure::new(picture) }));
-    }
-    let row = |verdict: &Verdict| {
-        let [scene, norm, variable, predicted, observed, decision, why] = cell_texts(verdict);
-        let target = id_of(report, &verdict.scene);
-        let linked = |run: Run| Run { target: target.clone(), ..run };
-        vec![
-            linked(Run::plain(scene)),
-            Run::plain(norm),
-            Run::plain(variable),
-            Run::plain(predicted),
-            Run::plain(observed),
-            linked(Run::of(decision, tone(verdict))),
-            Run::plain(why),
-        ]
-    };
-    let head = ["scene", "norm", "in", "predicted", "observed", "verdict", "by"];
+    section.figures(report.forest.map_or(&[], std::slice::from_ref));
+    let row = |verdict: &Verdict| verdict_row(verdict, report.link(&verdict.scene));
     let rows = report.verdicts.iter().map(row).collect();
     let caption = "Predicted orders, observed orders with their intervals, and what they say.";
-    section.blocks.push(Block::Table(Table::new(caption, &head, rows).evidence()));
+    section.table(Table::new(caption, &VERDICT_HEADS, rows).evidence());
     let remarkable = |v: &&Verdict| !v.as_expected() || v.decision != Decision::Pass;
     for verdict in report.verdicts.iter().filter(remarkable) {
         let mut runs = vec![Run::of(format!("{}, ", verdict.scene), Tone::Strong)];
@@ -187,27 +170,20 @@ fn summary(
         Run::plain("verdict.json").to("verdict.json"),
         Run::plain("."),
     ]);
-    numbers.given_all(section)
+    section
 }
 
 fn introduction() -> Section {
     let mut section = Section::new(1, "scenes", "Scenes");
-    section.text(vec![Run::plain(
+    section.words(
         "Each scene asks one question. Errors are maxima over the time levels in the norm named; V_max is the norm of the paper, ‖ε(u − u_h)‖ in L²(Ω). \
          h is 1/n with n cells per unit length, or the longest edge of an imported mesh; k = T/N with N steps. Lengths, stresses and times are in the units of the scene. \
          A local order is that between two neighbouring points that were used; a floor is the part of an error that is not the discretisation.",
-    )]);
+    );
     section
 }
 
-fn further(pictures: Vec<Picture>, numbers: &mut Numbers) -> Section {
-    let mut section = Section::new(1, "studies", "Further pictures in this directory");
-    section.text(vec![Run::plain("Written here by the command that each caption names.")]);
-    section.blocks.extend(pictures.into_iter().map(Figure::new).map(Block::Figure));
-    numbers.given_all(section)
-}
-
-fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
+fn reproduction(report: &Report<'_>) -> Section {
     let mut section = Section::new(1, "reproduce", "How to reproduce");
     section.text(vec![
         Run::plain("The records hold every number, and "),
@@ -220,9 +196,9 @@ fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
     section.blocks.push(Block::Code(format!(
         "sweep report DIR\nsweep run {scene} --out reports/again\nsweep explain {scene}"
     )));
-    section.text(vec![Run::plain(
+    section.words(
         "Records are the same, bit for bit, for any number of threads, but for the columns of seconds.",
-    )]);
+    );
     let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_owned);
     let mut rows = Vec::new();
     for (key, value) in report.provenance.as_object().into_iter().flatten() {
@@ -233,11 +209,7 @@ fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
             None => rows.push(vec![Run::plain(key), Run::plain(""), Run::code(text(value))]),
         }
     }
-    if !rows.is_empty() {
-        let caption = "Provenance: program, and the fingerprint of each scene's text.";
-        section
-            .blocks
-            .push(Block::Table(Table::new(caption, &["what", "of", "value"], rows).evidence()));
-    }
-    numbers.given_all(section)
+    let caption = "Provenance: program, and the fingerprint of each scene's text.";
+    section.table(Table::new(caption, &["what", "of", "value"], rows).evidence());
+    section
 }

@@ -66,14 +66,11 @@ pub(super) fn points(verdict: &Verdict, records: &[CaseRecord]) -> Table {
 }
 
 /// All cases of a scene with their sizes and errors.
-pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Option<Table> {
+pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Table {
     let of_scene: Vec<&CaseRecord> = records.iter().filter(|r| r.scene == scene).collect();
     let mut norms = norms(of_scene.iter().copied());
     norms.retain(|norm| *norm == V_MAX || !is_by_state(norm));
     let rest = norms.split_off(norms.len().min(NORM_COLUMNS));
-    if of_scene.is_empty() {
-        return None;
-    }
     let row = |record: &&CaseRecord| {
         let ended = match &record.status {
             Status::Converged => Run::plain("converged"),
@@ -103,5 +100,5 @@ pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Option<Table> {
     let caption = format!(
         "{scene}: all cases; unknowns of a time level, Newton iterations over all levels, errors in the norms named.{more}"
     );
-    Some(Table::new(caption, &heads, rows).evidence())
+    Table::new(caption, &heads, rows).evidence()
 }

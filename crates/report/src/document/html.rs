@@ -2,7 +2,7 @@
 
 use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::sheet;
-use crate::symbols::{indexed, replaced};
+use crate::symbols::{escaped, scripts};
 use files::counted;
 
 /// Light, or dark by the reader's system.
@@ -125,32 +125,18 @@ fn block(block: &Block) -> String {
 }
 
 fn formula(equation: &Equation) -> String {
-    let set = raised(&escaped(&equation.plain));
-    format!("<p><span>{set}</span> <span>{}</span></p>\n", escaped(&equation.number))
+    let Equation { plain, number, .. } = equation;
+    format!("<p><span>{}</span> <span>{}</span></p>\n", set(plain, true), escaped(number))
 }
 
-/// Words whose symbols have their index low or high.
-fn with_indices(text: &str) -> String {
-    indexed(text, |sign, index| {
-        let tag = if sign == '_' { "sub" } else { "sup" };
-        format!("<{tag}>{index}</{tag}>")
-    })
-}
-
-/// `a_b`, `a_{bc}` and `a^{bc}` with low and high signs.
-fn raised(text: &str) -> String {
-    let (mut result, mut rest) = (String::new(), text);
-    while let Some(at) = rest.find(['_', '^']) {
-        let tag = if rest[at..].starts_with('_') { "sub" } else { "sup" };
-        let after = &rest[at + 1..];
-        let (script, end) = match after.strip_prefix('{').and_then(|inner| inner.split_once('}')) {
-            Some((inner, end)) => (inner, end),
-            None => after.split_at(after.chars().next().map_or(0, char::len_utf8)),
-        };
-        result += &format!("{}<{tag}>{}</{tag}>", &rest[..at], raised(script));
-        rest = end;
-    }
-    result + rest
+/// Words, or a formula, with what stands low and high.
+fn set(text: &str, formula: bool) -> String {
+    let piece = |(sign, text): (char, String)| match sign {
+        '_' => format!("<sub>{}</sub>", set(&text, formula)),
+        '^' => format!("<sup>{}</sup>", set(&text, formula)),
+        _ => escaped(&text),
+    };
+    scripts(text, formula).into_iter().map(piece).collect()
 }
 
 fn of_table(table: &Table) -> String {
@@ -161,7 +147,7 @@ fn of_table(table: &Table) -> String {
         .iter()
         .enumerate()
         .map(|(column, head)| {
-            format!("<th scope=\"col\"{}>{}</th>", class(column), with_indices(&escaped(head)))
+            format!("<th scope=\"col\"{}>{}</th>", class(column), set(head, false))
         })
         .collect();
     let row = |cells: &Vec<Run>| {
@@ -169,7 +155,7 @@ fn of_table(table: &Table) -> String {
         format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
     };
     let rows: String = table.rows.iter().map(row).collect();
-    let caption = format!("Table {number}. {}", with_indices(&escaped(&table.caption)));
+    let caption = format!("Table {number}. {}", set(&table.caption, false));
     let rows = format!(
         "<div class=\"scroll\" tabindex=\"0\"><table aria-label=\"{}\">\n\
          <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
@@ -205,15 +191,15 @@ fn joined(runs: &[Run]) -> String {
 }
 
 fn of_run(run: &Run) -> String {
-    let text = escaped(&run.text).replace('\n', "<br>");
     let text = match run.tone {
         // A link keeps the words of its target.
-        Tone::Plain | Tone::Pass if run.target.is_none() => with_indices(&text),
-        _ => text,
+        Tone::Plain | Tone::Pass if run.target.is_none() => set(&run.text, false),
+        Tone::Formula => set(&run.text, true),
+        _ => escaped(&run.text),
     };
+    let text = text.replace('\n', "<br>");
     let text = match run.tone {
-        Tone::Plain => text,
-        Tone::Formula => raised(&text),
+        Tone::Plain | Tone::Formula => text,
         Tone::Strong => format!("<b>{text}</b>"),
         Tone::Code => format!("<code>{text}</code>"),
         Tone::Pass => format!("<span class=\"pass\">{text}</span>"),
@@ -222,51 +208,5 @@ fn of_run(run: &Run) -> String {
     match &run.target {
         Some(target) => format!("<a href=\"{}\">{text}</a>", escaped(target)),
         None => text,
-    }
-}
-
-/// Text as the content or an attribute of an element.
-pub fn escaped(text: &str) -> String {
-    replaced(text, |character| {
-        Some(match character {
-            '&' => "&amp;",
-            '<' => "&lt;",
-            '>' => "&gt;",
-            '"' => "&quot;",
-            '\'' => "&#39;",
-            _ => return None,
-        })
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scripts_are_set_low_and_high() {
-        assert_eq!(raised("u_ν ≤ g"), "u<sub>ν</sub> ≤ g");
-        assert_eq!(raised("P_{M(κ)}ε, ∫^{t_n}"), "P<sub>M(κ)</sub>ε, ∫<sup>t<sub>n</sub></sup>");
-        assert_eq!(raised("a_"), "a<sub></sub>");
-        assert_eq!(escaped("<a href='b'>&\""), "&lt;a href=&#39;b&#39;&gt;&amp;&quot;");
-    }
-
-    #[test]
-    fn a_long_group_is_folded_unless_that_hides_a_miss() {
-        let group = |length: usize, missed: Option<usize>| {
-            let scene = |at: usize| {
-                let tone = if Some(at) == missed { Tone::Miss } else { Tone::Pass };
-                let mut scene = Section::new(3, &format!("scene-{at}"), "scene");
-                scene.card = Some(Card { verdict: vec![Run::of("word", tone)], pictures: vec![] });
-                scene
-            };
-            cards(&(0..length).map(scene).collect::<Vec<_>>())
-        };
-        assert!(!group(MOST_CARDS, None).contains("more"));
-        let folded = group(MOST_CARDS + 2, Some(0));
-        let (shown, more) = folded.split_once("<details class=\"more\">").expect("folded");
-        assert_eq!(shown.matches("<article").count(), MOST_CARDS);
-        assert!(more.contains("2 more scenes") && more.contains("id=\"scene-9\""), "{more}");
-        assert!(group(MOST_CARDS + 2, Some(9)).contains("<details class=\"more\" open>"));
     }
 }

@@ -1,8 +1,10 @@
 //! The document for a pull request: outcome, verdicts, remarks, links.
 
+use super::content::{VERDICT_HEADS, verdict_row};
 use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::symbols::replaced;
 use files::harmless;
+use judge::verdict::Verdict;
 
 /// The document as Markdown; pictures are linked, tables of evidence folded.
 pub(crate) fn markdown(document: &Document) -> String {
@@ -11,6 +13,15 @@ pub(crate) fn markdown(document: &Document) -> String {
         text += &of_section(section);
     }
     text
+}
+
+/// The verdicts as a table, with their reasons.
+pub(crate) fn verdict_rows(verdicts: &[Verdict]) -> String {
+    let row = |verdict: &Verdict| {
+        verdict_row(verdict, None).into_iter().chain([Run::plain(&*verdict.reason)]).collect()
+    };
+    let heads = [&VERDICT_HEADS[..], &["reason"]].concat();
+    rows(&Table::new("", &heads, verdicts.iter().map(row).collect()))
 }
 
 fn of_section(section: &Section) -> String {

@@ -19,17 +19,15 @@ mod study;
 mod terminal;
 mod typst;
 
-use crate::Picture;
 use crate::symbols::{in_line, symbols};
 use serde::{Deserialize, Serialize};
 
 pub use columns::{beside, text_table};
-pub(super) use content::{Report, document, group};
+pub(super) use content::{Drawn, Report, document, group};
 pub use equation::{Equation, Terms, equations};
-pub use html::escaped;
 pub(super) use html::page;
 pub(super) use latex::tables;
-pub(super) use markdown::markdown;
+pub(super) use markdown::{markdown, verdict_rows};
 pub use number::{digits, held, number, precise, sides};
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
@@ -117,21 +115,21 @@ pub(super) struct Table {
 
 /// A numbered picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Figure {
+pub(crate) struct Figure {
     pub(super) number: usize,
     /// File name in the directory of the report.
-    pub(super) file: String,
+    pub(crate) file: String,
     pub(super) caption: String,
     #[serde(skip)]
-    pub(super) svg: String,
+    pub(crate) svg: String,
     /// The picture in pieces, for a page that arranges them by its width.
     #[serde(skip)]
-    pub(super) pieces: Vec<String>,
+    pub(crate) pieces: Vec<String>,
 }
 
 impl Figure {
-    fn new((file, caption, svg): Picture) -> Self {
-        Self { number: 0, file, caption, svg, pieces: Vec::new() }
+    pub(crate) fn new(file: impl Into<String>, caption: impl Into<String>, svg: String) -> Self {
+        Self { number: 0, file: file.into(), caption: caption.into(), svg, pieces: Vec::new() }
     }
 }
 
@@ -199,6 +197,21 @@ impl Section {
 
     fn text(&mut self, runs: Vec<Run>) {
         self.blocks.push(Block::Text(runs));
+    }
+
+    fn words(&mut self, text: impl Into<String>) {
+        self.text(vec![Run::plain(text)]);
+    }
+
+    fn figures(&mut self, figures: &[Figure]) {
+        self.blocks.extend(figures.iter().cloned().map(Block::Figure));
+    }
+
+    /// A table; omitted without rows.
+    fn table(&mut self, table: Table) {
+        if !table.rows.is_empty() {
+            self.blocks.push(Block::Table(table));
+        }
     }
 }
 

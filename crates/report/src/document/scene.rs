@@ -1,25 +1,22 @@
 //! The section of a scene: a summary, and the evidence of its verdicts.
 
 use super::chapter::numbered;
-use super::content::{Numbers, Report, tone};
+use super::content::{Report, VERDICT_HEADS, tone, verdict_row};
 use super::evidence::{cases, points};
-use super::{Block, Card, Figure, Run, Section, Table, Tone};
+use super::{Block, Card, Run, Section, Table, Tone};
 use judge::verdict::{Verdict, cell_texts};
 
-pub(super) fn of_scene(report: &Report<'_>, at: usize, numbers: &mut Numbers) -> Section {
-    let scene = &report.scenes[at];
-    let mut section = Section::new(3, &report.stems[at], &scene.name);
+pub(super) fn of_scene(report: &Report<'_>, at: usize) -> Section {
+    let (scene, drawn) = (&report.scenes[at], &report.drawn[at]);
+    let mut section = Section::new(3, &drawn.stem, &scene.name);
     let verdicts: Vec<&Verdict> =
         report.verdicts.iter().filter(|v| v.scene == scene.name).collect();
-    let pictures = report.cards[at].iter().cloned().map(Figure::new).collect();
-    section.card = Some(Card { verdict: glance(&verdicts), pictures });
-    section.text(vec![Run::plain(&*scene.question)]);
-    for remark in &scene.remarks {
-        section.text(vec![Run::plain(remark)]);
-    }
+    section.card = Some(Card { verdict: glance(&verdicts), pictures: drawn.card.clone() });
+    section.words(&*scene.question);
+    scene.remarks.iter().for_each(|remark| section.words(remark));
     if !scene.violates.is_empty() {
         let names: Vec<String> = scene.violates.iter().map(|name| numbered(name)).collect();
-        section.text(vec![Run::plain(format!("Broken on purpose: {}.", names.join(", ")))]);
+        section.words(format!("Broken on purpose: {}.", names.join(", ")));
     }
     if !scene.equations.is_empty() {
         section.blocks.push(Block::Formulas(scene.equations.clone()));
@@ -27,31 +24,21 @@ pub(super) fn of_scene(report: &Report<'_>, at: usize, numbers: &mut Numbers) ->
     for verdict in &verdicts {
         section.text(sentence(verdict));
     }
-    let table = |table: Table| Block::Table(table);
-    if !verdicts.is_empty() {
-        let row = |verdict: &&Verdict| {
-            let [_, norm, variable, predicted, observed, decision, why] = cell_texts(verdict);
-            let plain = [norm, variable, predicted, why, observed].into_iter().map(Run::plain);
-            plain.chain([Run::of(decision, tone(verdict))]).collect()
-        };
-        let heads = ["norm", "in", "predicted", "by", "observed", "verdict"];
-        let caption = format!("{}: predicted and observed orders.", scene.name);
-        section.blocks.push(table(Table::new(caption, &heads, verdicts.iter().map(row).collect())));
+    let rows = verdicts.iter().map(|verdict| verdict_row(verdict, None).split_off(1)).collect();
+    let caption = format!("{}: predicted and observed orders.", scene.name);
+    section.table(Table::new(caption, &VERDICT_HEADS[1..], rows));
+    section.figures(&drawn.figures);
+    for verdict in &verdicts {
+        section.table(points(verdict, report.records));
     }
-    let pictures = report.pictures[at].iter().cloned();
-    section.blocks.extend(pictures.map(Figure::new).map(Block::Figure));
-    section.blocks.extend(verdicts.iter().map(|verdict| table(points(verdict, report.records))));
-    section.blocks.extend(cases(&scene.name, report.records).map(table));
-    if !scene.data.is_empty() {
-        let row = |[part, key, value]: &[String; 3]| {
-            vec![Run::plain(part), Run::plain(key), Run::code(value)]
-        };
-        let caption = format!("{}: data, as the scene file gives them.", scene.name);
-        let rows = scene.data.iter().map(row).collect();
-        let data = Table::new(caption, &["part", "key", "value"], rows).evidence();
-        section.blocks.push(table(data));
-    }
-    numbers.given_all(section)
+    section.table(cases(&scene.name, report.records));
+    let row = |[part, key, value]: &[String; 3]| {
+        vec![Run::plain(part), Run::plain(key), Run::code(value)]
+    };
+    let caption = format!("{}: data, as the scene file gives them.", scene.name);
+    let rows = scene.data.iter().map(row).collect();
+    section.table(Table::new(caption, &["part", "key", "value"], rows).evidence());
+    section
 }
 
 /// A verdict in words, without the name of its scene.

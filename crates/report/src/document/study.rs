@@ -138,7 +138,7 @@ impl StudyDocument {
         let scene = self.scene.as_ref();
         let file = scene.map_or(format!("{rest}.svg"), |scene| format!("{scene}-{rest}.svg"));
         let caption = scene.map_or(caption.into(), |scene| format!("{scene}: {caption}"));
-        self.blocks.push(Block::Figure(Figure::new((file, caption, svg))));
+        self.blocks.push(Block::Figure(Figure::new(file, caption, svg)));
     }
 
     /// Lines to be typed.

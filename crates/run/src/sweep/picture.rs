@@ -4,7 +4,7 @@ mod space;
 
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{EvaluationPoint, Node, Program};
-use report::{Ink, ReportError, Sketch, Stroke};
+use report::{Ink, Sketch, Stroke};
 use scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
 
 /// Points along a deformed edge, and along a curve over t.
@@ -21,7 +21,7 @@ const MESHES: [u32; 6] = [1, 2, 3, 4, 6, 8];
 const MOST_CELLS: f64 = 65_536.0;
 
 /// The picture of a scene as SVG.
-pub fn scene_picture(scene: &Scene) -> Result<String, ReportError> {
+pub fn scene_picture(scene: &Scene) -> String {
     let sketch = match &scene.body {
         Body::Abstract(problem) => over_time(scene, &problem.u),
         Body::Contact(body) if body.domain.dimension() == 2 => plane(scene, body),

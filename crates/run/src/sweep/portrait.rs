@@ -16,7 +16,7 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
         group: Group::of(terms(scene), is_about_a_hypothesis(scene)),
         remarks: remarks(scene),
         // If the body cannot be drawn, the picture is omitted.
-        picture: scene_picture(scene).ok(),
+        picture: Some(scene_picture(scene)),
         equations: equations(terms(scene)),
         data: data(&scene.source.text),
         violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),

@@ -4,7 +4,7 @@ use super::judge::{RungRow, Standing};
 use super::rung::Ladder;
 use super::table::map;
 use files::counted;
-use report::{Chapter, ReportError, Run, StudyDocument, Tone};
+use report::{Chapter, Run, StudyDocument, Tone};
 use serde::Serialize;
 
 /// Ladders with their rungs, judged.
@@ -23,10 +23,7 @@ impl Climbed {
     }
 
     /// The rungs as a document.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+    pub fn document(&self) -> StudyDocument {
         let mut document = StudyDocument::new(Chapter::Extremes, "Ladders and rungs");
         let wrong = self.rungs.iter().filter(|rung| !rung.standing.as_expected());
         let failures = wrong.map(|rung| {
@@ -48,8 +45,8 @@ impl Climbed {
             self.rungs.iter().map(rung).collect(),
         );
         let shows = "every rung of the ladders against its expectation (sweep extremes).";
-        document.figure("extremes", shows, Some(map(&self.ladders, &self.rungs)?));
-        Ok(document)
+        document.figure("extremes", shows, Some(map(&self.ladders, &self.rungs)));
+        document
     }
 
     fn ladder(&self, ladder: &Ladder) -> Vec<Run> {

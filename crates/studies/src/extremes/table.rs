@@ -3,7 +3,7 @@
 use super::judge::{RungRow, Standing};
 use super::rung::{Expected, Ladder};
 use crate::table;
-use report::{Cell, Map, ReportError, Shade};
+use report::{Cell, Map, Shade};
 
 /// The table of `extremes.csv`.
 ///
@@ -34,10 +34,7 @@ pub fn csv(rows: &[RungRow]) -> Result<Vec<u8>, csv::Error> {
 
 /// The map of all rows: one line a ladder, one cell a rung, shaded by how far the measured number is within
 /// what is allowed: the lightest at six decades or more, the darkest at the bound.
-///
-/// # Errors
-/// [`ReportError::Drawing`].
-pub(super) fn map(ladders: &[Ladder], rows: &[RungRow]) -> Result<String, ReportError> {
+pub(super) fn map(ladders: &[Ladder], rows: &[RungRow]) -> String {
     let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
         let rows = rows.iter().filter(|row| row.ladder == ladder.name);
         rows.map(|row| {
@@ -53,10 +50,12 @@ pub(super) fn map(ladders: &[Ladder], rows: &[RungRow]) -> Result<String, Report
         subtitle: format!("{refused} refused as expected, {wrong} not as expected"),
         rows: ladders.iter().map(|ladder| (ladder.name.to_owned(), of_ladder(ladder))).collect(),
         legend: [
-            "as expected, darker nearer the bound".into(),
-            "refused as expected".into(),
-            "not as expected".into(),
+            (Shade::Within(0.3), "as expected, darker nearer the bound"),
+            (Shade::Outside, "refused as expected"),
+            (Shade::Wrong, "not as expected"),
         ],
+        heads: Vec::new(),
+        notes: Vec::new(),
     }
     .svg()
 }

@@ -4,14 +4,11 @@ use super::extrapolation::{Extrapolated, LastOrder};
 use super::picture::AGAINST;
 use super::{Answer, Answered, Equal, Price, Rival, Study, Term, Trial};
 use judge::fit::Interval;
-use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits};
+use report::{Chapter, Run, StudyDocument, Tone, digits};
 
 impl Study {
     /// The trade as a document; its pictures mark the answer, where a target was named.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn document(&self, answer: Option<&Answered>) -> Result<StudyDocument, ReportError> {
+    pub fn document(&self, answer: Option<&Answered>) -> StudyDocument {
         let title = format!("Cost and error: {}", self.scene);
         let mut document =
             StudyDocument::new(Chapter::Trade, title).of_scene(&self.scene, &self.fingerprint);
@@ -52,9 +49,9 @@ impl Study {
         );
         for against in &AGAINST {
             let caption = format!("{}, with the Pareto front (sweep trade).", against.shows);
-            document.figure(against.stem, &caption, self.svg(against, answer)?);
+            document.figure(against.stem, &caption, self.svg(against, answer));
         }
-        Ok(document)
+        document
     }
 
     fn models(&self, document: &mut StudyDocument) {

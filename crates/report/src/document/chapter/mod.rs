@@ -11,11 +11,11 @@ mod tests;
 
 pub(super) use broken::numbered;
 
-use super::content::{Numbers, Report};
+use super::content::Report;
 use super::{Block, Chapter, Run, Section, StudyDocument, Table, Tone};
 
-pub(super) fn chapters(report: &Report<'_>, numbers: &mut Numbers) -> Vec<Section> {
-    let mut pen = Pen { report, numbers, sections: Vec::new() };
+pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
+    let mut pen = Pen { report, sections: Vec::new() };
     opening::bound(&mut pen);
     step_size::write(&mut pen, &report.studies);
     pen.studies(Chapter::Bound);
@@ -61,7 +61,6 @@ fn id(study: &StudyDocument) -> String {
 
 struct Pen<'a> {
     report: &'a Report<'a>,
-    numbers: &'a mut Numbers,
     sections: Vec<Section>,
 }
 
@@ -77,7 +76,7 @@ impl Pen<'_> {
 
     fn block(&mut self, block: Block) {
         if let Some(section) = self.sections.last_mut() {
-            section.blocks.push(self.numbers.given(block));
+            section.blocks.push(block);
         }
     }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde_json::json;
 
 use crate::document::{
-    Chapter, Document, Report, Run, StudyDocument, Tone, document, markdown, page, tables,
+    Chapter, Document, Drawn, Report, Run, StudyDocument, Tone, document, markdown, page, tables,
 };
 use crate::{ReportError, SceneSummary, StepLimits};
 use judge::record::{CaseRecord, Key, NormError, Status};
@@ -75,11 +75,9 @@ fn composed(studies: &[StudyDocument], change: impl Fn(&mut SceneSummary)) -> Do
     let records: Vec<CaseRecord> = [8, 16, 32].map(case).into();
     document(Report {
         scenes: &[scene],
-        stems: &["s".to_owned()],
-        pictures: &[Vec::new()],
+        drawn: &[Drawn { stem: "s".into(), ..Drawn::default() }],
         studies: read(studies),
         of_cases: Vec::new(),
-        cards: &[Vec::new()],
         forest: None,
         records: &records,
         verdicts: &[verdict(&records)],

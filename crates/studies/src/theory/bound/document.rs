@@ -7,14 +7,11 @@ use super::crossing::Crossing;
 use super::ladder::{StepOutcome, StepRung};
 use super::run::FactorAtLevel;
 use super::sampled::Sampled;
-use report::{Chapter, ReportError, Run, StudyDocument, digits, held, number, precise, sides};
+use report::{Chapter, Run, StudyDocument, digits, held, number, precise, sides};
 
 impl BoundStudy {
     /// The study as a document.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+    pub fn document(&self) -> StudyDocument {
         let title = format!("The bound measured: {}", self.scene);
         let mut document =
             StudyDocument::new(Chapter::Bound, title).of_scene(&self.scene, &self.fingerprint);
@@ -55,9 +52,9 @@ impl BoundStudy {
         document.figure(
             "bound",
             "contraction factor of Λ against k, with the bounds of (3.4) (sweep bound).",
-            self.svg()?,
+            self.svg(),
         );
-        Ok(document)
+        document
     }
 
     /// The four numbers in a sentence each.

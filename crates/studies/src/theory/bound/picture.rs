@@ -2,14 +2,11 @@
 
 use super::BoundStudy;
 use super::ladder::StepRung;
-use report::{Axis, Chart, LegendKey, Mark, Part, ReportError, Scale, Series};
+use report::{Axis, Chart, Mark, Part, Scale, Series};
 
 impl BoundStudy {
     /// Factors of Λ against k with their bounds; none if no number can be drawn.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub(crate) fn svg(&self) -> Result<Option<String>, ReportError> {
+    pub(crate) fn svg(&self) -> Option<String> {
         let worst = &self.study.worst;
         let question = format!(
             "Contraction factor of Λ for a last step of size k after the past of level {} ({})",
@@ -32,7 +29,9 @@ impl BoundStudy {
             Part::Hollow(norms(false)),
         ];
         if !norms(false).is_empty() {
-            chart.keys.push(LegendKey::Hollow("no solution found: at the last one".into()));
+            chart
+                .keys
+                .push((Part::Hollow(Vec::new()), "no solution found: at the last one".into()));
         }
         chart.series = vec![
             Series::new("measured: ‖DΛ‖, worst direction", norm),

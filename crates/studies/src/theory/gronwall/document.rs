@@ -3,14 +3,11 @@
 use super::horizon::HorizonRow;
 use super::stability::Perturbation;
 use super::study::{Effectivity, StudiedGrid, Study};
-use report::{Chapter, ReportError, Run, StudyDocument, digits, number, precise, sides};
+use report::{Chapter, Run, StudyDocument, digits, number, precise, sides};
 
 impl Study {
     /// The study as a document.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+    pub fn document(&self) -> StudyDocument {
         let title = format!("Envelopes: {}", self.scene);
         let mut document =
             StudyDocument::new(Chapter::Gronwall, title).of_scene(&self.scene, &self.fingerprint);
@@ -58,9 +55,9 @@ impl Study {
         );
         document.table("Constants of the inequality.", &["constant", ">value"], self.constants());
         for (stem, shows, chart) in self.pictures() {
-            document.figure(stem, shows, chart.svg()?);
+            document.figure(stem, shows, chart.svg());
         }
-        Ok(document)
+        document
     }
 
     fn say_verdict(&self, document: &mut StudyDocument) {
