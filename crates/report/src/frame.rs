@@ -5,18 +5,19 @@ use super::chart::{Chart, Mark};
 use super::palette::{GRID, INK};
 use super::ruler::{Room, Ruler};
 
-/// Size of a picture, height of its words, and its axes: left, top, right, bottom.
+/// Size of a picture, height of its words, room for a label of the axis across, and the axes: left, top, right, bottom.
 pub(super) struct Layout {
     pub(super) size: (u32, u32),
     pub(super) text: f64,
+    label: f64,
     pub(super) room: [f64; 4],
 }
 
 pub(super) const LARGE: Layout =
-    Layout { size: SIZE, text: TEXT, room: [170.0, 190.0, 1140.0, 990.0] };
+    Layout { size: SIZE, text: TEXT, label: 100.0, room: [170.0, 190.0, 1140.0, 990.0] };
 /// Readable at 240 pixels.
 pub(super) const SMALL: Layout =
-    Layout { size: (480, 404), text: 22.0, room: [84.0, 16.0, 336.0, 312.0] };
+    Layout { size: (480, 404), text: 22.0, label: 80.0, room: [84.0, 16.0, 336.0, 312.0] };
 
 /// Height of title and question, above the letters of marks.
 pub(super) const TITLE_ROOM: u32 = 136;
@@ -50,11 +51,11 @@ impl Frame {
         let levels: Vec<f64> = markers.filter(shown).map(|point| point.0).collect();
         let (data, beside) = if levels.is_empty() { (&xs, &levels) } else { (&levels, &xs) };
         let beside = [&beside[..], &marks(&chart.verticals)].concat();
-        let Layout { room, text, .. } = chart.layout();
+        let Layout { room, text, label, .. } = chart.layout();
         let [left, top, right, bottom] = *room;
         let unit = text / TEXT;
-        // Space for labels: five digits side by side, twice a line of text above another.
-        let room_x = Room { length: right - left, label: 100.0 * unit };
+        // Twice a line of text for labels above another.
+        let room_x = Room { length: right - left, label: *label };
         let room_y = Room { length: bottom - top, label: 80.0 * unit };
         let x = Ruler::new(scales.0, data, &beside, room_x)?;
         let y = Ruler::new(scales.1, &ys, &marks(&chart.horizontals), room_y)?;

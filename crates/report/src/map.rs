@@ -47,7 +47,7 @@ const TEXT: f64 = 25.0;
 /// In heights of text: a line in a cell and in the notes, the rest of a row, heads, the maximal width of a character.
 const LINES: f64 = 1.27;
 const ROW: f64 = 0.57;
-const NOTES: f64 = 1.4;
+const NOTES: f64 = 1.6;
 const HEADS: f64 = 2.3;
 const CHARACTER: f64 = 0.56;
 /// Height of the title; from the last row to the middle of the legend, and to the end.

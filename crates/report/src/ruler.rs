@@ -117,11 +117,7 @@ fn steps([lo, hi]: [f64; 2], levels: &[f64], room: Room) -> ([f64; 2], Vec<Tick>
     (ends, ticks)
 }
 
-/// The i-th tick of the sequence …, 0.5, 1, 2, 5, 10, …, 1 being the 0-th: digit and exponent.
-fn member(i: i64) -> (i64, i64) {
-    (DIGITS[i.rem_euclid(3) as usize], i.div_euclid(3))
-}
-
+/// The logarithm of digit·10^exponent.
 fn measured((digit, exponent): (i64, i64)) -> f64 {
     (digit as f64).log10() + exponent as f64
 }
@@ -131,44 +127,35 @@ fn value((digit, exponent): (i64, i64)) -> f64 {
     format!("{digit}e{exponent}").parse().unwrap_or(f64::NAN)
 }
 
+/// The axis ends at members of the sequence …, 0.5, 1, 2, 5, 10, …; these are labelled if there is room, else powers of
+/// ten.
 fn logarithmic([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
     let margin = (MARGIN * (hi - lo)).max(MARGIN);
-    // The sequence has three members a decade, at most 0.4 decades apart.
-    let mut first = (3.0 * (lo - margin)).floor() as i64 + 1;
-    while measured(member(first)) > lo - margin {
-        first -= 1;
-    }
-    let mut last = (3.0 * (hi + margin)).ceil() as i64 - 1;
-    while measured(member(last)) < hi + margin {
-        last += 1;
-    }
-    let ends = [measured(member(first)), measured(member(last))];
+    let decades = || (lo - margin).floor() as i64 - 1..=(hi + margin).ceil() as i64;
+    let members = || decades().flat_map(|exponent| DIGITS.map(|digit| (digit, exponent)));
+    let below = members().map(measured).take_while(|member| *member <= lo - margin);
+    let above = members().map(measured).find(|member| *member >= hi + margin);
+    let ends = [below.fold(lo - margin, |_, last| last), above.unwrap_or(hi + margin)];
     let decade = room.length / (ends[1] - ends[0]);
-    if decade * 2f64.log10() >= room.label {
-        let ticks = (first..=last).map(|i| {
-            let (digit, exponent) = member(i);
-            let label = Some(decimal(digit, exponent));
-            Tick { at: value((digit, exponent)), label }
-        });
-        let strokes = strokes(first, last, |digit| !DIGITS.contains(&digit));
-        return (ends, ticks.chain(strokes).collect());
-    }
-    let (low, high) = ((first + 2).div_euclid(3), last.div_euclid(3));
+    let digits_fit = decade * 2f64.log10() >= room.label;
     let every = (room.label / decade).ceil().max(1.0) as i64;
-    let ticks = (low..=high).filter(|exponent| (exponent - low) % every == 0);
-    let ticks = ticks.map(|e| Tick { at: value((1, e)), label: Some(power(e)) });
-    let strokes = (every == 1).then(|| strokes(first, last, |digit| digit > 1));
-    (ends, ticks.chain(strokes.into_iter().flatten()).collect())
-}
-
-/// Unlabelled ticks between two members, filtered by a rule.
-fn strokes(first: i64, last: i64, keep: impl Fn(i64) -> bool) -> impl Iterator<Item = Tick> {
-    let decades = first.div_euclid(3)..=last.div_euclid(3);
-    let ends = [measured(member(first)), measured(member(last))];
-    let all = decades.flat_map(|exponent| (1..10).map(move |digit| (digit, exponent)));
-    all.filter(move |(digit, _)| keep(*digit))
-        .filter(move |tick| (ends[0]..=ends[1]).contains(&measured(*tick)))
-        .map(|tick| Tick { at: value(tick), label: None })
+    let first = ends[0].ceil() as i64;
+    let label = |digit: i64, exponent: i64| match digit {
+        _ if digits_fit => DIGITS.contains(&digit).then(|| decimal(digit, exponent)),
+        1 => ((exponent - first) % every == 0).then(|| power(exponent)),
+        _ => None,
+    };
+    let tick = |(digit, exponent)| {
+        let inside = (ends[0]..=ends[1]).contains(&measured((digit, exponent)));
+        let label = label(digit, exponent);
+        let drawn = inside && (label.is_some() || every == 1);
+        drawn.then(|| Tick { at: value((digit, exponent)), label })
+    };
+    let all = decades().flat_map(|exponent| (1..10).map(move |digit| (digit, exponent)));
+    let mut ticks: Vec<Tick> = all.filter_map(tick).collect();
+    // Short strokes lie above the grid.
+    ticks.sort_by_key(|tick| tick.label.is_none());
+    (ends, ticks)
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ pub fn split_svg(scene: &SceneSummary, records: &[CaseRecord]) -> Option<String>
     let map = Map {
         title: String::new(),
         subtitle: String::new(),
-        heads: std::iter::once("h  k".into())
+        heads: std::iter::once("h \\ k".into())
             .chain(steps.iter().copied().map(step_label))
             .collect(),
         rows: rows.iter().map(row).collect(),

@@ -1,4 +1,4 @@
-//! Converts formulas from ASCII (`E_phi1 <= alpha_phi e^2`) to print (`E_{φ1} ≤ α_φ e²`).
+//! Converts formulas from ASCII (`E_phi1 <= alpha_phi e^2`) to print (`E_φ1 ≤ α_φ e²`).
 
 use std::ops::Range;
 
@@ -24,59 +24,36 @@ const LETTERS: [(&str, &str); 18] = [
     ("sqrt", "√"),
 ];
 
-/// A formula with its letters and signs; `_` and `^` precede low and high signs, in braces if several.
+/// A formula with its letters and signs; `_` and `^` precede low and high signs.
 pub fn symbols(ascii: &str) -> String {
-    let signs = [("<=", "≤"), (">=", "≥"), (" - ", " − "), (" -> ", " → ")];
+    // `u_h,nu` has two indices.
+    let signs = [
+        ("_h,nu", "_hν"),
+        ("E_j~", "Ẽ_j"),
+        ("<=", "≤"),
+        (">=", "≥"),
+        (" - ", " − "),
+        (" -> ", " → "),
+    ];
     let signed = signs.iter().fold(ascii.to_owned(), |text, (from, to)| text.replace(from, to));
-    let characters: Vec<char> = signed.chars().collect();
     // Between blanks `<` compares; otherwise it opens a product.
-    let compares =
-        |at: usize| at > 0 && characters[at - 1] == ' ' && characters.get(at + 1) == Some(&' ');
-    let (mut out, mut at) = (String::new(), 0);
-    while at < characters.len() {
-        let rest = &characters[at..];
-        let sign = rest[0];
-        if sign.is_ascii_alphanumeric() {
-            let end = rest.iter().take_while(|c| c.is_ascii_alphanumeric()).count();
-            out += &letters(&rest[..end].iter().collect::<String>());
-            at += end;
-        } else if "_^".contains(sign) && at > 0 && rest.get(1).is_some_and(|c| c.is_alphanumeric())
-        {
-            // A power behind an index is not part of it.
-            let belongs = |c: &&char| c.is_alphanumeric() && **c != '²';
-            let end = 1 + rest[1..].iter().take_while(belongs).count();
-            // `u_h,nu` has two indices.
-            let second: String = rest[end..].iter().take(3).collect();
-            let end = if second == ",nu" { end + 3 } else { end };
-            let inside: String = rest[1..end].iter().filter(|c| **c != ',').collect();
-            out += &written(sign, &split(&inside));
-            at += end;
-        } else {
-            out.push(match sign {
-                '<' if !compares(at) => '⟨',
-                '>' if !compares(at) => '⟩',
-                other => other,
-            });
-            at += 1;
+    let bracketed = |text: &str, compares: &str, sign: &str, bracket: &str| {
+        text.split(compares)
+            .map(|part| part.replace(sign, bracket))
+            .collect::<Vec<_>>()
+            .join(compares)
+    };
+    let signed = bracketed(&bracketed(&signed, " < ", "<", "⟨"), " > ", ">", "⟩");
+    let characters: Vec<char> = signed.chars().collect();
+    let words = characters.chunk_by(|a, b| a.is_ascii_alphanumeric() == b.is_ascii_alphanumeric());
+    let mut out = String::new();
+    for word in words {
+        match (word, out.strip_suffix('^')) {
+            (['2'], Some(base)) => out = format!("{base}²"),
+            _ => out += &letters(&word.iter().collect::<String>()),
         }
     }
-    out.replace("E_j~", "Ẽ_j")
-}
-
-/// The indices `hnu` are h and ν.
-fn split(inside: &str) -> String {
-    match inside.strip_suffix("nu").filter(|first| first.len() == 1) {
-        Some(first) => format!("{first}ν"),
-        None => letters(inside),
-    }
-}
-
-fn written(sign: char, inside: &str) -> String {
-    match (sign, inside) {
-        ('^', "2") => "²".into(),
-        _ if inside.chars().count() == 1 => format!("{sign}{inside}"),
-        _ => format!("{sign}{{{inside}}}"),
-    }
+    out
 }
 
 /// A named letter, with or without a number behind it.
@@ -89,7 +66,7 @@ fn letters(word: &str) -> String {
 }
 
 /// Words in pieces, each after its sign: a blank, or `_` or `^` for what stands low or high. In a formula that is what
-/// follows the sign, in braces or one character. Among words `a_b` is a symbol if one letter, or a bracket, has an index
+/// follows the sign, in braces or letters and digits. Among words `a_b` is a symbol if one letter, or a bracket, has an index
 /// in braces or of one or two characters, or a power of letters, and ends with it: `V_max`, `cases_by_n` and `h^0.99`
 /// stay as they are. Γ3 is Γ with a low 3.
 pub(crate) fn scripts(words: &str, formula: bool) -> Vec<(char, String)> {
@@ -126,17 +103,14 @@ fn script(characters: &[char], at: usize, formula: bool) -> Option<(char, Range<
         let to = from + rest.iter().position(|c| *c == '}')?;
         return Some((sign, from + 1..to, to + 1));
     }
-    if formula {
-        return (!rest.is_empty()).then_some((sign, from..from + 1, from + 1));
-    }
     // A power behind an index is not part of it.
     let belongs = |c: &&char| match sign {
-        '_' => c.is_alphanumeric() && **c != '²',
-        _ => c.is_alphabetic(),
+        '^' if !formula => c.is_alphabetic(),
+        _ => c.is_alphanumeric() && **c != '²',
     };
     let length = rest.iter().take_while(belongs).count();
-    let ended = rest.get(length).is_none_or(|c| ends(*c));
-    ((1..=2).contains(&length) && ended).then_some((sign, from..from + length, from + length))
+    let ended = formula || length <= 2 && rest.get(length).is_none_or(|c| ends(*c));
+    (length > 0 && ended).then_some((sign, from..from + length, from + length))
 }
 
 /// The text without control characters, each sign as `set` has it for a format.
@@ -165,11 +139,6 @@ pub fn escaped(text: &str) -> String {
     })
 }
 
-/// A formula without braces.
-pub(crate) fn in_line(formula: &str) -> String {
-    formula.replace(['{', '}'], "")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -177,9 +146,9 @@ mod tests {
     #[test]
     fn a_formula_is_written_with_its_letters() {
         for (ascii, written) in [
-            ("E_phi1 <= alpha_phi e^2 + beta_phi Y e", "E_{φ1} ≤ α_φ e² + β_φ Y e"),
+            ("E_phi1 <= alpha_phi e^2 + beta_phi Y e", "E_φ1 ≤ α_φ e² + β_φ Y e"),
             ("m_A e^2 <= <Au - Au_h, u - u_h>", "m_A e² ≤ ⟨Au − Au_h, u − u_h⟩"),
-            ("|u_nu - u_h,nu|^2 <= c_j^2 e^2", "|u_ν − u_{hν}|² ≤ c_j² e²"),
+            ("|u_nu - u_h,nu|^2 <= c_j^2 e^2", "|u_ν − u_hν|² ≤ c_j² e²"),
             ("(|xi + lambda| + c0) delta", "(|ξ + λ| + c0) δ"),
             ("E_j~ <= sqrt(delta)", "Ẽ_j ≤ √(δ)"),
             ("v^h, the number of numbers", "v^h, the number of numbers"),
@@ -191,7 +160,6 @@ mod tests {
         ] {
             assert_eq!(symbols(ascii), written);
         }
-        assert_eq!(in_line("E_{φ1} ≤ α_φ"), "E_φ1 ≤ α_φ");
     }
 
     fn set(words: &str, formula: bool) -> String {
@@ -232,6 +200,6 @@ mod tests {
 
     #[test]
     fn every_sign_of_a_formula_sets_what_follows() {
-        assert_eq!(set("max_n |u_n^{kh}|^{1/2}", true), "max_<n> |u_<n>^<kh>|^<1/2>");
+        assert_eq!(set("max_n |u_hν^{kh}|^{1/2} c_j²", true), "max_<n> |u_<hν>^<kh>|^<1/2> c_<j>²");
     }
 }

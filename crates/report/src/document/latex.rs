@@ -38,7 +38,7 @@ fn table(table: &Table) -> String {
     let (size, columns) = columns(table);
     let line = |cells: Vec<String>| format!("{} \\\\\n", cells.join(" & "));
     let head = line(table.head.iter().map(|head| escaped(head)).collect());
-    let cell = |run: &Run| escaped(&run.in_line());
+    let cell = |run: &Run| escaped(&run.text);
     let rows: String = table.rows.iter().map(|row| line(row.iter().map(cell).collect())).collect();
     // Numbers are set explicitly, so that they match the report.
     format!(

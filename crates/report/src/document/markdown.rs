@@ -77,7 +77,7 @@ fn of_run(run: &Run) -> String {
             let words = run.text.trim_end();
             format!("**{}**{}", plain(words), &run.text[words.len()..])
         }
-        Tone::Plain | Tone::Pass | Tone::Formula => plain(&run.in_line()),
+        Tone::Plain | Tone::Pass | Tone::Formula => plain(&run.text),
     };
     match &run.target {
         Some(target) => format!("[{text}](<{target}>)"),

@@ -19,7 +19,7 @@ mod study;
 mod terminal;
 mod typst;
 
-use crate::symbols::{in_line, symbols};
+use crate::symbols::symbols;
 use serde::{Deserialize, Serialize};
 
 pub use columns::{beside, text_table};
@@ -147,14 +147,6 @@ impl Run {
     /// A formula spelt in ASCII.
     pub fn formula(ascii: &str) -> Self {
         Self::of(symbols(ascii), Tone::Formula)
-    }
-
-    /// The words without scripts.
-    fn in_line(&self) -> std::borrow::Cow<'_, str> {
-        match self.tone {
-            Tone::Formula => in_line(&self.text).into(),
-            _ => self.text.as_str().into(),
-        }
     }
 
     pub(super) fn code(text: impl Into<String>) -> Self {

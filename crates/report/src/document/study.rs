@@ -29,15 +29,8 @@ pub enum Chapter {
 
 impl Chapter {
     /// Its name in files and links.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Bound => "bound",
-            Self::Gronwall => "gronwall",
-            Self::Audit => "audit",
-            Self::Ledger => "ledger",
-            Self::Trade => "trade",
-            Self::Extremes => "extremes",
-        }
+    pub(crate) fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
     }
 
     pub(crate) fn command(self) -> &'static str {
@@ -53,11 +46,8 @@ impl Chapter {
 
     /// The chapter of a file, by its name.
     fn of_file(name: &str) -> Option<Self> {
-        let all =
-            [Self::Bound, Self::Gronwall, Self::Audit, Self::Ledger, Self::Trade, Self::Extremes];
         let stem = name.strip_suffix(ENDING)?;
-        let last = stem.rsplit('-').next()?;
-        all.into_iter().find(|chapter| chapter.name() == last)
+        serde_json::from_value(stem.rsplit('-').next()?.into()).ok()
     }
 }
 
@@ -105,7 +95,10 @@ impl StudyDocument {
     /// Prefix of file names: SCENE-bound, or extremes.
     pub fn stem(&self) -> String {
         let chapter = self.chapter.name();
-        self.scene.as_ref().map_or(chapter.into(), |scene| format!("{scene}-{chapter}"))
+        match &self.scene {
+            Some(scene) => format!("{scene}-{chapter}"),
+            None => chapter,
+        }
     }
 
     /// A paragraph.

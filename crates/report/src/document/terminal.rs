@@ -31,11 +31,8 @@ fn table(table: &Table, width: u16) -> String {
     };
     let heads: Vec<String> = table.head.iter().zip(&table.numeric).map(head).collect();
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let rows: Vec<Vec<String>> = table
-        .rows
-        .iter()
-        .map(|row| row.iter().map(|run| run.in_line().into_owned()).collect())
-        .collect();
+    let rows: Vec<Vec<String>> =
+        table.rows.iter().map(|row| row.iter().map(|run| run.text.clone()).collect()).collect();
     text_table(&heads, &rows, width)
 }
 
@@ -47,5 +44,5 @@ fn paragraph(text: &str, width: u16) -> String {
 const LONGEST: u16 = 110;
 
 fn joined(runs: &[Run]) -> String {
-    runs.iter().map(Run::in_line).collect()
+    runs.iter().map(|run| run.text.as_str()).collect()
 }

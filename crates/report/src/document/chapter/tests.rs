@@ -33,7 +33,7 @@ fn study(chapter: Chapter, holds: bool) -> StudyDocument {
     let rows = vec![vec![Run::plain("x"), Run::of("0.5", Tone::Code)], vec![Run::plain("y"); 2]];
     study.table(format!("Numbers of {name}."), &["what", ">value"], rows);
     study.table(format!("Other numbers of {name}."), &[">k"], vec![vec![Run::plain("0.25")]]);
-    study.figure(name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
+    study.figure(&name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
     study
 }
 
@@ -148,7 +148,7 @@ fn what_does_not_hold_is_said_on_the_first_page_too() {
         assert!(page.contains(&words) && markdown.contains(&words), "{words}");
         assert!(page.contains("<span class=\"miss\">Does not hold: </span>"));
         let first = serde_json::to_string(&document.sections[0]).unwrap();
-        assert!(first.contains("not e") && first.contains(chapter.name()), "{first}");
+        assert!(first.contains("not e") && first.contains(&chapter.name()), "{first}");
     }
     // A study that compared nothing proves nothing.
     let mut silent = StudyDocument::new(Chapter::Bound, "b").of_scene("s", "now");
