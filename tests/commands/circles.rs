@@ -36,8 +36,14 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
         "report",
         "document",
-        33,
+        24,
         "the error of a report and the summary of a scene stand in the root that draws all of them",
+    ),
+    (
+        "report",
+        "chart",
+        6,
+        "axes, legend, marks and triangles are placed by all that a chart has, and the chart draws them",
     ),
     (
         "run",
