@@ -104,7 +104,7 @@ fn passes(analysis: &Analysis, factor: &Factor, single: &Factor<f32>, size: usiz
     let mut front = Front::default();
     let together = least(runs, || {
         block.fill([1.0; SIDES]);
-        analysis.backward_block(factor, size, &mut block, &mut front);
+        analysis.backward(factor, size, &mut block, &mut front);
     });
     [double, single, together / SIDES as f64]
 }

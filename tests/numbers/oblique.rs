@@ -7,7 +7,7 @@
 
 use crate::shipped::{on_mesh, setup};
 use fem::contact::{BoundaryRule, CaseInfo, Discretization, Load, LoadError, Model, march};
-use fem::mesh::{Family, Mesh, rectangle};
+use fem::mesh::{Family, Mesh, lattice};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::{FixedPoint, Newton, StepSolver};
 
@@ -53,7 +53,7 @@ impl Load for Turned<'_> {
 
 /// The square turned by `turn`, with contact on `contact`.
 fn space(turn: Turn, contact: &[&str]) -> Discretization {
-    let mesh = turn.mesh(&rectangle([1.0, 1.0], N, Family::Structured));
+    let mesh = turn.mesh(&lattice([1.0, 1.0], N, Family::Structured));
     let numbers: Vec<u32> = contact.iter().map(|name| mesh.side(name).unwrap()).collect();
     let top = mesh.side("top").unwrap();
     Discretization::new(mesh, &[top], &numbers)
@@ -145,7 +145,7 @@ fn a_wrong_normal_or_load_is_seen() {
     let straight =
         solve(&setup, &setup.model, &data, &space(Turn(0.0), &["bottom"]), Turn(0.0), &newton);
     let turn = Turn(0.3);
-    let mut mesh = turn.mesh(&rectangle([1.0, 1.0], N, Family::Structured));
+    let mut mesh = turn.mesh(&lattice([1.0, 1.0], N, Family::Structured));
     let bottom = mesh.side("bottom").unwrap();
     let slip = Turn(0.01).pairs(&mesh.facet_normal);
     mesh.facet_normal = slip;

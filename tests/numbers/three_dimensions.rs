@@ -10,14 +10,14 @@ use fem::contact::{
     ContactProblem, Discretization, LastSlot, LinearSolver, Load, LoadError, Model, march,
     stress_force,
 };
-use fem::mesh::{Family, cuboid};
+use fem::mesh::{Family, lattice};
 use scene::setup::{Setup, constants};
 use studies::theory::bound::sampled::sample;
 use vhi::law::{AnyProjection, Isotropic, VonMises, YieldLimit};
 use vhi::{Newton, StepInequality};
 
 fn space(n: u32, family: Family) -> Discretization {
-    let mesh = cuboid([1.0, 1.0, 0.5], n, family);
+    let mesh = lattice([1.0, 1.0, 0.5], n, family);
     let (top, bottom) = (mesh.side("top").unwrap(), mesh.side("bottom").unwrap());
     Discretization::new(mesh, &[top], &[bottom])
 }

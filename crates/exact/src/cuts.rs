@@ -250,7 +250,7 @@ fn share(corner: &[[f64; MOST_CORNERS]; MOST_CORNERS], corners: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::mesh::{Family, cuboid, rectangle};
+    use fem::mesh::{Family, lattice};
     use fem::space::quadrature::{tetrahedron_degree_5, triangle_degree_4};
     use formula::Scope;
 
@@ -281,8 +281,8 @@ mod tests {
 
     #[test]
     fn jumps_across_lines_and_planes_are_integrated_exactly() {
-        let square = rectangle([1.0, 1.0], 5, Family::Structured);
-        let cube = cuboid([1.0, 1.0, 1.0], 2, Family::Structured);
+        let square = lattice([1.0, 1.0], 5, Family::Structured);
+        let cube = lattice([1.0, 1.0, 1.0], 2, Family::Structured);
         // The corner below x + y/2 = t is a triangle t by 2t; below x + y + z = t a sixth of t³. Two crossing lines
         // share a piece of a cell; 3 (x - t) has the line of x - t.
         let cases = [
@@ -309,7 +309,7 @@ mod tests {
     fn curved_lines_are_cut_to_the_square_of_the_cell() {
         let exact = std::f64::consts::FRAC_PI_4 * 0.81;
         let off = [4, 8, 16].map(|n| {
-            let mesh = rectangle([1.0, 1.0], n, Family::Structured);
+            let mesh = lattice([1.0, 1.0], n, Family::Structured);
             (integral(&mesh, "if(x^2 + y^2 < 0.81, 1, 0)", true) - exact).abs()
         });
         assert!(off[1] < 0.35 * off[0] && off[2] < 0.35 * off[1], "{off:?}");
@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn what_is_smooth_or_has_its_kink_on_a_side_is_left_whole() {
-        let mesh = rectangle([1.0, 1.0], 4, Family::Structured);
+        let mesh = lattice([1.0, 1.0], 4, Family::Structured);
         let cut = |text: &str| {
             let mut graph = Graph::new();
             let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);

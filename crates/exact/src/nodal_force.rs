@@ -110,7 +110,7 @@ pub(crate) fn facet_measure(mesh: &Mesh, facet: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::mesh::{Family, cuboid, rectangle};
+    use fem::mesh::{Family, lattice};
     use fem::space::Element;
 
     /// Nodal forces of one stress on every cell of a perturbed mesh, nodes numbered as vertices.
@@ -140,11 +140,8 @@ mod tests {
 
     #[test]
     fn work_on_an_affine_field_is_stress_times_strain_times_area() {
-        let mesh = rectangle(
-            [2.0, 1.0],
-            3,
-            Family::Perturbed { amplitude: 0.2, seed: 5, axes: [true; 3] },
-        );
+        let mesh =
+            lattice([2.0, 1.0], 3, Family::Perturbed { amplitude: 0.2, seed: 5, axes: [true; 3] });
         let stress = [[1.0, -0.7], [-0.7, 0.4]];
         let exact = 2.0 * (1.0 * 2.0 + 2.0 * -0.7 * 1.0 + 0.4 * 5.0);
         let force = forces(&mesh, &stress);
@@ -162,7 +159,7 @@ mod tests {
 
     #[test]
     fn a_stress_without_its_shear_or_a_cell_turned_round_is_seen() {
-        let mut mesh = rectangle([2.0, 1.0], 3, Family::Structured);
+        let mut mesh = lattice([2.0, 1.0], 3, Family::Structured);
         let exact = 2.0 * (1.0 * 2.0 + 2.0 * -0.7 * 1.0 + 0.4 * 5.0);
         let half = forces(&mesh, &[[1.0, -0.7], [0.0, 0.4]]);
         assert!((work(&mesh, &half) - exact).abs() > 0.1);
@@ -198,7 +195,7 @@ mod tests {
         let diagonal = 1.0 * 2.0 + 0.4 * 5.0 - 0.9 * 7.0;
         let exact = diagonal + 2.0 * (-0.7 * 1.0 + 0.3 * 2.5 + 0.6 * 1.0);
         let family = Family::Perturbed { amplitude: 0.15, seed: 5, axes: [true; 3] };
-        let mut mesh = cuboid([2.0, 1.0, 0.5], 2, family);
+        let mut mesh = lattice([2.0, 1.0, 0.5], 2, family);
         // Sums of some 1000 terms of size 1.
         assert!((work_in_space(&mesh, &STRESS) - exact).abs() < 1e-12);
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
@@ -212,7 +209,7 @@ mod tests {
 
     #[test]
     fn facets_of_a_box_have_its_surface() {
-        let mesh = cuboid([2.0, 1.0, 0.5], 2, Family::Structured);
+        let mesh = lattice([2.0, 1.0, 0.5], 2, Family::Structured);
         let sum: f64 = (0..mesh.facet_side.len()).map(|f| facet_measure(&mesh, f)).sum();
         assert!((sum - 2.0 * (2.0 + 1.0 + 0.5)).abs() < 1e-13, "{sum}");
         assert!((facet_measure(&mesh, 0) - 0.125).abs() < 1e-16);

@@ -181,13 +181,13 @@ pub(super) fn tensor_names(symbol: &str, d: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::mesh::{Family, rectangle};
+    use fem::mesh::{Family, lattice};
     use fem::space::quadrature::triangle_degree_4;
     use formula::{Graph, Scope, Variable};
 
     #[test]
     fn blocks_give_the_values_of_the_whole_and_name_the_place() {
-        let mesh = rectangle([1.0, 1.0], 4, Family::Structured);
+        let mesh = lattice([1.0, 1.0], 4, Family::Structured);
         let mut graph = Graph::new();
         let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
         let text = |graph: &mut Graph, text| graph.parse(text, &scope).expect("a formula");

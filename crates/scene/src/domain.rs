@@ -11,7 +11,7 @@ mod side;
 pub(super) use mesh_file::with_mesh;
 pub use side::{Face, Side};
 
-use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, cuboid, rectangle};
+use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, lattice};
 use formula::EvaluationPoint;
 
 use super::diagnostic::SceneError;
@@ -167,8 +167,8 @@ impl Domain {
         let family = self.mesh;
         match (&self.shape, &self.size[..]) {
             (Shape::Refined(coarse), _) => coarse.refined(n, family),
-            (Shape::Box, &[a, b, c]) => cuboid([a, b, c], n, family),
-            (Shape::Box, _) => rectangle([self.size[0], self.size[1]], n, family),
+            (Shape::Box, &[a, b, c]) => lattice([a, b, c], n, family),
+            (Shape::Box, _) => lattice([self.size[0], self.size[1]], n, family),
         }
     }
 

@@ -3,7 +3,7 @@
 use fem::contact::{
     ContactProblem, Discretization, LastSlot, LinearSolver, MemoryTerm, Model, StepView, march,
 };
-use fem::mesh::{Family, Mesh, cuboid, rectangle};
+use fem::mesh::{Family, Mesh, lattice};
 use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
 use vhi::Newton;
@@ -85,8 +85,8 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
 #[test]
 fn the_tangent_is_the_derivative_of_the_force() {
     let family = Family::Perturbed { amplitude: 0.1, seed: 3, axes: [true; 3] };
-    let plane = halves(rectangle([1.0, 1.0], 4, family), &["top"]);
-    let solid = halves(cuboid([1.0, 1.0, 1.0], 2, family), &["top"]);
+    let plane = halves(lattice([1.0, 1.0], 4, family), &["top"]);
+    let solid = halves(lattice([1.0, 1.0, 1.0], 2, family), &["top"]);
     for space in [&plane, &solid] {
         // Truncation 1e-12 over curvature, rounding 1e-16/1e-6 times the condition of the matrix.
         let off = mismatch(space, &[-0.2, 0.05]);
@@ -126,8 +126,8 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// shear with the same kernel. In each a change of 1e-6 is seen.
 #[test]
 fn disguises_of_one_material_agree() {
-    let plane = halves(rectangle([1.0, 1.0], 4, Family::Structured), &["top"]);
-    let solid = halves(cuboid([1.0, 1.0, 1.0], 2, Family::Structured), &["top"]);
+    let plane = halves(lattice([1.0, 1.0], 4, Family::Structured), &["top"]);
+    let solid = halves(lattice([1.0, 1.0, 1.0], 2, Family::Structured), &["top"]);
     for (space, d) in [(&plane, 2), (&solid, 3)] {
         let term = |a: f64, tensor: TensorField| MemoryTerm { kernel: kernel(a, 1.0), tensor };
         let memory = Isotropic { lambda: 0.1, mu: 0.3 };

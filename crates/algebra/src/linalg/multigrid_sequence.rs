@@ -6,9 +6,10 @@ use std::time::Instant;
 use super::cholesky::FactorError;
 use super::conjugate_gradient::{Directions, conjugate_gradients};
 use super::gmres::Preconditioned;
+use super::jacobian::{Jacobian, RankOne};
 use super::multigrid::{Levels, Multigrid, Symmetric};
 use super::pattern::BlockPattern;
-use super::sequence::{LinearWork, RankOne};
+use super::sequence::LinearWork;
 use super::{axpy, dot, norm};
 
 /// Iterations after which a solve is given up: 5 are usual for four digits, and 58 with λ/μ_L = 1000.
@@ -25,11 +26,8 @@ const ESTIMATE: f64 = 1e-3;
 pub struct MultigridSequence<'a> {
     cycle: Multigrid<'a>,
     pattern: &'a BlockPattern,
-    /// The present K, whether the cycle is built for it, and the held unknowns.
-    values: Vec<f64>,
+    /// Whether the cycle is built for the present K.
     ready: bool,
-    held: Vec<usize>,
-    rank_one: Option<RankOne>,
     /// K⁻¹a of the last solve, the start value of the next.
     response: Vec<f64>,
     /// Scratch: a solution, its residual, its correction.
@@ -63,10 +61,7 @@ impl<'a> MultigridSequence<'a> {
         Self {
             cycle: Multigrid::new(Symmetric, levels, pattern),
             pattern,
-            values: Vec::new(),
             ready: false,
-            held: Vec::new(),
-            rank_one: None,
             response: Vec::new(),
             solution: Vec::new(),
             residual: Vec::new(),
@@ -76,60 +71,39 @@ impl<'a> MultigridSequence<'a> {
         }
     }
 
-    /// Takes lower-triangle values of K out, to be refilled for [`Self::prepare`].
-    pub fn take_values(&mut self) -> Vec<f64> {
-        std::mem::take(&mut self.values)
-    }
-
-    /// Takes the rank-one part out, to be refilled likewise.
-    pub(crate) fn take_rank_one(&mut self) -> RankOne {
-        self.rank_one.take().unwrap_or_default()
-    }
-
-    pub(crate) fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
-        self.held.clear();
-        self.held.extend(dofs);
-    }
-
-    /// The Jacobian K + a bᵀ for the next solves; `unchanged` says that K is the last one.
+    /// Takes the Jacobian of the next solves; `unchanged` says that K is the last one.
     ///
     /// # Errors
     /// A matrix found not to be positive definite.
-    pub fn prepare(
-        &mut self,
-        values: Vec<f64>,
-        rank_one: Option<RankOne>,
-        unchanged: bool,
-    ) -> Result<(), FactorError> {
-        self.values = values;
-        self.rank_one = rank_one;
+    pub fn prepare(&mut self, jacobian: &Jacobian, unchanged: bool) -> Result<(), FactorError> {
         if unchanged && self.ready {
             return Ok(());
         }
         let start = Instant::now();
         self.ready = false;
-        let outcome = self.cycle.set(&self.values, &self.held);
+        let outcome = self.cycle.set(&jacobian.values, &jacobian.held);
         self.work.factorizations += 1;
         self.work.seconds_factor += start.elapsed().as_secs_f64();
         self.ready = outcome.is_ok();
         outcome
     }
 
-    /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
+    /// Solves with the Jacobian of [`Self::prepare`] in place, to a residual of at most `forcing` times the right side.
     ///
     /// # Errors
     /// A matrix that is not positive definite, a rank-one part that makes the Jacobian singular, no
     /// convergence.
-    pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+    pub fn solve(
+        &mut self,
+        jacobian: &Jacobian,
+        rhs: &mut [f64],
+        forcing: f64,
+    ) -> Result<(), FactorError> {
         let start = Instant::now();
         let target = forcing * norm(rhs);
-        let outcome = match self.rank_one.take() {
-            None => self.solve_matrix(rhs, target),
-            Some(rank_one) => {
-                let outcome = self.solve_with(&rank_one, rhs, target);
-                self.rank_one = Some(rank_one);
-                outcome
-            }
+        let outcome = match &jacobian.rank_one {
+            None => self.solve_matrix(jacobian, rhs, target),
+            Some(rank_one) => self.solve_with(jacobian, rank_one, rhs, target),
         };
         self.work.seconds_solve += start.elapsed().as_secs_f64();
         outcome
@@ -139,6 +113,7 @@ impl<'a> MultigridSequence<'a> {
     /// of the second.
     fn solve_with(
         &mut self,
+        jacobian: &Jacobian,
         rank_one: &RankOne,
         rhs: &mut [f64],
         target: f64,
@@ -146,16 +121,16 @@ impl<'a> MultigridSequence<'a> {
         let size = norm(&rank_one.a);
         if size == 0.0 {
             // No cell yields: a = 0, and there is nothing to correct.
-            return self.solve_matrix(rhs, target);
+            return self.solve_matrix(jacobian, rhs, target);
         }
-        self.solve_matrix(rhs, 0.5 * target)?;
+        self.solve_matrix(jacobian, rhs, 0.5 * target)?;
         let along = dot(&rank_one.b, rhs);
         let mut response = std::mem::take(&mut self.response);
         response.resize(rhs.len(), 0.0);
-        self.held.iter().for_each(|&dof| response[dof] = 0.0);
+        jacobian.held.iter().for_each(|&dof| response[dof] = 0.0);
         let mut wanted = (0.5 * target / along.abs()).min(ROUGHLY * size);
         let factor = loop {
-            self.improve(&rank_one.a, &mut response, wanted)?;
+            self.improve(jacobian, &rank_one.a, &mut response, wanted)?;
             let denominator = 1.0 + dot(&rank_one.b, &response);
             // K⁻¹ and K + a bᵀ share their sign as long as the step has one solution (bound (3.4)).
             if denominator.is_nan() || denominator <= 0.0 {
@@ -173,14 +148,19 @@ impl<'a> MultigridSequence<'a> {
     }
 
     /// K⁻¹ r in place to a residual of at most `target`. Equations of held unknowns are decoupled.
-    fn solve_matrix(&mut self, rhs: &mut [f64], target: f64) -> Result<(), FactorError> {
+    fn solve_matrix(
+        &mut self,
+        jacobian: &Jacobian,
+        rhs: &mut [f64],
+        target: f64,
+    ) -> Result<(), FactorError> {
         let mut x = std::mem::take(&mut self.solution);
         x.clear();
         x.resize(rhs.len(), 0.0);
-        for &dof in &self.held {
-            x[dof] = rhs[dof] / self.values[self.pattern.diagonal(dof)];
+        for &dof in &jacobian.held {
+            x[dof] = rhs[dof] / jacobian.values[self.pattern.diagonal(dof)];
         }
-        let outcome = self.improve(rhs, &mut x, target);
+        let outcome = self.improve(jacobian, rhs, &mut x, target);
         if outcome.is_ok() {
             rhs.copy_from_slice(&x);
         }
@@ -189,8 +169,15 @@ impl<'a> MultigridSequence<'a> {
     }
 
     /// Improves x until the residual r - Kx is at most `target`.
-    fn improve(&mut self, rhs: &[f64], x: &mut [f64], target: f64) -> Result<(), FactorError> {
-        let Self { cycle, pattern, values, vectors, work, held, residual, correction, .. } = self;
+    fn improve(
+        &mut self,
+        jacobian: &Jacobian,
+        rhs: &[f64],
+        x: &mut [f64],
+        target: f64,
+    ) -> Result<(), FactorError> {
+        let Self { cycle, pattern, vectors, work, residual, correction, .. } = self;
+        let Jacobian { values, held, .. } = jacobian;
         let mut matrix = Matrix { pattern, values, cycle };
         residual.resize(rhs.len(), 0.0);
         correction.resize(rhs.len(), 0.0);
@@ -223,17 +210,13 @@ impl<'a> MultigridSequence<'a> {
         Ok(())
     }
 
-    pub(crate) fn diagonal(&self, dof: usize) -> f64 {
-        self.values[self.pattern.diagonal(dof)]
-    }
-
     /// An estimate of K⁻¹ r with the present K; NaN on failure, no operation before the first K.
-    pub fn solve_again(&mut self, rhs: &mut [f64]) {
+    pub fn solve_again(&mut self, jacobian: &Jacobian, rhs: &mut [f64]) {
         if !self.ready {
             return;
         }
         let target = ESTIMATE * norm(rhs);
-        if self.solve_matrix(rhs, target).is_err() {
+        if self.solve_matrix(jacobian, rhs, target).is_err() {
             rhs.fill(f64::NAN);
         }
     }

@@ -8,25 +8,11 @@
 use std::time::Instant;
 
 use super::cholesky::{Analysis, Factor, FactorError, Workspace};
-use super::gmres::{Krylov, Preconditioned, gmres};
+use super::gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
+use super::jacobian::Jacobian;
 use super::pattern::BlockPattern;
 use super::substitution::Front;
 use super::{axpy, dot};
-
-/// The rank-one part a bᵀ.
-#[derive(Debug, Clone, Default)]
-pub struct RankOne {
-    pub a: Vec<f64>,
-    pub b: Vec<f64>,
-}
-
-/// A nonsymmetric entry of the Jacobian.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NonsymmetricEntry {
-    pub row: usize,
-    pub column: usize,
-    pub value: f64,
-}
 
 /// Counters and times.
 #[derive(Debug, Clone, Copy, Default)]
@@ -86,9 +72,6 @@ pub struct SequenceSolver<'a> {
     correction: Option<(Vec<f64>, Vec<f64>)>,
     krylov: Krylov,
     saved: Vec<f64>,
-    values: Vec<f64>,
-    rank_one: Option<RankOne>,
-    couplings: Vec<NonsymmetricEntry>,
     pub work: LinearWork,
 }
 
@@ -107,9 +90,6 @@ impl<'a> SequenceSolver<'a> {
             correction: None,
             krylov: Krylov::default(),
             saved: Vec::new(),
-            values: Vec::new(),
-            rank_one: None,
-            couplings: Vec::new(),
             work: LinearWork::default(),
         }
     }
@@ -120,41 +100,15 @@ impl<'a> SequenceSolver<'a> {
         Self { precision, ..self }
     }
 
-    /// Takes lower-triangle values of K out, to be refilled for [`Self::prepare`].
-    pub(crate) fn take_values(&mut self) -> Vec<f64> {
-        std::mem::take(&mut self.values)
-    }
-
-    /// Takes the rank-one part out, to be refilled likewise.
-    pub(crate) fn take_rank_one(&mut self) -> RankOne {
-        self.rank_one.take().unwrap_or_default()
-    }
-
-    /// Sets C of the next Jacobians.
-    pub(crate) fn couple(&mut self, couplings: impl Iterator<Item = NonsymmetricEntry>) {
-        self.couplings.clear();
-        self.couplings.extend(couplings);
-    }
-
-    pub(crate) fn transpose_couplings(&mut self) {
-        for coupling in &mut self.couplings {
-            (coupling.row, coupling.column) = (coupling.column, coupling.row);
-        }
-    }
-
-    /// The Jacobian K + a bᵀ + C for the next solves. `unchanged` says that K is the factorized one and there is no
-    /// rank-one part.
+    /// Takes the Jacobian of the next solves. `unchanged` says that K is the factorized one and there is no rank-one part.
     ///
     /// # Errors
     /// The factorization fails.
-    pub(crate) fn prepare(
+    pub(super) fn prepare(
         &mut self,
-        values: Vec<f64>,
-        rank_one: Option<RankOne>,
+        jacobian: &Jacobian,
         unchanged: bool,
     ) -> Result<(), FactorError> {
-        self.values = values;
-        self.rank_one = rank_one;
         if unchanged && self.stored.is_some() {
             return Ok(());
         }
@@ -168,24 +122,27 @@ impl<'a> SequenceSolver<'a> {
             SINGLE_FROM.. => Precision::Single,
             _ => Precision::Double,
         };
-        self.factorize(self.precision.unwrap_or(by_order) == Precision::Single)
+        self.factorize(jacobian, self.precision.unwrap_or(by_order) == Precision::Single)
     }
 
-    fn factorize(&mut self, single: bool) -> Result<(), FactorError> {
+    fn factorize(&mut self, jacobian: &Jacobian, single: bool) -> Result<(), FactorError> {
         let start = Instant::now();
         self.exact = false;
         let room = self.correction.take().unwrap_or_default();
-        let outcome = if single { self.factorize_single() } else { self.factorize_double() };
+        let outcome = match single {
+            true => self.factorize_single(&jacobian.values),
+            false => self.factorize_double(&jacobian.values),
+        };
         self.work.factorizations += 1;
         self.work.seconds_factor += start.elapsed().as_secs_f64();
         match outcome {
             Ok(()) => {
                 self.extra = 0;
-                self.correct(room)
+                self.correct(jacobian, room)
             }
             // Single precision may find a barely definite matrix indefinite.
             Err(FactorError::NotPositiveDefinite { .. } | FactorError::NotFinite) if single => {
-                self.factorize(false)
+                self.factorize(jacobian, false)
             }
             Err(error) => {
                 self.stored = None;
@@ -194,34 +151,38 @@ impl<'a> SequenceSolver<'a> {
         }
     }
 
-    fn factorize_double(&mut self) -> Result<(), FactorError> {
+    fn factorize_double(&mut self, values: &[f64]) -> Result<(), FactorError> {
         let (mut factor, front) = match self.stored.take() {
             Some(Stored::Double { factor, front }) => (factor, front),
             _ => (self.analysis.factor(), Front::default()),
         };
-        self.analysis.factorize(self.pattern, &self.values, &mut factor, &mut self.workspace)?;
+        self.analysis.factorize(self.pattern, values, &mut factor, &mut self.workspace)?;
         self.stored = Some(Stored::Double { factor, front });
         self.exact = true;
         Ok(())
     }
 
-    fn factorize_single(&mut self) -> Result<(), FactorError> {
+    fn factorize_single(&mut self, values: &[f64]) -> Result<(), FactorError> {
         let (mut factor, mut narrow, front) = match self.stored.take() {
             Some(Stored::Single { factor, narrow, front, .. }) => (factor, narrow, front),
             _ => (self.analysis.factor(), Vec::new(), Front::default()),
         };
-        let diagonal = |dof: usize| self.values[self.pattern.diagonal(dof)].abs();
+        let diagonal = |dof: usize| values[self.pattern.diagonal(dof)].abs();
         let scale = (0..self.pattern.order()).map(diagonal).fold(f64::MIN_POSITIVE, f64::max);
         narrow.clear();
-        narrow.extend(self.values.iter().map(|value| (value / scale) as f32));
+        narrow.extend(values.iter().map(|value| (value / scale) as f32));
         self.analysis.factorize(self.pattern, &narrow, &mut factor, &mut self.workspace)?;
         self.stored = Some(Stored::Single { factor, scale, narrow, front });
         Ok(())
     }
 
     /// Prepares the Sherman–Morrison correction for the factorized Jacobian.
-    fn correct(&mut self, (mut y, mut b): (Vec<f64>, Vec<f64>)) -> Result<(), FactorError> {
-        let Some(rank_one) = &self.rank_one else { return Ok(()) };
+    fn correct(
+        &mut self,
+        jacobian: &Jacobian,
+        (mut y, mut b): (Vec<f64>, Vec<f64>),
+    ) -> Result<(), FactorError> {
+        let Some(rank_one) = &jacobian.rank_one else { return Ok(()) };
         y.clone_from(&rank_one.a);
         b.clone_from(&rank_one.b);
         self.apply_factor(&mut y);
@@ -263,67 +224,78 @@ impl<'a> SequenceSolver<'a> {
         }
     }
 
-    /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
+    /// Solves with the Jacobian of [`Self::prepare`] in place, to a residual of at most `forcing` times the right side.
     ///
     /// # Errors
     /// A new factorization was needed and failed.
-    pub(crate) fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
-        if self.exact && self.couplings.is_empty() {
+    pub(super) fn solve(
+        &mut self,
+        jacobian: &Jacobian,
+        rhs: &mut [f64],
+        forcing: f64,
+    ) -> Result<(), FactorError> {
+        if self.exact && jacobian.couplings.is_empty() {
             self.apply_inverse(rhs);
             return Ok(());
         }
-        let mut krylov = std::mem::take(&mut self.krylov);
         self.saved.clear();
         self.saved.extend_from_slice(rhs);
-        let info = gmres(self, rhs, forcing, LIMIT, &mut krylov);
-        self.krylov = krylov;
+        let info = self.iterate(jacobian, rhs, forcing, LIMIT);
         self.extra += info.iterations.saturating_sub(LEAST);
         if info.relative_residual <= forcing {
             return Ok(());
         }
         rhs.copy_from_slice(&self.saved);
         if !self.exact {
-            self.factorize(false)?;
+            self.factorize(jacobian, false)?;
         }
-        if self.couplings.is_empty() {
+        if jacobian.couplings.is_empty() {
             self.apply_inverse(rhs);
             return Ok(());
         }
         // The rank of C bounds the iterations with the factor of K itself.
-        let most = self.couplings.len() + MARGIN;
-        let mut krylov = std::mem::take(&mut self.krylov);
         let wanted = forcing.max(OWN_FACTOR);
-        let info = gmres(self, rhs, wanted, most, &mut krylov);
-        self.krylov = krylov;
+        let info = self.iterate(jacobian, rhs, wanted, jacobian.couplings.len() + MARGIN);
         match info.relative_residual <= wanted {
             true => Ok(()),
             false => Err(FactorError::NotSolved { relative: info.relative_residual, forcing }),
         }
     }
 
-    pub(crate) fn diagonal(&self, dof: usize) -> f64 {
-        self.values[self.pattern.diagonal(dof)]
+    /// GMRES with the stored factor.
+    fn iterate(
+        &mut self,
+        jacobian: &Jacobian,
+        rhs: &mut [f64],
+        tolerance: f64,
+        limit: usize,
+    ) -> KrylovInfo {
+        let mut krylov = std::mem::take(&mut self.krylov);
+        let mut operator = Factorized { jacobian, solver: self };
+        let info = gmres(&mut operator, rhs, tolerance, limit, &mut krylov);
+        self.krylov = krylov;
+        info
     }
 
     /// Applies the stored factor, whatever Jacobian it belongs to; no operation before the first.
-    pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
+    pub(super) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
         self.apply_factor(rhs);
     }
 }
 
-impl Preconditioned for SequenceSolver<'_> {
+/// A Jacobian with the factor of one that is near.
+struct Factorized<'s, 'a> {
+    jacobian: &'s Jacobian,
+    solver: &'s mut SequenceSolver<'a>,
+}
+
+impl Preconditioned for Factorized<'_, '_> {
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        self.pattern.multiply(&self.values, x, out);
-        if let Some(rank_one) = &self.rank_one {
-            axpy(dot(&rank_one.b, x), &rank_one.a, out);
-        }
-        for coupling in &self.couplings {
-            out[coupling.row] += coupling.value * x[coupling.column];
-        }
+        self.jacobian.multiply(self.solver.pattern, x, out);
     }
 
     fn precondition(&mut self, x: &mut [f64]) {
-        self.apply_inverse(x);
+        self.solver.apply_inverse(x);
     }
 }
 

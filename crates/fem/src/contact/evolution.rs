@@ -1,8 +1,11 @@
 //! Problem 14 over a time grid as a [`HistoryInequality`]: one [`ContactProblem`] level after
 //! another, with the histories of ℬ and ζ.
 
+mod frozen;
+
 use std::time::Instant;
 
+use self::frozen::Frozen;
 use super::case::failed;
 use super::last_slot::LastSlot;
 use super::path::Paths;
@@ -39,6 +42,8 @@ pub struct Evolution<'a> {
     /// The history with a frozen last slot.
     frozen_history: Vec<Vec<f64>>,
     zeta: f64,
+    /// DΛ of the open level, if it was asked for.
+    frozen: Option<Frozen<'a>>,
     /// Seconds in loads.
     pub seconds_load: f64,
     /// Largest memory held by the history.
@@ -77,6 +82,7 @@ impl<'a> Evolution<'a> {
             past_zeta: 0.0,
             load: vec![0.0; space.dofs()],
             zeta: 0.0,
+            frozen: None,
             seconds_load: 0.0,
             peak_history_bytes: 0,
             space,

@@ -42,7 +42,7 @@ impl ContactProblem<'_> {
     pub(super) fn couple(&mut self, prescribed: &[Option<f64>]) {
         let (graph, m) = (&self.graph, self.space.mesh.dimension - 1);
         let first = self.graph.coordinates.len() - m * self.following.factors.len();
-        self.following.entries.clear();
+        self.jacobian.couplings.clear();
         for j in 0..m * self.following.factors.len() {
             let i = j / m;
             let (normal, tangential) = (&graph.coordinates[i], &graph.coordinates[first + j]);
@@ -54,14 +54,13 @@ impl ContactProblem<'_> {
             let value = tangential.sign * normal.sign * tangential.weight * slope * s / p;
             match prescribed[i] {
                 Some(increment) => self.lifted.push((tangential.dof as usize, value * increment)),
-                None => self.following.entries.push(NonsymmetricEntry {
+                None => self.jacobian.couplings.push(NonsymmetricEntry {
                     row: tangential.dof as usize,
                     column: normal.dof as usize,
                     value,
                 }),
             }
         }
-        self.solver.couple(self.following.entries.iter().copied());
     }
 
     /// Adds the slopes between the two unknowns of each vector, which stand behind those of the coordinates.
@@ -77,6 +76,6 @@ impl ContactProblem<'_> {
     /// From then on solves are with the transposed Jacobian, or again with the Jacobian. The level is frozen: no piece of
     /// its history makes the Jacobian unsymmetric.
     pub(super) fn transpose(&mut self) {
-        self.solver.transpose_couplings();
+        self.jacobian.transpose_couplings();
     }
 }

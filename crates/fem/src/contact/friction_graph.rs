@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use super::tangents::Tangential;
 use super::{Discretization, Model};
-use algebra::linalg::NonsymmetricEntry;
 use vhi::{BoundaryGraph, Coordinate};
 
 /// Friction that follows p, at the open level: empty where it does not.
@@ -18,8 +17,6 @@ pub(super) struct Following {
     pub(super) factors: Vec<f64>,
     /// The pressures of all graphs on the pieces that were chosen last.
     pub(super) pressures: Vec<f64>,
-    /// Its part of the Jacobian.
-    pub(super) entries: Vec<NonsymmetricEntry>,
 }
 
 impl Following {

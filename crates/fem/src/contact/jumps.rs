@@ -126,7 +126,7 @@ impl Discretization {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, cuboid, rectangle};
+    use crate::mesh::{Family, lattice};
     use crate::space::Element;
     use vhi::law::Isotropic;
 
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn jumps_of_stresses_are_those_of_displacements_times_the_stiffness_against_shear() {
         let family = Family::Perturbed { amplitude: 0.15, seed: 2, axes: [true; 3] };
-        for mesh in [rectangle([1.0, 1.0], 3, family), cuboid([1.0; 3], 2, family)] {
+        for mesh in [lattice([1.0, 1.0], 3, family), lattice([1.0; 3], 2, family)] {
             let (d, top) = (mesh.dimension, mesh.side("top").expect("a side"));
             let space = Discretization::of(Element::CR, mesh, &[top], &[]);
             let mut v: Vec<f64> = (0..space.nodes.len()).map(|i| (1.7 * i as f64).sin()).collect();

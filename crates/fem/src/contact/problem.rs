@@ -16,7 +16,7 @@ use super::last_slot::{LastSlot, TangentOf};
 use super::nodal_norms::strain_norm_from;
 use super::work::Work;
 use super::{Discretization, LinearSolver, Model};
-use algebra::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
+use algebra::linalg::{FactorError, Jacobian, RankOne, TangentSolver, axpy, norm, root_of_squares};
 use algebra::tensor::contract;
 use vhi::law::{Projection, TensorField};
 use vhi::{BoundaryGraph, StepInequality};
@@ -37,7 +37,8 @@ pub struct ContactProblem<'a> {
     /// 𝒜, as full as the terms of the memory: to it they are added in the memory that is there.
     elasticity: TensorField,
     linear: Vec<f64>,
-    pub(super) solver: TangentSolver<'a>,
+    solver: TangentSolver<'a>,
+    pub(super) jacobian: Jacobian,
     /// What the last tangent was made of.
     last: TangentOf,
     /// Load minus memory of the past.
@@ -50,8 +51,8 @@ pub struct ContactProblem<'a> {
     past_zeta: f64,
     slot: LastSlot,
     strain_norm: f64,
-    /// Prescribed increments (dof, δ), and what they move to the right side (dof, value).
-    fixed: Vec<(usize, f64)>,
+    /// Increments of the unknowns that the Jacobian holds, and what they move to the right side (dof, value).
+    increments: Vec<f64>,
     pub(super) lifted: Vec<(usize, f64)>,
     pub(super) following: Following,
     work: Work,
@@ -83,6 +84,7 @@ impl<'a> ContactProblem<'a> {
             .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
         Ok(Self {
             solver: space.tangent_solver(solver)?,
+            jacobian: Jacobian::default(),
             last: TangentOf::default(),
             linear_law: elasticity.clone(),
             elasticity,
@@ -93,14 +95,11 @@ impl<'a> ContactProblem<'a> {
             unknowns: vec![0.0; space.nodes.len()],
             cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
-            strains: match model.projection.limit() {
-                Some(_) => vec![0.0; d * (d + 1) / 2 * space.geometry.points()],
-                None => Vec::new(),
-            },
+            strains: vec![0.0; d * (d + 1) / 2 * space.geometry.points()],
             past_zeta: 0.0,
             slot: LastSlot::default(),
             strain_norm: 0.0,
-            fixed: Vec::new(),
+            increments: Vec::new(),
             lifted: Vec::new(),
             following: Following::default(),
             work: Work::default(),
@@ -158,10 +157,19 @@ impl<'a> ContactProblem<'a> {
         self.past_zeta + self.slot.zeta * self.strain_norm
     }
 
+    /// Subtracts the forces Σ W ℬ₀ x of the memory with these weights.
+    pub(super) fn subtract_memory(&self, weights: &[f64], x: &[f64], force: &mut [f64]) {
+        let mut product = vec![0.0; x.len()];
+        for (memory, &weight) in self.memory.iter().zip(weights) {
+            self.space.pattern.multiply(memory, x, &mut product);
+            axpy(-weight, &product, force);
+        }
+    }
+
     /// K⁻¹ rhs in place with the last factor; the right side is left as it is before the first
     /// factorization (a scene at rest).
     pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
-        self.solver.solve_with_last_factor(rhs);
+        self.solver.solve_with_last_factor(&self.jacobian, rhs);
     }
 
     pub(crate) fn work(&self) -> Work {
@@ -170,14 +178,10 @@ impl<'a> ContactProblem<'a> {
 
     fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
         self.nodal_force.fill(0.0);
-        match self.model.projection.limit() {
-            None => self.linear_force::<D, S>(),
-            Some(limit) => {
-                self.compute_strains::<S>();
-                let kappa = limit.value(self.zeta());
-                self.projected_force::<D, S>(kappa);
-            }
-        }
+        self.compute_strains::<S>();
+        let limit = self.model.projection.limit();
+        let kappa = limit.map_or(f64::INFINITY, |limit| limit.value(self.zeta()));
+        self.stress_forces::<D, S>(kappa);
         let u = if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian };
         self.space.add_jump_force(&self.linear_law, u, &mut self.nodal_force);
         self.space.frames.force_on_unknowns(&mut self.nodal_force);
@@ -187,18 +191,6 @@ impl<'a> ContactProblem<'a> {
     /// The displacements as a nodal vector.
     fn displacements(&self) -> &[f64] {
         if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian }
-    }
-
-    fn linear_force<const D: usize, const S: usize>(&mut self) {
-        let mut sum = 0.0;
-        for at in self.space.points() {
-            let strain = at.strain::<S>(self.displacements());
-            sum += at.weight * contract(&strain, &strain);
-            let law = self.linear_law.on(self.space.region(at.cell));
-            let stress = law.apply(&strain).map(|s| at.weight * s);
-            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut self.nodal_force);
-        }
-        self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
     }
 
     fn compute_strains<const S: usize>(&mut self) {
@@ -217,7 +209,7 @@ impl<'a> ContactProblem<'a> {
         strain
     }
 
-    fn projected_force<const D: usize, const S: usize>(&mut self, kappa: f64) {
+    fn stress_forces<const D: usize, const S: usize>(&mut self, kappa: f64) {
         for at in self.space.points() {
             let strain = self.strain_at::<S>(at.index);
             let mut stress = self.linear_law.on(self.space.region(at.cell)).apply(&strain);
@@ -277,34 +269,31 @@ impl<'a> ContactProblem<'a> {
 
     /// Replaces the rows and columns of prescribed coordinates by the identity, and notes what their
     /// increments move to the right side.
-    fn prescribe(
-        &mut self,
-        prescribed: &[Option<f64>],
-        tangent: &mut [f64],
-        rank_one: &mut Option<RankOne>,
-    ) {
-        self.fixed.clear();
+    fn prescribe(&mut self, prescribed: &[Option<f64>]) {
+        let Jacobian { values, rank_one, held, .. } = &mut self.jacobian;
+        held.clear();
+        self.increments.clear();
         self.lifted.clear();
         for (i, increment) in prescribed.iter().enumerate() {
             let Some(increment) = *increment else { continue };
             for &(other, position) in &self.couplings[i] {
-                let value = std::mem::take(&mut tangent[position as usize]);
+                let value = std::mem::take(&mut values[position as usize]);
                 if increment != 0.0 {
                     self.lifted.push((other as usize, value * increment));
                 }
             }
-            let dof = self.graph.coordinates[i].dof as usize;
             // The diagonal stays: any positive number serves, and this one fits its neighbours.
-            self.fixed.push((dof, increment));
+            held.push(self.graph.coordinates[i].dof as usize);
+            self.increments.push(increment);
         }
         let Some(rank_one) = rank_one else { return };
-        let moved: f64 =
-            self.fixed.iter().map(|&(dof, increment)| rank_one.b[dof] * increment).sum();
+        let pairs = held.iter().zip(&self.increments);
+        let moved: f64 = pairs.map(|(&dof, increment)| rank_one.b[dof] * increment).sum();
         if moved != 0.0 {
             let a = rank_one.a.iter().enumerate();
             self.lifted.extend(a.map(|(dof, a)| (dof, moved * a)));
         }
-        for &(dof, _) in &self.fixed {
+        for &dof in &*held {
             rank_one.a[dof] = 0.0;
             rank_one.b[dof] = 0.0;
         }
@@ -353,10 +342,10 @@ impl StepInequality for ContactProblem<'_> {
         // Without projection and compliance on facets the tangent is known from slot, slopes, pins.
         let constant = self.model.projection.limit().is_none() && self.compliance.is_none();
         let unchanged = !self.last.replace(&self.slot, slopes, prescribed) && constant;
-        let mut tangent = self.solver.take_values();
+        let mut tangent = std::mem::take(&mut self.jacobian.values);
         tangent.clone_from(&self.linear);
-        let room = self.solver.take_rank_one();
-        let mut rank_one = in_dimension!(
+        let room = self.jacobian.rank_one.take().unwrap_or_default();
+        self.jacobian.rank_one = in_dimension!(
             self.space.mesh.dimension, D, S => self.projected_tangent::<D, S>(&mut tangent, room)
         );
         if let Some(compliance) = &self.compliance {
@@ -369,22 +358,22 @@ impl StepInequality for ContactProblem<'_> {
         }
         self.add_mixed(slopes, &mut tangent);
         self.work.tangents += u32::from(self.model.projection.limit().is_some());
-        self.prescribe(prescribed, &mut tangent, &mut rank_one);
+        self.jacobian.values = tangent;
+        self.prescribe(prescribed);
         self.couple(prescribed);
-        self.solver.hold(self.fixed.iter().map(|&(dof, _)| dof));
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
-        self.solver.prepare(tangent, rank_one, unchanged)
+        self.solver.prepare(&self.jacobian, unchanged)
     }
 
     fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         for &(dof, value) in &self.lifted {
             rhs[dof] -= value;
         }
-        for &(dof, increment) in &self.fixed {
-            let stiffness = self.solver.diagonal(dof);
+        for (&dof, increment) in self.jacobian.held.iter().zip(&self.increments) {
+            let stiffness = self.jacobian.values[self.space.pattern.diagonal(dof)];
             rhs[dof] = stiffness * increment;
         }
-        self.solver.solve(rhs, forcing)
+        self.solver.solve(&self.jacobian, rhs, forcing)
     }
 
     fn force_scale(&self, u: &[f64]) -> f64 {

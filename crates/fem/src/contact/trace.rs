@@ -225,13 +225,13 @@ pub fn facet_measure(mesh: &Mesh, f: usize) -> f64 {
 mod tests {
     use super::super::Discretization;
     use super::*;
-    use crate::mesh::{Family, cuboid};
+    use crate::mesh::{Family, lattice};
 
     /// A pressure that is linear on Γ3 is known by its midpoints, on facets of any shape and where their sizes differ.
     #[test]
     fn vertices_are_shown_the_linear_pressure_of_the_midpoints() {
         let family = Family::Perturbed { amplitude: 0.2, seed: 3, axes: [true, false, true] };
-        let mesh = cuboid([1.0, 0.5, 1.0], 4, family);
+        let mesh = lattice([1.0, 0.5, 1.0], 4, family);
         let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
         let space = Discretization::of(Element::P2, mesh, &sides[..1], &sides[1..]);
         let at = |point: &TracePoint| {

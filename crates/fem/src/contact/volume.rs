@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::floor::Accepted;
 use super::way::{Way, accepted_residual, size_of_forces};
 use super::{Discretization, Floors, LinearSolver, Model, Unknowns, Work};
-use algebra::linalg::{FactorError, Front, MultigridSequence, SIDES, axpy, norm};
+use algebra::linalg::{FactorError, Front, Jacobian, MultigridSequence, SIDES, axpy, norm};
 use vhi::law::TensorField;
 
 /// Matrix and solver. Right sides of a pass over a factor are in its order, entry after entry, `width` of each.
@@ -80,6 +80,7 @@ impl<'a> Volume<'a> {
         let way = match levels {
             Some(levels) => Way::Multigrid {
                 sequence: Box::new(MultigridSequence::new(levels, &space.pattern)),
+                jacobian: Jacobian::default(),
                 room: [(); 4].map(|()| vec![0.0; dofs]),
             },
             None => Way::Factor {
@@ -164,10 +165,9 @@ impl<'a> Volume<'a> {
                 self.work.linear.seconds_factor += start.elapsed().as_secs_f64();
             }
             Way::Factor { workspace: None, .. } => {}
-            Way::Multigrid { sequence, .. } => {
-                let mut values = sequence.take_values();
-                values.clone_from(matrix);
-                sequence.prepare(values, None, false)?;
+            Way::Multigrid { sequence, jacobian, .. } => {
+                jacobian.values.clone_from(matrix);
+                sequence.prepare(jacobian, false)?;
             }
         }
         match &mut self.slot {
@@ -261,8 +261,7 @@ impl<'a> Volume<'a> {
     /// The multigrid iteration does not converge.
     pub(super) fn solve(&mut self, x: &mut [f64]) -> Result<(), FactorError> {
         let start = Instant::now();
-        let matrix = if self.by_memory.is_empty() { &self.elastic } else { &self.matrix };
-        self.way.solve(self.space, matrix, x)?;
+        self.way.solve(self.space, x)?;
         if matches!(self.way, Way::Factor { .. }) {
             self.work.linear.solves += 1;
             self.work.linear.seconds_solve += start.elapsed().as_secs_f64();

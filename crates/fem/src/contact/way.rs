@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Discretization;
 use algebra::linalg::{
-    Analysis, Factor, FactorError, Front, MultigridSequence, RightSides, SIDES, Workspace, axpy,
-    norm, root_of_squares,
+    Analysis, Factor, FactorError, Front, Jacobian, MultigridSequence, RightSides, SIDES,
+    Workspace, axpy, norm, root_of_squares,
 };
 use vhi::Newton;
 
@@ -20,6 +20,7 @@ pub(super) enum Way<'a> {
     },
     Multigrid {
         sequence: Box<MultigridSequence<'a>>,
+        jacobian: Jacobian,
         room: [Vec<f64>; 4],
     },
 }
@@ -47,7 +48,7 @@ impl Way<'_> {
     pub(super) fn forward(&mut self, cut: usize, width: usize, x: &mut [f64]) {
         if let Self::Factor { analysis, factor, front, sides, .. } = self {
             match width {
-                SIDES => analysis.forward_block(factor, cut, x.as_chunks_mut().0, sides),
+                SIDES => analysis.forward(factor, cut, x.as_chunks_mut().0, sides),
                 _ => analysis.forward(factor, cut, x, front),
             }
         }
@@ -56,7 +57,7 @@ impl Way<'_> {
     pub(super) fn backward(&mut self, cut: usize, width: usize, x: &mut [f64]) {
         if let Self::Factor { analysis, factor, front, sides, .. } = self {
             match width {
-                SIDES => analysis.backward_block(factor, cut, x.as_chunks_mut().0, sides),
+                SIDES => analysis.backward(factor, cut, x.as_chunks_mut().0, sides),
                 _ => analysis.backward(factor, cut, x, front),
             }
         }
@@ -69,7 +70,6 @@ impl Way<'_> {
     pub(super) fn solve(
         &mut self,
         space: &Discretization,
-        matrix: &[f64],
         x: &mut [f64],
     ) -> Result<(), FactorError> {
         match self {
@@ -77,7 +77,9 @@ impl Way<'_> {
                 analysis.solve(factor, x, front);
                 Ok(())
             }
-            Self::Multigrid { sequence, room } => solve_by(space, matrix, sequence, room, x),
+            Self::Multigrid { sequence, jacobian, room } => {
+                solve_by(space, jacobian, sequence, room, x)
+            }
         }
     }
 
@@ -85,7 +87,7 @@ impl Way<'_> {
     pub(super) fn estimate(&mut self, x: &mut [f64]) {
         match self {
             Self::Factor { analysis, factor, front, .. } => analysis.solve(factor, x, front),
-            Self::Multigrid { sequence, .. } => sequence.solve_again(x),
+            Self::Multigrid { sequence, jacobian, .. } => sequence.solve_again(jacobian, x),
         }
     }
 }
@@ -101,7 +103,7 @@ pub(super) fn size_of_forces(space: &Discretization, matrix: &[f64], u: &[f64]) 
 /// A solve by multigrid as far as rounding lets it come.
 fn solve_by(
     space: &Discretization,
-    matrix: &[f64],
+    jacobian: &Jacobian,
     sequence: &mut MultigridSequence<'_>,
     [residual, image, correction, x]: &mut [Vec<f64>; 4],
     rhs: &mut [f64],
@@ -111,7 +113,7 @@ fn solve_by(
     x.fill(0.0);
     let mut last = f64::INFINITY;
     loop {
-        let forces = size_of_forces(space, matrix, x);
+        let forces = size_of_forces(space, &jacobian.values, x);
         let left = norm(residual);
         // The tolerance of Newton's method; or as far as rounding lets a solve come.
         let small = accepted_residual(forces + size);
@@ -120,9 +122,9 @@ fn solve_by(
         }
         last = left;
         correction.copy_from_slice(residual);
-        sequence.solve(correction, (0.3 * small / left).max(FORCING))?;
+        sequence.solve(jacobian, correction, (0.3 * small / left).max(FORCING))?;
         axpy(1.0, correction, x);
-        space.pattern.multiply(matrix, x, image);
+        space.pattern.multiply(&jacobian.values, x, image);
         for ((entry, b), f) in residual.iter_mut().zip(&*rhs).zip(&*image) {
             *entry = b - f;
         }

@@ -9,10 +9,8 @@
 use std::collections::HashMap;
 
 use super::geometry::{minus, norm};
+use super::lattice::PATHS;
 use super::{Mesh, Solid};
-
-/// The orders in which a path along three edges of a cube takes the axes, even ones first.
-const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
 
 /// Orders of the corners whose inner diagonal joins the middles of 02 and 13, of 01 and 23, of 03 and 12; the sign tells
 /// whether the order is even.

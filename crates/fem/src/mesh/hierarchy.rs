@@ -14,7 +14,7 @@ pub enum Nesting {
     /// Nothing that is known.
     #[default]
     Unknown,
-    /// A rectangle's or box's lattice, as [`super::rectangle`] and [`super::cuboid`] number it.
+    /// A rectangle's or box's lattice, as [`super::lattice()`] numbers it.
     Lattice {
         /// Cells an axis.
         counts: Vec<usize>,
@@ -97,7 +97,7 @@ fn lattice_parents(counts: &[usize], coarse: &[usize]) -> Parents {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{BoundaryEdge, Family, Mesh, cuboid, rectangle, refined, triangulate};
+    use crate::mesh::{BoundaryEdge, Family, Mesh, lattice, refined, triangulate};
 
     /// Largest distance of a vertex from the middle of its parents; infinite if these share no coarse cell.
     fn off_the_middle(fine: &Mesh, coarse: &Mesh, parents: &Parents) -> f64 {
@@ -120,11 +120,11 @@ mod tests {
     fn parents_are_the_ends_of_the_coarse_edge_that_a_vertex_halves() {
         let structured = Family::Structured;
         let (parents, coarse) = Nesting::lattice(&[8, 4]).coarsened().unwrap();
-        let plane = |n| rectangle([2.0, 1.0], n, structured);
+        let plane = |n| lattice([2.0, 1.0], n, structured);
         assert!(off_the_middle(&plane(4), &plane(2), &parents) < 1e-15);
         assert_eq!(coarse, Nesting::Lattice { counts: vec![4, 2], stretch: vec![2, 2] });
         let (parents, _) = Nesting::lattice(&[8, 4, 4]).coarsened().unwrap();
-        let solid = |n| cuboid([2.0, 1.0, 1.0], n, structured);
+        let solid = |n| lattice([2.0, 1.0, 1.0], n, structured);
         assert!(off_the_middle(&solid(4), &solid(2), &parents) < 1e-15);
         // A count too few an axis is a wrong mesh, and the check sees it.
         let wrong = lattice_parents(&[8, 4, 4], &[4, 4, 2]);

@@ -80,7 +80,7 @@ impl Mesh {
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::{Family, cuboid, rectangle};
+    use crate::mesh::{Family, lattice};
 
     fn close(a: f64, b: f64) -> bool {
         (a - b).abs() < 1e-12 * b
@@ -88,22 +88,22 @@ mod tests {
 
     #[test]
     fn right_isosceles_triangles_and_kuhn_tetrahedra() {
-        let plane = rectangle([2.0, 1.0], 4, Family::Structured).quality();
+        let plane = lattice([2.0, 1.0], 4, Family::Structured).quality();
         assert!(close(plane.smallest_angle, 45.0) && close(plane.aspect, 2.0), "{plane:?}");
         assert!(close(plane.longest, 2f64.sqrt() / 4.0) && close(plane.shortest, plane.longest));
         // Kuhn's tetrahedra: dihedral angles 45°, 60°, 90°; edges 1, √2, √3; altitude 1/√2.
-        let space = cuboid([1.0; 3], 2, Family::Structured).quality();
+        let space = lattice([1.0; 3], 2, Family::Structured).quality();
         assert!(close(space.smallest_angle, 45.0) && close(space.aspect, 6f64.sqrt()), "{space:?}");
     }
 
     #[test]
     fn grading_and_perturbation_show() {
         let graded = Family::Graded { corner: [0.0, 0.0], exponent: 2.0 };
-        let graded = rectangle([1.0, 1.0], 4, graded).quality();
+        let graded = lattice([1.0, 1.0], 4, graded).quality();
         // From (1/4)² to 1 - (3/4)² and its diagonal.
         assert!(graded.longest / graded.shortest > 4.0, "{graded:?}");
         let moved = Family::Perturbed { amplitude: 0.2, seed: 1, axes: [true; 3] };
-        let moved = rectangle([1.0, 1.0], 4, moved).quality();
+        let moved = lattice([1.0, 1.0], 4, moved).quality();
         assert!(moved.smallest_angle < 45.0 && moved.aspect > 2.0);
     }
 
@@ -112,7 +112,7 @@ mod tests {
         for size in [[1.0, 1.0], [2.0, 1.0], [1.0, 3.0]] {
             for corner in [[0.0, 0.0], [size[0], 0.0], [size[0], size[1]], [0.0, size[1]]] {
                 for exponent in [1.5, 2.0, 4.0] {
-                    let mesh = rectangle(size, 6, Family::Graded { corner, exponent });
+                    let mesh = lattice(size, 6, Family::Graded { corner, exponent });
                     let measure = |c: usize| mesh.inward(c).1 / 2.0;
                     let areas: Vec<f64> = (0..mesh.cell_count()).map(measure).collect();
                     assert!(areas.iter().all(|a| *a > 0.0), "{corner:?} {exponent}");

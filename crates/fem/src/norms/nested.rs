@@ -198,12 +198,12 @@ impl<'a> Pieces<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, rectangle};
+    use crate::mesh::{Family, lattice};
     use crate::norms::Refinement;
     use crate::space::quadrature::triangle_degree_8;
 
     fn space(element: Element, n: u32) -> Discretization {
-        Discretization::of(element, rectangle([1.0, 1.0], n, Family::Structured), &[], &[])
+        Discretization::of(element, lattice([1.0, 1.0], n, Family::Structured), &[], &[])
     }
 
     /// Barycentric coordinates of x in cell c, by areas.

@@ -212,7 +212,7 @@ mod tests {
     use super::*;
     use std::sync::Arc;
 
-    use crate::mesh::{BoundaryEdge, Coarse, Family, cuboid, rectangle, refined, triangulate};
+    use crate::mesh::{BoundaryEdge, Coarse, Family, lattice, refined, triangulate};
 
     fn space(mesh: Mesh) -> Discretization {
         let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
@@ -221,8 +221,8 @@ mod tests {
 
     fn structured(dimension: usize, n: u32) -> Discretization {
         space(match dimension {
-            2 => rectangle([1.0, 0.5], n, Family::Structured),
-            _ => cuboid([1.0, 0.5, 1.0], n, Family::Structured),
+            2 => lattice([1.0, 0.5], n, Family::Structured),
+            _ => lattice([1.0, 0.5, 1.0], n, Family::Structured),
         })
     }
 
@@ -251,7 +251,7 @@ mod tests {
             assert!(Refinement::new(&structured(d, 6), &structured(d, 4)).is_err());
         }
         let family = Family::Perturbed { amplitude: 0.1, seed: 3, axes: [true; 3] };
-        let moved = space(cuboid([1.0, 0.5, 1.0], 8, family));
+        let moved = space(lattice([1.0, 0.5, 1.0], 8, family));
         assert!(Refinement::new(&moved, &structured(3, 4)).is_err());
     }
 

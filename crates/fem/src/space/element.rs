@@ -239,7 +239,7 @@ fn point_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, cuboid, rectangle};
+    use crate::mesh::{Family, lattice};
     use crate::space::quadrature::{tetrahedron_degree_6, triangle_degree_6};
 
     #[test]
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn each_facet_has_one_barycentre() {
-        let mut mesh = cuboid([1.0; 3], 2, Family::Structured);
+        let mut mesh = lattice([1.0; 3], 2, Family::Structured);
         let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());
         let places = Element::CR.places(&mut mesh);
         // Each facet belongs to two cells, but for those on the boundary.
@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn each_edge_has_one_midpoint() {
-        let mut mesh = rectangle([1.0, 1.0], 3, Family::Structured);
+        let mut mesh = lattice([1.0, 1.0], 3, Family::Structured);
         let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());
         let places = Element::P2.places(&mut mesh);
         // Euler: edges of a disc.
@@ -291,7 +291,7 @@ mod tests {
         for nodes in places.facets.chunks_exact(3) {
             assert_eq!(mesh.point(&nodes[..2], &[0.5, 0.5]), mesh.point(&nodes[2..], &[1.0]));
         }
-        let mut mesh = cuboid([1.0; 3], 2, Family::Structured);
+        let mut mesh = lattice([1.0; 3], 2, Family::Structured);
         let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());
         let places = Element::P2.places(&mut mesh);
         // Euler: V - E + F - C = 1 of a ball, F = 2 C + half of the facets.

@@ -144,7 +144,7 @@ fn side(mesh: &Mesh, opposite: &[usize], nodes: &Nodes, c: usize, a: usize) -> S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, cuboid, rectangle};
+    use crate::mesh::{Family, lattice};
     use crate::space::quadrature::{Rule, edge, triangle_degree_4};
 
     /// v_i of cell c at a point, by barycentric coordinates: those of x in the linear system of its corners.
@@ -209,14 +209,14 @@ mod tests {
             assert!((found - sum).abs() < 1e-11 * sum, "{D}: {found} {sum}");
         }
         let family = Family::Perturbed { amplitude: 0.15, seed: 2, axes: [true; 3] };
-        compare::<2>(rectangle([1.0, 1.0], 3, family), &edge(3));
-        compare::<3>(cuboid([1.0, 0.5, 1.0], 2, family), &triangle_degree_4());
+        compare::<2>(lattice([1.0, 1.0], 3, family), &edge(3));
+        compare::<3>(lattice([1.0, 0.5, 1.0], 2, family), &triangle_degree_4());
     }
 
     /// Across the barycentre v is continuous: values at the corners sum up to zero.
     #[test]
     fn values_at_corners_sum_up_to_zero() {
-        let mut mesh = cuboid([1.0; 3], 2, Family::Structured);
+        let mut mesh = lattice([1.0; 3], 2, Family::Structured);
         let nodes = Nodes::new(&mut mesh, Element::CR, &[]);
         let v: Vec<f64> = (0..nodes.len()).map(|i| (0.9 * i as f64).cos()).collect();
         for jump in jumps(&mesh, Element::CR, &nodes) {

@@ -108,15 +108,12 @@ pub fn strain_of<const S: usize>(gradients: &[f64], nodes: &[u32], v: &[f64]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, rectangle};
+    use crate::mesh::{Family, lattice};
 
     #[test]
     fn strain_of_an_affine_field_is_exact_on_any_mesh() {
-        let mesh = rectangle(
-            [1.0, 1.0],
-            3,
-            Family::Perturbed { amplitude: 0.2, seed: 1, axes: [true; 3] },
-        );
+        let mesh =
+            lattice([1.0, 1.0], 3, Family::Perturbed { amplitude: 0.2, seed: 1, axes: [true; 3] });
         let geometry = Geometry::new(&mesh, Element::P1);
         // v = (2x + 3y, -x + 5y): ε = (2, 5, (3-1)/2).
         let v: Vec<f64> = (0..mesh.vertices() as u32)

@@ -107,12 +107,12 @@ fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::mesh::{Family, rectangle};
+    use fem::mesh::{Family, lattice};
 
     /// A NaN in one norm must not affect the others.
     #[test]
     fn no_number_stays_in_its_norm() {
-        let mesh = rectangle([1.0, 1.0], 1, Family::Structured);
+        let mesh = lattice([1.0, 1.0], 1, Family::Structured);
         let space = Discretization::new(mesh, &[3], &[2]);
         let (nodes, cells) = (space.nodes.len(), space.mesh.cell_count());
         let level = |pressure: f64| Level::<3> {

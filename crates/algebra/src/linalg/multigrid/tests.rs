@@ -3,6 +3,7 @@
 
 use super::super::conjugate_gradient::{Directions, conjugate_gradients};
 use super::super::gmres::Preconditioned;
+use super::super::jacobian::Jacobian;
 use super::super::multigrid_sequence::MultigridSequence;
 use super::super::signed_unit;
 use super::*;
@@ -278,9 +279,10 @@ fn the_unit_of_force_is_of_no_account() {
     let (body, levels) = cube(8);
     let solved = |unit: f64| {
         let mut sequence = MultigridSequence::new(&levels, &body.pattern);
-        sequence.prepare(body.values.clone(), None, false).unwrap();
+        let jacobian = Jacobian { values: body.values.clone(), ..Jacobian::default() };
+        sequence.prepare(&jacobian, false).unwrap();
         let mut x: Vec<f64> = random(body.pattern.order(), 5).iter().map(|f| f * unit).collect();
-        sequence.solve(&mut x, 1e-8).unwrap();
+        sequence.solve(&jacobian, &mut x, 1e-8).unwrap();
         x.iter().map(|u| u / unit).collect::<Vec<f64>>()
     };
     let ordinary = solved(1.0);

@@ -1,6 +1,6 @@
 //! Factors in both precisions, nonsymmetric entries, and indefinite matrices.
 
-use super::super::nested_dissection;
+use super::super::{NonsymmetricEntry, RankOne, nested_dissection};
 use super::*;
 
 /// A chain of 3,000 nodes with two components: large enough for single precision.
@@ -31,10 +31,11 @@ fn solve(scale: f64, indefinite: bool) -> Result<f64, FactorError> {
     let exact: Vec<f64> = (0..pattern.order()).map(|i| ((i % 13) as f64) - 6.0).collect();
     let unit = |k: f64| exact.iter().map(|x| scale * k * x.sin() / 6000.0).collect::<Vec<_>>();
     let rank_one = RankOne { a: unit(1.0), b: unit(1.0 / scale) };
-    solver.prepare(values, Some(rank_one), false)?;
+    let jacobian = Jacobian { values, rank_one: Some(rank_one), ..Jacobian::default() };
+    solver.prepare(&jacobian, false)?;
     let mut rhs = vec![0.0; pattern.order()];
-    solver.apply(&exact, &mut rhs);
-    solver.solve(&mut rhs, 1e-12)?;
+    jacobian.multiply(&pattern, &exact, &mut rhs);
+    solver.solve(&jacobian, &mut rhs, 1e-12)?;
     let error = rhs.iter().zip(&exact).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
     Ok(error)
 }
@@ -61,16 +62,17 @@ fn entries_without_a_mirror_image_are_solved_for() {
             column: 2 * i + 1,
             value: 0.5 + 0.05 * i as f64,
         });
-        solver.couple(couplings);
-        solver.prepare(values.clone(), None, false).unwrap();
+        let (values, couplings) = (values.clone(), couplings.collect());
+        let mut jacobian = Jacobian { values, couplings, ..Jacobian::default() };
+        solver.prepare(&jacobian, false).unwrap();
         for _ in 0..2 {
             let mut rhs = vec![0.0; pattern.order()];
-            solver.apply(&exact, &mut rhs);
-            solver.solve(&mut rhs, 1e-12).unwrap();
+            jacobian.multiply(&pattern, &exact, &mut rhs);
+            solver.solve(&jacobian, &mut rhs, 1e-12).unwrap();
             let off = rhs.iter().zip(&exact).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
             // A residual of 1e-12 times a condition number of about 80, times entries of size 6.
             assert!(off < 1e-9, "{off}");
-            solver.transpose_couplings();
+            jacobian.transpose_couplings();
         }
         assert!(solver.work.factorizations <= 2);
     }

@@ -6,11 +6,11 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::mesh::{Family, rectangle};
+use crate::mesh::{Family, lattice};
 use vhi::law::{Curve, Curved, PiecewiseLinear, Potential};
 
 fn space() -> Discretization {
-    let mesh = rectangle([1.0, 1.0], 3, Family::Structured);
+    let mesh = lattice([1.0, 1.0], 3, Family::Structured);
     let (left, bottom) = (mesh.side("left").unwrap(), mesh.side("bottom").unwrap());
     Discretization::new(mesh, &[left], &[bottom])
 }

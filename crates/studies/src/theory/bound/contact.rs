@@ -5,7 +5,7 @@ use super::ladder::BoundError;
 use super::linear::linear_loss;
 use super::run::{self, ContractionStudy, FactorAtLevel};
 use ::run::sweep::{Runs, run_cost};
-use fem::contact::{Discretization, Evolution, OpenLevel};
+use fem::contact::{Discretization, Evolution};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::{StepBounds, StepState};
 
@@ -71,7 +71,7 @@ pub fn at_level<T>(
     data: &MeshData,
     steps: u32,
     number: usize,
-    see: impl FnOnce(&mut OpenLevel<'_>, StepState) -> Result<T, BoundError>,
+    see: impl FnOnce(&mut Evolution<'_>, StepState) -> Result<T, BoundError>,
 ) -> Result<T, BoundError> {
     on_run(setup, data, steps, |level| {
         let state = run::run_to(level, number)?;
@@ -84,12 +84,9 @@ fn on_run<T>(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
-    see: impl FnOnce(&mut OpenLevel<'_>) -> Result<T, BoundError>,
+    see: impl FnOnce(&mut Evolution<'_>) -> Result<T, BoundError>,
 ) -> Result<T, BoundError> {
     let grid = setup.grid(steps);
     let mut load = TruthLoad(&*data.truth);
-    let evolution = Evolution::new(&data.space, &setup.model, &grid, &mut load)?;
-    let mut level = OpenLevel::new(&data.space, &setup.model, evolution)
-        .map_err(|source| BoundError::Constant(source.into()))?;
-    see(&mut level)
+    see(&mut Evolution::new(&data.space, &setup.model, &grid, &mut load)?)
 }
