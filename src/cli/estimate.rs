@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use super::target::Wanted;
-use super::{CliError, megabytes, print_json, print_text};
+use super::{CliError, print_json, print_text};
+use files::megabytes;
 use judge::fit::Interval;
 use report::digits;
 use run::sweep::MemoryLimit;

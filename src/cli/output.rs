@@ -80,10 +80,6 @@ pub(crate) fn verdict_table(verdicts: &[Verdict]) -> String {
 const NARROWEST: u16 = 60;
 const WIDEST: u16 = 180;
 
-pub(crate) fn megabytes(bytes: f64) -> String {
-    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
-}
-
 /// Creates a directory and its parents; removes unfinished files of a killed process.
 pub(crate) fn create_dir(dir: &Path) -> Result<(), CliError> {
     make_directory(dir).map_err(|error| CliError::about(dir.display(), error))

@@ -28,6 +28,12 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "the contact side of an exact solution on a mesh is made from it and kept in it",
     ),
     (
+        "fem",
+        "contact/evolution",
+        2,
+        "the derivative at the open level is of an evolution, and kept in it",
+    ),
+    (
         "formula",
         "history",
         10,

@@ -39,7 +39,7 @@ const HOUSE: [(&str, &[&str], &[&str]); 11] = [
 const INDEPENDENT: [(&str, &str, &[&str]); 8] = [
     ("exact", "vhi", &[]),
     ("exact", "fem", FEM_OF_EXACT),
-    ("leading_error", "judge", &[]),
+    ("leading_error", "judge", &["verdict::LeadingLine", "verdict::LeadingPoint"]),
     ("leading_error", "report", &[]),
     ("leading_error", "vhi", &["history::TimeGrid"]),
     ("leading_error", "fem", FEM_OF_LEADING_ERROR),

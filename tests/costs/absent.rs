@@ -27,7 +27,7 @@ fn run(setup: &Setup, data: &MeshData) -> CaseInfo {
 /// What `info` counts for terms that `setup` is said not to have, one line each.
 fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<String> {
     let model = &setup.model;
-    let plan = Plan::of(&data.space, model, &setup.grid(STEPS), true);
+    let plan = Plan::of(&data.space, model, STEPS as usize, true);
     let linear = info.work.linear;
     let levels = STEPS + 1;
     let mut found = Vec::new();

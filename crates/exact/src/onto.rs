@@ -7,6 +7,10 @@ use super::shapes::Shapes;
 use fem::space::Element;
 use fem::space::quadrature::Rule;
 
+/// Singular values of products of functions, of which those of rules that tell functions apart are far larger, and the
+/// others rounding.
+const DISTINCT: f64 = 1e-10;
+
 /// L² projections by a rule, onto the strains and onto the functions of an element.
 pub(super) struct Onto {
     /// Projections by their values at the strain points.
@@ -41,7 +45,8 @@ impl Projector {
             (0..points).map(|q| rule.weights[q] * shape[q][i] * shape[q][j]).sum::<f64>()
         };
         let gram = DMatrix::from_fn(count, count, product);
-        let inverse = gram.try_inverse().expect("a rule that tells functions apart");
+        // A rule of fewer points than functions leaves the least of the coefficients with the values there.
+        let inverse = gram.pseudo_inverse(DISTINCT).expect("a bound that is not negative");
         let dual = |i: usize, q: usize| {
             rule.weights[q] * (0..count).map(|j| inverse[(i, j)] * shape[q][j]).sum::<f64>()
         };

@@ -3,7 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::super::{CliError, Scenes, megabytes};
+use super::super::{CliError, Scenes};
+use files::megabytes;
 use studies::trade::{Answer, AnswerError, Answered, Bench, Knob, Variant};
 
 /// Timed runs of a confirmed answer.

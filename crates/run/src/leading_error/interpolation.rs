@@ -4,14 +4,14 @@ use algebra::in_dimension;
 use std::sync::Arc;
 
 use super::interpolation_stress::StressInterpolationError;
-use super::own_history::{nodal, points_of_nodes};
+use super::measures::square_apart;
+use super::own_history::{nodal, points_of_cells, points_of_nodes};
 use super::quadratic::QuadraticError;
 use super::time::{largest_step, times};
 use super::{Case, NoConstant};
 use exact::constitutive::{Tensor, full};
 use exact::{Exact, NodalStrain};
 use fem::contact::{Discretization, LoadError};
-use fem::mesh::Mesh;
 use fem::space::Element;
 use fem::space::quadrature::{Rule, gauss_legendre};
 use formula::{BoundProgram, Program, Variable};
@@ -150,18 +150,6 @@ impl<'a> InterpolationError<'a> {
         }
         sum.sqrt()
     }
-}
-
-/// The points of a rule, cell by cell.
-pub(super) fn points_of_cells(mesh: &Mesh, rule: &Rule) -> Vec<[f64; 3]> {
-    (0..mesh.cell_count())
-        .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
-        .collect()
-}
-
-/// |σ - τ|².
-pub(super) fn square_apart<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> f64 {
-    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
 /// Up to this n all times of the grid are tried: the error depends on where moving fronts are in the cells, less so on

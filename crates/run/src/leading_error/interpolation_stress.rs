@@ -6,7 +6,8 @@
 use algebra::in_dimension;
 use std::sync::Arc;
 
-use super::interpolation::{points_of_cells, square_apart};
+use super::measures::square_apart;
+use super::own_history::points_of_cells;
 use exact::constitutive::{Tensor, stress};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, NodalStrain};
 use fem::contact::{Discretization, LoadError};

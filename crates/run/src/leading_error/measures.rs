@@ -2,6 +2,7 @@
 
 use super::cells::{Mandel, add_force, inner};
 use algebra::linalg::larger;
+use exact::constitutive::Tensor;
 use fem::contact::Discretization;
 use fem::space::{Element, Simplex};
 use scene::Norm;
@@ -102,6 +103,11 @@ fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
         measure * mean_square(space.element, Simplex::facet(space.mesh.dimension), &at_facet)
     };
     space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
+}
+
+/// |σ - τ|².
+pub(super) fn square_apart<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> f64 {
+    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
 #[cfg(test)]

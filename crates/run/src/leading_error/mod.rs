@@ -18,6 +18,7 @@
 //! `tests/commands/house.rs` lists what is shared.
 
 mod adaptive;
+mod case;
 mod cells;
 mod contact_answers;
 mod error;
@@ -34,6 +35,7 @@ mod sums;
 mod tangent;
 mod time;
 
+pub use case::Case;
 pub use error::NoConstant;
 pub use interpolation::{InterpolationError, interpolation_constant};
 
@@ -42,7 +44,7 @@ use std::sync::Arc;
 use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::Element;
-use judge::verdict::{LeadingLine, LeadingPoint};
+use judge::verdict::LeadingLine;
 use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Direction, Hypothesis, MeshFamily, Norm};
@@ -53,20 +55,6 @@ use scene::{Direction, Hypothesis, MeshFamily, Norm};
 const IN_TIME: f64 = 1e-4;
 /// Steps beyond which direct sums are not worth their cost: the error is long asymptotic.
 const MOST_STEPS: u32 = 1024;
-
-/// One case, by its mesh and number of steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Case {
-    /// Cells per unit length; none in ℝ^m.
-    pub n: Option<u32>,
-    pub steps: u32,
-}
-
-impl Case {
-    fn point(self, h: Option<f64>, k: f64, error: f64) -> LeadingPoint {
-        LeadingPoint { n: self.n, steps: self.steps, h, k, error }
-    }
-}
 
 /// What is measured, and against which reference.
 #[derive(Debug, Clone, Copy, PartialEq)]

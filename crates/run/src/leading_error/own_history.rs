@@ -6,6 +6,8 @@ use super::cells::{Mandel, inner, strains};
 use super::sums::Kernel;
 use exact::Exact;
 use fem::contact::Discretization;
+use fem::mesh::Mesh;
+use fem::space::quadrature::Rule;
 use formula::{BoundProgram, Program};
 
 /// ∫_0^t b_i(t-s) u(s) ds at the nodes, and ζ(t) = ∫_0^t ‖ε(I_h u(s))‖ ds, advanced from one time to the next.
@@ -127,6 +129,13 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
     pub(super) fn zeta(&self) -> f64 {
         self.carried.last().copied().filter(|_| self.with_zeta).unwrap_or(0.0)
     }
+}
+
+/// The points of a rule, cell by cell.
+pub(super) fn points_of_cells(mesh: &Mesh, rule: &Rule) -> Vec<[f64; 3]> {
+    (0..mesh.cell_count())
+        .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
+        .collect()
 }
 
 pub(super) fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {

@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::candidates::finest;
-use super::document::megabytes;
 use super::rival::Known;
 use super::{
     Answer, Bench, Candidates, Knob, MOST, Models, NoAnswer, Optimum, Price, Study, TradeRuns,
     Variant, knobs, optimum,
 };
+use files::megabytes;
 use judge::fit::FLOORS_ABOVE;
 use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
 use scene::Norm;

@@ -3,6 +3,7 @@
 use super::extrapolation::{Extrapolated, LastOrder};
 use super::picture::AGAINST;
 use super::{Answer, Answered, Equal, Price, Rival, Study, Term, Trial};
+use files::megabytes;
 use judge::fit::Interval;
 use report::{Chapter, Run, StudyDocument, Tone, digits};
 
@@ -96,11 +97,6 @@ impl Study {
             ));
         }
     }
-}
-
-/// Bytes in MiB.
-pub(super) fn megabytes(bytes: f64) -> String {
-    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
 }
 
 fn term(step: &str, term: &Option<Term>) -> String {
