@@ -62,12 +62,21 @@ def template(sweep, folder, name):
     return rows, provenance
 
 
+def checksum(fields):
+    """The 64-bit FNV-1a hash of the fields, each ended by a line break."""
+    value = 0xCBF29CE484222325
+    for byte in "".join(f"{field}\n" for field in fields).encode():
+        value = (value ^ byte) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
+    return f"{value:016x}"
+
+
 def write_parts(plan, rows, provenance):
     """The parts of a plan, by its jobs."""
     document = json.loads((plan / "plan.json").read_text())
     scenes = {own["name"]: own for own in document["scenes"]}
     columns = list(rows[0])
     place = {column: columns.index(column) for column in columns}
+    lasting = [at for at, column in enumerate(columns[:-1]) if not column.startswith("seconds_")]
     rows = [list(row.values()) for row in rows]
     parts = plan / "parts"
     shutil.rmtree(parts, ignore_errors=True)
@@ -86,6 +95,7 @@ def write_parts(plan, rows, provenance):
                     row[place["scene"]], row[place["n"]], row[place["steps"]] = name, n, steps
                     row[place["h"]], row[place["k"]] = repr(h), repr(k)
                     row[place["error"]], row[place["floor"]] = repr(0.1 * h * (1 + k * k)), "1e-15"
+                    row[-1] = checksum(str(row[at]) for at in lasting)
                     table.writerow(row)
         own = {name: scenes[name] for name in {case[0] for case in cases}}
         said = dict(provenance, step_sizes={})
@@ -152,7 +162,7 @@ def one_scene(sweep, number):
 def merge(sweep, plan, number, kind):
     out = plan / "merged"
     code, said, err = measured(f"{kind}, {number}", [sweep, "--quiet", "merge", plan / "parts", "--plan", plan, "--out", out])
-    assert f"{number} cases of" in said and " 0 missing" in said, said[-2000:] + err
+    assert f"{number} cases" in said and " 0 missing" in said, said[-2000:] + err
     print(said.splitlines()[-2], f"exit {code},", sum(1 for _ in open(out / "cases.csv")) - 1, "rows")
 
 

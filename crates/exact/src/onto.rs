@@ -45,8 +45,11 @@ impl Projector {
             (0..points).map(|q| rule.weights[q] * shape[q][i] * shape[q][j]).sum::<f64>()
         };
         let gram = DMatrix::from_fn(count, count, product);
-        // A rule of fewer points than functions leaves the least of the coefficients with the values there.
-        let inverse = gram.pseudo_inverse(DISTINCT).expect("a bound that is not negative");
+        // Fewer points than functions: the least of the coefficients with the values there.
+        let inverse = match count <= points {
+            true => gram.try_inverse().expect("a rule that tells functions apart"),
+            false => gram.pseudo_inverse(DISTINCT).expect("a bound that is not negative"),
+        };
         let dual = |i: usize, q: usize| {
             rule.weights[q] * (0..count).map(|j| inverse[(i, j)] * shape[q][j]).sum::<f64>()
         };

@@ -78,6 +78,7 @@ impl<'a> ContactProblem<'a> {
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
         let d = space.mesh.dimension;
+        let projected = model.projection.limit().map_or(0, |_| space.geometry.points());
         let elasticity = model
             .memory
             .iter()
@@ -95,7 +96,7 @@ impl<'a> ContactProblem<'a> {
             unknowns: vec![0.0; space.nodes.len()],
             cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
-            strains: vec![0.0; d * (d + 1) / 2 * space.geometry.points()],
+            strains: vec![0.0; d * (d + 1) / 2 * projected],
             past_zeta: 0.0,
             slot: LastSlot::default(),
             strain_norm: 0.0,
@@ -178,10 +179,13 @@ impl<'a> ContactProblem<'a> {
 
     fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
         self.nodal_force.fill(0.0);
-        self.compute_strains::<S>();
-        let limit = self.model.projection.limit();
-        let kappa = limit.map_or(f64::INFINITY, |limit| limit.value(self.zeta()));
-        self.stress_forces::<D, S>(kappa);
+        match self.model.projection.limit() {
+            None => self.linear_force::<D, S>(),
+            Some(limit) => {
+                self.compute_strains::<S>();
+                self.projected_force::<D, S>(limit.value(self.zeta()));
+            }
+        }
         let u = if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian };
         self.space.add_jump_force(&self.linear_law, u, &mut self.nodal_force);
         self.space.frames.force_on_unknowns(&mut self.nodal_force);
@@ -191,6 +195,18 @@ impl<'a> ContactProblem<'a> {
     /// The displacements as a nodal vector.
     fn displacements(&self) -> &[f64] {
         if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian }
+    }
+
+    fn linear_force<const D: usize, const S: usize>(&mut self) {
+        let mut sum = 0.0;
+        for at in self.space.points() {
+            let strain = at.strain::<S>(self.displacements());
+            sum += at.weight * contract(&strain, &strain);
+            let law = self.linear_law.on(self.space.region(at.cell));
+            let stress = law.apply(&strain).map(|s| at.weight * s);
+            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut self.nodal_force);
+        }
+        self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
     }
 
     fn compute_strains<const S: usize>(&mut self) {
@@ -204,12 +220,10 @@ impl<'a> ContactProblem<'a> {
     }
 
     fn strain_at<const S: usize>(&self, p: usize) -> [f64; S] {
-        let mut strain = [0.0; S];
-        strain.copy_from_slice(&self.strains[S * p..S * (p + 1)]);
-        strain
+        self.strains[S * p..S * (p + 1)].try_into().expect("S components")
     }
 
-    fn stress_forces<const D: usize, const S: usize>(&mut self, kappa: f64) {
+    fn projected_force<const D: usize, const S: usize>(&mut self, kappa: f64) {
         for at in self.space.points() {
             let strain = self.strain_at::<S>(at.index);
             let mut stress = self.linear_law.on(self.space.region(at.cell)).apply(&strain);
