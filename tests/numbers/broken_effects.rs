@@ -252,8 +252,8 @@ fn squared_error(cell: [[f64; 2]; 3], discrete: [f64; 4], power: i32) -> f64 {
     let [o, p, q] = cell;
     let area = ((p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0])).abs();
     let mut sum = 0.0;
-    for (r, wr) in gauss_legendre(16) {
-        for (s, ws) in gauss_legendre(16) {
+    for &(r, wr) in gauss_legendre(16) {
+        for &(s, ws) in gauss_legendre(16) {
             let (base, b) = (0.5 + 0.5 * r, 0.5 + 0.5 * s);
             let a = base.powi(power);
             let at = |i: usize| o[i] + a * ((1.0 - b) * (p[i] - o[i]) + b * (q[i] - o[i]));

@@ -172,8 +172,8 @@ fn v_error(exact: &Exact, data: &MeshData, view: &StepView<'_>, count: usize, sh
             [(a * q[1] - b * p[1]) / area, (b * p[0] - a * q[0]) / area]
         };
         let (du, dv) = (gradient(0), gradient(1));
-        for (r, wr) in gauss_legendre(count) {
-            for (s, ws) in gauss_legendre(count) {
+        for &(r, wr) in gauss_legendre(count) {
+            for &(s, ws) in gauss_legendre(count) {
                 let (a, b) = (0.5 + 0.5 * r, 0.5 + 0.5 * s);
                 let (a, b, weight) = (a, b * (1.0 - a), 0.25 * wr * ws * (1.0 - a) * area);
                 let (x, y) = (o[0] + a * p[0] + b * q[0], o[1] + a * p[1] + b * q[1]);

@@ -21,11 +21,11 @@ use studies::trade::front;
 const TIE: f64 = 0.01;
 
 /// Whether a list of points is the front of all, by comparing each with each.
-fn is_front(points: &[(f64, f64)], found: &[usize]) -> bool {
+fn is_front(points: &[[f64; 2]], found: &[usize]) -> bool {
     let beaten = |i: usize| {
-        let (x, y) = points[i];
+        let [x, y] = points[i];
         let mut others = points.iter().enumerate().filter(|(j, _)| *j != i);
-        others.any(|(_, &(a, b))| a <= x && b <= y && (a < x || b < y))
+        others.any(|(_, &[a, b])| a <= x && b <= y && (a < x || b < y))
     };
     (0..points.len()).all(|i| beaten(i) != found.contains(&i))
 }
@@ -35,8 +35,8 @@ fn the_front_is_that_of_a_brute_force() {
     // Multiples of the golden ratio, modulo one: spread evenly, no two alike.
     let part = |i: usize, step: f64| (i as f64 * step).fract();
     for count in [1, 2, 7, 50, 200] {
-        let points: Vec<(f64, f64)> =
-            (1..=count).map(|i| (part(i, 0.618_033_988_7), part(i, 0.754_877_666_2))).collect();
+        let points: Vec<[f64; 2]> =
+            (1..=count).map(|i| [part(i, 0.618_033_988_7), part(i, 0.754_877_666_2)]).collect();
         let found = front(&points, 0.0);
         assert!(is_front(&points, &found), "{count}");
         // One point less, or a beaten one more, is seen.

@@ -28,8 +28,8 @@ pub struct AccumulatedStrain {
 
 struct Integrand {
     strain: Program,
-    /// The strain at the points last used: without moving guards they are always the same.
-    bound: Mutex<Option<(Vec<[f64; 3]>, BoundProgram)>>,
+    /// Without moving guards always the same.
+    last: Mutex<Option<Points>>,
     guards: Guards,
     /// Cuts of the height: sign changes of guards that depend on y only.
     cuts_in_y: Vec<f64>,
@@ -87,7 +87,7 @@ impl Integrand {
         let guards: Vec<Node> = all.into_iter().filter(moving).collect();
         Self {
             strain: Program::compile(graph, strain, horizon),
-            bound: Mutex::new(None),
+            last: Mutex::new(None),
             cuts_in_y,
             cuts_at_start: OnceLock::new(),
             guards: Guards::new(graph, &guards, horizon),
@@ -104,7 +104,8 @@ impl Integrand {
     fn left_out(&self, horizon: f64) -> f64 {
         let share = |finer: &Shape, t: f64| {
             let norm = self.norm(t);
-            (self.norm_over(finer, t) - norm).abs() / norm.max(f64::MIN_POSITIVE)
+            let mut points = self.points(finer, self.cuts_in_x(finer, t));
+            (points.norm(&self.weights, t) - norm).abs() / norm.max(f64::MIN_POSITIVE)
         };
         let at = |finer| [1.0, 2.0, 3.0].map(|third| share(finer, horizon * third / 3.0));
         self.region.finer.as_ref().map_or([0.0; 3], at).into_iter().fold(0.0, f64::max)
@@ -119,46 +120,52 @@ impl Integrand {
     }
 
     fn norm(&self, t: f64) -> f64 {
-        self.norm_over(&self.region.shape, t)
-    }
-
-    fn norm_over(&self, shape: &Shape, t: f64) -> f64 {
-        match shape {
-            Shape::Points(SimplexPoints { points, weights }) => self.norm_at(points, weights, t),
-            Shape::Strips(strips) => {
-                let cuts_in_x = self.cuts_in_x(strips.bounds.map(|[x, _]| x), t);
-                let (points, weights) = strips.points(&cuts_in_x, &self.cuts_in_y);
-                self.norm_at(&points, &weights, t)
-            }
-        }
-    }
-
-    fn norm_at(&self, points: &[[f64; 3]], weights: &[f64], t: f64) -> f64 {
-        let strain = self.strain_at(points, t);
-        let component = |(e, often): (&Vec<f64>, &f64)| {
-            often * e.iter().zip(weights).map(|(e, w)| w * e * e).sum::<f64>()
+        let cuts = self.cuts_in_x(&self.region.shape, t);
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let points = match last.take() {
+            Some(points) if points.cuts_in_x == cuts => points,
+            _ => self.points(&self.region.shape, cuts),
         };
-        strain.iter().zip(&self.weights).map(component).sum::<f64>().sqrt()
+        last.insert(points).norm(&self.weights, t)
     }
 
-    fn strain_at(&self, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
-        let mut known = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
-        let bound = match known.take() {
-            Some((bound_points, bound)) if bound_points == points => (bound_points, bound),
-            _ => (points.to_vec(), self.strain.bind(points)),
+    fn points(&self, shape: &Shape, cuts_in_x: Vec<f64>) -> Points {
+        let (points, weights) = match shape {
+            Shape::Points(SimplexPoints { points, weights }) => (points.clone(), weights.clone()),
+            Shape::Strips(strips) => strips.points(&cuts_in_x, &self.cuts_in_y),
         };
-        let mut out = vec![Vec::new(); self.weights.len()];
-        known.insert(bound).1.evaluate(t, 0.0, &mut out);
-        out
+        Points { cuts_in_x, weights, strain: self.strain.bind(&points) }
     }
 
     /// Cuts of the width where a guard changes sign at time t, or did at time 0: relaxation integrals keep a kink where
     /// a zone began.
-    fn cuts_in_x(&self, width: [f64; 2], t: f64) -> Vec<f64> {
+    fn cuts_in_x(&self, shape: &Shape, t: f64) -> Vec<f64> {
+        let Shape::Strips(strips) = shape else { return Vec::new() };
+        let width = strips.bounds.map(|[x, _]| x);
         let at = |time: f64| self.guards.along(width, WATCHES, time, |x| [x, 0.0, 0.0]);
         let mut cuts = at(t);
         cuts.extend(self.cuts_at_start.get_or_init(|| at(0.0)));
         cuts
+    }
+}
+
+/// Where the strain is evaluated.
+struct Points {
+    /// Cuts of the width of which they come.
+    cuts_in_x: Vec<f64>,
+    weights: Vec<f64>,
+    strain: BoundProgram,
+}
+
+impl Points {
+    /// ‖ε‖ at time t; components count as often as `often` says.
+    fn norm(&mut self, often: &[f64], t: f64) -> f64 {
+        let mut strain = vec![Vec::new(); often.len()];
+        self.strain.evaluate(t, 0.0, &mut strain);
+        let component = |(e, often): (&Vec<f64>, &f64)| {
+            often * e.iter().zip(&self.weights).map(|(e, w)| w * e * e).sum::<f64>()
+        };
+        strain.iter().zip(often).map(component).sum::<f64>().sqrt()
     }
 }
 

@@ -94,7 +94,7 @@ pub(crate) fn edge_moments(
     let mut moments = [0.0; 2];
     for pair in cuts.windows(2) {
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-        for (x, weight) in gauss_legendre(count) {
+        for &(x, weight) in gauss_legendre(count) {
             let place = middle + half * x;
             let value = half * weight * scale(place) * law.pressure(argument(place));
             moments[0] += value * (1.0 - place);

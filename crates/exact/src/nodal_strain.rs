@@ -21,7 +21,7 @@ pub struct NodalStrain {
 }
 
 impl NodalStrain {
-    /// For the points of a rule on the cells; those of the strain points of the element serve [`Self::norm`].
+    /// For the points of a rule on the cells; the norm takes the strain points of the element.
     pub fn new(space: Arc<Discretization>, rule: &Rule) -> Self {
         let d = space.mesh.dimension;
         let slopes = in_dimension!(d, D => edge_slopes::<D>(&space.mesh));

@@ -145,7 +145,7 @@ impl Piece {
         f: &mut impl FnMut(f64) -> Result<f64, E>,
     ) -> Result<Self, E> {
         let mut coefficients = vec![0.0; POINTS];
-        for (x, weight) in gauss_legendre(POINTS) {
+        for &(x, weight) in gauss_legendre(POINTS) {
             let value = f(0.5 * (from + to) + 0.5 * (to - from) * x)?;
             let polynomials = legendre(x);
             for (l, coefficient) in coefficients.iter_mut().enumerate() {

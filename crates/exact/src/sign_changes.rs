@@ -43,6 +43,9 @@ impl Guards {
         watches: usize,
         points: &[[f64; 3]],
     ) -> Vec<f64> {
+        if self.count == 0 {
+            return Vec::new();
+        }
         sign_changes(from, to, watches, |times| {
             let mut bound = self.program.bind(points);
             let mut values = vec![Vec::new(); self.count];

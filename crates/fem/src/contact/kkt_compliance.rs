@@ -43,8 +43,7 @@ pub(crate) fn add_exact(
     view: &StepView<'_>,
     balance: &mut [f64],
 ) {
-    static GAUSS: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
-    let gauss = GAUSS.get_or_init(|| gauss_legendre(POINTS));
+    let gauss = gauss_legendre(POINTS);
     for facet in 0..space.trace.measure.len() {
         let argument = |x: f64| argument(space, boundary, view, facet, &[1.0 - x, x]);
         let piece = |x: f64| boundary.potential.kinks().partition_point(|kink| *kink < argument(x));

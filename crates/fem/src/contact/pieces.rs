@@ -2,8 +2,6 @@
 //! so Gauss points integrate it exactly where the shift is affine and ∂j_ν piecewise linear, and to
 //! rounding where ∂j_ν is curved, on pieces no longer than its resolution.
 
-use std::sync::OnceLock;
-
 use crate::space::quadrature::gauss_legendre;
 
 /// Gauss points a piece where s is affine on the edge: ∂j_ν φ is a quadratic polynomial there.
@@ -154,12 +152,6 @@ fn crossing(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> 
     Some(0.5 * (low + high))
 }
 
-/// Gauss's rule with `count` points, made once: residuals ask for it on every piece.
-fn gauss(count: usize) -> &'static [(f64, f64)] {
-    static RULES: [OnceLock<Vec<(f64, f64)>>; 2] = [const { OnceLock::new() }; 2];
-    RULES[usize::from(count == POINTS_CURVED)].get_or_init(|| gauss_legendre(count))
-}
-
 fn fill(
     cuts: &[f64],
     count: usize,
@@ -167,7 +159,7 @@ fn fill(
     argument: impl Fn(f64) -> f64,
     out: &mut Vec<EdgePoint>,
 ) {
-    let rule = gauss(count);
+    let rule = gauss_legendre(count);
     for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
         let range = (argument(pair[1]) - argument(pair[0])).abs();
         // A NaN argument shows in the points; it must not make a number of parts.

@@ -65,7 +65,7 @@ pub(super) fn integral(
         let (mut total, mut size) = (done.clone(), 0.0_f64);
         let mut found = Vec::with_capacity(pending.len());
         for pieces in pending.chunks((HELD / (count * discrete.len().max(1))).max(1)) {
-            let all = || rules.iter().flatten();
+            let all = || rules.iter().copied().flatten();
             let place = |[from, to]: &[f64; 2], x: f64| 0.5 * (from + to) + 0.5 * (to - from) * x;
             let times: Vec<f64> =
                 pieces.iter().flat_map(|ends| all().map(move |(x, _)| place(ends, *x))).collect();
@@ -75,7 +75,7 @@ pub(super) fn integral(
                 let [strong_sum, weak_sum] =
                     [(strong, &rules[0]), (weak, &rules[1])].map(|(values, rule)| {
                         let mut sum = vec![0.0; discrete.len()];
-                        for (value, (_, weight)) in values.iter().zip(rule) {
+                        for (value, (_, weight)) in values.iter().zip(*rule) {
                             algebra::linalg::axpy(half * weight, value, &mut sum);
                         }
                         sum

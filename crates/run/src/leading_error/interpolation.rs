@@ -60,7 +60,7 @@ fn constant_in<const D: usize>(exact: &Exact, size: &[f64], t: f64) -> f64 {
         let count = CELLS[D - 2];
         let width = length / count as f64;
         let cell = |i: usize| {
-            let gauss = gauss_legendre(POINTS).into_iter();
+            let gauss = gauss_legendre(POINTS).iter();
             gauss.map(move |(x, w)| (width * (i as f64 + 0.5 + 0.5 * x), 0.5 * width * w))
         };
         (0..count).flat_map(cell).collect()

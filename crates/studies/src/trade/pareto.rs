@@ -3,16 +3,10 @@
 /// Errors that differ by a smaller part are one: a knob that buys the sixth digit buys nothing.
 pub(super) const TIE: f64 = 0.01;
 
-/// Indices of the points (cost, error) that no other point dominates, see [`front_of`].
-pub fn front(points: &[(f64, f64)], tie: f64) -> Vec<usize> {
-    let points: Vec<[f64; 2]> = points.iter().map(|&(cost, error)| [cost, error]).collect();
-    front_of(&points, tie)
-}
-
 /// Indices of the points (costs, error) that no other point dominates: none is as good in all and better in one. They are
 /// sorted by the first cost; of equal points the first is kept, and of errors that differ by a part below `tie` that of
 /// the run that costs less. A point that is not finite is not on the front.
-pub(super) fn front_of<const N: usize>(points: &[[f64; N]], tie: f64) -> Vec<usize> {
+pub fn front<const N: usize>(points: &[[f64; N]], tie: f64) -> Vec<usize> {
     let finite = |i: &usize| points[*i].iter().all(|value| value.is_finite());
     let mut order: Vec<usize> = (0..points.len()).filter(finite).collect();
     order.sort_by(|&a, &b| {
@@ -49,25 +43,25 @@ mod tests {
             [1.0, 2.0, 3.0],
             [9.0, 3.0, 0.5],
         ];
-        assert_eq!(front_of(&points, 0.0), [0, 1, 5]);
-        assert!(front_of::<3>(&[], 0.0).is_empty());
+        assert_eq!(front(&points, 0.0), [0, 1, 5]);
+        assert!(front::<3>(&[], 0.0).is_empty());
         // With one memory for all it is the front of two.
-        let flat = [(1.0, 3.0), (2.0, 2.0), (2.0, 1.0), (3.0, 1.0), (4.0, 0.5)];
-        assert_eq!(front_of(&flat.map(|(t, e)| [t, 7.0, e]), 0.0), front(&flat, 0.0));
+        let flat = [[1.0, 3.0], [2.0, 2.0], [2.0, 1.0], [3.0, 1.0], [4.0, 0.5]];
+        assert_eq!(front(&flat.map(|[t, e]| [t, 7.0, e]), 0.0), front(&flat, 0.0));
         // A tie in error is on the front where it saves memory, and not else.
         let ties = [[1.0, 2.0, 3.0], [2.0, 1.0, 2.999], [3.0, 2.0, 2.998]];
-        assert_eq!(front_of(&ties, 0.01), [0, 1]);
-        assert_eq!(front_of(&ties, 0.0), [0, 1, 2]);
+        assert_eq!(front(&ties, 0.01), [0, 1]);
+        assert_eq!(front(&ties, 0.0), [0, 1, 2]);
     }
 
     #[test]
     fn by_hand() {
-        let points = [(1.0, 3.0), (2.0, 2.0), (2.0, 1.0), (3.0, 1.0), (0.5, f64::NAN), (4.0, 0.5)];
+        let points = [[1.0, 3.0], [2.0, 2.0], [2.0, 1.0], [3.0, 1.0], [0.5, f64::NAN], [4.0, 0.5]];
         assert_eq!(front(&points, 0.0), [0, 2, 5]);
-        assert!(front(&[], 0.0).is_empty());
-        assert_eq!(front(&[(1.0, 1.0), (1.0, 1.0)], 0.0), [0]);
+        assert!(front::<2>(&[], 0.0).is_empty());
+        assert_eq!(front(&[[1.0, 1.0], [1.0, 1.0]], 0.0), [0]);
         // The sixth digit at four times the time is no better error; many small steps down are one in the end.
-        let ties = [(1.0, 1.0), (4.0, 0.999_999), (5.0, 0.995), (6.0, 0.985)];
+        let ties = [[1.0, 1.0], [4.0, 0.999_999], [5.0, 0.995], [6.0, 0.985]];
         assert_eq!(front(&ties, 0.01), [0, 3]);
         assert_eq!(front(&ties, 0.0), [0, 1, 2, 3]);
     }

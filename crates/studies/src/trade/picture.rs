@@ -109,7 +109,7 @@ impl Study {
         let run = |trial: &Trial| Some((place(trial, against)?, label_of(trial)));
         let all: Vec<(Datum, String)> =
             self.trials.iter().filter(|trial| !trial.tie).filter_map(run).collect();
-        let places: Vec<Datum> = all.iter().map(|(place, _)| *place).collect();
+        let places: Vec<[f64; 2]> = all.iter().map(|&((cost, error), _)| [cost, error]).collect();
         chart.labels = front(&places, TIE).into_iter().map(|i| all[i].clone()).collect();
         let best: Vec<Datum> = chart.labels.iter().map(|(place, _)| *place).collect();
         let front = Series { grey: true, ..Series::new("Pareto front", vec![Part::Dashed(best)]) };

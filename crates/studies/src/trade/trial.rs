@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Serialize, Serializer};
 
-use super::pareto::{TIE, front_of};
+use super::pareto::{TIE, front};
 use super::{Knob, Price};
 use crate::table;
 use files::replace_file;
@@ -85,9 +85,9 @@ pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
     };
     let places: Vec<[f64; 3]> = trials.iter().map(place).collect();
     let flat: Vec<[f64; 2]> = places.iter().map(|&[seconds, _, error]| [seconds, error]).collect();
-    front_of(&flat, TIE).into_iter().for_each(|i| trials[i].front = true);
+    front(&flat, TIE).into_iter().for_each(|i| trials[i].front = true);
     // What is on the front in two is not beaten in three.
-    front_of(&places, TIE).into_iter().for_each(|i| trials[i].front_memory = true);
+    front(&places, TIE).into_iter().for_each(|i| trials[i].front_memory = true);
     trials.iter_mut().for_each(|trial| trial.front_memory |= trial.front);
 }
 

@@ -1,5 +1,7 @@
 //! A rule, and those on an edge: Gauss-Legendre by Newton's iteration on the Legendre polynomial.
 
+use std::sync::OnceLock;
+
 use algebra::linalg::largest;
 
 use crate::space::polynomials::{means, monomials};
@@ -35,15 +37,21 @@ impl Rule {
 /// Gauss-Legendre rule with `count` points on an edge, exact for degree 2·count - 1.
 pub fn edge(count: usize) -> Rule {
     let (mut points, mut weights) = (Vec::new(), Vec::new());
-    for (x, w) in gauss_legendre(count) {
+    for &(x, w) in gauss_legendre(count) {
         points.push(vec![0.5 * (1.0 - x), 0.5 * (1.0 + x)]);
         weights.push(0.5 * w);
     }
     Rule { points, weights }
 }
 
-/// Nodes and weights of the Gauss-Legendre rule on [-1, 1].
-pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+/// Nodes and weights of the Gauss-Legendre rule on [-1, 1] with `count` < 128 points, made once: many ask for it on
+/// every piece.
+pub fn gauss_legendre(count: usize) -> &'static [(f64, f64)] {
+    static RULES: [OnceLock<Vec<(f64, f64)>>; 128] = [const { OnceLock::new() }; 128];
+    RULES[count].get_or_init(|| roots_and_weights(count))
+}
+
+fn roots_and_weights(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)
         .map(|i| {

@@ -82,7 +82,7 @@ fn triangle(orbits: &[Orbit]) -> Rule {
 /// one edge is collapsed to a corner.
 pub fn triangle_product(count: usize) -> Rule {
     let gauss: Vec<(f64, f64)> =
-        gauss_legendre(count).into_iter().map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)).collect();
+        gauss_legendre(count).iter().map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)).collect();
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     for &(a, wa) in &gauss {
         for &(b, wb) in &gauss {

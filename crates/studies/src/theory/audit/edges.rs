@@ -104,7 +104,7 @@ pub(crate) fn cut_points(edges: usize, functions: &[&Along<'_>]) -> Vec<(usize, 
     for pair in cuts.windows(2) {
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         let (edge, _) = edge_and_place(middle, edges);
-        for (x, weight) in gauss_legendre(POINTS) {
+        for &(x, weight) in gauss_legendre(POINTS) {
             points.push((edge, middle + half * x - edge as f64, half * weight));
         }
     }

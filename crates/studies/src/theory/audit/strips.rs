@@ -43,13 +43,13 @@ impl CellPoints {
             let between = |a: [f64; 2], b: [f64; 2], x: f64| {
                 a[1] + (b[1] - a[1]) * ((x - a[0]) / (b[0] - a[0]))
             };
-            for (s, across) in &across {
+            for (s, across) in across {
                 let x = centre + half * s;
                 let long = between(low, high, x);
                 let short =
                     if x < middle[0] { between(low, middle, x) } else { between(middle, high, x) };
                 let (mean, reach) = (0.5 * (long + short), 0.5 * (long - short).abs());
-                for (r, along) in &along {
+                for (r, along) in along {
                     self.points.push([x, mean + reach * r, 0.0]);
                     self.weights.push(across * half * along * reach);
                     self.cells.push(c);
