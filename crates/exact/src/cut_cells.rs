@@ -56,10 +56,11 @@ impl<const D: usize, const N: usize> Correction<'_, D, N> {
         let points = cuts.points(&self.parts.space.mesh, rules);
         let mut values = vec![Vec::new(); self.parts.fields()];
         self.parts.exact.interior.bind(&points).evaluate(self.parts.t, 0.0, &mut values);
+        let onto = Onto::new(self.parts.space.element, whole);
         let (mut first, mut before) = (0, Vec::new());
         for Cut { simplex, rule } in &cut {
-            let [whole, pieces] = [whole, rule].map(|rule| {
-                let moments = self.of_cell(*simplex, rule, &values, first);
+            let [whole, pieces] = [(&onto, whole), (&onto.by(rule), rule)].map(|(onto, rule)| {
+                let moments = self.of_cell(*simplex, onto, &rule.weights, &values, first);
                 first += rule.weights.len();
                 moments
             });
@@ -74,7 +75,8 @@ impl<const D: usize, const N: usize> Correction<'_, D, N> {
     fn of_cell(
         &self,
         c: usize,
-        rule: &Rule,
+        onto: &Onto,
+        weights: &[f64],
         values: &[Vec<f64>],
         first: usize,
     ) -> CellMoments<D, N> {
@@ -83,22 +85,21 @@ impl<const D: usize, const N: usize> Correction<'_, D, N> {
         let mut fields =
             Fields { strain: Vec::new(), stress: Vec::new(), displacement: Vec::new() };
         let mut memory: Vec<Tensor<D>> = Vec::new();
-        for p in first..first + rule.weights.len() {
+        for p in first..first + weights.len() {
             let strain = exact.tensors(|k| values[k][p], &mut memory);
             let sigma = stress(material, &strain, &memory, self.parts.kappa);
             fields.strain.push(mandel(&strain));
             fields.stress.push(mandel(&sigma));
             fields.displacement.push(std::array::from_fn(|i| values[i][p]));
         }
-        let (onto, mut moments) =
-            (Onto::new(self.parts.space.element, rule), CellMoments::default());
+        let mut moments = CellMoments::default();
         onto.strains.split(&mut fields.strain, &mut moments.strain);
         onto.strains.split(&mut fields.stress, &mut moments.stress);
         onto.functions.split(&mut fields.displacement, &mut moments.displacement);
         moments.rest = [
-            mean_square(&fields.strain, &rule.weights),
-            mean_square(&fields.stress, &rule.weights),
-            mean_square(&fields.displacement, &rule.weights),
+            mean_square(&fields.strain, weights),
+            mean_square(&fields.stress, weights),
+            mean_square(&fields.displacement, weights),
         ];
         moments
     }

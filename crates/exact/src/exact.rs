@@ -262,6 +262,15 @@ impl Exact {
     /// Programs on a boundary part with outward normal ν: [u_ν, c = ξ + λ, g]. ξ is the scene's selection, or else the
     /// law at u_ν - s.
     pub fn boundary(&self, normal: &[f64]) -> BoundaryFormulas {
+        self.boundary_at(normal, None)
+    }
+
+    /// The fields of a side on a coordinate plane: terms that vanish there are left out.
+    pub(super) fn boundary_at(
+        &self,
+        normal: &[f64],
+        plane: Option<(Variable, f64)>,
+    ) -> BoundaryFormulas {
         let mut graph = self.data.graph.clone();
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
         let zero = graph.constant(0.0);
@@ -275,7 +284,9 @@ impl Exact {
         let pressure = graph.add(xi, lambda);
         let gap = contact.and_then(|contact| contact.gap);
         let gap = gap.unwrap_or_else(|| graph.constant(f64::INFINITY));
-        let outputs = [u_nu, pressure, gap, xi, lambda];
+        let mut outputs = [u_nu, pressure, gap, xi, lambda];
+        on_plane(&mut graph, &mut outputs, plane);
+        let [u_nu, _, gap, xi, lambda] = outputs;
         let program = Program::compile(&mut graph, &outputs, self.data.horizon);
         BoundaryFormulas { graph, program, normal: u_nu, xi, lambda, gap }
     }
@@ -305,6 +316,14 @@ pub(super) fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) ->
         sum = graph.add(sum, term);
     }
     sum
+}
+
+/// Formulas where a coordinate has a value.
+pub(super) fn on_plane(graph: &mut Graph, formulas: &mut [Node], plane: Option<(Variable, f64)>) {
+    if let Some((axis, value)) = plane {
+        let value = graph.constant(value);
+        formulas.iter_mut().for_each(|formula| *formula = graph.substitute(*formula, axis, value));
+    }
 }
 
 /// p(r) as nested choices between its linear pieces, plus the curve.

@@ -7,6 +7,7 @@ use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::norms::facet_samples;
 use fem::space::quadrature::Rule;
+use formula::Variable;
 
 pub(super) struct FacetGroup {
     /// ν, padded with zeros.
@@ -52,6 +53,16 @@ impl FacetGroup {
     }
 }
 
+/// The coordinate that all vertices of some facets share, if their normal is along an axis.
+fn plane(mesh: &Mesh, facets: &[usize], normal: &[f64; 3]) -> Option<(Variable, f64)> {
+    let axis = normal.iter().position(|component| component.abs() == 1.0)?;
+    let vertices = facets.iter().flat_map(|&facet| mesh.facet(facet));
+    let mut places = vertices.map(|&vertex| mesh.vertex(vertex)[axis]);
+    let first = places.next()?;
+    let variable = [Variable::X, Variable::Y, Variable::Z][axis];
+    places.all(|place| place == first).then_some((variable, first))
+}
+
 pub(super) fn facet_groups(
     exact: &Exact,
     space: &Discretization,
@@ -72,10 +83,11 @@ pub(super) fn facet_groups(
         normal[..d].copy_from_slice(&part.normal[..d]);
         let sampled = |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
         let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
-        let friction = exact.friction(&normal[..d]);
+        let plane = plane(mesh, &facets, &normal);
+        let friction = exact.friction_at(&normal[..d], plane);
         groups.push(FacetGroup {
             normal,
-            formulas: exact.boundary(&normal[..d]),
+            formulas: exact.boundary_at(&normal[..d], plane),
             friction: friction.map(|friction| (friction, sampled(rule))),
             points: sampled(rule),
             samples: sampled(&samples),

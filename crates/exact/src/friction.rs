@@ -1,7 +1,7 @@
 //! Friction of an exact solution: s = -σ_τ along d - 1 tangents, |s| ≤ S, s = S u_τ/|u_τ| where u_τ slips.
 
-use super::exact::{Exact, LawNumbers, law_formula, normal_component};
-use formula::{Graph, Node, Program};
+use super::exact::{Exact, LawNumbers, law_formula, normal_component, on_plane};
+use formula::{Graph, Node, Program, Variable};
 
 /// The bound S.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,6 +119,15 @@ fn tangents(normal: &[f64]) -> Tangents {
 impl Exact {
     /// s, u_τ and S for the outward normal ν; None without friction.
     pub fn friction(&self, normal: &[f64]) -> Option<FrictionOnSide> {
+        self.friction_at(normal, None)
+    }
+
+    /// The friction on a coordinate plane.
+    pub(super) fn friction_at(
+        &self,
+        normal: &[f64],
+        plane: Option<(Variable, f64)>,
+    ) -> Option<FrictionOnSide> {
         let friction = self.data.contact.as_ref()?.friction.as_ref()?;
         let (mut graph, tangents) = (self.data.graph.clone(), tangents(normal));
         let d = normal.len();
@@ -136,7 +145,8 @@ impl Exact {
             Some(stress) if d == 2 => stress.clone(),
             Some(stress) => along(&mut graph, stress),
         };
-        let outputs = [&s[..], &u_tau, &[bound]].concat();
+        let mut outputs = [&s[..], &u_tau, &[bound]].concat();
+        on_plane(&mut graph, &mut outputs, plane);
         let program = Program::compile(&mut graph, &outputs, self.data.horizon);
         Some(FrictionOnSide { tangents, program })
     }

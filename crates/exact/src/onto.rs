@@ -1,5 +1,7 @@
 //! Projections of sampled fields onto the element. Index loops, since the inlined calls then vectorise.
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
 use super::lanes::{Lanes, Number};
@@ -24,25 +26,36 @@ impl Onto {
     pub(super) fn new(element: Element, rule: &Rule) -> Self {
         let d = rule.points[0].len() - 1;
         let [strains, functions] = [Shapes::of_strains(element, d), Shapes::of_cell(element, d)]
-            .map(|functions| Projector::new(rule, &functions));
+            .map(|functions| Projector::new(rule, functions));
         Self { strains, functions }
+    }
+
+    /// By a rule on the pieces of a cell, see [`Projector::by`].
+    pub(super) fn by(&self, rule: &Rule) -> Self {
+        Self { strains: self.strains.by(rule), functions: self.functions.by(rule) }
     }
 }
 
 /// A projection onto the span of some functions.
 pub(super) struct Projector {
-    /// For each point the values of all functions.
-    shape: Vec<Vec<f64>>,
-    /// For each function the weights of the points in its coefficient.
-    dual: Vec<Vec<f64>>,
+    functions: Arc<Shapes>,
+    /// Of the matrix of their products, row by row.
+    inverse: Arc<[f64]>,
+    count: usize,
+    /// The values of all functions, point by point.
+    shape: Vec<f64>,
+    /// The weights of all points in the coefficients, function by function.
+    dual: Vec<f64>,
+    points: usize,
 }
 
 impl Projector {
-    pub(super) fn new(rule: &Rule, functions: &Shapes) -> Self {
-        let shape: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
-        let (points, count) = (shape.len(), shape[0].len());
+    pub(super) fn new(rule: &Rule, functions: Shapes) -> Self {
+        let shape = values(&functions, rule);
+        let (points, count) = (rule.weights.len(), shape.len() / rule.weights.len());
         let product = |i: usize, j: usize| {
-            (0..points).map(|q| rule.weights[q] * shape[q][i] * shape[q][j]).sum::<f64>()
+            let weighted = shape.chunks(count).zip(&rule.weights);
+            weighted.map(|(shape, weight)| weight * shape[i] * shape[j]).sum::<f64>()
         };
         let gram = DMatrix::from_fn(count, count, product);
         // Fewer points than functions: the least of the coefficients with the values there.
@@ -50,11 +63,24 @@ impl Projector {
             true => gram.try_inverse().expect("a rule that tells functions apart"),
             false => gram.pseudo_inverse(DISTINCT).expect("a bound that is not negative"),
         };
-        let dual = |i: usize, q: usize| {
-            rule.weights[q] * (0..count).map(|j| inverse[(i, j)] * shape[q][j]).sum::<f64>()
-        };
-        let dual = (0..count).map(|i| (0..points).map(|q| dual(i, q)).collect()).collect();
-        Self { shape, dual }
+        Self::of(Arc::new(functions), inverse.as_slice().into(), shape, &rule.weights)
+    }
+
+    /// Onto the same functions by another rule, as exact for their products.
+    pub(super) fn by(&self, rule: &Rule) -> Self {
+        let shape = values(&self.functions, rule);
+        Self::of(self.functions.clone(), self.inverse.clone(), shape, &rule.weights)
+    }
+
+    fn of(functions: Arc<Shapes>, inverse: Arc<[f64]>, shape: Vec<f64>, weights: &[f64]) -> Self {
+        let count = shape.len() / weights.len();
+        let mut dual = Vec::with_capacity(shape.len());
+        for row in inverse.chunks(count) {
+            let sum = |shape: &[f64]| row.iter().zip(shape).map(|(a, b)| a * b).sum::<f64>();
+            let points = shape.chunks(count).zip(weights);
+            dual.extend(points.map(|(shape, weight)| weight * sum(shape)));
+        }
+        Self { functions, inverse, count, shape, dual, points: weights.len() }
     }
 
     /// The coefficients of sampled values.
@@ -65,7 +91,7 @@ impl Projector {
         out: &mut Vec<[T; N]>,
     ) {
         out.clear();
-        for dual in &self.dual {
+        for dual in self.dual.chunks_exact(self.points) {
             let mut sum = [T::from(0.0); N];
             for (value, weight) in values.iter().zip(dual) {
                 let weight = T::from(*weight);
@@ -85,7 +111,7 @@ impl Projector {
         out: &mut Vec<[T; N]>,
     ) {
         self.project(values, out);
-        for (value, shape) in values.iter_mut().zip(&self.shape) {
+        for (value, shape) in values.iter_mut().zip(self.shape.chunks_exact(self.count)) {
             for (coefficient, s) in out.iter().zip(shape) {
                 let s = T::from(*s);
                 for i in 0..N {
@@ -94,6 +120,12 @@ impl Projector {
             }
         }
     }
+}
+
+fn values(functions: &Shapes, rule: &Rule) -> Vec<f64> {
+    let mut values = Vec::new();
+    rule.points.iter().for_each(|b| functions.append_at(b, &mut values));
+    values
 }
 
 /// Appends the numbers of the first cells, cell by cell, and within a cell place by place.
@@ -128,7 +160,7 @@ mod tests {
         assert!(points.iter().zip(&out).all(|(b, at)| (at[0] - linear(b)[0]).abs() < 1e-14));
         assert!(values.iter().all(|[left]| left.abs() < 1e-14));
         let rule = edge(6);
-        let onto = Projector::new(&rule, &Shapes::of_facet(Element::P2, 2));
+        let onto = Projector::new(&rule, Shapes::of_facet(Element::P2, 2));
         let left = |f: &dyn Fn(f64) -> f64, expected: [f64; 3]| {
             let mut values: Vec<[f64; 1]> = rule.points.iter().map(|b| [f(b[1])]).collect();
             let mut out = Vec::new();

@@ -45,9 +45,16 @@ impl Shapes {
 
     /// Values at barycentric coordinates.
     pub fn at(&self, b: &[f64]) -> Vec<f64> {
-        let terms: Vec<f64> = self.powers.iter().map(|powers| product(b, powers)).collect();
-        let value = |row: &Vec<f64>| row.iter().zip(&terms).map(|(c, term)| c * term).sum();
-        self.coefficients.iter().map(value).collect()
+        let mut values = Vec::with_capacity(self.coefficients.len());
+        self.append_at(b, &mut values);
+        values
+    }
+
+    pub(super) fn append_at(&self, b: &[f64], values: &mut Vec<f64>) {
+        let mut terms = [0.0; MOST_NODES];
+        terms.iter_mut().zip(&self.powers).for_each(|(term, powers)| *term = product(b, powers));
+        let value = |row: &Vec<f64>| row.iter().zip(&terms).map(|(c, term)| c * term).sum::<f64>();
+        values.extend(self.coefficients.iter().map(value));
     }
 
     /// ∂/∂b_i of each function, as if the coordinates were independent: ∇φ = Σ (∂φ/∂b_i) ∇b_i.
@@ -97,7 +104,7 @@ fn powers(count: usize, sum: i32) -> Vec<Vec<i32>> {
 }
 
 fn product(b: &[f64], powers: &[i32]) -> f64 {
-    b.iter().zip(powers).map(|(b, &power)| b.powi(power)).product()
+    b.iter().zip(powers).flat_map(|(b, &power)| (0..power).map(move |_| b)).product()
 }
 
 /// The mean of Π b_i^α_i over a simplex of dimension d: d! Π α_i!/(d + Σ α_i)!.

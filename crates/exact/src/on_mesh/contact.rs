@@ -74,7 +74,7 @@ impl ExactOnMesh {
             let (rule, sampled) = (&group.points.rule, group.samples.rule.points.len());
             let count = rule.weights.len();
             let functions = Shapes::of_facet(self.space.element, D);
-            let (onto, mut of_nodes) = (Projector::new(rule, &functions), Vec::new());
+            let (onto, mut of_nodes) = (Projector::new(rule, functions), Vec::new());
             let mut at = vec![[0.0]; count];
             for (index, &f) in group.facets.iter().enumerate() {
                 let measure = self.space.trace.measure[f];
