@@ -7,14 +7,16 @@
 //! j(γu) = Σ_i w_i j_i(a_i·u),            K = {l_i ≤ a_i·u ≤ g_i}
 //! ```
 
+use serde::de::IgnoredAny;
+
 use formula::{EvaluationPoint, Node, Variable};
 
-use super::abstract_written::{AbstractFile, History as WrittenHistory, Trace as WrittenTrace};
-use super::definitions::definitions_in;
+use super::definitions::definitions;
 use super::diagnostic::SceneError;
 use super::law::Law;
 use super::reading::Reading;
 use super::singular;
+use super::spans::join;
 
 /// One kernel with its matrix: q_l(t, s) Q_l.
 pub use exact::KernelFormulas as AbstractKernel;
@@ -62,44 +64,50 @@ pub struct AbstractScene {
 /// Limit of unknowns, since matrices are dense.
 pub(super) const MOST: i64 = 256;
 
+/// The parts with their keys; the first is needed where the part is there.
+const PARTS: [(&str, &str); 5] = [
+    ("space", "inner_product"),
+    ("operator", "matrix nonlinear"),
+    ("phi", "force"),
+    ("history", "kernels R a_S"),
+    ("exact", "u multiplier selection parameters define"),
+];
+
 impl AbstractScene {
     pub(super) fn validate(
         reading: &mut Reading,
-        file: &AbstractFile,
+        horizon: f64,
         m: usize,
     ) -> Result<Self, SceneError> {
-        let inner_product = file.space.as_ref().map(|space| &space.inner_product);
-        let inner_product = square_or_identity(reading, "space.inner_product", inner_product, m)?;
+        for (part, keys) in PARTS {
+            reading.keys(part, keys)?;
+            if let Some(first) = keys.split(' ').next().filter(|_| reading.has(part)) {
+                reading.required::<IgnoredAny>(&join(part, first))?;
+            }
+        }
+        let inner_product = square_or_identity(reading, "space.inner_product", m)?;
         symmetric(reading, "space.inner_product", &inner_product)?;
-        let matrix = square(reading, "operator.matrix", &file.operator.matrix, m)?;
-        let mut in_r = |key: &str, variables: &[Variable], formulas: Option<&Vec<_>>| {
+        let matrix = square(reading, "operator.matrix", m)?;
+        let in_r = |reading: &mut Reading, key: &str, variables: &[Variable]| {
             let mut scope = reading.scope(variables);
             scope.define("r", reading.formulas.variable(Variable::X));
-            formulas.map(|list| reading.vector(key, list, m, &scope)).transpose()
+            reading.if_given(key, |reading, key| reading.vector(key, m, &scope))
         };
-        let nonlinear = in_r("operator.nonlinear", &[], file.operator.nonlinear.as_ref())?;
-        let force = file.phi.as_ref().map(|phi| &phi.force);
-        let force = in_r("phi.force", &[Variable::Y], force)?;
-        let written = file.history.as_ref();
-        let kernels = written
-            .map_or(Ok(Vec::new()), |history| kernels(reading, history, file.time.horizon, m))?;
-        let r = written.and_then(|history| history.r.as_ref());
-        let r = square_or_identity(reading, "history.R", r, m)?;
-        let a_s = match written.and_then(|history| history.a_s.as_ref()) {
-            Some(values) => vector(reading, "history.a_S", values, m)?,
-            None => vec![0.0; m],
-        };
-        let traces = file.trace.iter().enumerate();
-        let traces = traces.map(|(i, trace)| AbstractTrace::validate(reading, i, trace, m));
+        let nonlinear = in_r(reading, "operator.nonlinear", &[])?;
+        let force = in_r(reading, "phi.force", &[Variable::Y])?;
+        let kernels = kernels(reading, horizon, m)?;
+        let r = square_or_identity(reading, "history.R", m)?;
+        let a_s = reading.if_given("history.a_S", |reading, key| vector(reading, key, m))?;
+        let traces = reading.entries("trace")?;
+        let traces = traces.map(|i| AbstractTrace::validate(reading, i, m));
         let traces = traces.collect::<Result<Vec<_>, _>>()?;
-        let scope = definitions_in(reading, &file.exact.define, &[Variable::T])?;
-        let u = reading.vector("exact.u", &file.exact.u, m, &scope)?;
-        let mut optional = |key: &str, formulas: &Option<Vec<_>>| match formulas {
-            Some(list) => reading.vector(key, list, traces.len(), &scope).map(Some),
-            None => Ok(None),
-        };
-        let multiplier = optional("exact.multiplier", &file.exact.multiplier)?;
-        let selection = optional("exact.selection", &file.exact.selection)?;
+        let scope = definitions(reading, reading.scope(&[Variable::T]))?;
+        let u = reading.vector("exact.u", m, &scope)?;
+        let mut of_traces =
+            |key| reading.if_given(key, |reading, key| reading.vector(key, traces.len(), &scope));
+        let multiplier = of_traces("exact.multiplier")?;
+        let selection = of_traces("exact.selection")?;
+        let a_s = a_s.unwrap_or_else(|| vec![0.0; m]);
         Ok(Self {
             inner_product,
             matrix,
@@ -122,69 +130,57 @@ impl AbstractScene {
     }
 }
 
-fn square_or_identity(
-    reading: &Reading,
-    key: &str,
-    rows: Option<&Rows>,
-    m: usize,
-) -> Result<Rows, SceneError> {
+fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
     let row = |i| (0..m).map(|j| f64::from(u8::from(i == j))).collect();
-    rows.map_or_else(|| Ok((0..m).map(row).collect()), |rows| square(reading, key, rows, m))
+    if reading.has(key) { square(reading, key, m) } else { Ok((0..m).map(row).collect()) }
 }
 
 fn kernels(
     reading: &mut Reading,
-    history: &WrittenHistory,
     horizon: f64,
     m: usize,
 ) -> Result<Vec<AbstractKernel>, SceneError> {
     let mut scope = reading.scope(&[Variable::T]);
     scope.define("s", reading.formulas.variable(Variable::X));
     let mut kernels = Vec::new();
-    for (l, kernel) in history.kernels.iter().enumerate() {
+    for l in reading.entries("history.kernels")? {
         let key = format!("history.kernels.{l}");
-        let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
-        let matrix = kernel.matrix.as_ref();
-        let matrix = square_or_identity(reading, &format!("{key}.matrix"), matrix, m)?;
-        finite_at_the_end(reading, &format!("{key}.q"), q, horizon)?;
-        let power = singular::exponent(reading, &key, kernel.singular)?;
+        reading.keys(&key, "q singular matrix")?;
+        let q = reading.formula(&join(&key, "q"), &scope)?;
+        let matrix = square_or_identity(reading, &join(&key, "matrix"), m)?;
+        finite_at_the_end(reading, &join(&key, "q"), q, horizon)?;
+        let power = singular::exponent(reading, &key)?;
         kernels.push(AbstractKernel { q, power, matrix });
     }
     Ok(kernels)
 }
 
 impl AbstractTrace {
-    fn validate(
-        reading: &Reading,
-        index: usize,
-        written: &WrittenTrace,
-        m: usize,
-    ) -> Result<Self, SceneError> {
-        let key = |name: &str| format!("trace.{index}.{name}");
-        let functional = vector(reading, &key("functional"), &written.functional, m)?;
+    fn validate(reading: &mut Reading, index: usize, m: usize) -> Result<Self, SceneError> {
+        let table = format!("trace.{index}");
+        reading.keys(&table, "functional weight law upper lower")?;
+        let key = |name: &str| join(&table, name);
+        let functional = vector(reading, &key("functional"), m)?;
         if functional.iter().all(|a| *a == 0.0) {
             let message = "the functional is zero: it says nothing of u";
             return Err(reading.error(&key("functional"), message, "give one nonzero number"));
         }
-        let law = match &written.law {
-            Some(law) => {
-                if law.scale.is_some() {
-                    let message = "a functional has no place that `scale` could depend on";
-                    let hint = "remove `scale` and write the factor into the numbers of the law";
-                    return Err(reading.key_error(&key("law.scale"), message, hint));
-                }
-                Law::validate(reading, &key("law"), law)?
-            }
-            None => None,
-        };
-        let (lower, upper) =
-            (written.lower.unwrap_or(f64::NEG_INFINITY), written.upper.unwrap_or(f64::INFINITY));
+        if reading.has(&key("law.scale")) {
+            let message = "a functional has no place that `scale` could depend on";
+            let hint = "remove `scale` and write the factor into the numbers of the law";
+            return Err(reading.key_error(&key("law.scale"), message, hint));
+        }
+        let law = reading.if_given(&key("law"), |reading, key| Law::validate(reading, key))?;
+        let bound = |name: &str| reading.optional::<f64>(&key(name));
+        let lower = bound("lower")?.unwrap_or(f64::NEG_INFINITY);
+        let upper = bound("upper")?.unwrap_or(f64::INFINITY);
         if lower.is_nan() || upper.is_nan() || lower >= upper {
             let message = format!("no number lies between lower = {lower} and upper = {upper}");
             return Err(reading.error(&key("lower"), message, "K needs lower < upper"));
         }
-        let weight = reading.positive(&key("weight"), written.weight.unwrap_or(1.0))?;
-        Ok(Self { functional, weight, law, upper, lower })
+        let weight = bound("weight")?.unwrap_or(1.0);
+        let weight = reading.positive_number(&key("weight"), weight)?;
+        Ok(Self { functional, weight, law: law.flatten(), upper, lower })
     }
 
     /// Whether a_i·u is bounded.
@@ -216,20 +212,22 @@ fn finite_at_the_end(
     }
 }
 
-fn vector(reading: &Reading, key: &str, values: &[f64], m: usize) -> Result<Vec<f64>, SceneError> {
+fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>, SceneError> {
+    let values: Vec<f64> = reading.required(key)?;
     if values.len() != m || !values.iter().all(|value| value.is_finite()) {
         let message = format!("{values:?} is no vector of {m} finite numbers");
         return Err(reading.error(key, message, "one number a component, dimension of them"));
     }
-    Ok(values.to_vec())
+    Ok(values)
 }
 
-fn square(reading: &Reading, key: &str, rows: &[Vec<f64>], m: usize) -> Result<Rows, SceneError> {
-    if rows.len() != m {
-        let message = format!("{} rows in dimension {m}", rows.len());
+fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
+    let rows = reading.required::<Vec<IgnoredAny>>(key)?.len();
+    if rows != m {
+        let message = format!("{rows} rows in dimension {m}");
         return Err(reading.error(key, message, "a matrix of the scene has dimension rows"));
     }
-    rows.iter().enumerate().map(|(i, row)| vector(reading, &format!("{key}.{i}"), row, m)).collect()
+    (0..m).map(|i| vector(reading, &format!("{key}.{i}"), m)).collect()
 }
 
 fn symmetric(reading: &Reading, key: &str, rows: &Rows) -> Result<(), SceneError> {

@@ -12,7 +12,6 @@ use super::law::Law;
 use super::reading::Reading;
 use super::scale::Scale;
 use super::time::Time;
-use super::written;
 
 /// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).
 #[derive(Debug, Clone, PartialEq)]
@@ -30,13 +29,12 @@ impl Contact {
     /// The contact of a scene: present exactly if the domain has contact sides.
     pub(super) fn validate(
         reading: &mut Reading,
-        written: Option<&written::Contact>,
         domain: &Domain,
         time: &Time,
     ) -> Result<Option<Contact>, SceneError> {
-        match (written, domain.contact.is_empty()) {
-            (None, true) => Ok(None),
-            (None, false) => {
+        match (reading.has("contact"), domain.contact.is_empty()) {
+            (false, true) => Ok(None),
+            (false, false) => {
                 let message = "contact sides, but no part [contact]";
                 Err(reading.error(
                     "domain.contact",
@@ -44,7 +42,7 @@ impl Contact {
                     "add [contact]; it may be empty: no gap, no law",
                 ))
             }
-            (Some(_), true) => {
+            (true, true) => {
                 let message = "[contact] without a contact side";
                 Err(reading.error(
                     "contact",
@@ -52,60 +50,43 @@ impl Contact {
                     "name the sides in [domain], contact = [\"bottom\"], or remove [contact]",
                 ))
             }
-            (Some(written), false) => Contact::parts(reading, written, domain, time).map(Some),
+            (true, false) => Contact::parts(reading, domain, time).map(Some),
         }
     }
 
-    fn parts(
-        reading: &mut Reading,
-        written: &written::Contact,
-        domain: &Domain,
-        time: &Time,
-    ) -> Result<Contact, SceneError> {
-        let gap = match &written.gap {
-            Some(formula) => gap(reading, formula, domain)?,
-            None => None,
-        };
-        let shift = written.shift.as_ref();
-        let shift =
-            shift.map(|formula| finite_on_contact(reading, "contact.shift", formula, domain));
-        let shift = shift.transpose()?;
-        let law = written.law.as_ref();
-        let law = law.and_then(|law| Law::validate(reading, "contact.law", law).transpose());
-        let mut law = law.transpose()?;
-        let scale = written.law.as_ref().and_then(|law| law.scale.as_ref());
-        if let (Some(law), Some(formula)) = (&mut law, scale) {
-            law.scale = Some(Scale::validate(reading, "contact.law.scale", formula, domain)?);
+    fn parts(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Contact, SceneError> {
+        reading.keys("contact", "gap shift law quadrature friction")?;
+        let gap = reading.if_given("contact.gap", |reading, key| gap(reading, key, domain))?;
+        let shift = reading
+            .if_given("contact.shift", |reading, key| finite_on_contact(reading, key, domain))?;
+        let law = reading.if_given("contact.law", |reading, key| Law::validate(reading, key))?;
+        let mut law = law.flatten();
+        if let Some(law) = &mut law {
+            law.scale = reading.if_given("contact.law.scale", |reading, key| {
+                Scale::validate(reading, key, domain)
+            })?;
         }
-        let word = written.quadrature.as_deref().unwrap_or("vertex");
-        let quadrature = quadrature(reading, word, law.as_ref(), domain)?;
-        let friction = match &written.friction {
-            Some(friction) => {
-                let normal = (law.as_ref(), quadrature);
-                Some(Box::new(Friction::validate(reading, friction, domain, time, normal)?))
-            }
-            None => None,
-        };
-        Ok(Contact { gap, shift, law, quadrature, friction })
+        let quadrature = quadrature(reading, law.as_ref(), domain)?;
+        let friction = reading.if_given("contact.friction", |reading, _| {
+            Friction::validate(reading, domain, time, (law.as_ref(), quadrature)).map(Box::new)
+        })?;
+        Ok(Contact { gap: gap.flatten(), shift, law, quadrature, friction })
     }
 }
 
 fn quadrature(
     reading: &Reading,
-    word: &str,
     law: Option<&Law>,
     domain: &Domain,
 ) -> Result<ContactQuadrature, SceneError> {
-    let chosen = reading.choice(
-        "contact.quadrature",
-        word,
-        &[
-            ("vertex", ContactQuadrature::Vertex),
-            ("gauss", ContactQuadrature::Gauss),
-            ("exact", ContactQuadrature::Exact),
-        ],
-    )?;
+    let known = [
+        ("vertex", ContactQuadrature::Vertex),
+        ("gauss", ContactQuadrature::Gauss),
+        ("exact", ContactQuadrature::Exact),
+    ];
+    let chosen = reading.choice_or("contact.quadrature", &known, ContactQuadrature::Vertex)?;
     if chosen != ContactQuadrature::Vertex && law.is_some_and(Law::is_set_valued) {
+        let word = if chosen == ContactQuadrature::Gauss { "gauss" } else { "exact" };
         let message = format!(
             "the quadrature `{word}` and a law with a jump: where u_nu stays at the jump along an edge, the pressure is no number at its points"
         );

@@ -1,7 +1,9 @@
 //! `[exact]` or `[loads]`: the data of a scene, and the solution to measure against.
 
+use std::collections::BTreeMap;
+
 use exact::LoadForm;
-use formula::{EvaluationPoint, Node, Variable};
+use formula::{EvaluationPoint, Node, Scope, Variable};
 
 use super::contact::Contact;
 use super::definitions::definitions;
@@ -9,7 +11,7 @@ use super::diagnostic::SceneError;
 use super::domain::{Domain, Side, place};
 use super::reading::{Reading, evenly};
 use super::time::Time;
-use super::written;
+use super::values::Formula;
 
 pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
@@ -49,20 +51,19 @@ impl Data {
 
     pub(super) fn validate(
         reading: &mut Reading,
-        file: &written::File,
         domain: &Domain,
         time: &Time,
         contact: Option<&Contact>,
     ) -> Result<Data, SceneError> {
-        match (&file.exact, &file.loads) {
-            (Some(exact), None) => exact_solution(reading, exact, domain.dimension(), contact),
-            (None, Some(loads)) => given_loads(reading, loads, domain, time),
-            (Some(_), Some(_)) => {
+        match (reading.has("exact"), reading.has("loads")) {
+            (true, false) => exact_solution(reading, domain.dimension(), contact),
+            (false, true) => given_loads(reading, domain, time),
+            (true, true) => {
                 let message =
                     "both [exact] and [loads]: the loads of an exact solution are derived from it";
                 Err(reading.error("loads", message, "remove one of the two"))
             }
-            (None, None) => {
+            (false, false) => {
                 let end = reading.source.text.trim_end().len();
                 let message = "neither [exact] nor [loads]: nothing drives the scene";
                 Err(SceneError::at(
@@ -78,67 +79,82 @@ impl Data {
 
 fn exact_solution(
     reading: &mut Reading,
-    written: &written::Exact,
     dimension: usize,
     contact: Option<&Contact>,
 ) -> Result<Data, SceneError> {
-    if written.multiplier.is_some() && contact.is_none_or(|contact| contact.gap.is_none()) {
-        let message = "a multiplier without a finite gap: λ (u_ν - g) = 0 leaves only λ = 0";
-        return Err(reading.key_error(
+    let known = "u multiplier selection friction interpolated form parameters define";
+    reading.keys("exact", known)?;
+    let has = |part: fn(&Contact) -> bool| contact.is_some_and(part);
+    let needs = [
+        (
             "exact.multiplier",
-            message,
+            has(|contact| contact.gap.is_some()),
+            "a multiplier without a finite gap: λ (u_ν - g) = 0 leaves only λ = 0",
             "give [contact] a gap, or remove the multiplier",
-        ));
-    }
-    if written.selection.is_some() && contact.is_none_or(|contact| contact.law.is_none()) {
-        let message = "a selection without a law: there is no set to select from";
-        return Err(reading.key_error(
+        ),
+        (
             "exact.selection",
-            message,
+            has(|contact| contact.law.is_some()),
+            "a selection without a law: there is no set to select from",
             "give [contact] a law, or remove the selection",
-        ));
-    }
-    if written.friction.is_some() && contact.is_none_or(|contact| contact.friction.is_none()) {
-        let message = "a friction stress without friction: σ_τ = 0 on the contact sides";
-        return Err(reading.key_error(
+        ),
+        (
             "exact.friction",
-            message,
+            has(|contact| contact.friction.is_some()),
+            "a friction stress without friction: σ_τ = 0 on the contact sides",
             "add [contact.friction] with a bound, or remove it",
-        ));
+        ),
+    ];
+    let unfounded = needs.iter().find(|(key, there, ..)| reading.has(key) && !there);
+    if let Some((key, _, message, hint)) = unfounded {
+        return Err(reading.key_error(key, *message, *hint));
     }
-    let known = [("weak", LoadForm::Weak), ("strong", LoadForm::Strong)];
-    let form = reading.choice("exact.form", written.form.as_deref().unwrap_or("weak"), &known)?;
-    let scope = definitions(reading, &written.define, dimension)?;
-    let u = reading.vector("exact.u", &written.u, dimension, &scope)?;
-    let mut optional = |key, formula: &Option<_>| {
-        formula.as_ref().map(|formula| reading.formula(key, formula, &scope)).transpose()
-    };
-    let multiplier = optional("exact.multiplier", &written.multiplier)?;
-    let selection = optional("exact.selection", &written.selection)?;
-    let friction = written.friction.as_ref();
-    let friction = friction.map(|stress| stress.nodes(reading, dimension, &scope)).transpose()?;
-    let interpolated = written.interpolated;
+    let forms = [("weak", LoadForm::Weak), ("strong", LoadForm::Strong)];
+    let form = reading.choice_or("exact.form", &forms, LoadForm::Weak)?;
+    let scope = definitions(reading, reading.space_and_time(dimension))?;
+    let u = reading.vector("exact.u", dimension, &scope)?;
+    let mut optional = |key| reading.if_given(key, |reading, key| reading.formula(key, &scope));
+    let (multiplier, selection) = (optional("exact.multiplier")?, optional("exact.selection")?);
+    let friction = reading
+        .if_given("exact.friction", |reading, key| friction(reading, key, dimension, &scope))?;
+    let interpolated = reading.optional("exact.interpolated")?.unwrap_or(false);
     Ok(Data::Exact { u, multiplier, selection, friction, interpolated, form })
 }
 
-fn given_loads(
+/// One formula along the tangent in the plane, a vector in space: `friction = "0.1"`, `friction = ["0.1", "0", "0.05"]`.
+fn friction(
     reading: &mut Reading,
-    written: &written::Loads,
-    domain: &Domain,
-    time: &Time,
-) -> Result<Data, SceneError> {
+    key: &str,
+    dimension: usize,
+    scope: &Scope,
+) -> Result<Vec<Node>, SceneError> {
+    match (reading.has_parts(key), dimension) {
+        (false, 2) => Ok(vec![reading.formula(key, scope)?]),
+        (true, 3) => reading.vector(key, 3, scope),
+        (_, 2) => {
+            let hint = "in the plane it is one formula, along the tangent: friction = \"0.1\"";
+            Err(reading.error(key, "a friction stress of several components", hint))
+        }
+        _ => {
+            let hint = "in space it is a vector: friction = [\"0.1\", \"0\", \"0\"]";
+            Err(reading.error(key, "a friction stress of one component", hint))
+        }
+    }
+}
+
+fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Data, SceneError> {
+    reading.keys("loads", "body traction")?;
     let dimension = domain.dimension();
-    let mut variables = AXES[..dimension].to_vec();
-    variables.push(Variable::T);
-    let scope = reading.scope(&variables);
-    let body = reading.vector("loads.body", &written.body, dimension, &scope)?;
+    let scope = reading.space_and_time(dimension);
+    let body = reading.vector("loads.body", dimension, &scope)?;
     let inside = grid(domain, time);
     finite(reading, "loads.body", &body, &inside, domain)?;
     let mut traction = Vec::new();
-    for (name, formulas) in &written.traction {
+    let written: Option<BTreeMap<String, Vec<Formula>>> = reading.optional("loads.traction")?;
+    for (name, formulas) in written.iter().flatten() {
         let key = format!("loads.traction.{name}");
         let side = traction_side(reading, &key, name, domain)?;
-        let nodes = reading.vector(&key, formulas, dimension, &scope)?;
+        let nodes = reading.components(&key, formulas, dimension, &scope)?;
         finite(reading, &key, &nodes, &along(side, domain, time), domain)?;
         traction.push((side, nodes));
     }
@@ -151,7 +167,7 @@ fn traction_side(
     name: &str,
     domain: &Domain,
 ) -> Result<Side, SceneError> {
-    let side = domain.parse(reading, key, name)?;
+    let side = reading.named(key, name, &domain.known())?;
     if domain.traction.contains(&side) {
         return Ok(side);
     }

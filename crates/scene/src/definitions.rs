@@ -2,26 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use formula::{Graph, Node, Scope, Variable};
+use formula::{Graph, Node, Scope};
 
-use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
-use super::written::Formula;
-
-const PARAMETERS: &str = "exact.parameters";
-const DEFINE: &str = "exact.define";
+use super::values::Formula;
 
 /// The named constants; each may use earlier ones.
-pub(super) fn parameters(
-    reading: &mut Reading,
-    written: &BTreeMap<String, Formula>,
-) -> Result<Vec<(String, Node)>, SceneError> {
+pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>, SceneError> {
     let mut scope = Scope::new(&[]);
     let mut parameters = Vec::new();
-    for (key, name, formula) in in_file_order(reading, PARAMETERS, written) {
-        free_name(reading, &key, name)?;
-        let node = reading.formula(&key, formula, &scope)?;
+    for (key, name, formula) in in_file_order(reading, "exact.parameters")? {
+        free_name(reading, &key, &name)?;
+        let node = reading.compiled(&key, &formula, &scope)?;
         if !reading.formulas.value_of_constant(node).is_some_and(f64::is_finite) {
             let message = format!("the parameter `{name}` is not a finite constant");
             return Err(reading.error(
@@ -30,32 +23,15 @@ pub(super) fn parameters(
                 "move a formula in x, y, t to [exact.define]",
             ));
         }
-        scope.define(name, node);
-        parameters.push((name.to_string(), node));
+        scope.define(&name, node);
+        parameters.push((name, node));
     }
     Ok(parameters)
 }
 
-/// The scope of the exact solution: space variables, t, parameters and named quantities; each of these may use earlier
-/// ones.
-pub(super) fn definitions(
-    reading: &mut Reading,
-    written: &BTreeMap<String, Formula>,
-    dimension: usize,
-) -> Result<Scope, SceneError> {
-    let mut variables = AXES[..dimension].to_vec();
-    variables.push(Variable::T);
-    definitions_in(reading, written, &variables)
-}
-
-/// The scope of named quantities in the given variables.
-pub(super) fn definitions_in(
-    reading: &mut Reading,
-    written: &BTreeMap<String, Formula>,
-    variables: &[Variable],
-) -> Result<Scope, SceneError> {
-    let mut scope = reading.scope(variables);
-    let ordered = in_file_order(reading, DEFINE, written);
+/// A scope with the named quantities; each of these may use earlier ones.
+pub(super) fn definitions(reading: &mut Reading, mut scope: Scope) -> Result<Scope, SceneError> {
+    let ordered = in_file_order(reading, "exact.define")?;
     for (key, name, formula) in &ordered {
         free_name(reading, key, name)?;
         if reading.parameters.iter().any(|(parameter, _)| parameter == name) {
@@ -65,10 +41,10 @@ pub(super) fn definitions_in(
                 "choose another name",
             ));
         }
-        let node = reading.formula(key, formula, &scope).map_err(|error| {
+        let node = reading.compiled(key, formula, &scope).map_err(|error| {
             let later: Vec<&str> = ordered
                 .iter()
-                .map(|(_, name, _)| *name)
+                .map(|(_, name, _)| name.as_str())
                 .filter(|name| scope.get(name).is_none())
                 .collect();
             used_too_early(error, &later)
@@ -93,18 +69,18 @@ fn used_too_early(error: SceneError, later: &[&str]) -> SceneError {
     error.with_note(note)
 }
 
-/// (dotted key, name, formula), sorted by position in the file.
-fn in_file_order<'w>(
+/// (dotted key, name, formula) of a table, sorted by position in the file.
+fn in_file_order(
     reading: &Reading,
     table: &str,
-    written: &'w BTreeMap<String, Formula>,
-) -> Vec<(String, &'w str, &'w Formula)> {
+) -> Result<Vec<(String, String, Formula)>, SceneError> {
+    let written: BTreeMap<String, Formula> = reading.optional(table)?.unwrap_or_default();
     let mut entries: Vec<_> = written
-        .iter()
-        .map(|(name, formula)| (format!("{table}.{name}"), name.as_str(), formula))
+        .into_iter()
+        .map(|(name, formula)| (format!("{table}.{name}"), name, formula))
         .collect();
-    entries.sort_by_key(|(key, _, _)| reading.spans.key(key).start);
-    entries
+    entries.sort_by_key(|(key, ..)| reading.spans.key(key).start);
+    Ok(entries)
 }
 
 /// Checks that a name is valid in formulas and not taken.

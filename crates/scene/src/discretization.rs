@@ -8,7 +8,6 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::sweep::Sweep;
 use super::validated::{Body, Scene};
-use super::written;
 use crate::ContactQuadrature;
 
 /// The parts of a scene that restrict the choice of the element.
@@ -25,15 +24,10 @@ pub(super) const KEY: &str = "discretization.element";
 ///
 /// # Errors
 /// An unknown element, or one incompatible with a part of the scene.
-pub(super) fn element(
-    reading: &Reading,
-    written: Option<&written::Discretization>,
-    parts: &Parts<'_>,
-) -> Result<Element, SceneError> {
-    let Some(word) = written.and_then(|written| written.element.as_ref()) else {
-        return Ok(Element::P1);
-    };
-    let element = reading.choice(KEY, word, &Element::ALL.map(|known| (known.name(), known)))?;
+pub(super) fn element(reading: &Reading, parts: &Parts<'_>) -> Result<Element, SceneError> {
+    reading.keys("discretization", "element")?;
+    let known = Element::ALL.map(|known| (known.name(), known));
+    let element = reading.choice_or(KEY, &known, Element::P1)?;
     match refusal(element, parts) {
         Some([message, hint]) => Err(reading.error(KEY, message, hint)),
         None => Ok(element),

@@ -16,7 +16,6 @@ use formula::EvaluationPoint;
 
 use super::diagnostic::SceneError;
 use super::reading::{Reading, evenly};
-use super::written;
 
 pub(super) fn place(point: &EvaluationPoint, dimension: usize) -> String {
     let named = [("x", point.x), ("y", point.y), ("z", point.z)];
@@ -64,19 +63,15 @@ pub struct Domain {
 }
 
 impl Domain {
-    pub(super) fn validate(
-        reading: &Reading,
-        written: &written::Domain,
-        dimension: usize,
-    ) -> Result<Domain, SceneError> {
-        let (shape, size, sides) = shape::shape(reading, written, dimension)?;
+    pub(super) fn validate(reading: &Reading, dimension: usize) -> Result<Domain, SceneError> {
+        let (shape, size, sides) = shape::shape(reading, dimension)?;
         let (clamped, traction, contact) = Default::default();
         let mesh = Family::Structured;
         let mut domain = Domain { shape, size, sides, clamped, traction, contact, mesh };
-        domain.clamped = domain.listed(reading, "domain.clamped", &written.clamped)?;
-        domain.traction = domain.listed(reading, "domain.traction", &written.traction)?;
-        domain.contact = domain.listed(reading, "domain.contact", &written.contact)?;
-        domain.mesh = family::family(reading, written.mesh.as_ref(), &domain)?;
+        domain.clamped = domain.listed(reading, "domain.clamped")?;
+        domain.traction = domain.listed(reading, "domain.traction")?;
+        domain.contact = domain.listed(reading, "domain.contact")?;
+        domain.mesh = family::family(reading, &domain)?;
         domain.each_side_once(reading)?;
         normals::few_at_a_vertex(reading, &domain)?;
         if domain.clamped.is_empty() {
@@ -99,15 +94,9 @@ impl Domain {
         &self.sides[side.index()]
     }
 
-    pub(super) fn parse(
-        &self,
-        reading: &Reading,
-        key: &str,
-        word: &str,
-    ) -> Result<Side, SceneError> {
-        let sides = self.sides.iter().enumerate();
-        let known: Vec<_> = sides.map(|(i, name)| (name.as_str(), Side(i as u32))).collect();
-        reading.choice(key, word, &known)
+    /// Its sides by name.
+    pub(super) fn known(&self) -> Vec<(&str, Side)> {
+        self.sides.iter().map(String::as_str).zip((0..).map(Side)).collect()
     }
 
     /// The plane pieces of a side.
@@ -260,15 +249,9 @@ impl Domain {
         top.or(self.sides.first()).map_or("top", String::as_str)
     }
 
-    fn listed(
-        &self,
-        reading: &Reading,
-        key: &str,
-        words: &[String],
-    ) -> Result<Vec<Side>, SceneError> {
-        let parse =
-            |(index, word): (usize, &String)| self.parse(reading, &format!("{key}.{index}"), word);
-        words.iter().enumerate().map(parse).collect()
+    fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>, SceneError> {
+        let one = |index| reading.choice(&format!("{key}.{index}"), &self.known());
+        reading.entries(key)?.map(one).collect()
     }
 
     fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {

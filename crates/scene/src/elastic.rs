@@ -4,38 +4,23 @@ use vhi::law::{FourthOrder, Isotropic};
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
+use super::spans::join;
 use super::wording::heading;
-use super::written;
 
-/// The keys of `[material]` or a region for 𝒜.
-pub(super) struct Given<'a> {
-    pub lambda: Option<f64>,
-    pub mu: Option<f64>,
-    pub young: Option<f64>,
-    pub poisson: Option<f64>,
-    pub table: Option<&'a written::Elasticity>,
-}
-
-/// Exactly one of the pairs (lambda, mu_L) and (E, nu), or the table `elasticity`.
+/// Exactly one of the pairs (lambda, mu_L) and (E, nu), or the table `elasticity`, in `[material]` or a region.
 pub(super) fn elastic(
     reading: &Reading,
     key: &str,
-    given: &Given,
     dimension: usize,
 ) -> Result<FourthOrder, SceneError> {
-    match (given.lambda, given.mu, given.young, given.poisson, given.table) {
-        (Some(lambda), Some(mu), None, None, None) => elliptic(reading, key, lambda, mu, dimension),
-        (None, None, Some(young), Some(poisson), None) => from_young(reading, key, young, poisson),
-        (None, None, None, None, Some(table)) => full(reading, key, table, dimension),
-        (lambda, mu, young, poisson, table) => {
-            let numbers = [("lambda", lambda), ("mu_L", mu), ("E", young), ("nu", poisson)];
-            let mut names: Vec<&str> = numbers
-                .iter()
-                .filter(|(_, value)| value.is_some())
-                .map(|(name, _)| *name)
-                .collect();
-            names.extend(table.map(|_| "elasticity"));
-            let list = if names.is_empty() { "nothing".to_string() } else { names.join(", ") };
+    let names = ["lambda", "mu_L", "E", "nu", "elasticity"].into_iter();
+    let given: Vec<&str> = names.filter(|name| reading.has(&join(key, name))).collect();
+    match given[..] {
+        ["lambda", "mu_L"] => elliptic(reading, key, dimension),
+        ["E", "nu"] => from_young(reading, key),
+        ["elasticity"] => full(reading, &join(key, "elasticity"), dimension),
+        _ => {
+            let list = if given.is_empty() { "nothing".to_string() } else { given.join(", ") };
             let part = heading(key);
             let message = format!("{part} gives {list}: elasticity needs exactly one pair");
             Err(reading.error(
@@ -48,15 +33,9 @@ pub(super) fn elastic(
 }
 
 /// m_𝒜 > 0: the eigenvalues 2 mu and 2 mu + d lambda of 𝒜 on S^d are positive.
-fn elliptic(
-    reading: &Reading,
-    key: &str,
-    lambda: f64,
-    mu: f64,
-    dimension: usize,
-) -> Result<FourthOrder, SceneError> {
-    reading.finite(&format!("{key}.lambda"), lambda)?;
-    reading.finite(&format!("{key}.mu_L"), mu)?;
+fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, SceneError> {
+    let lambda = reading.finite(&join(key, "lambda"))?;
+    let mu = reading.finite(&join(key, "mu_L"))?;
     if mu <= 0.0 {
         let message = format!(
             "mu_L = {mu} is not positive: the eigenvalue 2 mu_L of the elasticity tensor must be"
@@ -82,13 +61,9 @@ fn elliptic(
 }
 
 /// Plane strain: λ = E ν/((1+ν)(1-2ν)), μ = E/(2(1+ν)).
-fn from_young(
-    reading: &Reading,
-    key: &str,
-    young: f64,
-    poisson: f64,
-) -> Result<FourthOrder, SceneError> {
-    reading.positive(&format!("{key}.E"), young)?;
+fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder, SceneError> {
+    let young = reading.positive(&join(key, "E"))?;
+    let poisson: f64 = reading.required(&join(key, "nu"))?;
     if !(poisson > -1.0 && poisson < 0.5) {
         let message = format!("nu = {poisson} is outside (-1, 0.5)");
         return Err(reading.error(
@@ -103,20 +78,13 @@ fn from_young(
 
 /// `{ kind = "full", mandel = [[…], …] }`, or `{ kind = "orthotropic", normal = […], coupling = […], shear = […] }`
 /// with 𝒜_iiii, 𝒜_iijj and 𝒜_ijij along the axes, pairs in the order 12 in the plane and 23, 13, 12 in space.
-fn full(
-    reading: &Reading,
-    key: &str,
-    table: &written::Elasticity,
-    dimension: usize,
-) -> Result<FourthOrder, SceneError> {
-    let key = format!("{key}.elasticity");
-    let order = dimension * (dimension + 1) / 2;
-    let kinds = [("full", true), ("orthotropic", false)];
-    let (matrix, place) = if reading.choice(&format!("{key}.kind"), &table.kind, &kinds)? {
-        let place = format!("{key}.mandel");
-        (mandel(reading, &key, table, order)?, place)
+fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, SceneError> {
+    let kinds = [("full", "mandel"), ("orthotropic", "normal coupling shear")];
+    let (matrix, place) = if reading.kind(key, &kinds)? == "full" {
+        let place = join(key, "mandel");
+        (mandel(reading, &place, dimension * (dimension + 1) / 2)?, place)
     } else {
-        (orthotropic(reading, &key, table, dimension)?, key.clone())
+        (orthotropic(reading, key, dimension)?, key.to_string())
     };
     let tensor = FourthOrder::Full(Box::new(matrix));
     let (smallest, _) = tensor.eigenvalues(dimension);
@@ -131,34 +99,17 @@ fn full(
     Err(reading.error(&place, message, hint))
 }
 
-fn mandel(
-    reading: &Reading,
-    key: &str,
-    table: &written::Elasticity,
-    order: usize,
-) -> Result<[[f64; 6]; 6], SceneError> {
-    let place = format!("{key}.mandel");
-    let others =
-        [("normal", &table.normal), ("coupling", &table.coupling), ("shear", &table.shear)];
-    let rows = table.mandel.as_deref().unwrap_or_default();
+fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6], SceneError> {
+    let rows: Vec<Vec<f64>> = reading.optional(place)?.unwrap_or_default();
     if rows.len() != order || rows.iter().any(|row| row.len() != order) {
         let message = format!("a full elasticity tensor is a {order} by {order} matrix here");
         let hint = "in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space";
-        let at = if table.mandel.is_some() { &place } else { key };
-        return Err(reading.error(at, message, hint));
-    }
-    if let Some((name, _)) = others.iter().find(|(_, value)| value.is_some()) {
-        let message = format!("a tensor of kind \"full\" has no key `{name}`");
-        return Err(reading.error(
-            &format!("{key}.{name}"),
-            message,
-            "its keys are kind and mandel",
-        ));
+        return Err(reading.error(place, message, hint));
     }
     let mut matrix = [[0.0; 6]; 6];
     for (i, row) in rows.iter().enumerate() {
         for (j, &entry) in row.iter().enumerate() {
-            reading.finite(&format!("{place}.{i}"), entry)?;
+            reading.finite_number(&format!("{place}.{i}"), entry)?;
             if entry != rows[j][i] {
                 let message = format!(
                     "entry ({}, {}) is {entry}, entry ({}, {}) is {}: the matrix must be symmetric",
@@ -168,7 +119,7 @@ fn mandel(
                     i + 1,
                     rows[j][i]
                 );
-                return Err(reading.error(&place, message, "give both entries the same number"));
+                return Err(reading.error(place, message, "give both entries the same number"));
             }
             matrix[i][j] = entry;
         }
@@ -176,20 +127,10 @@ fn mandel(
     Ok(matrix)
 }
 
-fn orthotropic(
-    reading: &Reading,
-    key: &str,
-    table: &written::Elasticity,
-    d: usize,
-) -> Result<[[f64; 6]; 6], SceneError> {
-    if table.mandel.is_some() {
-        let message = "a tensor of kind \"orthotropic\" has no key `mandel`";
-        let hint = "its keys are kind, normal, coupling and shear";
-        return Err(reading.error(&format!("{key}.mandel"), message, hint));
-    }
+fn orthotropic(reading: &Reading, key: &str, d: usize) -> Result<[[f64; 6]; 6], SceneError> {
     let pairs: &[(usize, usize)] = if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
-    let list = |name: &str, values: &Option<Vec<f64>>, count: usize| {
-        let values = values.clone().unwrap_or_default();
+    let list = |name: &str, count: usize| {
+        let values: Vec<f64> = reading.optional(&join(key, name))?.unwrap_or_default();
         if values.len() == count && values.iter().all(|value| value.is_finite()) {
             return Ok(values);
         }
@@ -198,9 +139,9 @@ fn orthotropic(
         let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
         Err(reading.error(key, message, hint))
     };
-    let normal = list("normal", &table.normal, d)?;
-    let coupling = list("coupling", &table.coupling, pairs.len())?;
-    let shear = list("shear", &table.shear, pairs.len())?;
+    let normal = list("normal", d)?;
+    let coupling = list("coupling", pairs.len())?;
+    let shear = list("shear", pairs.len())?;
     let mut matrix = [[0.0; 6]; 6];
     for (i, value) in normal.into_iter().enumerate() {
         matrix[i][i] = value;

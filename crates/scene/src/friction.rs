@@ -5,23 +5,24 @@ use std::sync::Arc;
 
 use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
-use formula::{EvaluationPoint, Node, Variable};
+use formula::{EvaluationPoint, Node};
 use vhi::law::{NoPotential, PiecewiseLinear, Potential};
 
-use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
 use super::gap::points;
 use super::law::Law;
 use super::reading::{Reading, evenly};
 use super::time::Time;
-use super::written::{self, Formula};
 
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
 const SAMPLES: [u32; 2] = [256, 24];
 const TIMES: u32 = 32;
 /// Relative distance below which ends of faces are one vertex.
 const SAME_PLACE: f64 = 1e-9;
+
+const BOUND: &str = "contact.friction.bound";
+const KINDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
 
 /// Friction on Γ3.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,28 +33,18 @@ pub struct Friction {
 impl Friction {
     pub(super) fn validate(
         reading: &mut Reading,
-        written: &written::Friction,
         domain: &Domain,
         time: &Time,
         normal: (Option<&Law>, ContactQuadrature),
     ) -> Result<Self, SceneError> {
+        reading.keys("contact.friction", "bound")?;
         one_tangent_a_vertex(reading, domain)?;
-        let bound = match &written.bound {
-            written::FrictionBound::Plain(formula) => given(reading, formula, domain, time)?,
-            written::FrictionBound::Table(table) => {
-                let key = "contact.friction.bound";
-                let kind =
-                    reading.word(&format!("{key}.kind"), &table.kind, &["slip", "coulomb"])?;
-                let keys: [(_, _, &[_]); 2] = [
-                    ("points", table.points.is_some(), &["slip"]),
-                    ("coefficient", table.coefficient.is_some(), &["coulomb"]),
-                ];
-                reading.only(key, kind, &keys)?;
-                match kind {
-                    "coulomb" => FrictionBound::Coulomb(coulomb(reading, table, normal)?),
-                    _ => FrictionBound::Slip(slip(reading, table)?),
-                }
-            }
+        let bound = match reading.has_parts(BOUND) {
+            false => given(reading, domain, time)?,
+            true => match reading.kind(BOUND, &KINDS)? {
+                "coulomb" => FrictionBound::Coulomb(coulomb(reading, normal)?),
+                _ => FrictionBound::Slip(slip(reading)?),
+            },
         };
         Ok(Self { bound })
     }
@@ -93,18 +84,10 @@ impl Friction {
 }
 
 /// S(x, t), finite and nonnegative at the samples.
-fn given(
-    reading: &mut Reading,
-    formula: &Formula,
-    domain: &Domain,
-    time: &Time,
-) -> Result<FrictionBound, SceneError> {
-    let key = "contact.friction.bound";
+fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<FrictionBound, SceneError> {
     let d = domain.dimension();
-    let mut variables = AXES[..d].to_vec();
-    variables.push(Variable::T);
-    let scope = reading.scope(&variables);
-    let node = reading.formula(key, formula, &scope)?;
+    let scope = reading.space_and_time(d);
+    let node = reading.formula(BOUND, &scope)?;
     for side in &domain.contact {
         let places: Vec<EvaluationPoint> =
             domain.faces(*side).iter().flat_map(|face| points(face, SAMPLES[d - 2])).collect();
@@ -120,7 +103,7 @@ fn given(
                     domain.name(*side)
                 );
                 let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
-                return Err(reading.error(key, message, hint));
+                return Err(reading.error(BOUND, message, hint));
             }
         }
     }
@@ -130,16 +113,13 @@ fn given(
 /// μ_f > 0, with a single-valued, nonnegative law of bounded rise, at the vertices.
 fn coulomb(
     reading: &mut Reading,
-    table: &written::FrictionBoundTable,
     (law, quadrature): (Option<&Law>, ContactQuadrature),
 ) -> Result<f64, SceneError> {
     let key = "contact.friction.bound.coefficient";
-    let line = "coefficient = \"0.3\"";
-    let formula = reading.needed(key, table.coefficient.as_ref(), &table.kind, line)?;
     let scope = reading.scope(&[]);
-    let node = reading.formula(key, formula, &scope)?;
+    let node = reading.formula(key, &scope)?;
     let coefficient = reading.formulas.evaluate(node, &EvaluationPoint::default());
-    let coefficient = reading.positive(key, coefficient)?;
+    let coefficient = reading.positive_number(key, coefficient)?;
     let refuse = |message: &str, hint: &str| {
         Err(reading.error("contact.friction.bound.kind", message, hint))
     };
@@ -170,14 +150,9 @@ fn coulomb(
     Ok(coefficient)
 }
 
-fn slip(
-    reading: &Reading,
-    table: &written::FrictionBoundTable,
-) -> Result<Vec<[f64; 2]>, SceneError> {
+fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>, SceneError> {
     let key = "contact.friction.bound.points";
-    let line = "points = [[0.0, 0.3], [0.1, 0.28]]";
-    let written = reading.needed(key, table.points.as_ref(), &table.kind, line)?;
-    let points = reading.points(key, written, "[r, S(r)]")?;
+    let points = reading.points(key, "[r, S(r)]")?;
     for (index, &[r, bound]) in points.iter().enumerate() {
         let here = format!("{key}.{index}");
         if bound < 0.0 {
@@ -195,7 +170,7 @@ fn slip(
         }
     }
     if points.is_empty() {
-        let hint = format!("give at least one: {line}");
+        let hint = "give at least one: points = [[0.0, 0.3], [0.1, 0.28]]";
         return Err(reading.error(key, "the bound has no point", hint));
     }
     Ok(points)

@@ -9,7 +9,7 @@ use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
 use super::heading::Hypothesis;
 use super::reading::{Reading, last};
-use super::written::Formula;
+use super::values::Formula;
 
 /// Intervals of a side at whose ends the gap is examined.
 const SAMPLES: u32 = 256;
@@ -21,12 +21,11 @@ const ROUNDING: f64 = 1e-12;
 pub(super) fn finite_on_contact(
     reading: &mut Reading,
     key: &str,
-    formula: &Formula,
     domain: &Domain,
 ) -> Result<Node, SceneError> {
     let dimension = domain.dimension();
     let scope = reading.scope(&AXES[..dimension]);
-    let node = reading.formula(key, formula, &scope)?;
+    let node = reading.formula(key, &scope)?;
     for side in &domain.contact {
         let faces = domain.faces(*side);
         let samples = samples(domain, &faces);
@@ -48,13 +47,13 @@ pub(super) fn finite_on_contact(
 /// g, or None for `inf`; concave on each contact side, unless the scene violates that on purpose.
 pub(super) fn gap(
     reading: &mut Reading,
-    formula: &Formula,
+    key: &str,
     domain: &Domain,
 ) -> Result<Option<Node>, SceneError> {
-    if matches!(formula.0.trim(), "inf" | "+inf" | "infinity") {
+    if matches!(reading.required::<Formula>(key)?.0.trim(), "inf" | "+inf" | "infinity") {
         return Ok(None);
     }
-    let gap = finite_on_contact(reading, "contact.gap", formula, domain)?;
+    let gap = finite_on_contact(reading, key, domain)?;
     if !reading.violates.contains(&Hypothesis::ConcaveGap) {
         concave(reading, gap, domain)?;
     }

@@ -60,18 +60,33 @@ pub(super) enum SceneKind {
 
 impl SceneKind {
     /// The kind named in a file; by default contact.
-    pub(crate) fn validate(reading: &Reading, word: Option<&str>) -> Result<SceneKind, SceneError> {
+    pub(crate) fn validate(reading: &Reading) -> Result<SceneKind, SceneError> {
         let known = [("contact", SceneKind::Contact), ("abstract", SceneKind::Abstract)];
-        reading.choice("scene.kind", word.unwrap_or("contact"), &known)
+        reading.choice_or("scene.kind", &known, SceneKind::Contact)
+    }
+
+    /// The parts of its files.
+    pub(crate) fn parts(self) -> &'static str {
+        match self {
+            Self::Contact => {
+                "scene domain time material contact discretization loads exact sweep predicts"
+            }
+            Self::Abstract => "scene time space operator history phi trace exact sweep predicts",
+        }
     }
 }
+
+/// The keys of `[scene]`.
+pub(super) const KEYS: &str =
+    "name question kind dimension judge expect long window_n window_steps violates";
 
 /// Longest name of a scene, in bytes: file systems allow 255, and pictures and unfinished files add some 30, as in
 /// `NAME-trade-memory.svg.4194304.partial`.
 const LONGEST_NAME: usize = 200;
 
 /// A name becomes part of file names: letters, digits, `-` and `_`.
-pub(super) fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
+pub(super) fn name(reading: &Reading) -> Result<String, SceneError> {
+    let name: String = reading.required("scene.name")?;
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if name.len() > LONGEST_NAME {
         return Err(reading.error(
@@ -81,7 +96,7 @@ pub(super) fn name(reading: &Reading, name: &str) -> Result<String, SceneError> 
         ));
     }
     if !name.is_empty() && name.chars().all(allowed) {
-        return Ok(name.to_string());
+        return Ok(name);
     }
     Err(reading.error(
         "scene.name",
@@ -90,11 +105,8 @@ pub(super) fn name(reading: &Reading, name: &str) -> Result<String, SceneError> 
     ))
 }
 
-pub(super) fn dimension(
-    reading: &Reading,
-    dimension: i64,
-    kind: SceneKind,
-) -> Result<usize, SceneError> {
+pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize, SceneError> {
+    let dimension: i64 = reading.required("scene.dimension")?;
     match dimension {
         1..=MOST if kind == SceneKind::Abstract => Ok(dimension.unsigned_abs() as usize),
         _ if kind == SceneKind::Abstract => Err(reading.error(
@@ -112,21 +124,16 @@ pub(super) fn dimension(
     }
 }
 
-pub(super) fn expectation(
-    reading: &Reading,
-    word: Option<&str>,
-) -> Result<Expectation, SceneError> {
+pub(super) fn expectation(reading: &Reading) -> Result<Expectation, SceneError> {
     let known = [
         ("pass", Expectation::Pass),
         ("fail", Expectation::Fail),
         ("unresolved", Expectation::Unresolved),
     ];
-    word.map_or(Ok(Expectation::Pass), |word| reading.choice("scene.expect", word, &known))
+    reading.choice_or("scene.expect", &known, Expectation::Pass)
 }
 
-pub(super) fn violates(reading: &Reading, words: &[String]) -> Result<Vec<Hypothesis>, SceneError> {
-    let one = |(index, word): (usize, &String)| {
-        reading.choice(&format!("scene.violates.{index}"), word, &Hypothesis::NAMES)
-    };
-    words.iter().enumerate().map(one).collect()
+pub(super) fn violates(reading: &Reading) -> Result<Vec<Hypothesis>, SceneError> {
+    let one = |index| reading.choice(&format!("scene.violates.{index}"), &Hypothesis::NAMES);
+    reading.entries("scene.violates")?.map(one).collect()
 }

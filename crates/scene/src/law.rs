@@ -4,9 +4,19 @@ use super::curve;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::scale::Scale;
-use super::written;
+use super::spans::join;
 use exact::LawNumbers;
 use vhi::law::Curve;
+
+/// The kinds of law with their keys; docs/CONTACT-LAWS.md explains them.
+const KINDS: [(&str, &str); 6] = [
+    ("none", ""),
+    ("linear", "stiffness scale"),
+    ("piecewise-linear", "points slope_before slope_after scale"),
+    ("rational", "stiffness length jump scale"),
+    ("exponential", "stiffness length jump scale"),
+    ("power", "coefficient exponent until jump scale"),
+];
 
 /// p = ∂j_ν as a graph: `slope_before`, the points joined by lines, `slope_after`. Two points of one abscissa are a
 /// jump, where p is the interval between them. A curve is added to the graph, and a factor multiplies the sum.
@@ -23,63 +33,38 @@ pub struct Law {
 }
 
 impl Law {
-    pub(super) fn validate(
-        reading: &Reading,
-        table: &str,
-        written: &written::Law,
-    ) -> Result<Option<Law>, SceneError> {
-        let known = [&["none", "linear", "piecewise-linear"], &curve::KINDS[..]].concat();
-        let kind = reading.word(&format!("{table}.kind"), &written.kind, &known)?;
-        let with_stiffness = [&["linear"], curve::WITH_STIFFNESS].concat();
-        let lines: &[&str] = &["piecewise-linear"];
-        let keys: [(_, _, &[_]); 5] = [
-            ("scale", written.scale.is_some(), &known[1..]),
-            ("stiffness", written.stiffness.is_some(), &with_stiffness),
-            ("points", written.points.is_some(), lines),
-            ("slope_before", written.slope_before.is_some(), lines),
-            ("slope_after", written.slope_after.is_some(), lines),
-        ];
-        reading.only(table, kind, &keys)?;
-        curve::check_keys(reading, table, kind, written)?;
-        let curve = match kind {
+    pub(super) fn validate(reading: &Reading, table: &str) -> Result<Option<Law>, SceneError> {
+        let curve = match reading.kind(table, &KINDS)? {
             "none" => return Ok(None),
-            "linear" => return Law::linear(reading, table, written).map(Some),
-            "piecewise-linear" => return Law::piecewise_linear(reading, table, written).map(Some),
-            curved => curve::read(reading, table, curved, written)?,
+            "linear" => {
+                let stiffness = reading.finite(&join(table, "stiffness"))?;
+                return Ok(Some(Law::graph(vec![[0.0, 0.0]], stiffness, stiffness)));
+            }
+            "piecewise-linear" => return Law::piecewise_linear(reading, table).map(Some),
+            curved => curve::read(reading, table, curved)?,
         };
         // A curve after an optional jump at r = 0: [0, jump] there, jump + p(r) beyond.
-        let mut points = vec![[0.0, 0.0]];
-        if let Some(jump) = written.jump {
-            points.push([0.0, reading.positive(&format!("{table}.jump"), jump)?]);
+        let (mut points, jump) = (vec![[0.0, 0.0]], join(table, "jump"));
+        if reading.has(&jump) {
+            points.push([0.0, reading.positive(&jump)?]);
         }
         Ok(Some(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) }))
-    }
-
-    fn linear(reading: &Reading, table: &str, written: &written::Law) -> Result<Law, SceneError> {
-        let key = format!("{table}.stiffness");
-        let (value, kind) = (written.stiffness, &written.kind);
-        let stiffness = reading.number(&key, value, kind, "stiffness = 2.0")?;
-        Ok(Law::graph(vec![[0.0, 0.0]], stiffness, stiffness))
     }
 
     fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
         Law { points, slope_before, slope_after, curve: None, scale: None }
     }
 
-    fn piecewise_linear(
-        reading: &Reading,
-        table: &str,
-        written: &written::Law,
-    ) -> Result<Law, SceneError> {
-        let (key, kind) = (|name: &str| format!("{table}.{name}"), &written.kind);
-        let line = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
-        let points = reading.needed(&key("points"), written.points.as_ref(), kind, line)?;
-        let slope = |name: &str, value: Option<f64>| {
-            reading.number(&key(name), value, kind, &format!("{name} = 0.0"))
-        };
-        let before = slope("slope_before", written.slope_before)?;
-        let after = slope("slope_after", written.slope_after)?;
-        let law = Law::graph(pairs(reading, table, points)?, before, after);
+    fn piecewise_linear(reading: &Reading, table: &str) -> Result<Law, SceneError> {
+        let key = join(table, "points");
+        let points = reading.points(&key, "[r, p(r)]")?;
+        let before = reading.finite(&join(table, "slope_before"))?;
+        let after = reading.finite(&join(table, "slope_after"))?;
+        if points.is_empty() {
+            let hint = "give at least one: points = [[0.0, 0.0]]";
+            return Err(reading.error(&key, "the law has no point", hint));
+        }
+        let law = Law::graph(points, before, after);
         law.check_order(reading, table)?;
         Ok(law)
     }
@@ -173,17 +158,6 @@ fn admissible(
         ));
     }
     Ok(())
-}
-
-fn pairs(reading: &Reading, table: &str, points: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
-    if points.is_empty() {
-        return Err(reading.error(
-            &format!("{table}.points"),
-            "the law has no point",
-            "give at least one: points = [[0.0, 0.0]]",
-        ));
-    }
-    reading.points(&format!("{table}.points"), points, "[r, p(r)]")
 }
 
 #[cfg(test)]

@@ -1,14 +1,12 @@
-//! Scene files: TOML as written, the scene as validated, and messages that name the way out.
+//! Scene files: TOML, the scene as validated, and messages that name the way out.
 //!
-//! A file becomes a [`Scene`] in two stages, each of which may fail with a [`SceneError`] that points at the text:
-//! - `written`: keys and types; unknown keys are refused with the nearest known one;
-//! - `validated`: numbers and compiled formulas that satisfy every hypothesis that can be checked without a mesh or a
-//!   solve.
+//! A file becomes a [`Scene`] part by part, or a [`SceneError`] that points at the text: `values` gives the keys of a
+//! part, and refuses unknown ones with the nearest known one; each part makes of them numbers and compiled formulas that
+//! satisfy every hypothesis that can be checked without a mesh or a solve.
 //!
 //! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by `Scene::span`.
 
 mod abstract_scene;
-mod abstract_written;
 mod choices;
 mod contact;
 mod curve;
@@ -21,7 +19,6 @@ mod elastic;
 mod examples;
 mod extension;
 mod friction;
-mod friction_stress;
 mod gap;
 mod heading;
 mod kernel;
@@ -29,7 +26,6 @@ mod law;
 mod material;
 mod memory;
 mod nearest;
-mod or_table;
 mod prediction;
 mod projection;
 mod reading;
@@ -43,8 +39,8 @@ mod spans;
 mod sweep;
 mod time;
 mod validated;
+mod values;
 mod wording;
-mod written;
 
 pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
 pub use contact::Contact;

@@ -4,12 +4,12 @@ use vhi::law::FourthOrder;
 
 use super::diagnostic::SceneError;
 use super::domain::Domain;
-use super::elastic::{Given, elastic};
-use super::memory::{self, Part, RelaxationTerm};
+use super::elastic::elastic;
+use super::memory::{self, RelaxationTerm};
 use super::projection::Projection;
 use super::reading::Reading;
 use super::region_place::{Place, place};
-use super::written;
+use super::spans::join;
 
 /// The law (5.1) with the terms that the scene has.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,34 +37,23 @@ const MOST_REGIONS: usize = 200;
 impl Material {
     pub(super) fn validate(
         reading: &mut Reading,
-        written: &written::Material,
         horizon: f64,
         domain: &Domain,
     ) -> Result<Material, SceneError> {
-        let dimension = domain.dimension();
-        let given = Given {
-            lambda: written.lambda,
-            mu: written.mu_l,
-            young: written.young,
-            poisson: written.poisson,
-            table: written.elasticity.as_ref(),
-        };
-        let elastic = elastic(reading, "material", &given, dimension)?;
-        let base = match &written.memory {
-            Some(memory) => memory::parts(reading, None, memory, horizon, dimension)?,
-            None => Vec::new(),
-        };
+        reading.keys("material", "lambda mu_L E nu elasticity memory projection region")?;
+        let elastic = elastic(reading, "material", domain.dimension())?;
+        let base = memory::parts(reading, None, horizon, domain.dimension())?.unwrap_or_default();
         let (mut regions, mut parts) = (Vec::new(), Vec::new());
-        for (index, region) in written.region.iter().enumerate() {
-            let (region, region_memory) =
-                Region::validate(reading, index, region, horizon, domain)?;
+        for index in reading.entries("material.region")? {
+            let region = Region::validate(reading, index, domain)?;
             if regions.iter().any(|other: &Region| other.name == region.name) {
                 let message = format!("two regions are called `{}`", region.name);
                 let key = format!("material.region.{index}.name");
                 return Err(reading.error(&key, message, "rename one of them"));
             }
             regions.push(region);
-            parts.push(region_memory.unwrap_or_else(|| base.clone()));
+            let separate = memory::parts(reading, Some(index), horizon, domain.dimension())?;
+            parts.push(separate.unwrap_or_else(|| base.clone()));
         }
         if regions.len() > MOST_REGIONS {
             let message =
@@ -72,9 +61,9 @@ impl Material {
             return Err(reading.error("material.region", message, "merge regions of one material"));
         }
         let memory = memory::terms(reading, &base, &parts);
-        let projection = written.projection.as_ref();
-        let projection = projection.map(|p| Projection::validate(reading, p, horizon));
-        Ok(Material { elastic, memory, projection: projection.transpose()?, regions })
+        let projection = reading
+            .if_given("material.projection", |reading, _| Projection::validate(reading, horizon))?;
+        Ok(Material { elastic, memory, projection, regions })
     }
 
     /// The key of the first exponent of a kernel that is infinite at s = t.
@@ -98,35 +87,20 @@ impl Material {
 }
 
 impl Region {
-    /// A region, and its separate memory if any.
     fn validate(
         reading: &mut Reading,
         index: usize,
-        written: &written::Region,
-        horizon: f64,
         domain: &Domain,
-    ) -> Result<(Region, Option<Vec<Part>>), SceneError> {
-        let dimension = domain.dimension();
-        let key = format!("material.region.{index}");
-        if written.name.trim().is_empty() {
-            let message = "a region needs a name";
-            return Err(reading.error(
-                &format!("{key}.name"),
-                message,
-                "for instance: name = \"layer\"",
-            ));
+    ) -> Result<Region, SceneError> {
+        let table = format!("material.region.{index}");
+        reading.keys(&table, "name where physical lambda mu_L E nu elasticity memory")?;
+        let key = join(&table, "name");
+        let name: String = reading.required(&key)?;
+        if name.trim().is_empty() {
+            let hint = "for instance: name = \"layer\"";
+            return Err(reading.error(&key, "a region needs a name", hint));
         }
-        let place = place(reading, &key, written, domain)?;
-        let given = Given {
-            lambda: written.lambda,
-            mu: written.mu_l,
-            young: written.young,
-            poisson: written.poisson,
-            table: written.elasticity.as_ref(),
-        };
-        let elastic = elastic(reading, &key, &given, dimension)?;
-        let parts = |written| memory::parts(reading, Some(index), written, horizon, dimension);
-        let memory = written.memory.as_ref().map(parts).transpose()?;
-        Ok((Region { name: written.name.clone(), place, elastic }, memory))
+        let place = place(reading, &table, &name, domain)?;
+        Ok(Region { name, place, elastic: elastic(reading, &table, domain.dimension())? })
     }
 }

@@ -5,7 +5,8 @@ use formula::{EvaluationPoint, Node, Scope, Variable};
 use super::diagnostic::SceneError;
 use super::kernel::formula_of;
 use super::reading::{Reading, evenly};
-use super::{singular, written};
+use super::singular;
+use super::spans::join;
 
 /// Intervals of [0, T] at whose ends the kernel is evaluated.
 const SAMPLES: u32 = 512;
@@ -48,42 +49,39 @@ pub(super) struct Part {
     tensor: [f64; 2],
 }
 
-/// The parts of the `memory` table of a region or the material: its kernel, or those of bulk and shear.
+/// The parts of the `memory` table of a region or the material, if it has one: its kernel, or those of bulk and shear.
 pub(super) fn parts(
     reading: &mut Reading,
     region: Option<usize>,
-    written: &written::Memory,
     horizon: f64,
     dimension: usize,
-) -> Result<Vec<Part>, SceneError> {
+) -> Result<Option<Vec<Part>>, SceneError> {
     let key = &*key(region);
-    let written::Memory { kernel, lambda, mu, bulk, shear, singular } = written;
-    let power = (singular::exponent(reading, key, *singular)?, region);
-    match (kernel, lambda, mu, bulk, shear) {
-        (Some(kernel), Some(lambda), Some(mu), None, None) => {
-            let lambda = reading.finite(&format!("{key}.lambda"), *lambda)?;
-            let mu = reading.finite(&format!("{key}.mu"), *mu)?;
-            let kernel = validated(reading, &format!("{key}.kernel"), kernel, horizon)?;
-            Ok(vec![Part::new(reading, kernel, power, [lambda, mu])])
+    if !reading.has(key) {
+        return Ok(None);
+    }
+    reading.keys(key, "kernel lambda mu bulk shear singular")?;
+    let power = (singular::exponent(reading, key)?, region);
+    let has = |name: &str| reading.has(&join(key, name));
+    let apart = has("bulk") || has("shear");
+    match (has("kernel"), has("lambda") || has("mu")) {
+        (true, _) if !apart => {
+            let lambda = reading.finite(&join(key, "lambda"))?;
+            let mu = reading.finite(&join(key, "mu"))?;
+            let kernel = validated(reading, &join(key, "kernel"), horizon)?;
+            Ok(Some(vec![Part::new(reading, kernel, power, [lambda, mu])]))
         }
-        (None, None, None, bulk, shear) if bulk.is_some() || shear.is_some() => {
+        (false, false) if apart => {
             // bulk tr(ε) I, and 2 shear ε^D with ε^D = ε - tr(ε)/d I.
-            let tensors = [[1.0, 0.0], [-2.0 / dimension as f64, 1.0]];
+            let tensors =
+                [("bulk", [1.0, 0.0]), ("shear", [-2.0 / dimension as f64, 1.0])].into_iter();
             let mut parts = Vec::new();
-            for ((kernel, name), tensor) in
-                [(bulk, "bulk"), (shear, "shear")].into_iter().zip(tensors)
-            {
-                if let Some(kernel) = kernel {
-                    let kernel = validated(reading, &format!("{key}.{name}"), kernel, horizon)?;
-                    parts.push(Part::new(reading, kernel, power, tensor));
-                }
+            for (name, tensor) in tensors {
+                let kernel = reading
+                    .if_given(&join(key, name), |reading, key| validated(reading, key, horizon))?;
+                parts.extend(kernel.map(|kernel| Part::new(reading, kernel, power, tensor)));
             }
-            Ok(parts)
-        }
-        (Some(_), ..) if bulk.is_none() && shear.is_none() => {
-            let missing = if lambda.is_none() { "lambda" } else { "mu" };
-            let message = format!("[{key}] lacks the key `{missing}`");
-            Err(reading.error(key, message, format!("for instance: {missing} = 0.25")))
+            Ok(Some(parts))
         }
         _ => {
             let message = format!(
@@ -114,14 +112,9 @@ impl Part {
 }
 
 /// A kernel, or the factor of one, that is finite on [0, T].
-fn validated(
-    reading: &mut Reading,
-    key: &str,
-    written: &written::Kernel,
-    horizon: f64,
-) -> Result<Node, SceneError> {
-    let formula = formula_of(reading, key, written)?;
-    let kernel = reading.formula(key, &formula, &Scope::new(&[Variable::T]))?;
+fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node, SceneError> {
+    let formula = formula_of(reading, key)?;
+    let kernel = reading.compiled(key, &formula, &Scope::new(&[Variable::T]))?;
     let times =
         evenly(0.0, horizon, SAMPLES).map(|t| EvaluationPoint { t, ..EvaluationPoint::default() });
     if let Some((point, value)) = reading.first_not_finite(kernel, times) {

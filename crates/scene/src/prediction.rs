@@ -3,7 +3,7 @@
 use super::diagnostic::SceneError;
 use super::heading::name_in;
 use super::reading::Reading;
-use super::written;
+use super::spans::join;
 use fem::norms::ContactState;
 
 /// A quantity in which errors are measured; names as in `cases.csv`.
@@ -85,12 +85,12 @@ impl Norm {
     pub(super) fn validate(
         reading: &Reading,
         key: &str,
-        word: &str,
         has_contact: bool,
     ) -> Result<Norm, SceneError> {
-        let norm = reading.choice(key, word, &Norm::NAMES)?;
+        let norm = reading.choice(key, &Norm::NAMES)?;
         if norm.needs_contact() && !has_contact {
-            let message = format!("`{word}` is measured on Γ3, and the scene has no contact");
+            let name = norm.name();
+            let message = format!("`{name}` is measured on Γ3, and the scene has no contact");
             return Err(reading.error(
                 key,
                 message,
@@ -141,40 +141,47 @@ impl Prediction {
     pub(super) fn validate(
         reading: &Reading,
         index: usize,
-        written: &written::Prediction,
         has_contact: bool,
     ) -> Result<Prediction, SceneError> {
-        let key = |name: &str| format!("predicts.{index}.{name}");
+        let table = format!("predicts.{index}");
+        let known = "norm variable order order_k at_least exact constant constant_within constant_why why window_n window_steps";
+        reading.keys(&table, known)?;
+        let key = |name: &str| join(&table, name);
+        let flag = |name: &str| reading.optional::<bool>(&key(name));
         let known = [
             ("h", Direction::H),
             ("k", Direction::K),
             ("joint", Direction::Joint),
             ("path", Direction::Path),
         ];
-        let variable = reading.choice(&key("variable"), &written.variable, &known)?;
-        if written.at_least && written.exact {
+        let variable = reading.choice(&key("variable"), &known)?;
+        let at_least = flag("at_least")?.unwrap_or(false);
+        let exact = flag("exact")?.unwrap_or(false);
+        if at_least && exact {
             let message = "both at_least and exact: an order is a lower bound or it is sharp";
             return Err(reading.key_error(&key("exact"), message, "keep one of the two"));
         }
-        if written.why.trim().is_empty() {
+        let why: String = reading.required(&key("why"))?;
+        if why.trim().is_empty() {
             return Err(reading.error(
                 &key("why"),
                 "`why` is empty",
                 "name the theorem or equation that promises the order: why = \"(5.26)\"",
             ));
         }
+        let constant = flag("constant")?.unwrap_or(true);
         Ok(Prediction {
-            norm: Norm::validate(reading, &key("norm"), &written.norm, has_contact)?,
+            norm: Norm::validate(reading, &key("norm"), has_contact)?,
             variable,
-            order: reading.positive(&key("order"), written.order)?,
-            order_k: order_in_k(reading, &key("order_k"), variable, written.order_k)?,
-            at_least: written.at_least,
-            exact: written.exact,
-            constant: written.constant,
-            constant_within: constant_within(reading, &key, written)?,
-            why: written.why.clone(),
-            window_n: reading.window(&key("window_n"), written.window_n.as_ref())?,
-            window_steps: reading.window(&key("window_steps"), written.window_steps.as_ref())?,
+            order: reading.positive(&key("order"))?,
+            order_k: order_in_k(reading, &key("order_k"), variable)?,
+            at_least,
+            exact,
+            constant,
+            constant_within: constant_within(reading, &key, constant)?,
+            why,
+            window_n: reading.window(&key("window_n"))?,
+            window_steps: reading.window(&key("window_steps"))?,
         })
     }
 }
@@ -200,12 +207,13 @@ impl Prediction {
 fn constant_within(
     reading: &Reading,
     key: &dyn Fn(&str) -> String,
-    written: &written::Prediction,
+    constant: bool,
 ) -> Result<Option<f64>, SceneError> {
     let (within, why) = (key("constant_within"), key("constant_why"));
-    let reason = written.constant_why.as_ref().filter(|reason| !reason.trim().is_empty());
-    match (written.constant_within, reason) {
-        (None, None) if written.constant_why.is_some() => {
+    let reason: Option<String> = reading.optional(&why)?;
+    let reason = reason.filter(|reason| !reason.trim().is_empty());
+    match (reading.optional::<f64>(&within)?, reason) {
+        (None, None) if reading.has(&why) => {
             Err(reading.error(&why, "`constant_why` is empty", "state the reason, or remove it"))
         }
         (None, None) => Ok(None),
@@ -214,7 +222,7 @@ fn constant_within(
             "`constant_why` explains a share that is not there",
             "add it: constant_within = 0.03, or remove constant_why",
         )),
-        (Some(_), _) if !written.constant => Err(reading.key_error(
+        (Some(_), _) if !constant => Err(reading.key_error(
             &within,
             "`constant_within` beside constant = false: nothing is compared",
             "keep one of the two",
@@ -238,17 +246,16 @@ fn order_in_k(
     reading: &Reading,
     key: &str,
     variable: Direction,
-    order: Option<f64>,
 ) -> Result<Option<f64>, SceneError> {
-    match (variable, order) {
-        (Direction::Joint, Some(order)) => reading.positive(key, order).map(Some),
-        (Direction::Joint, None) => Err(reading.error(
+    match (variable, reading.has(key)) {
+        (Direction::Joint, true) => reading.positive(key).map(Some),
+        (Direction::Joint, false) => Err(reading.error(
             key,
             "a joint prediction needs two orders",
             "add the one in k: order_k = 2.0",
         )),
-        (_, None) => Ok(None),
-        (_, Some(_)) => Err(reading.key_error(
+        (_, false) => Ok(None),
+        (_, true) => Err(reading.key_error(
             key,
             "`order_k` belongs to joint predictions",
             "write variable = \"joint\", or remove order_k",

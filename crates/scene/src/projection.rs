@@ -5,7 +5,6 @@ use formula::{EvaluationPoint, Node, Scope, Variable};
 use super::diagnostic::SceneError;
 use super::heading::Hypothesis;
 use super::reading::{Reading, evenly};
-use super::written;
 
 /// Even intervals of the range of ζ, and points that crowd towards ζ = 0.
 const EVEN_SAMPLES: u32 = 2000;
@@ -25,13 +24,10 @@ pub struct Projection {
 }
 
 impl Projection {
-    pub(super) fn validate(
-        reading: &mut Reading,
-        written: &written::Projection,
-        horizon: f64,
-    ) -> Result<Projection, SceneError> {
+    pub(super) fn validate(reading: &mut Reading, horizon: f64) -> Result<Projection, SceneError> {
+        reading.keys("material.projection", "mu kappa")?;
         let key = "material.projection.kappa";
-        let mu = reading.finite("material.projection.mu", written.mu)?;
+        let mu = reading.finite("material.projection.mu")?;
         if mu < 0.0 {
             let message =
                 format!("mu = {mu} is negative: the projection term would not be monotone");
@@ -41,7 +37,7 @@ impl Projection {
                 "give mu >= 0; remove [material.projection] for mu = 0",
             ));
         }
-        let kappa = reading.formula(key, &written.kappa, &Scope::new(&[Variable::Zeta]))?;
+        let kappa = reading.formula(key, &Scope::new(&[Variable::Zeta]))?;
         admissible(reading, key, kappa, horizon)?;
         let lipschitz = lipschitz(reading, key, kappa, horizon)?;
         Ok(Projection { mu, kappa, lipschitz })

@@ -1,18 +1,21 @@
-//! One reading of a scene file: the text, its positions, and the formulas compiled so far.
+//! One reading of a scene file: the text, its positions, its numbers, and the formulas compiled so far.
 
 use std::ops::Range;
 
 use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
+use toml::de::DeTable;
 
+use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::heading::Hypothesis;
 use super::source::Source;
 use super::spans::Spans;
-use super::written::Formula;
+use super::values::Formula;
 
 pub(super) struct Reading<'a> {
     pub source: &'a Source,
     pub spans: &'a Spans,
+    pub table: &'a DeTable<'a>,
     pub violates: Vec<Hypothesis>,
     pub formulas: Graph,
     /// Named constants of `[exact.parameters]`, in file order.
@@ -20,10 +23,11 @@ pub(super) struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    pub(crate) fn new(source: &'a Source, spans: &'a Spans) -> Reading<'a> {
+    pub(crate) fn new(source: &'a Source, spans: &'a Spans, table: &'a DeTable<'a>) -> Reading<'a> {
         Reading {
             source,
             spans,
+            table,
             violates: Vec::new(),
             formulas: Graph::new(),
             parameters: Vec::new(),
@@ -50,7 +54,17 @@ impl<'a> Reading<'a> {
         SceneError::at(self.source, self.spans.key(key), message, hint)
     }
 
-    pub(crate) fn finite(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+    /// The number at a key.
+    pub(crate) fn finite(&self, key: &str) -> Result<f64, SceneError> {
+        self.finite_number(key, self.required(key)?)
+    }
+
+    /// The number at a key, above 0.
+    pub(crate) fn positive(&self, key: &str) -> Result<f64, SceneError> {
+        self.positive_number(key, self.required(key)?)
+    }
+
+    pub(crate) fn finite_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
         if value.is_finite() {
             return Ok(value);
         }
@@ -61,8 +75,8 @@ impl<'a> Reading<'a> {
         ))
     }
 
-    pub(crate) fn positive(&self, key: &str, value: f64) -> Result<f64, SceneError> {
-        if self.finite(key, value)? > 0.0 {
+    pub(crate) fn positive_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+        if self.finite_number(key, value)? > 0.0 {
             return Ok(value);
         }
         Err(self.error(
@@ -73,7 +87,8 @@ impl<'a> Reading<'a> {
     }
 
     /// A whole number from 1 to 2³¹ - 1.
-    pub(crate) fn count(&self, key: &str, value: i64) -> Result<usize, SceneError> {
+    pub(crate) fn count(&self, key: &str) -> Result<usize, SceneError> {
+        let value: i64 = self.required(key)?;
         match i32::try_from(value) {
             Ok(count) if count >= 1 => Ok(count.unsigned_abs() as usize),
             _ => Err(self.error(
@@ -84,7 +99,8 @@ impl<'a> Reading<'a> {
         }
     }
 
-    pub(crate) fn seed(&self, key: &str, value: i64) -> Result<u64, SceneError> {
+    pub(crate) fn seed(&self, key: &str) -> Result<u64, SceneError> {
+        let value: i64 = self.required(key)?;
         u64::try_from(value).map_err(|_| {
             self.error(
                 key,
@@ -94,21 +110,14 @@ impl<'a> Reading<'a> {
         })
     }
 
-    /// An increasing pair of counts: the window of an order.
-    pub(crate) fn window(
-        &self,
-        key: &str,
-        written: Option<&Vec<i64>>,
-    ) -> Result<Option<[usize; 2]>, SceneError> {
-        let Some(values) = written else {
-            return Ok(None);
-        };
-        match values[..] {
-            [first, last] if first <= last => Ok(Some([
-                self.count(&format!("{key}.0"), first)?,
-                self.count(&format!("{key}.1"), last)?,
-            ])),
-            _ => Err(self.error(
+    /// An increasing pair of counts, if it is there: the window of an order.
+    pub(crate) fn window(&self, key: &str) -> Result<Option<[usize; 2]>, SceneError> {
+        match self.optional::<Vec<i64>>(key)?.as_deref() {
+            None => Ok(None),
+            Some([first, last]) if first <= last => {
+                Ok(Some([self.count(&format!("{key}.0"))?, self.count(&format!("{key}.1"))?]))
+            }
+            Some(values) => Err(self.error(
                 key,
                 format!("{values:?} is not a window"),
                 "a window is [from, to] with from <= to, as in [32, 128]",
@@ -117,12 +126,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Points of a graph; `form` names their two numbers.
-    pub(crate) fn points(
-        &self,
-        key: &str,
-        written: &[Vec<f64>],
-        form: &str,
-    ) -> Result<Vec<[f64; 2]>, SceneError> {
+    pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>, SceneError> {
         let point = |(index, point): (usize, &Vec<f64>)| match point[..] {
             [a, b] if a.is_finite() && b.is_finite() => Ok([a, b]),
             _ => Err(self.error(
@@ -131,7 +135,7 @@ impl<'a> Reading<'a> {
                 format!("a point is two finite numbers: {form}"),
             )),
         };
-        written.iter().enumerate().map(point).collect()
+        self.required::<Vec<Vec<f64>>>(key)?.iter().enumerate().map(point).collect()
     }
 
     /// The given variables and the parameters of the scene.
@@ -143,8 +147,13 @@ impl<'a> Reading<'a> {
         scope
     }
 
+    /// The axes of the space, t, and the parameters of the scene.
+    pub(crate) fn space_and_time(&self, dimension: usize) -> Scope {
+        self.scope(&[&AXES[..dimension], &[Variable::T]].concat())
+    }
+
     /// Compiles a formula; an error points into its text.
-    pub(crate) fn formula(
+    pub(crate) fn compiled(
         &mut self,
         key: &str,
         formula: &Formula,
@@ -161,8 +170,23 @@ impl<'a> Reading<'a> {
         })
     }
 
-    /// Compiles one formula per component; there must be `dimension` of them.
+    /// The formula at a key.
+    pub(crate) fn formula(&mut self, key: &str, scope: &Scope) -> Result<Node, SceneError> {
+        self.compiled(key, &self.required(key)?, scope)
+    }
+
+    /// The formulas of a list, one per component; there must be `dimension` of them.
     pub(crate) fn vector(
+        &mut self,
+        key: &str,
+        dimension: usize,
+        scope: &Scope,
+    ) -> Result<Vec<Node>, SceneError> {
+        self.components(key, &self.required::<Vec<Formula>>(key)?, dimension, scope)
+    }
+
+    /// Compiles one formula per component; there must be `dimension` of them.
+    pub(crate) fn components(
         &mut self,
         key: &str,
         formulas: &[Formula],
@@ -184,8 +208,17 @@ impl<'a> Reading<'a> {
         formulas
             .iter()
             .enumerate()
-            .map(|(index, formula)| self.formula(&format!("{key}.{index}"), formula, scope))
+            .map(|(index, formula)| self.compiled(&format!("{key}.{index}"), formula, scope))
             .collect()
+    }
+
+    /// What `read` makes of a key, if it is there.
+    pub(crate) fn if_given<T>(
+        &mut self,
+        key: &str,
+        read: impl FnOnce(&mut Self, &str) -> Result<T, SceneError>,
+    ) -> Result<Option<T>, SceneError> {
+        if self.has(key) { read(self, key).map(Some) } else { Ok(None) }
     }
 
     /// The first point at which a formula is infinite or undefined, with its value.

@@ -1,13 +1,13 @@
 //! Location of a region: a condition on coordinates, or a physical group of the mesh file.
 
 use fem::mesh::CoarseMesh;
-use formula::{Graph, Node, Scope, Variable};
+use formula::{Graph, Node, Scope};
 
 use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Shape};
 use super::reading::Reading;
-use super::written;
+use super::spans::join;
 
 /// The cells of a region.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,32 +18,32 @@ pub enum Place {
     Physical(u32),
 }
 
+/// The place of the region `name` at a key.
 pub(super) fn place(
     reading: &mut Reading,
     key: &str,
-    written: &written::Region,
+    name: &str,
     domain: &Domain,
 ) -> Result<Place, SceneError> {
-    match (&written.condition, &written.physical) {
-        (Some(condition), None) => {
-            let axes = [Variable::X, Variable::Y, Variable::Z];
-            let scope = Scope::new(&axes[..domain.dimension()]);
-            reading.formula(&format!("{key}.where"), condition, &scope).map(Place::Where)
+    let (condition, physical) = (join(key, "where"), join(key, "physical"));
+    match (reading.has(&condition), reading.has(&physical)) {
+        (true, false) => {
+            let scope = Scope::new(&AXES[..domain.dimension()]);
+            reading.formula(&condition, &scope).map(Place::Where)
         }
-        (None, Some(name)) => {
-            let key = format!("{key}.physical");
+        (false, true) => {
             let Shape::Refined(coarse) = &domain.shape else {
                 let message = "physical groups are in mesh files, and the domain is none";
                 let hint = "write where = \"y - 0.5\", or shape = \"mesh\" with a file";
-                return Err(reading.error(&key, message, hint));
+                return Err(reading.error(&physical, message, hint));
             };
             let known: Vec<(&str, u32)> =
                 coarse.regions().iter().map(String::as_str).zip(0..).collect();
-            reading.choice(&key, name, &known).map(Place::Physical)
+            reading.choice(&physical, &known).map(Place::Physical)
         }
-        (condition, _) => {
-            let count = if condition.is_some() { "two places" } else { "no place" };
-            let message = format!("the region `{}` has {count}", written.name);
+        (both, _) => {
+            let count = if both { "two places" } else { "no place" };
+            let message = format!("the region `{name}` has {count}");
             let hint = "give either where = \"y - 0.5\", positive inside, or physical = \"name\", a group of the mesh file";
             Err(reading.error(key, message, hint))
         }

@@ -7,7 +7,6 @@ use super::diagnostic::SceneError;
 use super::domain::{Domain, place};
 use super::gap::{finite_on_contact, points};
 use super::reading::Reading;
-use super::written::Formula;
 
 /// Intervals of a segment, and along each axis of a face of a box, on which the factor is examined; fewer per piece for
 /// a side of many pieces.
@@ -31,10 +30,9 @@ impl Scale {
     pub(super) fn validate(
         reading: &mut Reading,
         key: &str,
-        formula: &Formula,
         domain: &Domain,
     ) -> Result<Self, SceneError> {
-        let node = finite_on_contact(reading, key, formula, domain)?;
+        let node = finite_on_contact(reading, key, domain)?;
         let dimension = domain.dimension();
         let second: Vec<Node> = (0..dimension)
             .flat_map(|a| (0..dimension).map(move |b| (a, b)))

@@ -2,6 +2,7 @@
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
+use super::spans::join;
 use super::time::{Time, TimeRule};
 
 /// The way out for a kernel that is infinite at lag zero, by the key of its formula.
@@ -11,22 +12,19 @@ pub(super) fn way_out(formula: &str) -> String {
     )
 }
 
-/// The a of a kernel (t - s)^{-a} b at `key`, or 0.
+/// The a of a kernel (t - s)^{-a} b at a table, or 0.
 ///
 /// # Errors
 /// An exponent that is not between 0 and 1.
-pub(super) fn exponent(
-    reading: &Reading,
-    key: &str,
-    written: Option<f64>,
-) -> Result<f64, SceneError> {
-    match written {
+pub(super) fn exponent(reading: &Reading, table: &str) -> Result<f64, SceneError> {
+    let key = join(table, "singular");
+    match reading.optional(&key)? {
         None => Ok(0.0),
         Some(a) if a > 0.0 && a < 1.0 => Ok(a),
         Some(a) => {
             let message = format!("singular = {a} is not between 0 and 1");
             let hint = "the kernel is t^(-singular) times its formula; from 1 on it has no integral, and without the key it is the formula";
-            Err(reading.error(&format!("{key}.singular"), message, hint))
+            Err(reading.error(&key, message, hint))
         }
     }
 }

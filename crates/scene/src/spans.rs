@@ -45,14 +45,6 @@ impl Spans {
             .max_by_key(|name| name.len())
     }
 
-    /// The dotted name of the key that begins at this byte.
-    pub(super) fn name_of_key_at(&self, start: usize) -> Option<&str> {
-        self.places
-            .iter()
-            .find(|(_, place)| place.key.start == start)
-            .map(|(name, _)| name.as_str())
-    }
-
     fn nearest_place(&self, key: &str) -> Option<&Place> {
         let mut name = key;
         loop {
@@ -84,6 +76,6 @@ impl Spans {
     }
 }
 
-fn join(parent: &str, key: &str) -> String {
+pub(super) fn join(parent: &str, key: &str) -> String {
     if parent.is_empty() { key.to_string() } else { format!("{parent}.{key}") }
 }

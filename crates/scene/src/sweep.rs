@@ -5,7 +5,6 @@ use super::domain::{Domain, Shape};
 use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
 use super::validated::{Body, Scene};
-use super::written;
 use fem::mesh::Family as MeshFamily;
 use files::counted;
 
@@ -37,47 +36,43 @@ pub struct Sweep {
 impl Sweep {
     pub(super) fn validate(
         reading: &Reading,
-        written: Option<&written::Sweep>,
         domain: &Domain,
         has_contact: bool,
-    ) -> Result<Option<Sweep>, SceneError> {
-        let Some(written) = written else {
-            return Ok(None);
-        };
-        let pairs = written.pairs.as_ref().map(|pairs| path(reading, written, pairs, domain));
-        let pairs = pairs.transpose()?;
+    ) -> Result<Sweep, SceneError> {
+        reading.keys("sweep", "n steps pairs reference norms by_state")?;
+        let pairs = if reading.has("sweep.pairs") { Some(path(reading, domain)?) } else { None };
         let (n, steps) = match &pairs {
             Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
-            None => {
-                let n = counts(reading, "sweep.n", &written.n)?;
-                (n, counts(reading, "sweep.steps", &written.steps)?)
-            }
+            None => (counts(reading, "sweep.n")?, counts(reading, "sweep.steps")?),
         };
         for (index, &n) in n.iter().enumerate().filter(|_| pairs.is_none()) {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
-        let reference = match &written.reference {
-            Some(_) if domain.mesh != MeshFamily::Structured => {
+        let reference = match reading.has("sweep.reference") {
+            true if domain.mesh != MeshFamily::Structured => {
                 let message = "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
                 let hint = "use the structured mesh, or an exact solution";
                 return Err(reading.error("sweep.reference", message, hint));
             }
-            Some(reference) => Some(Reference::validate(reading, reference, domain, &n, &steps)?),
-            None => None,
+            true => Some(Reference::validate(reading, domain, &n, &steps)?),
+            false => None,
         };
-        let norms = written.norms.as_ref().map(|words| norms(reading, words, has_contact));
-        let norms = norms.transpose()?;
-        Ok(Some(Sweep { n, steps, pairs, reference, norms, by_state: written.by_state }))
+        let norm = |index| Norm::validate(reading, &format!("sweep.norms.{index}"), has_contact);
+        let norms: Vec<Norm> =
+            reading.entries("sweep.norms")?.map(norm).collect::<Result<_, _>>()?;
+        let norms = reading.has("sweep.norms").then_some(norms);
+        let by_state = reading.optional("sweep.by_state")?.unwrap_or(false);
+        Ok(Sweep { n, steps, pairs, reference, norms, by_state })
     }
 }
 
 impl Sweep {
     /// The sweep of an abstract scene: numbers of steps only.
-    pub(super) fn in_time(reading: &Reading, steps: &[i64]) -> Result<Sweep, SceneError> {
-        let steps = counts(reading, "sweep.steps", steps)?;
+    pub(super) fn in_time(reading: &Reading) -> Result<Sweep, SceneError> {
+        reading.keys("sweep", "steps")?;
         Ok(Sweep {
             n: Vec::new(),
-            steps,
+            steps: counts(reading, "sweep.steps")?,
             pairs: None,
             reference: None,
             norms: None,
@@ -89,14 +84,14 @@ impl Sweep {
 impl Reference {
     fn validate(
         reading: &Reading,
-        written: &written::Reference,
         domain: &Domain,
         n: &[usize],
         steps: &[usize],
     ) -> Result<Reference, SceneError> {
+        reading.keys("sweep.reference", "n steps")?;
         let reference = Reference {
-            n: reading.count("sweep.reference.n", written.n)?,
-            steps: step_count(reading, "sweep.reference.steps", written.steps)?,
+            n: reading.count("sweep.reference.n")?,
+            steps: step_count(reading, "sweep.reference.steps")?,
         };
         whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
         multiple(reading, "n", reference.n, n)?;
@@ -117,30 +112,26 @@ impl Reference {
 }
 
 /// The pairs [n, N] of a path: at least three, with increasing n and nondecreasing N.
-fn path(
-    reading: &Reading,
-    written: &written::Sweep,
-    pairs: &[Vec<i64>],
-    domain: &Domain,
-) -> Result<Vec<[usize; 2]>, SceneError> {
-    let key = |index: usize| format!("sweep.pairs.{index}");
-    if !written.n.is_empty() || !written.steps.is_empty() {
+fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneError> {
+    if reading.has("sweep.n") || reading.has("sweep.steps") {
         let hint = "keep pairs, or the lists n and steps of a grid";
         return Err(reading.error("sweep.pairs", "both pairs and a grid of n and steps", hint));
     }
     let mut path: Vec<[usize; 2]> = Vec::new();
-    for (index, pair) in pairs.iter().enumerate() {
-        let &[n, steps] = &pair[..] else {
-            let message = format!("{} numbers, a pair has two", pair.len());
-            return Err(reading.error(&key(index), message, "write [n, N]: [16, 8]"));
-        };
-        let n = reading.count(&format!("{}.0", key(index)), n)?;
-        let steps = step_count(reading, &format!("{}.1", key(index)), steps)?;
-        whole_cells(reading, &format!("{}.0", key(index)), n, domain)?;
+    for index in reading.entries("sweep.pairs")? {
+        let key = format!("sweep.pairs.{index}");
+        let (first, numbers) = (format!("{key}.0"), reading.entries(&key)?.len());
+        if numbers != 2 {
+            let message = format!("{numbers} numbers, a pair has two");
+            return Err(reading.error(&key, message, "write [n, N]: [16, 8]"));
+        }
+        let n = reading.count(&first)?;
+        let steps = step_count(reading, &format!("{key}.1"))?;
+        whole_cells(reading, &first, n, domain)?;
         if path.last().is_some_and(|&[last, before]| n <= last || steps < before) {
             let message = format!("[{n}, {steps}] does not refine the pair before it");
             let hint = "order the pairs from coarse to fine: n grows, N does not fall";
-            return Err(reading.error(&key(index), message, hint));
+            return Err(reading.error(&key, message, hint));
         }
         path.push([n, steps]);
     }
@@ -157,8 +148,8 @@ fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
     values
 }
 
-fn step_count(reading: &Reading, key: &str, value: i64) -> Result<usize, SceneError> {
-    match reading.count(key, value)? {
+fn step_count(reading: &Reading, key: &str) -> Result<usize, SceneError> {
+    match reading.count(key)? {
         count if count <= MOST_STEPS => Ok(count),
         count => {
             let message = format!("{count} time steps are more than {MOST_STEPS}");
@@ -167,16 +158,17 @@ fn step_count(reading: &Reading, key: &str, value: i64) -> Result<usize, SceneEr
     }
 }
 
-fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, SceneError> {
-    if written.is_empty() {
+fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
+    let entries = reading.entries(key)?;
+    if entries.is_empty() {
         return Err(reading.error(key, "the list is empty", "give at least one: [8, 16, 32]"));
     }
     let mut counts = Vec::new();
-    for (index, &value) in written.iter().enumerate() {
+    for index in entries {
         let item = format!("{key}.{index}");
         let count = match key {
-            "sweep.steps" => step_count(reading, &item, value)?,
-            _ => reading.count(&item, value)?,
+            "sweep.steps" => step_count(reading, &item)?,
+            _ => reading.count(&item)?,
         };
         if counts.contains(&count) {
             return Err(reading.error(
@@ -334,11 +326,4 @@ fn multiple(
             ))
         }
     }
-}
-
-fn norms(reading: &Reading, words: &[String], has_contact: bool) -> Result<Vec<Norm>, SceneError> {
-    let one = |(index, word): (usize, &String)| {
-        Norm::validate(reading, &format!("sweep.norms.{index}"), word, has_contact)
-    };
-    words.iter().enumerate().map(one).collect()
 }

@@ -2,7 +2,6 @@
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
-use super::written;
 use vhi::history::{
     self, CorrectedEnd, Gregory, GregoryOrder, Left, ProductIntegration, Trapezoid,
 };
@@ -85,14 +84,14 @@ impl TimeRule {
         matches!(self, Self::Gregory { .. })
     }
 
-    /// Its name in scene files.
-    fn kind(self) -> &'static str {
+    /// Its name and its keys in scene files.
+    fn kind(self) -> (&'static str, &'static str) {
         match self {
-            Self::Trapezoid => "trapezoid",
-            Self::Left => "left",
-            Self::Gregory { .. } => "gregory",
-            Self::CorrectedEnd { .. } => "corrected-end",
-            Self::ProductIntegration => "product-integration",
+            Self::Trapezoid => ("trapezoid", ""),
+            Self::Left => ("left", ""),
+            Self::Gregory { .. } => ("gregory", "order"),
+            Self::CorrectedEnd { .. } => ("corrected-end", "exponent"),
+            Self::ProductIntegration => ("product-integration", ""),
         }
     }
 
@@ -130,24 +129,18 @@ impl TimeRule {
 }
 
 impl TimeRule {
-    fn validate(reading: &Reading, written: &written::Rule) -> Result<TimeRule, SceneError> {
-        let (key, written) = match written {
-            written::Rule::Plain(written::RuleName(kind)) => (
-                "time.rule",
-                &written::RuleTable { kind: kind.clone(), exponent: None, order: None },
-            ),
-            written::Rule::Table(table) => ("time.rule.kind", table),
+    /// `rule = "left"`, or `rule = { kind = "gregory", order = 4 }`.
+    fn validate(reading: &Reading) -> Result<TimeRule, SceneError> {
+        let mut kinds = Self::EVERY.map(Self::kind).to_vec();
+        kinds.dedup();
+        let mut rules = Self::EVERY.map(|rule| (rule.kind().0, rule)).to_vec();
+        rules.dedup_by_key(|(kind, _)| *kind);
+        let rule = match reading.has_parts("time.rule") {
+            true => reading.named("time.rule.kind", reading.kind("time.rule", &kinds)?, &rules)?,
+            false => reading.choice("time.rule", &rules)?,
         };
-        let mut kinds = Self::EVERY.map(|rule| (rule.kind(), rule)).to_vec();
-        kinds.dedup_by_key(|(kind, _)| *kind);
-        let rule = reading.choice(key, &written.kind, &kinds)?;
-        let keys: [(_, _, &[_]); 2] = [
-            ("exponent", written.exponent.is_some(), &["corrected-end"]),
-            ("order", written.order.is_some(), &["gregory"]),
-        ];
-        reading.only("time.rule", rule.kind(), &keys)?;
         Ok(match rule {
-            TimeRule::Gregory { .. } => match written.order {
+            TimeRule::Gregory { .. } => match reading.optional::<i64>("time.rule.order")? {
                 None | Some(3) => TimeRule::Gregory { order: 3 },
                 Some(4) => TimeRule::Gregory { order: 4 },
                 Some(order) => {
@@ -161,8 +154,7 @@ impl TimeRule {
             },
             TimeRule::CorrectedEnd { .. } => {
                 let key = "time.rule.exponent";
-                let line = "exponent = 0.5";
-                let exponent = reading.needed(key, written.exponent, &written.kind, line)?;
+                let exponent: f64 = reading.required(key)?;
                 if !(exponent > 0.0 && exponent < 1.0) {
                     let message = format!("exponent = {exponent} is not between 0 and 1");
                     let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
@@ -176,12 +168,12 @@ impl TimeRule {
 }
 
 impl Time {
-    pub(super) fn validate(reading: &Reading, written: &written::Time) -> Result<Time, SceneError> {
-        let horizon = reading.positive("time.horizon", written.horizon)?;
-        let grid = written.grid.as_ref().map(|grid| TimeGrid::validate(reading, grid));
-        let grid = grid.transpose()?.unwrap_or(TimeGrid::Uniform);
-        let rule = written.rule.as_ref().map(|rule| TimeRule::validate(reading, rule));
-        let rule = rule.transpose()?.unwrap_or(TimeRule::Trapezoid);
+    pub(super) fn validate(reading: &mut Reading) -> Result<Time, SceneError> {
+        reading.keys("time", "horizon grid rule")?;
+        let horizon = reading.positive("time.horizon")?;
+        let grid = reading.if_given("time.grid", |reading, _| TimeGrid::validate(reading))?;
+        let rule = reading.if_given("time.rule", |reading, _| TimeRule::validate(reading))?;
+        let (grid, rule) = (grid.unwrap_or(TimeGrid::Uniform), rule.unwrap_or(TimeRule::Trapezoid));
         if rule.needs_equal_steps() && grid != TimeGrid::Uniform {
             let message = "the rule of Gregory is for equal steps: its corrections are differences";
             let hint = "leave the grid out, or take the rule \"trapezoid\"";
@@ -192,31 +184,19 @@ impl Time {
 }
 
 impl TimeGrid {
-    fn validate(reading: &Reading, written: &written::Grid) -> Result<TimeGrid, SceneError> {
-        let kind =
-            reading.word("time.grid.kind", &written.kind, &["uniform", "graded", "random"])?;
-        let (exponent, seed) = ("time.grid.exponent", "time.grid.seed");
-        let keys: [(_, _, &[_]); 2] = [
-            ("exponent", written.exponent.is_some(), &["graded"]),
-            ("seed", written.seed.is_some(), &["random"]),
-        ];
-        reading.only("time.grid", kind, &keys)?;
-        match kind {
+    fn validate(reading: &Reading) -> Result<TimeGrid, SceneError> {
+        let kinds = [("uniform", ""), ("graded", "exponent"), ("random", "seed")];
+        match reading.kind("time.grid", &kinds)? {
             "uniform" => Ok(TimeGrid::Uniform),
-            "graded" => {
-                let line = "exponent = 2.0";
-                graded(reading, reading.needed(exponent, written.exponent, kind, line)?)
-            }
-            _ => {
-                let given = reading.needed(seed, written.seed, kind, "seed = 1")?;
-                Ok(TimeGrid::Random { seed: reading.seed(seed, given)? })
-            }
+            "graded" => graded(reading),
+            _ => Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed")? }),
         }
     }
 }
 
-fn graded(reading: &Reading, exponent: f64) -> Result<TimeGrid, SceneError> {
-    if reading.finite("time.grid.exponent", exponent)? >= 1.0 {
+fn graded(reading: &Reading) -> Result<TimeGrid, SceneError> {
+    let exponent = reading.finite("time.grid.exponent")?;
+    if exponent >= 1.0 {
         return Ok(TimeGrid::Graded { exponent });
     }
     let message = format!("exponent = {exponent} is below 1: the largest steps would lie at t = 0");

@@ -3,14 +3,12 @@
 use std::ops::Range;
 use std::path::Path;
 
-use serde::Deserialize;
-use toml::de::{DeTable, Deserializer};
+use toml::de::DeTable;
 
 use fem::space::Element;
 use formula::Graph;
 
 use super::abstract_scene::AbstractScene;
-use super::abstract_written::AbstractFile;
 use super::contact::Contact;
 use super::data::Data;
 use super::definitions::parameters;
@@ -26,7 +24,7 @@ use super::source::Source;
 use super::spans::Spans;
 use super::sweep::{Sweep, serves, states_are_known};
 use super::time::Time;
-use super::{wording, written};
+use super::wording;
 
 /// A scene that satisfies everything that can be checked without a mesh or a solve.
 #[derive(Debug, Clone)]
@@ -98,22 +96,52 @@ impl Scene {
         if is_blank(&source.text) {
             return Err(SceneError::Empty { path: source.path });
         }
-        let table = DeTable::parse(&source.text).map_err(|e| wording::syntax(&source, &e))?;
-        let spans = Spans::of(table.get_ref());
-        let kind = SceneKind::validate(&Reading::new(&source, &spans), kind_of(table.get_ref()))?;
-        match kind {
-            SceneKind::Contact => {
-                let file: written::File = structured(table, &source, &spans)?;
-                let source = with_mesh(source, &spans, &file.domain)?;
-                let content = |reading: &mut Reading, m| contact(reading, &file, m);
-                validated(kind, &file.scene, source, spans, content)
-            }
-            SceneKind::Abstract => {
-                let file: AbstractFile = structured(table, &source, &spans)?;
-                let content = |reading: &mut Reading, m| abstract_problem(reading, &file, m);
-                validated(kind, &file.scene, source, spans, content)
-            }
+        let text = source.text.clone();
+        let table = DeTable::parse(&text).map_err(|error| wording::syntax(&source, &error))?;
+        let table = table.get_ref();
+        let spans = Spans::of(table);
+        let source = with_mesh(source, &spans, table)?;
+        let mut reading = Reading::new(&source, &spans, table);
+        let kind = SceneKind::validate(&reading)?;
+        reading.keys("", kind.parts())?;
+        reading.keys("scene", heading::KEYS)?;
+        let name = heading::name(&reading)?;
+        let question = reading.required("scene.question")?;
+        let dimension = heading::dimension(&reading, kind)?;
+        let judge = reading.optional("scene.judge")?.unwrap_or(true);
+        let expect = heading::expectation(&reading)?;
+        let long = reading.optional("scene.long")?.unwrap_or(false);
+        let window_n = reading.window("scene.window_n")?;
+        let window_steps = reading.window("scene.window_steps")?;
+        reading.violates = heading::violates(&reading)?;
+        let Content { time, body, predicts, sweep } = match kind {
+            SceneKind::Contact => contact(&mut reading, dimension, judge)?,
+            SceneKind::Abstract => abstract_problem(&mut reading, dimension)?,
+        };
+        if judge && predicts.is_empty() {
+            let message = "the scene is judged and predicts nothing: there is no order to judge";
+            let hint = "add [[predicts]] with norm, variable, order and why, or say judge = false in [scene]";
+            return Err(reading.error("scene.judge", message, hint));
         }
+        let Reading { violates, formulas, .. } = reading;
+        Ok(Scene {
+            name,
+            question,
+            dimension,
+            judge,
+            expect,
+            long,
+            window_n,
+            window_steps,
+            violates,
+            source,
+            spans,
+            time,
+            body,
+            predicts,
+            sweep,
+            formulas,
+        })
     }
 
     /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would contain it.
@@ -137,57 +165,6 @@ fn is_blank(text: &str) -> bool {
     text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
 }
 
-/// scene.kind, if it is a string.
-fn kind_of<'t>(table: &'t DeTable<'_>) -> Option<&'t str> {
-    table.get("scene")?.get_ref().get("kind")?.get_ref().as_str()
-}
-
-fn structured<'t, F: Deserialize<'t>>(
-    table: toml::Spanned<DeTable<'t>>,
-    source: &Source,
-    spans: &Spans,
-) -> Result<F, SceneError> {
-    F::deserialize(Deserializer::from(table))
-        .map_err(|error| wording::structure(source, spans, &error))
-}
-
-/// The scene of a file of either kind, of which `content` reads all but the heading.
-fn validated(
-    kind: SceneKind,
-    written: &written::Heading,
-    source: Source,
-    spans: Spans,
-    content: impl FnOnce(&mut Reading, usize) -> Result<Content, SceneError>,
-) -> Result<Scene, SceneError> {
-    let mut reading = Reading::new(&source, &spans);
-    let name = heading::name(&reading, &written.name)?;
-    let dimension = heading::dimension(&reading, written.dimension, kind)?;
-    let expect = heading::expectation(&reading, written.expect.as_deref())?;
-    let window_n = reading.window("scene.window_n", written.window_n.as_ref())?;
-    let window_steps = reading.window("scene.window_steps", written.window_steps.as_ref())?;
-    reading.violates = heading::violates(&reading, &written.violates)?;
-    let Content { time, body, predicts, sweep } = content(&mut reading, dimension)?;
-    let Reading { violates, formulas, .. } = reading;
-    Ok(Scene {
-        name,
-        question: written.question.clone(),
-        dimension,
-        judge: written.judge,
-        expect,
-        long: written.long,
-        window_n,
-        window_steps,
-        violates,
-        source,
-        spans,
-        time,
-        body,
-        predicts,
-        sweep,
-        formulas,
-    })
-}
-
 /// The parts of a scene besides its heading.
 struct Content {
     time: Time,
@@ -196,78 +173,44 @@ struct Content {
     sweep: Option<Sweep>,
 }
 
-fn contact(
-    reading: &mut Reading,
-    file: &written::File,
-    dimension: usize,
-) -> Result<Content, SceneError> {
-    let domain = Domain::validate(reading, &file.domain, dimension)?;
-    let time = Time::validate(reading, &file.time)?;
-    let material = Material::validate(reading, &file.material, time.horizon, &domain)?;
+fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content, SceneError> {
+    let domain = Domain::validate(reading, dimension)?;
+    let time = Time::validate(reading)?;
+    let material = Material::validate(reading, time.horizon, &domain)?;
     needs_product_integration(reading, &time, material.singular_key())?;
-    if let Some(exact) = &file.exact {
-        reading.parameters = parameters(reading, &exact.parameters)?;
-    }
-    let contact = Contact::validate(reading, file.contact.as_ref(), &domain, &time)?;
-    let data = Data::validate(reading, file, &domain, &time, contact.as_ref())?;
-    let predicts = predictions(reading, &file.predicts, contact.is_some())?;
-    let sweep = Sweep::validate(reading, file.sweep.as_ref(), &domain, contact.is_some())?;
+    reading.parameters = parameters(reading)?;
+    let contact = Contact::validate(reading, &domain, &time)?;
+    let data = Data::validate(reading, &domain, &time, contact.as_ref())?;
+    let predicts = predictions(reading, contact.is_some())?;
+    let sweep = reading
+        .if_given("sweep", |reading, _| Sweep::validate(reading, &domain, contact.is_some()))?;
     serves(reading, sweep.as_ref(), &predicts)?;
     let known = matches!(data, Data::Exact { .. }) && contact.is_some() && dimension == 2;
     states_are_known(reading, known, sweep.as_ref(), &predicts)?;
-    has_truth(reading, file.scene.judge, &data, sweep.as_ref())?;
-    is_judged_by_something(reading, file.scene.judge, &predicts)?;
+    has_truth(reading, judge, &data, sweep.as_ref())?;
     let (contact_of, sweep_of) = (contact.as_ref(), sweep.as_ref());
     let parts = Parts { dimension, contact: contact_of, data: &data, sweep: sweep_of };
-    let element = element(reading, file.discretization.as_ref(), &parts)?;
+    let element = element(reading, &parts)?;
     let body = ContactScene { domain, material, contact, data, element };
     Ok(Content { time, body: Body::Contact(Box::new(body)), predicts, sweep })
 }
 
-fn abstract_problem(
-    reading: &mut Reading,
-    file: &AbstractFile,
-    dimension: usize,
-) -> Result<Content, SceneError> {
-    let time = Time::validate(reading, &file.time)?;
-    reading.parameters = parameters(reading, &file.exact.parameters)?;
-    let body = AbstractScene::validate(reading, file, dimension)?;
+fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content, SceneError> {
+    let time = Time::validate(reading)?;
+    reading.parameters = parameters(reading)?;
+    let body = AbstractScene::validate(reading, time.horizon, dimension)?;
     needs_product_integration(reading, &time, body.singular_key())?;
-    let predicts = predictions(reading, &file.predicts, false)?;
+    let predicts = predictions(reading, false)?;
     for (index, prediction) in predicts.iter().enumerate() {
         prediction.only_in_time(reading, index)?;
     }
-    let sweep = file.sweep.as_ref().map(|sweep| Sweep::in_time(reading, &sweep.steps));
-    let sweep = sweep.transpose()?;
-    is_judged_by_something(reading, file.scene.judge, &predicts)?;
+    let sweep = reading.if_given("sweep", |reading, _| Sweep::in_time(reading))?;
     Ok(Content { time, body: Body::Abstract(Box::new(body)), predicts, sweep })
 }
 
-fn predictions(
-    reading: &Reading,
-    written: &[written::Prediction],
-    has_contact: bool,
-) -> Result<Vec<Prediction>, SceneError> {
-    written
-        .iter()
-        .enumerate()
-        .map(|(index, one)| Prediction::validate(reading, index, one, has_contact))
-        .collect()
-}
-
-/// Refuses a judged scene without predictions, which could never fail.
-fn is_judged_by_something(
-    reading: &Reading,
-    judge: bool,
-    predicts: &[Prediction],
-) -> Result<(), SceneError> {
-    if !judge || !predicts.is_empty() {
-        return Ok(());
-    }
-    let message = "the scene is judged and predicts nothing: there is no order to judge";
-    let hint =
-        "add [[predicts]] with norm, variable, order and why, or say judge = false in [scene]";
-    Err(reading.error("scene.judge", message, hint))
+fn predictions(reading: &Reading, has_contact: bool) -> Result<Vec<Prediction>, SceneError> {
+    let one = |index| Prediction::validate(reading, index, has_contact);
+    reading.entries("predicts")?.map(one).collect()
 }
 
 /// A scene without an exact solution needs a reference run, unless it is neither judged nor swept.

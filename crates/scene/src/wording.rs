@@ -1,12 +1,11 @@
 //! Errors of the TOML reader, in the words of a scene.
 
-use std::ops::Range;
-
 use super::diagnostic::SceneError;
 use super::examples::example;
 use super::nearest::nearest;
+use super::reading::Reading;
 use super::source::Source;
-use super::spans::Spans;
+use super::spans::{Spans, join};
 
 /// Types in the words of the TOML reader and of a scene.
 const TYPES: [(&str, &str); 11] = [
@@ -41,63 +40,48 @@ pub(super) fn syntax(source: &Source, error: &toml::de::Error) -> SceneError {
     SceneError::at(source, span, message, hint)
 }
 
-/// The text is TOML, but not a scene.
-pub(super) fn structure(source: &Source, spans: &Spans, error: &toml::de::Error) -> SceneError {
-    let span = error.span().unwrap_or_default();
-    let message = error.message();
-    let quoted = in_backticks(message);
-    if message.starts_with("unknown field")
-        && let Some((key, known)) = quoted.split_first()
-    {
-        return unknown_key(source, spans, span, key, known);
-    }
-    if message.starts_with("missing field")
-        && let Some(key) = quoted.first()
-    {
-        return missing_key(source, spans, span, key);
-    }
-    wrong_type(source, spans, span, message)
-}
-
-fn unknown_key(
-    source: &Source,
-    spans: &Spans,
-    span: Range<usize>,
-    key: &str,
-    known: &[&str],
-) -> SceneError {
-    let part = spans
-        .name_of_key_at(span.start)
-        .and_then(|name| name.rsplit_once('.'))
-        .map(|(part, _)| part);
-    let message = match part {
-        Some(part) => format!("unknown key `{key}` in {}", heading(part)),
-        None => format!("unknown part [{key}]"),
+/// A key that its table does not have; `table` is empty for a part of the file.
+pub(super) fn unknown_key(reading: &Reading, table: &str, key: &str, known: &str) -> SceneError {
+    let message = match table {
+        "" => format!("unknown part [{key}]"),
+        _ => format!("unknown key `{key}` in {}", heading(table)),
     };
-    let list = known.join(", ");
-    let hint = match nearest(key, known.iter().copied()) {
-        Some(meant) => format!("did you mean `{meant}`? known here: {list}"),
-        None => format!("known here: {list}"),
+    let hint = match nearest(key, known.split(", ")) {
+        Some(meant) => format!("did you mean `{meant}`? known here: {known}"),
+        None => format!("known here: {known}"),
     };
-    SceneError::at(source, span, message, hint)
+    reading.key_error(&join(table, key), message, hint)
 }
 
-fn missing_key(source: &Source, spans: &Spans, span: Range<usize>, key: &str) -> SceneError {
-    match spans.name_at(&span) {
-        Some(part) => {
-            let hint = example(&format!("{part}.{key}"))
-                .map_or_else(|| format!("add `{key} = …`"), |line| format!("for instance: {line}"));
-            SceneError::at(source, span, format!("{} lacks the key `{key}`", heading(part)), hint)
-        }
-        None => {
-            let end = source.text.trim_end().len();
-            let hint = example(key).unwrap_or("add it");
-            SceneError::at(source, end..end, format!("the part [{key}] is missing"), hint)
-        }
+/// A key that must be there.
+pub(super) fn missing_key(reading: &Reading, key: &str) -> SceneError {
+    let part = key.split('.').next().unwrap_or(key);
+    if !reading.has(part) {
+        let end = reading.source.text.trim_end().len();
+        let hint = example(part).unwrap_or("add it");
+        let message = format!("the part [{part}] is missing");
+        return SceneError::at(reading.source, end..end, message, hint);
     }
+    let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let hint = example(key)
+        .map_or_else(|| format!("add `{name} = …`"), |line| format!("for instance: {line}"));
+    // `scene.kind` decides which parts a file has, not which keys [scene] has.
+    let words = [join(table, "kind"), join(table, "shape"), table.to_string()];
+    let mut words = words.iter().filter(|word| *word != "scene.kind");
+    let kind = words.find_map(|word| Some((word, reading.optional::<String>(word).ok()??)));
+    let message = match kind {
+        Some((word, kind)) if word == "domain.shape" => {
+            format!("shape `{kind}` needs the key `{name}`")
+        }
+        Some((_, kind)) => format!("kind `{kind}` needs the key `{name}`"),
+        None => format!("{} lacks the key `{name}`", heading(table)),
+    };
+    reading.error(table, message, hint)
 }
 
-fn wrong_type(source: &Source, spans: &Spans, span: Range<usize>, message: &str) -> SceneError {
+/// A value of another type than that of its key.
+pub(super) fn wrong_type(source: &Source, spans: &Spans, error: &toml::de::Error) -> SceneError {
+    let (span, message) = (error.span().unwrap_or_default(), error.message());
     let name = spans.name_at(&span);
     let hint = name.and_then(example).map_or_else(
         || "numbers stand bare, formulas and names in quotes".to_string(),
@@ -117,9 +101,6 @@ fn wrong_type(source: &Source, spans: &Spans, span: Range<usize>, message: &str)
 }
 
 fn plain_type(name: &str) -> String {
-    if name.starts_with("struct ") {
-        return "a table".to_string();
-    }
     let name = name.trim_end_matches(" as i128");
     let renamed = TYPES
         .iter()
@@ -133,9 +114,4 @@ pub(super) fn heading(part: &str) -> String {
         Some((list, index)) if index.parse::<usize>().is_ok() => format!("[[{list}]]"),
         _ => format!("[{part}]"),
     }
-}
-
-/// The parts of a message between backticks.
-fn in_backticks(message: &str) -> Vec<&str> {
-    message.split('`').skip(1).step_by(2).collect()
 }

@@ -4,55 +4,34 @@ use super::polygon::point;
 use super::{Domain, Shape};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
-use crate::written;
 use fem::mesh::{CoarseMesh, Family as MeshFamily, vertex_at};
 
 /// Larger exponents give cells at the corner below rounding.
 const STEEPEST: f64 = 8.0;
 
-pub(super) fn family(
-    reading: &Reading,
-    written: Option<&written::Mesh>,
-    domain: &Domain,
-) -> Result<MeshFamily, SceneError> {
-    let Some(mesh) = written else {
+const KINDS: [(&str, &str); 3] =
+    [("structured", ""), ("perturbed", "amplitude seed axes"), ("graded", "corner exponent")];
+
+pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> {
+    if !reading.has("domain.mesh") {
         return Ok(MeshFamily::Structured);
-    };
-    let kind = &*mesh.kind;
-    reading.word("domain.mesh.kind", kind, &["structured", "perturbed", "graded"])?;
-    let (moved, gathered): (&[&str], &[&str]) = (&["perturbed"], &["graded"]);
-    reading.only(
-        "domain.mesh",
-        kind,
-        &[
-            ("amplitude", mesh.amplitude.is_some(), moved),
-            ("seed", mesh.seed.is_some(), moved),
-            ("axes", mesh.axes.is_some(), moved),
-            ("corner", mesh.corner.is_some(), gathered),
-            ("exponent", mesh.exponent.is_some(), gathered),
-        ],
-    )?;
+    }
+    let kind = reading.kind("domain.mesh", &KINDS)?;
     if kind != "structured" && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_))) {
-        let message =
-            format!("meshes of kind `{}` are not made of tetrahedra from a file", mesh.kind);
+        let message = format!("meshes of kind `{kind}` are not made of tetrahedra from a file");
         let hint =
             "leave `mesh` away: the file says where the vertices are, and refinement keeps them";
         return Err(reading.error("domain.mesh.kind", message, hint));
     }
     match kind {
         "structured" => Ok(MeshFamily::Structured),
-        "perturbed" => perturbed(reading, mesh, domain.dimension()),
-        _ => graded(reading, mesh, domain),
+        "perturbed" => perturbed(reading, domain.dimension()),
+        _ => graded(reading, domain),
     }
 }
 
-fn perturbed(
-    reading: &Reading,
-    mesh: &written::Mesh,
-    dimension: usize,
-) -> Result<MeshFamily, SceneError> {
-    let amplitude =
-        reading.needed("domain.mesh.amplitude", mesh.amplitude, &mesh.kind, "amplitude = 0.2")?;
+fn perturbed(reading: &Reading, dimension: usize) -> Result<MeshFamily, SceneError> {
+    let amplitude: f64 = reading.required("domain.mesh.amplitude")?;
     if !(0.0..0.25).contains(&amplitude) {
         let message = format!("amplitude = {amplitude} is outside [0, 0.25)");
         return Err(reading.error(
@@ -61,37 +40,25 @@ fn perturbed(
             "it is a part of the mesh width; from 0.25 on a triangle may turn over",
         ));
     }
-    let seed = reading.needed("domain.mesh.seed", mesh.seed, &mesh.kind, "seed = 1")?;
-    let seed = reading.seed("domain.mesh.seed", seed)?;
-    let axes = axes(reading, mesh.axes.as_deref(), dimension)?;
+    let seed = reading.seed("domain.mesh.seed")?;
+    let axes = axes(reading, dimension)?;
     Ok(MeshFamily::Perturbed { amplitude, seed, axes })
 }
 
 /// The axes along which vertices move: by default all.
-fn axes(
-    reading: &Reading,
-    words: Option<&[String]>,
-    dimension: usize,
-) -> Result<[bool; 3], SceneError> {
-    let Some(words) = words else { return Ok([true; 3]) };
+fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3], SceneError> {
     let known = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
-    let mut moved = [false; 3];
-    for (index, word) in words.iter().enumerate() {
-        moved[reading.choice(&format!("domain.mesh.axes.{index}"), word, known)?] = true;
+    let mut moved = [!reading.has("domain.mesh.axes"); 3];
+    for index in reading.entries("domain.mesh.axes")? {
+        moved[reading.choice(&format!("domain.mesh.axes.{index}"), known)?] = true;
     }
     Ok(moved)
 }
 
-fn graded(
-    reading: &Reading,
-    mesh: &written::Mesh,
-    domain: &Domain,
-) -> Result<MeshFamily, SceneError> {
+fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> {
     let key = "domain.mesh.corner";
-    let corner = reading.needed(key, mesh.corner.as_deref(), &mesh.kind, "corner = [0.0, 0.0]")?;
-    let corner = point(reading, key, corner)?;
-    let exponent =
-        reading.needed("domain.mesh.exponent", mesh.exponent, &mesh.kind, "exponent = 2.0")?;
+    let corner = point(reading, key)?;
+    let exponent: f64 = reading.required("domain.mesh.exponent")?;
     if !(1.0..=STEEPEST).contains(&exponent) {
         let message = format!("exponent = {exponent} is outside [1, {STEEPEST}]");
         let hint = "1 leaves the mesh as it is; for u ~ r^s at the corner 1/s or a little more restores order 1";

@@ -7,9 +7,9 @@ use crate::diagnostic::SceneError;
 use crate::reading::Reading;
 use crate::source::Source;
 use crate::spans::Spans;
-use crate::written;
 use fem::mesh::{CoarseMesh, read_gmsh};
 use files::read_file_up_to;
+use toml::de::DeTable;
 
 /// Largest mesh file, 64 MiB; a coarse mesh has a few thousand cells.
 const LARGEST_FILE: u64 = 64 << 20;
@@ -18,16 +18,14 @@ const LARGEST_FILE: u64 = 64 << 20;
 pub(crate) fn with_mesh(
     source: Source,
     spans: &Spans,
-    domain: &written::Domain,
+    table: &DeTable<'_>,
 ) -> Result<Source, SceneError> {
-    let Some(file) = domain.file.as_ref().filter(|_| domain.shape == "mesh") else {
+    let word = |key| table.get("domain")?.get_ref().get(key)?.get_ref().as_str();
+    let (Some("mesh"), Some(file), None) = (word("shape"), word("file"), &source.mesh) else {
         return Ok(source);
     };
-    if source.mesh.is_some() {
-        return Ok(source);
-    }
     let path = path_of(&source, file);
-    let inside = source.beside.iter().find(|(name, _)| name == file);
+    let inside = source.beside.iter().find(|(name, _)| *name == file);
     match inside.map_or_else(|| text(&path), |(_, text)| Ok((*text).to_owned())) {
         Ok(mesh) => Ok(source.with_mesh(mesh)),
         Err(reason) => {
@@ -43,12 +41,8 @@ fn path_of(source: &Source, file: &str) -> PathBuf {
     source.path.parent().unwrap_or(Path::new("")).join(file)
 }
 
-pub(super) fn mesh_file(
-    reading: &Reading,
-    file: &str,
-    dimension: usize,
-) -> Result<CoarseMesh, SceneError> {
-    let path = path_of(reading.source, file);
+pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMesh, SceneError> {
+    let path = path_of(reading.source, &reading.required::<String>("domain.file")?);
     let text = reading.source.mesh.as_deref().unwrap_or_default();
     let mesh = read_gmsh(text).map_err(|error| {
         let message = format!("the mesh file, {error}");

@@ -2,34 +2,29 @@
 
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
-use crate::written;
+use serde::de::IgnoredAny;
+
 use fem::mesh::{BoundaryEdge, Coarse, PolygonError, WHOLE, triangulate};
 
-pub(super) fn polygon(
-    reading: &Reading,
-    written: &written::Domain,
-    boundary: &[Vec<f64>],
-) -> Result<Coarse, SceneError> {
-    let boundary = &places(reading, "domain.vertices", boundary)?[..];
+pub(super) fn polygon(reading: &Reading) -> Result<Coarse, SceneError> {
+    let _: IgnoredAny = reading.required("domain.vertices")?;
+    let boundary = &places(reading, "domain.vertices")?[..];
     measurable(reading, boundary)?;
     let triangles = triangulate(boundary).map_err(|error| refused(reading, &error))?;
     let mut vertices = boundary.to_vec();
-    let triangles = match &written.triangles {
-        None => match &written.points {
-            None => triangles,
-            Some(_) => {
-                let message = "`points` are vertices of `triangles`, and there are none";
-                let hint = "add triangles = [[i, j, k], ...], numbered from 0, first the vertices, then the points";
-                return Err(reading.key_error("domain.points", message, hint));
-            }
-        },
-        Some(triangles) => {
-            let inner = written.points.as_deref().unwrap_or_default();
-            vertices.extend(places(reading, "domain.points", inner)?);
-            numbered(reading, triangles, vertices.len())?
+    let triangles = match (reading.has("domain.triangles"), reading.has("domain.points")) {
+        (false, false) => triangles,
+        (false, true) => {
+            let message = "`points` are vertices of `triangles`, and there are none";
+            let hint = "add triangles = [[i, j, k], ...], numbered from 0, first the vertices, then the points";
+            return Err(reading.key_error("domain.points", message, hint));
+        }
+        (true, _) => {
+            vertices.extend(places(reading, "domain.points")?);
+            numbered(reading, vertices.len())?
         }
     };
-    let (sides, of_edge) = names(reading, written.sides.as_deref(), boundary.len())?;
+    let (sides, of_edge) = names(reading, boundary.len())?;
     let next = |i: usize| ((i + 1) % boundary.len()) as u32;
     let edge = |(i, side): (usize, u32)| BoundaryEdge { ends: [i as u32, next(i)], side };
     let coarse = Coarse {
@@ -66,29 +61,22 @@ fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError
     Err(reading.error("domain.vertices", message, hint))
 }
 
-fn places(reading: &Reading, key: &str, written: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
-    written
-        .iter()
-        .enumerate()
-        .map(|(i, place)| point(reading, &format!("{key}.{i}"), place))
-        .collect()
+fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>, SceneError> {
+    reading.entries(key)?.map(|i| point(reading, &format!("{key}.{i}"))).collect()
 }
 
 /// A point of the plane: two finite numbers.
-pub(super) fn point(reading: &Reading, key: &str, place: &[f64]) -> Result<[f64; 2], SceneError> {
-    let &[x, y] = place else {
-        let message = format!("{} numbers, a point of the plane has two", place.len());
+pub(super) fn point(reading: &Reading, key: &str) -> Result<[f64; 2], SceneError> {
+    let numbers: Vec<f64> = reading.required(key)?;
+    if numbers.len() != 2 {
+        let message = format!("{} numbers, a point of the plane has two", numbers.len());
         return Err(reading.error(key, message, "write [x, y]"));
-    };
-    Ok([reading.finite(&format!("{key}.0"), x)?, reading.finite(&format!("{key}.1"), y)?])
+    }
+    Ok([reading.finite(&format!("{key}.0"))?, reading.finite(&format!("{key}.1"))?])
 }
 
 /// Triangles of the file, with checked vertex numbers.
-fn numbered(
-    reading: &Reading,
-    written: &[Vec<i64>],
-    count: usize,
-) -> Result<Vec<[u32; 3]>, SceneError> {
+fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
     let one = |(t, triangle): (usize, &Vec<i64>)| {
         if triangle.len() != 3 {
             let message = format!("{} numbers, a triangle has three vertices", triangle.len());
@@ -113,19 +101,13 @@ fn numbered(
         }
         Ok(triangle_vertices)
     };
-    written.iter().enumerate().map(one).collect()
+    reading.required::<Vec<Vec<i64>>>("domain.triangles")?.iter().enumerate().map(one).collect()
 }
 
 /// Names of the sides in order of appearance, and the side of each edge.
-fn names(
-    reading: &Reading,
-    written: Option<&[String]>,
-    count: usize,
-) -> Result<(Vec<String>, Vec<u32>), SceneError> {
-    let names: Vec<String> = match written {
-        Some(names) => names.to_vec(),
-        None => (1..=count).map(|i| format!("s{i}")).collect(),
-    };
+fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>), SceneError> {
+    let names: Option<Vec<String>> = reading.optional("domain.sides")?;
+    let names = names.unwrap_or_else(|| (1..=count).map(|i| format!("s{i}")).collect());
     if names.len() != count {
         let message = format!("{} names for {count} edges", names.len());
         let hint = "give one name per edge; edge i goes from vertex i to the next, and several may share a name";

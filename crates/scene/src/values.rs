@@ -1,0 +1,148 @@
+//! Values of a scene file by dotted name: `contact.law.stiffness`, `predicts.0.order`.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::Range;
+
+use serde::de::{DeserializeOwned, IgnoredAny, Visitor};
+use serde::{Deserialize, Deserializer};
+use toml::Spanned;
+use toml::de::{DeValue, ValueDeserializer};
+
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::spans::join;
+use super::wording::{missing_key, unknown_key, wrong_type};
+
+impl Reading<'_> {
+    /// Whether the file has the key.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.at(key).is_some()
+    }
+
+    /// Whether the value at a key is a table or a list, in place of a text or a number.
+    pub(super) fn has_parts(&self, key: &str) -> bool {
+        self.at(key)
+            .is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_)))
+    }
+
+    /// The value at a key, if there is one.
+    ///
+    /// # Errors
+    /// A value of another type.
+    pub(super) fn optional<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>, SceneError> {
+        let read = |value: &Spanned<DeValue<'_>>| {
+            T::deserialize(ValueDeserializer::from(value.clone()))
+                .map_err(|error| wrong_type(self.source, self.spans, &error))
+        };
+        self.at(key).map(read).transpose()
+    }
+
+    /// The value of a key that must be there.
+    ///
+    /// # Errors
+    /// No value, or one of another type.
+    pub(super) fn required<T: DeserializeOwned>(&self, key: &str) -> Result<T, SceneError> {
+        self.optional(key)?.ok_or_else(|| missing_key(self, key))
+    }
+
+    /// The numbers of the entries of a list; none without the key.
+    pub(super) fn entries(&self, key: &str) -> Result<Range<usize>, SceneError> {
+        let list: Vec<IgnoredAny> = self.optional(key)?.unwrap_or_default();
+        Ok(0..list.len())
+    }
+
+    /// Refuses keys of a table, if it is there, other than the known ones; spaces separate them.
+    pub(super) fn keys(&self, table: &str, known: &str) -> Result<(), SceneError> {
+        let given: BTreeMap<String, IgnoredAny> = match table {
+            "" => self.table.keys().map(|key| (key.to_string(), IgnoredAny)).collect(),
+            _ => self.optional(table)?.unwrap_or_default(),
+        };
+        match given.keys().find(|key| !known.split(' ').any(|name| name == *key)) {
+            Some(key) => Err(unknown_key(self, table, key, &known.replace(' ', ", "))),
+            None => Ok(()),
+        }
+    }
+
+    /// The kind of a table, one of those known. Each comes with its keys, separated by spaces; keys of other kinds are
+    /// refused.
+    pub(super) fn kind<'k>(
+        &self,
+        table: &str,
+        kinds: &[(&'k str, &str)],
+    ) -> Result<&'k str, SceneError> {
+        let mut all = vec!["kind"];
+        for key in kinds.iter().flat_map(|(_, keys)| keys.split_whitespace()) {
+            if !all.contains(&key) {
+                all.push(key);
+            }
+        }
+        self.keys(table, &all.join(" "))?;
+        let known: Vec<_> = kinds.iter().map(|(kind, _)| (*kind, *kind)).collect();
+        let kind = self.choice(&join(table, "kind"), &known)?;
+        self.only(table, ("kind", kind), kinds)?;
+        Ok(kind)
+    }
+
+    /// Refuses keys of a table that other kinds have, and this one has not.
+    pub(super) fn only(
+        &self,
+        table: &str,
+        (word, kind): (&str, &str),
+        kinds: &[(&str, &str)],
+    ) -> Result<(), SceneError> {
+        let has = |keys: &str, key: &str| keys.split(' ').any(|known| known == key);
+        let own = |key: &str| kinds.iter().any(|(name, keys)| *name == kind && has(keys, key));
+        for (owner, keys) in kinds {
+            let mut given = keys.split_whitespace().filter(|key| self.has(&join(table, key)));
+            if let Some(key) = given.find(|key| !own(key)) {
+                let hint = format!("remove `{key}`, or write {word} = \"{owner}\"");
+                let message = format!("{word} `{kind}` takes no `{key}`");
+                return Err(self.key_error(&join(table, key), message, hint));
+            }
+        }
+        Ok(())
+    }
+
+    fn at(&self, key: &str) -> Option<&Spanned<DeValue<'_>>> {
+        let mut parts = key.split('.');
+        let first = self.table.get(parts.next()?)?;
+        parts.try_fold(first, |value, part| match value.get_ref() {
+            DeValue::Table(table) => table.get(part),
+            DeValue::Array(list) => list.get(part.parse::<usize>().ok()?),
+            _ => None,
+        })
+    }
+}
+
+/// A formula as text; a bare TOML number is a formula too.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Formula(pub String);
+
+impl<'de> Deserialize<'de> for Formula {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Formula, D::Error> {
+        deserializer.deserialize_any(FormulaVisitor)
+    }
+}
+
+struct FormulaVisitor;
+
+impl Visitor<'_> for FormulaVisitor {
+    type Value = Formula;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a formula in quotes or a number")
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Formula, E> {
+        Ok(Formula(text.to_string()))
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Formula, E> {
+        Ok(Formula(value.to_string()))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Formula, E> {
+        Ok(Formula(value.to_string()))
+    }
+}
