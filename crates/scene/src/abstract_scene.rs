@@ -64,13 +64,13 @@ pub struct AbstractScene {
 /// Limit of unknowns, since matrices are dense.
 pub(super) const MOST: i64 = 256;
 
-/// The parts with their keys; the first is needed where the part is there.
-const PARTS: [(&str, &str); 5] = [
+/// Parts with the key that each needs if it is there.
+const NEEDED: [(&str, &str); 5] = [
     ("space", "inner_product"),
-    ("operator", "matrix nonlinear"),
+    ("operator", "matrix"),
     ("phi", "force"),
-    ("history", "kernels R a_S"),
-    ("exact", "u multiplier selection parameters define"),
+    ("history", "kernels"),
+    ("exact", "u"),
 ];
 
 impl AbstractScene {
@@ -79,11 +79,8 @@ impl AbstractScene {
         horizon: f64,
         m: usize,
     ) -> Result<Self, SceneError> {
-        for (part, keys) in PARTS {
-            reading.keys(part, keys)?;
-            if let Some(first) = keys.split(' ').next().filter(|_| reading.has(part)) {
-                reading.required::<IgnoredAny>(&join(part, first))?;
-            }
+        for (part, key) in NEEDED.iter().filter(|(part, _)| reading.has(part)) {
+            reading.required::<IgnoredAny>(&join(part, key))?;
         }
         let inner_product = square_or_identity(reading, "space.inner_product", m)?;
         symmetric(reading, "space.inner_product", &inner_product)?;
@@ -145,7 +142,6 @@ fn kernels(
     let mut kernels = Vec::new();
     for l in reading.entries("history.kernels")? {
         let key = format!("history.kernels.{l}");
-        reading.keys(&key, "q singular matrix")?;
         let q = reading.formula(&join(&key, "q"), &scope)?;
         let matrix = square_or_identity(reading, &join(&key, "matrix"), m)?;
         finite_at_the_end(reading, &join(&key, "q"), q, horizon)?;
@@ -158,7 +154,6 @@ fn kernels(
 impl AbstractTrace {
     fn validate(reading: &mut Reading, index: usize, m: usize) -> Result<Self, SceneError> {
         let table = format!("trace.{index}");
-        reading.keys(&table, "functional weight law upper lower")?;
         let key = |name: &str| join(&table, name);
         let functional = vector(reading, &key("functional"), m)?;
         if functional.iter().all(|a| *a == 0.0) {

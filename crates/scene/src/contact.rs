@@ -55,7 +55,6 @@ impl Contact {
     }
 
     fn parts(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Contact, SceneError> {
-        reading.keys("contact", "gap shift law quadrature friction")?;
         let gap = reading.if_given("contact.gap", |reading, key| gap(reading, key, domain))?;
         let shift = reading
             .if_given("contact.shift", |reading, key| finite_on_contact(reading, key, domain))?;

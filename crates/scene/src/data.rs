@@ -82,8 +82,6 @@ fn exact_solution(
     dimension: usize,
     contact: Option<&Contact>,
 ) -> Result<Data, SceneError> {
-    let known = "u multiplier selection friction interpolated form parameters define";
-    reading.keys("exact", known)?;
     let has = |part: fn(&Contact) -> bool| contact.is_some_and(part);
     let needs = [
         (
@@ -143,7 +141,6 @@ fn friction(
 }
 
 fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Data, SceneError> {
-    reading.keys("loads", "body traction")?;
     let dimension = domain.dimension();
     let scope = reading.space_and_time(dimension);
     let body = reading.vector("loads.body", dimension, &scope)?;

@@ -25,7 +25,6 @@ pub(super) const KEY: &str = "discretization.element";
 /// # Errors
 /// An unknown element, or one incompatible with a part of the scene.
 pub(super) fn element(reading: &Reading, parts: &Parts<'_>) -> Result<Element, SceneError> {
-    reading.keys("discretization", "element")?;
     let known = Element::ALL.map(|known| (known.name(), known));
     let element = reading.choice_or(KEY, &known, Element::P1)?;
     match refusal(element, parts) {

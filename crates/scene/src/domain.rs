@@ -8,6 +8,7 @@ mod polygon;
 mod shape;
 mod side;
 
+pub(super) use family::MESHES;
 pub(super) use mesh_file::with_mesh;
 pub use side::{Face, Side};
 

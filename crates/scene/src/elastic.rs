@@ -7,6 +7,10 @@ use super::reading::Reading;
 use super::spans::join;
 use super::wording::heading;
 
+/// Kinds of the table `elasticity` with their keys.
+pub(super) const TENSORS: [(&str, &str); 2] =
+    [("full", "mandel"), ("orthotropic", "normal coupling shear")];
+
 /// Exactly one of the pairs (lambda, mu_L) and (E, nu), or the table `elasticity`, in `[material]` or a region.
 pub(super) fn elastic(
     reading: &Reading,
@@ -79,8 +83,7 @@ fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder, SceneError> {
 /// `{ kind = "full", mandel = [[…], …] }`, or `{ kind = "orthotropic", normal = […], coupling = […], shear = […] }`
 /// with 𝒜_iiii, 𝒜_iijj and 𝒜_ijij along the axes, pairs in the order 12 in the plane and 23, 13, 12 in space.
 fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, SceneError> {
-    let kinds = [("full", "mandel"), ("orthotropic", "normal coupling shear")];
-    let (matrix, place) = if reading.kind(key, &kinds)? == "full" {
+    let (matrix, place) = if reading.kind(key, &TENSORS)? == "full" {
         let place = join(key, "mandel");
         (mandel(reading, &place, dimension * (dimension + 1) / 2)?, place)
     } else {

@@ -22,7 +22,8 @@ const TIMES: u32 = 32;
 const SAME_PLACE: f64 = 1e-9;
 
 const BOUND: &str = "contact.friction.bound";
-const KINDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
+/// Kinds of a bound with their keys.
+pub(super) const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
 
 /// Friction on Γ3.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,11 +38,10 @@ impl Friction {
         time: &Time,
         normal: (Option<&Law>, ContactQuadrature),
     ) -> Result<Self, SceneError> {
-        reading.keys("contact.friction", "bound")?;
         one_tangent_a_vertex(reading, domain)?;
         let bound = match reading.has_parts(BOUND) {
             false => given(reading, domain, time)?,
-            true => match reading.kind(BOUND, &KINDS)? {
+            true => match reading.kind(BOUND, &BOUNDS)? {
                 "coulomb" => FrictionBound::Coulomb(coulomb(reading, normal)?),
                 _ => FrictionBound::Slip(slip(reading)?),
             },

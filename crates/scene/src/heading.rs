@@ -64,21 +64,7 @@ impl SceneKind {
         let known = [("contact", SceneKind::Contact), ("abstract", SceneKind::Abstract)];
         reading.choice_or("scene.kind", &known, SceneKind::Contact)
     }
-
-    /// The parts of its files.
-    pub(crate) fn parts(self) -> &'static str {
-        match self {
-            Self::Contact => {
-                "scene domain time material contact discretization loads exact sweep predicts"
-            }
-            Self::Abstract => "scene time space operator history phi trace exact sweep predicts",
-        }
-    }
 }
-
-/// The keys of `[scene]`.
-pub(super) const KEYS: &str =
-    "name question kind dimension judge expect long window_n window_steps violates";
 
 /// Longest name of a scene, in bytes: file systems allow 255, and pictures and unfinished files add some 30, as in
 /// `NAME-trade-memory.svg.4194304.partial`.

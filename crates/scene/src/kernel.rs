@@ -8,7 +8,7 @@ use super::values::Formula;
 /// `{ kind = "exponential", amplitude = a, time = τ }`: a exp(-t/τ); `{ kind = "prony", terms = [[a_1, τ_1], …] }`: Σ
 /// a_i exp(-t/τ_i); `{ kind = "power", amplitude = a, time = τ, exponent = p }`: a (1 + t/τ)^{-p}, which is smooth on
 /// [0, T].
-const KINDS: [(&str, &str); 3] =
+pub(super) const KERNELS: [(&str, &str); 3] =
     [("exponential", "amplitude time"), ("prony", "terms"), ("power", "amplitude time exponent")];
 
 /// The formula of a kernel, given directly or by a table.
@@ -16,7 +16,7 @@ pub(super) fn formula_of(reading: &Reading, key: &str) -> Result<Formula, SceneE
     if !reading.has_parts(key) {
         return reading.required(key);
     }
-    let kind = reading.kind(key, &KINDS)?;
+    let kind = reading.kind(key, &KERNELS)?;
     if kind == "prony" {
         return prony(reading, &join(key, "terms"));
     }

@@ -9,7 +9,7 @@ use exact::LawNumbers;
 use vhi::law::Curve;
 
 /// The kinds of law with their keys; docs/CONTACT-LAWS.md explains them.
-const KINDS: [(&str, &str); 6] = [
+pub(super) const LAWS: [(&str, &str); 6] = [
     ("none", ""),
     ("linear", "stiffness scale"),
     ("piecewise-linear", "points slope_before slope_after scale"),
@@ -34,7 +34,7 @@ pub struct Law {
 
 impl Law {
     pub(super) fn validate(reading: &Reading, table: &str) -> Result<Option<Law>, SceneError> {
-        let curve = match reading.kind(table, &KINDS)? {
+        let curve = match reading.kind(table, &LAWS)? {
             "none" => return Ok(None),
             "linear" => {
                 let stiffness = reading.finite(&join(table, "stiffness"))?;

@@ -22,6 +22,7 @@ mod friction;
 mod gap;
 mod heading;
 mod kernel;
+mod keys;
 mod law;
 mod material;
 mod memory;

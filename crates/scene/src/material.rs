@@ -40,7 +40,6 @@ impl Material {
         horizon: f64,
         domain: &Domain,
     ) -> Result<Material, SceneError> {
-        reading.keys("material", "lambda mu_L E nu elasticity memory projection region")?;
         let elastic = elastic(reading, "material", domain.dimension())?;
         let base = memory::parts(reading, None, horizon, domain.dimension())?.unwrap_or_default();
         let (mut regions, mut parts) = (Vec::new(), Vec::new());
@@ -93,7 +92,6 @@ impl Region {
         domain: &Domain,
     ) -> Result<Region, SceneError> {
         let table = format!("material.region.{index}");
-        reading.keys(&table, "name where physical lambda mu_L E nu elasticity memory")?;
         let key = join(&table, "name");
         let name: String = reading.required(&key)?;
         if name.trim().is_empty() {

@@ -60,7 +60,6 @@ pub(super) fn parts(
     if !reading.has(key) {
         return Ok(None);
     }
-    reading.keys(key, "kernel lambda mu bulk shear singular")?;
     let power = (singular::exponent(reading, key)?, region);
     let has = |name: &str| reading.has(&join(key, name));
     let apart = has("bulk") || has("shear");

@@ -144,8 +144,6 @@ impl Prediction {
         has_contact: bool,
     ) -> Result<Prediction, SceneError> {
         let table = format!("predicts.{index}");
-        let known = "norm variable order order_k at_least exact constant constant_within constant_why why window_n window_steps";
-        reading.keys(&table, known)?;
         let key = |name: &str| join(&table, name);
         let flag = |name: &str| reading.optional::<bool>(&key(name));
         let known = [

@@ -25,7 +25,6 @@ pub struct Projection {
 
 impl Projection {
     pub(super) fn validate(reading: &mut Reading, horizon: f64) -> Result<Projection, SceneError> {
-        reading.keys("material.projection", "mu kappa")?;
         let key = "material.projection.kappa";
         let mu = reading.finite("material.projection.mu")?;
         if mu < 0.0 {

@@ -39,7 +39,6 @@ impl Sweep {
         domain: &Domain,
         has_contact: bool,
     ) -> Result<Sweep, SceneError> {
-        reading.keys("sweep", "n steps pairs reference norms by_state")?;
         let pairs = if reading.has("sweep.pairs") { Some(path(reading, domain)?) } else { None };
         let (n, steps) = match &pairs {
             Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
@@ -69,7 +68,6 @@ impl Sweep {
 impl Sweep {
     /// The sweep of an abstract scene: numbers of steps only.
     pub(super) fn in_time(reading: &Reading) -> Result<Sweep, SceneError> {
-        reading.keys("sweep", "steps")?;
         Ok(Sweep {
             n: Vec::new(),
             steps: counts(reading, "sweep.steps")?,
@@ -88,7 +86,6 @@ impl Reference {
         n: &[usize],
         steps: &[usize],
     ) -> Result<Reference, SceneError> {
-        reading.keys("sweep.reference", "n steps")?;
         let reference = Reference {
             n: reading.count("sweep.reference.n")?,
             steps: step_count(reading, "sweep.reference.steps")?,

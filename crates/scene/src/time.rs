@@ -95,6 +95,13 @@ impl TimeRule {
         }
     }
 
+    /// The kinds of rule with their keys.
+    pub(super) fn kinds() -> Vec<(&'static str, &'static str)> {
+        let mut kinds = Self::EVERY.map(Self::kind).to_vec();
+        kinds.dedup();
+        kinds
+    }
+
     /// Its name in output.
     pub fn name(self) -> &'static str {
         match self {
@@ -131,12 +138,14 @@ impl TimeRule {
 impl TimeRule {
     /// `rule = "left"`, or `rule = { kind = "gregory", order = 4 }`.
     fn validate(reading: &Reading) -> Result<TimeRule, SceneError> {
-        let mut kinds = Self::EVERY.map(Self::kind).to_vec();
-        kinds.dedup();
         let mut rules = Self::EVERY.map(|rule| (rule.kind().0, rule)).to_vec();
         rules.dedup_by_key(|(kind, _)| *kind);
         let rule = match reading.has_parts("time.rule") {
-            true => reading.named("time.rule.kind", reading.kind("time.rule", &kinds)?, &rules)?,
+            true => reading.named(
+                "time.rule.kind",
+                reading.kind("time.rule", &Self::kinds())?,
+                &rules,
+            )?,
             false => reading.choice("time.rule", &rules)?,
         };
         Ok(match rule {
@@ -169,7 +178,6 @@ impl TimeRule {
 
 impl Time {
     pub(super) fn validate(reading: &mut Reading) -> Result<Time, SceneError> {
-        reading.keys("time", "horizon grid rule")?;
         let horizon = reading.positive("time.horizon")?;
         let grid = reading.if_given("time.grid", |reading, _| TimeGrid::validate(reading))?;
         let rule = reading.if_given("time.rule", |reading, _| TimeRule::validate(reading))?;
@@ -183,10 +191,13 @@ impl Time {
     }
 }
 
+/// The kinds of grid with their keys.
+pub(super) const GRIDS: [(&str, &str); 3] =
+    [("uniform", ""), ("graded", "exponent"), ("random", "seed")];
+
 impl TimeGrid {
     fn validate(reading: &Reading) -> Result<TimeGrid, SceneError> {
-        let kinds = [("uniform", ""), ("graded", "exponent"), ("random", "seed")];
-        match reading.kind("time.grid", &kinds)? {
+        match reading.kind("time.grid", &GRIDS)? {
             "uniform" => Ok(TimeGrid::Uniform),
             "graded" => graded(reading),
             _ => Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed")? }),

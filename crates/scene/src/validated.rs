@@ -16,6 +16,7 @@ use super::diagnostic::SceneError;
 use super::discretization::{Parts, element};
 use super::domain::{Domain, with_mesh};
 use super::heading::{self, Expectation, Hypothesis, SceneKind};
+use super::keys;
 use super::material::Material;
 use super::prediction::Prediction;
 use super::reading::Reading;
@@ -103,8 +104,7 @@ impl Scene {
         let source = with_mesh(source, &spans, table)?;
         let mut reading = Reading::new(&source, &spans, table);
         let kind = SceneKind::validate(&reading)?;
-        reading.keys("", kind.parts())?;
-        reading.keys("scene", heading::KEYS)?;
+        keys::refuse_unknown(&reading, kind)?;
         let name = heading::name(&reading)?;
         let question = reading.required("scene.question")?;
         let dimension = heading::dimension(&reading, kind)?;

@@ -10,6 +10,7 @@ use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
 use super::diagnostic::SceneError;
+use super::keys::of_any;
 use super::reading::Reading;
 use super::spans::join;
 use super::wording::{missing_key, unknown_key, wrong_type};
@@ -66,18 +67,12 @@ impl Reading<'_> {
 
     /// The kind of a table, one of those known. Each comes with its keys, separated by spaces; keys of other kinds are
     /// refused.
-    pub(super) fn kind<'k>(
+    pub(super) fn kind(
         &self,
         table: &str,
-        kinds: &[(&'k str, &str)],
-    ) -> Result<&'k str, SceneError> {
-        let mut all = vec!["kind"];
-        for key in kinds.iter().flat_map(|(_, keys)| keys.split_whitespace()) {
-            if !all.contains(&key) {
-                all.push(key);
-            }
-        }
-        self.keys(table, &all.join(" "))?;
+        kinds: &[(&'static str, &'static str)],
+    ) -> Result<&'static str, SceneError> {
+        self.keys(table, &of_any(kinds))?;
         let known: Vec<_> = kinds.iter().map(|(kind, _)| (*kind, *kind)).collect();
         let kind = self.choice(&join(table, "kind"), &known)?;
         self.only(table, ("kind", kind), kinds)?;

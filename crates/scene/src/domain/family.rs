@@ -9,14 +9,15 @@ use fem::mesh::{CoarseMesh, Family as MeshFamily, vertex_at};
 /// Larger exponents give cells at the corner below rounding.
 const STEEPEST: f64 = 8.0;
 
-const KINDS: [(&str, &str); 3] =
+/// The kinds of mesh with their keys.
+pub(crate) const MESHES: [(&str, &str); 3] =
     [("structured", ""), ("perturbed", "amplitude seed axes"), ("graded", "corner exponent")];
 
 pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> {
     if !reading.has("domain.mesh") {
         return Ok(MeshFamily::Structured);
     }
-    let kind = reading.kind("domain.mesh", &KINDS)?;
+    let kind = reading.kind("domain.mesh", &MESHES)?;
     if kind != "structured" && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_))) {
         let message = format!("meshes of kind `{kind}` are not made of tetrahedra from a file");
         let hint =

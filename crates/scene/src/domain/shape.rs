@@ -17,8 +17,6 @@ const SHAPES: [(&str, &str); 4] = [
 ];
 
 pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts, SceneError> {
-    let keys = "shape size vertices sides points triangles file clamped traction contact mesh";
-    reading.keys("domain", keys)?;
     let known: &[(&str, &str)] = match dimension {
         3 => &[("box", "box"), ("mesh", "mesh")],
         _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],
