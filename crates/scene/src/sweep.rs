@@ -1,5 +1,7 @@
 //! `[sweep]`: the grid of cases, and the finer reference run.
 
+use serde::de::IgnoredAny;
+
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Shape};
 use super::prediction::{Direction, Norm, Prediction};
@@ -156,7 +158,7 @@ fn step_count(reading: &Reading, key: &str) -> Result<usize, SceneError> {
 }
 
 fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
-    let entries = reading.entries(key)?;
+    let entries = 0..reading.required::<Vec<IgnoredAny>>(key)?.len();
     if entries.is_empty() {
         return Err(reading.error(key, "the list is empty", "give at least one: [8, 16, 32]"));
     }
