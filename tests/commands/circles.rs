@@ -67,7 +67,7 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
         "scene",
         "validated",
-        34,
+        35,
         "each part of a scene is read with the errors and the source of the whole",
     ),
     ("scene", "setup", 12, "a setup is admitted and measured by functions of a setup"),

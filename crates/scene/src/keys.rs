@@ -10,11 +10,10 @@ use super::kernel::KERNELS;
 use super::law::LAWS;
 use super::reading::Reading;
 use super::time::{GRIDS, TimeRule};
+use super::values::{Kinds, of_any};
 
 /// Tables with their keys; `*` is each entry of a list.
 type Tables = &'static [(&'static str, &'static str)];
-/// The kinds of a table with their keys.
-type Kinds<'a> = &'a [(&'static str, &'static str)];
 
 const OF_ALL: Tables = &[
     ("scene", "name question kind dimension judge expect long window_n window_steps violates"),
@@ -91,17 +90,6 @@ pub(super) fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<(), S
         }
     }
     Ok(())
-}
-
-/// The keys that a table of some kind may have.
-pub(super) fn of_any(kinds: Kinds) -> String {
-    let mut all = vec!["kind"];
-    for key in kinds.iter().flat_map(|(_, keys)| keys.split_whitespace()) {
-        if !all.contains(&key) {
-            all.push(key);
-        }
-    }
-    all.join(" ")
 }
 
 fn tables(reading: &Reading, name: &str) -> Result<Vec<String>, SceneError> {

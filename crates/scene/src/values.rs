@@ -10,7 +10,6 @@ use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
 use super::diagnostic::SceneError;
-use super::keys::of_any;
 use super::reading::Reading;
 use super::spans::join;
 use super::wording::{missing_key, unknown_key, wrong_type};
@@ -67,11 +66,7 @@ impl Reading<'_> {
 
     /// The kind of a table, one of those known. Each comes with its keys, separated by spaces; keys of other kinds are
     /// refused.
-    pub(super) fn kind(
-        &self,
-        table: &str,
-        kinds: &[(&'static str, &'static str)],
-    ) -> Result<&'static str, SceneError> {
+    pub(super) fn kind(&self, table: &str, kinds: Kinds) -> Result<&'static str, SceneError> {
         self.keys(table, &of_any(kinds))?;
         let known: Vec<_> = kinds.iter().map(|(kind, _)| (*kind, *kind)).collect();
         let kind = self.choice(&join(table, "kind"), &known)?;
@@ -108,6 +103,20 @@ impl Reading<'_> {
             _ => None,
         })
     }
+}
+
+/// The kinds of a table with their keys.
+pub(super) type Kinds<'a> = &'a [(&'static str, &'static str)];
+
+/// The keys that a table of some kind may have.
+pub(super) fn of_any(kinds: Kinds) -> String {
+    let mut all = vec!["kind"];
+    for key in kinds.iter().flat_map(|(_, keys)| keys.split_whitespace()) {
+        if !all.contains(&key) {
+            all.push(key);
+        }
+    }
+    all.join(" ")
 }
 
 /// A formula as text; a bare TOML number is a formula too.
