@@ -199,7 +199,7 @@ pub fn plan_for(
     scene.predicts.retain(|prediction| tells(prediction.norm));
     let refused = |scene: &Scene, what, hint| Err(scene.error("scene.name", what, hint).into());
     if scene.as_contact().is_none() {
-        let what = "an abstract scene has no mesh that could be given to a solver";
+        let what = "an abstract scene, in R^m, has no mesh that could be given to a solver";
         let hint = "verify a scene of a body; the library's traits take solvers of both kinds";
         return refused(&scene, what, hint);
     }
