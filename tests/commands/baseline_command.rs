@@ -1,6 +1,6 @@
 //! Source: the contract of `sweep baseline` and of its comparison by `sweep gate`.
 //! Goal: a repeated run is green; a deviating error, a lost case and a changed scene are not, in every output.
-//! Data: affine and steady; the shipped baseline is read, complete and of the shipped scenes.
+//! Data: affine and affine-locked; the shipped baseline is read, complete and of the shipped scenes.
 
 use crate::program::{Folder, code, stderr, stdout, sweep};
 use crate::shipped::edited;
@@ -11,7 +11,7 @@ use scene::Registry;
 /// A recorded baseline of two scenes, as text.
 fn recorded(folder: &Folder) -> (String, String) {
     let (file, out) = (folder.argument("baseline.json"), folder.argument("out"));
-    let output = sweep(&["baseline", "affine", "steady", "--file", &file, "--out", &out]);
+    let output = sweep(&["baseline", "affine", "affine-locked", "--file", &file, "--out", &out]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let printed = stdout(&output);
     assert!(
@@ -25,7 +25,7 @@ fn recorded(folder: &Folder) -> (String, String) {
 fn gate(folder: &Folder, file: &str, more: &[&str]) -> (i32, String) {
     let out = folder.argument("out");
     let (junit, document) = (folder.argument("junit.xml"), folder.argument("verdict.json"));
-    let mut words = vec!["gate", "affine", "steady", "--baseline", file, "--out", &out];
+    let mut words = vec!["gate", "affine", "affine-locked", "--baseline", file, "--out", &out];
     words.extend(["--junit", &junit, "--json", &document]);
     words.extend(more);
     let output = sweep(&words);

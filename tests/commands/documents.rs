@@ -68,7 +68,8 @@ fn unprinted(readme: &str, printed: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_readme_shows_what_the_main_job_prints() {
+#[ignore = "a third of the main job: make test-long"]
+fn long_the_readme_shows_what_the_main_job_prints() {
     let readme = read("README.md");
     let folder = Folder::new("readme-rows");
     let out = folder.argument("out");

@@ -96,7 +96,7 @@ fn absent_terms_cost_nothing() {
 /// more than a recursion, are found.
 #[test]
 fn a_term_that_is_paid_for_in_vain_is_found() {
-    let mut setups = bodies().into_iter();
+    let mut setups = bodies();
     let bare = |s: &Setup| s.body.material.memory.is_empty() && s.model.boundary.is_none();
     let mut setup = setups.find(bare).expect("a scene without memory and contact");
     let data = on_a_mesh(&setup);
@@ -180,7 +180,6 @@ fn what_is_not_remembered_is_not_summed() {
         (without, recursive) =
             (without + usize::from(terms == 0), recursive + usize::from(terms > 0));
         // What is summed is counted: a recursion that sums would be seen. In a plan on Γ3 its past is summed as well.
-        let setup = Setup::new(setup.scene).unwrap_or_else(|error| panic!("{error}"));
         let mut setup = setup.with_history(None);
         let sums = terms * levels * (levels - 1) / 2;
         assert!(weights(&mut setup, &data) >= terms * levels + sums, "{name}");

@@ -254,6 +254,8 @@ fn wrong_constants_are_caught() {
     for (line, name, change) in cases {
         let found = under(name, change);
         assert!(found.contains(&line), "{line} on {name}: {found:?}");
+    }
+    for name in ["pure-mild", "viscoelastic", "affine", "pure-concave-gap"] {
         assert_eq!(under(name, |_| ()), Vec::<&str>::new(), "{name}");
     }
 }

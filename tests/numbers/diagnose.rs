@@ -418,7 +418,8 @@ fn long_a_sound_solver_is_not_accused_on_any_scene() {
 
 /// The verdicts of the scene decide whether there is something to diagnose; the sentence says what removal restores.
 #[test]
-fn the_sentence_names_what_removal_restores() {
+#[ignore = "sweeps in space: make test-long"]
+fn long_the_sentence_names_what_removal_restores() {
     let scene = shipped_scene("in-space");
     let no_end = |s| with_kernel(s, |b, lag| if lag == 0.0 { 0.0 } else { b.value(lag) });
     let found = diagnose(&scene, &no_end, false).unwrap_or_else(|error| panic!("{error}"));

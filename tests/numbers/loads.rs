@@ -218,7 +218,7 @@ fn truths_apart(a: &dyn Truth, b: &dyn Truth, [t, s]: [f64; 2]) -> f64 {
 fn integrated() -> impl Iterator<Item = (Setup, Arc<Exact>, Arc<Discretization>)> {
     let interpolated =
         |setup: &Setup| matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    bodies().into_iter().filter(move |setup| !interpolated(setup)).filter_map(|setup| {
+    bodies().filter(move |setup| !interpolated(setup)).filter_map(|setup| {
         let exact = setup.exact.clone()?;
         let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
         let space = setup.space(n.unwrap_or(4) as u32).unwrap_or_else(|error| panic!("{error}"));

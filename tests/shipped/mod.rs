@@ -40,13 +40,14 @@ pub fn setup(name: &str) -> Setup {
     setup_of(text(name))
 }
 
-/// All shipped scenes of a body that can be set up.
-pub fn bodies() -> Vec<Setup> {
+/// All shipped scenes of a body that can be set up, one after the other: a setup takes some ten milliseconds.
+pub fn bodies() -> impl Iterator<Item = Setup> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
     let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
-    let scene = |name| registry.load(name).unwrap_or_else(|error| panic!("{error}"));
-    let contact = registry.names().map(scene).filter(|s| matches!(s.body, Body::Contact(_)));
-    contact.filter_map(|scene| Setup::new(scene).ok()).collect()
+    let names: Vec<String> = registry.names().map(str::to_owned).collect();
+    let scene = move |name: String| registry.load(&name).unwrap_or_else(|error| panic!("{error}"));
+    let contact = names.into_iter().map(scene).filter(|s| matches!(s.body, Body::Contact(_)));
+    contact.filter_map(|scene| Setup::new(scene).ok())
 }
 
 /// `setup` on a small mesh.

@@ -74,7 +74,7 @@ pub fn by_all_ways(mut setup: Setup, off: f64) -> [Option<Run>; 3] {
 #[ignore = "seconds for each scene: make test-long"]
 fn long_all_sums_over_the_past_have_the_same_solution() {
     let (mut recursive, mut interpolated, mut direct_alone) = (0, 0, Vec::new());
-    for setup in bodies().into_iter().filter(|setup| !setup.model.memory.is_empty()) {
+    for setup in bodies().filter(|setup| !setup.model.memory.is_empty()) {
         let name = setup.scene.name.clone();
         let [recursion, fast, direct] = by_all_ways(setup, 0.0);
         let direct = direct.expect("direct sums apply to all scenes");

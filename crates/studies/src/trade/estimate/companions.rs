@@ -19,6 +19,7 @@ use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError};
 
 /// What the companions of a run show.
+#[derive(Clone)]
 pub struct Companions {
     /// The run itself at t = T.
     pub state: FinalState,
