@@ -6,7 +6,7 @@
 
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
 use algebra::linalg::{FactorError, dot, signed_unit};
-use fem::contact::{CaseError, TraceMass, trace_constant};
+use fem::contact::{CaseError, TraceMass, TracePart, trace_constants};
 use nalgebra::DMatrix;
 use scene::setup::{MeshData, Setup, TruthLoad, constants, step_bounds};
 use studies::theory::bound::branch::Branch;
@@ -280,15 +280,24 @@ fn dense(space: &fem::contact::Discretization, tensor: &TensorField, lumped: boo
     both.symmetric_eigen().eigenvalues.max()
 }
 
+fn normal_constant(space: &fem::contact::Discretization, tensor: &TensorField, mass: TraceMass) -> f64 {
+    let [found] = trace_constants(space, tensor, [(TracePart::Normal, mass)]).expect("a constant");
+    found.value
+}
+
+/// Together with the tangential ones by one factor, each is what it is alone.
 #[test]
 fn trace_constants_agree_with_a_dense_eigenproblem() {
     let setup = setup("punch");
     let space = setup.space(4).expect("a mesh");
     for tensor in [TensorField::identity(), setup.model.elasticity.clone()] {
         for (mass, lumped) in [(TraceMass::Consistent, false), (TraceMass::Lumped, true)] {
-            let found = trace_constant(&space, &tensor, mass).expect("an eigenvalue").value;
+            let found = normal_constant(&space, &tensor, mass);
             let exact = dense(&space, &tensor, lumped);
             assert!((found / exact - 1.0).abs() < 1e-12, "{found} {exact}");
+            let squares = [(TracePart::Tangential, mass), (TracePart::Normal, mass)];
+            let [tangential, normal] = trace_constants(&space, &tensor, squares).expect("two");
+            assert!(normal.value == found && tangential.value > 1.5 * found, "{tangential:?}");
         }
     }
 }
@@ -302,9 +311,9 @@ fn c_j_is_its_proved_bound() {
     for n in [3, 8, 16] {
         let space = setup.space(n).expect("a mesh");
         for mass in [TraceMass::Consistent, TraceMass::Lumped] {
-            let value = trace_constant(&space, &strain, mass).expect("an eigenvalue").value;
+            let value = normal_constant(&space, &strain, mass);
             assert!((value - 1.0).abs() < 1e-11, "n = {n}: {value}");
-            let energy = trace_constant(&space, &setup.model.elasticity, mass).expect("one").value;
+            let energy = normal_constant(&space, &setup.model.elasticity, mass);
             assert!(energy > 1.0 / 3.0 && energy < 0.5, "n = {n}: {energy}");
         }
     }
@@ -318,7 +327,7 @@ fn c_j_is_its_proved_bound() {
 fn a_falling_law_loses_uniqueness_at_the_energy_constant() {
     let space = setup("punch").space(N).expect("a mesh");
     let elastic = setup("punch").model.elasticity;
-    let energy = trace_constant(&space, &elastic, TraceMass::Lumped).expect("an eigenvalue").value;
+    let energy = normal_constant(&space, &elastic, TraceMass::Lumped);
     let definite = |share: f64| {
         let alpha = share / energy;
         let law = format!("law = {{ kind = \"linear\", stiffness = -{alpha} }}");

@@ -10,13 +10,13 @@ use std::sync::Arc;
 use crate::shipped::{edited, fixture, on_mesh, run, setup, setup_of, text, v_max};
 use algebra::linalg::signed_unit;
 use fem::contact::{
-    Evolution, Friction, StepView, TraceMass, kkt_residual, tangential_trace_constant,
+    Evolution, Friction, StepView, TraceMass, TracePart, kkt_residual, trace_constants,
 };
 use scene::setup::{Setup, TruthLoad, constants};
 use scene::{Scene, Source};
 use studies::diagnose::diagnose;
 use studies::theory::audit::SceneAudit;
-use vhi::law::PiecewiseLinear;
+use vhi::law::{PiecewiseLinear, TensorField};
 use vhi::{Decomposition, HistoryInequality, StepInequality};
 
 const NS: [u32; 3] = [8, 16, 32];
@@ -267,8 +267,10 @@ fn the_tangential_trace_constant_is_large() {
     let found = constants(&setup).expect("constants");
     assert!((found.c_tau_squared - 6.444).abs() < 0.005, "{}", found.c_tau_squared);
     for mass in [TraceMass::Consistent, TraceMass::Lumped] {
-        let value =
-            |n| tangential_trace_constant(&on_mesh(&setup, n).space, mass).expect("one").value;
+        let value = |n| {
+            let (space, square) = (on_mesh(&setup, n).space, (TracePart::Tangential, mass));
+            trace_constants(&space, &TensorField::identity(), [square]).expect("one")[0].value
+        };
         let [coarse, fine] = [8, 16].map(value);
         assert!((fine - 6.444).abs() < 0.3 * (coarse - 6.444).abs(), "{coarse} {fine}");
     }

@@ -8,10 +8,11 @@ use crate::shipped::{edited, on_mesh, run, setup, setup_of, text};
 use algebra::linalg::signed_unit;
 use exact::{Status, check};
 use fem::contact::{
-    Friction, StepView, TraceMass, kkt_residual, strain_norm, tangential_trace_constant,
+    Friction, StepView, TraceMass, TracePart, kkt_residual, strain_norm, trace_constants,
 };
 use scene::setup::{Setup, sides};
 use scene::{Scene, Source};
+use vhi::law::TensorField;
 
 /// A stress that is turned in the face, one that is a little beyond the ball, and one whose components are within S while
 /// their vector is not.
@@ -147,7 +148,8 @@ fn the_tangential_trace_constant_is_attained() {
         });
         squares.sum::<f64>() / strain_norm(&space, &v).powi(2)
     };
-    let found = tangential_trace_constant(&space, TraceMass::Lumped).expect("a constant");
+    let square = (TracePart::Tangential, TraceMass::Lumped);
+    let [found] = trace_constants(&space, &TensorField::identity(), [square]).expect("a constant");
     // The tolerance of the eigenvalue.
     let largest = quotient(&found.vector);
     assert!((largest - found.value).abs() < 1e-8 * largest, "{largest} {}", found.value);

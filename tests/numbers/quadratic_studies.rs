@@ -9,7 +9,9 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use fem::contact::{BoundaryRule, Discretization, MemoryTerm, TraceMass, march, trace_constant};
+use fem::contact::{
+    BoundaryRule, Discretization, MemoryTerm, TraceMass, TracePart, march, trace_constants,
+};
 use nalgebra::DMatrix;
 use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
@@ -140,7 +142,10 @@ fn trace_constants_are_those_of_quadratics() {
     // The mass matrix of functions that are linear between the nodes, which gives another constant.
     let linear = [[4.0, 0.0, 2.0], [0.0, 4.0, 2.0], [2.0, 2.0, 8.0]].map(|r| r.map(|m| m / 24.0));
     for tensor in [TensorField::identity(), setup.model.elasticity.clone()] {
-        let found = |mass| trace_constant(&space, &tensor, mass).expect("an eigenvalue").value;
+        let found = |mass| {
+            let square = (TracePart::Normal, mass);
+            trace_constants(&space, &tensor, [square]).expect("a constant")[0].value
+        };
         let off = |mass, on_edge| (found(mass) / dense(&space, &tensor, on_edge) - 1.0).abs();
         // Both to rounding, as for linear elements.
         assert!(off(TraceMass::Consistent, exact) < 1e-12);

@@ -21,7 +21,7 @@ pub trait LinearMap {
 }
 
 /// An eigenvalue with what is known of its accuracy.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Extreme {
     pub value: f64,
     /// An eigenvector of length 1 in the inner product.

@@ -64,5 +64,5 @@ pub use plan::{MULTIGRID_RATIO, Plan};
 pub use problem::ContactProblem;
 pub use stiffness::StiffnessInverse;
 pub use trace::{ContactTrace, TracePoint, facet_measure};
-pub use trace_constant::{TraceMass, tangential_trace_constant, trace_constant};
+pub use trace_constant::{TraceMass, TracePart, trace_constants};
 pub use work::Work;

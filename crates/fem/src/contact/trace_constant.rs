@@ -21,38 +21,34 @@ pub enum TraceMass {
     Lumped,
 }
 
-/// The largest quotient (a length, over a stress if 𝒞 is one), and the field that has it.
-///
-/// # Errors
-/// A stiffness matrix that cannot be factorized.
-pub fn trace_constant(
-    space: &Discretization,
-    tensor: &TensorField,
-    mass: TraceMass,
-) -> Result<Extreme, EigenError> {
-    largest_quotient(space, tensor, mass, Part::Normal)
-}
-
-/// sup ‖v_τ‖²/‖ε(v)‖² on a mesh, and the field that has it. Korn's inequality is in it, and with it a number that
-/// is much larger than that of v_ν.
-///
-/// # Errors
-/// A stiffness matrix that cannot be factorized.
-pub fn tangential_trace_constant(
-    space: &Discretization,
-    mass: TraceMass,
-) -> Result<Extreme, EigenError> {
-    // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
-    largest_quotient(space, &TensorField::identity(), mass, Part::Tangential)
-}
-
-#[derive(Clone, Copy)]
-enum Part {
+/// Which trace is squared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TracePart {
+    /// v_ν.
     Normal,
+    /// v_τ. Korn's inequality is in its constant, which is much larger than that of v_ν.
     Tangential,
 }
 
-impl Part {
+/// The largest quotients (lengths, over a stress if 𝒞 is one), each with the field that has it, by one factor of the
+/// stiffness matrix of `tensor`.
+///
+/// # Errors
+/// A stiffness matrix that cannot be factorized.
+pub fn trace_constants<const K: usize>(
+    space: &Discretization,
+    tensor: &TensorField,
+    squares: [(TracePart, TraceMass); K],
+) -> Result<[Extreme; K], EigenError> {
+    let mut stiffness = StiffnessInverse::passing(space, tensor)?;
+    let mut found = squares.map(|_| Extreme::default());
+    for (found, square) in found.iter_mut().zip(squares) {
+        *found = largest_quotient(space, &mut stiffness, square)?;
+    }
+    Ok(found)
+}
+
+impl TracePart {
     /// v_ν, or v_τ along the tangents.
     fn value(self, trace: &ContactTrace, i: usize, v: &[f64]) -> [f64; 2] {
         match self {
@@ -71,13 +67,11 @@ impl Part {
 
 fn largest_quotient(
     space: &Discretization,
-    tensor: &TensorField,
-    mass: TraceMass,
-    part: Part,
+    stiffness: &mut StiffnessInverse<'_>,
+    (part, mass): (TracePart, TraceMass),
 ) -> Result<Extreme, EigenError> {
-    let stiffness = StiffnessInverse::passing(space, tensor)?;
     let nodal = vec![0.0; space.nodes.len()];
-    let mut map = Quotient { space, stiffness, mass, part, nodal };
+    let mut map = Quotient { space, stiffness, part, mass, nodal };
     // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
     let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
     for (i, _) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
@@ -88,24 +82,24 @@ fn largest_quotient(
     let mut start = vec![0.0; space.dofs()];
     map.apply(&load[..space.dofs()], &mut start)?;
     if start.iter().all(|value| *value == 0.0) {
-        return Ok(Extreme { value: 0.0, vector: start, iterations: 0, residual: 0.0 });
+        return Ok(Extreme { vector: start, ..Extreme::default() });
     }
     largest_eigenvalue(&mut map, &start)
 }
 
 /// K⁻¹M in the inner product of K.
-struct Quotient<'a> {
+struct Quotient<'a, 'b> {
     space: &'a Discretization,
-    stiffness: StiffnessInverse<'a>,
+    stiffness: &'a mut StiffnessInverse<'b>,
+    part: TracePart,
     mass: TraceMass,
-    part: Part,
     nodal: Vec<f64>,
 }
 
-impl LinearMap for Quotient<'_> {
+impl LinearMap for Quotient<'_, '_> {
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
         self.nodal[..x.len()].copy_from_slice(x);
-        let mut force = trace_mass(self.space, (self.mass, self.part), &self.nodal);
+        let mut force = trace_mass(self.space, (self.part, self.mass), &self.nodal);
         force.truncate(out.len());
         out.copy_from_slice(&force);
         self.stiffness.solve(out);
@@ -118,7 +112,7 @@ impl LinearMap for Quotient<'_> {
 }
 
 /// M v over all nodes: ∫_{Γ3} v_ν φ_ν, or the same of the tangential part.
-fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]) -> Vec<f64> {
+fn trace_mass(space: &Discretization, (part, mass): (TracePart, TraceMass), v: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; v.len()];
     let trace = &space.trace;
     match mass {

@@ -1,10 +1,10 @@
 //! Constants of the contact problem (section 5 of the paper) for its step size.
 
-use super::trace_family::{TraceFamily, tangential_trace_family, trace_family};
+use super::trace_family::trace_families;
 use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::singular::in_the_largest;
 use crate::{Domain, RelaxationTerm};
-use fem::contact::TraceMass;
+use fem::contact::{TraceMass, TracePart};
 use formula::{EvaluationPoint, Node};
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
@@ -173,15 +173,14 @@ const KERNEL_SAMPLES: u32 = 512;
 /// # Errors
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
-    let domain = &setup.body.domain;
-    let c_j_squared =
-        if domain.contact.is_empty() { 0.0 } else { strain_trace_family(setup)?.limit };
-    let found = with_trace_constant(setup, c_j_squared);
-    Ok(if setup.model.friction.is_some() {
-        found.with_friction(tangential_limit(setup)?)
-    } else {
-        found
-    })
+    if setup.body.domain.contact.is_empty() {
+        return Ok(with_trace_constant(setup, 0.0));
+    }
+    if setup.model.friction.is_none() {
+        return Ok(with_trace_constant(setup, trace_limits(setup, [TracePart::Normal])?[0]));
+    }
+    let [normal, tangential] = trace_limits(setup, [TracePart::Normal, TracePart::Tangential])?;
+    Ok(with_trace_constant(setup, normal).with_friction(tangential))
 }
 
 /// The constants for the step size: c_j² is computed only if the law falls somewhere.
@@ -192,11 +191,11 @@ pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
     let follows = coulomb(setup).is_some();
     let c_j_squared = match alpha_nu(setup) == 0.0 && !follows {
         true => 0.0,
-        false => strain_trace_family(setup)?.limit,
+        false => trace_limits(setup, [TracePart::Normal])?[0],
     };
     let found = with_trace_constant(setup, c_j_squared);
     let found = match found.alpha_tau > 0.0 || follows {
-        true => found.with_friction(tangential_limit(setup)?),
+        true => found.with_friction(trace_limits(setup, [TracePart::Tangential])?[0]),
         false => found,
     };
     Ok(found.step_bounds(setup.model.time_rule.as_ref()))
@@ -328,14 +327,14 @@ pub fn trace_levels(domain: &Domain) -> Vec<u32> {
     [finest / 4, finest / 2, finest].into_iter().filter(|&n| n > 0).collect()
 }
 
-/// c_τ², extrapolated.
-fn tangential_limit(setup: &Setup) -> Result<f64, SetupError> {
-    let levels = trace_levels(&setup.body.domain);
-    tangential_trace_family(setup, TraceMass::Consistent, &levels).map(|family| family.limit)
-}
-
-fn strain_trace_family(setup: &Setup) -> Result<TraceFamily, SetupError> {
+/// c_j² or c_τ², extrapolated.
+fn trace_limits<const K: usize>(
+    setup: &Setup,
+    parts: [TracePart; K],
+) -> Result<[f64; K], SetupError> {
     let levels = trace_levels(&setup.body.domain);
     // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
-    trace_family(setup, &TensorField::identity(), TraceMass::Consistent, &levels)
+    let squares = parts.map(|part| (part, TraceMass::Consistent));
+    let families = trace_families(setup, &TensorField::identity(), squares, &levels)?;
+    Ok(families.map(|family| family.limit))
 }

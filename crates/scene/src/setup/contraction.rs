@@ -1,7 +1,7 @@
 //! Bound of the contraction factor of the decomposition of Remark 3, from the scene's constants.
 
 use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
-use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
+use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
 use vhi::law::TensorField;
 
 /// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), less what
@@ -17,20 +17,19 @@ pub fn decomposition_bound(
     n: u32,
     steps: u32,
 ) -> Result<f64, SetupError> {
-    let failed = |source| SetupError::Constant { n, source };
+    let largest = |part| {
+        trace_constants(space, &TensorField::identity(), [(part, TraceMass::Lumped)])
+            .map(|[found]| found.value)
+            .map_err(|source| SetupError::Constant { n, source })
+    };
     let follows = constants::coulomb(setup).is_some();
     let c_j_squared = match constants::alpha_nu(setup) > 0.0 || follows {
-        true => {
-            trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
-                .map_err(failed)?
-                .value
-        }
+        true => largest(TracePart::Normal)?,
         false => 0.0,
     };
     let mut constants = with_trace_constant(setup, c_j_squared);
     if constants.alpha_tau > 0.0 || follows {
-        let c_tau = tangential_trace_constant(space, TraceMass::Lumped).map_err(failed)?;
-        constants = constants.with_friction(c_tau.value);
+        constants = constants.with_friction(largest(TracePart::Tangential)?);
     }
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
     let last = bounds.taken(setup.grid(steps).largest_step());

@@ -40,7 +40,7 @@ pub use rule_check::RuleCheck;
 pub use scheme::{NewtonMarch, Scheme};
 pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
-pub use trace_family::{TraceFamily, tangential_trace_family, trace_family};
+pub use trace_family::{TraceFamily, trace_families};
 
 use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
 use algebra::linalg::{EigenError, Precision};

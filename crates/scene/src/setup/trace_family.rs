@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::{Setup, SetupError};
-use fem::contact::{TraceMass, tangential_trace_constant, trace_constant};
+use fem::contact::{TraceMass, TracePart, trace_constants};
 use vhi::law::TensorField;
 
-/// sup ‖v_ν‖²/(𝒞ε(v), ε(v)) on meshes, each twice as fine as the one before.
+/// sup ‖v_ν‖²/(𝒞ε(v), ε(v)), or the same of v_τ, on meshes, each twice as fine as the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TraceFamily {
     /// n and the value there.
@@ -17,44 +17,28 @@ pub struct TraceFamily {
     pub uncertainty: f64,
 }
 
-/// The trace constants of `tensor` on the meshes `levels` (each twice as fine as the one before).
+/// The trace constants of `tensor` on the meshes `levels` (each twice as fine as the one before), a family for each of
+/// `squares`.
 ///
 /// # Errors
 /// A mesh whose stiffness matrix cannot be factorized.
-pub fn trace_family(
+pub fn trace_families<const K: usize>(
     setup: &Setup,
     tensor: &TensorField,
-    mass: TraceMass,
+    squares: [(TracePart, TraceMass); K],
     levels: &[u32],
-) -> Result<TraceFamily, SetupError> {
-    let mut values = Vec::new();
+) -> Result<[TraceFamily; K], SetupError> {
+    let mut values = [(); K].map(|()| Vec::new());
     for &n in levels {
         let space = match tensor.is_uniform() {
             true => Arc::new(setup.plain_space(n)),
             false => setup.linear_space(n)?,
         };
-        let found = trace_constant(&space, tensor, mass)
+        let found = trace_constants(&space, tensor, squares)
             .map_err(|source| SetupError::Constant { n, source })?;
-        values.push((n, found.value));
+        values.iter_mut().zip(found).for_each(|(values, found)| values.push((n, found.value)));
     }
-    Ok(TraceFamily::new(values))
-}
-
-/// sup ‖v_τ‖²/‖ε(v)‖² on these meshes, in the plane.
-///
-/// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
-pub fn tangential_trace_family(
-    setup: &Setup,
-    mass: TraceMass,
-    levels: &[u32],
-) -> Result<TraceFamily, SetupError> {
-    let value = |&n: &u32| {
-        let found = tangential_trace_constant(&setup.plain_space(n), mass)
-            .map_err(|source| SetupError::Constant { n, source })?;
-        Ok((n, found.value))
-    };
-    levels.iter().map(value).collect::<Result<_, SetupError>>().map(TraceFamily::new)
+    Ok(values.map(TraceFamily::new))
 }
 
 impl TraceFamily {

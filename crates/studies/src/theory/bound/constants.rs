@@ -1,10 +1,8 @@
 //! The trace constants of a contact scene, and its constants on one mesh.
 
 use super::ladder::BoundError;
-use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
-use scene::setup::{
-    Constants, Setup, TraceFamily, tangential_trace_family, trace_family, with_trace_constant,
-};
+use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
+use scene::setup::{Constants, Setup, TraceFamily, trace_families, with_trace_constant};
 use vhi::law::TensorField;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +21,15 @@ const LEVELS: [u32; 6] = [8, 16, 32, 64, 128, 256];
 const MOST_CELLS: f64 = 1_048_576.0;
 /// Meshes in space, up to 15,000 unknowns.
 const LEVELS_IN_SPACE: [u32; 4] = [2, 4, 8, 16];
+/// The traces by both masses.
+const NORMAL: [(TracePart, TraceMass); 2] =
+    [(TracePart::Normal, TraceMass::Consistent), (TracePart::Normal, TraceMass::Lumped)];
+const NORMAL_AND_TANGENTIAL: [(TracePart, TraceMass); 4] = [
+    NORMAL[0],
+    NORMAL[1],
+    (TracePart::Tangential, TraceMass::Consistent),
+    (TracePart::Tangential, TraceMass::Lumped),
+];
 
 impl TraceConstants {
     /// The families of a scene; none without contact sides.
@@ -39,14 +46,13 @@ impl TraceConstants {
         // Coarse meshes may not follow the boundaries of regions.
         let follow: Vec<u32> =
             levels.iter().copied().filter(|&n| setup.check_regions(n).is_ok()).collect();
-        Ok(Some(Self {
-            strain: both_masses(|mass| trace_family(setup, &strain, mass, &levels))?,
-            energy: both_masses(|mass| trace_family(setup, elastic, mass, &follow))?,
-            tangential: match setup.model.friction {
-                Some(_) => Some(both_masses(|mass| tangential_trace_family(setup, mass, &levels))?),
-                None => None,
-            },
-        }))
+        let energy = trace_families(setup, elastic, NORMAL, &follow)?;
+        if setup.model.friction.is_none() {
+            let strain = trace_families(setup, &strain, NORMAL, &levels)?;
+            return Ok(Some(Self { strain, energy, tangential: None }));
+        }
+        let [a, b, c, d] = trace_families(setup, &strain, NORMAL_AND_TANGENTIAL, &levels)?;
+        Ok(Some(Self { strain: [a, b], energy, tangential: Some([c, d]) }))
     }
 
     /// The meshes of the families, n of each; none without contact sides.
@@ -70,10 +76,6 @@ impl TraceConstants {
     }
 }
 
-fn both_masses<T, E>(of: impl Fn(TraceMass) -> Result<T, E>) -> Result<[T; 2], E> {
-    Ok([of(TraceMass::Consistent)?, of(TraceMass::Lumped)?])
-}
-
 /// The constants that judge the discrete problem on the mesh of `space`: c_j² is the largest of the
 /// extrapolated limit with its uncertainty and the values of both masses on this mesh.
 ///
@@ -91,10 +93,12 @@ pub(crate) fn on_mesh(
         let above = limit + if uncertainty.is_nan() { 0.0 } else { uncertainty };
         above.max(consistent).max(lumped)
     };
-    let normal = both_masses(|mass| trace_constant(space, &strain, mass).map(|found| found.value))?;
-    let found = with_trace_constant(setup, largest(&traces.strain, normal));
-    let Some(family) = &traces.tangential else { return Ok(found) };
-    let tangential =
-        both_masses(|mass| tangential_trace_constant(space, mass).map(|found| found.value))?;
-    Ok(found.with_friction(largest(family, tangential)))
+    let Some(family) = &traces.tangential else {
+        let normal = trace_constants(space, &strain, NORMAL)?.map(|found| found.value);
+        return Ok(with_trace_constant(setup, largest(&traces.strain, normal)));
+    };
+    let found = trace_constants(space, &strain, NORMAL_AND_TANGENTIAL)?;
+    let [a, b, c, d] = found.map(|found| found.value);
+    let normal = with_trace_constant(setup, largest(&traces.strain, [a, b]));
+    Ok(normal.with_friction(largest(family, [c, d])))
 }
