@@ -280,7 +280,11 @@ fn dense(space: &fem::contact::Discretization, tensor: &TensorField, lumped: boo
     both.symmetric_eigen().eigenvalues.max()
 }
 
-fn normal_constant(space: &fem::contact::Discretization, tensor: &TensorField, mass: TraceMass) -> f64 {
+fn normal_constant(
+    space: &fem::contact::Discretization,
+    tensor: &TensorField,
+    mass: TraceMass,
+) -> f64 {
     let [found] = trace_constants(space, tensor, [(TracePart::Normal, mass)]).expect("a constant");
     found.value
 }
