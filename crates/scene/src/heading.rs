@@ -5,12 +5,7 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 
 /// The verdict that a scene must reach.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Expectation {
-    Pass,
-    Fail,
-    Unresolved,
-}
+pub use judge::verdict::Decision as Expectation;
 
 /// A hypothesis that a scene may violate on purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,11 +106,8 @@ pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize, Sce
 }
 
 pub(super) fn expectation(reading: &Reading) -> Result<Expectation, SceneError> {
-    let known = [
-        ("pass", Expectation::Pass),
-        ("fail", Expectation::Fail),
-        ("unresolved", Expectation::Unresolved),
-    ];
+    let known = [Expectation::Pass, Expectation::Fail, Expectation::Unresolved];
+    let known = known.map(|verdict| (verdict.name(), verdict));
     reading.choice_or("scene.expect", &known, Expectation::Pass)
 }
 

@@ -18,7 +18,6 @@
 //! `tests/commands/house.rs` lists what is shared.
 
 mod adaptive;
-mod case;
 mod cells;
 mod contact_answers;
 mod error;
@@ -35,16 +34,17 @@ mod sums;
 mod tangent;
 mod time;
 
-pub use case::Case;
 pub use error::NoConstant;
 pub use interpolation::{InterpolationError, interpolation_constant};
+/// A case of a scene whose errors are predicted.
+pub use judge::verdict::MeshAndSteps as Case;
 
 use std::sync::Arc;
 
 use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::Element;
-use judge::verdict::LeadingLine;
+use judge::verdict::{LeadingLine, LeadingPoint};
 use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Direction, Hypothesis, MeshFamily, Norm};
@@ -102,10 +102,10 @@ pub fn leading_errors(
 }
 
 fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingLine, NoConstant> {
-    let points = of_few_steps(cases, MOST_STEPS).map(|&case| {
-        let times = time::times(&setup.scene.time, case.steps);
+    let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
+        let times = time::times(&setup.scene.time, steps);
         let error = finite::largest_error(setup, &times)?;
-        Ok(case.point(None, time::largest_step(&times), error))
+        Ok(LeadingPoint { n, steps, h: None, k: time::largest_step(&times), error })
     });
     let points = points.collect::<Result<_, NoConstant>>()?;
     Ok(LeadingLine { points, limit: None, tolerance: IN_TIME })
@@ -170,10 +170,10 @@ fn in_time_direction(
     for n in ns {
         let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
         let h = Some(1.0 / f64::from(n));
-        for &(case, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
+        for &(Case { n, steps }, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
             let norm = measured.norm;
             let error = errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
-            points.push(case.point(h, k, share * error));
+            points.push(LeadingPoint { n, steps, h, k, error: share * error });
         }
     }
     Ok(LeadingLine { points, limit: None, tolerance })

@@ -33,7 +33,7 @@ pub use extend::{AddedCase, ROUNDS, Step, extend};
 pub use floors::{
     FloorError, FloorPart, FloorRow, abstract_floors, contact_floors, direct_history, floors_beside,
 };
-pub use judging::{foresee, foresee_plan, judge_plan, judge_scene, judged_variable};
+pub use judging::{foresee, foresee_plan, judge_plan, judge_scene};
 pub use memory_limit::{MemoryLimit, TooLarge};
 pub use needs::admit_run;
 pub use output::{OutputDirectory, OutputError};
