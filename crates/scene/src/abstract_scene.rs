@@ -14,7 +14,7 @@ use formula::{EvaluationPoint, Node, Variable};
 use super::definitions::definitions;
 use super::diagnostic::SceneError;
 use super::law::Law;
-use super::reading::Reading;
+use super::reading::{Reading, evenly};
 use super::singular;
 use super::spans::join;
 
@@ -142,9 +142,14 @@ fn kernels(
     let mut kernels = Vec::new();
     for l in reading.entries("history.kernels")? {
         let key = format!("history.kernels.{l}");
-        let q = reading.formula(&join(&key, "q"), &scope)?;
+        let of_q = join(&key, "q");
+        let q = reading.formula(&of_q, &scope)?;
         let matrix = square_or_identity(reading, &join(&key, "matrix"), m)?;
-        finite_at_the_end(reading, &join(&key, "q"), q, horizon)?;
+        let ends = evenly(0.0, horizon, ENDS).skip(1);
+        let ends = ends.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() });
+        reading.everywhere((&of_q, q), ends, f64::is_finite, |at, value| {
+            (format!("q(t, s) is {value} at s = t = {}", at.t), singular::way_out("q"))
+        })?;
         let power = singular::exponent(reading, &key)?;
         kernels.push(AbstractKernel { q, power, matrix });
     }
@@ -184,28 +189,8 @@ impl AbstractTrace {
     }
 }
 
-/// Times t > 0 at which q(t, t) is evaluated.
+/// Times t > 0 at which q(t, t) must be finite.
 const ENDS: u32 = 16;
-
-/// Refuses q that is not finite at s = t.
-fn finite_at_the_end(
-    reading: &Reading,
-    key: &str,
-    q: Node,
-    horizon: f64,
-) -> Result<(), SceneError> {
-    let times = (1..=ENDS).map(|i| horizon * f64::from(i) / f64::from(ENDS));
-    match reading.first_not_finite(
-        q,
-        times.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() }),
-    ) {
-        None => Ok(()),
-        Some((point, value)) => {
-            let message = format!("q(t, s) is {value} at s = t = {}", point.t);
-            Err(reading.error(key, message, singular::way_out("q")))
-        }
-    }
-}
 
 fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>, SceneError> {
     let values: Vec<f64> = reading.required(key)?;

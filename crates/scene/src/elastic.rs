@@ -39,13 +39,8 @@ pub(super) fn elastic(
 /// m_𝒜 > 0: the eigenvalues 2 mu and 2 mu + d lambda of 𝒜 on S^d are positive.
 fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, SceneError> {
     let lambda = reading.finite(&join(key, "lambda"))?;
-    let mu = reading.finite(&join(key, "mu_L"))?;
-    if mu <= 0.0 {
-        let message = format!(
-            "mu_L = {mu} is not positive: the eigenvalue 2 mu_L of the elasticity tensor must be"
-        );
-        return Err(reading.error(&format!("{key}.mu_L"), message, "give mu_L > 0"));
-    }
+    // Half of the eigenvalue 2 mu_L of the elasticity tensor.
+    let mu = reading.positive(&join(key, "mu_L"))?;
     let d = dimension as f64;
     if 2.0 * mu + d * lambda <= 0.0 {
         let message = match dimension {
@@ -67,15 +62,9 @@ fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrde
 /// Plane strain: λ = E ν/((1+ν)(1-2ν)), μ = E/(2(1+ν)).
 fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder, SceneError> {
     let young = reading.positive(&join(key, "E"))?;
-    let poisson: f64 = reading.required(&join(key, "nu"))?;
-    if !(poisson > -1.0 && poisson < 0.5) {
-        let message = format!("nu = {poisson} is outside (-1, 0.5)");
-        return Err(reading.error(
-            &format!("{key}.nu"),
-            message,
-            "at 0.5 the material is incompressible: give less, such as 0.3",
-        ));
-    }
+    let hint = "at 0.5 the material is incompressible: give less, such as 0.3";
+    let fits = |poisson: f64| poisson > -1.0 && poisson < 0.5;
+    let poisson = reading.number(&join(key, "nu"), fits, ["is outside (-1, 0.5)", hint])?;
     let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
     Ok(Isotropic { lambda, mu: young / (2.0 * (1.0 + poisson)) }.into())
 }

@@ -10,9 +10,8 @@ use vhi::law::{NoPotential, PiecewiseLinear, Potential};
 
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
-use super::gap::points;
 use super::law::Law;
-use super::reading::{Reading, evenly};
+use super::reading::{Reading, in_time};
 use super::time::Time;
 
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
@@ -88,24 +87,16 @@ fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Friction
     let d = domain.dimension();
     let scope = reading.space_and_time(d);
     let node = reading.formula(BOUND, &scope)?;
-    for side in &domain.contact {
-        let places: Vec<EvaluationPoint> =
-            domain.faces(*side).iter().flat_map(|face| points(face, SAMPLES[d - 2])).collect();
-        for t in evenly(0.0, time.horizon, TIMES) {
-            for at in &places {
-                let value = reading.formulas.evaluate(node, &EvaluationPoint { t, ..*at });
-                if value.is_finite() && value >= 0.0 {
-                    continue;
-                }
-                let message = format!(
-                    "`bound` is {value} at {}, t = {t} on the side {}",
-                    place(at, d),
-                    domain.name(*side)
-                );
-                let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
-                return Err(reading.error(BOUND, message, hint));
-            }
-        }
+    for &side in &domain.contact {
+        let places = domain.points_on(side, SAMPLES[d - 2]);
+        let points = in_time(&places, time.horizon, TIMES);
+        let fits = |bound: f64| bound.is_finite() && bound >= 0.0;
+        reading.everywhere((BOUND, node), points, fits, |at, value| {
+            let (here, side) = (place(at, d), domain.name(side));
+            let message = format!("`bound` is {value} at {here}, t = {} on the side {side}", at.t);
+            let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
+            (message, hint)
+        })?;
     }
     Ok(FrictionBound::Given(node))
 }
@@ -207,11 +198,9 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneE
             };
             let held = || d == 2 && clamped.iter().any(|face_of_clamped| at(p, face_of_clamped));
             if contact[..i].iter().any(bends) && !held() {
-                let [x, y, z] = p;
-                let point = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
                 let message = format!(
                     "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",
-                    place(&point, d)
+                    place(&p.into(), d)
                 );
                 let hint = "put a traction or clamped side between contact sides, or remove [contact.friction]";
                 return Err(reading.key_error("contact.friction", message, hint));

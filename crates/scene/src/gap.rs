@@ -26,20 +26,14 @@ pub(super) fn finite_on_contact(
     let dimension = domain.dimension();
     let scope = reading.scope(&AXES[..dimension]);
     let node = reading.formula(key, &scope)?;
-    for side in &domain.contact {
-        let faces = domain.faces(*side);
-        let samples = samples(domain, &faces);
-        if let Some((point, value)) =
-            reading.first_not_finite(node, faces.iter().flat_map(|face| points(face, samples)))
-        {
-            let message = format!(
-                "`{}` is {value} at {} on the side {}",
-                last(key),
-                place(&point, dimension),
-                domain.name(*side)
-            );
-            return Err(reading.error(key, message, "it must be finite on every contact side; for no constraint at all write gap = \"inf\""));
-        }
+    for &side in &domain.contact {
+        let points = domain.points_on(side, samples(domain, &domain.faces(side)));
+        let points = points.into_iter().map(EvaluationPoint::from);
+        reading.everywhere((key, node), points, f64::is_finite, |at, value| {
+            let (what, here, side) = (last(key), place(at, dimension), domain.name(side));
+            let hint = "it must be finite on every contact side; for no constraint at all write gap = \"inf\"";
+            (format!("`{what}` is {value} at {here} on the side {side}"), hint)
+        })?;
     }
     Ok(node)
 }
@@ -93,7 +87,8 @@ fn steepest_bend(
     face: &Face,
     intervals: u32,
 ) -> Option<(EvaluationPoint, f64)> {
-    let points: Vec<EvaluationPoint> = points(face, intervals).collect();
+    let points: Vec<EvaluationPoint> =
+        face.points(intervals).into_iter().map(EvaluationPoint::from).collect();
     let value =
         |reading: &Reading, node: Node, at: &EvaluationPoint| reading.formulas.evaluate(node, at);
     let values: Vec<f64> = points.iter().map(|point| value(reading, gap, point)).collect();
@@ -170,9 +165,4 @@ impl Bends {
 fn samples(domain: &Domain, faces: &[Face]) -> u32 {
     let whole = if domain.dimension() == 2 { SAMPLES } else { SAMPLES_OF_A_FACE };
     (whole / faces.len().max(1) as u32).max(8)
-}
-
-pub(super) fn points(face: &Face, intervals: u32) -> impl Iterator<Item = EvaluationPoint> {
-    let place = |[x, y, z]: [f64; 3]| EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
-    face.points(intervals).into_iter().map(place)
 }

@@ -162,13 +162,8 @@ impl TimeRule {
                 }
             },
             TimeRule::CorrectedEnd { .. } => {
-                let key = "time.rule.exponent";
-                let exponent: f64 = reading.required(key)?;
-                if !(exponent > 0.0 && exponent < 1.0) {
-                    let message = format!("exponent = {exponent} is not between 0 and 1");
-                    let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
-                    return Err(reading.error(key, message, hint));
-                }
+                let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
+                let exponent = reading.share("time.rule.exponent", hint)?;
                 TimeRule::CorrectedEnd { exponent }
             }
             plain => plain,
@@ -199,21 +194,14 @@ impl TimeGrid {
     fn validate(reading: &Reading) -> Result<TimeGrid, SceneError> {
         match reading.kind("time.grid", &GRIDS)? {
             "uniform" => Ok(TimeGrid::Uniform),
-            "graded" => graded(reading),
+            "graded" => {
+                let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
+                let fault = "is not 1 or more: below 1 the largest steps would lie at t = 0";
+                let hint = "t_j = T (j/N)^exponent; for u ~ t^a take more than 2/(1+a)";
+                let exponent = reading.number("time.grid.exponent", fits, [fault, hint])?;
+                Ok(TimeGrid::Graded { exponent })
+            }
             _ => Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed")? }),
         }
     }
-}
-
-fn graded(reading: &Reading) -> Result<TimeGrid, SceneError> {
-    let exponent = reading.finite("time.grid.exponent")?;
-    if exponent >= 1.0 {
-        return Ok(TimeGrid::Graded { exponent });
-    }
-    let message = format!("exponent = {exponent} is below 1: the largest steps would lie at t = 0");
-    Err(reading.error(
-        "time.grid.exponent",
-        message,
-        "t_j = T (j/N)^exponent: give 1 or more; for u ~ t^a take more than 2/(1+a)",
-    ))
 }

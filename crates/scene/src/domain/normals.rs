@@ -4,7 +4,6 @@ use super::{Domain, Shape, place};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
 use fem::mesh::{CoarseMesh, Solid};
-use formula::EvaluationPoint;
 
 /// |det| of unit normals below which they count as dependent, as in the frames of the unknowns.
 const DEPENDENT: f64 = 1e-6;
@@ -34,8 +33,7 @@ pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), 
 }
 
 fn refusal(reading: &Reading, solid: &Solid, v: usize, count: usize) -> SceneError {
-    let [x, y, z] = solid.vertices[v];
-    let at = place(&EvaluationPoint { x, y, z, ..EvaluationPoint::default() }, 3);
+    let at = place(&solid.vertices[v].into(), 3);
     let message = format!(
         "{count} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent"
     );
