@@ -108,7 +108,7 @@ impl<const S: usize> InSpace<S> {
         let kernel = |term: &RelaxationTerm| {
             let (power, factor) =
                 term.singular.map_or((0.0, term.kernel), |parts| (parts.power, parts.factor));
-            Kernel::new(&mut graph, power, factor, horizon)
+            Kernel::of_lag(&mut graph, power, factor, horizon)
         };
         let kernels = memory.iter().map(kernel).collect();
         let one = [Kernel::one(&mut graph, horizon)];
