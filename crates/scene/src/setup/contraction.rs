@@ -1,6 +1,7 @@
 //! Bound of the contraction factor of the decomposition of Remark 3, from the scene's constants.
 
-use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
+use super::constants::with_needed;
+use super::{AbstractSetup, Setup, SetupError};
 use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
 use vhi::law::TensorField;
 
@@ -18,20 +19,13 @@ pub fn decomposition_bound(
     steps: u32,
 ) -> Result<f64, SetupError> {
     let failed = |source| SetupError::Constant { n, source };
-    let follows = constants::coulomb(setup).is_some();
-    let c_j_squared = match constants::alpha_nu(setup) > 0.0 || follows {
-        true => {
-            trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
-                .map_err(failed)?
-                .value
-        }
-        false => 0.0,
-    };
-    let mut constants = with_trace_constant(setup, c_j_squared);
-    if constants.alpha_tau > 0.0 || follows {
-        let c_tau = tangential_trace_constant(space, TraceMass::Lumped).map_err(failed)?;
-        constants = constants.with_friction(c_tau.value);
-    }
+    let c_j = || trace_constant(space, &TensorField::identity(), TraceMass::Lumped);
+    let c_tau = || tangential_trace_constant(space, TraceMass::Lumped);
+    let constants = with_needed(
+        setup,
+        || Ok(c_j().map_err(failed)?.value),
+        || Ok(c_tau().map_err(failed)?.value),
+    )?;
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
     let last = bounds.taken(setup.grid(steps).largest_step());
     let falls = constants.falls();
