@@ -193,21 +193,12 @@ impl AbstractTrace {
 const ENDS: u32 = 16;
 
 fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>, SceneError> {
-    let values: Vec<f64> = reading.required(key)?;
-    if values.len() != m || !values.iter().all(|value| value.is_finite()) {
-        let message = format!("{values:?} is no vector of {m} finite numbers");
-        return Err(reading.error(key, message, "one number a component, dimension of them"));
-    }
-    Ok(values)
+    reading.numbers(key, m, "one number a component, dimension of them")
 }
 
 fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
-    let rows = reading.required::<Vec<IgnoredAny>>(key)?.len();
-    if rows != m {
-        let message = format!("{rows} rows in dimension {m}");
-        return Err(reading.error(key, message, "a matrix of the scene has dimension rows"));
-    }
-    (0..m).map(|i| vector(reading, &format!("{key}.{i}"), m)).collect()
+    let rows = reading.entries_of(key, m, "a matrix of the scene has dimension rows")?;
+    rows.map(|i| vector(reading, &format!("{key}.{i}"), m)).collect()
 }
 
 fn symmetric(reading: &Reading, key: &str, rows: &Rows) -> Result<(), SceneError> {

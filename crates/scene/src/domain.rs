@@ -16,25 +16,13 @@ use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, lattice};
 use formula::EvaluationPoint;
 
 use super::diagnostic::SceneError;
-use super::reading::{Reading, evenly};
+use super::reading::Reading;
 
 pub(super) fn place(point: &EvaluationPoint, dimension: usize) -> String {
     let named = [("x", point.x), ("y", point.y), ("z", point.z)];
     let parts: Vec<String> =
         named[..dimension].iter().map(|(name, value)| format!("{name} = {value}")).collect();
     parts.join(", ")
-}
-
-/// Product of points with places along an axis; the new axis varies slowest.
-fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
-    let with = |place: f64| {
-        points.iter().map(move |point| {
-            let mut point = *point;
-            point[axis] = place;
-            point
-        })
-    };
-    places.iter().flat_map(|&place| with(place)).collect()
 }
 
 /// What the domain is.
@@ -202,13 +190,7 @@ impl Domain {
     pub(crate) fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
         let coarse = match &self.shape {
             Shape::Refined(coarse) => coarse,
-            Shape::Box => {
-                let axes = self.size.iter().enumerate();
-                return axes.fold(vec![[0.0; 3]], |points, (axis, &length)| {
-                    let places: Vec<f64> = evenly(0.0, length, intervals).collect();
-                    combined(&points, axis, &places)
-                });
-            }
+            Shape::Box => return Face::whole(&self.size).points(intervals),
         };
         let beside = match coarse {
             CoarseMesh::Plane(_) => 1.0,

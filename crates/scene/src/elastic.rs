@@ -92,16 +92,14 @@ fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, S
 }
 
 fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6], SceneError> {
-    let rows: Vec<Vec<f64>> = reading.optional(place)?.unwrap_or_default();
-    if rows.len() != order || rows.iter().any(|row| row.len() != order) {
-        let message = format!("a full elasticity tensor is a {order} by {order} matrix here");
-        let hint = "in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space";
-        return Err(reading.error(place, message, hint));
-    }
+    let hint = format!(
+        "a full elasticity tensor is a {order} by {order} matrix here, in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space"
+    );
+    let row = |i| reading.numbers(&format!("{place}.{i}"), order, &hint);
+    let rows = reading.entries_of(place, order, &hint)?.map(row).collect::<Result<Vec<_>, _>>()?;
     let mut matrix = [[0.0; 6]; 6];
     for (i, row) in rows.iter().enumerate() {
         for (j, &entry) in row.iter().enumerate() {
-            reading.finite_number(&format!("{place}.{i}"), entry)?;
             if entry != rows[j][i] {
                 let message = format!(
                     "entry ({}, {}) is {entry}, entry ({}, {}) is {}: the matrix must be symmetric",
@@ -121,16 +119,8 @@ fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6],
 
 fn orthotropic(reading: &Reading, key: &str, d: usize) -> Result<[[f64; 6]; 6], SceneError> {
     let pairs: &[(usize, usize)] = if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
-    let list = |name: &str, count: usize| {
-        let values: Vec<f64> = reading.optional(&join(key, name))?.unwrap_or_default();
-        if values.len() == count && values.iter().all(|value| value.is_finite()) {
-            return Ok(values);
-        }
-        let message =
-            format!("`{name}` of an orthotropic tensor needs {count} finite number(s) here");
-        let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
-        Err(reading.error(key, message, hint))
-    };
+    let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
+    let list = |name: &str, count: usize| reading.numbers(&join(key, name), count, hint);
     let normal = list("normal", d)?;
     let coupling = list("coupling", pairs.len())?;
     let shear = list("shear", pairs.len())?;

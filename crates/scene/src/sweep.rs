@@ -121,11 +121,8 @@ fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneErro
     let mut path: Vec<[usize; 2]> = Vec::new();
     for index in reading.entries("sweep.pairs")? {
         let key = format!("sweep.pairs.{index}");
-        let (first, numbers) = (format!("{key}.0"), reading.entries(&key)?.len());
-        if numbers != 2 {
-            let message = format!("{numbers} numbers, a pair has two");
-            return Err(reading.error(&key, message, "write [n, N]: [16, 8]"));
-        }
+        let first = format!("{key}.0");
+        reading.entries_of(&key, 2, "a pair has two numbers: write [n, N], as in [16, 8]")?;
         let n = reading.count(&first)?;
         let steps = step_count(reading, &format!("{key}.1"))?;
         whole_cells(reading, &first, n, domain)?;

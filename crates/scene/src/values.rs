@@ -10,7 +10,7 @@ use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
 use super::diagnostic::SceneError;
-use super::reading::Reading;
+use super::reading::{Reading, last};
 use super::spans::join;
 use super::wording::{missing_key, unknown_key, wrong_type};
 
@@ -50,6 +50,31 @@ impl Reading<'_> {
     pub(super) fn entries(&self, key: &str) -> Result<Range<usize>, SceneError> {
         let list: Vec<IgnoredAny> = self.optional(key)?.unwrap_or_default();
         Ok(0..list.len())
+    }
+
+    /// The numbers of the entries of a list that must have so many.
+    pub(super) fn entries_of(
+        &self,
+        key: &str,
+        count: usize,
+        hint: &str,
+    ) -> Result<Range<usize>, SceneError> {
+        let found = self.required::<Vec<IgnoredAny>>(key)?.len();
+        if found == count {
+            return Ok(0..count);
+        }
+        let message = format!("`{}` has {found} entries where {count} are wanted", last(key));
+        Err(self.error(key, message, hint))
+    }
+
+    /// So many finite numbers.
+    pub(super) fn numbers(
+        &self,
+        key: &str,
+        count: usize,
+        hint: &str,
+    ) -> Result<Vec<f64>, SceneError> {
+        self.entries_of(key, count, hint)?.map(|i| self.finite(&format!("{key}.{i}"))).collect()
     }
 
     /// Refuses keys of a table, if it is there, other than the known ones; spaces separate them.

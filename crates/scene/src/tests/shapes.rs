@@ -64,7 +64,7 @@ fn what_is_no_polygon_is_refused() {
         (
             "vertices = [[0, 0, 0], [2, 0], [2, 1], [0, 1]]",
             NAMES,
-            "3 numbers, a point of the plane has two",
+            "3 entries where 2 are wanted",
         ),
         ("", NAMES, "shape `polygon` needs the key `vertices`"),
         (CORNERS, "sides = [\"bottom\", \"right\", \"top\"]", "3 names for 4 edges"),
@@ -76,7 +76,7 @@ fn what_is_no_polygon_is_refused() {
         (CORNERS, &format!("{NAMES}\npoints = [[1, 0.5]]"), "and there are none"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 4]]"), "there is no vertex 4"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 2]]"), "does not bound the triangles"),
-        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1]]"), "2 numbers, a triangle has three"),
+        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1]]"), "2 entries where 3 are wanted"),
         (CORNERS, &format!("{NAMES}\ntriangles = []"), "does not bound the triangles"),
         (CORNERS, &format!("{NAMES}\nfile = \"x.msh\""), "shape `polygon` takes no `file`"),
     ];
