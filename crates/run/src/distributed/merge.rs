@@ -34,7 +34,7 @@ pub fn merge(
     incomplete: bool,
     baseline: Option<&Baseline>,
 ) -> Result<Merged, DistributedError> {
-    let overrides = plan.map_or_else(Overrides::default, |(plan, _)| plan.overrides());
+    let overrides = plan.map_or_else(Overrides::default, |(plan, _)| plan.overrides.clone());
     let mut provenance = Provenance { platform: parts.platform(), ..Provenance::new([]) };
     let (mut records, mut verdicts, mut runs) = (Vec::new(), Vec::new(), Vec::new());
     let mut missing: Vec<Key> = Vec::new();

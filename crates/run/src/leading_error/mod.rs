@@ -148,13 +148,13 @@ fn in_time_direction(
 ) -> Result<LeadingLine, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
     let interpolated = setup.body.data.is_interpolated();
+    let norm = measured.norm;
+    let of = |errors: Largest| errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() });
+    of(Largest::default())?;
     // A reference of M times the steps has M^-order of the error.
-    let share = match measured.norm {
-        Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => {
-            1.0
-        }
+    let share = match norm {
         Norm::VTimeMax => 1.0 - f64::from(measured.time_reference).powf(-measured.order),
-        other => return Err(NoConstant::Norm { norm: other.name() }),
+        _ => 1.0,
     };
     let mut points = Vec::with_capacity(cases.len());
     let mut ns: Vec<u32> = cases.iter().filter_map(|case| case.n).collect();
@@ -171,9 +171,7 @@ fn in_time_direction(
         let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
         let h = Some(1.0 / f64::from(n));
         for &(Case { n, steps }, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
-            let norm = measured.norm;
-            let error = errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
-            points.push(LeadingPoint { n, steps, h, k, error: share * error });
+            points.push(LeadingPoint { n, steps, h, k, error: share * of(errors)? });
         }
     }
     Ok(LeadingLine { points, limit: None, tolerance })

@@ -2,6 +2,8 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use serde::{Deserialize, Serialize};
+
 use super::cost::PlanCost;
 use super::extend::AddedCase;
 use super::floors::{FloorError, FloorRow};
@@ -12,7 +14,7 @@ use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Overrides {
     pub n: Option<Vec<u32>>,
     pub steps: Option<Vec<u32>>,

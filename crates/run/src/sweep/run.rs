@@ -1,5 +1,6 @@
 //! Runs the cases of many scenes in parallel, longest first and within memory, and records each as it ends.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -13,7 +14,7 @@ use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
 use rayon::prelude::*;
 
 use files::{counted, make_directory, remove_if_there};
-use judge::record::{CaseRecord, Journal, RecordError};
+use judge::record::{CaseRecord, Journal, Key, RecordError};
 use report::{ReportError, remove_earlier};
 use scene::setup::Subject;
 
@@ -242,9 +243,9 @@ impl Sweep<'_> {
 
     fn open(&self, shared: &Shared<'_>) -> Vec<usize> {
         let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
-        let (plan, cases) = (shared.plan, &shared.plan.cases);
-        let recorded = |c: usize| records.iter().any(|record| is_case(plan, &cases[c], record));
-        (0..cases.len()).filter(|&c| !recorded(c)).collect()
+        let recorded: BTreeSet<Key> = records.iter().map(CaseRecord::key).collect();
+        let keys = shared.plan.keys().into_iter().enumerate();
+        keys.filter(|(_, key)| !recorded.contains(key)).map(|(c, _)| c).collect()
     }
 
     fn refuse(&self, case: &CasePlan, plan: &ScenePlan, reason: &TooLarge) {
@@ -303,8 +304,4 @@ fn in_words(plan: &ScenePlan, case: &CasePlan) -> String {
         Some(n) => format!("{name} n={n} N={}", case.steps),
         None => format!("{name} N={}", case.steps),
     }
-}
-
-fn is_case(plan: &ScenePlan, case: &CasePlan, record: &CaseRecord) -> bool {
-    record.scene == plan.scene().name && record.n == case.n && record.steps == case.steps
 }
