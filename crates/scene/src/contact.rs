@@ -32,26 +32,21 @@ impl Contact {
         domain: &Domain,
         time: &Time,
     ) -> Result<Option<Contact>, SceneError> {
-        match (reading.has("contact"), domain.contact.is_empty()) {
-            (false, true) => Ok(None),
-            (false, false) => {
-                let message = "contact sides, but no part [contact]";
-                Err(reading.error(
-                    "domain.contact",
-                    message,
-                    "add [contact]; it may be empty: no gap, no law",
-                ))
-            }
-            (true, true) => {
-                let message = "[contact] without a contact side";
-                Err(reading.error(
-                    "contact",
-                    message,
-                    "name the sides in [domain], contact = [\"bottom\"], or remove [contact]",
-                ))
-            }
-            (true, false) => Contact::parts(reading, domain, time).map(Some),
-        }
+        let (key, message, hint) = match (reading.has("contact"), domain.contact.is_empty()) {
+            (false, true) => return Ok(None),
+            (true, false) => return Contact::parts(reading, domain, time).map(Some),
+            (false, false) => (
+                "domain.contact",
+                "contact sides, but no part [contact]",
+                "add [contact]; it may be empty: no gap, no law",
+            ),
+            (true, true) => (
+                "contact",
+                "[contact] without a contact side",
+                "name the sides in [domain], contact = [\"bottom\"], or remove [contact]",
+            ),
+        };
+        Err(reading.error(key, message, hint))
     }
 
     fn parts(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Contact, SceneError> {

@@ -64,14 +64,9 @@ impl Data {
                 Err(reading.error("loads", message, "remove one of the two"))
             }
             (false, false) => {
-                let end = reading.source.text.trim_end().len();
                 let message = "neither [exact] nor [loads]: nothing drives the scene";
-                Err(SceneError::at(
-                    reading.source,
-                    end..end,
-                    message,
-                    "add [loads] with body = [\"0\", \"-1\"], or [exact] with u",
-                ))
+                let hint = "add [loads] with body = [\"0\", \"-1\"], or [exact] with u";
+                Err(reading.error_at_the_end(message, hint))
             }
         }
     }
@@ -168,11 +163,8 @@ fn traction_side(
         return Ok(side);
     }
     let message = format!("a traction on the side `{name}`, which is not a traction side");
-    Err(reading.key_error(
-        key,
-        message,
-        "list the side in traction = [...] of [domain], or remove its load",
-    ))
+    let hint = "list the side in traction = [...] of [domain], or remove its load";
+    Err(reading.key_error(key, message, hint))
 }
 
 /// Refuses a load that is infinite or undefined at a sample.

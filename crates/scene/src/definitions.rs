@@ -95,9 +95,6 @@ fn free_name(reading: &Reading, key: &str, name: &str) -> Result<(), SceneError>
     if starts && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(());
     }
-    Err(reading.key_error(
-        key,
-        format!("`{name}` cannot be used in a formula"),
-        "a name begins with a letter and has letters, digits and _",
-    ))
+    let hint = "a name begins with a letter and has letters, digits and _";
+    Err(reading.key_error(key, format!("`{name}` cannot be used in a formula"), hint))
 }

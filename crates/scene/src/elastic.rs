@@ -27,11 +27,8 @@ pub(super) fn elastic(
             let list = if given.is_empty() { "nothing".to_string() } else { given.join(", ") };
             let part = heading(key);
             let message = format!("{part} gives {list}: elasticity needs exactly one pair");
-            Err(reading.error(
-                key,
-                message,
-                "give lambda and mu_L, or E and nu, or elasticity = { kind = \"full\", … }",
-            ))
+            let hint = "give lambda and mu_L, or E and nu, or elasticity = { kind = \"full\", … }";
+            Err(reading.error(key, message, hint))
         }
     }
 }

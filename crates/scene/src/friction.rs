@@ -56,9 +56,7 @@ impl Friction {
             points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
         slopes.fold(0.0, |alpha, slope| f64::max(alpha, -slope))
     }
-}
 
-impl Friction {
     /// μ_f of a bound that follows the normal law, 0 for others.
     pub fn coefficient(&self) -> f64 {
         self.bound.coefficient()
@@ -170,16 +168,6 @@ fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>, SceneError> {
 /// u_τ takes the unknowns left by u_ν: a vertex between two contact sides has too few, unless it is clamped. In space
 /// such sides meet along an edge.
 fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
-    let ends = |face: &Face| {
-        let mut ends = vec![face.corner];
-        for edge in &face.edges {
-            let moved = |p: &[f64; 3]| [0, 1, 2].map(|i| p[i] + edge[i]);
-            let from = if face.triangle { &ends[..1] } else { &ends[..] };
-            let further: Vec<[f64; 3]> = from.iter().map(moved).collect();
-            ends.extend(further);
-        }
-        ends
-    };
     let of = |sides: &[super::Side]| -> Vec<Face> {
         sides.iter().flat_map(|side| domain.faces(*side)).collect()
     };
@@ -188,9 +176,9 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneE
     let near = |p: [f64; 3], q: [f64; 3], face: &Face| {
         (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]) <= SAME_PLACE * face.longest()
     };
-    let at = |p: [f64; 3], face: &Face| ends(face).into_iter().any(|q| near(p, q, face));
+    let at = |p: [f64; 3], face: &Face| face.points(1).into_iter().any(|q| near(p, q, face));
     for (i, face) in contact.iter().enumerate() {
-        for p in ends(face) {
+        for p in face.points(1) {
             let bends = |other: &Face| {
                 let (a, b) = (face.normal, other.normal);
                 let turn = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| a[i] * b[j] - a[j] * b[i]);

@@ -54,6 +54,16 @@ impl<'a> Reading<'a> {
         SceneError::at(self.source, self.spans.key(key), message, hint)
     }
 
+    /// An error of something that is missing in the file.
+    pub(crate) fn error_at_the_end(
+        &self,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> SceneError {
+        let end = self.source.text.trim_end().len();
+        SceneError::at(self.source, end..end, message, hint)
+    }
+
     /// The number at a key.
     pub(crate) fn finite(&self, key: &str) -> Result<f64, SceneError> {
         self.finite_number(key, self.required(key)?)
@@ -169,12 +179,8 @@ impl<'a> Reading<'a> {
     ) -> Result<Node, SceneError> {
         self.formulas.parse(&formula.0, scope).map_err(|error| {
             let hint = error.hint.unwrap_or_else(|| "correct the formula".to_string());
-            SceneError::at(
-                self.source,
-                self.inside(key, &formula.0, error.span),
-                error.message,
-                hint,
-            )
+            let span = self.inside(key, &formula.0, error.span);
+            SceneError::at(self.source, span, error.message, hint)
         })
     }
 
@@ -207,11 +213,8 @@ impl<'a> Reading<'a> {
                 last(key),
                 formulas.len()
             );
-            return Err(self.error(
-                key,
-                message,
-                format!("give {dimension} formulas, one a component"),
-            ));
+            let hint = format!("give {dimension} formulas, one a component");
+            return Err(self.error(key, message, hint));
         }
         formulas
             .iter()

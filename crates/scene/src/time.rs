@@ -157,12 +157,9 @@ impl TimeRule {
                 None | Some(3) => TimeRule::Gregory { order: 3 },
                 Some(4) => TimeRule::Gregory { order: 4 },
                 Some(order) => {
+                    let (key, hint) = ("time.rule.order", "order = 3 or order = 4");
                     let message = format!("the rule of Gregory has no order {order} here");
-                    return Err(reading.error(
-                        "time.rule.order",
-                        message,
-                        "order = 3 or order = 4",
-                    ));
+                    return Err(reading.error(key, message, hint));
                 }
             },
             TimeRule::CorrectedEnd { .. } => {

@@ -25,7 +25,7 @@ pub fn memory_tensor(memory: &RelaxationTerm) -> TensorField {
 
 /// The terms of ℬ for the solver: recursion for sums of exponentials.
 pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<MemoryTerm> {
-    let formula = |node| Box::new(KernelFormula::new(formulas.clone(), node));
+    let formula = |node| Box::new(KernelFormula { graph: formulas.clone(), node });
     let kernel = |memory: &RelaxationTerm| match (&memory.exponentials, memory.singular) {
         (Some(terms), _) => {
             Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>

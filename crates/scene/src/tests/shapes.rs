@@ -61,11 +61,7 @@ fn what_is_no_polygon_is_refused() {
         ("vertices = [[0, 0], [2, 0], [2, 0], [0, 1]]", NAMES, "vertices 1 and 2 are the same"),
         ("vertices = [[0, 0], [2, 0]]", NAMES, "three vertices or more, not 2"),
         ("vertices = [[0, 0], [2, nan], [2, 1], [0, 1]]", NAMES, "is not finite"),
-        (
-            "vertices = [[0, 0, 0], [2, 0], [2, 1], [0, 1]]",
-            NAMES,
-            "3 entries where 2 are wanted",
-        ),
+        ("vertices = [[0, 0, 0], [2, 0], [2, 1], [0, 1]]", NAMES, "3 entries where 2 are wanted"),
         ("", NAMES, "shape `polygon` needs the key `vertices`"),
         (CORNERS, "sides = [\"bottom\", \"right\", \"top\"]", "3 names for 4 edges"),
         (CORNERS, "sides = [\"bottom\", \"right\", \"top\", \" \"]", "a side without name"),
