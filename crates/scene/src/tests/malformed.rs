@@ -131,7 +131,7 @@ fn memory_and_regions() {
         case("\"-exp(-t)\"", "{ kind = \"pronny\" }", 20, 19, "did you mean `prony`?"),
         case("\"-exp(-t)\"", "{ kind = \"prony\" }", 20, 10, "a Prony series without terms"),
         case("\"-exp(-t)\"", "{ kind = \"prony\", terms = [[-1.0, 0.5], [-1.0]] }", 20, 50, "1 entries where 2 are wanted"),
-        case("\"-exp(-t)\"", "{ kind = \"prony\", terms = [[-1.0, 0.0]] }", 20, 37, "is not positive"),
+        case("\"-exp(-t)\"", "{ kind = \"prony\", terms = [[-1.0, 0.0]] }", 20, 44, "is not positive"),
         case("\"-exp(-t)\"", "{ kind = \"prony\", terms = [[-1.0, 0.5]], time = 2.0 }", 20, 51, "takes no `time`"),
         case("\"-exp(-t)\"", "{ kind = \"power\", amplitude = -1.0, time = 1.0 }", 20, 10, "needs the key `exponent`"),
         case("\"-exp(-t)\"", "{ kind = \"power\", amplitude = -1.0, time = -1.0, exponent = 0.5 }", 20, 53, "`time` = -1 is not positive"),
