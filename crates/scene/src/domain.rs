@@ -244,8 +244,10 @@ impl Domain {
         for (list, sides) in lists {
             for (index, side) in sides.iter().enumerate() {
                 if let Some(first) = owner[side.index()].replace(list) {
-                    let key = format!("domain.{list}.{index}");
-                    return Err(twice(reading, &key, self.name(*side), [first, list]));
+                    let (key, side) = (format!("domain.{list}.{index}"), self.name(*side));
+                    let message = format!("the side `{side}` is in `{first}` and in `{list}`");
+                    let hint = "each side belongs to exactly one of clamped, traction, contact";
+                    return Err(reading.error(&key, message, hint));
                 }
             }
         }
@@ -259,14 +261,4 @@ impl Domain {
         let hint = "put each side into clamped, traction or contact; a free side is a traction side without a load";
         Err(reading.error("domain", message, hint))
     }
-}
-
-fn twice(reading: &Reading, key: &str, side: &str, [first, second]: [&str; 2]) -> SceneError {
-    let lists = if first == second {
-        format!("twice in `{first}`")
-    } else {
-        format!("in `{first}` and in `{second}`")
-    };
-    let message = format!("the side `{side}` is {lists}");
-    reading.error(key, message, "each side belongs to exactly one of clamped, traction, contact")
 }

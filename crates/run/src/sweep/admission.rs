@@ -4,7 +4,6 @@ use super::cost::{Cost, PROGRAM, PlanCost, kept_by_mesh, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::needs::{constants_bytes, least_bytes_of_mesh};
 use super::plan::{CasePlan, ScenePlan};
-use super::problem;
 use fem::contact::Discretization;
 use scene::Scene;
 use scene::setup::Setup;
@@ -75,12 +74,7 @@ pub fn admit_plan(
     let reference =
         plan.reference.map(|reference| (Some(reference.n as u32), reference.steps as u32));
     let runs = plan.runs().into_iter().map(|(n, steps)| (Some(n), steps));
-    early(
-        |n, steps| problem::least_bytes(&plan.subject, n, steps),
-        name,
-        runs.chain(reference).collect(),
-        limit,
-    )?;
+    early(|n, steps| plan.least_bytes(n, steps), name, runs.chain(reference).collect(), limit)?;
     // The case that makes the mesh reports its errors.
     let Ok(PlanCost { cases, .. }) = plan.costs() else { return Ok(()) };
     let cases: Vec<(&CasePlan, &Cost)> = plan.cases.iter().zip(&cases).collect();
