@@ -1,12 +1,9 @@
 //! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a bound S that is given as S(x, t), depends on the slip, or
 //! follows the normal law.
 
-use std::sync::Arc;
-
 use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::{EvaluationPoint, Node};
-use vhi::law::{NoPotential, PiecewiseLinear, Potential};
 
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
@@ -51,10 +48,7 @@ impl Friction {
     /// α_τ ≥ 0 (a stiffness), the steepest descent of S: r ↦ S(|r|) sign r satisfies (2.8c) with it, since its jump at
     /// 0 goes up.
     pub fn alpha(&self) -> f64 {
-        let FrictionBound::Slip(points) = &self.bound else { return 0.0 };
-        let slopes =
-            points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
-        slopes.fold(0.0, |alpha, slope| f64::max(alpha, -slope))
+        self.graph_and_factor().0.alpha()
     }
 
     /// μ_f of a bound that follows the normal law, 0 for others.
@@ -62,21 +56,16 @@ impl Friction {
         self.bound.coefficient()
     }
 
-    /// For the solver: r ↦ S_0(|r|) sign r, S_0 = 1 where the bound does not depend on the slip, and the formula of c(x, t)
-    /// where S = c S_0.
-    pub(crate) fn graph_and_factor(&self) -> (Arc<dyn Potential>, Option<Node>) {
+    /// For the solver: r ↦ S_0(|r|) sign r as a law, S_0 = 1 where the bound does not depend on the slip, and the formula of
+    /// c(x, t) where S = c S_0.
+    pub(crate) fn graph_and_factor(&self) -> (Law, Option<Node>) {
         let (points, factor): (&[[f64; 2]], _) = match &self.bound {
             FrictionBound::Given(bound) => (&[[0.0, 1.0]], Some(*bound)),
             FrictionBound::Slip(points) => (points, None),
             FrictionBound::Coulomb(_) => (&[[0.0, 1.0]], None),
         };
-        let backward = points.iter().rev().map(|&[r, s]| (-r, -s));
-        let both = backward.chain(points.iter().map(|&[r, s]| (r, s))).collect();
-        // Sorted, and upward at 0: the points were validated.
-        match PiecewiseLinear::new(both, 0.0, 0.0) {
-            Ok(graph) => (Arc::new(graph), factor),
-            Err(_) => (Arc::new(NoPotential), factor),
-        }
+        let backward = points.iter().rev().map(|&[r, s]| [-r, -s]);
+        (Law::graph(backward.chain(points.iter().copied()).collect(), 0.0, 0.0), factor)
     }
 }
 

@@ -51,7 +51,7 @@ impl Law {
         Ok(Some(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) }))
     }
 
-    fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
+    pub(crate) fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
         Law { points, slope_before, slope_after, curve: None, scale: None }
     }
 

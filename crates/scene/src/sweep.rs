@@ -18,7 +18,7 @@ pub struct Reference {
 }
 
 /// Every n with every number of steps; or the pairs of a path.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Sweep {
     /// Mesh cells per unit length, h = 1/n; each divides the sides of a rectangle into whole cells. Empty for abstract
     /// scenes.
@@ -65,19 +65,10 @@ impl Sweep {
         let by_state = reading.optional("sweep.by_state")?.unwrap_or(false);
         Ok(Sweep { n, steps, pairs, reference, norms, by_state })
     }
-}
 
-impl Sweep {
     /// The sweep of an abstract scene: numbers of steps only.
     pub(super) fn in_time(reading: &Reading) -> Result<Sweep, SceneError> {
-        Ok(Sweep {
-            n: Vec::new(),
-            steps: counts(reading, "sweep.steps")?,
-            pairs: None,
-            reference: None,
-            norms: None,
-            by_state: false,
-        })
+        Ok(Sweep { steps: counts(reading, "sweep.steps")?, ..Sweep::default() })
     }
 }
 

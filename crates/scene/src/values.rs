@@ -1,11 +1,10 @@
 //! Values of a scene file by dotted name: `contact.law.stiffness`, `predicts.0.order`.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::ops::Range;
 
-use serde::de::{DeserializeOwned, IgnoredAny, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
@@ -145,33 +144,22 @@ pub(super) fn of_any(kinds: Kinds) -> String {
 }
 
 /// A formula as text; a bare TOML number is a formula too.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "toml::Value")]
 pub(crate) struct Formula(pub String);
 
-impl<'de> Deserialize<'de> for Formula {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Formula, D::Error> {
-        deserializer.deserialize_any(FormulaVisitor)
-    }
-}
+impl TryFrom<toml::Value> for Formula {
+    type Error = String;
 
-struct FormulaVisitor;
-
-impl Visitor<'_> for FormulaVisitor {
-    type Value = Formula;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a formula in quotes or a number")
-    }
-
-    fn visit_str<E>(self, text: &str) -> Result<Formula, E> {
-        Ok(Formula(text.to_string()))
-    }
-
-    fn visit_f64<E>(self, value: f64) -> Result<Formula, E> {
-        Ok(Formula(value.to_string()))
-    }
-
-    fn visit_i64<E>(self, value: i64) -> Result<Formula, E> {
-        Ok(Formula(value.to_string()))
+    fn try_from(value: toml::Value) -> Result<Self, String> {
+        match value {
+            toml::Value::String(text) => Ok(Self(text)),
+            toml::Value::Float(number) => Ok(Self(number.to_string())),
+            toml::Value::Integer(number) => Ok(Self(number.to_string())),
+            other => Err(format!(
+                "invalid type: {}, expected a formula in quotes or a number",
+                other.type_str()
+            )),
+        }
     }
 }

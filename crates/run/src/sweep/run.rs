@@ -57,11 +57,11 @@ impl Machine {
 /// Observer of a running sweep.
 pub trait Progress: Sync {
     /// The sweep begins, with `total` cases of which `done` are already recorded.
-    fn begin(&self, total: usize, done: usize);
+    fn begin(&self, _total: usize, _done: usize) {}
     /// Records of an earlier sweep are discarded, and their cases run again.
-    fn doubted(&self, why: &str);
-    fn started(&self, what: &str);
-    fn finished(&self, what: &str, record: Option<&CaseRecord>);
+    fn doubted(&self, _why: &str) {}
+    fn started(&self, _what: &str) {}
+    fn finished(&self, _what: &str, _record: Option<&CaseRecord>) {}
     /// The done share of the predicted seconds of all work.
     fn advanced(&self, _share: f64) {}
     /// Whether no further case shall begin.
@@ -71,12 +71,7 @@ pub trait Progress: Sync {
 }
 
 /// Ignores everything.
-impl Progress for () {
-    fn begin(&self, _: usize, _: usize) {}
-    fn doubted(&self, _: &str) {}
-    fn started(&self, _: &str) {}
-    fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
-}
+impl Progress for () {}
 
 enum Job {
     /// The reference run of a scene.
