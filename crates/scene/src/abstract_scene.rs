@@ -83,7 +83,7 @@ impl AbstractScene {
             reading.required::<IgnoredAny>(&join(part, key))?;
         }
         let inner_product = square_or_identity(reading, "space.inner_product", m)?;
-        symmetric(reading, "space.inner_product", &inner_product)?;
+        reading.symmetric("space.inner_product", &inner_product)?;
         let matrix = square(reading, "operator.matrix", m)?;
         let in_r = |reading: &mut Reading, key: &str, variables: &[Variable]| {
             let mut scope = reading.scope(variables);
@@ -197,21 +197,5 @@ fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>, SceneError
 }
 
 fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
-    let rows = reading.entries_of(key, m, "a matrix of the scene has dimension rows")?;
-    rows.map(|i| vector(reading, &format!("{key}.{i}"), m)).collect()
-}
-
-fn symmetric(reading: &Reading, key: &str, rows: &Rows) -> Result<(), SceneError> {
-    for i in 0..rows.len() {
-        for j in 0..i {
-            if rows[i][j] != rows[j][i] {
-                let message = format!(
-                    "not symmetric: {} at ({i}, {j}), {} at ({j}, {i})",
-                    rows[i][j], rows[j][i]
-                );
-                return Err(reading.error(key, message, "an inner product is symmetric"));
-            }
-        }
-    }
-    Ok(())
+    reading.matrix(key, m, "a matrix of the scene has dimension rows of so many numbers")
 }

@@ -92,24 +92,11 @@ fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6],
     let hint = format!(
         "a full elasticity tensor is a {order} by {order} matrix here, in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space"
     );
-    let row = |i| reading.numbers(&format!("{place}.{i}"), order, &hint);
-    let rows = reading.entries_of(place, order, &hint)?.map(row).collect::<Result<Vec<_>, _>>()?;
+    let rows = reading.matrix(place, order, &hint)?;
+    reading.symmetric(place, &rows)?;
     let mut matrix = [[0.0; 6]; 6];
-    for (i, row) in rows.iter().enumerate() {
-        for (j, &entry) in row.iter().enumerate() {
-            if entry != rows[j][i] {
-                let message = format!(
-                    "entry ({}, {}) is {entry}, entry ({}, {}) is {}: the matrix must be symmetric",
-                    i + 1,
-                    j + 1,
-                    j + 1,
-                    i + 1,
-                    rows[j][i]
-                );
-                return Err(reading.error(place, message, "give both entries the same number"));
-            }
-            matrix[i][j] = entry;
-        }
+    for (of_matrix, row) in matrix.iter_mut().zip(&rows) {
+        of_matrix[..order].copy_from_slice(row);
     }
     Ok(matrix)
 }

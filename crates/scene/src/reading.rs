@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::de::IgnoredAny;
+
 use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 use toml::de::DeTable;
 
@@ -145,15 +147,9 @@ impl<'a> Reading<'a> {
 
     /// Points of a graph; `form` names their two numbers.
     pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>, SceneError> {
-        let point = |(index, point): (usize, &Vec<f64>)| match point[..] {
-            [a, b] if a.is_finite() && b.is_finite() => Ok([a, b]),
-            _ => Err(self.error(
-                &format!("{key}.{index}"),
-                format!("{point:?} is not a point"),
-                format!("a point is two finite numbers: {form}"),
-            )),
-        };
-        self.required::<Vec<Vec<f64>>>(key)?.iter().enumerate().map(point).collect()
+        let count = self.required::<Vec<IgnoredAny>>(key)?.len();
+        let hint = format!("a point is two finite numbers: {form}");
+        (0..count).map(|index| self.pair(&format!("{key}.{index}"), &hint)).collect()
     }
 
     /// The given variables and the parameters of the scene.

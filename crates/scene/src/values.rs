@@ -76,6 +76,42 @@ impl Reading<'_> {
         self.entries_of(key, count, hint)?.map(|i| self.finite(&format!("{key}.{i}"))).collect()
     }
 
+    /// Two finite numbers.
+    pub(super) fn pair(&self, key: &str, hint: &str) -> Result<[f64; 2], SceneError> {
+        let numbers = self.numbers(key, 2, hint)?;
+        Ok([numbers[0], numbers[1]])
+    }
+
+    /// A square matrix, row by row.
+    pub(super) fn matrix(
+        &self,
+        key: &str,
+        order: usize,
+        hint: &str,
+    ) -> Result<Vec<Vec<f64>>, SceneError> {
+        let row = |i| self.numbers(&format!("{key}.{i}"), order, hint);
+        self.entries_of(key, order, hint)?.map(row).collect()
+    }
+
+    /// Refuses a matrix that is not symmetric.
+    pub(super) fn symmetric(&self, key: &str, rows: &[Vec<f64>]) -> Result<(), SceneError> {
+        for (i, row) in rows.iter().enumerate() {
+            if let Some(j) = (0..i).find(|&j| row[j] != rows[j][i]) {
+                let message = format!(
+                    "not symmetric: entry ({}, {}) is {}, entry ({}, {}) is {}",
+                    j + 1,
+                    i + 1,
+                    rows[j][i],
+                    i + 1,
+                    j + 1,
+                    row[j]
+                );
+                return Err(self.error(key, message, "give both entries the same number"));
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses keys of a table, if it is there, other than the known ones; spaces separate them.
     pub(super) fn keys(&self, table: &str, known: &str) -> Result<(), SceneError> {
         let given: BTreeMap<String, IgnoredAny> = match table {

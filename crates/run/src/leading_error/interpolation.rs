@@ -3,19 +3,19 @@
 use algebra::in_dimension;
 use std::sync::Arc;
 
+use super::NoConstant;
 use super::interpolation_stress::StressInterpolationError;
 use super::measures::square_apart;
 use super::own_history::{nodal, points_of_cells, points_of_nodes};
 use super::quadratic::QuadraticError;
 use super::time::{largest_step, times};
-use super::{Case, NoConstant};
 use exact::constitutive::{Tensor, full};
 use exact::{Exact, NodalStrain};
 use fem::contact::{Discretization, LoadError};
 use fem::space::Element;
 use fem::space::quadrature::{Rule, gauss_legendre};
 use formula::{BoundProgram, Program, Variable};
-use judge::verdict::{LeadingLine, LeadingPoint};
+use judge::verdict::{LeadingLine, LeadingPoint, MeshAndSteps as Case};
 use scene::Shape;
 use scene::setup::Setup;
 

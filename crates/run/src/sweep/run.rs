@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::Build;
 use super::memory_limit::{MemoryLimit, TooLarge};
@@ -114,9 +114,7 @@ pub fn run_more(
     let shared: Vec<Shared<'_>> = plans.iter().map(Shared::new).collect();
     let sweep = Sweep {
         shared: &shared,
-        journal: Mutex::new(journal),
-        records: Mutex::new(known),
-        failure: Mutex::new(None),
+        kept: Mutex::new(Kept { journal, records: known, failure: None }),
         progress,
     };
     let jobs = machine.jobs;
@@ -145,11 +143,10 @@ pub fn run_more(
             });
         }
     });
-    if let Some(error) = sweep.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(error.into());
-    }
-    sweep.journal.into_inner().unwrap_or_else(PoisonError::into_inner).in_place()?;
-    let mut records = sweep.records.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let kept = sweep.kept.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let Kept { journal, mut records, failure } = kept;
+    failure.map_or(Ok(()), Err)?;
+    journal.in_place()?;
     records.sort_by_key(CaseRecord::key);
     Ok(records)
 }
@@ -186,10 +183,15 @@ pub fn replace_records(out: &Path, provenance: &Provenance, kept: bool) -> Resul
 
 struct Sweep<'a> {
     shared: &'a [Shared<'a>],
-    journal: Mutex<Journal>,
-    records: Mutex<Vec<CaseRecord>>,
-    failure: Mutex<Option<RecordError>>,
+    kept: Mutex<Kept>,
     progress: &'a dyn Progress,
+}
+
+struct Kept {
+    journal: Journal,
+    records: Vec<CaseRecord>,
+    /// Why a record could not be written.
+    failure: Option<RecordError>,
 }
 
 impl Sweep<'_> {
@@ -237,8 +239,7 @@ impl Sweep<'_> {
     }
 
     fn open(&self, shared: &Shared<'_>) -> Vec<usize> {
-        let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
-        let recorded: BTreeSet<Key> = records.iter().map(CaseRecord::key).collect();
+        let recorded: BTreeSet<Key> = self.kept().records.iter().map(CaseRecord::key).collect();
         let keys = shared.plan.keys().into_iter().enumerate();
         keys.filter(|(_, key)| !recorded.contains(key)).map(|(c, _)| c).collect()
     }
@@ -273,19 +274,20 @@ impl Sweep<'_> {
     }
 
     fn failed(&self) -> bool {
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+        self.kept().failure.is_some()
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn keep(&self, record: CaseRecord) {
-        let mut journal = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = self.kept();
         // The failed write may have left half a line; a line after it would make the table unreadable.
-        if self.failed() {
-            return;
+        if kept.failure.is_none() {
+            kept.failure = kept.journal.append(&record).err();
+            kept.records.push(record);
         }
-        if let Err(error) = journal.append(&record) {
-            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        }
-        self.records.lock().unwrap_or_else(PoisonError::into_inner).push(record);
     }
 }
 

@@ -1,6 +1,6 @@
 //! `[domain] mesh`: how the vertices of the meshes are placed.
 
-use super::polygon::point;
+use super::polygon::A_POINT;
 use super::{Domain, Shape};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
@@ -53,7 +53,7 @@ fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3], SceneError> {
 
 fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> {
     let key = "domain.mesh.corner";
-    let corner = point(reading, key)?;
+    let corner = reading.pair(key, A_POINT)?;
     let fault = format!("is outside [1, {STEEPEST}]");
     let hint = "1 leaves the mesh as it is; for u ~ r^s at the corner 1/s or a little more restores order 1";
     let fits = |exponent| (1.0..=STEEPEST).contains(&exponent);

@@ -62,14 +62,10 @@ fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError
 }
 
 fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>, SceneError> {
-    reading.entries(key)?.map(|i| point(reading, &format!("{key}.{i}"))).collect()
+    reading.entries(key)?.map(|i| reading.pair(&format!("{key}.{i}"), A_POINT)).collect()
 }
 
-/// A point of the plane: two finite numbers.
-pub(super) fn point(reading: &Reading, key: &str) -> Result<[f64; 2], SceneError> {
-    let numbers = reading.numbers(key, 2, "a point of the plane has two numbers: write [x, y]")?;
-    Ok([numbers[0], numbers[1]])
-}
+pub(super) const A_POINT: &str = "a point of the plane has two numbers: write [x, y]";
 
 /// Triangles of the file, with checked vertex numbers.
 fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>, SceneError> {

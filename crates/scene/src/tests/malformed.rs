@@ -178,7 +178,7 @@ fn contact() {
         case("gap = \"0.10\"", "shift = \"log(x)\"", 27, 9, "`shift` is -inf at x = 0, y = 0"),
         case("[0.04, 0.08]", "[0.0, -0.1]", 28, 58, "(2.8c) then fails for every alpha"),
         case("[0.04, 0.08]", "[-0.04, 0.08]", 28, 58, "must be sorted"),
-        case("[0.04, 0.08]", "[0.04, 0.08, 1.0]", 28, 58, "not a point"),
+        case("[0.04, 0.08]", "[0.04, 0.08, 1.0]", 28, 58, "3 entries where 2 are wanted"),
         case("\"piecewise-linear\"", "\"linear\"", 28, 26, "takes no `points`"),
         case("\"piecewise-linear\"", "\"piecewise\"", 28, 16, "did you mean `piecewise-linear`?"),
         case("quadrature = \"vertex\"", "quadrature = \"exactly\"", 29, 14, "did you mean `exact`?"),
