@@ -190,13 +190,13 @@ fn constant_within(
 ) -> Result<Option<f64>, SceneError> {
     let (within, why) = (key("constant_within"), key("constant_why"));
     let reason: Option<String> = reading.optional(&why)?;
-    let empty = reason.as_ref().is_some_and(|reason| reason.trim().is_empty());
-    let (key, message, hint) = match (reading.has(&within), reason) {
-        (false, None) => return Ok(None),
-        (_, Some(_)) if empty => {
+    let explained = reason.is_some_and(|reason| !reason.trim().is_empty());
+    let (key, message, hint) = match (reading.has(&within), explained) {
+        (false, false) if reading.has(&why) => {
             (&why, "`constant_why` is empty", "state the reason, or remove it")
         }
-        (false, Some(_)) => (
+        (false, false) => return Ok(None),
+        (false, true) => (
             &why,
             "`constant_why` explains a share that is not there",
             "add it: constant_within = 0.03, or remove constant_why",
@@ -206,12 +206,12 @@ fn constant_within(
             "`constant_within` beside constant = false: nothing is compared",
             "keep one of the two",
         ),
-        (true, None) => (
+        (true, false) => (
             &within,
             "`constant_within` without a reason",
             "say why the usual share does not do: constant_why = \"n = 6 is the finest mesh\"",
         ),
-        (true, Some(_)) => {
+        (true, true) => {
             let hint = "give the relative distance that is allowed, such as 0.03";
             return reading.share(&within, hint).map(Some);
         }

@@ -68,17 +68,17 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
     }
     let (by, key, remedy) = match &constants.coulomb {
         Some(_) => (
-            "A c_nu^2 + B c_tau^2",
+            "the smallness condition (2.9) fails: A c_nu^2 + B c_tau^2 =",
             "contact.friction.bound.coefficient",
             "lower the coefficient, flatten the normal law or stiffen the body (A and B are explained in docs/CONTACT-LAWS.md)",
         ),
         None if constants.alpha_tau > 0.0 => (
-            "alpha_nu c_nu^2 + alpha_tau c_tau^2",
+            "the smallness condition (2.9) fails: alpha_nu c_nu^2 + alpha_tau c_tau^2 =",
             "contact.friction.bound",
             "let the bound fall more slowly with the slip, flatten the falling branch of the normal law or stiffen the body",
         ),
         None => (
-            "alpha_nu c_j^2",
+            "the smallness condition (2.9) fails: alpha_nu c_j^2 =",
             "contact.law",
             "flatten the falling branch of the law or stiffen the body",
         ),
@@ -89,7 +89,7 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
         product += &format!(" + {tangential:.4} * {:.4}", constants.c_tau_squared);
     }
     let message = format!(
-        "the smallness condition (2.9) fails: {by} = {product} = {:.4} is not below m_A = {:.4}",
+        "{by} {product} = {:.4} is not below m_A = {:.4}",
         constants.concave(),
         constants.m_elastic
     );
