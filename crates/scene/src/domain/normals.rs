@@ -1,5 +1,7 @@
 //! Limit of contact conditions at a vertex.
 
+use nalgebra::DMatrix;
+
 use super::{Domain, Shape, place};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
@@ -44,14 +46,6 @@ fn refusal(reading: &Reading, solid: &Solid, v: usize, count: usize) -> SceneErr
 /// Linear independence of unit vectors, by Gram's determinant.
 fn independent(normals: &[[f64; 3]]) -> bool {
     let dot = |p: [f64; 3], q: [f64; 3]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
-    match *normals {
-        [] | [_] => true,
-        [p, q] => 1.0 - dot(p, q).powi(2) > DEPENDENT.powi(2),
-        [p, q, r] => {
-            let cross = [0, 1, 2]
-                .map(|i| q[(i + 1) % 3] * r[(i + 2) % 3] - q[(i + 2) % 3] * r[(i + 1) % 3]);
-            dot(p, cross).abs() > DEPENDENT
-        }
-        _ => false,
-    }
+    let gram = DMatrix::from_fn(normals.len(), normals.len(), |i, j| dot(normals[i], normals[j]));
+    gram.determinant() > DEPENDENT.powi(2)
 }
