@@ -39,17 +39,11 @@ fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrde
     // Half of the eigenvalue 2 mu_L of the elasticity tensor.
     let mu = reading.positive(&join(key, "mu_L"))?;
     let d = dimension as f64;
-    if 2.0 * mu + d * lambda <= 0.0 {
-        let message = match dimension {
-            2 => format!(
-                "lambda + mu_L = {} is not positive: the eigenvalue 2 mu_L + 2 lambda of the elasticity tensor must be",
-                lambda + mu
-            ),
-            _ => format!(
-                "2 mu_L + {dimension} lambda = {} is not positive: this eigenvalue of the elasticity tensor must be",
-                2.0 * mu + d * lambda
-            ),
-        };
+    let eigenvalue = 2.0 * mu + d * lambda;
+    if eigenvalue <= 0.0 {
+        let message = format!(
+            "2 mu_L + {dimension} lambda = {eigenvalue} is not positive: this eigenvalue of the elasticity tensor must be"
+        );
         let hint = format!("give lambda > {}", -2.0 * mu / d);
         return Err(reading.error(&format!("{key}.lambda"), message, hint));
     }

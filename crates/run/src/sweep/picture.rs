@@ -2,6 +2,8 @@
 
 mod space;
 
+use std::collections::BTreeSet;
+
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{EvaluationPoint, Node, Program};
 use report::{Ink, Sketch, Stroke};
@@ -125,15 +127,12 @@ fn cell(mesh: &Mesh, c: usize) -> Vec<(f64, f64)> {
 
 /// The edges of a mesh, each once.
 fn lines(mesh: &Mesh) -> Vec<Stroke> {
-    let mut edges = Vec::new();
-    for c in 0..mesh.cell_count() {
-        let corners = mesh.cell(c);
-        let pairs =
-            corners.iter().enumerate().flat_map(|(a, p)| corners[..a].iter().map(move |q| (p, q)));
-        edges.extend(pairs.map(|(&p, &q)| [p.min(q), p.max(q)]));
+    let mut edges = BTreeSet::new();
+    for corners in (0..mesh.cell_count()).map(|c| mesh.cell(c)) {
+        for (a, &p) in corners.iter().enumerate() {
+            edges.extend(corners[..a].iter().map(|&q| [p.min(q), p.max(q)]));
+        }
     }
-    edges.sort_unstable();
-    edges.dedup();
     let at = |v: u32| (mesh.vertex(v)[0], mesh.vertex(v)[1]);
     edges.into_iter().map(|[a, b]| Stroke { ink: Ink::Thin, path: vec![at(a), at(b)] }).collect()
 }

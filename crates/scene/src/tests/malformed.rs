@@ -106,7 +106,7 @@ fn time_and_material() {
         case("kind = \"uniform\"", "kind = \"graded\", exponent = 0.5", 15, 38, "below 1"),
         case("kind = \"uniform\"", "kind = \"random\", seed = -1", 15, 34, "negative"),
         case("mu_L = 1.0", "mu_L = -1.0", 18, 8, "`mu_L` = -1 is not positive"),
-        case("lambda = 1.0", "lambda = -2.0", 17, 10, "lambda + mu_L = -1 is not positive"),
+        case("lambda = 1.0", "lambda = -2.0", 17, 10, "2 mu_L + 2 lambda = -2 is not positive"),
         case("mu_L = 1.0", "nu = 0.3", 16, 1, "[material] gives lambda, nu"),
         case("lambda = 1.0\nmu_L = 1.0", "E = 1.0\nnu = 0.5", 18, 6, "outside (-1, 0.5)"),
         case("-exp(-t)", "1/t", 20, 10, "the memory kernel is inf at t = 0"),
