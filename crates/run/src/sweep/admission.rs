@@ -54,9 +54,9 @@ impl Runs<'_> {
                 ((Some(n), steps), run + (self.beside)(&space, steps))
             }));
         }
-        // NaN counts as the largest.
+        // The first of the largest; NaN counts as one.
         let size = |bytes: f64| if bytes.is_nan() { f64::INFINITY } else { bytes };
-        let dearest = all.into_iter().max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
+        let dearest = all.into_iter().min_by(|a, b| size(b.1).total_cmp(&size(a.1)));
         dearest.map_or(Ok(()), |(run, bytes)| admitted(limit, bytes, false, name, run))
     }
 }
