@@ -187,15 +187,15 @@ fn slopes(
     slope: fn(&dyn ComponentLaw, f64, f64) -> f64,
 ) -> Vec<[f64; 2]> {
     let place = |i: u32| REACH * (2.0 * f64::from(i) / f64::from(SAMPLES) - 1.0);
-    let of_law = |law: &Box<dyn ComponentLaw>| {
+    let of_law = |law: &dyn ComponentLaw| {
         let points = (0..=SAMPLES)
             .flat_map(|i| (0..=SAMPLES).step_by(20).map(move |j| (place(j), place(i))));
-        let values = points.map(|(y, r)| slope(&**law, y, r));
+        let values = points.map(|(y, r)| slope(law, y, r));
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
             [low.min(value), high.max(value)]
         })
     };
-    laws.iter().map(of_law).collect()
+    laws.iter().map(|law| of_law(&**law)).collect()
 }
 
 fn norm(a: &DMatrix<f64>) -> f64 {
