@@ -27,11 +27,11 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
     let weights = problem.kernels.iter().map(of_kernel).collect::<Result<Vec<_>, _>>()?;
     let m = problem.matrix.nrows();
     let mut sums = Sums::new(weights, &problem.kernels, times, m);
-    let mut u = problem.u.bind(&[[0.0; 3]]);
-    let mut exact = |s: f64| {
+    let exact = |times: &[f64]| -> Vec<Vec<f64>> {
+        let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let mut values = vec![Vec::new(); m];
-        u.evaluate(s, 0.0, &mut values);
-        values.concat()
+        problem.u.bind(&places).evaluate(0.0, 0.0, &mut values);
+        (0..times.len()).map(|k| values.iter().map(|list| list[k]).collect()).collect()
     };
     let mut largest: f64 = 0.0;
     let kinks = problem.kinks(times);
@@ -42,7 +42,7 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
         for (l, (kernel, matrix)) in problem.kernels.iter().zip(&problem.matrices).enumerate() {
             let ([mut discrete, of_errors], weight) = (sums.before(l), sums.current_weight(l));
             axpy(weight, &state.u, &mut discrete);
-            let integral = kernel.integral(t, &kinks, &discrete, &mut exact);
+            let integral = kernel.integral(t, &kinks, &discrete, exact);
             of_exact += matrix * DVector::from_vec(integral);
             sum += matrix * DVector::from_vec(discrete);
             past += matrix * DVector::from_vec(of_errors);
@@ -69,6 +69,7 @@ struct Linearised<'a> {
     kernels: Vec<Kernel>,
     /// Q_l.
     matrices: Vec<DMatrix<f64>>,
+    /// u(x).
     u: Program,
     /// g_i'.
     nonlinear: Vec<Node>,
@@ -91,7 +92,10 @@ impl<'a> Linearised<'a> {
                 (kernel, rows(&written.matrix))
             })
             .unzip();
-        let u = Program::compile(&mut graph, &problem.u, horizon);
+        let s = graph.variable(Variable::X);
+        let u = problem.u.iter().map(|&u| graph.substitute(u, Variable::T, s));
+        let u: Vec<Node> = u.collect();
+        let u = Program::compile(&mut graph, &u, horizon);
         let mut by = |f: Node, variable| graph.derivative(f, variable);
         let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
         let force = problem

@@ -102,7 +102,9 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         let (kernel, length) = (&self.kernels[term], self.space.nodes.len());
         if kernel.is_direct() {
             let (u, space) = (&mut self.u, self.space);
-            return kernel.integral(self.t, &self.kinked, discrete, |s| nodal(u, space, s));
+            let mut at = |&s: &f64| nodal(u, space, s);
+            let v = |times: &[f64]| times.iter().map(&mut at).collect();
+            return kernel.integral(self.t, &self.kinked, discrete, v);
         }
         let before: usize = self.kernels[..term].iter().map(|k| k.exponentials().len()).sum();
         let mut sum = vec![0.0; length];

@@ -45,13 +45,14 @@ impl Kernel {
         self.factor.bind(&times.iter().map(|&s| [s, 0.0, 0.0]).collect::<Vec<_>>())
     }
 
-    /// ∫_0^t (t-s)^{-a} q(t,s) v(s) ds, where v has kinks at some times; `discrete` is the sum that it is compared with.
+    /// ∫_0^t (t-s)^{-a} q(t,s) v(s) ds, where v, given for a list of times, has kinks
+    /// at some; `discrete` is the sum that it is compared with.
     pub(super) fn integral(
         &self,
         t: f64,
         kinks: &[f64],
         discrete: &[f64],
-        mut v: impl FnMut(f64) -> Vec<f64>,
+        mut v: impl FnMut(&[f64]) -> Vec<Vec<f64>>,
     ) -> Vec<f64> {
         if t == 0.0 {
             return vec![0.0; discrete.len()];
@@ -59,8 +60,11 @@ impl Kernel {
         integral_against(self.power, &cuts(t, kinks), discrete, |times| {
             let mut factors = [Vec::new()];
             self.at_times(times).evaluate(t, 0.0, &mut factors);
-            let at = |(&s, q): (&f64, &f64)| v(s).into_iter().map(|v| q * v).collect();
-            times.iter().zip(&factors[0]).map(at).collect()
+            let mut values = v(times);
+            for (values, q) in values.iter_mut().zip(&factors[0]) {
+                values.iter_mut().for_each(|value| *value *= q);
+            }
+            values
         })
     }
 
