@@ -8,7 +8,7 @@ use super::{CliError, print_as_it_is};
 use judge::record::CaseRecord;
 use judge::verdict::Verdict;
 use report::{AnnotationPlace, annotations, step_summary};
-use run::sweep::{ScenePlan, judged_variable};
+use run::sweep::ScenePlan;
 
 /// Whether annotations are wanted, by the option or because GitHub Actions runs.
 pub(super) fn on_github(option: bool) -> bool {
@@ -37,7 +37,7 @@ pub(crate) fn annotate(
 fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<AnnotationPlace> {
     let scene = plans.iter().map(ScenePlan::scene).find(|scene| scene.name == name)?;
     let predicts = scene.predicts.iter().position(|prediction| {
-        let variable = judged_variable(prediction.variable);
+        let variable = prediction.variable;
         verdict.is_some_and(|v| v.norm == prediction.norm.name() && v.variable == variable)
     });
     let key = match predicts {

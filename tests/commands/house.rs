@@ -20,7 +20,7 @@ const HOUSE: [(&str, &[&str], &[&str]); 11] = [
     ("exact", &["fem", "formula"], &[]),
     ("judge", &["files"], &["record", "fit", "table", "verdict"]),
     ("report", &["files", "judge"], &[]),
-    ("scene", &["algebra", "exact", "fem", "files", "formula", "vhi"], &["setup"]),
+    ("scene", &["algebra", "exact", "fem", "files", "formula", "judge", "vhi"], &["setup"]),
     (
         "run",
         &["algebra", "exact", "fem", "files", "formula", "judge", "report", "scene", "vhi"],
@@ -39,7 +39,11 @@ const HOUSE: [(&str, &[&str], &[&str]); 11] = [
 const INDEPENDENT: [(&str, &str, &[&str]); 8] = [
     ("exact", "vhi", &[]),
     ("exact", "fem", FEM_OF_EXACT),
-    ("leading_error", "judge", &["verdict::LeadingLine", "verdict::LeadingPoint"]),
+    (
+        "leading_error",
+        "judge",
+        &["verdict::LeadingLine", "verdict::LeadingPoint", "verdict::MeshAndSteps"],
+    ),
     ("leading_error", "report", &[]),
     ("leading_error", "vhi", &["history::TimeGrid"]),
     ("leading_error", "fem", FEM_OF_LEADING_ERROR),

@@ -164,7 +164,7 @@ fn a_scene_runs_its_pairs_and_no_grid() {
         ("pairs = [[4, 4], [8, 6]]", "an order needs three"),
         ("pairs = [[4, 4], [8, 6], [8, 8]]", "does not refine"),
         ("pairs = [[4, 4], [8, 6], [16, 5]]", "does not refine"),
-        ("pairs = [[4, 4], [8, 6, 1], [16, 5]]", "3 numbers, a pair has two"),
+        ("pairs = [[4, 4], [8, 6, 1], [16, 5]]", "3 entries where 2 are wanted"),
         ("pairs = [[4, 4], [8, 6], [16, 8]]\nn = [4]", "both pairs and a grid"),
     ] {
         let scene = Scene::from_source(Source::from_text("p.toml", on_pairs(pairs)));

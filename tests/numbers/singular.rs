@@ -263,7 +263,7 @@ fn what_cannot_be_integrated_is_refused_with_the_way_out() {
             "singular-contact",
             "singular = 0.4",
             "singular = 1.0",
-            ["singular = 1 is not", "no integral"],
+            ["`singular` = 1 is not", "no integral"],
         ),
         (
             "singular-contact",
@@ -281,7 +281,7 @@ fn what_cannot_be_integrated_is_refused_with_the_way_out() {
             "singular-smooth",
             smooth,
             "singular = -0.5, ",
-            ["singular = -0.5 is not", "is the formula"],
+            ["`singular` = -0.5 is not", "is the formula"],
         ),
         (
             "singular-smooth",

@@ -19,6 +19,13 @@ pub struct EvaluationPoint {
     pub zeta: f64,
 }
 
+impl From<[f64; 3]> for EvaluationPoint {
+    /// A place; t = ζ = 0.
+    fn from([x, y, z]: [f64; 3]) -> Self {
+        Self { x, y, z, t: 0.0, zeta: 0.0 }
+    }
+}
+
 impl EvaluationPoint {
     fn value(&self, v: Variable) -> f64 {
         match v {

@@ -14,7 +14,7 @@ use formula::{EvaluationPoint, Node, Variable};
 use super::definitions::definitions;
 use super::diagnostic::SceneError;
 use super::law::Law;
-use super::reading::Reading;
+use super::reading::{Reading, evenly};
 use super::singular;
 use super::spans::join;
 
@@ -83,7 +83,7 @@ impl AbstractScene {
             reading.required::<IgnoredAny>(&join(part, key))?;
         }
         let inner_product = square_or_identity(reading, "space.inner_product", m)?;
-        symmetric(reading, "space.inner_product", &inner_product)?;
+        reading.symmetric("space.inner_product", &inner_product)?;
         let matrix = square(reading, "operator.matrix", m)?;
         let in_r = |reading: &mut Reading, key: &str, variables: &[Variable]| {
             let mut scope = reading.scope(variables);
@@ -142,9 +142,14 @@ fn kernels(
     let mut kernels = Vec::new();
     for l in reading.entries("history.kernels")? {
         let key = format!("history.kernels.{l}");
-        let q = reading.formula(&join(&key, "q"), &scope)?;
+        let of_q = join(&key, "q");
+        let q = reading.formula(&of_q, &scope)?;
         let matrix = square_or_identity(reading, &join(&key, "matrix"), m)?;
-        finite_at_the_end(reading, &join(&key, "q"), q, horizon)?;
+        let ends = evenly(0.0, horizon, ENDS).skip(1);
+        let ends = ends.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() });
+        reading.everywhere((&of_q, q), ends, f64::is_finite, |at, value| {
+            (format!("q(t, s) is {value} at s = t = {}", at.t), singular::way_out("q"))
+        })?;
         let power = singular::exponent(reading, &key)?;
         kernels.push(AbstractKernel { q, power, matrix });
     }
@@ -184,58 +189,13 @@ impl AbstractTrace {
     }
 }
 
-/// Times t > 0 at which q(t, t) is evaluated.
+/// Times t > 0 at which q(t, t) must be finite.
 const ENDS: u32 = 16;
 
-/// Refuses q that is not finite at s = t.
-fn finite_at_the_end(
-    reading: &Reading,
-    key: &str,
-    q: Node,
-    horizon: f64,
-) -> Result<(), SceneError> {
-    let times = (1..=ENDS).map(|i| horizon * f64::from(i) / f64::from(ENDS));
-    match reading.first_not_finite(
-        q,
-        times.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() }),
-    ) {
-        None => Ok(()),
-        Some((point, value)) => {
-            let message = format!("q(t, s) is {value} at s = t = {}", point.t);
-            Err(reading.error(key, message, singular::way_out("q")))
-        }
-    }
-}
-
 fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>, SceneError> {
-    let values: Vec<f64> = reading.required(key)?;
-    if values.len() != m || !values.iter().all(|value| value.is_finite()) {
-        let message = format!("{values:?} is no vector of {m} finite numbers");
-        return Err(reading.error(key, message, "one number a component, dimension of them"));
-    }
-    Ok(values)
+    reading.numbers(key, m, "one number a component, dimension of them")
 }
 
 fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
-    let rows = reading.required::<Vec<IgnoredAny>>(key)?.len();
-    if rows != m {
-        let message = format!("{rows} rows in dimension {m}");
-        return Err(reading.error(key, message, "a matrix of the scene has dimension rows"));
-    }
-    (0..m).map(|i| vector(reading, &format!("{key}.{i}"), m)).collect()
-}
-
-fn symmetric(reading: &Reading, key: &str, rows: &Rows) -> Result<(), SceneError> {
-    for i in 0..rows.len() {
-        for j in 0..i {
-            if rows[i][j] != rows[j][i] {
-                let message = format!(
-                    "not symmetric: {} at ({i}, {j}), {} at ({j}, {i})",
-                    rows[i][j], rows[j][i]
-                );
-                return Err(reading.error(key, message, "an inner product is symmetric"));
-            }
-        }
-    }
-    Ok(())
+    reading.matrix(key, m, "a matrix of the scene has dimension rows of so many numbers")
 }

@@ -32,26 +32,21 @@ impl Contact {
         domain: &Domain,
         time: &Time,
     ) -> Result<Option<Contact>, SceneError> {
-        match (reading.has("contact"), domain.contact.is_empty()) {
-            (false, true) => Ok(None),
-            (false, false) => {
-                let message = "contact sides, but no part [contact]";
-                Err(reading.error(
-                    "domain.contact",
-                    message,
-                    "add [contact]; it may be empty: no gap, no law",
-                ))
-            }
-            (true, true) => {
-                let message = "[contact] without a contact side";
-                Err(reading.error(
-                    "contact",
-                    message,
-                    "name the sides in [domain], contact = [\"bottom\"], or remove [contact]",
-                ))
-            }
-            (true, false) => Contact::parts(reading, domain, time).map(Some),
-        }
+        let (key, message, hint) = match (reading.has("contact"), domain.contact.is_empty()) {
+            (false, true) => return Ok(None),
+            (true, false) => return Contact::parts(reading, domain, time).map(Some),
+            (false, false) => (
+                "domain.contact",
+                "contact sides, but no part [contact]",
+                "add [contact]; it may be empty: no gap, no law",
+            ),
+            (true, true) => (
+                "contact",
+                "[contact] without a contact side",
+                "name the sides in [domain], contact = [\"bottom\"], or remove [contact]",
+            ),
+        };
+        Err(reading.error(key, message, hint))
     }
 
     fn parts(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Contact, SceneError> {
@@ -84,24 +79,23 @@ fn quadrature(
         ("exact", ContactQuadrature::Exact),
     ];
     let chosen = reading.choice_or("contact.quadrature", &known, ContactQuadrature::Vertex)?;
-    if chosen != ContactQuadrature::Vertex && law.is_some_and(Law::is_set_valued) {
-        let word = if chosen == ContactQuadrature::Gauss { "gauss" } else { "exact" };
-        let message = format!(
-            "the quadrature `{word}` and a law with a jump: where u_nu stays at the jump along an edge, the pressure is no number at its points"
-        );
-        let hint = "use quadrature = \"vertex\", which keeps one pressure a vertex, or replace the jump by a steep slope";
-        return Err(reading.error("contact.quadrature", message, hint));
-    }
+    let (exact, jumps) = (chosen == ContactQuadrature::Exact, law.is_some_and(Law::is_set_valued));
     let curve = law.and_then(|law| law.curve);
-    if chosen == ContactQuadrature::Exact && curve.is_some_and(|curve| !has_exact_rule(curve)) {
-        let message = "the quadrature `exact` integrates powers by Gauss points, exactly for whole exponents up to 14";
-        let hint = "use quadrature = \"vertex\" or \"gauss\", or a whole exponent";
-        return Err(reading.error("contact.quadrature", message, hint));
-    }
-    if chosen == ContactQuadrature::Exact && domain.dimension() == 3 {
-        let message = "the quadrature `exact` cuts edges; a contact side in space has faces";
-        let hint = "use quadrature = \"vertex\" or \"gauss\"";
-        return Err(reading.error("contact.quadrature", message, hint));
-    }
-    Ok(chosen)
+    let (message, hint) = match chosen {
+        ContactQuadrature::Vertex => return Ok(chosen),
+        _ if jumps => (
+            "a rule with points between the vertices, and a law with a jump: where u_nu stays at the jump along an edge, the pressure is no number there",
+            "use quadrature = \"vertex\", which keeps one pressure a vertex, or replace the jump by a steep slope",
+        ),
+        _ if exact && curve.is_some_and(|curve| !has_exact_rule(curve)) => (
+            "the quadrature `exact` integrates powers by Gauss points, exactly for whole exponents up to 14",
+            "use quadrature = \"vertex\" or \"gauss\", or a whole exponent",
+        ),
+        _ if exact && domain.dimension() == 3 => (
+            "the quadrature `exact` cuts edges; a contact side in space has faces",
+            "use quadrature = \"vertex\" or \"gauss\"",
+        ),
+        _ => return Ok(chosen),
+    };
+    Err(reading.error("contact.quadrature", message, hint))
 }

@@ -38,13 +38,11 @@ pub(super) fn numbers(curve: Curve) -> CurveNumbers {
 
 fn power(reading: &Reading, table: &str) -> Result<Curve, SceneError> {
     let positive = |name: &str| reading.positive(&join(table, name));
-    let (coefficient, exponent) = (positive("coefficient")?, positive("exponent")?);
-    if exponent < 1.0 {
-        let message =
-            format!("`exponent` = {exponent}: below 1 the slope of the law is infinite at r = 0");
-        let hint = "give an exponent of at least 1";
-        return Err(reading.error(&format!("{table}.exponent"), message, hint));
-    }
+    let coefficient = positive("coefficient")?;
+    let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
+    let fault = "is not at least 1: below it the slope of the law is infinite at r = 0";
+    let range = [fault, "give an exponent of at least 1"];
+    let exponent = reading.number(&join(table, "exponent"), fits, range)?;
     let until = positive("until")?;
     let slope = coefficient * exponent * until.powf(exponent - 1.0);
     if !slope.is_finite() {

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use exact::LoadForm;
-use formula::{EvaluationPoint, Node, Scope, Variable};
+use formula::{Node, Scope, Variable};
 
 use super::contact::Contact;
 use super::definitions::definitions;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Side, place};
-use super::reading::{Reading, evenly};
+use super::reading::{Reading, in_time};
 use super::time::Time;
 use super::values::Formula;
 
@@ -64,14 +64,9 @@ impl Data {
                 Err(reading.error("loads", message, "remove one of the two"))
             }
             (false, false) => {
-                let end = reading.source.text.trim_end().len();
                 let message = "neither [exact] nor [loads]: nothing drives the scene";
-                Err(SceneError::at(
-                    reading.source,
-                    end..end,
-                    message,
-                    "add [loads] with body = [\"0\", \"-1\"], or [exact] with u",
-                ))
+                let hint = "add [loads] with body = [\"0\", \"-1\"], or [exact] with u";
+                Err(reading.error_at_the_end(message, hint))
             }
         }
     }
@@ -144,15 +139,14 @@ fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Da
     let dimension = domain.dimension();
     let scope = reading.space_and_time(dimension);
     let body = reading.vector("loads.body", dimension, &scope)?;
-    let inside = grid(domain, time);
-    finite(reading, "loads.body", &body, &inside, domain)?;
+    finite(reading, "loads.body", &body, &domain.points(SAMPLES), time)?;
     let mut traction = Vec::new();
     let written: Option<BTreeMap<String, Vec<Formula>>> = reading.optional("loads.traction")?;
     for (name, formulas) in written.iter().flatten() {
         let key = format!("loads.traction.{name}");
         let side = traction_side(reading, &key, name, domain)?;
         let nodes = reading.components(&key, formulas, dimension, &scope)?;
-        finite(reading, &key, &nodes, &along(side, domain, time), domain)?;
+        finite(reading, &key, &nodes, &domain.points_on(side, SAMPLES), time)?;
         traction.push((side, nodes));
     }
     Ok(Data::Loads { body, traction })
@@ -169,11 +163,8 @@ fn traction_side(
         return Ok(side);
     }
     let message = format!("a traction on the side `{name}`, which is not a traction side");
-    Err(reading.key_error(
-        key,
-        message,
-        "list the side in traction = [...] of [domain], or remove its load",
-    ))
+    let hint = "list the side in traction = [...] of [domain], or remove its load";
+    Err(reading.key_error(key, message, hint))
 }
 
 /// Refuses a load that is infinite or undefined at a sample.
@@ -181,40 +172,15 @@ fn finite(
     reading: &Reading,
     key: &str,
     load: &[Node],
-    points: &[EvaluationPoint],
-    domain: &Domain,
+    places: &[[f64; 3]],
+    time: &Time,
 ) -> Result<(), SceneError> {
-    for (index, node) in load.iter().enumerate() {
-        if let Some((point, value)) = reading.first_not_finite(*node, points.iter().copied()) {
-            let message = format!(
-                "the load is {value} at {}, t = {}",
-                place(&point, domain.dimension()),
-                point.t
-            );
-            return Err(reading.error(
-                &format!("{key}.{index}"),
-                message,
-                "f0 and f2 must be finite on the domain and on [0, T]",
-            ));
-        }
-    }
-    Ok(())
-}
-
-fn grid(domain: &Domain, time: &Time) -> Vec<EvaluationPoint> {
-    at_all_times(&domain.points(SAMPLES), time)
-}
-
-fn along(side: Side, domain: &Domain, time: &Time) -> Vec<EvaluationPoint> {
-    at_all_times(&domain.points_on(side, SAMPLES), time)
-}
-
-fn at_all_times(places: &[[f64; 3]], time: &Time) -> Vec<EvaluationPoint> {
-    let times = evenly(0.0, time.horizon, SAMPLES);
-    places
-        .iter()
-        .flat_map(|&[x, y, z]| {
-            times.clone().map(move |t| EvaluationPoint { x, y, z, t, zeta: 0.0 })
+    load.iter().enumerate().try_for_each(|(index, &node)| {
+        let key = format!("{key}.{index}");
+        let points = in_time(places, time.horizon, SAMPLES);
+        reading.everywhere((&key, node), points, f64::is_finite, |at, value| {
+            let message = format!("the load is {value} at {}, t = {}", place(at, load.len()), at.t);
+            (message, "f0 and f2 must be finite on the domain and on [0, T]")
         })
-        .collect()
+    })
 }

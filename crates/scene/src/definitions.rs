@@ -10,45 +10,46 @@ use super::values::Formula;
 
 /// The named constants; each may use earlier ones.
 pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>, SceneError> {
-    let mut scope = Scope::new(&[]);
     let mut parameters = Vec::new();
-    for (key, name, formula) in in_file_order(reading, "exact.parameters")? {
-        free_name(reading, &key, &name)?;
-        let node = reading.compiled(&key, &formula, &scope)?;
+    defined(reading, "exact.parameters", Scope::new(&[]), |reading, key, name, node| {
         if !reading.formulas.value_of_constant(node).is_some_and(f64::is_finite) {
             let message = format!("the parameter `{name}` is not a finite constant");
-            return Err(reading.error(
-                &key,
-                message,
-                "move a formula in x, y, t to [exact.define]",
-            ));
+            let hint = "move a formula in x, y, t to [exact.define]";
+            return Err(reading.error(key, message, hint));
         }
-        scope.define(&name, node);
-        parameters.push((name, node));
-    }
+        parameters.push((name.to_owned(), node));
+        Ok(())
+    })?;
     Ok(parameters)
 }
 
 /// A scope with the named quantities; each of these may use earlier ones.
-pub(super) fn definitions(reading: &mut Reading, mut scope: Scope) -> Result<Scope, SceneError> {
-    let ordered = in_file_order(reading, "exact.define")?;
+pub(super) fn definitions(reading: &mut Reading, scope: Scope) -> Result<Scope, SceneError> {
+    defined(reading, "exact.define", scope, |reading, key, name, _| {
+        if reading.parameters.iter().any(|(parameter, _)| parameter == name) {
+            let message = format!("`{name}` is a parameter already");
+            return Err(reading.key_error(key, message, "choose another name"));
+        }
+        Ok(())
+    })
+}
+
+/// The scope with the names of a table, each checked with its key and its formula.
+fn defined(
+    reading: &mut Reading,
+    table: &str,
+    mut scope: Scope,
+    mut check: impl FnMut(&Reading, &str, &str, Node) -> Result<(), SceneError>,
+) -> Result<Scope, SceneError> {
+    let ordered = in_file_order(reading, table)?;
     for (key, name, formula) in &ordered {
         free_name(reading, key, name)?;
-        if reading.parameters.iter().any(|(parameter, _)| parameter == name) {
-            return Err(reading.key_error(
-                key,
-                format!("`{name}` is a parameter already"),
-                "choose another name",
-            ));
-        }
         let node = reading.compiled(key, formula, &scope).map_err(|error| {
-            let later: Vec<&str> = ordered
-                .iter()
-                .map(|(_, name, _)| name.as_str())
-                .filter(|name| scope.get(name).is_none())
-                .collect();
+            let names = ordered.iter().map(|(_, name, _)| name.as_str());
+            let later: Vec<&str> = names.filter(|name| scope.get(name).is_none()).collect();
             used_too_early(error, &later)
         })?;
+        check(reading, key, name, node)?;
         scope.define(name, node);
     }
     Ok(scope)
@@ -94,9 +95,6 @@ fn free_name(reading: &Reading, key: &str, name: &str) -> Result<(), SceneError>
     if starts && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(());
     }
-    Err(reading.key_error(
-        key,
-        format!("`{name}` cannot be used in a formula"),
-        "a name begins with a letter and has letters, digits and _",
-    ))
+    let hint = "a name begins with a letter and has letters, digits and _";
+    Err(reading.key_error(key, format!("`{name}` cannot be used in a formula"), hint))
 }

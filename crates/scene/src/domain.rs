@@ -16,25 +16,13 @@ use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, lattice};
 use formula::EvaluationPoint;
 
 use super::diagnostic::SceneError;
-use super::reading::{Reading, evenly};
+use super::reading::Reading;
 
 pub(super) fn place(point: &EvaluationPoint, dimension: usize) -> String {
     let named = [("x", point.x), ("y", point.y), ("z", point.z)];
     let parts: Vec<String> =
         named[..dimension].iter().map(|(name, value)| format!("{name} = {value}")).collect();
     parts.join(", ")
-}
-
-/// Product of points with places along an axis; the new axis varies slowest.
-fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
-    let with = |place: f64| {
-        points.iter().map(move |point| {
-            let mut point = *point;
-            point[axis] = place;
-            point
-        })
-    };
-    places.iter().flat_map(|&place| with(place)).collect()
 }
 
 /// What the domain is.
@@ -202,13 +190,7 @@ impl Domain {
     pub(crate) fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
         let coarse = match &self.shape {
             Shape::Refined(coarse) => coarse,
-            Shape::Box => {
-                let axes = self.size.iter().enumerate();
-                return axes.fold(vec![[0.0; 3]], |points, (axis, &length)| {
-                    let places: Vec<f64> = evenly(0.0, length, intervals).collect();
-                    combined(&points, axis, &places)
-                });
-            }
+            Shape::Box => return Face::whole(&self.size).points(intervals),
         };
         let beside = match coarse {
             CoarseMesh::Plane(_) => 1.0,
@@ -262,8 +244,10 @@ impl Domain {
         for (list, sides) in lists {
             for (index, side) in sides.iter().enumerate() {
                 if let Some(first) = owner[side.index()].replace(list) {
-                    let key = format!("domain.{list}.{index}");
-                    return Err(twice(reading, &key, self.name(*side), [first, list]));
+                    let (key, side) = (format!("domain.{list}.{index}"), self.name(*side));
+                    let message = format!("the side `{side}` is in `{first}` and in `{list}`");
+                    let hint = "each side belongs to exactly one of clamped, traction, contact";
+                    return Err(reading.error(&key, message, hint));
                 }
             }
         }
@@ -277,14 +261,4 @@ impl Domain {
         let hint = "put each side into clamped, traction or contact; a free side is a traction side without a load";
         Err(reading.error("domain", message, hint))
     }
-}
-
-fn twice(reading: &Reading, key: &str, side: &str, [first, second]: [&str; 2]) -> SceneError {
-    let lists = if first == second {
-        format!("twice in `{first}`")
-    } else {
-        format!("in `{first}` and in `{second}`")
-    };
-    let message = format!("the side `{side}` is {lists}");
-    reading.error(key, message, "each side belongs to exactly one of clamped, traction, contact")
 }

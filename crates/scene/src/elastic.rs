@@ -27,11 +27,8 @@ pub(super) fn elastic(
             let list = if given.is_empty() { "nothing".to_string() } else { given.join(", ") };
             let part = heading(key);
             let message = format!("{part} gives {list}: elasticity needs exactly one pair");
-            Err(reading.error(
-                key,
-                message,
-                "give lambda and mu_L, or E and nu, or elasticity = { kind = \"full\", … }",
-            ))
+            let hint = "give lambda and mu_L, or E and nu, or elasticity = { kind = \"full\", … }";
+            Err(reading.error(key, message, hint))
         }
     }
 }
@@ -39,25 +36,14 @@ pub(super) fn elastic(
 /// m_𝒜 > 0: the eigenvalues 2 mu and 2 mu + d lambda of 𝒜 on S^d are positive.
 fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, SceneError> {
     let lambda = reading.finite(&join(key, "lambda"))?;
-    let mu = reading.finite(&join(key, "mu_L"))?;
-    if mu <= 0.0 {
-        let message = format!(
-            "mu_L = {mu} is not positive: the eigenvalue 2 mu_L of the elasticity tensor must be"
-        );
-        return Err(reading.error(&format!("{key}.mu_L"), message, "give mu_L > 0"));
-    }
+    // Half of the eigenvalue 2 mu_L of the elasticity tensor.
+    let mu = reading.positive(&join(key, "mu_L"))?;
     let d = dimension as f64;
-    if 2.0 * mu + d * lambda <= 0.0 {
-        let message = match dimension {
-            2 => format!(
-                "lambda + mu_L = {} is not positive: the eigenvalue 2 mu_L + 2 lambda of the elasticity tensor must be",
-                lambda + mu
-            ),
-            _ => format!(
-                "2 mu_L + {dimension} lambda = {} is not positive: this eigenvalue of the elasticity tensor must be",
-                2.0 * mu + d * lambda
-            ),
-        };
+    let eigenvalue = 2.0 * mu + d * lambda;
+    if eigenvalue <= 0.0 {
+        let message = format!(
+            "2 mu_L + {dimension} lambda = {eigenvalue} is not positive: this eigenvalue of the elasticity tensor must be"
+        );
         let hint = format!("give lambda > {}", -2.0 * mu / d);
         return Err(reading.error(&format!("{key}.lambda"), message, hint));
     }
@@ -67,15 +53,9 @@ fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrde
 /// Plane strain: λ = E ν/((1+ν)(1-2ν)), μ = E/(2(1+ν)).
 fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder, SceneError> {
     let young = reading.positive(&join(key, "E"))?;
-    let poisson: f64 = reading.required(&join(key, "nu"))?;
-    if !(poisson > -1.0 && poisson < 0.5) {
-        let message = format!("nu = {poisson} is outside (-1, 0.5)");
-        return Err(reading.error(
-            &format!("{key}.nu"),
-            message,
-            "at 0.5 the material is incompressible: give less, such as 0.3",
-        ));
-    }
+    let hint = "at 0.5 the material is incompressible: give less, such as 0.3";
+    let fits = |poisson: f64| poisson > -1.0 && poisson < 0.5;
+    let poisson = reading.number(&join(key, "nu"), fits, ["is outside (-1, 0.5)", hint])?;
     let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
     Ok(Isotropic { lambda, mu: young / (2.0 * (1.0 + poisson)) }.into())
 }
@@ -103,45 +83,22 @@ fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, S
 }
 
 fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6], SceneError> {
-    let rows: Vec<Vec<f64>> = reading.optional(place)?.unwrap_or_default();
-    if rows.len() != order || rows.iter().any(|row| row.len() != order) {
-        let message = format!("a full elasticity tensor is a {order} by {order} matrix here");
-        let hint = "in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space";
-        return Err(reading.error(place, message, hint));
-    }
+    let hint = format!(
+        "a full elasticity tensor is a {order} by {order} matrix here, in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space"
+    );
+    let rows = reading.matrix(place, order, &hint)?;
+    reading.symmetric(place, &rows)?;
     let mut matrix = [[0.0; 6]; 6];
-    for (i, row) in rows.iter().enumerate() {
-        for (j, &entry) in row.iter().enumerate() {
-            reading.finite_number(&format!("{place}.{i}"), entry)?;
-            if entry != rows[j][i] {
-                let message = format!(
-                    "entry ({}, {}) is {entry}, entry ({}, {}) is {}: the matrix must be symmetric",
-                    i + 1,
-                    j + 1,
-                    j + 1,
-                    i + 1,
-                    rows[j][i]
-                );
-                return Err(reading.error(place, message, "give both entries the same number"));
-            }
-            matrix[i][j] = entry;
-        }
+    for (of_matrix, row) in matrix.iter_mut().zip(&rows) {
+        of_matrix[..order].copy_from_slice(row);
     }
     Ok(matrix)
 }
 
 fn orthotropic(reading: &Reading, key: &str, d: usize) -> Result<[[f64; 6]; 6], SceneError> {
     let pairs: &[(usize, usize)] = if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
-    let list = |name: &str, count: usize| {
-        let values: Vec<f64> = reading.optional(&join(key, name))?.unwrap_or_default();
-        if values.len() == count && values.iter().all(|value| value.is_finite()) {
-            return Ok(values);
-        }
-        let message =
-            format!("`{name}` of an orthotropic tensor needs {count} finite number(s) here");
-        let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
-        Err(reading.error(key, message, hint))
-    };
+    let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
+    let list = |name: &str, count: usize| reading.numbers(&join(key, name), count, hint);
     let normal = list("normal", d)?;
     let coupling = list("coupling", pairs.len())?;
     let shear = list("shear", pairs.len())?;

@@ -19,40 +19,28 @@ impl Extension {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Friction, Self::Nonconforming, Self::SingularKernel];
 
-    /// The key that asks for it in a scene, and its name; none where the scene does without.
-    fn asked_by(self, scene: &Scene) -> Option<(String, String)> {
+    /// The key that asks for it in a scene, its name, and the way out; none where the scene does without.
+    fn asked_by(self, scene: &Scene) -> Option<(String, String, &'static str)> {
         let body = scene.as_contact();
         match self {
             Self::Friction => {
-                let contact = body?.contact.as_ref()?;
-                contact.friction.as_ref().map(|_| ("contact.friction".into(), "friction".into()))
+                let way_out = "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]";
+                body?.friction().map(|_| ("contact.friction".into(), "friction".into(), way_out))
             }
             Self::Nonconforming => {
                 let element = body?.element;
                 let name = format!("{} elements", element.name());
-                (!element.is_conforming()).then(|| (discretization::KEY.into(), name))
+                let way_out = "list, check, explain, run, gate, verify, solve, trade and gronwall do; for this command take P1 or P2";
+                (!element.is_conforming()).then(|| (discretization::KEY.into(), name, way_out))
             }
             Self::SingularKernel => {
-                let name = "kernels that are infinite at s = t".into();
                 let key = match &scene.body {
                     Body::Contact(body) => body.material.singular_key(),
                     Body::Abstract(problem) => problem.singular_key(),
                 };
-                key.map(|key| (key, name))
-            }
-        }
-    }
-
-    fn way_out(self) -> &'static str {
-        match self {
-            Self::Friction => {
-                "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]"
-            }
-            Self::Nonconforming => {
-                "list, check, explain, run, gate, verify, solve, trade and gronwall do; for this command take P1 or P2"
-            }
-            Self::SingularKernel => {
-                "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`"
+                let name = "kernels that are infinite at s = t".into();
+                let way_out = "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`";
+                key.map(|key| (key, name, way_out))
             }
         }
     }
@@ -69,10 +57,9 @@ impl Scene {
         command: &str,
         why: &str,
     ) -> Result<(), SceneError> {
-        let asked = |extension: &Extension| Some((extension.way_out(), extension.asked_by(self)?));
-        match extensions.iter().find_map(asked) {
+        match extensions.iter().find_map(|extension| extension.asked_by(self)) {
             None => Ok(()),
-            Some((way_out, (key, what))) => {
+            Some((key, what, way_out)) => {
                 Err(self.error(&key, format!("`{command}` does not treat {what}: {why}"), way_out))
             }
         }

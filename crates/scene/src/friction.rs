@@ -1,18 +1,14 @@
 //! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a bound S that is given as S(x, t), depends on the slip, or
 //! follows the normal law.
 
-use std::sync::Arc;
-
 use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::{EvaluationPoint, Node};
-use vhi::law::{NoPotential, PiecewiseLinear, Potential};
 
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
-use super::gap::points;
 use super::law::Law;
-use super::reading::{Reading, evenly};
+use super::reading::{Reading, in_time};
 use super::time::Time;
 
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
@@ -52,34 +48,24 @@ impl Friction {
     /// α_τ ≥ 0 (a stiffness), the steepest descent of S: r ↦ S(|r|) sign r satisfies (2.8c) with it, since its jump at
     /// 0 goes up.
     pub fn alpha(&self) -> f64 {
-        let FrictionBound::Slip(points) = &self.bound else { return 0.0 };
-        let slopes =
-            points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
-        slopes.fold(0.0, |alpha, slope| f64::max(alpha, -slope))
+        self.graph_and_factor().0.alpha()
     }
-}
 
-impl Friction {
     /// μ_f of a bound that follows the normal law, 0 for others.
     pub fn coefficient(&self) -> f64 {
         self.bound.coefficient()
     }
 
-    /// For the solver: r ↦ S_0(|r|) sign r, S_0 = 1 where the bound does not depend on the slip, and the formula of c(x, t)
-    /// where S = c S_0.
-    pub(crate) fn graph_and_factor(&self) -> (Arc<dyn Potential>, Option<Node>) {
+    /// For the solver: r ↦ S_0(|r|) sign r as a law, S_0 = 1 where the bound does not depend on the slip, and the formula of
+    /// c(x, t) where S = c S_0.
+    pub(crate) fn graph_and_factor(&self) -> (Law, Option<Node>) {
         let (points, factor): (&[[f64; 2]], _) = match &self.bound {
             FrictionBound::Given(bound) => (&[[0.0, 1.0]], Some(*bound)),
             FrictionBound::Slip(points) => (points, None),
             FrictionBound::Coulomb(_) => (&[[0.0, 1.0]], None),
         };
-        let backward = points.iter().rev().map(|&[r, s]| (-r, -s));
-        let both = backward.chain(points.iter().map(|&[r, s]| (r, s))).collect();
-        // Sorted, and upward at 0: the points were validated.
-        match PiecewiseLinear::new(both, 0.0, 0.0) {
-            Ok(graph) => (Arc::new(graph), factor),
-            Err(_) => (Arc::new(NoPotential), factor),
-        }
+        let backward = points.iter().rev().map(|&[r, s]| [-r, -s]);
+        (Law::graph(backward.chain(points.iter().copied()).collect(), 0.0, 0.0), factor)
     }
 }
 
@@ -88,24 +74,16 @@ fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Friction
     let d = domain.dimension();
     let scope = reading.space_and_time(d);
     let node = reading.formula(BOUND, &scope)?;
-    for side in &domain.contact {
-        let places: Vec<EvaluationPoint> =
-            domain.faces(*side).iter().flat_map(|face| points(face, SAMPLES[d - 2])).collect();
-        for t in evenly(0.0, time.horizon, TIMES) {
-            for at in &places {
-                let value = reading.formulas.evaluate(node, &EvaluationPoint { t, ..*at });
-                if value.is_finite() && value >= 0.0 {
-                    continue;
-                }
-                let message = format!(
-                    "`bound` is {value} at {}, t = {t} on the side {}",
-                    place(at, d),
-                    domain.name(*side)
-                );
-                let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
-                return Err(reading.error(BOUND, message, hint));
-            }
-        }
+    for &side in &domain.contact {
+        let places = domain.points_on(side, SAMPLES[d - 2]);
+        let points = in_time(&places, time.horizon, TIMES);
+        let fits = |bound: f64| bound.is_finite() && bound >= 0.0;
+        reading.everywhere((BOUND, node), points, fits, |at, value| {
+            let (here, side) = (place(at, d), domain.name(side));
+            let message = format!("`bound` is {value} at {here}, t = {} on the side {side}", at.t);
+            let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
+            (message, hint)
+        })?;
     }
     Ok(FrictionBound::Given(node))
 }
@@ -179,16 +157,6 @@ fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>, SceneError> {
 /// u_τ takes the unknowns left by u_ν: a vertex between two contact sides has too few, unless it is clamped. In space
 /// such sides meet along an edge.
 fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
-    let ends = |face: &Face| {
-        let mut ends = vec![face.corner];
-        for edge in &face.edges {
-            let moved = |p: &[f64; 3]| [0, 1, 2].map(|i| p[i] + edge[i]);
-            let from = if face.triangle { &ends[..1] } else { &ends[..] };
-            let further: Vec<[f64; 3]> = from.iter().map(moved).collect();
-            ends.extend(further);
-        }
-        ends
-    };
     let of = |sides: &[super::Side]| -> Vec<Face> {
         sides.iter().flat_map(|side| domain.faces(*side)).collect()
     };
@@ -197,9 +165,9 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneE
     let near = |p: [f64; 3], q: [f64; 3], face: &Face| {
         (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]) <= SAME_PLACE * face.longest()
     };
-    let at = |p: [f64; 3], face: &Face| ends(face).into_iter().any(|q| near(p, q, face));
+    let at = |p: [f64; 3], face: &Face| face.points(1).into_iter().any(|q| near(p, q, face));
     for (i, face) in contact.iter().enumerate() {
-        for p in ends(face) {
+        for p in face.points(1) {
             let bends = |other: &Face| {
                 let (a, b) = (face.normal, other.normal);
                 let turn = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| a[i] * b[j] - a[j] * b[i]);
@@ -207,11 +175,9 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneE
             };
             let held = || d == 2 && clamped.iter().any(|face_of_clamped| at(p, face_of_clamped));
             if contact[..i].iter().any(bends) && !held() {
-                let [x, y, z] = p;
-                let point = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
                 let message = format!(
                     "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",
-                    place(&point, d)
+                    place(&p.into(), d)
                 );
                 let hint = "put a traction or clamped side between contact sides, or remove [contact.friction]";
                 return Err(reading.key_error("contact.friction", message, hint));

@@ -5,12 +5,7 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 
 /// The verdict that a scene must reach.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Expectation {
-    Pass,
-    Fail,
-    Unresolved,
-}
+pub use judge::verdict::Decision as Expectation;
 
 /// A hypothesis that a scene may violate on purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,47 +70,40 @@ pub(super) fn name(reading: &Reading) -> Result<String, SceneError> {
     let name: String = reading.required("scene.name")?;
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     if name.len() > LONGEST_NAME {
-        return Err(reading.error(
-            "scene.name",
-            format!("a name of {} characters", name.len()),
-            format!("use at most {LONGEST_NAME}: the name becomes part of file names"),
-        ));
+        let message = format!("a name of {} characters", name.len());
+        let hint = format!("use at most {LONGEST_NAME}: the name becomes part of file names");
+        return Err(reading.error("scene.name", message, hint));
     }
     if !name.is_empty() && name.chars().all(allowed) {
         return Ok(name);
     }
-    Err(reading.error(
-        "scene.name",
-        format!("`{name}` cannot name a scene"),
-        "use letters, digits, - and _: the name becomes part of file names",
-    ))
+    let hint = "use letters, digits, - and _: the name becomes part of file names";
+    Err(reading.error("scene.name", format!("`{name}` cannot name a scene"), hint))
 }
 
 pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize, SceneError> {
     let dimension: i64 = reading.required("scene.dimension")?;
-    match dimension {
-        1..=MOST if kind == SceneKind::Abstract => Ok(dimension.unsigned_abs() as usize),
-        _ if kind == SceneKind::Abstract => Err(reading.error(
-            "scene.dimension",
+    let (known, message, hint) = match kind {
+        SceneKind::Abstract => (
+            1..=MOST,
             format!("{dimension} is no dimension of an abstract problem"),
             format!("X = R^m with m from 1 to {MOST}: matrices are dense"),
-        )),
-        2 => Ok(2),
-        3 => Ok(3),
-        _ => Err(reading.error(
-            "scene.dimension",
+        ),
+        SceneKind::Contact => (
+            2..=3,
             format!("dimension {dimension} has no contact problem"),
-            "write dimension = 2 (plane strain) or 3",
-        )),
+            "write dimension = 2 (plane strain) or 3".into(),
+        ),
+    };
+    match known.contains(&dimension) {
+        true => Ok(dimension.unsigned_abs() as usize),
+        false => Err(reading.error("scene.dimension", message, hint)),
     }
 }
 
 pub(super) fn expectation(reading: &Reading) -> Result<Expectation, SceneError> {
-    let known = [
-        ("pass", Expectation::Pass),
-        ("fail", Expectation::Fail),
-        ("unresolved", Expectation::Unresolved),
-    ];
+    let known = [Expectation::Pass, Expectation::Fail, Expectation::Unresolved];
+    let known = known.map(|verdict| (verdict.name(), verdict));
     reading.choice_or("scene.expect", &known, Expectation::Pass)
 }
 

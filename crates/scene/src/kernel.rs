@@ -35,25 +35,17 @@ fn decay(amplitude: f64, time: f64) -> String {
 }
 
 fn prony(reading: &Reading, key: &str) -> Result<Formula, SceneError> {
-    let terms: Vec<Vec<f64>> = reading.optional(key)?.unwrap_or_default();
+    let terms = reading.entries(key)?;
     if terms.is_empty() {
         let message = "a Prony series without terms";
-        return Err(reading.error(
-            key,
-            message,
-            "for instance: terms = [[-0.5, 0.2], [-0.3, 2.0]]",
-        ));
+        let hint = "for instance: terms = [[-0.5, 0.2], [-0.3, 2.0]]";
+        return Err(reading.error(key, message, hint));
     }
-    let mut text = Vec::new();
-    for (index, term) in terms.iter().enumerate() {
+    let term = |index| {
         let at = format!("{key}.{index}");
-        let &[amplitude, time] = &term[..] else {
-            let message =
-                format!("a term of a Prony series is a pair, this one has {} numbers", term.len());
-            return Err(reading.error(&at, message, "give [amplitude, time], as in [-0.5, 0.2]"));
-        };
-        reading.finite_number(&at, amplitude)?;
-        text.push(decay(amplitude, reading.positive_number(&at, time)?));
-    }
-    Ok(Formula(text.join(" + ")))
+        reading.entries_of(&at, 2, "a term is a pair [amplitude, time], as in [-0.5, 0.2]")?;
+        let amplitude = reading.finite(&format!("{at}.0"))?;
+        Ok(decay(amplitude, reading.positive(&format!("{at}.1"))?))
+    };
+    Ok(Formula(terms.map(term).collect::<Result<Vec<_>, _>>()?.join(" + ")))
 }

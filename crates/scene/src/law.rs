@@ -51,7 +51,7 @@ impl Law {
         Ok(Some(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) }))
     }
 
-    fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
+    pub(crate) fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
         Law { points, slope_before, slope_after, curve: None, scale: None }
     }
 
@@ -137,11 +137,8 @@ fn admissible(
         return Err(reading.error(key, message, "sort the points by their first number"));
     }
     if next_r == r && next_p == p {
-        return Err(reading.error(
-            key,
-            format!("the point [{r}, {p}] is given twice"),
-            "remove one of the two",
-        ));
+        let message = format!("the point [{r}, {p}] is given twice");
+        return Err(reading.error(key, message, "remove one of the two"));
     }
     if next_r == r && next_p < p {
         let message = format!(
@@ -151,11 +148,8 @@ fn admissible(
     }
     if next_r > r && !((next_p - p) / (next_r - r)).is_finite() {
         let message = format!("the slope from [{r}, {p}] to [{next_r}, {next_p}] is not finite");
-        return Err(reading.error(
-            key,
-            message,
-            "give the points one abscissa for a jump upward, or set them apart",
-        ));
+        let hint = "give the points one abscissa for a jump upward, or set them apart";
+        return Err(reading.error(key, message, hint));
     }
     Ok(())
 }

@@ -116,14 +116,13 @@ fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node, Sce
     let kernel = reading.compiled(key, &formula, &Scope::new(&[Variable::T]))?;
     let times =
         evenly(0.0, horizon, SAMPLES).map(|t| EvaluationPoint { t, ..EvaluationPoint::default() });
-    if let Some((point, value)) = reading.first_not_finite(kernel, times) {
-        let message = format!("the memory kernel is {value} at t = {}", point.t);
-        let hint = match point.t == 0.0 {
+    reading.everywhere((key, kernel), times, f64::is_finite, |at, value| {
+        let hint = match at.t == 0.0 {
             true => singular::way_out("the kernel"),
             false => "ℬ must be continuous on (0, T]; -exp(-t) and sqrt(t) are examples".into(),
         };
-        return Err(reading.error(key, message, hint));
-    }
+        (format!("the memory kernel is {value} at t = {}", at.t), hint)
+    })?;
     Ok(kernel)
 }
 

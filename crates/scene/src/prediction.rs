@@ -91,28 +91,16 @@ impl Norm {
         if norm.needs_contact() && !has_contact {
             let name = norm.name();
             let message = format!("`{name}` is measured on Γ3, and the scene has no contact");
-            return Err(reading.error(
-                key,
-                message,
-                "choose V_max, L2_max or stress_L2_max, or add contact",
-            ));
+            let hint = "choose V_max, L2_max or stress_L2_max, or add contact";
+            return Err(reading.error(key, message, hint));
         }
         Ok(norm)
     }
 }
 
-/// The direction of refinement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Direction {
-    /// h → 0 at a fixed number of steps.
-    H,
-    /// k → 0 on a fixed mesh.
-    K,
-    /// Both: C_h h^order + C_k k^order_k over the grid of cases.
-    Joint,
-    /// h → 0 along the pairs of the sweep: the order in h of the whole error.
-    Path,
-}
+/// The direction of refinement; joint is C_h h^order + C_k k^order_k over the grid of cases, path h → 0 along the pairs of
+/// the sweep.
+pub use judge::verdict::Variable as Direction;
 
 /// One promised order.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,12 +134,8 @@ impl Prediction {
         let table = format!("predicts.{index}");
         let key = |name: &str| join(&table, name);
         let flag = |name: &str| reading.optional::<bool>(&key(name));
-        let known = [
-            ("h", Direction::H),
-            ("k", Direction::K),
-            ("joint", Direction::Joint),
-            ("path", Direction::Path),
-        ];
+        let known = [Direction::H, Direction::K, Direction::Joint, Direction::Path];
+        let known = known.map(|variable| (variable.name(), variable));
         let variable = reading.choice(&key("variable"), &known)?;
         let at_least = flag("at_least")?.unwrap_or(false);
         let exact = flag("exact")?.unwrap_or(false);
@@ -161,11 +145,8 @@ impl Prediction {
         }
         let why: String = reading.required(&key("why"))?;
         if why.trim().is_empty() {
-            return Err(reading.error(
-                &key("why"),
-                "`why` is empty",
-                "name the theorem or equation that promises the order: why = \"(5.26)\"",
-            ));
+            let hint = "name the theorem or equation that promises the order: why = \"(5.26)\"";
+            return Err(reading.error(&key("why"), "`why` is empty", hint));
         }
         let constant = flag("constant")?.unwrap_or(true);
         Ok(Prediction {
@@ -209,35 +190,33 @@ fn constant_within(
 ) -> Result<Option<f64>, SceneError> {
     let (within, why) = (key("constant_within"), key("constant_why"));
     let reason: Option<String> = reading.optional(&why)?;
-    let reason = reason.filter(|reason| !reason.trim().is_empty());
-    match (reading.optional::<f64>(&within)?, reason) {
-        (None, None) if reading.has(&why) => {
-            Err(reading.error(&why, "`constant_why` is empty", "state the reason, or remove it"))
+    let explained = reason.is_some_and(|reason| !reason.trim().is_empty());
+    let (key, message, hint) = match (reading.has(&within), explained) {
+        (false, false) if reading.has(&why) => {
+            (&why, "`constant_why` is empty", "state the reason, or remove it")
         }
-        (None, None) => Ok(None),
-        (None, Some(_)) => Err(reading.key_error(
+        (false, false) => return Ok(None),
+        (false, true) => (
             &why,
             "`constant_why` explains a share that is not there",
             "add it: constant_within = 0.03, or remove constant_why",
-        )),
-        (Some(_), _) if !constant => Err(reading.key_error(
+        ),
+        (true, _) if !constant => (
             &within,
             "`constant_within` beside constant = false: nothing is compared",
             "keep one of the two",
-        )),
-        (Some(_), None) => Err(reading.key_error(
+        ),
+        (true, false) => (
             &within,
             "`constant_within` without a reason",
             "say why the usual share does not do: constant_why = \"n = 6 is the finest mesh\"",
-        )),
-        (Some(share), Some(_)) if share.is_nan() || share <= 0.0 || share >= 1.0 => Err(reading
-            .error(
-                &within,
-                format!("`constant_within` = {share} is no share between 0 and 1"),
-                "give the relative distance that is allowed, such as 0.03",
-            )),
-        (Some(share), Some(_)) => Ok(Some(share)),
-    }
+        ),
+        (true, true) => {
+            let hint = "give the relative distance that is allowed, such as 0.03";
+            return reading.share(&within, hint).map(Some);
+        }
+    };
+    Err(reading.key_error(key, message, hint))
 }
 
 fn order_in_k(

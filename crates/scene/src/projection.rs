@@ -26,40 +26,25 @@ pub struct Projection {
 impl Projection {
     pub(super) fn validate(reading: &mut Reading, horizon: f64) -> Result<Projection, SceneError> {
         let key = "material.projection.kappa";
-        let mu = reading.finite("material.projection.mu")?;
-        if mu < 0.0 {
-            let message =
-                format!("mu = {mu} is negative: the projection term would not be monotone");
-            return Err(reading.error(
-                "material.projection.mu",
-                message,
-                "give mu >= 0; remove [material.projection] for mu = 0",
-            ));
-        }
+        let fault = "is negative: the projection term would not be monotone";
+        let hint = "give mu >= 0; remove [material.projection] for mu = 0";
+        let fits = |mu: f64| mu >= 0.0 && mu.is_finite();
+        let mu = reading.number("material.projection.mu", fits, [fault, hint])?;
         let kappa = reading.formula(key, &Scope::new(&[Variable::Zeta]))?;
-        admissible(reading, key, kappa, horizon)?;
+        let fits = |kappa: f64| kappa.is_finite() && kappa >= 0.0;
+        reading.everywhere((key, kappa), samples(horizon), fits, |at, value| {
+            let message = format!(
+                "kappa = {value} at zeta = {}: a yield bound must be finite and not negative",
+                at.zeta
+            );
+            (
+                message,
+                "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)",
+            )
+        })?;
         let lipschitz = lipschitz(reading, key, kappa, horizon)?;
         Ok(Projection { mu, kappa, lipschitz })
     }
-}
-
-/// κ maps to [0, ∞).
-fn admissible(reading: &Reading, key: &str, kappa: Node, horizon: f64) -> Result<(), SceneError> {
-    let values =
-        samples(horizon).map(|point| (point.zeta, reading.formulas.evaluate(kappa, &point)));
-    for (zeta, value) in values {
-        if !(value.is_finite() && value >= 0.0) {
-            let message = format!(
-                "kappa = {value} at zeta = {zeta}: a yield bound must be finite and not negative"
-            );
-            return Err(reading.error(
-                key,
-                message,
-                "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)",
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// L_κ from the exact derivative at the samples.
@@ -70,27 +55,20 @@ fn lipschitz(
     horizon: f64,
 ) -> Result<f64, SceneError> {
     let slope = reading.formulas.derivative(kappa, Variable::Zeta);
-    let mut steepest: f64 = 0.0;
-    for point in samples(horizon) {
-        let value = reading.formulas.evaluate(slope, &point).abs();
-        if value.is_finite() {
-            steepest = steepest.max(value);
-            continue;
-        }
-        if reading.violates.contains(&Hypothesis::LipschitzKappa) {
-            return Ok(f64::INFINITY);
-        }
-        let message = format!(
-            "kappa is not Lipschitz: its derivative at zeta = {} is {value}, and (5.1) asks for a constant L_kappa",
-            point.zeta
-        );
-        return Err(reading.error(
-            key,
-            message,
-            "to run it on purpose, write violates = [\"5.1\"] in [scene]",
-        ));
+    if !reading.violates.contains(&Hypothesis::LipschitzKappa) {
+        reading.everywhere((key, slope), samples(horizon), f64::is_finite, |at, value| {
+            let message = format!(
+                "kappa is not Lipschitz: its derivative at zeta = {} is {value}, and (5.1) asks for a constant L_kappa",
+                at.zeta
+            );
+            (message, "to run it on purpose, write violates = [\"5.1\"] in [scene]")
+        })?;
     }
-    Ok(steepest)
+    let size = |at| {
+        let value = reading.formulas.evaluate(slope, &at).abs();
+        if value.is_finite() { value } else { f64::INFINITY }
+    };
+    Ok(samples(horizon).map(size).fold(0.0, f64::max))
 }
 
 /// ζ = 0, a geometric sequence towards 0, and even steps up to 100 T.

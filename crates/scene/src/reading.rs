@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::de::IgnoredAny;
+
 use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 use toml::de::DeTable;
 
@@ -54,6 +56,16 @@ impl<'a> Reading<'a> {
         SceneError::at(self.source, self.spans.key(key), message, hint)
     }
 
+    /// An error of something that is missing in the file.
+    pub(crate) fn error_at_the_end(
+        &self,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> SceneError {
+        let end = self.source.text.trim_end().len();
+        SceneError::at(self.source, end..end, message, hint)
+    }
+
     /// The number at a key.
     pub(crate) fn finite(&self, key: &str) -> Result<f64, SceneError> {
         self.finite_number(key, self.required(key)?)
@@ -64,50 +76,58 @@ impl<'a> Reading<'a> {
         self.positive_number(key, self.required(key)?)
     }
 
+    /// The number at a key, if it fits; `fault` says what is wrong with another one.
+    pub(crate) fn number(
+        &self,
+        key: &str,
+        fits: impl Fn(f64) -> bool,
+        [fault, hint]: [&str; 2],
+    ) -> Result<f64, SceneError> {
+        self.fitting(key, self.required(key)?, fits, [fault, hint])
+    }
+
+    /// The number at a key, between 0 and 1.
+    pub(crate) fn share(&self, key: &str, hint: &str) -> Result<f64, SceneError> {
+        self.number(key, |share| share > 0.0 && share < 1.0, ["is not between 0 and 1", hint])
+    }
+
     pub(crate) fn finite_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
-        if value.is_finite() {
-            return Ok(value);
-        }
-        Err(self.error(
-            key,
-            format!("`{}` = {value} is not finite", last(key)),
-            "give a finite number",
-        ))
+        self.fitting(key, value, f64::is_finite, ["is not finite", "give a finite number"])
     }
 
     pub(crate) fn positive_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
-        if self.finite_number(key, value)? > 0.0 {
+        let value = self.finite_number(key, value)?;
+        self.fitting(key, value, |value| value > 0.0, ["is not positive", "give a number above 0"])
+    }
+
+    fn fitting(
+        &self,
+        key: &str,
+        value: f64,
+        fits: impl Fn(f64) -> bool,
+        [fault, hint]: [&str; 2],
+    ) -> Result<f64, SceneError> {
+        if fits(value) {
             return Ok(value);
         }
-        Err(self.error(
-            key,
-            format!("`{}` = {value} is not positive", last(key)),
-            "give a number above 0",
-        ))
+        Err(self.error(key, format!("`{}` = {value} {fault}", last(key)), hint))
     }
 
     /// A whole number from 1 to 2³¹ - 1.
     pub(crate) fn count(&self, key: &str) -> Result<usize, SceneError> {
         let value: i64 = self.required(key)?;
-        match i32::try_from(value) {
-            Ok(count) if count >= 1 => Ok(count.unsigned_abs() as usize),
-            _ => Err(self.error(
-                key,
-                format!("{value} is not a whole number from 1 to 2147483647"),
-                "give a positive whole number",
-            )),
-        }
+        let count = i32::try_from(value).ok().filter(|&count| count >= 1);
+        count.map(|count| count.unsigned_abs() as usize).ok_or_else(|| {
+            let message = format!("{value} is not a whole number from 1 to 2147483647");
+            self.error(key, message, "give a positive whole number")
+        })
     }
 
     pub(crate) fn seed(&self, key: &str) -> Result<u64, SceneError> {
         let value: i64 = self.required(key)?;
-        u64::try_from(value).map_err(|_| {
-            self.error(
-                key,
-                format!("the seed {value} is negative"),
-                "give a whole number, 0 or above",
-            )
-        })
+        let negative = format!("the seed {value} is negative");
+        let hint = "give a whole number, 0 or above";
+        u64::try_from(value).map_err(|_| self.error(key, negative, hint))
     }
 
     /// An increasing pair of counts, if it is there: the window of an order.
@@ -127,15 +147,9 @@ impl<'a> Reading<'a> {
 
     /// Points of a graph; `form` names their two numbers.
     pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>, SceneError> {
-        let point = |(index, point): (usize, &Vec<f64>)| match point[..] {
-            [a, b] if a.is_finite() && b.is_finite() => Ok([a, b]),
-            _ => Err(self.error(
-                &format!("{key}.{index}"),
-                format!("{point:?} is not a point"),
-                format!("a point is two finite numbers: {form}"),
-            )),
-        };
-        self.required::<Vec<Vec<f64>>>(key)?.iter().enumerate().map(point).collect()
+        let count = self.required::<Vec<IgnoredAny>>(key)?.len();
+        let hint = format!("a point is two finite numbers: {form}");
+        (0..count).map(|index| self.pair(&format!("{key}.{index}"), &hint)).collect()
     }
 
     /// The given variables and the parameters of the scene.
@@ -161,12 +175,8 @@ impl<'a> Reading<'a> {
     ) -> Result<Node, SceneError> {
         self.formulas.parse(&formula.0, scope).map_err(|error| {
             let hint = error.hint.unwrap_or_else(|| "correct the formula".to_string());
-            SceneError::at(
-                self.source,
-                self.inside(key, &formula.0, error.span),
-                error.message,
-                hint,
-            )
+            let span = self.inside(key, &formula.0, error.span);
+            SceneError::at(self.source, span, error.message, hint)
         })
     }
 
@@ -199,11 +209,8 @@ impl<'a> Reading<'a> {
                 last(key),
                 formulas.len()
             );
-            return Err(self.error(
-                key,
-                message,
-                format!("give {dimension} formulas, one a component"),
-            ));
+            let hint = format!("give {dimension} formulas, one a component");
+            return Err(self.error(key, message, hint));
         }
         formulas
             .iter()
@@ -221,16 +228,22 @@ impl<'a> Reading<'a> {
         if self.has(key) { read(self, key).map(Some) } else { Ok(None) }
     }
 
-    /// The first point at which a formula is infinite or undefined, with its value.
-    pub(crate) fn first_not_finite(
+    /// Refuses a formula whose value at one of the points does not fit, with the message and the hint for the first.
+    pub(crate) fn everywhere<H: Into<String>>(
         &self,
-        node: Node,
+        (key, node): (&str, Node),
         points: impl IntoIterator<Item = EvaluationPoint>,
-    ) -> Option<(EvaluationPoint, f64)> {
-        points
-            .into_iter()
-            .map(|point| (point, self.formulas.evaluate(node, &point)))
-            .find(|(_, value)| !value.is_finite())
+        fits: impl Fn(f64) -> bool,
+        refusal: impl Fn(&EvaluationPoint, f64) -> (String, H),
+    ) -> Result<(), SceneError> {
+        let values = points.into_iter().map(|at| (at, self.formulas.evaluate(node, &at)));
+        match values.into_iter().find(|(_, value)| !fits(*value)) {
+            None => Ok(()),
+            Some((at, value)) => {
+                let (message, hint) = refusal(&at, value);
+                Err(self.error(key, message, hint))
+            }
+        }
     }
 
     /// Bytes of a part of a string value; the whole value if it contains escapes.
@@ -244,6 +257,16 @@ impl<'a> Reading<'a> {
             _ => value,
         }
     }
+}
+
+/// Places at evenly spaced times from 0 to the horizon.
+pub(super) fn in_time(
+    places: &[[f64; 3]],
+    horizon: f64,
+    intervals: u32,
+) -> impl Iterator<Item = EvaluationPoint> {
+    let at = |t| places.iter().map(move |&place| EvaluationPoint { t, ..place.into() });
+    evenly(0.0, horizon, intervals).flat_map(at)
 }
 
 /// Evenly spaced numbers, both ends included.

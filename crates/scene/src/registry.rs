@@ -86,11 +86,8 @@ impl Registry {
         if self.files.contains_key(scene) && loaded.name != expected {
             let message =
                 format!("the scene is called `{}`, its file `{expected}.toml`", loaded.name);
-            return Err(loaded.error(
-                "scene.name",
-                message,
-                format!("write name = \"{expected}\", or rename the file"),
-            ));
+            let hint = format!("write name = \"{expected}\", or rename the file");
+            return Err(loaded.error("scene.name", message, hint));
         }
         Ok(loaded)
     }
@@ -103,23 +100,15 @@ impl Registry {
     }
 
     fn unknown(&self, name: &str) -> SceneError {
-        let near = by_distance(name, self.names());
+        let near = by_distance(name, self.names()).into_iter().take(3);
+        let near: Vec<String> = near.map(|name| format!("`{name}`")).collect();
         let way_out = if !near.is_empty() {
-            format!(
-                "did you mean {}?",
-                near.iter()
-                    .take(3)
-                    .map(|name| format!("`{name}`"))
-                    .collect::<Vec<_>>()
-                    .join(" or ")
-            )
+            format!("did you mean {}?", near.join(" or "))
         } else if self.files.is_empty() {
             "the folder holds no scene; give the path of a TOML file".to_string()
         } else {
-            format!(
-                "known: {}; or give the path of a TOML file",
-                self.names().collect::<Vec<_>>().join(", ")
-            )
+            let known = self.names().collect::<Vec<_>>().join(", ");
+            format!("known: {known}; or give the path of a TOML file")
         };
         SceneError::Unknown { name: name.to_string(), folder: self.folder.clone(), way_out }
     }

@@ -5,7 +5,7 @@ use formula::{EvaluationPoint, Node};
 use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, place};
-use super::gap::{finite_on_contact, points};
+use super::gap::finite_on_contact;
 use super::reading::Reading;
 
 /// Intervals of a segment, and along each axis of a face of a box, on which the factor is examined; fewer per piece for
@@ -41,45 +41,34 @@ impl Scale {
                 reading.formulas.derivative(slope, AXES[b])
             })
             .collect();
-        let intervals = if dimension == 2 { INTERVALS } else { INTERVALS_OF_A_FACE };
+        let (intervals, fewest) = match dimension {
+            2 => (INTERVALS, INTERVALS_OF_A_FACE),
+            _ => (INTERVALS_OF_A_FACE, FEWEST_ON_A_FACE),
+        };
         let (mut largest, mut bend, mut spacing) = (0.0f64, 0.0f64, 0.0f64);
-        for side in &domain.contact {
-            let faces = domain.faces(*side);
-            let fewest = if dimension == 2 { INTERVALS_OF_A_FACE } else { FEWEST_ON_A_FACE };
+        for &side in &domain.contact {
+            let faces = domain.faces(side);
             let each = (intervals / faces.len().max(1) as u32).max(fewest);
             for face in &faces {
                 spacing = spacing.max(face.longest() / f64::from(each));
-                for point in points(face, each) {
+                let points = || face.points(each).into_iter().map(EvaluationPoint::from);
+                reading.everywhere(
+                    (key, node),
+                    points(),
+                    |scale| scale > 0.0,
+                    |at, value| {
+                        let (here, side) = (place(at, dimension), domain.name(side));
+                        let message = format!("`scale` is {value} at {here} on the side {side}");
+                        (message, "the factor of a law must be positive on every contact side")
+                    },
+                )?;
+                for point in points() {
                     let at = |node: Node| reading.formulas.evaluate(node, &point);
-                    let value = at(node);
-                    if value.is_nan() || value <= 0.0 {
-                        return Err(refusal(
-                            reading,
-                            key,
-                            value,
-                            &point,
-                            domain.name(*side),
-                            dimension,
-                        ));
-                    }
-                    largest = largest.max(value);
+                    largest = largest.max(at(node));
                     bend = second.iter().map(|&node| at(node).abs()).sum::<f64>().max(bend);
                 }
             }
         }
         Ok(Self { formula: node, largest: largest + 0.125 * spacing * spacing * bend })
     }
-}
-
-fn refusal(
-    reading: &Reading,
-    key: &str,
-    value: f64,
-    point: &EvaluationPoint,
-    side: &str,
-    dimension: usize,
-) -> SceneError {
-    let message = format!("`scale` is {value} at {} on the side {side}", place(point, dimension));
-    let hint = "the factor of a law must be positive on every contact side";
-    reading.error(key, message, hint)
 }

@@ -18,15 +18,9 @@ pub(super) fn way_out(formula: &str) -> String {
 /// An exponent that is not between 0 and 1.
 pub(super) fn exponent(reading: &Reading, table: &str) -> Result<f64, SceneError> {
     let key = join(table, "singular");
-    match reading.optional(&key)? {
-        None => Ok(0.0),
-        Some(a) if a > 0.0 && a < 1.0 => Ok(a),
-        Some(a) => {
-            let message = format!("singular = {a} is not between 0 and 1");
-            let hint = "the kernel is t^(-singular) times its formula; from 1 on it has no integral, and without the key it is the formula";
-            Err(reading.error(&key, message, hint))
-        }
-    }
+    let hint = "the kernel is t^(-singular) times its formula; from 1 on it has no integral, and without the key it is the formula";
+    let given = reading.has(&key).then(|| reading.share(&key, hint)).transpose()?;
+    Ok(given.unwrap_or(0.0))
 }
 
 /// The distinct exponents p of kernels t^{-p} b, with the factor T^{a-p} that bounds each by one with the largest, a,

@@ -6,7 +6,7 @@ use super::diagnostic::SceneError;
 use super::domain::{Domain, Shape};
 use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
-use super::validated::{Body, Scene};
+use super::validated::Scene;
 use fem::mesh::Family as MeshFamily;
 use files::counted;
 
@@ -18,7 +18,7 @@ pub struct Reference {
 }
 
 /// Every n with every number of steps; or the pairs of a path.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Sweep {
     /// Mesh cells per unit length, h = 1/n; each divides the sides of a rectangle into whole cells. Empty for abstract
     /// scenes.
@@ -65,19 +65,10 @@ impl Sweep {
         let by_state = reading.optional("sweep.by_state")?.unwrap_or(false);
         Ok(Sweep { n, steps, pairs, reference, norms, by_state })
     }
-}
 
-impl Sweep {
     /// The sweep of an abstract scene: numbers of steps only.
     pub(super) fn in_time(reading: &Reading) -> Result<Sweep, SceneError> {
-        Ok(Sweep {
-            n: Vec::new(),
-            steps: counts(reading, "sweep.steps")?,
-            pairs: None,
-            reference: None,
-            norms: None,
-            by_state: false,
-        })
+        Ok(Sweep { steps: counts(reading, "sweep.steps")?, ..Sweep::default() })
     }
 }
 
@@ -93,18 +84,20 @@ impl Reference {
             steps: step_count(reading, "sweep.reference.steps")?,
         };
         whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
-        multiple(reading, "n", reference.n, n)?;
-        multiple(reading, "steps", reference.steps, steps)?;
+        for (name, refined, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
+            if let Some(message) = no_multiple(name, refined, cases.iter().copied()) {
+                let hint =
+                    "errors are compared at common vertices and times: choose a common multiple";
+                return Err(reading.error(&format!("sweep.reference.{name}"), message, hint));
+            }
+        }
         if n.contains(&reference.n) && steps.contains(&reference.steps) {
             let message = format!(
                 "the reference is the case n = {}, steps = {} itself: its error would be 0",
                 reference.n, reference.steps
             );
-            return Err(reading.error(
-                "sweep.reference",
-                message,
-                "refine the reference in n or in steps",
-            ));
+            let hint = "refine the reference in n or in steps";
+            return Err(reading.error("sweep.reference", message, hint));
         }
         Ok(reference)
     }
@@ -119,11 +112,8 @@ fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneErro
     let mut path: Vec<[usize; 2]> = Vec::new();
     for index in reading.entries("sweep.pairs")? {
         let key = format!("sweep.pairs.{index}");
-        let (first, numbers) = (format!("{key}.0"), reading.entries(&key)?.len());
-        if numbers != 2 {
-            let message = format!("{numbers} numbers, a pair has two");
-            return Err(reading.error(&key, message, "write [n, N]: [16, 8]"));
-        }
+        let first = format!("{key}.0");
+        reading.entries_of(&key, 2, "a pair has two numbers: write [n, N], as in [16, 8]")?;
         let n = reading.count(&first)?;
         let steps = step_count(reading, &format!("{key}.1"))?;
         whole_cells(reading, &first, n, domain)?;
@@ -170,11 +160,8 @@ fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
             _ => reading.count(&item)?,
         };
         if counts.contains(&count) {
-            return Err(reading.error(
-                &item,
-                format!("{count} is listed twice"),
-                "remove one of the two",
-            ));
+            let message = format!("{count} is listed twice");
+            return Err(reading.error(&item, message, "remove one of the two"));
         }
         counts.push(count);
     }
@@ -186,36 +173,39 @@ const MOST_CELLS: f64 = 1e9;
 /// More steps are taken for a slip; `--steps` has the same limit.
 const MOST_STEPS: usize = 10_000_000;
 
-/// The number of cells of mesh n in words, if too many.
-fn too_many_cells(n: usize, domain: &Domain) -> Option<String> {
+/// Why a mesh n cannot be, and the way out: n cells per unit length must cut every side of a rectangle or box into a whole
+/// number of cells, and not too many.
+fn unfit(n: usize, domain: &Domain) -> Option<(String, &'static str)> {
     let cells = domain.cells(u32::try_from(n).unwrap_or(u32::MAX));
-    let many = cells.is_nan() || cells > MOST_CELLS;
-    many.then(|| format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most"))
-}
-
-/// n cells per unit length must cut every side of a rectangle or box into a whole number of cells, and not too many.
-fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
-    if let Some(message) = too_many_cells(n, domain) {
-        return Err(reading.error(key, message, "choose a smaller n"));
+    if cells.is_nan() || cells > MOST_CELLS {
+        let message =
+            format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most");
+        return Some((message, "choose a smaller n"));
     }
-    let Some(length) = odd_length(n, domain) else { return Ok(()) };
-    let cells = n as f64 * length;
-    let message = format!(
-        "n = {n} does not divide side {length} into whole cells: {n} cells per unit length make {cells}"
-    );
-    Err(reading.error(key, message, "choose n so that n times each side is a whole number"))
-}
-
-/// A length that n cells per unit length do not divide into whole cells.
-fn odd_length(n: usize, domain: &Domain) -> Option<f64> {
-    let odd = |length: &f64| {
-        let cells = n as f64 * length;
+    let odd = |length: &&f64| {
+        let cells = n as f64 * **length;
         cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
     };
-    match domain.shape {
-        Shape::Box => domain.size.iter().copied().find(odd),
-        Shape::Refined(_) => None,
-    }
+    let length = domain.size.iter().find(odd).filter(|_| domain.shape == Shape::Box)?;
+    let message = format!(
+        "n = {n} does not divide side {length} into whole cells: {n} cells per unit length make {}",
+        n as f64 * length
+    );
+    Some((message, "choose n so that n times each side is a whole number"))
+}
+
+fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
+    unfit(n, domain).map_or(Ok(()), |(message, hint)| Err(reading.error(key, message, hint)))
+}
+
+/// Why a reference run does not serve these cases: it is compared with them at common vertices and times.
+fn no_multiple(
+    name: &str,
+    reference: usize,
+    mut cases: impl Iterator<Item = usize>,
+) -> Option<String> {
+    let case = cases.find(|&case| !reference.is_multiple_of(case))?;
+    Some(format!("the reference {name} = {reference} is not a multiple of {name} = {case}"))
 }
 
 impl Scene {
@@ -224,14 +214,8 @@ impl Scene {
     /// # Errors
     /// An n that does not.
     pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
-        let Body::Contact(body) = &self.body else { return Ok(()) };
-        if let Some(message) = too_many_cells(n as usize, &body.domain) {
-            return Err(self.error("domain.size", message, "choose a smaller n"));
-        }
-        let Some(length) = odd_length(n as usize, &body.domain) else { return Ok(()) };
-        let message = format!("n = {n} does not divide side {length} into whole cells");
-        let hint = "choose n so that n times each side is a whole number";
-        Err(self.error("domain.size", message, hint))
+        let fault = self.as_contact().and_then(|body| unfit(n as usize, &body.domain));
+        fault.map_or(Ok(()), |(message, hint)| Err(self.error("domain.size", message, hint)))
     }
 
     /// Checks grids of the command line as if they were in the file.
@@ -258,9 +242,8 @@ impl Scene {
             return Ok(());
         };
         for (name, refined, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
-            if let Some(case) = cases.iter().find(|&&case| !refined.is_multiple_of(case as usize)) {
-                let message =
-                    format!("the reference {name} = {refined} is no multiple of {name} = {case}");
+            let cases = cases.iter().map(|&case| case as usize);
+            if let Some(message) = no_multiple(name, refined, cases) {
                 let hint = "choose divisors of the reference's, or change the reference";
                 return Err(self.error("sweep.reference", message, hint));
             }
@@ -305,24 +288,4 @@ pub(super) fn states_are_known(
     let message = "errors by contact state need the state of the truth at every point";
     let hint = "they are known for an exact solution in the plane with contact; measure trace_L2_max and pressure_L2_max here";
     Err(reading.error(&key, message, hint))
-}
-
-fn multiple(
-    reading: &Reading,
-    name: &str,
-    reference: usize,
-    cases: &[usize],
-) -> Result<(), SceneError> {
-    match cases.iter().find(|&&case| !reference.is_multiple_of(case)) {
-        None => Ok(()),
-        Some(case) => {
-            let message =
-                format!("the reference {name} = {reference} is not a multiple of {name} = {case}");
-            Err(reading.error(
-                &format!("sweep.reference.{name}"),
-                message,
-                "errors are compared at common vertices and times: choose a common multiple",
-            ))
-        }
-    }
 }

@@ -48,15 +48,6 @@ pub enum TimeRule {
 }
 
 impl TimeRule {
-    /// The order of its sums for a smooth integrand.
-    pub fn order(self) -> f64 {
-        match self {
-            Self::Left => 1.0,
-            Self::Trapezoid | Self::CorrectedEnd { .. } | Self::ProductIntegration => 2.0,
-            Self::Gregory { order } => f64::from(order),
-        }
-    }
-
     /// The rule with its weights.
     pub fn weights(self) -> Box<dyn history::TimeRule> {
         match self {
@@ -84,14 +75,49 @@ impl TimeRule {
         matches!(self, Self::Gregory { .. })
     }
 
+    /// What is said of it: its kind and its keys in scene files, its name in output, and its weights in units of the step.
+    fn said(self) -> ([&'static str; 3], String) {
+        let (said, weights) = match self {
+            Self::Trapezoid => {
+                (["trapezoid", "", "trapezoidal rule"], "trapezoidal, weights 1/2, 1, ..., 1, 1/2")
+            }
+            Self::Left => (
+                ["left", "", "left-endpoint rule"],
+                "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)",
+            ),
+            Self::Gregory { order: 3 } => (
+                ["gregory", "order", "Gregory's rule of order 3"],
+                "Gregory of order 3, weights 5/12, 13/12, 1, ..., 1, 13/12, 5/12",
+            ),
+            Self::Gregory { .. } => (
+                ["gregory", "order", "Gregory's rule of order 4"],
+                "Gregory of order 4, weights 3/8, 7/6, 23/24, 1, ..., 1, 23/24, 7/6, 3/8; trapezoidal at t_1",
+            ),
+            Self::CorrectedEnd { exponent } => {
+                let weights =
+                    format!("trapezoidal with an end weight corrected for (t - s)^{exponent}");
+                return (["corrected-end", "exponent", "corrected end"], weights);
+            }
+            Self::ProductIntegration => (
+                ["product-integration", "", "product integration"],
+                "product integration, the kernel integrated exactly",
+            ),
+        };
+        (said, weights.into())
+    }
+
     /// Its name and its keys in scene files.
     fn kind(self) -> (&'static str, &'static str) {
+        let ([kind, keys, _], _) = self.said();
+        (kind, keys)
+    }
+
+    /// The order of its sums for a smooth integrand.
+    pub fn order(self) -> f64 {
         match self {
-            Self::Trapezoid => ("trapezoid", ""),
-            Self::Left => ("left", ""),
-            Self::Gregory { .. } => ("gregory", "order"),
-            Self::CorrectedEnd { .. } => ("corrected-end", "exponent"),
-            Self::ProductIntegration => ("product-integration", ""),
+            Self::Left => 1.0,
+            Self::Trapezoid | Self::CorrectedEnd { .. } | Self::ProductIntegration => 2.0,
+            Self::Gregory { order } => f64::from(order),
         }
     }
 
@@ -104,34 +130,12 @@ impl TimeRule {
 
     /// Its name in output.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Trapezoid => "trapezoidal rule",
-            Self::Left => "left-endpoint rule",
-            Self::Gregory { order: 3 } => "Gregory's rule of order 3",
-            Self::Gregory { .. } => "Gregory's rule of order 4",
-            Self::CorrectedEnd { .. } => "corrected end",
-            Self::ProductIntegration => "product integration",
-        }
+        self.said().0[2]
     }
 
     /// Its name, and its weights in units of the step.
     pub fn in_words(self) -> String {
-        match self {
-            Self::Trapezoid => "trapezoidal, weights 1/2, 1, ..., 1, 1/2".into(),
-            Self::Left => {
-                "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)".into()
-            }
-            Self::Gregory { order: 3 } => {
-                "Gregory of order 3, weights 5/12, 13/12, 1, ..., 1, 13/12, 5/12".into()
-            }
-            Self::Gregory { .. } => {
-                "Gregory of order 4, weights 3/8, 7/6, 23/24, 1, ..., 1, 23/24, 7/6, 3/8; trapezoidal at t_1".into()
-            }
-            Self::CorrectedEnd { exponent } => {
-                format!("trapezoidal with an end weight corrected for (t - s)^{exponent}")
-            }
-            Self::ProductIntegration => "product integration, the kernel integrated exactly".into(),
-        }
+        self.said().1
     }
 }
 
@@ -153,22 +157,14 @@ impl TimeRule {
                 None | Some(3) => TimeRule::Gregory { order: 3 },
                 Some(4) => TimeRule::Gregory { order: 4 },
                 Some(order) => {
+                    let (key, hint) = ("time.rule.order", "order = 3 or order = 4");
                     let message = format!("the rule of Gregory has no order {order} here");
-                    return Err(reading.error(
-                        "time.rule.order",
-                        message,
-                        "order = 3 or order = 4",
-                    ));
+                    return Err(reading.error(key, message, hint));
                 }
             },
             TimeRule::CorrectedEnd { .. } => {
-                let key = "time.rule.exponent";
-                let exponent: f64 = reading.required(key)?;
-                if !(exponent > 0.0 && exponent < 1.0) {
-                    let message = format!("exponent = {exponent} is not between 0 and 1");
-                    let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
-                    return Err(reading.error(key, message, hint));
-                }
+                let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
+                let exponent = reading.share("time.rule.exponent", hint)?;
                 TimeRule::CorrectedEnd { exponent }
             }
             plain => plain,
@@ -199,21 +195,14 @@ impl TimeGrid {
     fn validate(reading: &Reading) -> Result<TimeGrid, SceneError> {
         match reading.kind("time.grid", &GRIDS)? {
             "uniform" => Ok(TimeGrid::Uniform),
-            "graded" => graded(reading),
+            "graded" => {
+                let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
+                let fault = "is not 1 or more: below 1 the largest steps would lie at t = 0";
+                let hint = "t_j = T (j/N)^exponent; for u ~ t^a take more than 2/(1+a)";
+                let exponent = reading.number("time.grid.exponent", fits, [fault, hint])?;
+                Ok(TimeGrid::Graded { exponent })
+            }
             _ => Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed")? }),
         }
     }
-}
-
-fn graded(reading: &Reading) -> Result<TimeGrid, SceneError> {
-    let exponent = reading.finite("time.grid.exponent")?;
-    if exponent >= 1.0 {
-        return Ok(TimeGrid::Graded { exponent });
-    }
-    let message = format!("exponent = {exponent} is below 1: the largest steps would lie at t = 0");
-    Err(reading.error(
-        "time.grid.exponent",
-        message,
-        "t_j = T (j/N)^exponent: give 1 or more; for u ~ t^a take more than 2/(1+a)",
-    ))
 }

@@ -13,10 +13,12 @@ use super::contact::Contact;
 use super::data::Data;
 use super::definitions::parameters;
 use super::diagnostic::SceneError;
-use super::discretization::{Parts, element};
+use super::discretization::element;
 use super::domain::{Domain, with_mesh};
+use super::friction::Friction;
 use super::heading::{self, Expectation, Hypothesis, SceneKind};
 use super::keys;
+use super::law::Law;
 use super::material::Material;
 use super::prediction::Prediction;
 use super::reading::Reading;
@@ -70,6 +72,25 @@ pub struct ContactScene {
     pub contact: Option<Contact>,
     pub data: Data,
     pub element: Element,
+}
+
+impl ContactScene {
+    /// The normal law on Γ3.
+    pub fn law(&self) -> Option<&Law> {
+        self.contact.as_ref()?.law.as_ref()
+    }
+
+    /// Friction on Γ3.
+    pub fn friction(&self) -> Option<&Friction> {
+        self.contact.as_ref()?.friction.as_deref()
+    }
+
+    /// Whether nothing on Γ3 takes from the monotonicity: no law falls, and no friction follows the normal law.
+    pub fn is_monotone(&self) -> bool {
+        let friction = self.friction();
+        self.law().is_none_or(|law| law.alpha() <= 0.0)
+            && friction.is_none_or(|bound| bound.alpha() <= 0.0 && bound.coefficient() <= 0.0)
+    }
 }
 
 impl Scene {
@@ -188,10 +209,8 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     let known = matches!(data, Data::Exact { .. }) && contact.is_some() && dimension == 2;
     states_are_known(reading, known, sweep.as_ref(), &predicts)?;
     has_truth(reading, judge, &data, sweep.as_ref())?;
-    let (contact_of, sweep_of) = (contact.as_ref(), sweep.as_ref());
-    let parts = Parts { dimension, contact: contact_of, data: &data, sweep: sweep_of };
-    let element = element(reading, &parts)?;
-    let body = ContactScene { domain, material, contact, data, element };
+    let mut body = ContactScene { domain, material, contact, data, element: Element::P1 };
+    body.element = element(reading, &body, sweep.as_ref())?;
     Ok(Content { time, body: Body::Contact(Box::new(body)), predicts, sweep })
 }
 

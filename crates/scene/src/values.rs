@@ -1,16 +1,15 @@
 //! Values of a scene file by dotted name: `contact.law.stiffness`, `predicts.0.order`.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::ops::Range;
 
-use serde::de::{DeserializeOwned, IgnoredAny, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
 use super::diagnostic::SceneError;
-use super::reading::Reading;
+use super::reading::{Reading, last};
 use super::spans::join;
 use super::wording::{missing_key, unknown_key, wrong_type};
 
@@ -50,6 +49,67 @@ impl Reading<'_> {
     pub(super) fn entries(&self, key: &str) -> Result<Range<usize>, SceneError> {
         let list: Vec<IgnoredAny> = self.optional(key)?.unwrap_or_default();
         Ok(0..list.len())
+    }
+
+    /// The numbers of the entries of a list that must have so many.
+    pub(super) fn entries_of(
+        &self,
+        key: &str,
+        count: usize,
+        hint: &str,
+    ) -> Result<Range<usize>, SceneError> {
+        let found = self.required::<Vec<IgnoredAny>>(key)?.len();
+        if found == count {
+            return Ok(0..count);
+        }
+        let message = format!("`{}` has {found} entries where {count} are wanted", last(key));
+        Err(self.error(key, message, hint))
+    }
+
+    /// So many finite numbers.
+    pub(super) fn numbers(
+        &self,
+        key: &str,
+        count: usize,
+        hint: &str,
+    ) -> Result<Vec<f64>, SceneError> {
+        self.entries_of(key, count, hint)?.map(|i| self.finite(&format!("{key}.{i}"))).collect()
+    }
+
+    /// Two finite numbers.
+    pub(super) fn pair(&self, key: &str, hint: &str) -> Result<[f64; 2], SceneError> {
+        let numbers = self.numbers(key, 2, hint)?;
+        Ok([numbers[0], numbers[1]])
+    }
+
+    /// A square matrix, row by row.
+    pub(super) fn matrix(
+        &self,
+        key: &str,
+        order: usize,
+        hint: &str,
+    ) -> Result<Vec<Vec<f64>>, SceneError> {
+        let row = |i| self.numbers(&format!("{key}.{i}"), order, hint);
+        self.entries_of(key, order, hint)?.map(row).collect()
+    }
+
+    /// Refuses a matrix that is not symmetric.
+    pub(super) fn symmetric(&self, key: &str, rows: &[Vec<f64>]) -> Result<(), SceneError> {
+        for (i, row) in rows.iter().enumerate() {
+            if let Some(j) = (0..i).find(|&j| row[j] != rows[j][i]) {
+                let message = format!(
+                    "not symmetric: entry ({}, {}) is {}, entry ({}, {}) is {}",
+                    j + 1,
+                    i + 1,
+                    rows[j][i],
+                    i + 1,
+                    j + 1,
+                    row[j]
+                );
+                return Err(self.error(key, message, "give both entries the same number"));
+            }
+        }
+        Ok(())
     }
 
     /// Refuses keys of a table, if it is there, other than the known ones; spaces separate them.
@@ -120,33 +180,22 @@ pub(super) fn of_any(kinds: Kinds) -> String {
 }
 
 /// A formula as text; a bare TOML number is a formula too.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "toml::Value")]
 pub(crate) struct Formula(pub String);
 
-impl<'de> Deserialize<'de> for Formula {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Formula, D::Error> {
-        deserializer.deserialize_any(FormulaVisitor)
-    }
-}
+impl TryFrom<toml::Value> for Formula {
+    type Error = String;
 
-struct FormulaVisitor;
-
-impl Visitor<'_> for FormulaVisitor {
-    type Value = Formula;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a formula in quotes or a number")
-    }
-
-    fn visit_str<E>(self, text: &str) -> Result<Formula, E> {
-        Ok(Formula(text.to_string()))
-    }
-
-    fn visit_f64<E>(self, value: f64) -> Result<Formula, E> {
-        Ok(Formula(value.to_string()))
-    }
-
-    fn visit_i64<E>(self, value: i64) -> Result<Formula, E> {
-        Ok(Formula(value.to_string()))
+    fn try_from(value: toml::Value) -> Result<Self, String> {
+        match value {
+            toml::Value::String(text) => Ok(Self(text)),
+            toml::Value::Float(number) => Ok(Self(number.to_string())),
+            toml::Value::Integer(number) => Ok(Self(number.to_string())),
+            other => Err(format!(
+                "invalid type: {}, expected a formula in quotes or a number",
+                other.type_str()
+            )),
+        }
     }
 }

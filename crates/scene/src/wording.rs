@@ -28,12 +28,8 @@ pub(super) fn syntax(source: &Source, error: &toml::de::Error) -> SceneError {
     if error.message() == "duplicate key" {
         let key = source.text.get(span.clone()).unwrap_or_default();
         let message = format!("duplicate key `{key}`");
-        return SceneError::at(
-            source,
-            span,
-            message,
-            "a part holds each key once: remove one of the two",
-        );
+        let hint = "a part holds each key once: remove one of the two";
+        return SceneError::at(source, span, message, hint);
     }
     let message = format!("not TOML: {}", error.message());
     let hint = "one `key = value` per line, strings in quotes, lists in [ ], parts under [name]";
@@ -57,10 +53,8 @@ pub(super) fn unknown_key(reading: &Reading, table: &str, key: &str, known: &str
 pub(super) fn missing_key(reading: &Reading, key: &str) -> SceneError {
     let part = key.split('.').next().unwrap_or(key);
     if !reading.has(part) {
-        let end = reading.source.text.trim_end().len();
-        let hint = example(part).unwrap_or("add it");
         let message = format!("the part [{part}] is missing");
-        return SceneError::at(reading.source, end..end, message, hint);
+        return reading.error_at_the_end(message, example(part).unwrap_or("add it"));
     }
     let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
     let hint = example(key)

@@ -247,9 +247,9 @@ fn constants() {
             "constant = false\nconstant_within = 0.07\nconstant_why = \"coarse\"",
             "nothing is compared",
         ),
-        ("constant_within = 1.5\nconstant_why = \"coarse\"", "no share between 0 and 1"),
-        ("constant_within = 0.0\nconstant_why = \"coarse\"", "no share between 0 and 1"),
-        ("constant_within = nan\nconstant_why = \"coarse\"", "no share between 0 and 1"),
+        ("constant_within = 1.5\nconstant_why = \"coarse\"", "not between 0 and 1"),
+        ("constant_within = 0.0\nconstant_why = \"coarse\"", "not between 0 and 1"),
+        ("constant_within = nan\nconstant_why = \"coarse\"", "not between 0 and 1"),
     ] {
         assert!(refused(line).contains(said), "{line}: {}", refused(line));
     }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::DistributedError;
-use super::missing::{NAMED, WayOn, missing_in_words};
+use super::missing::{NAMED, missing_in_words};
 use super::parts::Parts;
 use super::plan::{SweepPlan, id};
 use crate::sweep::{Overrides, Provenance, ScenePlan, judge_plan, missing_cases};
@@ -34,7 +34,7 @@ pub fn merge(
     incomplete: bool,
     baseline: Option<&Baseline>,
 ) -> Result<Merged, DistributedError> {
-    let overrides = plan.map_or_else(Overrides::default, |(plan, _)| plan.overrides());
+    let overrides = plan.map_or_else(Overrides::default, |(plan, _)| plan.overrides.clone());
     let mut provenance = Provenance { platform: parts.platform(), ..Provenance::new([]) };
     let (mut records, mut verdicts, mut runs) = (Vec::new(), Vec::new(), Vec::new());
     let mut missing: Vec<Key> = Vec::new();
@@ -99,14 +99,18 @@ fn named(
     }
     missing.sort();
     let words = match plan {
-        None => missing_in_words(&missing, id, WayOn::Grids),
+        None => {
+            let way = "they are on the grids of the scenes' files: give the plan with --plan if another grid was run, or merge with --incomplete: their verdicts fail then";
+            missing_in_words(&missing, id, way)
+        }
         Some((plan, dir)) => {
             let first: Vec<String> = missing.iter().take(NAMED).map(id).collect();
             let rows = plan.rows(dir, &first, &[])?;
             let jobs: BTreeMap<String, usize> =
                 rows.into_iter().map(|row| (row.id, row.job)).collect();
             let with_job = |key: &Key| format!("{} (job {})", id(key), jobs[&id(key)]);
-            missing_in_words(&missing, with_job, WayOn::Plan)
+            let way = "run them with `sweep case --job JOB`, or merge with --incomplete: their verdicts fail then";
+            missing_in_words(&missing, with_job, way)
         }
     };
     Ok(Some((missing.len(), words)))

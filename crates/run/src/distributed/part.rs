@@ -45,7 +45,7 @@ pub(crate) fn plans(
         let Some(rows) = of_scene.remove(planned.name.as_str()) else { continue };
         planned.unchanged()?;
         let subject = Subject::new(planned.scene(dir)?).map_err(Box::new)?;
-        let mut scene_plan = ScenePlan::new(subject, &plan.overrides());
+        let mut scene_plan = ScenePlan::new(subject, &plan.overrides);
         let wanted: BTreeSet<_> = rows.iter().map(|row| (row.n, row.steps)).collect();
         scene_plan.cases.retain(|case| wanted.contains(&(case.n, case.steps)));
         if scene_plan.cases.len() != rows.len() {

@@ -32,10 +32,8 @@ pub struct PlannedScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepPlan {
     pub version: String,
-    /// Overrides the scenes' `n`.
-    pub n: Option<Vec<u32>>,
-    /// Overrides the scenes' `steps`.
-    pub steps: Option<Vec<u32>>,
+    #[serde(flatten)]
+    pub overrides: Overrides,
     /// Predicted CPU seconds that a job of several cases may have.
     pub bundle_seconds: f64,
     pub cases: usize,
@@ -173,10 +171,6 @@ impl SweepPlan {
         let path = dir.join(PLAN);
         let text = serde_json::to_vec_pretty(self).map_err(malformed(&path))?;
         replace_file(&path, &text).map_err(DistributedError::at(&path))
-    }
-
-    pub(crate) fn overrides(&self) -> Overrides {
-        Overrides { n: self.n.clone(), steps: self.steps.clone() }
     }
 
     pub(crate) fn planned(&self, name: &str) -> Option<&PlannedScene> {

@@ -71,8 +71,7 @@ impl Planning {
         let cases: Vec<CaseRow> = bundles.iter().enumerate().flat_map(of_job).collect();
         let plan = SweepPlan {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            n: overrides.n,
-            steps: overrides.steps,
+            overrides,
             bundle_seconds: seconds,
             cases: cases.len(),
             jobs: jobs.len(),

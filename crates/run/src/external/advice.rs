@@ -33,7 +33,7 @@ fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
     if variable == Variable::K && !questions.is_empty() {
         return questions;
     }
-    if body.contact.as_ref().is_some_and(|contact| contact.friction.is_some()) {
+    if body.friction().is_some() {
         questions.push("is friction that of each vertex and level".to_owned());
     }
     if body.contact.is_some() {

@@ -3,7 +3,7 @@
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::bounded::{SizeLimit, Timed, Until, open_bounded};
+use super::bounded::{Timed, Until, most_bytes, open_bounded};
 use super::error::AnswerError;
 use super::npy::{NpyError, head, length, numbers};
 use super::series::{each_level, indexed, numbered, read_levels};
@@ -96,7 +96,7 @@ fn finite(path: &Path, numbers: &[f64], levels: usize) -> Result<(), AnswerError
 }
 
 /// Two counters and three numbers of 25 letters take 95 bytes; the rest is for blanks.
-const BYTES_A_ROW: SizeLimit = SizeLimit { first: 1 << 12, each: 1 << 8 };
+const BYTES_A_ROW: [u64; 2] = [1 << 12, 1 << 8];
 
 /// Rows n, vertex, components in any order; each pair once.
 fn read_table(
@@ -106,7 +106,7 @@ fn read_table(
 ) -> Result<Vec<f64>, AnswerError> {
     let fault =
         |line: u64, reason: String| AnswerError::Row { path: path.to_owned(), line, reason };
-    let file = open_bounded(path, BYTES_A_ROW.of(levels * vertices), until)
+    let file = open_bounded(path, most_bytes(BYTES_A_ROW, levels * vertices), until)
         .map_err(|reason| AnswerError::Unreadable { path: path.to_owned(), reason })?;
     let mut reader =
         csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(BufReader::new(file));

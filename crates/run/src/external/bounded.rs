@@ -7,16 +7,9 @@ use std::time::Instant;
 
 use files::open_file;
 
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SizeLimit {
-    pub first: u64,
-    pub each: u64,
-}
-
-impl SizeLimit {
-    pub(crate) fn of(self, count: usize) -> u64 {
-        self.first.saturating_add(self.each.saturating_mul(count as u64))
-    }
+/// The most bytes that a file has with so many for itself and for each of its entries.
+pub(crate) fn most_bytes([first, each]: [u64; 2], count: usize) -> u64 {
+    first.saturating_add(each.saturating_mul(count as u64))
 }
 
 /// Deadline for reading, if any.

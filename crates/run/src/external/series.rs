@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::bounded::{SizeLimit, Until, is_below, read_bounded};
+use super::bounded::{Until, is_below, most_bytes, read_bounded};
 use super::error::{AnswerError, SeriesError, VtuReadError};
 use super::places::VertexPlaces;
 use super::vtu::{Snapshot, read_vtu, xml};
@@ -14,7 +14,7 @@ const NUMBERED: (&str, &str) = ("displacement_", ".vtu");
 /// Relative tolerance of times: those written with six digits are off by 5e-6.
 const NEAR: f64 = 1e-5;
 /// Size limit of an index; a level takes a line with a name.
-const BYTES_A_LEVEL: SizeLimit = SizeLimit { first: 1 << 16, each: 1 << 12 };
+const BYTES_A_LEVEL: [u64; 2] = [1 << 16, 1 << 12];
 
 /// The files that the index names, by level.
 pub(crate) fn indexed(
@@ -22,7 +22,7 @@ pub(crate) fn indexed(
     times: &[f64],
     until: Until,
 ) -> Result<Vec<PathBuf>, SeriesError> {
-    let bytes = read_bounded(&dir.join(COLLECTION), BYTES_A_LEVEL.of(times.len()), until)
+    let bytes = read_bounded(&dir.join(COLLECTION), most_bytes(BYTES_A_LEVEL, times.len()), until)
         .map_err(|reason| SeriesError::Index(VtuReadError::Unreadable(reason)))?;
     let text = std::str::from_utf8(&bytes)
         .map_err(|error| SeriesError::Index(VtuReadError::Xml(error.to_string())))?;

@@ -11,7 +11,7 @@ use std::path::Path;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use self::array::{Binary, numbers};
-use super::bounded::{SizeLimit, Until, is_below, read_bounded};
+use super::bounded::{Until, is_below, most_bytes, read_bounded};
 use super::error::VtuReadError;
 
 /// Accepted names of the point data, in order of preference.
@@ -26,7 +26,7 @@ pub(crate) struct Snapshot {
 
 /// A point and the cells around it take some 60 numbers with connectivity; as text of 25 letters each, with another 600
 /// numbers of a solver's additional fields, they stay below this.
-const BYTES_A_POINT: SizeLimit = SizeLimit { first: 1 << 20, each: 1 << 14 };
+const BYTES_A_POINT: [u64; 2] = [1 << 20, 1 << 14];
 /// Limit of XML elements: a piece with its arrays has a few dozen.
 const MOST_NODES: u32 = 1 << 16;
 
@@ -38,7 +38,7 @@ pub(crate) fn read_vtu(
     until: Until,
 ) -> Result<Snapshot, VtuReadError> {
     let read = |path: &Path| {
-        let bytes = read_bounded(path, BYTES_A_POINT.of(vertices), until)
+        let bytes = read_bounded(path, most_bytes(BYTES_A_POINT, vertices), until)
             .map_err(VtuReadError::Unreadable)?;
         snapshot(&bytes, vertices, dimension)
     };

@@ -4,7 +4,8 @@
 use super::in_space::{InSpace, State};
 use super::law_slope::{Answer, answer, sliding_block};
 use super::low_rank::RankOne;
-use formula::{EvaluationPoint, Node};
+use exact::FrictionFormulas;
+use formula::Node;
 
 /// Stiffness of a held vertex in units of the largest entry; reduces its motion to 1e-10.
 const HELD: f64 = 1e10;
@@ -19,10 +20,8 @@ impl<const S: usize> InSpace<S> {
             self.space.trace.points.iter().zip(&state.contact)
         {
             // The law is c p: its slope is c times that of p at ξ/c.
-            let shift =
-                self.at_vertex(contact.and_then(|contact| contact.shift), 0.0, point.vertex);
-            let scale =
-                self.at_vertex(contact.and_then(|contact| contact.scale), 1.0, point.vertex);
+            let shift = self.at_vertex(contact.and_then(|known| known.shift), 0.0, point.vertex);
+            let scale = self.at_vertex(contact.and_then(|known| known.scale), 1.0, point.vertex);
             let response = match answer(law, normal - shift, xi / scale, lambda) {
                 Answer::Slope(slope) => Answer::Slope(scale * slope),
                 Answer::Held => Answer::Held,
@@ -41,43 +40,41 @@ impl<const S: usize> InSpace<S> {
                 Some(Answer::Slope(slope)) => point.weight * slope,
                 Some(Answer::Held) => HELD * stiffness,
             };
-            // answer · ν νᵀ on the components of the vertex.
-            let d = self.space.mesh.dimension;
-            for i in 0..d {
-                for j in 0..=i {
-                    let first = d * point.node as usize;
-                    if let Some(at) = self.space.pattern.position(first + i, first + j) {
-                        values[at] += answer * point.normal[i] * point.normal[j];
-                    }
-                }
+            let along = |i: usize, j: usize| answer * point.normal[i] * point.normal[j];
+            self.add_at(point.node, along, values);
+        }
+    }
+
+    /// Adds a symmetric block at a node, by components.
+    fn add_at(&self, node: u32, block: impl Fn(usize, usize) -> f64, values: &mut [f64]) {
+        let d = self.space.mesh.dimension;
+        let first = d * node as usize;
+        for i in 0..d {
+            for j in 0..=i {
+                self.space.pattern.add([first + i, first + j], block(i, j), values);
             }
         }
     }
 
+    fn friction_formulas(&self) -> Option<&FrictionFormulas> {
+        self.exact.data.contact.as_ref()?.friction.as_ref()
+    }
+
     /// Adds the slopes of friction at slipping vertices; holds u_τ of sticking ones.
     pub(super) fn add_friction(&self, state: &State<S>, values: &mut [f64]) {
-        let friction =
-            self.exact.data.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-        let Some((friction, state)) = friction.zip(state.friction.as_ref()) else { return };
+        let both = self.friction_formulas().zip(state.friction.as_ref());
+        let Some((friction, state)) = both else { return };
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-        let d = self.space.mesh.dimension;
         let points = self.space.trace.points.iter().zip(state);
         for (point, sliding) in points.filter(|(point, _)| point.carries()) {
             let block = sliding_block(&friction.bound, sliding, [point.weight, HELD * stiffness]);
-            let first = d * point.node as usize;
-            for (i, row) in block.iter().enumerate().take(d) {
-                for (j, answer) in row.iter().enumerate().take(i + 1) {
-                    self.space.pattern.add([first + i, first + j], *answer, values);
-                }
-            }
+            self.add_at(point.node, |i, j| block[i][j], values);
         }
     }
 
     /// Response of friction to u_ν if its bound follows the normal law: μ_f p'(u_ν) along s at slipping vertices.
     pub(super) fn following(&self, answers: &[Option<Answer>], state: &State<S>) -> Vec<RankOne> {
-        let friction =
-            self.exact.data.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-        let coefficient = friction.map_or(0.0, |friction| friction.bound.coefficient());
+        let coefficient = self.friction_formulas().map_or(0.0, |known| known.bound.coefficient());
         let Some(state) = state.friction.as_ref().filter(|_| coefficient > 0.0) else {
             return Vec::new();
         };
@@ -103,8 +100,7 @@ impl<const S: usize> InSpace<S> {
 
     /// The value of a formula at a vertex; `absent` without a formula.
     fn at_vertex(&self, node: Option<Node>, absent: f64, vertex: u32) -> f64 {
-        let [x, y, z] = self.space.mesh.point(&[vertex], &[1.0]);
-        let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
+        let at = self.space.mesh.point(&[vertex], &[1.0]).into();
         node.map_or(absent, |node| self.exact.data.graph.evaluate(node, &at))
     }
 }

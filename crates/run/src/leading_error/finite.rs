@@ -3,12 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::NoConstant;
-use super::adaptive::{cuts, integral_against};
 use super::law_slope::{Answer, answer};
+use super::sums::{Kernel, Sums};
 use super::time::Weights;
+use algebra::linalg::axpy;
 use exact::{LawNumbers, sign_changes};
-use formula::{BoundProgram, EvaluationPoint, Graph, Node, Program, Variable};
-use scene::AbstractKernel;
+use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 use scene::setup::AbstractSetup;
 
 /// max_n ‖e_n‖_X on a grid, where
@@ -22,57 +22,40 @@ use scene::setup::AbstractSetup;
 /// # Errors
 /// [`NoConstant::Rule`], [`NoConstant::Singular`].
 pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64, NoConstant> {
-    let of_kernel =
-        |kernel: &AbstractKernel| Weights::of_kernel(setup.scene.time.rule, kernel.power);
-    let weights = setup.problem.kernels.iter().map(of_kernel).collect::<Result<Vec<_>, _>>()?;
     let problem = Linearised::new(setup);
+    let of_kernel = |kernel: &Kernel| Weights::of_kernel(setup.scene.time.rule, kernel.power);
+    let weights = problem.kernels.iter().map(of_kernel).collect::<Result<Vec<_>, _>>()?;
     let m = problem.matrix.nrows();
-    let states: Vec<_> = times.iter().map(|&t| setup.state(t)).collect();
-    let exact: Vec<DVector<f64>> =
-        states.iter().map(|state| DVector::from_column_slice(&state.u)).collect();
-    let mut errors: Vec<DVector<f64>> = Vec::with_capacity(times.len());
+    let mut sums = Sums::new(weights, &problem.kernels, times, m);
+    let exact = |times: &[f64]| -> Vec<Vec<f64>> {
+        let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+        let mut values = vec![Vec::new(); m];
+        problem.u.bind(&places).evaluate(0.0, 0.0, &mut values);
+        (0..times.len()).map(|k| values.iter().map(|list| list[k]).collect()).collect()
+    };
     let mut largest: f64 = 0.0;
-    let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
-    let mut kernels: Vec<BoundProgram> =
-        problem.kernels.iter().map(|(q, _)| q.bind(&places)).collect();
-    let mut row = vec![Vec::new()];
     let kinks = problem.kinks(times);
-    for (n, &t) in times.iter().enumerate() {
-        let state = &states[n];
-        let mut sum = problem.constant.clone();
-        let mut of_sums = Vec::new();
-        let mut past = DVector::zeros(m);
-        let mut present = DMatrix::zeros(m, m);
-        let all = kernels.iter_mut().zip(&problem.kernels).zip(&weights);
-        for ((kernel, (_, matrix)), weights) in all {
-            kernel.evaluate(t, 0.0, &mut row);
-            let mut of_exact = DVector::zeros(m);
-            let mut of_errors = DVector::zeros(m);
-            for (j, q) in row[0][..=n].iter().enumerate() {
-                let w = weights.at(times, n, j);
-                // A kernel may be infinite where it has no weight.
-                if w != 0.0 {
-                    of_exact.axpy(w * q, &exact[j], 1.0);
-                    if j < n {
-                        of_errors.axpy(w * q, &errors[j], 1.0);
-                    } else {
-                        present += (w * q) * matrix;
-                    }
-                }
-            }
-            sum += matrix * &of_exact;
-            of_sums.push(of_exact);
-            past += matrix * of_errors;
+    for &t in times {
+        let state = setup.state(t);
+        let [mut sum, mut of_exact] = [(); 2].map(|()| problem.constant.clone());
+        let (mut past, mut present) = (DVector::zeros(m), DMatrix::zeros(m, m));
+        for (l, (kernel, matrix)) in problem.kernels.iter().zip(&problem.matrices).enumerate() {
+            let ([mut discrete, of_errors], weight) = (sums.before(l), sums.current_weight(l));
+            axpy(weight, &state.u, &mut discrete);
+            let integral = kernel.integral(t, &kinks, &discrete, exact);
+            of_exact += matrix * DVector::from_vec(integral);
+            sum += matrix * DVector::from_vec(discrete);
+            past += matrix * DVector::from_vec(of_errors);
+            present += weight * matrix;
         }
-        let discrete = &problem.r * sum;
-        let history = problem.history(t, &of_sums, &kinks);
+        let [history, discrete] = [of_exact, sum].map(|sum| &problem.r * sum);
         let (source, by_y, by_r) = problem.force(&state.u, history.as_slice(), discrete.as_slice());
         let mut tangent = &problem.matrix + DMatrix::from_diagonal(&by_r);
         tangent += DMatrix::from_diagonal(&by_y) * &problem.r * present;
         let right = source - by_y.component_mul(&(&problem.r * past));
-        let error = problem.solve(tangent, right, state).ok_or(NoConstant::Singular { t })?;
+        let error = problem.solve(tangent, right, &state).ok_or(NoConstant::Singular { t })?;
         largest = largest.max(problem.norm(&error));
-        errors.push(error);
+        sums.advance([state.u.clone(), error.as_slice().to_vec()]);
     }
     Ok(largest)
 }
@@ -83,9 +66,11 @@ struct Linearised<'a> {
     product: DMatrix<f64>,
     r: DMatrix<f64>,
     constant: DVector<f64>,
-    kernels: Vec<(Program, DMatrix<f64>)>,
-    /// q_l(t, s) u_j(s) without the power, by j, and a of each l.
-    integrands: Vec<(f64, Program)>,
+    kernels: Vec<Kernel>,
+    /// Q_l.
+    matrices: Vec<DMatrix<f64>>,
+    /// u(x).
+    u: Program,
     /// g_i'.
     nonlinear: Vec<Node>,
     /// N_i, ∂N_i/∂y, ∂N_i/∂r.
@@ -100,23 +85,17 @@ impl<'a> Linearised<'a> {
         let mut graph = setup.scene.formulas.clone();
         let rows = |list: &[Vec<f64>]| DMatrix::from_fn(list.len(), list.len(), |i, j| list[i][j]);
         let horizon = setup.scene.time.horizon;
-        let kernels = problem
-            .kernels
-            .iter()
-            .map(|kernel| {
-                (Program::compile(&mut graph, &[kernel.q], horizon), rows(&kernel.matrix))
+        let kernels = problem.kernels.iter();
+        let (kernels, matrices) = kernels
+            .map(|written| {
+                let kernel = Kernel::new(&mut graph, written.power, written.q, horizon);
+                (kernel, rows(&written.matrix))
             })
-            .collect();
+            .unzip();
         let s = graph.variable(Variable::X);
-        let mut integrands = Vec::new();
-        for kernel in &problem.kernels {
-            let product = |&u: &Node| {
-                let past = graph.substitute(u, Variable::T, s);
-                graph.mul(kernel.q, past)
-            };
-            let products: Vec<Node> = problem.u.iter().map(product).collect();
-            integrands.push((kernel.power, Program::compile(&mut graph, &products, horizon)));
-        }
+        let u = problem.u.iter().map(|&u| graph.substitute(u, Variable::T, s));
+        let u: Vec<Node> = u.collect();
+        let u = Program::compile(&mut graph, &u, horizon);
         let mut by = |f: Node, variable| graph.derivative(f, variable);
         let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
         let force = problem
@@ -132,7 +111,8 @@ impl<'a> Linearised<'a> {
             constant: DVector::from_column_slice(&problem.a_s),
             laws: setup.exact.laws(),
             kernels,
-            integrands,
+            matrices,
+            u,
             nonlinear,
             force,
             graph,
@@ -154,24 +134,6 @@ impl<'a> Linearised<'a> {
             guards.iter().map(|&guard| times.iter().map(|&t| at(guard, t)).collect()).collect()
         };
         times.windows(2).flat_map(|ends| sign_changes(ends[0], ends[1], 1, values)).collect()
-    }
-
-    /// (S u)(t), integrated independently of the exact solution's histories; `sums` are the discrete sums, `kinks`
-    /// those of u.
-    fn history(&self, t: f64, sums: &[DVector<f64>], kinks: &[f64]) -> DVector<f64> {
-        let m = self.constant.len();
-        let mut sum = self.constant.clone();
-        let all = self.integrands.iter().zip(&self.kernels).zip(sums);
-        for (((power, program), (_, matrix)), discrete) in all.filter(|_| t > 0.0) {
-            let found = integral_against(*power, &cuts(t, kinks), discrete.as_slice(), |times| {
-                let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
-                let mut values = vec![Vec::new(); m];
-                program.bind(&places).evaluate(t, 0.0, &mut values);
-                (0..times.len()).map(|k| values.iter().map(|list| list[k]).collect()).collect()
-            });
-            sum += matrix * DVector::from_column_slice(&found);
-        }
-        &self.r * sum
     }
 
     /// N(S u, u) - N(S^k u, u), ∂N/∂y, and the diagonal g' + ∂N/∂r.

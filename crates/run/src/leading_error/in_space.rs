@@ -43,6 +43,10 @@ pub(super) struct State<const S: usize> {
     memory: Vec<Remembered<S>>,
     /// ζ, if κ depends on it.
     zeta: f64,
+    /// ζ of the discrete history, with the weight of the level itself and its error.
+    accumulated: f64,
+    weight: f64,
+    zeta_error: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
     pub(super) contact: Vec<[f64; 5]>,
     /// Friction at these points, if any.
@@ -59,14 +63,6 @@ struct Remembered<const S: usize> {
     error: Vec<Mandel<S>>,
     /// The weight of the level itself.
     weight: f64,
-}
-
-/// ζ of the discrete history.
-struct Accumulated {
-    /// The weight of the level itself.
-    weight: f64,
-    zeta: f64,
-    zeta_error: f64,
 }
 
 /// Linearised response of the stress at a point.
@@ -108,7 +104,7 @@ impl<const S: usize> InSpace<S> {
         let kernel = |term: &RelaxationTerm| {
             let (power, factor) =
                 term.singular.map_or((0.0, term.kernel), |parts| (parts.power, parts.factor));
-            Kernel::new(&mut graph, power, factor, horizon)
+            Kernel::of_lag(&mut graph, power, factor, horizon)
         };
         let kernels = memory.iter().map(kernel).collect();
         let one = [Kernel::one(&mut graph, horizon)];
@@ -149,13 +145,10 @@ impl<const S: usize> InSpace<S> {
             if n > 0 {
                 history.advance(t);
             }
-            let state = self.state(t, &mut history, &sums);
+            let state = self.state(t, &mut history, [&sums, &sizes]);
             let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
             if n > 0 {
-                let weight = sizes.current_weight(0);
-                let [zeta, zeta_error] = sizes.before(0).map(|sum| sum[0]);
-                let zeta = zeta + weight * state.norm;
-                let level = self.level(t, &state, Accumulated { weight, zeta, zeta_error })?;
+                let level = self.level(t, &state)?;
                 let norm = inner(&self.space, &level.strain, &level.strain).sqrt();
                 let along = inner(&self.space, &state.strain, &level.strain) / state.norm;
                 // If ε vanishes, the norm of the discrete strain is that of the error.
@@ -181,8 +174,13 @@ impl<const S: usize> InSpace<S> {
         OwnHistory::new(&self.exact, &self.space, &self.kernels, self.slope.is_some())
     }
 
-    /// The state at the time that `history` and `sums` have reached.
-    fn state(&self, t: f64, history: &mut OwnHistory<'_, S>, sums: &Sums) -> State<S> {
+    /// The state at the time that `history` and the sums of u and of ‖ε‖ have reached.
+    fn state(
+        &self,
+        t: f64,
+        history: &mut OwnHistory<'_, S>,
+        [sums, sizes]: [&Sums; 2],
+    ) -> State<S> {
         let u = history.displacement(t);
         let strain: Vec<Mandel<S>> = strains(&self.space, &u);
         let remembered = |term: usize| {
@@ -197,7 +195,10 @@ impl<const S: usize> InSpace<S> {
         let norm = inner(&self.space, &strain, &strain).sqrt();
         let (zeta, contact) = (history.zeta(), self.truth.contact_state(t));
         let friction = self.truth.friction_state(t);
-        State { u, strain, norm, memory, zeta, contact, friction }
+        let weight = sizes.current_weight(0);
+        let [before, zeta_error] = sizes.before(0).map(|sum| sum[0]);
+        let accumulated = before + weight * norm;
+        State { u, strain, norm, memory, zeta, accumulated, weight, zeta_error, contact, friction }
     }
 
     /// e_n from the linearised step
@@ -207,37 +208,25 @@ impl<const S: usize> InSpace<S> {
     /// ```
     ///
     /// with ρ the stress of the discrete history less that of the exact one.
-    fn level(
-        &self,
-        t: f64,
-        state: &State<S>,
-        accumulated: Accumulated,
-    ) -> Result<Level<S>, NoConstant> {
+    fn level(&self, t: f64, state: &State<S>) -> Result<Level<S>, NoConstant> {
         let space = &self.space;
-        let kappa = self.exact.data.kappa;
-        let (exact_kappa, scheme_kappa) = (
-            self.at_zeta(kappa, state.zeta, f64::INFINITY),
-            self.at_zeta(kappa, accumulated.zeta, f64::INFINITY),
-        );
-        let slope = self.at_zeta(self.slope, accumulated.zeta, 0.0);
+        let kappa = |zeta: f64| self.at_zeta(self.exact.data.kappa, zeta, f64::INFINITY);
+        let kappa = [state.zeta, state.accumulated].map(kappa);
+        let slope = self.at_zeta(self.slope, state.accumulated, 0.0);
         let mut values = vec![0.0; space.pattern.entries()];
         let mut right = vec![0.0; space.nodes.len()];
         let (mut column, mut row) = (right.clone(), right.clone());
         let mut responses = Vec::with_capacity(state.strain.len());
         for at in space.points() {
             let strain = &state.strain[at.index];
-            let response = self.response(
-                &at,
-                state,
-                [exact_kappa, scheme_kappa, slope, accumulated.zeta_error],
-            );
+            let response = self.response(&at, state, kappa, slope);
             let by_zeta = response.by_zeta;
             add_force(&at, &response.source, &mut right);
             add_stiffness(space, &at, &response.tangent, &mut values);
             responses.push(response);
             if self.slope.is_some() && state.norm > 0.0 {
                 add_force(&at, &by_zeta, &mut column);
-                add_force(&at, &strain.map(|e| accumulated.weight * e / state.norm), &mut row);
+                add_force(&at, &strain.map(|e| state.weight * e / state.norm), &mut row);
             }
         }
         let answers = self.answers(state);
@@ -251,7 +240,7 @@ impl<const S: usize> InSpace<S> {
         let strain: Vec<Mandel<S>> = strains(space, &error);
         // The level's contribution to the change of ζ.
         let share = match self.slope.is_some() && state.norm > 0.0 {
-            true => accumulated.weight * inner(space, &state.strain, &strain) / state.norm,
+            true => state.weight * inner(space, &state.strain, &strain) / state.norm,
             false => 0.0,
         };
         let stress: Vec<Mandel<S>> =
@@ -267,12 +256,13 @@ impl<const S: usize> InSpace<S> {
         Ok(Level { error, strain, stress, pressure })
     }
 
-    /// Response of the stress at a point, with κ at the exact ζ and at that of the scheme, κ' there, and the error of ζ.
+    /// Response of the stress at a point, with κ at the exact ζ and at that of the scheme, and κ' there.
     fn response(
         &self,
         at: &StrainPoint<'_>,
         state: &State<S>,
-        [exact_kappa, scheme_kappa, slope, zeta_error]: [f64; 4],
+        [exact_kappa, scheme_kappa]: [f64; 2],
+        slope: f64,
     ) -> Response<S> {
         let strain = &state.strain[at.index];
         let material = self.exact.material_in(self.regions[at.cell]);
@@ -291,8 +281,8 @@ impl<const S: usize> InSpace<S> {
             }
         }
         let by_zeta = by_kappa(material, strain, scheme_kappa).map(|value| slope * value);
-        let source =
-            std::array::from_fn(|i| before[i] - after[i] - remembered[i] - by_zeta[i] * zeta_error);
+        let of_zeta = by_zeta.map(|by_zeta| by_zeta * state.zeta_error);
+        let source = std::array::from_fn(|i| before[i] - after[i] - remembered[i] - of_zeta[i]);
         Response { tangent, source, by_zeta }
     }
 }

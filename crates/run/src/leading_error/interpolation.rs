@@ -3,19 +3,19 @@
 use algebra::in_dimension;
 use std::sync::Arc;
 
+use super::NoConstant;
 use super::interpolation_stress::StressInterpolationError;
 use super::measures::square_apart;
 use super::own_history::{nodal, points_of_cells, points_of_nodes};
 use super::quadratic::QuadraticError;
 use super::time::{largest_step, times};
-use super::{Case, NoConstant};
 use exact::constitutive::{Tensor, full};
 use exact::{Exact, NodalStrain};
 use fem::contact::{Discretization, LoadError};
 use fem::space::Element;
 use fem::space::quadrature::{Rule, gauss_legendre};
 use formula::{BoundProgram, Program, Variable};
-use judge::verdict::LeadingLine;
+use judge::verdict::{LeadingLine, LeadingPoint, MeshAndSteps as Case};
 use scene::Shape;
 use scene::setup::Setup;
 
@@ -193,7 +193,7 @@ pub(super) fn over_cases(
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let Some(&(_, error)) = worst.first() else { continue };
         let (h, k) = (Some(space.mesh.h()), largest_step(&grid));
-        points.push(case.point(h, k, error));
+        points.push(LeadingPoint { n: case.n, steps: case.steps, h, k, error });
     }
     let domain = &setup.body.domain;
     // The limit is computed for rectangles and boxes, and linear interpolation.

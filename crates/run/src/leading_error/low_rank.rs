@@ -39,25 +39,22 @@ pub(super) fn solve(
     };
     let mut error = solved(&right);
     // nalgebra does not solve systems without rows.
-    if terms.is_empty() {
-        right.fill(0.0);
-        right[..dofs].copy_from_slice(&error);
-        return Ok(right);
-    }
-    let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
-    let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
-    let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
-        f64::from(u8::from(i == j)) + along(i, &answers[j])
-    });
-    let factors = capacitance.lu();
-    let pivots = factors.u().diagonal();
-    if pivots.iter().any(|pivot| pivot.is_nan() || pivot.abs() <= VANISHING) {
-        return Err(NoConstant::Singular { t });
-    }
-    let rows = DVector::from_fn(terms.len(), |i, _| along(i, &error));
-    let shares = factors.solve(&rows).ok_or(NoConstant::Singular { t })?;
-    for (share, answer) in shares.iter().zip(&answers) {
-        axpy(-share, answer, &mut error);
+    if !terms.is_empty() {
+        let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
+        let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
+        let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
+            f64::from(u8::from(i == j)) + along(i, &answers[j])
+        });
+        let factors = capacitance.lu();
+        let pivots = factors.u().diagonal();
+        if pivots.iter().any(|pivot| pivot.is_nan() || pivot.abs() <= VANISHING) {
+            return Err(NoConstant::Singular { t });
+        }
+        let rows = DVector::from_fn(terms.len(), |i, _| along(i, &error));
+        let shares = factors.solve(&rows).ok_or(NoConstant::Singular { t })?;
+        for (share, answer) in shares.iter().zip(&answers) {
+            axpy(-share, answer, &mut error);
+        }
     }
     right.fill(0.0);
     right[..dofs].copy_from_slice(&error);

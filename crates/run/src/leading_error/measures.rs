@@ -4,7 +4,7 @@ use super::cells::{Mandel, add_force, inner};
 use algebra::linalg::larger;
 use exact::constitutive::Tensor;
 use fem::contact::Discretization;
-use fem::space::{Element, Simplex};
+use fem::space::Simplex;
 use scene::Norm;
 
 pub(super) struct Level<const S: usize> {
@@ -73,34 +73,24 @@ pub(super) fn normal(space: &Discretization, i: usize, nodal: &[f64]) -> f64 {
     (0..d).map(|j| point.normal[j] * nodal[d * point.node as usize + j]).sum()
 }
 
-/// Mean of f² over a simplex of N corners, f linear: (Σ f_a² + (Σ f_a)²)/(N(N+1)); for quadratic f by the mass matrix.
-fn mean_square(element: Element, simplex: Simplex, nodes: &[f64]) -> f64 {
-    if element != Element::P1 {
-        let values: Vec<[f64; 1]> = nodes.iter().map(|&value| [value]).collect();
-        return element.mean_square(simplex).over(1.0, &values);
-    }
-    let count = nodes.len() as f64;
-    let total: f64 = nodes.iter().sum();
-    let squares: f64 = nodes.iter().map(|f| f * f).sum();
-    (squares + total * total) / (count * (count + 1.0))
-}
-
 fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
     let d = space.mesh.dimension;
-    let component = |c: usize, i: usize| {
-        let nodes = space.cell_nodes(c).iter();
-        let values: Vec<f64> = nodes.map(|&node| nodal[d * node as usize + i]).collect();
-        mean_square(space.element, Simplex::cell(d), &values)
+    let squares = space.element.mean_square(Simplex::cell(d));
+    let at = |&node: &u32| -> [f64; 3] {
+        std::array::from_fn(|i| if i < d { nodal[d * node as usize + i] } else { 0.0 })
     };
-    let cell = |(c, measure): (usize, &f64)| measure * (0..d).map(|i| component(c, i)).sum::<f64>();
+    let cell = |(c, &measure): (usize, &f64)| {
+        squares.over(measure, &space.cell_nodes(c).iter().map(at).collect::<Vec<_>>())
+    };
     space.geometry.measure.iter().enumerate().map(cell).sum::<f64>().sqrt()
 }
 
 /// ‖f‖ in L²(Γ3) of values at the points of the trace.
 fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
-    let facet = |(f, measure): (usize, &f64)| {
-        let at_facet: Vec<f64> = space.trace.facet(f).iter().map(|&i| values[i as usize]).collect();
-        measure * mean_square(space.element, Simplex::facet(space.mesh.dimension), &at_facet)
+    let squares = space.element.mean_square(Simplex::facet(space.mesh.dimension));
+    let at = |&i: &u32| [values[i as usize]];
+    let facet = |(f, &measure): (usize, &f64)| {
+        squares.over(measure, &space.trace.facet(f).iter().map(at).collect::<Vec<_>>())
     };
     space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
 }

@@ -18,7 +18,6 @@
 //! `tests/commands/house.rs` lists what is shared.
 
 mod adaptive;
-mod case;
 mod cells;
 mod contact_answers;
 mod error;
@@ -35,16 +34,17 @@ mod sums;
 mod tangent;
 mod time;
 
-pub use case::Case;
 pub use error::NoConstant;
 pub use interpolation::{InterpolationError, interpolation_constant};
+/// A case of a scene whose errors are predicted.
+pub use judge::verdict::MeshAndSteps as Case;
 
 use std::sync::Arc;
 
 use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::Element;
-use judge::verdict::LeadingLine;
+use judge::verdict::{LeadingLine, LeadingPoint};
 use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Direction, Hypothesis, MeshFamily, Norm};
@@ -102,10 +102,10 @@ pub fn leading_errors(
 }
 
 fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingLine, NoConstant> {
-    let points = of_few_steps(cases, MOST_STEPS).map(|&case| {
-        let times = time::times(&setup.scene.time, case.steps);
+    let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
+        let times = time::times(&setup.scene.time, steps);
         let error = finite::largest_error(setup, &times)?;
-        Ok(case.point(None, time::largest_step(&times), error))
+        Ok(LeadingPoint { n, steps, h: None, k: time::largest_step(&times), error })
     });
     let points = points.collect::<Result<_, NoConstant>>()?;
     Ok(LeadingLine { points, limit: None, tolerance: IN_TIME })
@@ -148,13 +148,13 @@ fn in_time_direction(
 ) -> Result<LeadingLine, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
     let interpolated = setup.body.data.is_interpolated();
+    let norm = measured.norm;
+    let of = |errors: Largest| errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() });
+    of(Largest::default())?;
     // A reference of M times the steps has M^-order of the error.
-    let share = match measured.norm {
-        Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => {
-            1.0
-        }
+    let share = match norm {
         Norm::VTimeMax => 1.0 - f64::from(measured.time_reference).powf(-measured.order),
-        other => return Err(NoConstant::Norm { norm: other.name() }),
+        _ => 1.0,
     };
     let mut points = Vec::with_capacity(cases.len());
     let mut ns: Vec<u32> = cases.iter().filter_map(|case| case.n).collect();
@@ -170,10 +170,8 @@ fn in_time_direction(
     for n in ns {
         let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
         let h = Some(1.0 / f64::from(n));
-        for &(case, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
-            let norm = measured.norm;
-            let error = errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
-            points.push(case.point(h, k, share * error));
+        for &(Case { n, steps }, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
+            points.push(LeadingPoint { n, steps, h, k, error: share * of(errors)? });
         }
     }
     Ok(LeadingLine { points, limit: None, tolerance })

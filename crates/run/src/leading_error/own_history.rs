@@ -1,7 +1,7 @@
 //! Exact histories of I_h u for the prediction, integrated independently, so that errors in the histories of the exact
 //! solution show.
 
-use super::adaptive::{cuts, integral, integral_against};
+use super::adaptive::integral;
 use super::cells::{Mandel, inner, strains};
 use super::sums::Kernel;
 use exact::Exact;
@@ -99,21 +99,12 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
 
     /// ∫_0^t b(t-s) u(s) ds of one kernel; `discrete` is the corresponding sum.
     pub(super) fn remembered(&mut self, term: usize, discrete: &[f64]) -> Vec<f64> {
-        let (t, length) = (self.t, self.space.nodes.len());
-        if t == 0.0 {
-            return vec![0.0; length];
-        }
-        let kernel = &self.kernels[term];
+        let (kernel, length) = (&self.kernels[term], self.space.nodes.len());
         if kernel.is_direct() {
-            let cuts = cuts(t, &self.kinked);
             let (u, space) = (&mut self.u, self.space);
-            return integral_against(kernel.power, &cuts, discrete, |times| {
-                let mut of_lag = [Vec::new()];
-                kernel.at_lags(times).evaluate(t, 0.0, &mut of_lag);
-                let at =
-                    |(&s, b): (&f64, &f64)| nodal(u, space, s).into_iter().map(|u| b * u).collect();
-                times.iter().zip(&of_lag[0]).map(at).collect()
-            });
+            let mut at = |&s: &f64| nodal(u, space, s);
+            let v = |times: &[f64]| times.iter().map(&mut at).collect();
+            return kernel.integral(self.t, &self.kinked, discrete, v);
         }
         let before: usize = self.kernels[..term].iter().map(|k| k.exponentials().len()).sum();
         let mut sum = vec![0.0; length];

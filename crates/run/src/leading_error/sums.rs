@@ -1,31 +1,38 @@
 //! A rule's sums over the past of vectors, level by level.
 
+use super::adaptive::{cuts, integral_against};
 use super::time::Weights;
 use formula::{BoundProgram, Graph, Node, Program, Variable};
 
-/// The kernel b of one term of the memory, b(t) = t^{-a} c(t), 0 ≤ a < 1.
+/// The kernel of one term of the memory, (t-s)^{-a} q(t,s), 0 ≤ a < 1.
 pub(super) struct Kernel {
     /// a; 0 except for singular kernels.
     pub(super) power: f64,
-    /// c(t - x).
-    of_lag: Program,
-    /// The pairs (a, c) of b(t) = Σ a exp(-c t), if it has that form.
+    /// q(t, x).
+    factor: Program,
+    /// The pairs (a, c) of q(t,s) = Σ a exp(-c (t-s)), if it has that form.
     exponentials: Option<Vec<(f64, f64)>>,
 }
 
 impl Kernel {
-    pub(super) fn new(graph: &mut Graph, power: f64, factor: Node, horizon: f64) -> Self {
+    /// Of the formula c with q(t,s) = c(t-s).
+    pub(super) fn of_lag(graph: &mut Graph, power: f64, factor: Node, horizon: f64) -> Self {
         let exponentials = graph.exponential_sum(factor).filter(|_| power == 0.0);
         let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
         let lag = graph.sub(t, x);
-        let of_lag = graph.substitute(factor, Variable::T, lag);
-        Self { power, of_lag: Program::compile(graph, &[of_lag], horizon), exponentials }
+        let q = graph.substitute(factor, Variable::T, lag);
+        Self { exponentials, ..Self::new(graph, power, q, horizon) }
+    }
+
+    /// Of the formula q in t and x, the place of s.
+    pub(super) fn new(graph: &mut Graph, power: f64, q: Node, horizon: f64) -> Self {
+        Self { power, factor: Program::compile(graph, &[q], horizon), exponentials: None }
     }
 
     /// b = 1.
     pub(super) fn one(graph: &mut Graph, horizon: f64) -> Self {
         let one = graph.constant(1.0);
-        Self::new(graph, 0.0, one, horizon)
+        Self::of_lag(graph, 0.0, one, horizon)
     }
 
     /// The pairs (a, c), or empty.
@@ -33,9 +40,32 @@ impl Kernel {
         self.exponentials.as_deref().unwrap_or_default()
     }
 
-    /// c(t - s) for t and some times s.
-    pub(super) fn at_lags(&self, times: &[f64]) -> BoundProgram {
-        self.of_lag.bind(&times.iter().map(|&s| [s, 0.0, 0.0]).collect::<Vec<_>>())
+    /// q(t, s) for t and some times s.
+    fn at_times(&self, times: &[f64]) -> BoundProgram {
+        self.factor.bind(&times.iter().map(|&s| [s, 0.0, 0.0]).collect::<Vec<_>>())
+    }
+
+    /// ∫_0^t (t-s)^{-a} q(t,s) v(s) ds, where v, given for a list of times, has kinks
+    /// at some; `discrete` is the sum that it is compared with.
+    pub(super) fn integral(
+        &self,
+        t: f64,
+        kinks: &[f64],
+        discrete: &[f64],
+        mut v: impl FnMut(&[f64]) -> Vec<Vec<f64>>,
+    ) -> Vec<f64> {
+        if t == 0.0 {
+            return vec![0.0; discrete.len()];
+        }
+        integral_against(self.power, &cuts(t, kinks), discrete, |times| {
+            let mut factors = [Vec::new()];
+            self.at_times(times).evaluate(t, 0.0, &mut factors);
+            let mut values = v(times);
+            for (values, q) in values.iter_mut().zip(&factors[0]) {
+                values.iter_mut().for_each(|value| *value *= q);
+            }
+            values
+        })
     }
 
     /// Whether sums are recomputed over all earlier levels.
@@ -47,9 +77,9 @@ impl Kernel {
 /// Values and errors, summed in parallel.
 pub(super) type Pair<T> = [T; 2];
 
-/// For each kernel, Σ_{j<n} w_nj b(t_n - t_j) v_j for a pair of sequences v_0, …, v_{n-1}.
+/// For each kernel, Σ_{j<n} w_nj q(t_n, t_j) v_j for a pair of sequences v_0, …, v_{n-1}.
 ///
-/// For b(t) = Σ a exp(-c t) with weights of v_n that are equal in all later sums, each term P_n is updated by
+/// For q(t,s) = Σ a exp(-c (t-s)) with weights of v_n that are equal in all later sums, each term P_n is updated by
 ///
 /// ```text
 /// P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
@@ -68,7 +98,7 @@ pub(super) struct Sums<'a> {
 
 enum Sum {
     Carried(Vec<Carried>),
-    /// The kernel bound to the times, and its values b(t_n - t_j).
+    /// The kernel bound to the times, and its values q(t_n, t_j).
     Direct(Box<BoundProgram>, Vec<Vec<f64>>),
 }
 
@@ -91,7 +121,7 @@ impl<'a> Sums<'a> {
             Some(terms) if weights.are_fixed() => {
                 Sum::Carried(terms.iter().map(|&(a, c)| Carried { a, c, sums: zero() }).collect())
             }
-            _ => Sum::Direct(Box::new(kernel.at_lags(times)), vec![Vec::new()]),
+            _ => Sum::Direct(Box::new(kernel.at_times(times)), vec![Vec::new()]),
         };
         let mut sums = Self {
             times,
@@ -105,13 +135,13 @@ impl<'a> Sums<'a> {
         sums
     }
 
-    /// The weight of the current level: w_nn b(0).
+    /// The weight of the current level: w_nn q(t_n, t_n).
     pub(super) fn current_weight(&self, kernel: usize) -> f64 {
         let at_zero = match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().map(|term| term.a).sum(),
             Sum::Direct(_, values) => values[0][self.level],
         };
-        self.weights[kernel].at(self.times, self.level, self.level) * at_zero
+        weighted(self.weights[kernel].at(self.times, self.level, self.level), at_zero)
     }
 
     /// The sums over earlier levels.
@@ -123,7 +153,7 @@ impl<'a> Sums<'a> {
             Sum::Direct(_, values) => {
                 for (j, past) in self.past.iter().enumerate() {
                     let weight = weights.at(self.times, self.level, j);
-                    add(weight * values[0][j], past, &mut out);
+                    add(weighted(weight, values[0][j]), past, &mut out);
                 }
             }
         }
@@ -161,6 +191,11 @@ impl<'a> Sums<'a> {
     }
 }
 
+/// A kernel may be infinite where it has no weight.
+fn weighted(weight: f64, kernel: f64) -> f64 {
+    if weight == 0.0 { 0.0 } else { weight * kernel }
+}
+
 fn add(factor: f64, vectors: &Pair<Vec<f64>>, sums: &mut Pair<Vec<f64>>) {
     for (vector, sum) in vectors.iter().zip(sums) {
         algebra::linalg::axpy(factor, vector, sum);
@@ -196,7 +231,7 @@ mod tests {
             .iter()
             .map(|(text, _, direct)| {
                 let node = graph.parse(text, &scope).unwrap();
-                let kernel = Kernel::new(&mut graph, 0.0, node, 1.3);
+                let kernel = Kernel::of_lag(&mut graph, 0.0, node, 1.3);
                 assert_eq!(kernel.is_direct(), *direct, "{text}");
                 kernel
             })

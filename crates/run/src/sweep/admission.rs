@@ -4,7 +4,6 @@ use super::cost::{Cost, PROGRAM, PlanCost, kept_by_mesh, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::needs::{constants_bytes, least_bytes_of_mesh};
 use super::plan::{CasePlan, ScenePlan};
-use super::problem;
 use fem::contact::Discretization;
 use scene::Scene;
 use scene::setup::Setup;
@@ -46,24 +45,19 @@ impl Runs<'_> {
             grid.iter().map(|&(n, steps)| (Some(n), steps)).collect(),
             limit,
         )?;
-        let mut dearest: Option<((u32, u32), f64)> = None;
+        let mut all = Vec::new();
         for of_mesh in grid.chunk_by(|a, b| a.0 == b.0) {
             // The run that makes the mesh reports its errors.
             let Ok(space) = setup.space(of_mesh[0].0) else { continue };
-            for &(n, steps) in of_mesh {
+            all.extend(of_mesh.iter().map(|&(n, steps)| {
                 let run = run_cost(setup, &space, steps).memory_bytes;
-                let bytes = run + (self.beside)(&space, steps);
-                // NaN counts as the largest.
-                let above = |known: f64| !known.is_nan() && (bytes.is_nan() || bytes > known);
-                if dearest.is_none_or(|(_, known)| above(known)) {
-                    dearest = Some(((n, steps), bytes));
-                }
-            }
+                ((Some(n), steps), run + (self.beside)(&space, steps))
+            }));
         }
-        let Some(((n, steps), bytes)) = dearest else { return Ok(()) };
-        limit
-            .admit(bytes, false)
-            .map_err(|source| Refused { what: in_words(name, Some(n), steps), source })
+        // The first of the largest; NaN counts as one.
+        let size = |bytes: f64| if bytes.is_nan() { f64::INFINITY } else { bytes };
+        let dearest = all.into_iter().min_by(|a, b| size(b.1).total_cmp(&size(a.1)));
+        dearest.map_or(Ok(()), |(run, bytes)| admitted(limit, bytes, false, name, run))
     }
 }
 
@@ -80,21 +74,14 @@ pub fn admit_plan(
     let reference =
         plan.reference.map(|reference| (Some(reference.n as u32), reference.steps as u32));
     let runs = plan.runs().into_iter().map(|(n, steps)| (Some(n), steps));
-    early(
-        |n, steps| problem::least_bytes(&plan.subject, n, steps),
-        name,
-        runs.chain(reference).collect(),
-        limit,
-    )?;
+    early(|n, steps| plan.least_bytes(n, steps), name, runs.chain(reference).collect(), limit)?;
     // The case that makes the mesh reports its errors.
     let Ok(PlanCost { cases, .. }) = plan.costs() else { return Ok(()) };
     let cases: Vec<(&CasePlan, &Cost)> = plan.cases.iter().zip(&cases).collect();
     let bytes = PROGRAM + together(&cases, jobs) + beside(&cases);
     let dearest = cases.iter().max_by(|a, b| a.1.memory_bytes.total_cmp(&b.1.memory_bytes));
     let Some((case, _)) = dearest else { return Ok(()) };
-    limit
-        .admit(bytes, false)
-        .map_err(|source| Refused { what: in_words(name, case.n, case.steps), source })
+    admitted(limit, bytes, false, name, (case.n, case.steps))
 }
 
 /// Bytes of the most expensive `jobs` cases, and of what all meshes keep.
@@ -111,11 +98,7 @@ fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
 /// [`Refused`].
 pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<(), Refused> {
     let Some(body) = scene.as_contact() else { return Ok(()) };
-    let law = body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    let friction = body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-    let falls = law.is_some_and(|law| law.alpha() > 0.0)
-        || friction.is_some_and(|friction| friction.alpha() > 0.0 || friction.coefficient() > 0.0);
-    if body.domain.contact.is_empty() || !(any || falls) {
+    if body.domain.contact.is_empty() || !any && body.is_monotone() {
         return Ok(());
     }
     constants_bytes(body, limit)
@@ -131,18 +114,21 @@ fn early(
     limit: &MemoryLimit,
 ) -> Result<(), Refused> {
     runs.sort_unstable_by(|a, b| b.cmp(a));
-    runs.into_iter().try_for_each(|(n, steps)| {
-        limit
-            .admit(least_bytes(n, steps), true)
-            .map_err(|source| Refused { what: in_words(scene, n, steps), source })
-    })
+    let mut runs = runs.into_iter();
+    runs.try_for_each(|run| admitted(limit, least_bytes(run.0, run.1), true, scene, run))
 }
 
-fn in_words(scene: &str, n: Option<u32>, steps: u32) -> String {
-    match n {
-        Some(n) => format!("{scene} n = {n}, N = {steps}"),
-        None => format!("{scene} N = {steps}"),
-    }
+/// Refuses a run of a scene, by its n and N, that takes more than the limit.
+fn admitted(
+    limit: &MemoryLimit,
+    bytes: f64,
+    at_least: bool,
+    scene: &str,
+    (n, steps): (Option<u32>, u32),
+) -> Result<(), Refused> {
+    let mesh = n.map_or(String::new(), |n| format!("n = {n}, "));
+    let what = || format!("{scene} {mesh}N = {steps}");
+    limit.admit(bytes, at_least).map_err(|source| Refused { what: what(), source })
 }
 
 #[cfg(test)]

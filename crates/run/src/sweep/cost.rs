@@ -10,7 +10,7 @@ use truth::{TruthCost, load_bytes, truth};
 
 use super::plan::{CasePlan, TIME_REFERENCE};
 use fem::contact::{Discretization, LinearSolver, Plan};
-use scene::setup::{Setup, SetupError};
+use scene::setup::{AbstractSetup, Setup, SetupError};
 use scene::{Norm, Reference, TimeRule};
 
 /// Newton iterations per level, if solved in the volume.
@@ -124,6 +124,25 @@ pub(super) fn contact_costs(
         leave(setup, truth.a_time, of_mesh, cases, &mut costs);
     }
     Ok(PlanCost { cases: costs, reference })
+}
+
+/// Seconds per level of an abstract scene, and per pair of levels and kernel in its direct sums.
+const LEVEL: [f64; 2] = [2e-4, 5e-8];
+
+pub(super) fn abstract_costs(setup: &AbstractSetup, cases: &[CasePlan]) -> PlanCost {
+    let dofs = setup.model.dimension();
+    let kernels = setup.problem.kernels.len() as f64;
+    let cost = |case: &CasePlan| {
+        let levels = f64::from(case.steps) + 1.0;
+        Cost {
+            dofs,
+            seconds: LEVEL[0] * levels + LEVEL[1] * levels * levels * kernels,
+            // All states are kept; a kernel value is computed for each pair of times.
+            memory_bytes: PROGRAM + 8.0 * 4.0 * levels * dofs as f64,
+            ..Cost::UNKNOWN
+        }
+    };
+    PlanCost { cases: cases.iter().map(cost).collect(), reference: None }
 }
 
 /// Adds what cases find on their mesh from longer ones, which begin first: `a_time` bytes for each time of those alone.

@@ -55,43 +55,36 @@ pub fn extend(
     let open = |v: &&Verdict| v.decision == Decision::Unresolved && !v.as_expected();
     for verdict in verdicts.iter().filter(open) {
         let scene = verdict.scene.clone();
-        let name = format!("{} in {}", verdict.norm, verdict.variable.name());
-        let mut leave = |why: String| {
-            let why = format!("{name}: {why}");
-            steps.push(Step::Leave { scene: scene.clone(), why });
-        };
         let Some(plan) = plans.iter_mut().find(|plan| plan.scene().name == scene) else { continue };
-        let new: Vec<MeshAndSteps> =
-            verdict.next.iter().copied().filter(|case| !plan.has(case)).collect();
+        let named = |why: &str| format!("{} in {}: {why}", verdict.norm, verdict.variable.name());
+        let leave = |why: String| Step::Leave { scene: scene.clone(), why: named(&why) };
         if verdict.next.is_empty() {
-            leave(format!("no case would help: {}", verdict.reason));
+            steps.push(leave(format!("no case would help: {}", verdict.reason)));
             continue;
         }
         if round > ROUNDS {
-            leave(format!("still open after {ROUNDS} rounds: {}", verdict.reason));
+            steps.push(leave(format!("still open after {ROUNDS} rounds: {}", verdict.reason)));
             continue;
         }
+        let new: Vec<MeshAndSteps> =
+            verdict.next.iter().copied().filter(|case| !plan.has(case)).collect();
         for case in new {
             let ns: Vec<u32> = case.n.into_iter().collect();
             if let Err(error) = plan.scene().check_cases(&ns, &[case.steps]) {
                 let hint = error.to_string();
-                let hint = hint.lines().next().unwrap_or_default().to_owned();
-                steps.push(Step::Leave {
-                    scene: scene.clone(),
-                    why: format!("{name}: {case} cannot be run: {hint}"),
-                });
+                let hint = hint.lines().next().unwrap_or_default();
+                steps.push(leave(format!("{case} cannot be run: {hint}")));
                 continue;
             }
-            let why = format!("{name}: {}", verdict.reason);
+            let why = named(&verdict.reason);
             plan.add(AddedCase { case, round, why: why.clone() });
             let seconds = case_seconds(plan, &case)?;
             if seconds > left {
                 plan.remove(&case);
-                let why = format!(
-                    "{name}: {case} would take about {seconds:.1} s of CPU time, {:.1} s are left of the budget",
+                steps.push(leave(format!(
+                    "{case} would take about {seconds:.1} s of CPU time, {:.1} s are left of the budget",
                     left.max(0.0)
-                );
-                steps.push(Step::Leave { scene: scene.clone(), why });
+                )));
                 continue;
             }
             left -= seconds;

@@ -3,11 +3,9 @@
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors};
 use judge::record::{CaseRecord, Key};
-use judge::verdict::{
-    self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, Variable, Verdict,
-};
+use judge::verdict::{self, FloorSource, Foreseen, ForeseenConstant, LeadingLine, Verdict};
 use scene::setup::Subject;
-use scene::{Data, Direction, Expectation, Hypothesis, LoadForm, Prediction, Scene};
+use scene::{Data, Direction, Hypothesis, LoadForm, Prediction, Scene};
 
 /// The verdicts of a scene; none if it is not judged. `foreseen` has predicted constants, of this scene and others.
 pub fn judge_scene(
@@ -19,11 +17,6 @@ pub fn judge_scene(
     if !scene.judge {
         return Vec::new();
     }
-    let expect = match scene.expect {
-        Expectation::Pass => Decision::Pass,
-        Expectation::Fail => Decision::Fail,
-        Expectation::Unresolved => Decision::Unresolved,
-    };
     let one = |written: &Prediction| {
         let prediction = prediction(scene, written);
         let known = foreseen.iter().find(|known| {
@@ -32,7 +25,7 @@ pub fn judge_scene(
                 && known.variable == prediction.variable
         });
         let known = known.map(|known| &known.foreseen);
-        verdict::judge_foreseen(&scene.name, records, expected, &prediction, known, expect)
+        verdict::judge_foreseen(&scene.name, records, expected, &prediction, known, scene.expect)
     };
     scene.predicts.iter().map(one).collect()
 }
@@ -57,8 +50,9 @@ pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstan
 
 /// The predicted constants of a scene, on the cases of a plan, before anything is solved.
 pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
-    let case = |case: &CasePlan| Case { n: case.n, steps: case.steps };
-    constants(&plan.subject, |written, _| line_cases(plan, written).into_iter().map(case).collect())
+    constants(&plan.subject, |written, _| {
+        line_cases(plan, written).into_iter().map(CasePlan::place).collect()
+    })
 }
 
 fn constants(
@@ -136,21 +130,11 @@ fn floor_source(scene: &Scene) -> FloorSource {
     }
 }
 
-/// The steps of a prediction, as verdicts name them.
-pub fn judged_variable(direction: Direction) -> Variable {
-    match direction {
-        Direction::H => Variable::H,
-        Direction::K => Variable::K,
-        Direction::Joint => Variable::Joint,
-        Direction::Path => Variable::Path,
-    }
-}
-
 fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
     let pair = |window: Option<[usize; 2]>| window.map(|w| w.map(|v| v as u32));
     verdict::Prediction {
         norm: written.norm.name().into(),
-        variable: judged_variable(written.variable),
+        variable: written.variable,
         order: written.order,
         order_k: written.order_k,
         at_least: written.at_least,

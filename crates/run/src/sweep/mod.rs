@@ -15,7 +15,6 @@ mod picture;
 mod plan;
 mod planned;
 mod portrait;
-mod problem;
 mod provenance;
 mod reference_error;
 mod resume;
@@ -33,7 +32,7 @@ pub use extend::{AddedCase, ROUNDS, Step, extend};
 pub use floors::{
     FloorError, FloorPart, FloorRow, abstract_floors, contact_floors, direct_history, floors_beside,
 };
-pub use judging::{foresee, foresee_plan, judge_plan, judge_scene, judged_variable};
+pub use judging::{foresee, foresee_plan, judge_plan, judge_scene};
 pub use memory_limit::{MemoryLimit, TooLarge};
 pub use needs::admit_run;
 pub use output::{OutputDirectory, OutputError};
@@ -44,6 +43,7 @@ pub use planned::{Block, blocks, missing_cases, planned};
 pub use portrait::scene_summary;
 pub use provenance::Provenance;
 pub use reference_error::{reference_error, reference_in_words};
+pub(crate) use resume::first_named;
 pub use resume::{ResumeError, Resumed, resume};
 pub use run::{Machine, Progress, SweepError, replace_records, run_more, run_sweep};
 pub use stepwise::{NotRun, Stepwise};

@@ -3,7 +3,6 @@
 use super::cost::{Cost, PlanCost, eigenvalue_bytes, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::plan::{CasePlan, ScenePlan, without_panic};
-use super::problem;
 use fem::contact::Discretization;
 use scene::ContactScene;
 use scene::setup::{Setup, SetupError, side_numbers, trace_levels};
@@ -27,9 +26,7 @@ const SURELY: f64 = 0.5;
 /// The needs of `cases` of `plan`, computed before any of them begins.
 pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -> Needs {
     // A mesh that would not fit is not made.
-    let early = |n: Option<u32>, steps: u32| {
-        limit.admit(problem::least_bytes(&plan.subject, n, steps), true)
-    };
+    let early = |n: Option<u32>, steps: u32| limit.admit(plan.least_bytes(n, steps), true);
     let too_large =
         plan.reference.and_then(|run| early(Some(run.n as u32), run.steps as u32).err());
     if let Some(reason) = too_large {

@@ -2,10 +2,13 @@
 
 mod space;
 
+use std::collections::BTreeSet;
+
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{EvaluationPoint, Node, Program};
 use report::{Ink, Sketch, Stroke};
-use scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
+use scene::setup::cell_regions;
+use scene::{Body, ContactScene, Data, MeshFamily, Scene, Shape, Side};
 
 /// Points along a deformed edge, and along a curve over t.
 const ALONG: u32 = 8;
@@ -37,12 +40,8 @@ fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
     for (i, &component) in u.iter().enumerate() {
         let at = |step: u32| {
             let t = horizon * f64::from(step) / f64::from(CURVE);
-            (
-                t,
-                scene
-                    .formulas
-                    .evaluate(component, &EvaluationPoint { t, ..EvaluationPoint::default() }),
-            )
+            let at = EvaluationPoint { t, ..EvaluationPoint::default() };
+            (t, scene.formulas.evaluate(component, &at))
         };
         let path: Vec<(f64, f64)> = (0..=CURVE).map(at).filter(|p| p.1.is_finite()).collect();
         low = path.iter().fold(low, |low, p| low.min(p.1));
@@ -128,54 +127,29 @@ fn cell(mesh: &Mesh, c: usize) -> Vec<(f64, f64)> {
 
 /// The edges of a mesh, each once.
 fn lines(mesh: &Mesh) -> Vec<Stroke> {
-    let mut edges = Vec::new();
-    for c in 0..mesh.cell_count() {
-        let corners = mesh.cell(c);
-        let pairs =
-            corners.iter().enumerate().flat_map(|(a, p)| corners[..a].iter().map(move |q| (p, q)));
-        edges.extend(pairs.map(|(&p, &q)| [p.min(q), p.max(q)]));
+    let mut edges = BTreeSet::new();
+    for corners in (0..mesh.cell_count()).map(|c| mesh.cell(c)) {
+        for (a, &p) in corners.iter().enumerate() {
+            edges.extend(corners[..a].iter().map(|&q| [p.min(q), p.max(q)]));
+        }
     }
-    edges.sort_unstable();
-    edges.dedup();
     let at = |v: u32| (mesh.vertex(v)[0], mesh.vertex(v)[1]);
     edges.into_iter().map(|[a, b]| Stroke { ink: Ink::Thin, path: vec![at(a), at(b)] }).collect()
 }
 
 /// The cells of the regions, on the coarsest mesh whose lines follow them.
 fn regions(scene: &Scene, body: &ContactScene, sketch: &mut Sketch) {
+    let known = |&n: &u32| {
+        let mesh = divides(scene, n).then(|| body.domain.mesh(n))?;
+        let of_cells = cell_regions(scene, &body.material, &mesh, n).ok()?;
+        Some((mesh, of_cells))
+    };
+    let Some((mesh, of_cells)) = MESHES.iter().find_map(known) else { return };
     for (index, region) in body.material.regions.iter().enumerate() {
-        let fits =
-            |n: &u32| divides(scene, *n) && !is_cut(scene, &body.domain.mesh(*n), region.place);
-        let Some(&n) = MESHES.iter().find(|n| fits(n)) else { continue };
-        let mesh = body.domain.mesh(n);
-        let inside = (0..mesh.cell_count()).filter(|&c| contains(scene, &mesh, c, region.place));
+        let inside = of_cells.iter().enumerate().filter(|(_, of)| usize::from(**of) == index + 1);
         let opacity = 0.8 - 0.3 * (index % 2) as f64;
-        sketch.areas.extend(inside.map(|c| (cell(&mesh, c), Ink::Region, opacity)));
+        sketch.areas.extend(inside.map(|(c, _)| (cell(&mesh, c), Ink::Region, opacity)));
         sketch.legend.push((Ink::Region, region.name.chars().take(9).collect()));
-    }
-}
-
-fn value(scene: &Scene, condition: Node, [x, y, z]: [f64; 3]) -> f64 {
-    scene.formulas.evaluate(condition, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
-}
-
-fn is_cut(scene: &Scene, mesh: &Mesh, place: Place) -> bool {
-    let Place::Where(condition) = place else { return false };
-    (0..mesh.cell_count()).any(|c| {
-        let ends = mesh.cell(c).iter().map(|&v| value(scene, condition, mesh.point(&[v], &[1.0])));
-        let ends: Vec<f64> = ends.collect();
-        ends.iter().any(|v| *v > 1e-9) && ends.iter().any(|v| *v < -1e-9)
-    })
-}
-
-fn contains(scene: &Scene, mesh: &Mesh, c: usize, place: Place) -> bool {
-    match place {
-        Place::Physical(group) => mesh.cell_region[c] == group,
-        Place::Where(condition) => {
-            let corners = mesh.cell(c);
-            let centroid = vec![1.0 / corners.len() as f64; corners.len()];
-            value(scene, condition, mesh.point(corners, &centroid)) > 0.0
-        }
     }
 }
 
@@ -196,7 +170,9 @@ fn moved(
     let farthest = largest(values.iter().flatten().flat_map(|(_, u)| u.iter().copied()));
     let gap = body.contact.as_ref().and_then(|contact| contact.gap);
     let gaps = gap.map(|gap| {
-        let along = |(points, _): &Surface| points.iter().map(|&x| value(scene, gap, x)).collect();
+        let along = |(points, _): &Surface| {
+            points.iter().map(|&x| scene.formulas.evaluate(gap, &x.into())).collect()
+        };
         surfaces.iter().map(along).collect::<Vec<Vec<f64>>>()
     });
     let widest = largest(gaps.iter().flatten().flatten().copied());

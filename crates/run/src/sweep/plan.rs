@@ -2,17 +2,19 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::cost::PlanCost;
+use serde::{Deserialize, Serialize};
+
+use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::extend::AddedCase;
-use super::floors::{FloorError, FloorRow};
-use super::problem;
+use super::floors::{FloorError, FloorRow, abstract_floors, contact_floors_of_case};
+use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
 use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Overrides {
     pub n: Option<Vec<u32>>,
     pub steps: Option<Vec<u32>>,
@@ -163,7 +165,20 @@ impl ScenePlan {
 
     /// Costs of any cases of the scene.
     pub(super) fn costs_of(&self, cases: &[CasePlan]) -> Result<PlanCost, SetupError> {
-        problem::costs(&self.subject, cases, self.reference, self.kept_steps())
+        match &self.subject {
+            Subject::Contact(setup) => {
+                contact_costs(setup, cases, self.reference, self.kept_steps())
+            }
+            Subject::Abstract(setup) => Ok(abstract_costs(setup, cases)),
+        }
+    }
+
+    /// A lower bound for the bytes of a run, before its mesh is made.
+    pub(super) fn least_bytes(&self, n: Option<u32>, steps: u32) -> f64 {
+        match &self.subject {
+            Subject::Contact(setup) => least_bytes_of_mesh(setup, n.unwrap_or_default(), steps),
+            Subject::Abstract(_) => 0.0,
+        }
     }
 
     /// Measures every part of the floor of a case: four to six marches, more if a reference has to be repeated.
@@ -171,7 +186,10 @@ impl ScenePlan {
     /// # Errors
     /// A run that fails.
     pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
-        problem::floors(&self.subject, case)
+        match &self.subject {
+            Subject::Contact(setup) => contact_floors_of_case(setup, case),
+            Subject::Abstract(setup) => Ok(abstract_floors(setup, case.steps)?),
+        }
     }
 
     /// Interval of kept reference levels at which all cases find theirs.

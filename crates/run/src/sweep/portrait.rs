@@ -50,8 +50,8 @@ fn terms(scene: &Scene) -> Terms {
             memory: !body.material.memory.is_empty(),
             contact: body.contact.is_some(),
             gap: body.contact.as_ref().is_some_and(|contact| contact.gap.is_some()),
-            law: body.contact.as_ref().is_some_and(|contact| contact.law.is_some()),
-            friction: body.contact.as_ref().is_some_and(|contact| contact.friction.is_some()),
+            law: body.law().is_some(),
+            friction: body.friction().is_some(),
             quadratic: body.element.degree() > 1,
         },
         Body::Abstract(problem) => {

@@ -82,18 +82,20 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
 }
 
 fn doubts(path: &Path, table: &CaseTable) -> Vec<String> {
-    let lines: Vec<String> = table.changed.iter().take(NAMED).map(u64::to_string).collect();
-    let more = match table.changed.len().saturating_sub(NAMED) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let lines = lines.join(", ");
+    let lines = first_named(table.changed.iter().map(u64::to_string), NAMED);
     let path = path.display();
     let changed = format!(
-        "{path}: line {lines}{more}: changed after it was written (the checksum is another): the case is run again"
+        "{path}: line {lines}: changed after it was written (the checksum is another): the case is run again"
     );
     let unchecked =
         format!("{path}: rows without checksums are not trusted: all cases are run again");
     let found = [(!table.changed.is_empty(), changed), (!table.checked, unchecked)];
     found.into_iter().filter(|(found, _)| *found).map(|(_, doubt)| doubt).collect()
+}
+
+/// The first names of a list, and how many more there are.
+pub(crate) fn first_named(all: impl ExactSizeIterator<Item = String>, most: usize) -> String {
+    let more = all.len().saturating_sub(most);
+    let named = all.take(most).collect::<Vec<_>>().join(", ");
+    if more == 0 { named } else { format!("{named} and {more} more") }
 }

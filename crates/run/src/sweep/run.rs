@@ -1,7 +1,8 @@
 //! Runs the cases of many scenes in parallel, longest first and within memory, and records each as it ends.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::Build;
 use super::memory_limit::{MemoryLimit, TooLarge};
@@ -13,7 +14,7 @@ use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
 use rayon::prelude::*;
 
 use files::{counted, make_directory, remove_if_there};
-use judge::record::{CaseRecord, Journal, RecordError};
+use judge::record::{CaseRecord, Journal, Key, RecordError};
 use report::{ReportError, remove_earlier};
 use scene::setup::Subject;
 
@@ -56,11 +57,11 @@ impl Machine {
 /// Observer of a running sweep.
 pub trait Progress: Sync {
     /// The sweep begins, with `total` cases of which `done` are already recorded.
-    fn begin(&self, total: usize, done: usize);
+    fn begin(&self, _total: usize, _done: usize) {}
     /// Records of an earlier sweep are discarded, and their cases run again.
-    fn doubted(&self, why: &str);
-    fn started(&self, what: &str);
-    fn finished(&self, what: &str, record: Option<&CaseRecord>);
+    fn doubted(&self, _why: &str) {}
+    fn started(&self, _what: &str) {}
+    fn finished(&self, _what: &str, _record: Option<&CaseRecord>) {}
     /// The done share of the predicted seconds of all work.
     fn advanced(&self, _share: f64) {}
     /// Whether no further case shall begin.
@@ -70,12 +71,7 @@ pub trait Progress: Sync {
 }
 
 /// Ignores everything.
-impl Progress for () {
-    fn begin(&self, _: usize, _: usize) {}
-    fn doubted(&self, _: &str) {}
-    fn started(&self, _: &str) {}
-    fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
-}
+impl Progress for () {}
 
 enum Job {
     /// The reference run of a scene.
@@ -118,9 +114,7 @@ pub fn run_more(
     let shared: Vec<Shared<'_>> = plans.iter().map(Shared::new).collect();
     let sweep = Sweep {
         shared: &shared,
-        journal: Mutex::new(journal),
-        records: Mutex::new(known),
-        failure: Mutex::new(None),
+        kept: Mutex::new(Kept { journal, records: known, failure: None }),
         progress,
     };
     let jobs = machine.jobs;
@@ -149,11 +143,10 @@ pub fn run_more(
             });
         }
     });
-    if let Some(error) = sweep.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(error.into());
-    }
-    sweep.journal.into_inner().unwrap_or_else(PoisonError::into_inner).in_place()?;
-    let mut records = sweep.records.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let kept = sweep.kept.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let Kept { journal, mut records, failure } = kept;
+    failure.map_or(Ok(()), Err)?;
+    journal.in_place()?;
     records.sort_by_key(CaseRecord::key);
     Ok(records)
 }
@@ -190,10 +183,15 @@ pub fn replace_records(out: &Path, provenance: &Provenance, kept: bool) -> Resul
 
 struct Sweep<'a> {
     shared: &'a [Shared<'a>],
-    journal: Mutex<Journal>,
-    records: Mutex<Vec<CaseRecord>>,
-    failure: Mutex<Option<RecordError>>,
+    kept: Mutex<Kept>,
     progress: &'a dyn Progress,
+}
+
+struct Kept {
+    journal: Journal,
+    records: Vec<CaseRecord>,
+    /// Why a record could not be written.
+    failure: Option<RecordError>,
 }
 
 impl Sweep<'_> {
@@ -241,10 +239,9 @@ impl Sweep<'_> {
     }
 
     fn open(&self, shared: &Shared<'_>) -> Vec<usize> {
-        let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
-        let (plan, cases) = (shared.plan, &shared.plan.cases);
-        let recorded = |c: usize| records.iter().any(|record| is_case(plan, &cases[c], record));
-        (0..cases.len()).filter(|&c| !recorded(c)).collect()
+        let recorded: BTreeSet<Key> = self.kept().records.iter().map(CaseRecord::key).collect();
+        let keys = shared.plan.keys().into_iter().enumerate();
+        keys.filter(|(_, key)| !recorded.contains(key)).map(|(c, _)| c).collect()
     }
 
     fn refuse(&self, case: &CasePlan, plan: &ScenePlan, reason: &TooLarge) {
@@ -277,19 +274,20 @@ impl Sweep<'_> {
     }
 
     fn failed(&self) -> bool {
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+        self.kept().failure.is_some()
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn keep(&self, record: CaseRecord) {
-        let mut journal = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = self.kept();
         // The failed write may have left half a line; a line after it would make the table unreadable.
-        if self.failed() {
-            return;
+        if kept.failure.is_none() {
+            kept.failure = kept.journal.append(&record).err();
+            kept.records.push(record);
         }
-        if let Err(error) = journal.append(&record) {
-            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        }
-        self.records.lock().unwrap_or_else(PoisonError::into_inner).push(record);
     }
 }
 
@@ -303,8 +301,4 @@ fn in_words(plan: &ScenePlan, case: &CasePlan) -> String {
         Some(n) => format!("{name} n={n} N={}", case.steps),
         None => format!("{name} N={}", case.steps),
     }
-}
-
-fn is_case(plan: &ScenePlan, case: &CasePlan, record: &CaseRecord) -> bool {
-    record.scene == plan.scene().name && record.n == case.n && record.steps == case.steps
 }

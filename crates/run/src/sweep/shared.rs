@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::plan::{CasePlan, ScenePlan, without_panic};
-use super::problem;
+use super::{run_abstract_case, run_contact_case};
 use fem::norms::ReferenceRun;
 use judge::record::CaseRecord;
-use scene::setup::{MeshData, Setup, reference_run};
+use scene::setup::{MeshData, Setup, Subject, reference_run};
 
 /// Made at first use, dropped after the last one.
 type Slot<T> = Mutex<Arc<OnceLock<Result<T, String>>>>;
@@ -26,7 +26,13 @@ impl<'a> Shared<'a> {
     }
 
     pub(super) fn record(&self, case: &CasePlan) -> CaseRecord {
-        self.plan.record(case, || problem::run(&self.plan.subject, case, self))
+        self.plan.record(case, || match &self.plan.subject {
+            Subject::Abstract(setup) => Ok(run_abstract_case(setup, case)),
+            Subject::Contact(setup) => {
+                let n = case.n.ok_or("a body needs a mesh: no n")?;
+                self.on_mesh(setup, n, |data| run_contact_case(setup, data, case))
+            }
+        })
     }
 
     pub(super) fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {

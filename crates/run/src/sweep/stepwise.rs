@@ -90,13 +90,11 @@ impl Stepwise {
             let verdict = verdicts.iter().filter(|verdict| verdict.scene == plan.scene().name);
             let next = waiting.next(verdict, &plan.cases);
             // In the order of the whole plan; additions come last.
-            let among = |cases: &[CasePlan], wanted: &CasePlan| {
-                cases.iter().any(|case| case.place() == wanted.place())
-            };
-            let asked = |case: &&CasePlan| next.contains(&case.place()) || among(&plan.cases, case);
-            let kept = waiting.all.iter().filter(asked);
-            let added = plan.cases.iter().filter(|case| !among(&waiting.all, case));
-            plan.cases = kept.chain(added).cloned().collect();
+            let (planned, all) = (places(&plan.cases), places(&waiting.all));
+            let mut cases =
+                those(&waiting.all, |case| next.contains(case) || planned.contains(case));
+            cases.extend(those(&plan.cases, |case| !all.contains(case)));
+            plan.cases = cases;
             !next.is_empty()
         };
         self.scenes.iter_mut().zip(plans).map(of_scene).collect()
@@ -109,18 +107,12 @@ impl Stepwise {
     pub fn not_run(&self, plans: &[ScenePlan]) -> Result<Vec<NotRun>, SetupError> {
         let mut found = Vec::new();
         for (waiting, plan) in self.scenes.iter().zip(plans) {
-            let held = |case: &&CasePlan| {
-                !plan.cases.iter().any(|planned| planned.place() == case.place())
-            };
-            let held: Vec<CasePlan> = waiting.all.iter().filter(held).cloned().collect();
+            let planned = places(&plan.cases);
+            let held = those(&waiting.all, |case| !planned.contains(case));
             if !held.is_empty() {
                 let scene = plan.scene().name.clone();
                 let seconds = plan.costs_of(&held)?.cases.iter().map(|cost| cost.seconds).sum();
-                found.push(NotRun {
-                    scene,
-                    cases: held.iter().map(CasePlan::place).collect(),
-                    seconds,
-                });
+                found.push(NotRun { scene, cases: places(&held), seconds });
             }
         }
         Ok(found)
@@ -141,23 +133,18 @@ impl Stepwise {
 impl Waiting {
     fn of(plan: &ScenePlan) -> Self {
         let scene = plan.scene();
+        let joint = scene.predicts.iter().any(|written| written.variable == Direction::Joint);
         let whole = match scene.expect {
             _ if !scene.judge || scene.predicts.is_empty() => Some("nothing is judged"),
             // The most expensive run would be repeated with every added case.
             _ if plan.reference.is_some() => Some("its truth is a reference run"),
             Expectation::Unresolved => Some("it has to stay open with all of them"),
-            _ if scene
-                .predicts
-                .iter()
-                .any(|prediction| prediction.variable == Direction::Joint) =>
-            {
-                Some("a claim rests on the whole grid")
-            }
+            _ if joint => Some("a claim rests on the whole grid"),
             Expectation::Pass | Expectation::Fail => None,
         };
         let claim = |written| {
-            let mut cases: Vec<MeshAndSteps> =
-                line_cases(plan, written).into_iter().map(CasePlan::place).collect();
+            let line = line_cases(plan, written).into_iter();
+            let mut cases: Vec<MeshAndSteps> = line.map(CasePlan::place).collect();
             cases.sort_unstable();
             Claim { cases, before: None, settled: None }
         };
@@ -186,11 +173,12 @@ impl Waiting {
         }
         let first = self.first();
         let known = std::mem::take(&mut plan.cases);
-        plan.cases = known.iter().filter(|case| first.contains(&case.place())).cloned().collect();
+        plan.cases = those(&known, |case| first.contains(case));
+        let recorded = places(&known);
         while plan.cases.len() < known.len() {
             let claims = self.claims.clone();
             let next = self.next(judged(plan).iter(), &plan.cases);
-            if !next.iter().all(|case| known.iter().any(|case_plan| case_plan.place() == *case)) {
+            if !next.iter().all(|case| recorded.contains(case)) {
                 // Asked for again, with the rest of the plan.
                 self.claims = claims;
                 break;
@@ -198,11 +186,8 @@ impl Waiting {
             if next.is_empty() {
                 break;
             }
-            let asked = |case_plan: &&CasePlan| {
-                next.contains(&case_plan.place())
-                    || plan.cases.iter().any(|case| case.place() == case_plan.place())
-            };
-            plan.cases = known.iter().filter(asked).cloned().collect();
+            let planned = places(&plan.cases);
+            plan.cases = those(&known, |case| next.contains(case) || planned.contains(case));
         }
         plan.cases = known;
     }
@@ -216,8 +201,16 @@ impl Claim {
         let settled = settled || self.settled == Some(verdict.decision);
         self.settled = settled.then_some(verdict.decision);
         self.before = Some(verdict.clone());
-        let open =
-            |case: &&MeshAndSteps| !asked.iter().any(|case_plan| case_plan.place() == **case);
-        self.cases.iter().find(open).copied().filter(|_| !settled)
+        let asked = places(asked);
+        self.cases.iter().find(|case| !asked.contains(case)).copied().filter(|_| !settled)
     }
+}
+
+fn places(cases: &[CasePlan]) -> Vec<MeshAndSteps> {
+    cases.iter().map(CasePlan::place).collect()
+}
+
+/// The cases whose places are wanted, in their order.
+fn those(cases: &[CasePlan], wanted: impl Fn(&MeshAndSteps) -> bool) -> Vec<CasePlan> {
+    cases.iter().filter(|case| wanted(&case.place())).cloned().collect()
 }

@@ -1,6 +1,6 @@
 //! `[domain] mesh`: how the vertices of the meshes are placed.
 
-use super::polygon::point;
+use super::polygon::A_POINT;
 use super::{Domain, Shape};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
@@ -32,15 +32,10 @@ pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, S
 }
 
 fn perturbed(reading: &Reading, dimension: usize) -> Result<MeshFamily, SceneError> {
-    let amplitude: f64 = reading.required("domain.mesh.amplitude")?;
-    if !(0.0..0.25).contains(&amplitude) {
-        let message = format!("amplitude = {amplitude} is outside [0, 0.25)");
-        return Err(reading.error(
-            "domain.mesh.amplitude",
-            message,
-            "it is a part of the mesh width; from 0.25 on a triangle may turn over",
-        ));
-    }
+    let hint = "it is a part of the mesh width; from 0.25 on a triangle may turn over";
+    let range = ["is outside [0, 0.25)", hint];
+    let fits = |amplitude| (0.0..0.25).contains(&amplitude);
+    let amplitude = reading.number("domain.mesh.amplitude", fits, range)?;
     let seed = reading.seed("domain.mesh.seed")?;
     let axes = axes(reading, dimension)?;
     Ok(MeshFamily::Perturbed { amplitude, seed, axes })
@@ -58,13 +53,11 @@ fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3], SceneError> {
 
 fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> {
     let key = "domain.mesh.corner";
-    let corner = point(reading, key)?;
-    let exponent: f64 = reading.required("domain.mesh.exponent")?;
-    if !(1.0..=STEEPEST).contains(&exponent) {
-        let message = format!("exponent = {exponent} is outside [1, {STEEPEST}]");
-        let hint = "1 leaves the mesh as it is; for u ~ r^s at the corner 1/s or a little more restores order 1";
-        return Err(reading.error("domain.mesh.exponent", message, hint));
-    }
+    let corner = reading.pair(key, A_POINT)?;
+    let fault = format!("is outside [1, {STEEPEST}]");
+    let hint = "1 leaves the mesh as it is; for u ~ r^s at the corner 1/s or a little more restores order 1";
+    let fits = |exponent| (1.0..=STEEPEST).contains(&exponent);
+    let exponent = reading.number("domain.mesh.exponent", fits, [&fault, hint])?;
     let (known, what) = match &domain.shape {
         Shape::Box if domain.dimension() == 3 => {
             let message = "a box has no graded meshes";

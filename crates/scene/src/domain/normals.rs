@@ -1,10 +1,11 @@
 //! Limit of contact conditions at a vertex.
 
+use nalgebra::DMatrix;
+
 use super::{Domain, Shape, place};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
 use fem::mesh::{CoarseMesh, Solid};
-use formula::EvaluationPoint;
 
 /// |det| of unit normals below which they count as dependent, as in the frames of the unknowns.
 const DEPENDENT: f64 = 1e-6;
@@ -34,8 +35,7 @@ pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), 
 }
 
 fn refusal(reading: &Reading, solid: &Solid, v: usize, count: usize) -> SceneError {
-    let [x, y, z] = solid.vertices[v];
-    let at = place(&EvaluationPoint { x, y, z, ..EvaluationPoint::default() }, 3);
+    let at = place(&solid.vertices[v].into(), 3);
     let message = format!(
         "{count} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent"
     );
@@ -46,14 +46,6 @@ fn refusal(reading: &Reading, solid: &Solid, v: usize, count: usize) -> SceneErr
 /// Linear independence of unit vectors, by Gram's determinant.
 fn independent(normals: &[[f64; 3]]) -> bool {
     let dot = |p: [f64; 3], q: [f64; 3]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
-    match *normals {
-        [] | [_] => true,
-        [p, q] => 1.0 - dot(p, q).powi(2) > DEPENDENT.powi(2),
-        [p, q, r] => {
-            let cross = [0, 1, 2]
-                .map(|i| q[(i + 1) % 3] * r[(i + 2) % 3] - q[(i + 2) % 3] * r[(i + 1) % 3]);
-            dot(p, cross).abs() > DEPENDENT
-        }
-        _ => false,
-    }
+    let gram = DMatrix::from_fn(normals.len(), normals.len(), |i, j| dot(normals[i], normals[j]));
+    gram.determinant() > DEPENDENT.powi(2)
 }

@@ -62,46 +62,28 @@ fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError
 }
 
 fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>, SceneError> {
-    reading.entries(key)?.map(|i| point(reading, &format!("{key}.{i}"))).collect()
+    reading.entries(key)?.map(|i| reading.pair(&format!("{key}.{i}"), A_POINT)).collect()
 }
 
-/// A point of the plane: two finite numbers.
-pub(super) fn point(reading: &Reading, key: &str) -> Result<[f64; 2], SceneError> {
-    let numbers: Vec<f64> = reading.required(key)?;
-    if numbers.len() != 2 {
-        let message = format!("{} numbers, a point of the plane has two", numbers.len());
-        return Err(reading.error(key, message, "write [x, y]"));
-    }
-    Ok([reading.finite(&format!("{key}.0"))?, reading.finite(&format!("{key}.1"))?])
-}
+pub(super) const A_POINT: &str = "a point of the plane has two numbers: write [x, y]";
 
 /// Triangles of the file, with checked vertex numbers.
 fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
-    let one = |(t, triangle): (usize, &Vec<i64>)| {
-        if triangle.len() != 3 {
-            let message = format!("{} numbers, a triangle has three vertices", triangle.len());
-            let key = format!("domain.triangles.{t}");
-            return Err(reading.error(&key, message, "write [i, j, k]"));
-        }
-        let mut triangle_vertices = [0; 3];
-        for (a, &value) in triangle.iter().enumerate() {
-            triangle_vertices[a] = match u32::try_from(value) {
-                Ok(v) if (v as usize) < count => v,
-                _ => {
-                    let message =
-                        format!("there is no vertex {value}: {count} are numbered from 0");
-                    let key = format!("domain.triangles.{t}.{a}");
-                    return Err(reading.error(
-                        &key,
-                        message,
-                        "first the vertices, then the points",
-                    ));
-                }
-            };
-        }
-        Ok(triangle_vertices)
+    let triangle = |t| {
+        let key = format!("domain.triangles.{t}");
+        reading.entries_of(&key, 3, "a triangle has three vertices: write [i, j, k]")?;
+        let corner = |a: usize| vertex(reading, &format!("{key}.{a}"), count);
+        Ok([corner(0)?, corner(1)?, corner(2)?])
     };
-    reading.required::<Vec<Vec<i64>>>("domain.triangles")?.iter().enumerate().map(one).collect()
+    reading.entries("domain.triangles")?.map(triangle).collect()
+}
+
+/// The number of one of the vertices.
+fn vertex(reading: &Reading, key: &str, count: usize) -> Result<u32, SceneError> {
+    let value: i64 = reading.required(key)?;
+    let known = u32::try_from(value).ok().filter(|&v| (v as usize) < count);
+    let message = format!("there is no vertex {value}: {count} are numbered from 0");
+    known.ok_or_else(|| reading.error(key, message, "first the vertices, then the points"))
 }
 
 /// Names of the sides in order of appearance, and the side of each edge.

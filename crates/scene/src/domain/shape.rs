@@ -4,7 +4,6 @@ use super::{Shape, mesh_file, polygon, side};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
 use fem::mesh::CoarseMesh;
-use serde::de::IgnoredAny;
 
 type Parts = (Shape, Vec<f64>, Vec<String>);
 
@@ -32,7 +31,10 @@ pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts, SceneE
         "polygon" => CoarseMesh::from(polygon::polygon(reading)?),
         "mesh" => mesh_file::mesh_file(reading, dimension)?,
         _ => {
-            let size = size(reading, dimension)?;
+            let hint = "give one length a dimension: size = [1.0, 1.0]";
+            let lengths = reading.entries_of("domain.size", dimension, hint)?;
+            let length = |index| reading.positive(&format!("domain.size.{index}"));
+            let size = lengths.map(length).collect::<Result<_, _>>()?;
             let names = side::OF_A_BOX[..2 * dimension].iter().map(|name| (*name).to_string());
             return Ok((Shape::Box, size, names.collect()));
         }
@@ -40,17 +42,4 @@ pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts, SceneE
     let [low, high] = coarse.bounds();
     let (size, sides) = ((0..dimension).map(|i| high[i] - low[i]), coarse.sides().to_vec());
     Ok((Shape::Refined(coarse), size.collect(), sides))
-}
-
-fn size(reading: &Reading, dimension: usize) -> Result<Vec<f64>, SceneError> {
-    let count = reading.required::<Vec<IgnoredAny>>("domain.size")?.len();
-    if count != dimension {
-        let message = format!("`size` has {count} entries in dimension {dimension}");
-        return Err(reading.error(
-            "domain.size",
-            message,
-            "give one length a dimension: size = [1.0, 1.0]",
-        ));
-    }
-    (0..dimension).map(|index| reading.positive(&format!("domain.size.{index}"))).collect()
 }

@@ -39,16 +39,18 @@ pub struct Face {
 impl Face {
     pub(super) fn of_box(size: &[f64], side: Side) -> Self {
         let (axis, far) = (side.index() / 2, side.index() % 2 == 1);
-        let (mut normal, mut corner) = ([0.0; 3], [0.0; 3]);
-        normal[axis] = if far { 1.0 } else { -1.0 };
-        corner[axis] = if far { size[axis] } else { 0.0 };
-        let edge = |a: usize| {
-            let mut edge = [0.0; 3];
-            edge[a] = size[a];
-            edge
-        };
-        let edges = (0..size.len()).filter(|&a| a != axis).map(edge).collect();
-        Self { normal, corner, edges, triangle: false }
+        let mut face = Self::whole(size);
+        face.normal[axis] = if far { 1.0 } else { -1.0 };
+        face.corner[axis] = if far { size[axis] } else { 0.0 };
+        face.edges.remove(axis);
+        face
+    }
+
+    /// All of a rectangle or box, for its points.
+    pub(super) fn whole(size: &[f64]) -> Self {
+        let edge = |a: usize| [0, 1, 2].map(|i| if i == a { size[a] } else { 0.0 });
+        let edges = (0..size.len()).map(edge).collect();
+        Self { normal: [0.0; 3], corner: [0.0; 3], edges, triangle: false }
     }
 
     pub(super) fn simplex(piece: &Piece) -> Self {
@@ -102,9 +104,9 @@ impl Face {
         self.grid(intervals).into_iter().map(|(_, point)| point).collect()
     }
 
-    /// These points with their steps (i, j) along the edges.
-    pub(crate) fn grid(&self, intervals: u32) -> Vec<([u32; 2], [f64; 3])> {
-        let start = vec![([0, 0], self.corner)];
+    /// These points with their steps (i, j) along the edges; those of a box have a third one.
+    pub(crate) fn grid(&self, intervals: u32) -> Vec<([u32; 3], [f64; 3])> {
+        let start = vec![([0; 3], self.corner)];
         let grid = self.edges.iter().enumerate().fold(start, |points, (axis, edge)| {
             (0..=intervals)
                 .flat_map(|i| {
@@ -117,7 +119,7 @@ impl Face {
                 })
                 .collect()
         });
-        let inside = |at: &[u32; 2]| !self.triangle || at[0] + at[1] <= intervals;
+        let inside = |at: &[u32; 3]| !self.triangle || at[0] + at[1] <= intervals;
         grid.into_iter().filter(|(at, _)| inside(at)).collect()
     }
 }

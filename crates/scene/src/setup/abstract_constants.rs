@@ -95,28 +95,26 @@ pub(crate) fn abstract_constants(
     let (half, inverse_half) = (root(0.5), root(-0.5));
     // Operators X → X* and X* → X* as matrices in orthonormal coordinates.
     let to_dual = |a: &DMatrix<f64>| &inverse_half * a * &inverse_half;
-    let (low, high) = slopes(&model.nonlinear, |law, y, r| law.by_r(y, r));
     let m = model.dimension();
-    let shifted = model.matrix.clone() + DMatrix::from_diagonal(&padded(&low, m));
+    let diagonal = |slopes: &[[f64; 2]], of: fn(&[f64; 2]) -> f64| {
+        DMatrix::from_diagonal(&DVector::from_fn(m, |i, _| slopes.get(i).map_or(0.0, of)))
+    };
+    let size = |[low, high]: &[f64; 2]| low.abs().max(high.abs());
+    let nonlinear = slopes(&model.nonlinear, |law, y, r| law.by_r(y, r));
+    let shifted = &model.matrix + diagonal(&nonlinear, |[low, _]| *low);
     let symmetric = to_dual(&(0.5 * (&shifted + shifted.transpose())));
-    let bends = to_dual(&DMatrix::from_diagonal(&padded(&largest(&low, &high), m)));
-    let (force_low, force_high) = slopes(&model.force, |law, y, r| law.by_r(y, r));
-    let (history_low, history_high) = slopes(&model.force, |law, y, r| law.by_y(y, r));
-    let beta_phi = if model.force.is_empty() {
-        1.0
-    } else {
-        let slope = DMatrix::from_diagonal(&padded(&largest(&history_low, &history_high), m));
-        norm(&inverse_half) * slope.max() * norm(&half)
+    let bends = to_dual(&diagonal(&nonlinear, size));
+    let by_r = slopes(&model.force, |law, y, r| law.by_r(y, r));
+    let by_y = slopes(&model.force, |law, y, r| law.by_y(y, r));
+    let beta_phi = match model.force.is_empty() {
+        true => 1.0,
+        false => norm(&inverse_half) * diagonal(&by_y, size).max() * norm(&half),
     };
     let mut trace = DMatrix::zeros(m, m);
     for functional in &model.functionals {
         trace += functional.weight * &functional.a * functional.a.transpose();
     }
-    let alpha_phi = if model.force.is_empty() {
-        0.0
-    } else {
-        norm(&to_dual(&DMatrix::from_diagonal(&padded(&largest(&force_low, &force_high), m))))
-    };
+    let alpha_phi = norm(&to_dual(&diagonal(&by_r, size)));
     let alpha_j = problem.traces.iter().filter_map(|t| t.law.as_ref()).map(Law::alpha);
     let alpha_j = alpha_j.fold(0.0, f64::max);
     let c_j_squared = norm(&to_dual(&trace));
@@ -187,27 +185,17 @@ fn singular_norms(
 fn slopes(
     laws: &[Box<dyn ComponentLaw>],
     slope: fn(&dyn ComponentLaw, f64, f64) -> f64,
-) -> (Vec<f64>, Vec<f64>) {
+) -> Vec<[f64; 2]> {
     let place = |i: u32| REACH * (2.0 * f64::from(i) / f64::from(SAMPLES) - 1.0);
-    laws.iter()
-        .map(|law| {
-            let points = (0..=SAMPLES)
-                .flat_map(|i| (0..=SAMPLES).step_by(20).map(move |j| (place(j), place(i))));
-            points
-                .map(|(y, r)| slope(&**law, y, r))
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                    (low.min(value), high.max(value))
-                })
+    let of_law = |law: &dyn ComponentLaw| {
+        let points = (0..=SAMPLES)
+            .flat_map(|i| (0..=SAMPLES).step_by(20).map(move |j| (place(j), place(i))));
+        let values = points.map(|(y, r)| slope(law, y, r));
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
         })
-        .unzip()
-}
-
-fn largest(low: &[f64], high: &[f64]) -> Vec<f64> {
-    low.iter().zip(high).map(|(low, high)| low.abs().max(high.abs())).collect()
-}
-
-fn padded(values: &[f64], m: usize) -> DVector<f64> {
-    DVector::from_fn(m, |i, _| values.get(i).copied().unwrap_or(0.0))
+    };
+    laws.iter().map(|law| of_law(&**law)).collect()
 }
 
 fn norm(a: &DMatrix<f64>) -> f64 {

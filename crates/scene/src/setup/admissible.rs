@@ -59,52 +59,42 @@ fn representable(setup: &Setup) -> Result<(), SetupError> {
 /// (2.9): α_ν c_j² + α_τ c_τ² < m_𝒜, or with friction that follows the normal law its sharp form.
 fn smallness(setup: &Setup) -> Result<(), SetupError> {
     let scene = &setup.scene;
-    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    let contact = setup.body.contact.as_ref();
-    let friction = contact.and_then(|contact| contact.friction.as_ref());
-    let falls = friction.is_some_and(|f| f.alpha() > 0.0);
-    let follows = friction.is_some_and(|f| f.coefficient() > 0.0);
-    let monotone = law.is_none_or(|law| law.alpha() == 0.0) && !falls && !follows;
-    if monotone || scene.violates.contains(&Hypothesis::Smallness) {
+    if setup.body.is_monotone() || scene.violates.contains(&Hypothesis::Smallness) {
         return Ok(());
     }
     let constants = constants(setup)?;
     if constants.m0 > 0.0 {
         return Ok(());
     }
-    if let Some(coulomb) = &constants.coulomb {
-        let (c_nu, c_tau) = (constants.c_j_squared, constants.c_tau_squared);
-        let [normal, tangential] = coulomb.coefficients(constants.alpha_nu, c_nu, c_tau);
-        let message = format!(
-            "the smallness condition (2.9) fails: A c_nu^2 + B c_tau^2 = {normal:.4} * {c_nu:.4} + {tangential:.4} * {c_tau:.4} = {:.4} is not below m_A = {:.4}",
-            constants.concave(),
-            constants.m_elastic
-        );
-        let hint = "lower the coefficient, flatten the normal law or stiffen the body (A and B are explained in docs/CONTACT-LAWS.md); or say violates = [\"2.9\"] in [scene] to run it all the same";
-        return Err(scene.error("contact.friction.bound.coefficient", message, hint).into());
-    }
-    if falls {
-        let message = format!(
-            "the smallness condition (2.9) fails: alpha_nu c_nu^2 + alpha_tau c_tau^2 = {:.4} * {:.4} + {:.4} * {:.4} = {:.4} is not below m_A = {:.4}",
-            constants.alpha_nu,
-            constants.c_j_squared,
-            constants.alpha_tau,
-            constants.c_tau_squared,
-            constants.m_elastic - constants.m0,
-            constants.m_elastic
-        );
-        let hint = "let the bound fall more slowly with the slip, flatten the falling branch of the normal law or stiffen the body; or say violates = [\"2.9\"] in [scene] to run it all the same";
-        return Err(scene.error("contact.friction.bound", message, hint).into());
+    let (by, key, remedy) = match &constants.coulomb {
+        Some(_) => (
+            "the smallness condition (2.9) fails: A c_nu^2 + B c_tau^2 =",
+            "contact.friction.bound.coefficient",
+            "lower the coefficient, flatten the normal law or stiffen the body (A and B are explained in docs/CONTACT-LAWS.md)",
+        ),
+        None if constants.alpha_tau > 0.0 => (
+            "the smallness condition (2.9) fails: alpha_nu c_nu^2 + alpha_tau c_tau^2 =",
+            "contact.friction.bound",
+            "let the bound fall more slowly with the slip, flatten the falling branch of the normal law or stiffen the body",
+        ),
+        None => (
+            "the smallness condition (2.9) fails: alpha_nu c_j^2 =",
+            "contact.law",
+            "flatten the falling branch of the law or stiffen the body",
+        ),
+    };
+    let [normal, tangential] = constants.coefficients();
+    let mut product = format!("{normal:.4} * {:.4}", constants.c_j_squared);
+    if by.contains('+') {
+        product += &format!(" + {tangential:.4} * {:.4}", constants.c_tau_squared);
     }
     let message = format!(
-        "the smallness condition (2.9) fails: alpha_nu c_j^2 = {:.4} * {:.4} = {:.4} is not below m_A = {:.4}",
-        constants.alpha_nu,
-        constants.c_j_squared,
-        constants.alpha_nu * constants.c_j_squared,
+        "{by} {product} = {:.4} is not below m_A = {:.4}",
+        constants.concave(),
         constants.m_elastic
     );
-    let hint = "flatten the falling branch of the law or stiffen the body; or say violates = [\"2.9\"] in [scene] to run it all the same";
-    Err(scene.error("contact.law", message, hint).into())
+    let hint = format!("{remedy}; or say violates = [\"2.9\"] in [scene] to run it all the same");
+    Err(scene.error(key, message, hint).into())
 }
 
 fn side_points(setup: &Setup, side: Side) -> Vec<[f64; 3]> {

@@ -102,15 +102,20 @@ impl Constants {
         self.alpha_nu * self.c_j_squared + self.alpha_tau * self.c_tau_squared
     }
 
-    /// α_ν c_j² + α_τ c_τ², the part of the monotonicity taken by falling laws; with friction that follows the normal
-    /// law A c_j² + B c_τ² of [`Coulomb::coefficients`], which bounds λ_max(A M_ν + B M_τ).
-    pub fn concave(&self) -> f64 {
-        let [normal, tangential] = match &self.coulomb {
+    /// α_ν and α_τ; with friction that follows the normal law A and B of [`Coulomb::coefficients`].
+    pub(super) fn coefficients(&self) -> [f64; 2] {
+        match &self.coulomb {
             None => [self.alpha_nu, self.alpha_tau],
             Some(coulomb) => {
                 coulomb.coefficients(self.alpha_nu, self.c_j_squared, self.c_tau_squared)
             }
-        };
+        }
+    }
+
+    /// α_ν c_j² + α_τ c_τ², the part of the monotonicity taken by falling laws, or A c_j² + B c_τ², which bounds λ_max(A
+    /// M_ν + B M_τ).
+    pub fn concave(&self) -> f64 {
+        let [normal, tangential] = self.coefficients();
         normal * self.c_j_squared + tangential * self.c_tau_squared
     }
 
@@ -188,17 +193,22 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 /// # Errors
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
-    let follows = coulomb(setup).is_some();
-    let c_j_squared = match alpha_nu(setup) == 0.0 && !follows {
-        true => 0.0,
-        false => trace_limits(setup, [TracePart::Normal])?[0],
-    };
-    let found = with_trace_constant(setup, c_j_squared);
-    let found = match found.alpha_tau > 0.0 || follows {
-        true => found.with_friction(trace_limits(setup, [TracePart::Tangential])?[0]),
-        false => found,
-    };
+    let found = with_needed(setup, |part| Ok(trace_limits(setup, [part])?[0]))?;
     Ok(found.step_bounds(setup.model.time_rule.as_ref()))
+}
+
+/// The constants with c_j² and c_τ², each computed only if a law on Γ3 takes from the monotonicity by it.
+pub(super) fn with_needed(
+    setup: &Setup,
+    constant: impl Fn(TracePart) -> Result<f64, SetupError>,
+) -> Result<Constants, SetupError> {
+    let follows = coulomb(setup).is_some();
+    let normal = if alpha_nu(setup) > 0.0 || follows { constant(TracePart::Normal)? } else { 0.0 };
+    let found = with_trace_constant(setup, normal);
+    if found.alpha_tau > 0.0 || follows {
+        return Ok(found.with_friction(constant(TracePart::Tangential)?));
+    }
+    Ok(found)
 }
 
 /// The constants of a scene for a given c_j²; falling friction also needs [`Constants::with_friction`].
@@ -219,11 +229,17 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         l_a: largest + mu,
         alpha_phi: mu,
         alpha_nu,
-        alpha_tau: alpha_tau(setup),
+        alpha_tau: setup.body.friction().map_or(0.0, crate::Friction::alpha),
         coulomb: coulomb(setup),
         c_tau_squared: 0.0,
         c_j_squared,
-        c_j_squared_bound: proved_bound(setup),
+        // If the lines from Γ3, one plane piece, into the body end on a clamped side after at most H, then for v = 0 there
+        // |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
+        //
+        // On the structured mesh of a rectangle this holds for the vertex rule too: ∂_y v_y is constant on vertical edges,
+        // each triangle (or tetrahedron) has one of them, and h times the sum over edges with the vertex weights is the
+        // integral over Ω.
+        c_j_squared_bound: setup.body.domain.depth_under_contact(),
         m0: monotonicity(m_elastic, alpha_nu * c_j_squared),
         lipschitz_kappa,
         root_area,
@@ -234,20 +250,13 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     }
 }
 
-pub(super) fn alpha_nu(setup: &Setup) -> f64 {
-    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    law.map_or(0.0, crate::Law::alpha)
+fn alpha_nu(setup: &Setup) -> f64 {
+    setup.body.law().map_or(0.0, crate::Law::alpha)
 }
 
-fn alpha_tau(setup: &Setup) -> f64 {
-    let contact = setup.body.contact.as_ref();
-    contact.and_then(|contact| contact.friction.as_deref()).map_or(0.0, crate::Friction::alpha)
-}
-
-pub(super) fn coulomb(setup: &Setup) -> Option<Coulomb> {
-    let contact = setup.body.contact.as_ref()?;
-    let coefficient = contact.friction.as_deref()?.coefficient();
-    let rise = contact.law.as_ref()?.steepest_rise();
+fn coulomb(setup: &Setup) -> Option<Coulomb> {
+    let coefficient = setup.body.friction()?.coefficient();
+    let rise = setup.body.law()?.steepest_rise();
     (coefficient > 0.0).then_some(Coulomb { coefficient, rise })
 }
 
@@ -304,16 +313,6 @@ fn memory_norms(setup: &Setup, terms: &[(Node, TensorField)]) -> MemoryNorms {
         at_zero: at_zero.norm(d),
         spectrum_at_zero: at_zero.eigenvalues(d),
     }
-}
-
-/// If the lines from Γ3, one plane piece, into the body end on a clamped side after at most H, then for v = 0 there
-/// |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
-///
-/// On the structured mesh of a rectangle this holds for the vertex rule too: ∂_y v_y is constant on vertical edges,
-/// each triangle (or tetrahedron) has one of them, and h times the sum over edges with the vertex weights is the
-/// integral over Ω.
-fn proved_bound(setup: &Setup) -> Option<f64> {
-    setup.body.domain.depth_under_contact()
 }
 
 /// The meshes for extrapolating c_j², each twice as fine as the one before: three, or fewer if even the coarsest mesh

@@ -1,6 +1,7 @@
 //! Bound of the contraction factor of the decomposition of Remark 3, from the scene's constants.
 
-use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
+use super::constants::with_needed;
+use super::{AbstractSetup, Setup, SetupError};
 use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
 use vhi::law::TensorField;
 
@@ -17,20 +18,11 @@ pub fn decomposition_bound(
     n: u32,
     steps: u32,
 ) -> Result<f64, SetupError> {
-    let largest = |part| {
+    let constants = with_needed(setup, |part| {
         trace_constants(space, &TensorField::identity(), [(part, TraceMass::Lumped)])
             .map(|[found]| found.value)
             .map_err(|source| SetupError::Constant { n, source })
-    };
-    let follows = constants::coulomb(setup).is_some();
-    let c_j_squared = match constants::alpha_nu(setup) > 0.0 || follows {
-        true => largest(TracePart::Normal)?,
-        false => 0.0,
-    };
-    let mut constants = with_trace_constant(setup, c_j_squared);
-    if constants.alpha_tau > 0.0 || follows {
-        constants = constants.with_friction(largest(TracePart::Tangential)?);
-    }
+    })?;
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
     let last = bounds.taken(setup.grid(steps).largest_step());
     let falls = constants.falls();

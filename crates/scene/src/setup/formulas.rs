@@ -8,14 +8,8 @@ use vhi::law::{MemoryKernel, YieldLimit};
 
 /// b(t) by a formula in t.
 pub(crate) struct KernelFormula {
-    graph: Arc<Graph>,
-    node: Node,
-}
-
-impl KernelFormula {
-    pub(crate) fn new(graph: Arc<Graph>, node: Node) -> Self {
-        Self { graph, node }
-    }
+    pub(super) graph: Arc<Graph>,
+    pub(super) node: Node,
 }
 
 impl MemoryKernel for KernelFormula {
@@ -53,17 +47,14 @@ impl YieldLimit for YieldFormula {
 /// A function on Γ3 by a formula in x, or the constant `absent`.
 pub(super) fn on_contact(graph: &Arc<Graph>, node: Option<Node>, absent: f64) -> OnContact {
     let graph = graph.clone();
-    Box::new(move |[x, y, z]| {
-        let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
-        node.map_or(absent, |node| graph.evaluate(node, &at))
-    })
+    Box::new(move |place| node.map_or(absent, |node| graph.evaluate(node, &place.into())))
 }
 
 /// A factor on Γ3 × [0, T] by a formula in x and t; 1 without one.
 pub(super) fn on_contact_in_time(graph: &Arc<Graph>, node: Option<Node>) -> OnContactInTime {
     let graph = graph.clone();
-    Box::new(move |[x, y, z], t| {
-        let at = EvaluationPoint { x, y, z, t, ..EvaluationPoint::default() };
+    Box::new(move |place, t| {
+        let at = EvaluationPoint { t, ..place.into() };
         node.map_or(1.0, |node| graph.evaluate(node, &at))
     })
 }

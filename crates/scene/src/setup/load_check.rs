@@ -12,10 +12,10 @@ use super::{Setup, side_numbers};
 use crate::{Data, Scene, Side};
 use exact::{Exact, ExactOnMesh, LoadForm, Shapes, Truth};
 use fem::contact::{Discretization, LoadError};
+use fem::mesh::Mesh;
 use fem::space::quadrature::{
     Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8, triangle_product,
 };
-use fem::space::{Nodes, Simplex};
 use formula::{Node, Program};
 
 /// Shares of [0, T] at which a load is checked.
@@ -95,11 +95,6 @@ struct Sums {
     size: f64,
 }
 
-/// 1 and the coordinates of a point.
-fn moments(x: &[f64]) -> impl Iterator<Item = f64> + '_ {
-    std::iter::once(1.0).chain(x.iter().copied())
-}
-
 impl Sums {
     fn zero(dimension: usize) -> (Vec<f64>, Vec<f64>) {
         (vec![0.0; dimension * (dimension + 1)], vec![0.0; dimension * (dimension + 1)])
@@ -112,16 +107,25 @@ impl Sums {
     fn of(space: &Discretization, force: &[f64]) -> Self {
         let d = space.mesh.dimension;
         let mut sums = Self::zero(d);
-        for (node, of_node) in force.chunks_exact(d).enumerate() {
-            let place = space.mesh.vertex(space.nodes.vertex[node]);
-            for (i, f) in of_node.iter().enumerate() {
-                for (m, value) in moments(place).enumerate() {
-                    sums.0[(d + 1) * i + m] += f * value;
-                    sums.1[(d + 1) * i + m] += (f * value).abs();
-                }
-            }
+        for (dof, &f) in force.iter().enumerate() {
+            Self::add(space, ((dof / d) as u32, dof % d), [f, f.abs()], &mut sums);
         }
         Self::new(sums)
+    }
+
+    /// Adds a component of the force at a node with its size, times 1 and the coordinates there.
+    fn add(
+        space: &Discretization,
+        (node, component): (u32, usize),
+        [force, size]: [f64; 2],
+        sums: &mut (Vec<f64>, Vec<f64>),
+    ) {
+        let place = space.mesh.vertex(space.nodes.vertex[node as usize]);
+        let first = (place.len() + 1) * component;
+        for (m, at) in std::iter::once(1.0).chain(place.iter().copied()).enumerate() {
+            sums.0[first + m] += force * at;
+            sums.1[first + m] += size * at.abs();
+        }
     }
 
     fn largest_difference(a: &Self, b: &Self) -> f64 {
@@ -152,25 +156,25 @@ impl Sums {
     }
 }
 
-/// A simplex, and the vertices with its nodes.
-struct Loaded {
-    corners: Vec<u32>,
+/// The corners of a cell or facet, and its nodes in the order of shape functions.
+struct Loaded<'a> {
+    corners: &'a [u32],
     nodes: Vec<u32>,
 }
 
 /// A formula with the simplices that it acts on.
-struct Acting {
+struct Acting<'a> {
     formula: Program,
     component: usize,
-    simplices: Rc<[Loaded]>,
+    simplices: Rc<[Loaded<'a>]>,
     /// The rule of the loads, and another one.
     rules: [Rule; 2],
 }
 
-/// ∫ f0·v + ∫ f2·v of the formulas; simplices are derived from the cells only.
+/// ∫ f0·v + ∫ f2·v of the formulas.
 struct Integrals<'a> {
     space: &'a Discretization,
-    acting: Vec<Acting>,
+    acting: Vec<Acting<'a>>,
 }
 
 impl<'a> Integrals<'a> {
@@ -187,13 +191,7 @@ impl<'a> Integrals<'a> {
             _ => ([rules.load, tetrahedron_product(4)], [rules.traction, triangle_degree_8()]),
         };
         let mut acting = Vec::new();
-        let middles = middles(space);
-        let mut add = |formulas: &[Node], simplices: Vec<Vec<u32>>, rules: &[Rule; 2]| {
-            let loaded = |corners: Vec<u32>| {
-                let nodes = nodes_of(space, &middles, &corners);
-                Loaded { corners, nodes }
-            };
-            let simplices: Rc<[Loaded]> = simplices.into_iter().map(loaded).collect();
+        let mut add = |formulas: &[Node], simplices: Rc<[Loaded<'a>]>, rules: &[Rule; 2]| {
             for (component, &formula) in formulas.iter().enumerate() {
                 if graph.value_of_constant(formula) != Some(0.0) {
                     let formula = Program::compile(&mut graph, &[formula], scene.time.horizon);
@@ -202,12 +200,17 @@ impl<'a> Integrals<'a> {
                 }
             }
         };
-        add(body, (0..mesh.cell_count()).map(|c| mesh.cell(c).to_vec()).collect(), &inside);
-        if !traction.is_empty() {
-            let faces = boundary_faces(space);
-            for (side, formulas) in traction {
-                add(formulas, faces.get(&side.0).cloned().unwrap_or_default(), &outside);
-            }
+        let cell = |c| Loaded { corners: mesh.cell(c), nodes: space.cell_nodes(c).to_vec() };
+        add(body, (0..mesh.cell_count()).map(cell).collect(), &inside);
+        let facets = if traction.is_empty() { Vec::new() } else { boundary_facets(mesh) };
+        for (side, formulas) in traction {
+            let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
+            let facet = |f: usize| Loaded {
+                corners: mesh.facet(f),
+                nodes: space.nodes.on_facet(f).iter().map(node).collect(),
+            };
+            let of_side = facets.iter().filter(|&&f| mesh.facet_side[f] == side.0);
+            add(formulas, of_side.map(|&f| facet(f)).collect(), &outside);
         }
         Self { space, acting }
     }
@@ -223,7 +226,7 @@ impl<'a> Integrals<'a> {
 
     fn add(
         &self,
-        acting: &Acting,
+        acting: &Acting<'_>,
         rule: &Rule,
         times: [f64; 2],
         sums: &mut [(Vec<f64>, Vec<f64>); 2],
@@ -231,7 +234,7 @@ impl<'a> Integrals<'a> {
         let space = self.space;
         let simplices = acting.simplices.iter();
         let points: Vec<[f64; 3]> = simplices
-            .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(&simplex.corners, b)))
+            .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(simplex.corners, b)))
             .collect();
         // Independent of the shape functions that assemble the loads.
         let (d, corners) = (space.mesh.dimension, rule.points[0].len());
@@ -239,7 +242,7 @@ impl<'a> Integrals<'a> {
         let functions = of(space.element, d);
         let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
         let measures: Vec<f64> =
-            acting.simplices.iter().map(|simplex| measure(space, &simplex.corners)).collect();
+            acting.simplices.iter().map(|simplex| measure(space, simplex.corners)).collect();
         let mut formula = acting.formula.bind(&points);
         let mut values = vec![Vec::new()];
         for (t, sums) in times.into_iter().zip(sums) {
@@ -247,9 +250,9 @@ impl<'a> Integrals<'a> {
             let of_simplices = values[0].chunks_exact(rule.points.len());
             for ((simplex, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices)
             {
-                for (a, &vertex) in simplex.nodes.iter().enumerate() {
+                for (a, &node) in simplex.nodes.iter().enumerate() {
                     // v vanishes on Γ1.
-                    if space.nodes.of_vertex[vertex as usize] as usize >= space.nodes.free {
+                    if node as usize >= space.nodes.free {
                         continue;
                     }
                     let (mut force, mut size) = (0.0, 0.0);
@@ -258,77 +261,15 @@ impl<'a> Integrals<'a> {
                         force += share;
                         size += share.abs();
                     }
-                    self.add_moments(acting.component, vertex, [force, size], sums);
+                    Sums::add(space, (node, acting.component), [force, size], sums);
                 }
             }
         }
     }
-
-    fn add_moments(
-        &self,
-        component: usize,
-        vertex: u32,
-        [force, size]: [f64; 2],
-        sums: &mut (Vec<f64>, Vec<f64>),
-    ) {
-        let first = (self.space.mesh.dimension + 1) * component;
-        for (m, at) in moments(self.space.mesh.vertex(vertex)).enumerate() {
-            sums.0[first + m] += force * at;
-            sums.1[first + m] += size * at.abs();
-        }
-    }
 }
 
-/// A node as a mean of corners: their numbers, sorted, and the bits of their weights.
-type Place = Vec<(u32, u64)>;
-
-/// The vertices with nodes at no corner by their places, from the nodes of cells.
-fn middles(space: &Discretization) -> HashMap<Place, u32> {
-    let mut found = HashMap::new();
-    for c in 0..space.mesh.cell_count() {
-        let places: Vec<Place> = places(space, space.mesh.cell(c)).collect();
-        for &node in space.cell_nodes(c) {
-            let vertex = space.nodes.vertex[node as usize];
-            let at = space.mesh.vertex(vertex);
-            let is_there = |place: &&Place| {
-                let mean = |i: usize| {
-                    let part = |sum, &(p, weight): &(u32, u64)| {
-                        sum + f64::from_bits(weight) * space.mesh.vertex(p)[i]
-                    };
-                    place.iter().fold(0.0, part)
-                };
-                at.iter().enumerate().all(|(i, x)| mean(i) == *x)
-            };
-            found.extend(places.iter().find(is_there).map(|place| (place.clone(), vertex)));
-        }
-    }
-    found
-}
-
-/// The places of the nodes of a cell or facet at no corner, in the order of shape functions.
-fn places(space: &Discretization, corners: &[u32]) -> impl Iterator<Item = Place> {
-    let d = space.mesh.dimension;
-    let simplex = if corners.len() == d { Simplex::facet(d) } else { Simplex::cell(d) };
-    let place = |b: Vec<f64>| {
-        let pairs = corners.iter().zip(b).filter(|(_, b)| *b != 0.0);
-        let mut place: Place = pairs.map(|(&corner, b)| (corner, b.to_bits())).collect();
-        place.sort_unstable();
-        place
-    };
-    space.element.nodes(simplex).into_iter().map(place).filter(|place| place.len() > 1)
-}
-
-/// The corners of a simplex that have nodes, then the middles, in the order of shape functions.
-fn nodes_of(space: &Discretization, middles: &HashMap<Place, u32>, corners: &[u32]) -> Vec<u32> {
-    let has_node = |&&corner: &&u32| space.nodes.of_vertex[corner as usize] != Nodes::NONE;
-    let mut nodes: Vec<u32> = corners.iter().filter(has_node).copied().collect();
-    nodes.extend(places(space, corners).filter_map(|place| middles.get(&place)));
-    nodes
-}
-
-/// The faces of single cells, by side.
-fn boundary_faces(space: &Discretization) -> HashMap<u32, Vec<Vec<u32>>> {
-    let mesh = &space.mesh;
+/// The facets that are faces of single cells, once each, however often they are listed.
+fn boundary_facets(mesh: &Mesh) -> Vec<usize> {
     let sorted = |simplex: &[u32]| {
         let mut vertices = simplex.to_vec();
         vertices.sort_unstable();
@@ -343,15 +284,8 @@ fn boundary_faces(space: &Discretization) -> HashMap<u32, Vec<Vec<u32>>> {
             *count.entry(face).or_default() += 1;
         }
     }
-    let mut faces: HashMap<u32, Vec<Vec<u32>>> = HashMap::new();
-    for (f, &side) in mesh.facet_side.iter().enumerate() {
-        let face = sorted(mesh.facet(f));
-        // Once each, however often it is listed.
-        if count.remove(&face) == Some(1) {
-            faces.entry(side).or_default().push(face);
-        }
-    }
-    faces
+    let mut once = |f: &usize| count.remove(&sorted(mesh.facet(*f))) == Some(1);
+    (0..mesh.facet_side.len()).filter(|f| once(f)).collect()
 }
 
 /// Length, area or volume by the determinant of edges (Gram's for a side), in units of the longest, against over- and

@@ -7,7 +7,7 @@ use crate::{Material, Place, RelaxationTerm, Scene, SceneError, Shape};
 use exact::{MaterialNumbers, RegionNumbers};
 use fem::contact::MemoryTerm;
 use fem::mesh::Mesh;
-use formula::{EvaluationPoint, Graph, Node};
+use formula::Graph;
 use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, Singular, TensorField};
 
 /// 𝒜.
@@ -25,7 +25,7 @@ pub fn memory_tensor(memory: &RelaxationTerm) -> TensorField {
 
 /// The terms of ℬ for the solver: recursion for sums of exponentials.
 pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<MemoryTerm> {
-    let formula = |node| Box::new(KernelFormula::new(formulas.clone(), node));
+    let formula = |node| Box::new(KernelFormula { graph: formulas.clone(), node });
     let kernel = |memory: &RelaxationTerm| match (&memory.exponentials, memory.singular) {
         (Some(terms), _) => {
             Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>
@@ -69,7 +69,7 @@ const ON_INTERFACE: f64 = 1e-9;
 ///
 /// # Errors
 /// A cell that an interface cuts, or that two regions claim.
-pub(super) fn cell_regions(
+pub fn cell_regions(
     scene: &Scene,
     material: &Material,
     mesh: &Mesh,
@@ -92,7 +92,7 @@ pub(super) fn cell_regions(
                 continue;
             }
         };
-        let value = |place: [f64; 3]| at(scene, condition, place);
+        let value = |place: [f64; 3]| scene.formulas.evaluate(condition, &place.into());
         let vertices: Vec<f64> =
             (0..mesh.vertices() as u32).map(|v| value(mesh.point(&[v], &[1.0]))).collect();
         let size = vertices.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -152,8 +152,4 @@ fn claim(
     }
     *region_of_cell = index as u8 + 1;
     Ok(())
-}
-
-fn at(scene: &Scene, condition: Node, [x, y, z]: [f64; 3]) -> f64 {
-    scene.formulas.evaluate(condition, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
 }

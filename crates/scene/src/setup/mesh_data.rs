@@ -60,9 +60,7 @@ impl MeshData {
         reference: Option<Arc<ReferenceRun>>,
     ) -> Result<Self, SetupError> {
         let rules = TruthRules::for_element(setup.body.element, setup.scene.dimension);
-        let space = setup.space(n)?;
-        let truth = truth(setup, setup.exact.as_ref(), &space, reference, &rules, true)?;
-        let mut data = Self::with_truth(space, truth);
+        let mut data = Self::with_rules(setup, n, reference, &rules)?;
         data.by_scene_rules = Some(data.truth.clone());
         Ok(data)
     }

@@ -33,7 +33,7 @@ pub use formulas::YieldFormula;
 use formulas::on_contact;
 pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 use laws::potential;
-pub use material::{elasticity, memory_tensor};
+pub use material::{cell_regions, elasticity, memory_tensor};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use rule_check::RuleCheck;
@@ -248,20 +248,18 @@ fn projection(scene: &Scene, body: &ContactScene) -> Option<VonMises<YieldFormul
 fn model(scene: &Scene, body: &ContactScene) -> Model {
     let material = &body.material;
     let formulas = Arc::new(scene.formulas.clone());
-    let boundary =
-        body.contact.as_ref().filter(|contact| contact.gap.is_some() || contact.law.is_some()).map(
-            |contact| Boundary {
-                potential: potential(contact.law.as_ref()),
-                scale: (contact.law.as_ref().and_then(|law| law.scale))
-                    .map(|scale| on_contact(&formulas, Some(scale.formula), 1.0)),
-                gap: on_contact(&formulas, contact.gap, f64::INFINITY),
-                shift: on_contact(&formulas, contact.shift, 0.0),
-                rule: contact.quadrature,
-            },
-        );
-    let friction = body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
+    let scale = body.law().and_then(|law| law.scale);
+    let contact = body.contact.as_ref();
+    let contact = contact.filter(|contact| contact.gap.is_some() || contact.law.is_some());
+    let boundary = contact.map(|contact| Boundary {
+        potential: potential(contact.law.as_ref()),
+        scale: scale.map(|scale| on_contact(&formulas, Some(scale.formula), 1.0)),
+        gap: on_contact(&formulas, contact.gap, f64::INFINITY),
+        shift: on_contact(&formulas, contact.shift, 0.0),
+        rule: contact.quadrature,
+    });
     Model {
-        friction: friction.map(|written| laws::friction(written, &formulas)),
+        friction: body.friction().map(|written| laws::friction(written, &formulas)),
         elasticity: elasticity(material),
         memory: material::memory_terms(material, &formulas),
         projection: projection(scene, body).map(AnyProjection::new),

@@ -48,32 +48,22 @@ pub fn check_step_sizes(
         return Ok(None);
     };
     let (k, declared) = (size(coarsest), violates(Hypothesis::StepSize));
-    match bounds.place(k) {
-        StepPlace::WithinTheorem if declared => Ok(Some(StepRemark {
-            warning: false,
-            text: format!(
-                "violates = [\"3.4\"] is not needed: k = {k:.4} is below the bound (3.4), {:.4}",
-                bounds.limit()
-            ),
-        })),
-        StepPlace::WithinTheorem => Ok(None),
-        StepPlace::Solvable => Ok(Some(StepRemark {
-            warning: true,
-            text: format!(
-                "k = {k:.4} (N = {coarsest}) is beyond (3.4), k < {:.4}; one solution per step is guaranteed all the same, by strong monotonicity{}",
-                bounds.limit(),
-                below(bounds.solvable_limit())
-            ),
-        })),
-        StepPlace::Unguaranteed if declared => Ok(Some(StepRemark {
-            warning: true,
-            text: format!(
-                "k = {k:.4} (N = {coarsest}) violates (3.4) on purpose: one solution per step is guaranteed only{}",
-                below(bounds.solvable_limit())
-            ),
-        })),
-        StepPlace::Unguaranteed => Err(refusal(subject, coarsest, k, &bounds)),
-    }
+    let (limit, solvable) = (bounds.limit(), below(bounds.solvable_limit()));
+    let place = bounds.place(k);
+    let text = match place {
+        StepPlace::WithinTheorem if declared => format!(
+            "violates = [\"3.4\"] is not needed: k = {k:.4} is below the bound (3.4), {limit:.4}"
+        ),
+        StepPlace::WithinTheorem => return Ok(None),
+        StepPlace::Solvable => format!(
+            "k = {k:.4} (N = {coarsest}) is beyond (3.4), k < {limit:.4}; one solution per step is guaranteed all the same, by strong monotonicity{solvable}"
+        ),
+        StepPlace::Unguaranteed if declared => format!(
+            "k = {k:.4} (N = {coarsest}) violates (3.4) on purpose: one solution per step is guaranteed only{solvable}"
+        ),
+        StepPlace::Unguaranteed => return Err(refusal(subject, coarsest, k, &bounds)),
+    };
+    Ok(Some(StepRemark { warning: place != StepPlace::WithinTheorem, text }))
 }
 
 fn below(limit: f64) -> String {

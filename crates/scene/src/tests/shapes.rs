@@ -61,11 +61,7 @@ fn what_is_no_polygon_is_refused() {
         ("vertices = [[0, 0], [2, 0], [2, 0], [0, 1]]", NAMES, "vertices 1 and 2 are the same"),
         ("vertices = [[0, 0], [2, 0]]", NAMES, "three vertices or more, not 2"),
         ("vertices = [[0, 0], [2, nan], [2, 1], [0, 1]]", NAMES, "is not finite"),
-        (
-            "vertices = [[0, 0, 0], [2, 0], [2, 1], [0, 1]]",
-            NAMES,
-            "3 numbers, a point of the plane has two",
-        ),
+        ("vertices = [[0, 0, 0], [2, 0], [2, 1], [0, 1]]", NAMES, "3 entries where 2 are wanted"),
         ("", NAMES, "shape `polygon` needs the key `vertices`"),
         (CORNERS, "sides = [\"bottom\", \"right\", \"top\"]", "3 names for 4 edges"),
         (CORNERS, "sides = [\"bottom\", \"right\", \"top\", \" \"]", "a side without name"),
@@ -76,7 +72,7 @@ fn what_is_no_polygon_is_refused() {
         (CORNERS, &format!("{NAMES}\npoints = [[1, 0.5]]"), "and there are none"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 4]]"), "there is no vertex 4"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 2]]"), "does not bound the triangles"),
-        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1]]"), "2 numbers, a triangle has three"),
+        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1]]"), "2 entries where 3 are wanted"),
         (CORNERS, &format!("{NAMES}\ntriangles = []"), "does not bound the triangles"),
         (CORNERS, &format!("{NAMES}\nfile = \"x.msh\""), "shape `polygon` takes no `file`"),
     ];
