@@ -3,6 +3,7 @@
 pub mod diagnose;
 pub mod extremes;
 pub mod guarantee;
+mod quotients;
 pub mod solution;
 mod table;
 pub mod theory;
