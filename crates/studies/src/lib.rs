@@ -8,3 +8,6 @@ pub mod solution;
 mod table;
 pub mod theory;
 pub mod trade;
+mod written;
+
+pub use written::FileError;
