@@ -11,9 +11,10 @@ use run::sweep::MemoryLimit;
 use scene::setup::Setup;
 use scene::{Extension, Norm};
 use studies::guarantee::Guarantee;
+use studies::trade::NoAnswer;
 use studies::trade::estimate::{
-    Advice, Advised, Companions, CostSource, Estimate, Goal, NoAdvice, Part, QuantityEstimate,
-    advise, companions_and_bound, norm_estimate,
+    Advice, Advised, Companions, CostSource, Estimate, Goal, Part, QuantityEstimate, advise,
+    companions_and_bound, norm_estimate,
 };
 
 /// Runs a case with its companions; prints its estimated error, and the recommendation for a wanted error.
@@ -60,7 +61,7 @@ pub(super) fn execute(
     }
     // The estimate is printed before a target is refused.
     let Some(advice) = advice else { return Ok(0) };
-    let advice = advice.map_err(CliError::other)?;
+    let advice = advice.map_err(|none| CliError::other(refusal(&none)))?;
     let wanted_estimate = estimates.iter().find(|(of, _)| *of == norm);
     if let Some((_, estimate)) = wanted_estimate.filter(|_| !as_json) {
         print_advice(&advice, &found, norm, estimate);
@@ -199,7 +200,7 @@ fn print_advice(advice: &Advice, found: &Companions, norm: Norm, estimate: &Esti
     print_text(&format!("  recommended: {}", advised_words(&advice.choice)));
     match &advice.cautious {
         Ok(advised) => print_text(&format!("  cautious:    {}", advised_words(advised))),
-        Err(reason) => print_text(&format!("  cautious:    {reason}")),
+        Err(none) => print_text(&format!("  cautious:    {}", refusal(none))),
     }
     print_text(&format!("  orders counted on: {}", orders_words(estimate)));
     print_text(&format!("  seconds: {}", source_words(advice.source)));
@@ -243,10 +244,10 @@ fn source_words(source: CostSource) -> &'static str {
 }
 
 /// The key `recommendation`.
-fn advice_json(advice: &Result<Advice, NoAdvice>, found: &Companions, norm: Norm) -> Value {
+fn advice_json(advice: &Result<Advice, NoAnswer>, found: &Companions, norm: Norm) -> Value {
     let advice = match advice {
         Ok(advice) => advice,
-        Err(reason) => return json!({ "norm": norm, "refused": reason.to_string() }),
+        Err(none) => return json!({ "norm": norm, "refused": refusal(none) }),
     };
     json!({
         "norm": norm,
@@ -254,11 +255,15 @@ fn advice_json(advice: &Result<Advice, NoAdvice>, found: &Companions, norm: Norm
         "relative": (norm == Norm::VMax && found.size > 0.0).then(|| advice.target / found.size),
         "choice": advice.choice,
         "cautious": advice.cautious.as_ref().ok(),
-        "cautious_refused": advice.cautious.as_ref().err().map(ToString::to_string),
+        "cautious_refused": advice.cautious.as_ref().err().map(refusal),
         "seconds_from": advice.source,
         "check": { "n": advice.check[0], "steps": advice.check[1] },
         "refused": null,
     })
+}
+
+fn refusal(none: &NoAnswer) -> String {
+    format!("no recommendation: {none}")
 }
 
 fn bracketed(interval: Interval) -> String {

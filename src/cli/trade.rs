@@ -122,7 +122,8 @@ impl TradeCommand {
         study: &Study,
         document: &mut StudyDocument,
     ) -> Result<(Answered, Option<Confirmed>), CliError> {
-        let answer = Answered::new(bench, study, plan, target, &self.allowance.limit())?;
+        let answer = Answered::new(bench, study, plan, target, &self.allowance.limit())
+            .map_err(|none| CliError::other(format!("no answer: {none}")))?;
         *document = study.document(Some(&answer));
         document.answer(answer.words(study));
         if !self.confirm {

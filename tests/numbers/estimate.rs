@@ -17,8 +17,9 @@ use scene::Norm;
 use scene::setup::{MeshData, Setup, reference_run};
 use serde_json::Value;
 use studies::guarantee::guarantee;
+use studies::trade::NoAnswer;
 use studies::trade::estimate::{
-    Advice, Companions, CostSource, Goal, NoAdvice, NormDifferences, advise, companions,
+    Advice, Companions, CostSource, Goal, NormDifferences, advise, companions,
     companions_and_bound, costs, norm_estimate,
 };
 use vhi::Newton;
@@ -329,14 +330,14 @@ fn what_cannot_be_recommended_is_refused_with_its_reason() {
     };
     let far = refusal(&of(1e-5, written.limit), &found);
     assert!(
-        matches!(far, NoAdvice::TooFar { n: 256, steps: 128, least, .. } if least > 1e-5),
+        matches!(far, NoAnswer::OutOfReach { n: 256, steps: 128, least, .. } if least > 1e-5),
         "{far}"
     );
     let floor = refusal(&of(1e-13, written.limit), &found);
     assert!(floor.to_string().contains("solver and rounding"), "{floor}");
     // 20 MB hold the program and little else.
     let memory = refusal(&of(0.2 * written.target, MemoryLimit::of_bytes(2e7)), &found);
-    assert!(matches!(memory, NoAdvice::Memory { n, .. } if n > 16), "{memory}");
+    assert!(matches!(memory, NoAnswer::Memory { n, .. } if n > 16), "{memory}");
     for (change, words) in [
         ((|norm| norm.space = [2.0, 1.0]) as Defect, "pre-asymptotic"),
         // Strains of piecewise linear elements have no order 3.

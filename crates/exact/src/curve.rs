@@ -71,14 +71,6 @@ impl CurveNumbers {
         }
     }
 
-    /// c̄0, c̄1 with 0 ≤ p(r) ≤ c̄0 + c̄1 r: the largest value c r0/2 or c r0/e, at r0, and the slope of the power's tangent.
-    pub fn growth(&self) -> [f64; 2] {
-        match *self {
-            Self::Rational { r0, .. } | Self::Exponential { r0, .. } => [self.value(r0), 0.0],
-            Self::Power { r1, .. } => [0.0, self.slope(r1)],
-        }
-    }
-
     /// Where p is not smooth.
     pub(crate) fn kinks(&self) -> Vec<f64> {
         match *self {

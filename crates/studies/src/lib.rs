@@ -3,7 +3,11 @@
 pub mod diagnose;
 pub mod extremes;
 pub mod guarantee;
+mod quotients;
 pub mod solution;
 mod table;
 pub mod theory;
 pub mod trade;
+mod written;
+
+pub use written::FileError;

@@ -5,19 +5,10 @@ use serde_json::Value;
 
 use super::super::{CliError, Scenes};
 use files::megabytes;
-use studies::trade::{Answer, AnswerError, Answered, Bench, Knob, Variant};
+use studies::trade::{Answer, Answered, Bench, Knob, Variant};
 
 /// Timed runs of a confirmed answer.
 const CONFIRMING: u32 = 5;
-
-impl From<AnswerError> for CliError {
-    fn from(error: AnswerError) -> Self {
-        match error {
-            AnswerError::Setup(error) => error.into(),
-            error => Self::Other(error.to_string()),
-        }
-    }
-}
 
 #[derive(Serialize)]
 pub(super) struct Confirmed {

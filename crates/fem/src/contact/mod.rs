@@ -57,7 +57,9 @@ pub use level_fields::LevelFields;
 pub use linear_solver::LinearSolver;
 pub use load::{Load, LoadError};
 pub use march::{march, march_in_volume};
-pub use model::{Boundary, BoundaryRule, MemoryTerm, Model, OnContact, relaxation};
+pub use model::{
+    Boundary, BoundaryRule, MemoryTerm, Model, OnContact, relaxation, weighted_memory,
+};
 pub use nodal_norms::{strain_distance, strain_norm};
 pub use path::{Path, Paths};
 pub use plan::{MULTIGRID_RATIO, Plan};

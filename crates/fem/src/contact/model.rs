@@ -17,10 +17,11 @@ pub struct MemoryTerm {
 
 /// ℬ(lag) = Σ b_i(lag) ℬ_i on S^d; none without memory.
 pub fn relaxation(terms: &[MemoryTerm], lag: f64, d: usize) -> Option<TensorField> {
-    weighted_sum(terms, |kernel| kernel.value(lag), d)
+    weighted_memory(terms, |kernel| kernel.value(lag), d)
 }
 
-fn weighted_sum(
+/// Σ_i w_i ℬ_i likewise, w_i by the kernels.
+pub fn weighted_memory(
     terms: &[MemoryTerm],
     weight: impl Fn(&dyn MemoryKernel) -> f64,
     d: usize,
@@ -113,7 +114,7 @@ impl Model {
         match &self.memory[..] {
             [] => 0.0,
             [term] => weight(&*term.kernel).abs() * term.tensor.norm(d),
-            terms => weighted_sum(terms, weight, d).map_or(0.0, |tensor| tensor.norm(d)),
+            terms => weighted_memory(terms, weight, d).map_or(0.0, |tensor| tensor.norm(d)),
         }
     }
 

@@ -31,7 +31,7 @@ impl Nodes {
     pub const NONE: u32 = u32::MAX;
 
     /// Numbers the points of `mesh` at which the element has nodes; those of a facet on a side in `clamped` come last.
-    pub(crate) fn new(mesh: &mut Mesh, element: Element, clamped: &[u32]) -> Self {
+    pub fn new(mesh: &mut Mesh, element: Element, clamped: &[u32]) -> Self {
         let Places { cells, facets, first } = element.places(mesh);
         let simplices = [Simplex::cell(mesh.dimension), Simplex::facet(mesh.dimension)];
         let [a_cell, a_facet] = simplices.map(|simplex| element.nodes_on(simplex));

@@ -11,7 +11,7 @@ use vhi::law::TensorField;
 use super::edges::Edges;
 use super::equilibrium::{Equilibrium, Given};
 use super::error::GuaranteeError;
-use super::triangle::Moments;
+use super::triangle::Linear;
 
 /// Gauss points on an edge.
 const ON_EDGES: usize = 8;
@@ -33,9 +33,8 @@ struct Side {
 
 /// The loads at one time, with what they miss of f0 and of the tractions.
 pub(super) struct Loads {
+    /// Πf0 and Πq, Π on linear functions.
     pub given: Given,
-    /// Πf0 at the corners of the cells, Π on linear functions.
-    pub corners: Vec<Moments>,
     /// ∫ |f0 - Πf0|² on each cell.
     rough_cells: Vec<f64>,
     /// ∫ |q - Πq|² on each free edge.
@@ -44,8 +43,6 @@ pub(super) struct Loads {
 
 /// The linear function nearest to a density on a simplex with C corners of measure one.
 struct Nearest<const C: usize> {
-    /// ∫ of the density times ψ_a.
-    means: [[f64; 2]; C],
     /// Values at the corners.
     corners: [[f64; 2]; C],
     /// ∫ of the square that is missed.
@@ -72,7 +69,7 @@ impl<const C: usize> Nearest<C> {
                 missed += weight * (density(q)[i] - linear).powi(2);
             }
         }
-        Self { means, corners, missed }
+        Self { corners, missed }
     }
 }
 
@@ -98,7 +95,7 @@ impl Densities {
                 let normal = [part.normal[0], part.normal[1]];
                 let members = part.members.iter().map(|&at| facets[at]);
                 let on_part: Vec<(u32, [u32; 2])> =
-                    members.filter_map(|f| edges.on_facet(f)).collect();
+                    members.filter_map(|f| edges.on_facet(f as usize)).collect();
                 let places = on_part
                     .iter()
                     .flat_map(|(_, ends)| outside.points.iter().map(|b| mesh.point(ends, b)));
@@ -154,16 +151,15 @@ impl Densities {
     ) -> Result<Loads, GuaranteeError> {
         let body = finite(&mut self.body, t, "f0")?;
         let count = self.inside.weights.len();
-        let (mut moments, mut corners, mut rough_cells) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut linear, mut rough_cells) = (Vec::new(), Vec::new());
         for (c, measure) in space.geometry.measure.iter().enumerate() {
             let density = |q: usize| [0, 1].map(|i: usize| body[i][count * c + q]);
-            let Nearest { means, corners: at, missed } = Nearest::<3>::new(&self.inside, density);
-            moments.push(Moments::from_fn(|row, _| measure * means[row / 2][row % 2]));
-            corners.push(Moments::from_fn(|row, _| at[row / 2][row % 2]));
-            rough_cells.push(measure * missed);
+            let found = Nearest::<3>::new(&self.inside, density);
+            linear.push(Linear::from_fn(|row, _| found.corners[row / 2][row % 2]));
+            rough_cells.push(measure * found.missed);
         }
-        let mut tractions = vec![0.0; 4 * edges.free_count];
-        let mut rough_edges = vec![0.0; edges.free_count];
+        let mut tractions = vec![0.0; 4 * edges.free()];
+        let mut rough_edges = vec![0.0; edges.free()];
         for side in &mut self.sides {
             let values = finite(&mut side.traction, t, "a traction")?;
             let count = self.outside.weights.len();
@@ -178,7 +174,7 @@ impl Densities {
                 rough_edges[free] += length * found.missed;
             }
         }
-        Ok(Loads { given: Given { moments, tractions }, corners, rough_cells, rough_edges })
+        Ok(Loads { given: Given { body: linear, tractions }, rough_cells, rough_edges })
     }
 }
 
@@ -202,7 +198,7 @@ impl Loads {
     pub(super) fn oscillation(
         &self,
         space: &Discretization,
-        equilibrium: &Equilibrium<'_>,
+        equilibrium: &Equilibrium,
         elasticity: &TensorField,
     ) -> f64 {
         let edges = &equilibrium.edges;
@@ -211,10 +207,8 @@ impl Loads {
         let cell = |c: usize| {
             let constants = equilibrium.constants(c);
             let mut missed = constants.inside * self.rough_cells[c].sqrt();
-            for (s, &edge) in edges.of_cell[c].iter().enumerate() {
-                if let Some(free) = edges.free[edge as usize] {
-                    missed += constants.on_edge[s] * self.rough_edges[free as usize].sqrt();
-                }
+            for (s, edge) in edges.of_cell(c) {
+                missed += constants.on_edge[s] * self.rough_edges[edge as usize].sqrt();
             }
             // One tensor for all regions, or one each.
             missed * missed / least.get(space.region(c)).unwrap_or(&least[0])

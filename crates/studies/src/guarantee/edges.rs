@@ -1,79 +1,71 @@
-//! The edges of a triangulation.
+//! The edges of a triangulation, as the nodes of CR: those on Γ1 come last and have no unknowns.
 
-use std::collections::HashMap;
-
+use algebra::linalg::BlockPattern;
 use fem::contact::Discretization;
+use fem::mesh::Mesh;
+use fem::space::{Element, Nodes};
 
-/// Edges, with the unknowns of those that are not clamped.
+/// Edges, four unknowns each: two components at each of its ends, that with the smaller number first.
 pub(super) struct Edges {
-    /// Edges of each cell, edge s opposite to its vertex s.
-    pub of_cell: Vec<[u32; 3]>,
-    /// The vertices of each edge, the smaller number first.
-    pub ends: Vec<[u32; 2]>,
-    /// The edge on each boundary facet of the mesh.
-    of_facet: Vec<u32>,
-    /// The number of each edge among those that are not on Γ1.
-    pub free: Vec<Option<u32>>,
-    /// How many these are.
-    pub free_count: usize,
+    /// With the middles of edges among its vertices.
+    mesh: Mesh,
+    nodes: Nodes,
 }
+
+/// The edges of a triangle in the order of the nodes of CR, by the corners opposite to them.
+const OPPOSITE: [usize; 3] = [2, 0, 1];
 
 impl Edges {
     /// The edges of a mesh of triangles; those on the sides `clamped` have no unknowns.
     pub(super) fn new(space: &Discretization, clamped: &[u32]) -> Self {
-        let mesh = &space.mesh;
-        let mut known: HashMap<[u32; 2], u32> = HashMap::new();
-        let mut ends = Vec::new();
-        let mut of_cell = Vec::with_capacity(mesh.cell_count());
-        for c in 0..mesh.cell_count() {
-            let cell = mesh.cell(c);
-            of_cell.push(std::array::from_fn(|s| {
-                let key = sorted(cell[(s + 1) % 3], cell[(s + 2) % 3]);
-                *known.entry(key).or_insert_with(|| {
-                    ends.push(key);
-                    ends.len() as u32 - 1
-                })
-            }));
-        }
-        let mut is_clamped = vec![false; ends.len()];
-        let of_facet = (0..mesh.facet_side.len()).map(|f| {
-            let edge = known[&sorted(mesh.facet(f)[0], mesh.facet(f)[1])];
-            is_clamped[edge as usize] |= clamped.contains(&mesh.facet_side[f]);
-            edge
-        });
-        let of_facet = of_facet.collect();
-        let mut free_count = 0;
-        let free = is_clamped.iter().map(|is_clamped| {
-            free_count += usize::from(!is_clamped);
-            (!is_clamped).then(|| free_count as u32 - 1)
-        });
-        let free = free.collect();
-        Self { of_cell, ends, of_facet, free, free_count }
+        let mut mesh = space.mesh.clone();
+        let nodes = Nodes::new(&mut mesh, Element::CR, clamped);
+        Self { mesh, nodes }
+    }
+
+    /// How many are not on Γ1.
+    pub(super) fn free(&self) -> usize {
+        self.nodes.free
+    }
+
+    /// The free edges of a cell, each with the corner opposite to it.
+    pub(super) fn of_cell(&self, c: usize) -> impl Iterator<Item = (usize, u32)> {
+        let all = OPPOSITE.into_iter().zip(self.nodes.of_cell(c).iter().copied());
+        all.filter(|(_, edge)| (*edge as usize) < self.nodes.free)
     }
 
     /// The free edge on a boundary facet, with its ends in the order of its unknowns.
-    pub(super) fn on_facet(&self, facet: u32) -> Option<(u32, [u32; 2])> {
-        let edge = self.of_facet[facet as usize] as usize;
-        Some((self.free[edge]?, self.ends[edge]))
+    pub(super) fn on_facet(&self, facet: usize) -> Option<(u32, [u32; 2])> {
+        let middle = self.nodes.on_facet(facet)[0];
+        let edge = self.nodes.of_vertex[middle as usize];
+        let ends = self.mesh.facet(facet);
+        let sorted = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        ((edge as usize) < self.nodes.free).then_some((edge, sorted))
     }
 
     /// The unknowns of a cell's 12 tractions, `None` on Γ1: four for each edge, two at each of its ends.
-    pub(super) fn unknowns(&self, cell: &[u32], c: usize) -> [Option<u32>; 12] {
-        let mut unknowns = [None; 12];
-        for (s, &edge) in self.of_cell[c].iter().enumerate() {
-            let Some(free) = self.free[edge as usize] else { continue };
+    pub(super) fn unknowns(&self, c: usize) -> [Option<usize>; 12] {
+        let (mut unknowns, cell) = ([None; 12], self.mesh.cell(c));
+        for (s, edge) in self.of_cell(c) {
+            let ends = [cell[(s + 1) % 3], cell[(s + 2) % 3]];
             for end in 0..2 {
-                let vertex = cell[(s + 1 + end) % 3];
-                let second = u32::from(self.ends[edge as usize][1] == vertex);
+                let second = usize::from(ends[end] > ends[1 - end]);
                 for i in 0..2 {
-                    unknowns[4 * s + 2 * end + i] = Some(4 * free + 2 * second + i as u32);
+                    unknowns[4 * s + 2 * end + i] = Some(4 * edge as usize + 2 * second + i);
                 }
             }
         }
         unknowns
     }
-}
 
-fn sorted(a: u32, b: u32) -> [u32; 2] {
-    [a.min(b), a.max(b)]
+    /// Edges of a cell couple.
+    pub(super) fn pattern(&self) -> BlockPattern {
+        BlockPattern::new(&self.nodes.cells, 3, 4, self.nodes.free)
+    }
+
+    /// A place of each free edge, in as many numbers as it has unknowns.
+    pub(super) fn places(&self) -> Vec<f64> {
+        let free = &self.nodes.vertex[..self.nodes.free];
+        free.iter().flat_map(|&v| [self.mesh.vertex(v), &[0.0; 2]].concat()).collect()
+    }
 }

@@ -23,7 +23,6 @@ mod densities;
 mod edges;
 mod equilibrium;
 mod error;
-mod inside;
 mod memory;
 mod on_contact;
 mod oscillation;
@@ -114,7 +113,7 @@ pub struct Bounding<'a> {
     model: &'a Model,
     space: &'a Discretization,
     grid: TimeGrid,
-    equilibrium: Equilibrium<'a>,
+    equilibrium: Equilibrium,
     densities: Densities,
     truth: Option<truth::Strains>,
     /// What the stress in equilibrium is to be near to.
@@ -199,11 +198,7 @@ impl<'a> Bounding<'a> {
         let (space, elasticity) = (&*data.space, &setup.model.elasticity);
         let clamped = side_numbers(&setup.body.domain.clamped);
         let equilibrium = Equilibrium::new(space, elasticity, &clamped).map_err(|source| {
-            let (least, largest) = elasticity.eigenvalues(2);
-            GuaranteeError::refused(format!(
-                "{source} in the problem of equilibrated stresses; the largest stiffness is {:.1e} times the least",
-                largest / least
-            ))
+            unbalanced(format!("{source} in the problem of equilibrated stresses"), elasticity)
         })?;
         Ok(Self {
             model: &setup.model,
@@ -253,12 +248,13 @@ impl<'a> Bounding<'a> {
         let stresses = self.equilibrium.nearest(&start, &loads.given);
         let imbalance = self.equilibrium.imbalance(&stresses, &loads.given);
         if imbalance.is_nan() || imbalance > BALANCED {
-            return Err(GuaranteeError::refused(format!(
+            let what = format!(
                 "at t = {} the stresses are in equilibrium to {imbalance:.1e} of their tractions only",
                 view.t
-            )));
+            );
+            return Err(unbalanced(what, elasticity));
         }
-        let square = self.equilibrium.distance(&stresses, &start, &loads.corners);
+        let square = self.equilibrium.distance(&stresses, &start);
         let residual = square.max(0.0).sqrt();
         let oscillation = loads.oscillation(space, &self.equilibrium, elasticity);
         let bound = self.bound(view.n, residual + oscillation, gap)?;
@@ -299,6 +295,13 @@ impl<'a> Bounding<'a> {
         }
         Ok(bound)
     }
+}
+
+/// Why equilibrium is not found, with what may be the cause of it.
+fn unbalanced(what: String, elasticity: &TensorField) -> GuaranteeError {
+    let (least, largest) = elasticity.eigenvalues(2);
+    let ratio = largest / least;
+    GuaranteeError::refused(format!("{what}; the largest stiffness is {ratio:.1e} times the least"))
 }
 
 /// (𝒜ε(v), ε(v))^{1/2} of a nodal vector.

@@ -64,7 +64,7 @@ pub(super) fn add_pressures(
 ) {
     let trace = &space.trace;
     for (f, &facet) in trace.mesh_facet.iter().enumerate() {
-        let Some((free, ends)) = edges.on_facet(facet) else { continue };
+        let Some((free, ends)) = edges.on_facet(facet as usize) else { continue };
         for (&point, p) in trace.facet(f).iter().zip(&pressure[f]) {
             let at = &trace.points[point as usize];
             let end = usize::from(ends[1] == at.vertex);

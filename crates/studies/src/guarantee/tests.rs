@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use super::*;
+use fem::space::Element;
 use fem::space::quadrature::{edge, triangle_product};
 use scene::Registry;
 use scene::setup::Subject;
@@ -120,9 +121,8 @@ fn stresses_balance_their_loads_against_polynomials() {
     let loads = densities.at(&space, &equilibrium.edges, 0.7).unwrap();
     let start = |c: usize| Triangle::constant(&[0.1, -0.2 + 0.01 * c as f64, 0.3]);
     let start: Vec<Stress> = (0..space.mesh.cell_count()).map(start).collect();
-    let mut halved = loads.given.moments.clone();
-    halved.iter_mut().for_each(|moments| *moments *= 0.5);
-    let halved = equilibrium::Given { moments: halved, tractions: loads.given.tractions.clone() };
+    let body = loads.given.body.iter().map(|linear| 0.5 * linear).collect();
+    let halved = equilibrium::Given { body, tractions: loads.given.tractions.clone() };
     for (given, sound) in [(&loads.given, true), (&halved, false)] {
         let stresses = equilibrium.nearest(&start, given);
         let off = imbalance_against_polynomials(&setup, &space, &equilibrium, &stresses, &loads);
@@ -134,7 +134,7 @@ fn stresses_balance_their_loads_against_polynomials() {
 fn imbalance_against_polynomials(
     setup: &Setup,
     space: &Discretization,
-    equilibrium: &Equilibrium<'_>,
+    equilibrium: &Equilibrium,
     stresses: &[triangle::Stress],
     loads: &densities::Loads,
 ) -> f64 {
@@ -142,9 +142,11 @@ fn imbalance_against_polynomials(
     let mesh = &space.mesh;
     let (inside, along) = (triangle_product(4), edge(4));
     let mut worst = 0.0f64;
-    // Linear v: ∫ f0·v is then what the moments of f0 say.
-    for component in 0..2 {
-        let v = |x: [f64; 3]| 1.0 - x[1];
+    for (component, m) in
+        (0..6).map(|i| (i % 2, [0, 1, 2].map(|j| f64::from(u8::from(i / 2 == j)))))
+    {
+        let factor = |x: [f64; 3]| m[0] + m[1] * x[0] + m[2] * x[1];
+        let v = |x: [f64; 3]| (1.0 - x[1]) * factor(x);
         let (mut sum, mut size) = (0.0, 0.0);
         let mut add = |value: f64| {
             sum += value;
@@ -157,19 +159,20 @@ fn imbalance_against_polynomials(
             for part in 0..3 {
                 let nodes = [corners[(part + 1) % 3], corners[(part + 2) % 3], centroid];
                 for (weight, b) in inside.weights.iter().zip(&inside.points) {
-                    let at = |i: usize| -> f64 {
-                        (0..3).map(|l| b[l] * stress[9 * part + 3 * l + i]).sum()
-                    };
+                    let shapes = Element::P2.values(b);
+                    let number = |l: usize, i: usize| stress[18 * part + 3 * l + i];
+                    let at = |i| (0..6).map(|l| shapes[l] * number(l, i)).sum::<f64>();
                     let x: [f64; 3] =
                         std::array::from_fn(|i| (0..3).map(|l| b[l] * nodes[l][i]).sum());
-                    // ε((1 - y) e_i): -1 in the row of y.
+                    let [gx, gy] = [m[1] * (1.0 - x[1]), m[2] * (1.0 - x[1]) - factor(x)];
+                    let shear = at(2) * std::f64::consts::FRAC_1_SQRT_2;
                     let product = match component {
-                        0 => -at(2) * std::f64::consts::FRAC_1_SQRT_2,
-                        _ => -at(1),
+                        0 => at(0) * gx + shear * gy,
+                        _ => shear * gx + at(1) * gy,
                     };
                     let share = weight * space.geometry.measure[c] / 3.0;
                     add(share * product);
-                    let corner = &loads.corners[c];
+                    let corner = &loads.given.body[c];
                     let all: [f64; 3] = match part {
                         0 => [b[2] / 3.0, b[0] + b[2] / 3.0, b[1] + b[2] / 3.0],
                         1 => [b[1] + b[2] / 3.0, b[2] / 3.0, b[0] + b[2] / 3.0],
@@ -181,7 +184,7 @@ fn imbalance_against_polynomials(
             }
         }
         for f in 0..mesh.facet_side.len() {
-            let Some((free, ends)) = equilibrium.edges.on_facet(f as u32) else { continue };
+            let Some((free, ends)) = equilibrium.edges.on_facet(f) else { continue };
             let length = fem::contact::facet_measure(mesh, f);
             for (weight, b) in along.weights.iter().zip(&along.points) {
                 let at_end =

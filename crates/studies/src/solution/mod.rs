@@ -8,4 +8,4 @@ mod vtu;
 pub use final_state::FinalState;
 pub use pressed_zone::PressedZone;
 pub use series::VtuSeries;
-pub use vtu::{Field, VtuError, VtuGrid, write_pvd, write_vtu};
+pub use vtu::{Field, VtuGrid, write_pvd, write_vtu};

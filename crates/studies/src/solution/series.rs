@@ -3,7 +3,8 @@
 use algebra::in_dimension;
 use std::path::{Path, PathBuf};
 
-use super::vtu::{Field, VtuError, VtuGrid, write_pvd, write_vtu};
+use super::vtu::{Field, VtuGrid, write_pvd, write_vtu};
+use crate::FileError;
 use fem::contact::{Discretization, Model, StepView};
 use files::make_directory;
 
@@ -19,8 +20,8 @@ impl VtuSeries {
     ///
     /// # Errors
     /// The file system's.
-    pub fn new(dir: &Path, name: &str) -> Result<Self, VtuError> {
-        make_directory(dir).map_err(|source| VtuError::Io { path: dir.to_owned(), source })?;
+    pub fn new(dir: &Path, name: &str) -> Result<Self, FileError> {
+        make_directory(dir).map_err(FileError::at(dir))?;
         Ok(Self { dir: dir.to_owned(), name: name.to_owned(), steps: Vec::new() })
     }
 
@@ -34,7 +35,7 @@ impl VtuSeries {
         space: &Discretization,
         model: &Model,
         view: &StepView<'_>,
-    ) -> Result<(), VtuError> {
+    ) -> Result<(), FileError> {
         let mesh = &space.mesh;
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
@@ -78,7 +79,7 @@ impl VtuSeries {
     ///
     /// # Errors
     /// The file system's.
-    pub fn finish(self) -> Result<(), VtuError> {
+    pub fn finish(self) -> Result<(), FileError> {
         write_pvd(&self.dir.join(format!("{}.pvd", self.name)), &self.steps)
     }
 }

@@ -9,43 +9,12 @@ use super::{
     Variant, knobs, optimum,
 };
 use files::megabytes;
-use judge::fit::FLOORS_ABOVE;
-use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
+use run::sweep::{MemoryLimit, admit_run, run_cost};
 use scene::Norm;
-use scene::setup::{Setup, SetupError};
+use scene::setup::Setup;
 
 /// A knob is taken where it saves this part of the time at least, and moves the error by less.
 const WORTH: f64 = 0.05;
-
-/// Why there is no answer.
-#[derive(Debug, thiserror::Error)]
-pub enum AnswerError {
-    /// Nothing was run, or a model was not fitted.
-    #[error("no answer: {0}")]
-    Nothing(String),
-    /// No run reaches the error.
-    #[error(transparent)]
-    NoAnswer(#[from] NoAnswer),
-    /// A mesh is at fault.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// The answer does not fit into memory.
-    #[error("the answer, n = {n}, N = {steps}: {source}")]
-    Memory {
-        /// Cells per unit length.
-        n: u32,
-        /// Steps.
-        steps: u32,
-        /// By how much it is too large.
-        source: TooLarge,
-    },
-}
-
-impl AnswerError {
-    fn nothing_run() -> Self {
-        Self::Nothing("nothing was run".into())
-    }
-}
 
 /// The answer with what it rests on.
 #[derive(Debug, Clone, Serialize)]
@@ -70,24 +39,22 @@ impl Answered {
     /// The cheapest run whose predicted error is at most `target`, for a study whose runs are in `bench`.
     ///
     /// # Errors
-    /// [`AnswerError`].
+    /// [`NoAnswer`].
     pub fn new(
         bench: &Bench,
         study: &Study,
         plan: &TradeRuns,
         target: f64,
         limit: &MemoryLimit,
-    ) -> Result<Self, AnswerError> {
+    ) -> Result<Self, NoAnswer> {
         let setup = &bench.plain.setup;
         let plain = known(study, &study.models, Knob::AsWritten)?;
         let floor = study.plain().filter_map(|trial| Some(trial.done()?.floor)).fold(0.0, f64::max);
-        if target <= FLOORS_ABOVE * floor {
-            return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
-        }
+        NoAnswer::admit(target, floor)?;
         let most = finest(setup).unwrap_or(MOST);
         let candidates = Candidates::new(setup, true)?;
         if plan.n.is_empty() || plan.steps.is_empty() {
-            return Err(AnswerError::nothing_run());
+            return Err(nothing_run());
         }
         let by = |known: &Known<'_>, target: f64| known.cheapest(&candidates, most, target);
         let as_written = by(&plain, target).and_then(|mut choice| {
@@ -108,15 +75,18 @@ impl Answered {
         let all = as_written.iter().copied().chain(others);
         let best = all.min_by(|a, b| a.2.seconds.total_cmp(&b.2.seconds));
         let Some((known, knob, choice, inner)) = best else {
-            return Err(as_written
-                .err()
-                .map_or_else(AnswerError::nothing_run, AnswerError::NoAnswer));
+            return Err(as_written.err().unwrap_or_else(nothing_run));
         };
         let variant = Variant::new(&setup.scene, knob)?;
         let setup = bench.judging(&variant);
         // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
-        admit_run(setup, None, (choice.n, choice.steps), limit)
-            .map_err(|source| AnswerError::Memory { n: choice.n, steps: choice.steps, source })?;
+        let Answer { n, steps, .. } = choice;
+        admit_run(setup, None, (n, steps), limit).map_err(|source| NoAnswer::Memory {
+            target,
+            n,
+            steps,
+            source,
+        })?;
         let space = setup.space(choice.n)?;
         let bytes = run_cost(setup, &space, choice.steps).memory_bytes;
         Ok(Self {
@@ -159,13 +129,17 @@ impl Answered {
     }
 }
 
+fn nothing_run() -> NoAnswer {
+    NoAnswer::Refused("nothing was run".into())
+}
+
 /// The models of a knob, or which of them is missing.
-fn known<'a>(study: &Study, models: &'a Models, knob: Knob) -> Result<Known<'a>, AnswerError> {
+fn known<'a>(study: &Study, models: &'a Models, knob: Knob) -> Result<Known<'a>, NoAnswer> {
     Known::new(models, knob, &study.trials).ok_or_else(|| {
         let missing = models.error.as_ref().err().map(|reason| ("errors", reason));
         let missing = missing.or_else(|| Some(("times", models.cost.as_ref().err()?)));
-        missing.map_or_else(AnswerError::nothing_run, |(what, reason)| {
-            AnswerError::Nothing(format!("the {what} have no model: {reason}"))
+        missing.map_or_else(nothing_run, |(what, reason)| {
+            NoAnswer::Refused(format!("the {what} have no model: {reason}"))
         })
     })
 }

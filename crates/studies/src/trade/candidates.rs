@@ -3,7 +3,8 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-use run::sweep::scene_reference;
+use judge::fit::FLOORS_ABOVE;
+use run::sweep::{TooLarge, scene_reference};
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
 
 /// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a separate campaign.
@@ -24,6 +25,8 @@ pub(crate) struct Candidates<'a> {
     pub cells: Box<dyn Fn(u32) -> bool + 'a>,
     /// Whether N suits the reference run and (3.4).
     pub steps: Box<dyn Fn(u32) -> bool + 'a>,
+    /// What to do where no choice serves.
+    way_out: &'static str,
 }
 
 /// An answer.
@@ -40,41 +43,43 @@ pub struct Answer {
     pub seconds: f64,
 }
 
-/// An error that no choice reaches.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+/// Why no choice is the answer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoAnswer {
-    /// Not a positive number.
+    /// Nothing is known of the errors or of the costs, or a mesh cannot be made.
+    #[error("{0}")]
+    Refused(String),
     #[error("an error of {target} cannot be aimed at: it must be positive")]
-    NotPositive {
-        /// What was asked.
-        target: f64,
-    },
+    NotPositive { target: f64 },
     /// Below what solver and rounding leave.
     #[error(
-        "an error of {target:.3e} is out of reach: solver and rounding leave up to {floor:.1e}, and {times} times that is the least that can be seen"
+        "an error of {target:.3e} is out of reach: solver and rounding leave up to {floor:.1e}, and {FLOORS_ABOVE} times that is the least that can be seen"
     )]
-    BelowFloor {
-        /// What was asked.
-        target: f64,
-        /// The floor.
-        floor: f64,
-        /// How far above it an error must be.
-        times: f64,
-    },
-    /// Finer than the finest choice.
+    BelowFloor { target: f64, floor: f64 },
+    /// Finer than the finest choice, where the error is `least`.
     #[error(
-        "an error of {target:.3e} is out of reach: the least on n <= {n}, N <= {steps} is {least:.3e}"
+        "an error of {target:.3e} is out of reach: the least on n <= {n}, N <= {steps} is {least:.3e}{way_out}"
     )]
-    OutOfReach {
-        /// What was asked.
-        target: f64,
-        /// Largest n.
-        n: u32,
-        /// Largest N.
-        steps: u32,
-        /// The error there.
-        least: f64,
-    },
+    OutOfReach { target: f64, n: u32, steps: u32, least: f64, way_out: &'static str },
+    /// The cheapest choice does not fit into memory, nor any other that has the error.
+    #[error("an error of {target:.3e} asks for n = {n}, N = {steps}: {source}")]
+    Memory { target: f64, n: u32, steps: u32, source: TooLarge },
+}
+
+impl From<SetupError> for NoAnswer {
+    fn from(error: SetupError) -> Self {
+        Self::Refused(error.to_string())
+    }
+}
+
+impl NoAnswer {
+    /// Refuses a target that solver and rounding hide.
+    pub(super) fn admit(target: f64, floor: f64) -> Result<(), Self> {
+        match target <= FLOORS_ABOVE * floor {
+            true => Err(Self::BelowFloor { target, floor }),
+            false => Ok(()),
+        }
+    }
 }
 
 /// A number at (h, k).
@@ -98,6 +103,7 @@ impl<'a> Candidates<'a> {
                 false => scene.check_cells(n).is_ok(),
             }),
             steps: Box::new(move |steps| divides(steps) && safe(steps)),
+            way_out: if beside_reference { "" } else { "; start from a finer run" },
         })
     }
 
@@ -137,6 +143,7 @@ impl<'a> Candidates<'a> {
             n: most[0],
             steps: most[1],
             least: error((self.h)(most[0]), (self.k)(most[1])),
+            way_out: self.way_out,
         })
     }
 
@@ -194,6 +201,7 @@ mod tests {
             k: Box::new(|steps| 1.0 / f64::from(steps)),
             cells: Box::new(|_| true),
             steps: Box::new(|_| true),
+            way_out: "",
         }
     }
 

@@ -13,7 +13,7 @@ mod companions;
 mod costs;
 mod quantity;
 
-pub use advice::{Advice, Advised, Goal, NoAdvice, advise};
+pub use advice::{Advice, Advised, Goal, advise};
 pub use companions::{
     Companions, NormDifferences, RunTime, companion_runs, companions, companions_and_bound,
 };

@@ -23,7 +23,7 @@ mod study;
 mod trial;
 mod turned;
 
-pub use answer::{AnswerError, Answered};
+pub use answer::Answered;
 pub use candidates::{Answer, NoAnswer};
 pub(crate) use candidates::{AtSteps, Candidates, MOST};
 pub use composition::Composition;
@@ -38,4 +38,4 @@ pub use pareto::front;
 pub(crate) use prices::Price;
 pub(crate) use rival::{Equal, Rival};
 pub use study::{Study, TradeError, TradeRuns};
-pub use trial::{Outcome, Table, TableError, Trial};
+pub use trial::{Outcome, Table, Trial};

@@ -3,9 +3,10 @@
 use super::extrapolation::{Extrapolated, in_space, in_time};
 use super::measure::Bench;
 use super::optimum::{Coupling, along_path, coupling};
-use super::trial::{Table, TableError, mark_fronts};
+use super::trial::{Table, mark_fronts};
 use super::turned::turn;
 use super::{Candidates, Knob, Models, Price, Rival, Trial, Variant, knobs};
+use crate::FileError;
 use fem::space::Element;
 use scene::Norm;
 use scene::setup::{SetupError, Subject, check_step_sizes};
@@ -55,7 +56,7 @@ pub enum TradeError {
     Setup(#[from] SetupError),
     /// The table could not be written.
     #[error(transparent)]
-    Table(#[from] TableError),
+    Table(#[from] FileError),
     /// Not one run came to its end.
     #[error("every run failed; the first: {first}")]
     AllFailed {
@@ -121,7 +122,7 @@ impl Study {
         let scene = bench.plain.setup.scene.clone();
         check_step_sizes(&Subject::new(scene.clone())?, &plan.steps)?;
         let mut trials: Vec<Trial> = Vec::new();
-        let mut keep = |trial: Trial, trials: &mut Vec<Trial>| -> Result<(), TableError> {
+        let mut keep = |trial: Trial, trials: &mut Vec<Trial>| -> Result<(), FileError> {
             heard(&trial);
             trials.push(trial);
             table.write(trials)

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use super::pareto::{TIE, front};
 use super::{Knob, Price};
 use crate::table;
-use files::replace_file;
+use crate::written::{FileError, replace};
 
 /// What one run cost and how wrong it is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -115,22 +115,12 @@ pub struct Table {
     norm: String,
 }
 
-/// A table that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: {source}", path.display())]
-pub struct TableError {
-    /// The file.
-    pub path: PathBuf,
-    /// What the system said.
-    pub source: io::Error,
-}
-
 impl Table {
     /// An empty table in place of an old one.
     ///
     /// # Errors
     /// The file system's.
-    pub fn create(path: PathBuf, scene: &str, norm: &str) -> Result<Self, TableError> {
+    pub fn create(path: PathBuf, scene: &str, norm: &str) -> Result<Self, FileError> {
         let table = Self { path, scene: scene.into(), norm: norm.into() };
         table.write(&[])?;
         Ok(table)
@@ -140,11 +130,11 @@ impl Table {
     ///
     /// # Errors
     /// The file system's.
-    pub(crate) fn write(&self, trials: &[Trial]) -> Result<(), TableError> {
+    pub(crate) fn write(&self, trials: &[Trial]) -> Result<(), FileError> {
         let rows = trials.iter().map(|trial| row(&self.scene, &self.norm, trial));
-        let written = table::csv(rows, true).map_err(io::Error::from);
-        let written = written.and_then(|bytes| replace_file(&self.path, &bytes));
-        written.map_err(|source| TableError { path: self.path.clone(), source })
+        let bytes =
+            table::csv(rows, true).map_err(io::Error::from).map_err(FileError::at(&self.path));
+        replace(&self.path, &bytes?)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::measure::{Bench, Case, Timed};
 use super::rounds::Rounds;
-use super::trial::TableError;
 use super::{Knob, Price, Trial, Variant};
+use crate::FileError;
 
 /// Adds a row to the others and to the table.
-type Keep<'a> = dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), TableError> + 'a;
+type Keep<'a> = dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), FileError> + 'a;
 
 /// Turns the knobs that matter at n and N, and compares the run as written there with half the cells and half the steps
 /// as far as `halves` names them. Rows of knobs go to `keep`; those of runs as written get the times of these rounds too.
@@ -20,7 +20,7 @@ pub(super) fn turn(
     halves: &[(&'static str, (u32, u32))],
     trials: &mut Vec<Trial>,
     keep: &mut Keep<'_>,
-) -> Result<Vec<Price>, TableError> {
+) -> Result<Vec<Price>, FileError> {
     let Some(plain) = variants.first() else { return Ok(Vec::new()) };
     let at_place = |variant| (variant, n, steps);
     let half = |&(words, (n, steps)): &(&str, _)| (words.to_owned(), (plain, n, steps));

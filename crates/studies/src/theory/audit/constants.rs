@@ -1,6 +1,5 @@
 //! The constants that the bounds take, with whether each is a proved upper bound.
 
-use super::law::ClarkeLaw;
 use scene::Face;
 use scene::setup::{Setup, SetupError, constants};
 use serde::{Serialize, Serializer};
@@ -52,7 +51,11 @@ impl AuditConstants {
     /// As [`constants`].
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         let known = constants(setup)?;
-        let [c0, c1] = ClarkeLaw::of(setup).growth();
+        let contact = setup.body.contact.as_ref();
+        let factor = contact.and_then(|contact| contact.law.as_ref()?.scale);
+        let factor = factor.map_or(1.0, |scale| scale.largest);
+        let law = setup.model.boundary.as_ref().map(|boundary| boundary.potential.growth());
+        let (c0, c1) = law.unwrap_or_default();
         Ok(Self {
             m_a: known.m_a,
             l_a: known.l_a,
@@ -61,8 +64,8 @@ impl AuditConstants {
             alpha_j: known.alpha_nu,
             c_j_squared: known.c_j_squared_bound.unwrap_or(known.c_j_squared),
             c_j_proved: known.c_j_squared_bound.is_some(),
-            c0: c0 * contact_length(setup).sqrt(),
-            c1,
+            c0: factor * c0 * contact_length(setup).sqrt(),
+            c1: factor * c1,
             c_phi: 0.0,
             history: 1.0 + known.memory.operator,
         })

@@ -7,8 +7,6 @@ use scene::setup::Setup;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ClarkeLaw {
     law: LawNumbers,
-    /// The largest c on Γ3.
-    largest_factor: f64,
 }
 
 impl ClarkeLaw {
@@ -22,8 +20,7 @@ impl ClarkeLaw {
             slope_after: 0.0,
             curve: None,
         };
-        let largest_factor = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
-        Self { law: law.map_or_else(none, scene::Law::numbers), largest_factor }
+        Self { law: law.map_or_else(none, scene::Law::numbers) }
     }
 
     /// ∂j_ν(r) as an interval.
@@ -56,23 +53,6 @@ impl ClarkeLaw {
         let [low, high] = self.interval(r);
         if r.is_nan() { f64::NAN } else { (low * d).max(high * d) }
     }
-
-    /// c̄0, c̄1 with |ξ| ≤ c̄0 + c̄1|r| for all ξ ∈ ∂j_ν(r): c̄1 is the steeper of the outer slopes, and
-    /// |ξ| - c̄1|r|, which does not grow outward, is largest at a point of the law or at 0. A curve adds its
-    /// own; a factor multiplies both.
-    pub(crate) fn growth(&self) -> [f64; 2] {
-        let mut graph = self.clone();
-        graph.law.curve = None;
-        let slope = self.law.slope_before.abs().max(self.law.slope_after.abs());
-        let excess = |r: f64| {
-            let [low, high] = graph.interval(r);
-            low.abs().max(high.abs()) - slope * r.abs()
-        };
-        let places = self.law.points.iter().map(|point| point[0]).chain([0.0]);
-        let largest = places.map(excess).fold(0.0, f64::max);
-        let curve = self.law.curve.map_or([0.0, 0.0], |curve| curve.growth());
-        [self.largest_factor * (largest + curve[0]), self.largest_factor * (slope + curve[1])]
-    }
 }
 
 #[cfg(test)]
@@ -82,7 +62,7 @@ mod tests {
     fn jump() -> ClarkeLaw {
         let points = vec![[0.0, 0.0], [0.1, 0.2], [0.1, 0.5], [0.3, 0.4]];
         let law = LawNumbers { points, slope_before: 0.0, slope_after: -0.3, curve: None };
-        ClarkeLaw { law, largest_factor: 1.0 }
+        ClarkeLaw { law }
     }
 
     #[test]
@@ -95,14 +75,5 @@ mod tests {
         assert!((law.directional(0.2, 1.0) - 0.45).abs() < 1e-15);
         assert!((law.directional(0.5, 1.0) - 0.34).abs() < 1e-15);
         assert!(law.directional(f64::NAN, 1.0).is_nan());
-    }
-
-    #[test]
-    fn growth_bounds_the_graph_and_no_smaller_constant_does() {
-        let law = jump();
-        let [c0, c1] = law.growth();
-        let excess = |r: f64| law.interval(r)[1].abs().max(law.interval(r)[0].abs()) - c1 * r.abs();
-        let worst = (-400..400).map(|i| excess(f64::from(i) * 0.01)).fold(f64::MIN, f64::max);
-        assert!((worst - c0).abs() < 1e-12 && c1 == 0.3);
     }
 }

@@ -1,10 +1,8 @@
 //! Linear scenes: the smallest k at which 𝒜 + (k/2)ℬ(0) is singular, on S^d and on V^h.
 
-use nalgebra::DMatrix;
-
+use crate::quotients::quotients;
 use algebra::linalg::{EigenError, FactorError, LinearMap, largest_eigenvalue, signed_unit};
 use fem::contact::{Discretization, Model, StiffnessInverse, relaxation};
-use vhi::law::FourthOrder;
 
 /// The smallest k > 0 at which the step of a linear scene is singular; infinite if none is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,10 +28,7 @@ pub(crate) fn linear_loss(
     let d = space.mesh.dimension;
     let Some(at_zero) = relaxation(&model.memory, 0.0, d) else { return Ok(Some(none)) };
     let minus = at_zero.scaled(-1.0);
-    let count = minus.regions().len().max(model.elasticity.regions().len());
-    let quotients: Vec<f64> = (0..count)
-        .flat_map(|region| quotients(minus.on(region), model.elasticity.on(region), d))
-        .collect();
+    let quotients = quotients(&minus, &model.elasticity, d);
     let ratio = quotients.iter().copied().fold(0.0, f64::max);
     if ratio == 0.0 {
         return Ok(Some(none));
@@ -48,24 +43,6 @@ pub(crate) fn linear_loss(
     let largest = largest_eigenvalue(&mut map, &start)?.value + shift;
     let mesh = if largest > 0.0 { 2.0 / largest } else { f64::INFINITY };
     Ok(Some(LinearLoss { tensors: 2.0 / ratio, mesh }))
-}
-
-/// The eigenvalues of 𝒜⁻¹𝒞 on S^d, those of L⁻¹𝒞L⁻ᵀ with 𝒜 = LLᵀ; none if 𝒜 is not positive definite.
-fn quotients(tensor: &FourthOrder, elastic: &FourthOrder, d: usize) -> Vec<f64> {
-    if let (FourthOrder::Isotropic(b), FourthOrder::Isotropic(a)) = (tensor, elastic) {
-        // 2μ on deviators, 2μ + dλ on spheres.
-        let spheres = |lambda: f64, mu: f64| 2.0 * mu + d as f64 * lambda;
-        return vec![b.mu / a.mu, spheres(b.lambda, b.mu) / spheres(a.lambda, a.mu)];
-    }
-    let dense = |tensor: &FourthOrder| match d {
-        2 => DMatrix::from_fn(3, 3, |i, j| tensor.matrix::<3>()[i][j]),
-        _ => DMatrix::from_fn(6, 6, |i, j| tensor.matrix::<6>()[i][j]),
-    };
-    let Some(factor) = dense(elastic).cholesky() else { return Vec::new() };
-    let lower = factor.l();
-    let half = lower.solve_lower_triangular(&dense(tensor));
-    let both = half.and_then(|half| lower.solve_lower_triangular(&half.transpose()));
-    both.map_or_else(Vec::new, |both| both.symmetric_eigenvalues().iter().copied().collect())
 }
 
 /// K_𝒜⁻¹K_{-ℬ(0)} - shift, in the inner product of K_𝒜.

@@ -1,7 +1,6 @@
 //! The constants of (3.21)-(3.24) for a contact scene: m0 from proved bounds only, β_φ, and the parts
 //! of the history with their norms.
 
-use fem::contact::Model;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
@@ -11,8 +10,8 @@ use super::estimate::Estimate;
 use super::recurrence::{HistoryPart, KernelNorms};
 use super::rule::Weights;
 use scene::setup::{Setup, constants};
-use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
-use vhi::law::Convolution;
+use vhi::history::TimeGrid;
+use vhi::law::{Convolution, HistoryKernel, TensorField};
 use vhi::monotonicity;
 
 /// Constants of one scene. Where they bound a measured difference, each is the value itself or an
@@ -141,36 +140,23 @@ impl GronwallConstants {
             parts.push(HistoryPart { coefficient: self.yielding, norms, supremum });
         }
         if self.has_memory() {
-            let (model, d) = (&setup.model, setup.scene.dimension);
-            let norm = |lag: f64| model.memory_norm(lag, d);
-            let norms = match setup.scene.time.grid {
-                _ if self.weights.integrate_kernels() => weighed(model, grid, d),
-                scene::TimeGrid::Uniform => {
-                    KernelNorms::Lags(grid.times().iter().map(|t| norm(*t)).collect())
-                }
-                _ => KernelNorms::Pairs(
-                    (0..=grid.steps())
-                        .map(|n| (0..=n).map(|j| norm(grid.time(n) - grid.time(j))).collect())
-                        .collect(),
-                ),
+            let (terms, d) = (&setup.model.memory, setup.scene.dimension);
+            let kernels: Vec<Convolution<'_>> =
+                terms.iter().map(|term| Convolution(&*term.kernel)).collect();
+            let kernels: Vec<&dyn HistoryKernel> =
+                kernels.iter().map(|kernel| kernel as _).collect();
+            let norm = |factors: &[f64]| {
+                let mut each = terms.iter().map(|term| &term.tensor).zip(factors);
+                let first = each.next().map(|(tensor, factor)| tensor.scaled(*factor));
+                let sum =
+                    |sum: TensorField, (tensor, factor): (&_, &f64)| sum.plus(*factor, tensor, d);
+                first.map_or(0.0, |first| each.fold(first, sum).norm(d))
             };
-            let found = norms.maximum(grid.steps());
-            let supremum = found.map_or(self.memory, |found| found.max(self.memory));
-            parts.push(HistoryPart { coefficient: 1.0, norms, supremum });
+            let uniform = setup.scene.time.grid == scene::TimeGrid::Uniform;
+            let norms =
+                KernelNorms::of(&kernels, norm, (self.weights.integrating(), grid), uniform);
+            parts.push(norms.part(1.0, self.memory, grid));
         }
         parts
     }
-}
-
-/// ‖Σ_i W^i_nj ℬ_i‖ with the weights of product integration.
-fn weighed(model: &Model, grid: &TimeGrid, d: usize) -> KernelNorms {
-    let norm = |n: usize, j: usize| {
-        let weight = |kernel: &dyn vhi::law::MemoryKernel| {
-            ProductIntegration.kernel_weight(&Convolution(kernel), grid, n, j)
-        };
-        model.weighted_memory_norm(weight, d)
-    };
-    KernelNorms::Weighed(
-        (0..=grid.steps()).map(|n| (0..=n).map(|j| norm(n, j)).collect()).collect(),
-    )
 }

@@ -12,7 +12,7 @@ impl Study {
         let mut document =
             StudyDocument::new(Chapter::Gronwall, title).of_scene(&self.scene, &self.fingerprint);
         self.say_verdict(&mut document);
-        if let Some(finest) = self.grids.iter().max_by_key(|grid| grid.run.steps) {
+        if let Some(finest) = self.grids.iter().max_by_key(|grid| grid.steps) {
             document.words(answer(finest));
         }
         let mesh = self.n.map_or_else(String::new, |n| format!("n = {n}; "));
@@ -66,7 +66,8 @@ impl Study {
             let sides = sides(v.left, v.right);
             format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
         });
-        let all = match self.grids.first().is_none_or(|grid| grid.run.estimate.is_printed()) {
+        let all = match self.grids.first().is_none_or(|grid| grid.judged.run.estimate.is_printed())
+        {
             true => {
                 "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run."
             }
@@ -112,9 +113,9 @@ fn answer(finest: &StudiedGrid) -> String {
     let times = |of: &Effectivity| digits(of.at_end.unwrap_or(f64::NAN), 3);
     format!(
         "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with {} {} times, its closed form {} times.",
-        finest.run.steps,
+        finest.steps,
         times(&e.weighted),
-        if finest.run.estimate.is_printed() { "halved ends" } else { "one β_φ for all" },
+        if finest.judged.run.estimate.is_printed() { "halved ends" } else { "one β_φ for all" },
         times(&e.primed),
         times(&e.closed)
     )
@@ -141,9 +142,10 @@ fn grid(grid: &StudiedGrid) -> Vec<Run> {
 }
 
 fn horizon(row: &HorizonRow, k: f64) -> Vec<Run> {
-    let bounds = [row.error, row.weighted, row.primed, row.closed].map(number);
+    let b = &row.bounds;
+    let bounds = [row.error, b.weighted, b.primed, b.closed].map(number);
     let missing = if row.c2 * k < 1.0 { "–" } else { "C₂k ≥ 1" };
-    let printed = row.printed_closed.map_or_else(|| Run::plain(missing), number);
+    let printed = b.printed_closed.map_or_else(|| Run::plain(missing), number);
     let ends = [printed, number(row.growth), number(row.c2)];
     [number(row.horizon)].into_iter().chain(bounds).chain(ends).collect()
 }

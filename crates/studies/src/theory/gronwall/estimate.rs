@@ -1,7 +1,7 @@
 //! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
 //! mesh, fills an [`Estimate`] and has its [`Envelopes`].
 
-use super::GronwallError;
+use super::bounds::Bounds;
 use super::recurrence::{HistoryPart, StepTooLarge, unprimed, unprimed_closed, weighted};
 use super::rule::Weights;
 use vhi::history::TimeGrid;
@@ -98,17 +98,6 @@ impl Estimate {
         }
     }
 
-    /// The envelopes, and the links of the chain that do not hold.
-    ///
-    /// # Errors
-    /// [`GronwallError::Step`].
-    pub(super) fn judged(&self) -> Result<(Envelopes, Vec<LinkViolation>), GronwallError> {
-        let steps = self.grid.steps() as u32;
-        let envelopes = self.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-        let violations = envelopes.violations(self);
-        Ok((envelopes, violations))
-    }
-
     /// The bounds, each above the one before.
     ///
     /// # Errors
@@ -117,7 +106,6 @@ impl Estimate {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
         let (grid, c2, weights) = (&self.grid, self.c2(), self.weights);
         let as_printed = self.is_printed();
-        let floor = vec![self.floor; self.error.len()];
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
@@ -131,29 +119,12 @@ impl Estimate {
             )?,
             printed: unprimed(grid, &scaled, c2).ok().filter(|_| as_printed),
             printed_closed: unprimed_closed(grid, &scaled, c2).ok().filter(|_| as_printed),
-            allowance: weights.envelope(grid, &floor, c2)?,
         })
     }
 }
 
-/// The bounds of e_n at every n, in the order weighted ≤ primed ≤ closed ≤ …; primed ≤ printed.
-#[derive(Debug, Clone)]
-pub struct Envelopes {
-    /// m0 E_n = s_n + Σ_p ω_p Σ' w κ_p E_j: the parts of the history apart.
-    pub weighted: Vec<f64>,
-    /// E_n = C1 g_n + C2 Σ' w_nj E_j.
-    pub primed: Vec<f64>,
-    /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k, or what [`Weights::closed`] says of another rule.
-    pub closed: Vec<f64>,
-    /// C1 max g e^{C2 t_n}, or what [`Weights::limit`] says of product integration.
-    pub limit: Vec<f64>,
-    /// E_n = C1 g_n + C2 k Σ_{j ≤ n} E_j, as printed in (3.24).
-    pub printed: Option<Vec<f64>>,
-    /// C1 max g/(1 - c) exp(C2 t_n/(1 - c)).
-    pub printed_closed: Option<Vec<f64>>,
-    /// What the floor of one step can grow to in e_n: its primed envelope.
-    pub allowance: Vec<f64>,
-}
+/// The bounds of e_n at every n.
+pub type Envelopes = Bounds<Vec<f64>>;
 
 /// A link of the chain that does not hold.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -179,6 +150,10 @@ impl Envelopes {
     /// its first n. A number that is not finite fails.
     pub fn violations(&self, estimate: &Estimate) -> Vec<LinkViolation> {
         let measured = "e <= weighted envelope";
+        // What the floor of one step can grow to in e_n: its primed envelope.
+        let floor = vec![estimate.floor; estimate.error.len()];
+        let allowance = estimate.weights.envelope(&estimate.grid, &floor, estimate.c2());
+        let allowance = allowance.unwrap_or_else(|_| vec![0.0; floor.len()]);
         let mut links: Vec<(&'static str, &[f64], &[f64])> = vec![
             (measured, &estimate.error, &self.weighted),
             ("weighted <= primed envelope", &self.weighted, &self.primed),
@@ -202,7 +177,7 @@ impl Envelopes {
                 });
             }
             let n = (0..steps.len()).find(|&n| {
-                let allowed = if link == measured { self.allowance[n] } else { 0.0 };
+                let allowed = if link == measured { allowance[n] } else { 0.0 };
                 let bound = right[n] * (1.0 + ROUNDING) + allowed;
                 // NaN and infinity fail.
                 !(left[n] <= bound && bound.is_finite() && left[n] >= 0.0)

@@ -10,7 +10,7 @@ use super::constants::InequalityConstants;
 use super::estimate::Estimate;
 use super::in_time::{InTime, Levels};
 use super::measure::TemporalRun;
-use super::recurrence::{HistoryPart, KernelNorms};
+use super::recurrence::KernelNorms;
 use super::rule::Weights;
 use scene::setup::{AbstractLoad, AbstractSetup};
 use vhi::Newton;
@@ -129,38 +129,19 @@ impl<'a> FiniteInTime<'a> {
             .iter()
             .map(|term| &self.inverse_root * &model.r * &term.matrix * &self.inverse_root)
             .collect();
-        let alone = matrices.iter().map(norm).collect::<Vec<f64>>();
-        let row = |n: usize| -> Vec<f64> {
-            let (t, s) = (grid.time(n), &grid.times()[..=n]);
-            let row = |kernel: &dyn HistoryKernel| match self.weights.integrate_kernels() {
-                true => self.weights.rule().kernel_row(kernel, grid, n),
-                false => kernel.row(t, s),
-            };
-            let values: Vec<Vec<f64>> =
-                model.kernels.iter().map(|term| row(&*term.kernel)).collect();
-            if let [values] = &values[..] {
-                return values.iter().map(|q| q.abs() * alone[0]).collect();
+        let norm = |matrix: &DMatrix<f64>| matrix.singular_values().max();
+        let alone: Vec<f64> = matrices.iter().map(norm).collect();
+        let of = |factors: &[f64]| match factors {
+            [factor] => factor.abs() * alone[0],
+            _ => {
+                let each = matrices.iter().zip(factors).map(|(matrix, factor)| *factor * matrix);
+                each.reduce(|sum, matrix| sum + matrix).map_or(0.0, |sum| norm(&sum))
             }
-            let at = |j: usize| {
-                let mut sum = DMatrix::zeros(model.dimension(), model.dimension());
-                for (values, matrix) in values.iter().zip(&matrices) {
-                    sum += values[j] * matrix;
-                }
-                norm(&sum)
-            };
-            (0..=n).map(at).collect()
         };
-        let rows = (0..=grid.steps()).map(row).collect();
-        match self.weights.integrate_kernels() {
-            true => KernelNorms::Weighed(rows),
-            false => KernelNorms::Pairs(rows),
-        }
+        let kernels: Vec<&dyn HistoryKernel> =
+            model.kernels.iter().map(|term| &*term.kernel as _).collect();
+        KernelNorms::of(&kernels, of, (self.weights.integrating(), grid), false)
     }
-}
-
-/// The largest singular value.
-fn norm(matrix: &DMatrix<f64>) -> f64 {
-    matrix.singular_values().max()
 }
 
 impl InTime for FiniteInTime<'_> {
@@ -210,12 +191,10 @@ impl InTime for FiniteInTime<'_> {
     }
 
     fn blank(&self, grid: &TimeGrid) -> Estimate {
-        let norms = self.kernel_norms(grid);
-        let lipschitz = self.constants.lipschitz;
-        let supremum = norms.maximum(grid.steps()).map_or(lipschitz, |found| found.max(lipschitz));
-        let Self { constants: InequalityConstants { m0, beta, .. }, weights, .. } = *self;
-        let parts = vec![HistoryPart { coefficient: beta, norms, supremum }];
-        Estimate::blank(grid, weights, m0, beta, parts)
+        let Self { constants: InequalityConstants { m0, beta, lipschitz, .. }, weights, .. } =
+            *self;
+        let part = self.kernel_norms(grid).part(beta, lipschitz, grid);
+        Estimate::blank(grid, weights, m0, beta, vec![part])
     }
 }
 

@@ -1,10 +1,11 @@
 //! Error and bounds over the horizon T at a fixed step k: is the error uniform in T, or does it grow
 //! like e^{C2 T}? The theory is on R₊ with constants for each [0, T].
 
-use super::estimate::{Envelopes, Estimate};
+use super::GronwallError;
+use super::bounds::Bounds;
+use super::judged::Judged;
 use super::measure::TemporalRun;
 use super::prepare::prepare;
-use super::{GronwallError, LinkViolation};
 use algebra::linalg::largest;
 use scene::setup::Subject;
 
@@ -20,12 +21,8 @@ pub struct HorizonRow {
     /// max_{n ≤ N} g_n β_φ/m0.
     pub truncation: f64,
     /// Maxima of the envelopes.
-    pub weighted: f64,
-    pub primed: f64,
-    pub closed: f64,
-    /// Envelope of the printed sum; absent where C2 k ≥ 1.
-    pub printed: Option<f64>,
-    pub printed_closed: Option<f64>,
+    #[serde(flatten)]
+    pub bounds: Bounds<f64>,
     /// C2 on [0, T].
     pub c2: f64,
     /// log(error(T)/error(T'))/(T - T') from the horizon T' before; compare with C2.
@@ -39,17 +36,11 @@ pub struct Horizons {
     pub k: f64,
     /// Where the truth comes from.
     pub truth: String,
-    /// The run to the longest horizon.
-    #[serde(skip)]
-    pub run: TemporalRun,
-    /// Its bounds.
-    #[serde(skip)]
-    pub envelopes: Envelopes,
     /// One row a horizon, increasing.
     pub rows: Vec<HorizonRow>,
-    /// Links that fail on some horizon.
+    /// The run to the longest horizon, with the links that fail on some horizon.
     #[serde(skip)]
-    pub violations: Vec<LinkViolation>,
+    pub judged: Judged,
 }
 
 /// Runs the scene with the step k to the longest of `horizons`: on a uniform grid the run to a
@@ -84,8 +75,8 @@ pub(crate) fn horizons(
     let mut violations = Vec::new();
     for (&horizon, &steps) in sorted.iter().zip(&steps) {
         let estimate = run.estimate.up_to(steps as usize);
-        let (envelopes, failed) = estimate.judged()?;
-        violations.extend(failed);
+        let judged = Judged::new(TemporalRun::without_truncation(estimate))?;
+        let estimate = &judged.run.estimate;
         let error = largest(&estimate.error);
         let before = rows.last();
         rows.push(HorizonRow {
@@ -93,23 +84,16 @@ pub(crate) fn horizons(
             steps,
             error,
             truncation: largest(&estimate.source) / estimate.m0,
-            weighted: largest(&envelopes.weighted),
-            primed: largest(&envelopes.primed),
-            closed: largest(&envelopes.closed),
-            printed: envelopes.printed.as_deref().map(largest),
-            printed_closed: envelopes.printed_closed.as_deref().map(largest),
+            bounds: judged.envelopes.map(|bound| largest(bound)),
             c2: estimate.c2(),
             growth: before
-                .filter(|before| resolved(&estimate, before.error))
+                .filter(|before| before.error > 20.0 * estimate.floor)
                 .map(|before| (error / before.error).ln() / (horizon - before.horizon)),
         });
+        violations.extend(judged.violations);
     }
-    let (envelopes, _) = run.estimate.judged()?;
-    Ok(Horizons { envelopes, k, truth: in_time.truth(), run, rows, violations })
-}
-
-fn resolved(estimate: &Estimate, error: f64) -> bool {
-    error > 20.0 * estimate.floor
+    let judged = Judged { violations, ..Judged::new(run)? };
+    Ok(Horizons { k, truth: in_time.truth(), rows, judged })
 }
 
 /// T/k, if that is a whole number.

@@ -77,6 +77,12 @@ impl TemporalRun {
         Ok(Self { steps, truncation_zeta, truncation_memory, estimate })
     }
 
+    /// The difference of two solutions.
+    pub(super) fn without_truncation(estimate: Estimate) -> Self {
+        let steps = estimate.grid.steps() as u32;
+        Self { steps, truncation_zeta: Vec::new(), truncation_memory: Vec::new(), estimate }
+    }
+
     /// g_n.
     pub(crate) fn truncation(&self) -> Vec<f64> {
         self.truncation_zeta.iter().zip(&self.truncation_memory).map(|(z, b)| z + b).collect()

@@ -4,6 +4,7 @@
 //! Only purely temporal errors are put under the envelopes: the truth is the exact u(t) of an abstract
 //! problem, an exact u(t) ∈ V^h, or a run on the same mesh.
 
+mod bounds;
 mod constants;
 mod contact_scene;
 mod document;
@@ -12,6 +13,7 @@ mod estimate;
 mod finite_scene;
 mod horizon;
 mod in_time;
+mod judged;
 mod levels;
 mod measure;
 mod memory;
@@ -26,11 +28,13 @@ mod study;
 mod tests;
 mod truth;
 
+pub use bounds::Bounds;
 pub use constants::{GronwallConstants, InequalityConstants};
 pub use error::GronwallError;
 pub use estimate::{Envelopes, Estimate, LinkViolation};
 pub use horizon::{HorizonRow, Horizons};
 pub use in_time::InTime;
+pub use judged::Judged;
 pub use measure::TemporalRun;
 pub use memory::study_runs;
 pub use prepare::prepare;

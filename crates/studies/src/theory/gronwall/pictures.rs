@@ -3,6 +3,7 @@
 //! differ.
 
 use super::HorizonRow;
+use super::bounds::Bounds;
 use super::horizon::Horizons;
 use super::study::{Effectivity, StudiedGrid, Study};
 use report::{Axis, Chart, Datum, Part, Scale, Series};
@@ -13,7 +14,7 @@ pub(crate) type Picture = (&'static str, &'static str, Chart);
 impl Study {
     /// Bounds over t, effectivities over k, what the printed sum loses over k, bounds over the horizon.
     pub(crate) fn pictures(&self) -> Vec<Picture> {
-        let finest = self.grids.iter().max_by_key(|grid| grid.run.steps);
+        let finest = self.grids.iter().max_by_key(|grid| grid.steps);
         let mut pictures: Vec<Picture> =
             finest.map(|grid| self.over_time(grid)).into_iter().collect();
         pictures.extend([self.ratios_over_step(), self.printed_over_step()]);
@@ -37,17 +38,13 @@ impl Study {
             grid.steps,
             self.mesh()
         );
-        let (estimate, envelopes) = (&grid.run.estimate, &grid.envelopes);
+        let (estimate, envelopes) = (&grid.judged.run.estimate, &grid.judged.envelopes);
         let data = |values: &[f64]| -> Vec<Datum> {
             estimate.grid.times().iter().copied().zip(values.iter().copied()).skip(1).collect()
         };
-        let line = |name, values: &[f64]| Series::new(name, vec![Part::Line(data(values))]);
-        let series = vec![
-            line(WEIGHTED, &envelopes.weighted),
-            line(PRIMED, &envelopes.primed),
-            line(CLOSED, &envelopes.closed),
-            measured(vec![Part::Dashed(data(&estimate.error))]),
-        ];
+        let line = |i: usize| Series::new(SHOWN[i], vec![Part::Line(data(envelopes.shown()[i]))]);
+        let error = measured(vec![Part::Dashed(data(&estimate.error))]);
+        let series = vec![line(0), line(1), line(2), error];
         let time = Axis::new("time t_n", Scale::Linear);
         (
             "gronwall-envelope",
@@ -61,11 +58,8 @@ impl Study {
             "How far are the bounds above the measured error at t = T{}? 1 means attained.",
             self.mesh()
         );
-        let series = vec![
-            self.over_step(WEIGHTED, |grid| grid.effectivity.weighted.at_end),
-            self.over_step(PRIMED, |grid| grid.effectivity.primed.at_end),
-            self.over_step(CLOSED, |grid| grid.effectivity.closed.at_end),
-        ];
+        let ratio = |i: usize| self.over_step(SHOWN[i], |grid| grid.effectivity.shown()[i].at_end);
+        let series = vec![ratio(0), ratio(1), ratio(2)];
         let step = Axis::new("time step k = T/N", Scale::Steps);
         (
             "gronwall-effectivity-k",
@@ -83,13 +77,12 @@ impl Study {
         let lost = |printed: &Option<Effectivity>, halved: &Effectivity| {
             Some(printed.as_ref()?.at_end? / halved.at_end? - 1.0)
         };
+        let of = |name, lost: &dyn Fn(&Bounds<Effectivity>) -> Option<f64>| {
+            self.over_step(name, |grid| lost(&grid.effectivity))
+        };
         let series = vec![
-            self.over_step("envelopes", |StudiedGrid { effectivity: e, .. }| {
-                lost(&e.printed, &e.primed)
-            }),
-            self.over_step("closed forms", |StudiedGrid { effectivity: e, .. }| {
-                lost(&e.printed_closed, &e.closed)
-            }),
+            of("envelopes", &|e| lost(&e.printed, &e.primed)),
+            of("closed forms", &|e| lost(&e.printed_closed, &e.closed)),
         ];
         let step = Axis::new("time step k = T/N", Scale::Steps);
         (
@@ -102,7 +95,7 @@ impl Study {
     /// A value of each grid over its step, from the smallest step.
     fn over_step(&self, name: &str, value: impl Fn(&StudiedGrid) -> Option<f64>) -> Series {
         let mut grids: Vec<&StudiedGrid> = self.grids.iter().collect();
-        grids.sort_by_key(|grid| std::cmp::Reverse(grid.run.steps));
+        grids.sort_by_key(|grid| std::cmp::Reverse(grid.steps));
         curve(name, grids.iter().filter_map(|grid| Some((grid.k, value(grid)?))).collect())
     }
 
@@ -111,26 +104,19 @@ impl Study {
             "Error and bounds over the horizon at the fixed step k = {}: uniform in T, or like exp(C₂T)?",
             horizons.k
         );
-        let data = |value: fn(&HorizonRow) -> f64| -> Vec<Datum> {
+        let data = |value: &dyn Fn(&HorizonRow) -> f64| -> Vec<Datum> {
             horizons.rows.iter().map(|row| (row.horizon, value(row))).collect()
         };
-        let error = data(|row| row.error);
-        let series = vec![
-            curve(WEIGHTED, data(|row| row.weighted)),
-            curve(PRIMED, data(|row| row.primed)),
-            curve(CLOSED, data(|row| row.closed)),
-            // Above the bounds: where one is attained, both are seen.
-            measured(vec![Part::Dashed(error.clone()), Part::Hollow(error)]),
-        ];
+        let bound = |i: usize| curve(SHOWN[i], data(&|row| *row.bounds.shown()[i]));
+        let error = data(&|row| row.error);
+        // Above the bounds: where one is attained, both are seen.
+        let error = measured(vec![Part::Dashed(error.clone()), Part::Hollow(error)]);
+        let (x, series) =
+            (Axis::new("horizon T", Scale::Log), vec![bound(0), bound(1), bound(2), error]);
         (
             "gronwall-horizon",
             "error and bounds over the horizon (sweep gronwall --horizons).",
-            self.chart(
-                &question,
-                Axis::new("horizon T", Scale::Log),
-                "maximum over [0, T]",
-                series,
-            ),
+            self.chart(&question, x, "maximum over [0, T]", series),
         )
     }
 }
@@ -143,6 +129,5 @@ fn measured(parts: Vec<Part>) -> Series {
     Series { grey: true, ..Series::new("measured error", parts) }
 }
 
-const WEIGHTED: &str = "weighted envelope";
-const PRIMED: &str = "primed envelope";
-const CLOSED: &str = "its closed form";
+/// The names of [`Bounds::shown`].
+const SHOWN: [&str; 3] = ["weighted envelope", "primed envelope", "its closed form"];

@@ -6,6 +6,7 @@
 
 use algebra::linalg::larger;
 use vhi::history::{TimeGrid, TimeRule};
+use vhi::law::HistoryKernel;
 
 /// The lemma's hypothesis fails: e_n stands on both sides with a factor of at least 1, so that the
 /// inequality holds for arbitrarily large e_n whatever g is. "For any C2" the lemma is false.
@@ -167,6 +168,37 @@ pub enum KernelNorms {
 }
 
 impl KernelNorms {
+    /// Those of Σ_l q_l Q_l, whose norm is `norm` of factors of the Q_l; `by_lags`: the q_l are convolutions, the grid is
+    /// uniform; `integrating`: a rule that integrates the kernels.
+    pub(super) fn of(
+        kernels: &[&dyn HistoryKernel],
+        norm: impl Fn(&[f64]) -> f64,
+        (integrating, grid): (Option<Box<dyn TimeRule>>, &TimeGrid),
+        by_lags: bool,
+    ) -> Self {
+        let values = |kernel: &&dyn HistoryKernel, n: usize| match &integrating {
+            Some(rule) => rule.kernel_row(*kernel, grid, n),
+            None => kernel.row(grid.time(n), &grid.times()[..=n]),
+        };
+        let row = |n: usize| -> Vec<f64> {
+            let values: Vec<Vec<f64>> = kernels.iter().map(|kernel| values(kernel, n)).collect();
+            let at = |j: usize| norm(&values.iter().map(|values| values[j]).collect::<Vec<f64>>());
+            (0..=n).map(at).collect()
+        };
+        let rows = || (0..=grid.steps()).map(row).collect();
+        match (integrating.is_some(), by_lags) {
+            (true, _) => Self::Weighed(rows()),
+            (false, true) => Self::Lags(row(grid.steps()).into_iter().rev().collect()),
+            (false, false) => Self::Pairs(rows()),
+        }
+    }
+
+    /// The part of the history with these norms; `known` is their supremum between the points of the grid.
+    pub(super) fn part(self, coefficient: f64, known: f64, grid: &TimeGrid) -> HistoryPart {
+        let supremum = self.maximum(grid.steps()).map_or(known, |found| found.max(known));
+        HistoryPart { coefficient, norms: self, supremum }
+    }
+
     /// κ(n, j), j ≤ n.
     pub(crate) fn at(&self, n: usize, j: usize) -> f64 {
         match self {

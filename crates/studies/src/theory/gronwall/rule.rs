@@ -42,9 +42,9 @@ impl Weights {
         Some(Self { rule, form, power })
     }
 
-    /// Whether the rule integrates kernels, so that its weights are theirs.
-    pub(crate) fn integrate_kernels(self) -> bool {
-        self.form == ClosedForm::MittagLeffler
+    /// The rule, if it integrates kernels, so that its weights are theirs.
+    pub(super) fn integrating(self) -> Option<Box<dyn TimeRule>> {
+        (self.form == ClosedForm::MittagLeffler).then(|| self.rule())
     }
 
     /// Whether they are those of Σ'.

@@ -7,9 +7,11 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
+use super::GronwallError;
 use super::estimate::{Estimate, effectivities};
 use super::in_time::InTime;
-use super::{Envelopes, GronwallError, LinkViolation};
+use super::judged::Judged;
+use super::measure::TemporalRun;
 use algebra::linalg::{largest, signed_unit};
 use serde::Serialize;
 use vhi::history::TimeGrid;
@@ -38,7 +40,7 @@ impl LoadShape {
 pub(crate) const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
 /// What one perturbation did.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Serialize)]
 pub struct Perturbation {
     pub shape: LoadShape,
     /// δ.
@@ -58,18 +60,15 @@ pub struct Perturbation {
     pub least_effectivity: Option<f64>,
     /// ‖u_n - ũ_n‖ and what bounds it.
     #[serde(skip)]
-    pub estimate: Estimate,
-    #[serde(skip)]
-    pub envelopes: Envelopes,
-    #[serde(skip)]
-    pub violations: Vec<LinkViolation>,
+    pub judged: Judged,
 }
 
 impl Perturbation {
     fn new((shape, size): (LoadShape, f64), estimate: Estimate) -> Result<Self, GronwallError> {
-        let (envelopes, violations) = estimate.judged()?;
+        let judged = Judged::new(TemporalRun::without_truncation(estimate))?;
+        let (estimate, envelopes) = (&judged.run.estimate, &judged.envelopes);
         let (load, difference) = (largest(&estimate.source), largest(&estimate.error));
-        let ratios = effectivities(&envelopes.weighted, &estimate);
+        let ratios = effectivities(&envelopes.weighted, estimate);
         Ok(Self {
             shape,
             size,
@@ -80,9 +79,7 @@ impl Perturbation {
             weighted: largest(&envelopes.weighted),
             primed: largest(&envelopes.primed),
             least_effectivity: ratios.into_iter().flatten().reduce(f64::min),
-            violations,
-            estimate,
-            envelopes,
+            judged,
         })
     }
 }

@@ -1,9 +1,11 @@
 //! The study of a scene: grids, horizons and perturbations, with every link of the chain checked.
 
 use super::GronwallError;
+use super::bounds::Bounds;
 use super::constants::InequalityConstants;
-use super::estimate::{Envelopes, Estimate, LinkViolation, effectivities};
+use super::estimate::{Estimate, LinkViolation, effectivities};
 use super::horizon::{Horizons, horizons};
+use super::judged::Judged;
 use super::measure::TemporalRun;
 use super::prepare::prepare;
 use super::stability::{Perturbation, perturbations};
@@ -41,13 +43,9 @@ pub struct StudiedGrid {
     /// Floor of e_n.
     pub floor: f64,
     /// Bound over error of every envelope.
-    pub effectivity: Effectivities,
+    pub effectivity: Bounds<Effectivity>,
     #[serde(skip)]
-    pub run: TemporalRun,
-    #[serde(skip)]
-    pub envelopes: Envelopes,
-    #[serde(skip)]
-    pub violations: Vec<LinkViolation>,
+    pub judged: Judged,
 }
 
 /// All that was found.
@@ -78,18 +76,6 @@ pub struct FailedLink {
     pub violation: LinkViolation,
 }
 
-/// bound/e of one grid, for every envelope.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Effectivities {
-    pub weighted: Effectivity,
-    pub primed: Effectivity,
-    pub closed: Effectivity,
-    pub limit: Effectivity,
-    /// Absent where C2 k ≥ 1.
-    pub printed: Option<Effectivity>,
-    pub printed_closed: Option<Effectivity>,
-}
-
 /// bound/e of one grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Effectivity {
@@ -114,13 +100,12 @@ impl Effectivity {
 
 impl StudiedGrid {
     fn new(run: TemporalRun) -> Result<Self, GronwallError> {
-        let (envelopes, violations) = run.estimate.judged()?;
-        let (estimate, truncation) = (&run.estimate, run.truncation());
+        let judged = Judged::new(run)?;
+        let (estimate, truncation) = (&judged.run.estimate, judged.run.truncation());
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
-        let of = |bound: &[f64]| Effectivity::new(bound, estimate);
         let k = estimate.grid.largest_step();
         Ok(Self {
-            steps: run.steps,
+            steps: judged.run.steps,
             k,
             c2_k: estimate.c2() * estimate.weights.of_step(k),
             error_end: last(&estimate.error),
@@ -128,17 +113,8 @@ impl StudiedGrid {
             truncation_end: last(&truncation),
             truncation_max: largest(&truncation),
             floor: estimate.floor,
-            effectivity: Effectivities {
-                weighted: of(&envelopes.weighted),
-                primed: of(&envelopes.primed),
-                closed: of(&envelopes.closed),
-                limit: of(&envelopes.limit),
-                printed: envelopes.printed.as_deref().map(of),
-                printed_closed: envelopes.printed_closed.as_deref().map(of),
-            },
-            violations,
-            run,
-            envelopes,
+            effectivity: judged.envelopes.map(|bound| Effectivity::new(bound, estimate)),
+            judged,
         })
     }
 }
@@ -164,8 +140,7 @@ impl Study {
                 Some(horizons(subject, plan.n, k, &plan.horizons)?)
             }
         };
-        let violations = failed_links(&grids, horizons.as_ref(), &perturbations);
-        Ok(Self {
+        let mut study = Self {
             scene: scene.name.clone(),
             fingerprint: scene.source.hash.clone(),
             n: plan.n,
@@ -174,26 +149,36 @@ impl Study {
             grids,
             horizons,
             perturbations,
-            verdict: if violations.is_empty() { "pass" } else { "fail" },
-            violations,
-        })
+            violations: Vec::new(),
+            verdict: "pass",
+        };
+        study.violations = study.failed_links();
+        if !study.violations.is_empty() {
+            study.verdict = "fail";
+        }
+        Ok(study)
     }
-}
 
-fn failed_links(
-    grids: &[StudiedGrid],
-    horizons: Option<&Horizons>,
-    perturbations: &[Perturbation],
-) -> Vec<FailedLink> {
-    let grids = grids.iter().map(|grid| (format!("N = {}", grid.steps), &grid.violations));
-    let horizons = horizons.iter().map(|h| (format!("horizons, k = {}", h.k), &h.violations));
-    let perturbations = perturbations
-        .iter()
-        .map(|p| (format!("{} perturbation {:e}", p.shape.name(), p.size), &p.violations));
-    let parts = grids.chain(horizons).chain(perturbations);
-    parts
-        .flat_map(|(part, violations)| {
-            violations.iter().map(move |v| FailedLink { part: part.clone(), violation: v.clone() })
-        })
-        .collect()
+    /// All runs, each with its name in the table of levels and in words.
+    pub(super) fn judged(&self) -> impl Iterator<Item = (String, String, &Judged)> {
+        let grid = |grid: &'_ StudiedGrid| ("time".to_owned(), format!("N = {}", grid.steps));
+        let grids = self.grids.iter().map(move |of| (grid(of), &of.judged));
+        let words = |h: &Horizons| ("horizon".to_owned(), format!("horizons, k = {}", h.k));
+        let horizons = self.horizons.iter().map(move |h| (words(h), &h.judged));
+        let perturbations = self.perturbations.iter().map(|p| {
+            let (shape, size) = (p.shape.name(), p.size);
+            let words = format!("{shape} perturbation {size:e}");
+            ((format!("{shape}-{size:e}"), words), &p.judged)
+        });
+        let all = grids.chain(horizons).chain(perturbations);
+        all.map(|((name, words), judged)| (name, words, judged))
+    }
+
+    fn failed_links(&self) -> Vec<FailedLink> {
+        let failed = |(_, part, judged): (String, String, &Judged)| {
+            let of = |v: &LinkViolation| FailedLink { part: part.clone(), violation: v.clone() };
+            judged.violations.iter().map(of).collect::<Vec<_>>()
+        };
+        self.judged().flat_map(failed).collect()
+    }
 }

@@ -7,7 +7,7 @@
 
 use super::{Companions, CostSource, Estimate, costs, norm_estimate};
 use crate::trade::{Answer, AtSteps, Candidates, MOST, NoAnswer};
-use judge::fit::{FLOORS_ABOVE, Interval};
+use judge::fit::Interval;
 use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
 use scene::Norm;
 use scene::setup::{Setup, SetupError};
@@ -80,73 +80,19 @@ pub struct Advice {
     /// The cheapest pair whose predicted error is the target or less.
     pub choice: Advised,
     /// The cheapest pair at which the upper end of the interval is the target or less, or why there is none.
-    pub cautious: Result<Advised, NoAdvice>,
+    pub cautious: Result<Advised, NoAnswer>,
     /// Where the seconds come from.
     pub source: CostSource,
     /// The next n and N after the choice that have companions, so that the error can be estimated there again.
     pub check: [u32; 2],
 }
 
-/// Why there is no recommendation.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum NoAdvice {
-    /// The error of the run itself is not known, its companions are too coarse for an order, no whole numbers serve, or
-    /// a mesh cannot be made.
-    #[error("no recommendation: {0}")]
-    Refused(String),
-    /// The error is too small to be predicted from this run.
-    #[error(
-        "no recommendation: an error of {target:.3e} is out of reach of this run: the least on n <= {n}, N <= {steps}, {REACH} times its own at most, is predicted to be {least:.3e}; start from a finer run"
-    )]
-    TooFar {
-        /// What was wanted.
-        target: f64,
-        /// Largest n.
-        n: u32,
-        /// Largest N.
-        steps: u32,
-        /// The error there.
-        least: f64,
-    },
-    /// No pair that has the error fits into memory.
-    #[error(
-        "no recommendation: an error of {target:.3e} asks for n = {n}, N = {steps}: {source}; no n that fits has it"
-    )]
-    Memory {
-        /// What was wanted.
-        target: f64,
-        /// Cells per unit length.
-        n: u32,
-        /// Number of steps.
-        steps: u32,
-        /// Its bytes.
-        source: TooLarge,
-    },
-}
-
-impl From<NoAnswer> for NoAdvice {
-    fn from(none: NoAnswer) -> Self {
-        match none {
-            NoAnswer::OutOfReach { target, n, steps, least } => {
-                Self::TooFar { target, n, steps, least }
-            }
-            other => Self::Refused(other.to_string()),
-        }
-    }
-}
-
-impl From<SetupError> for NoAdvice {
-    fn from(error: SetupError) -> Self {
-        Self::Refused(error.to_string())
-    }
-}
-
 /// The recommendation for a goal, from what the companions of its run show.
 ///
 /// # Errors
-/// [`NoAdvice`].
-pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAdvice> {
-    let none = || NoAdvice::Refused("the costs of the runs have no model".into());
+/// [`NoAnswer`].
+pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
+    let none = || NoAnswer::Refused("the costs of the runs have no model".into());
     let (composition, source) = costs(goal.setup, found)?.ok_or_else(none)?;
     let seconds = |h: f64, k: f64| composition.seconds(h, k);
     let candidates = Candidates::new(goal.setup, false)?;
@@ -175,7 +121,7 @@ impl<'a> Search<'a> {
         found: &Companions,
         candidates: &'a Candidates<'a>,
         seconds: &'a AtSteps<'a>,
-    ) -> Result<Self, NoAdvice> {
+    ) -> Result<Self, NoAnswer> {
         let norm = goal.norm.name();
         let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
         let differences = differences.ok_or_else(|| unknown(norm, "the scene has no contact"))?;
@@ -207,25 +153,23 @@ impl<'a> Search<'a> {
     }
 
     /// The cheapest pair that fits into memory and at which `read`, of the error and its interval, is the target or less.
-    fn advised(&self, read: &dyn Fn(f64, Interval) -> f64) -> Result<Advised, NoAdvice> {
-        let mut most = self.most[0];
-        let mut refused: Option<NoAdvice> = None;
-        loop {
+    fn advised(&self, read: &dyn Fn(f64, Interval) -> f64) -> Result<Advised, NoAnswer> {
+        let (target, mut most) = (self.goal.target, self.most[0]);
+        let mut refused: Option<NoAnswer> = None;
+        while most >= self.least[0] {
             let answer = match self.cheapest(read, most) {
                 Ok(answer) => answer,
-                Err(none) => return Err(refused.unwrap_or(none.into())),
+                Err(none) => return Err(refused.unwrap_or(none)),
             };
             let source = match self.bytes(answer)? {
                 Ok(bytes) => return Ok(self.in_full(answer, bytes)),
                 Err(source) => source,
             };
-            most = self.smaller(answer.n, &source);
-            let (Answer { n, steps, .. }, target) = (answer, self.goal.target);
-            let first = refused.get_or_insert(NoAdvice::Memory { target, n, steps, source });
-            if most < self.least[0] {
-                return Err(first.clone());
-            }
+            let Answer { n, steps, .. } = answer;
+            most = self.smaller(n, &source);
+            refused.get_or_insert(NoAnswer::Memory { target, n, steps, source });
         }
+        Err(refused.unwrap_or_else(|| NoAnswer::Refused("no n is admitted".into())))
     }
 
     fn cheapest(&self, read: &dyn Fn(f64, Interval) -> f64, most: u32) -> Result<Answer, NoAnswer> {
@@ -296,14 +240,14 @@ impl<'a> Search<'a> {
     }
 }
 
-fn unknown(norm: &str, reasons: &str) -> NoAdvice {
-    NoAdvice::Refused(format!(
+fn unknown(norm: &str, reasons: &str) -> NoAnswer {
+    NoAnswer::Refused(format!(
         "the error of this run in {norm} is unknown: {reasons}; start from a run with other n or N"
     ))
 }
 
 /// Refuses an unknown error, an order that is too high to be believed, and a target at the floor of the solver.
-fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAdvice> {
+fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAnswer> {
     let norm = goal.norm.name();
     let reasons = estimate.reasons();
     if !reasons.is_empty() {
@@ -312,14 +256,10 @@ fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), No
     for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
         let observed = part.order().zip(part.counted_on().map(|[_, most]| most));
         if let Some((order, most)) = observed.filter(|(order, most)| *order > most + ABOVE) {
-            return Err(NoAdvice::Refused(format!(
+            return Err(NoAnswer::Refused(format!(
                 "pre-asymptotic in {step}: order {order:.2} observed in {norm}, and no more than {most} is possible; start from a run with a finer {step}"
             )));
         }
     }
-    let target = goal.target;
-    if target <= FLOORS_ABOVE * floor {
-        return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
-    }
-    Ok(())
+    NoAnswer::admit(goal.target, floor)
 }

@@ -31,6 +31,7 @@ fn random_is_caught(found: &[Perturbation]) -> bool {
     found.iter().filter(|perturbation| perturbation.shape == LoadShape::Random).any(
         |perturbation| {
             perturbation
+                .judged
                 .violations
                 .iter()
                 .any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
@@ -42,7 +43,7 @@ fn all_hold(found: &[Perturbation], name: &str) {
     assert_eq!(found.len(), 6);
     for perturbation in found {
         assert_eq!(
-            perturbation.violations,
+            perturbation.judged.violations,
             [],
             "{name} {:?} {}",
             perturbation.shape,
