@@ -1,5 +1,7 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
+use std::sync::Arc;
+
 use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full, stress};
 use super::curve::CurveNumbers;
@@ -119,7 +121,7 @@ impl ExactData {
 /// A polygon or polyhedron of coarse simplices, with the roles of its sides.
 #[derive(Debug, Clone)]
 pub struct Polytope {
-    pub coarse: CoarseMesh,
+    pub coarse: Arc<CoarseMesh>,
     /// The sides of Γ1.
     pub clamped: Vec<u32>,
     /// The sides of Γ3.

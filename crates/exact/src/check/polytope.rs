@@ -179,10 +179,7 @@ pub(super) fn in_time(polytope: &Polytope) -> (Vec<[f64; 3]>, Vec<f64>) {
 
 /// Number of edges of a simplex.
 pub(super) fn directions(coarse: &CoarseMesh) -> usize {
-    match coarse {
-        CoarseMesh::Plane(_) => 3,
-        CoarseMesh::Space(_) => 6,
-    }
+    if coarse.dimension == 2 { 3 } else { 6 }
 }
 
 /// The edges of a tetrahedron, each with its opposite one.
@@ -197,12 +194,12 @@ pub(super) fn gathered(coarse: &CoarseMesh, direction: usize) -> Vec<Lines> {
 fn in_simplex(coarse: &CoarseMesh, simplex: usize, direction: usize) -> Lines {
     let (corners, measure) = (coarse.corners(simplex), coarse.measure_of(simplex));
     // The edge, and the points opposite to it with the share of the opposite edge that each represents.
-    let (a, b, opposite, lines) = match coarse {
-        CoarseMesh::Plane(_) => {
+    let (a, b, opposite, lines) = match coarse.dimension {
+        2 => {
             let [a, b, tip] = [0, 1, 2].map(|i: usize| corners[(direction + i) % 3]);
             (a, b, vec![(tip, 1.0)], LINES)
         }
-        CoarseMesh::Space(_) => {
+        _ => {
             let [a, b, c, d] = EDGES[direction].map(|i| corners[i]);
             let between = |i: usize| {
                 let w = (i as f64 + 0.5) / LINES_IN_SPACE as f64;

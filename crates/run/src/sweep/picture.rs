@@ -2,7 +2,7 @@
 
 mod space;
 
-use fem::mesh::{CoarseMesh, Mesh};
+use fem::mesh::Mesh;
 use formula::{EvaluationPoint, Node, Program};
 use report::{Ink, Sketch, Stroke};
 use scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
@@ -274,5 +274,5 @@ fn polygons(body: &ContactScene, side: Side) -> Vec<(Vec<[f64; 3]>, [f64; 3])> {
 
 /// Whether the mesh comes from a file.
 fn is_imported(body: &ContactScene) -> bool {
-    matches!(body.domain.shape, Shape::Refined(CoarseMesh::Space(_)))
+    matches!(&body.domain.shape, Shape::Refined(coarse) if coarse.dimension == 3)
 }
