@@ -95,8 +95,7 @@ impl<const D: usize> Fields<D> {
         };
         let inside = SimplexPoints::of(mesh, &rule);
         let sigma = exact.stress_at(&inside.points, t);
-        let mut force = vec![Vec::new(); D];
-        exact.forces.bind(&inside.points).evaluate(t, exact.zeta.at(t), &mut force);
+        let force = exact.forces.values(&inside.points, t, exact.zeta.at(t));
         let facets = 0..mesh.facet_side.len();
         let on_facet =
             |f: usize| side_rule.points.iter().map(move |b| mesh.point(mesh.facet(f), b));
@@ -159,9 +158,9 @@ pub(super) fn zeta(exact: &Exact, polytope: &Polytope) -> Option<Finding> {
     if known.is_nan() {
         return None;
     }
-    let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
+    let (graph, horizon) = (&exact.data.graph, exact.data.horizon);
     let finer = Domain::Finer(&polytope.coarse);
-    let finer = AccumulatedStrain::new(&mut graph, &exact.strain, horizon, finer, true).at(horizon);
+    let finer = AccumulatedStrain::new(graph, &exact.strain, horizon, finer, true).at(horizon);
     let share = ((known - finer) / finer.abs().max(f64::MIN_POSITIVE)).abs();
     let status = if share <= ZETA { Status::Verified } else { Status::Weak };
     let text = format!("zeta(T) = {known:.6} agrees to {share:.1e} with a finer rule");

@@ -103,9 +103,7 @@ impl<'a> Linearised<'a> {
         let kernels = problem
             .kernels
             .iter()
-            .map(|kernel| {
-                (Program::compile(&mut graph, &[kernel.q], horizon), rows(&kernel.matrix))
-            })
+            .map(|kernel| (Program::compile(&graph, &[kernel.q], horizon), rows(&kernel.matrix)))
             .collect();
         let s = graph.variable(Variable::X);
         let mut integrands = Vec::new();
@@ -115,7 +113,7 @@ impl<'a> Linearised<'a> {
                 graph.mul(kernel.q, past)
             };
             let products: Vec<Node> = problem.u.iter().map(product).collect();
-            integrands.push((kernel.power, Program::compile(&mut graph, &products, horizon)));
+            integrands.push((kernel.power, Program::compile(&graph, &products, horizon)));
         }
         let mut by = |f: Node, variable| graph.derivative(f, variable);
         let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();

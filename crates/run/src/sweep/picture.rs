@@ -237,8 +237,8 @@ fn displaced(
 ) -> Vec<Vec<([f64; 3], [f64; 3])>> {
     let Data::Exact { u, .. } = &body.data else { return Vec::new() };
     let t = scene.time.horizon;
-    let mut graph = scene.formulas.clone();
-    let program = Program::compile(&mut graph, u, t);
+    let graph = scene.formulas.clone();
+    let program = Program::compile(&graph, u, t);
     let of_line = |line: &Vec<[f64; 3]>| {
         let mut out = vec![Vec::new(); u.len()];
         program.bind(line).evaluate(t, 0.0, &mut out);
