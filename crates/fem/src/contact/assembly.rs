@@ -7,10 +7,7 @@ use vhi::law::TensorField;
 
 /// The columns of B at a point of a cell: the Mandel strain of each unit displacement.
 #[inline]
-pub(crate) fn strain_columns<const D: usize, const S: usize>(
-    gradients: &[f64],
-    out: &mut [[f64; S]],
-) {
+fn strain_columns<const D: usize, const S: usize>(gradients: &[f64], out: &mut [[f64; S]]) {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     for (a, g) in gradients.chunks_exact(D).enumerate() {
         for i in 0..D {

@@ -36,7 +36,6 @@ mod side;
 mod stiffness;
 mod taken;
 mod tangents;
-mod terms_of_forces;
 mod trace;
 mod trace_constant;
 mod volume;
