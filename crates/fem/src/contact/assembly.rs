@@ -28,9 +28,6 @@ fn strain_columns<const D: usize, const S: usize>(gradients: &[f64], out: &mut [
     }
 }
 
-/// Unknowns of a cell, at most: those of a tetrahedron with 4 nodes.
-const MOST_LINEAR: usize = 12;
-
 /// Unknowns of a cell of any element: a tetrahedron with 10 nodes has the most.
 const MOST_UNKNOWNS: usize = 30;
 
@@ -44,27 +41,10 @@ pub(crate) fn point_stiffness<'a, const D: usize, const S: usize>(
     law: &[[f64; S]; S],
     room: &'a mut [f64; ROOM],
 ) -> &'a mut [f64] {
-    let order = at.gradients.len();
+    let (order, weight) = (at.gradients.len(), at.weight);
     let local = &mut room[..order * order];
-    // The order of linear elements as a constant: loops are unrolled.
-    if order == D * (D + 1) {
-        of_order::<D, S, MOST_LINEAR>(D * (D + 1), at.gradients, law, at.weight, local);
-    } else {
-        of_order::<D, S, MOST_UNKNOWNS>(order, at.gradients, law, at.weight, local);
-    }
-    local
-}
-
-#[inline(always)]
-fn of_order<const D: usize, const S: usize, const MOST: usize>(
-    order: usize,
-    gradients: &[f64],
-    law: &[[f64; S]; S],
-    weight: f64,
-    local: &mut [f64],
-) {
-    let mut columns = [[0.0; S]; MOST];
-    strain_columns::<D, S>(gradients, &mut columns[..order]);
+    let mut columns = [[0.0; S]; MOST_UNKNOWNS];
+    strain_columns::<D, S>(at.gradients, &mut columns[..order]);
     for j in 0..order {
         let mut stress = [0.0; S];
         for (p, row) in law.iter().enumerate() {
@@ -81,6 +61,7 @@ fn of_order<const D: usize, const S: usize, const MOST: usize>(
             local[order * j + i] = weight * sum;
         }
     }
+    local
 }
 
 /// Adds the work σ:ε(v) of a point of a cell to the nodal vector `force`, for the stress there times the weight of the
@@ -162,7 +143,7 @@ mod tests {
         let v: Vec<f64> = (0..order).map(|i| (i as f64 * 0.7).sin()).collect();
         let stress: [f64; S] = std::array::from_fn(|i| 1.0 + i as f64);
         let mut columns = [[0.0; S]; 12];
-        strain_columns::<D, S>(gradients, &mut columns[..order]);
+        strain_columns::<D, S>(at.gradients, &mut columns[..order]);
         let strain = strain_of::<S>(gradients, &nodes, &v);
         let mut force = vec![0.0; order];
         stress_force::<D, S>(gradients, &nodes, &stress, &mut force);
