@@ -87,8 +87,8 @@ fn simplex(corners: usize) -> Vec<(Vec<f64>, f64)> {
 
 /// Value of the outputs of formulas at points, one list an output.
 fn at(exact: &Exact, nodes: &[formula::Node], points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
-    let mut graph = exact.data.graph.clone();
-    let program = Program::compile(&mut graph, nodes, exact.data.horizon);
+    let graph = exact.data.graph.clone();
+    let program = Program::compile(&graph, nodes, exact.data.horizon);
     let mut out = vec![Vec::new(); nodes.len()];
     program.bind(points).evaluate(t, 0.0, &mut out);
     out

@@ -67,7 +67,7 @@ fn no_formula_breaks_parser_derivative_or_tape() {
         let rate = graph.derivative(slope, Variable::T);
         let at = EvaluationPoint { x: 0.3, y: -0.2, z: 0.1, t: 0.4, zeta: 0.5 };
         let mut out = vec![Vec::new(); 3];
-        let bound = Program::compile(&mut graph, &[node, slope, rate], 1.0);
+        let bound = Program::compile(&graph, &[node, slope, rate], 1.0);
         bound.bind(&[[0.3, -0.2, 0.1], [0.0; 3]]).evaluate(0.4, 0.5, &mut out);
         let _ = graph.evaluate(node, &at);
         out.iter().all(|values| values.len() == 2)

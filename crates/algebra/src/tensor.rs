@@ -11,6 +11,12 @@ pub const fn dimension<const S: usize>() -> usize {
     if S == 3 { 2 } else { 3 }
 }
 
+/// The two axes of each off-diagonal component.
+#[inline]
+pub const fn off_diagonal(d: usize) -> &'static [(usize, usize)] {
+    if d == 2 { &[(1, 0)] } else { &[(1, 2), (2, 0), (0, 1)] }
+}
+
 /// tr τ.
 #[inline]
 pub fn trace<const S: usize>(tau: &Symmetric<S>) -> f64 {

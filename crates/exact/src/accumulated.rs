@@ -42,7 +42,7 @@ struct Integrand {
 impl AccumulatedStrain {
     /// ζ of the strain formulas; NaN if not `needed`.
     pub(super) fn new(
-        graph: &mut Graph,
+        graph: &Graph,
         strain: &[Node],
         horizon: f64,
         domain: Domain<'_>,
@@ -73,7 +73,7 @@ impl AccumulatedStrain {
 }
 
 impl Integrand {
-    fn new(graph: &mut Graph, strain: &[Node], horizon: f64, domain: Domain<'_>) -> Self {
+    fn new(graph: &Graph, strain: &[Node], horizon: f64, domain: Domain<'_>) -> Self {
         let all = graph.guards(strain);
         let along_z = strain.iter().any(|&e| graph.depends_on(e, Variable::Z));
         let region = Region::of(graph, &all, domain, along_z);
@@ -160,8 +160,7 @@ struct Points {
 impl Points {
     /// ‖ε‖ at time t; components count as often as `often` says.
     fn norm(&mut self, often: &[f64], t: f64) -> f64 {
-        let mut strain = vec![Vec::new(); often.len()];
-        self.strain.evaluate(t, 0.0, &mut strain);
+        let strain = self.strain.values_at(t, 0.0);
         let component = |(e, often): (&Vec<f64>, &f64)| {
             often * e.iter().zip(&self.weights).map(|(e, w)| w * e * e).sum::<f64>()
         };
@@ -169,7 +168,7 @@ impl Points {
     }
 }
 
-fn cuts_in_y(graph: &mut Graph, guards: &[Node], horizon: f64, height: [f64; 2]) -> Vec<f64> {
+fn cuts_in_y(graph: &Graph, guards: &[Node], horizon: f64, height: [f64; 2]) -> Vec<f64> {
     let alone = |guard: &Node| {
         let others = [Variable::X, Variable::Z, Variable::T];
         others.iter().all(|&other| !graph.depends_on(*guard, other))
@@ -188,7 +187,7 @@ mod tests {
         let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
         let strain: Vec<Node> =
             strain.iter().map(|text| graph.parse(text, &scope).expect("a formula")).collect();
-        let zeta = AccumulatedStrain::new(&mut graph, &strain, 1.0, Domain::Box(&[1.0, 1.0]), true);
+        let zeta = AccumulatedStrain::new(&graph, &strain, 1.0, Domain::Box(&[1.0, 1.0]), true);
         zeta.integrand.expect("an integrand")
     }
 

@@ -1,13 +1,12 @@
 //! The exact solution on Γ3 with the contact state of every point, for errors split by state.
 
-use std::sync::{Mutex, PoisonError};
-
 use super::exact::{Exact, LawNumbers};
 use super::shapes::Shapes;
+use super::shared_program::SharedProgram;
 use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
 use fem::space::Simplex;
-use formula::{BoundProgram, EvaluationPoint};
+use formula::EvaluationPoint;
 
 /// Relative distance within which r counts as the place of a jump: formulas round.
 const AT_JUMP_WITHIN: f64 = 1e-9;
@@ -28,7 +27,7 @@ struct PartOfTrace {
     facets: Vec<usize>,
     /// s at the points.
     shift: Vec<f64>,
-    bound: Mutex<BoundProgram>,
+    bound: SharedProgram,
 }
 
 impl StatePoints {
@@ -56,7 +55,7 @@ impl StatePoints {
             let value = |x: &[f64; 3]| shift.map_or(0.0, |s| exact.data.graph.evaluate(s, &at(x)));
             let bound = exact.boundary(&part.normal[..2]).program.bind(&points);
             let shift = points.iter().map(value).collect();
-            sides.push(PartOfTrace { facets, shift, bound: Mutex::new(bound) });
+            sides.push(PartOfTrace { facets, shift, bound: bound.into() });
         }
         let law = contact.and_then(|contact| contact.law.clone());
         Self { sides, law, shapes, nodes: nodes.len(), facets: trace.measure.len() }
@@ -74,8 +73,7 @@ impl StatePoints {
             gap: vec![f64::INFINITY; 2 * self.facets],
         };
         for side in &self.sides {
-            let mut out = vec![Vec::new(); 5];
-            side.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+            let out = side.bound.values_at(t);
             let [normal, pressure, gap] = [&out[0], &out[1], &out[2]];
             for (index, &f) in side.facets.iter().enumerate() {
                 let first = (count + self.nodes) * index;

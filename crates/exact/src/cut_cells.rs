@@ -54,8 +54,7 @@ impl<const D: usize, const N: usize> Correction<'_, D, N> {
         let rules =
             cut.iter().flat_map(|Cut { simplex, rule }| [whole, rule].map(|rule| (*simplex, rule)));
         let points = cuts.points(&self.parts.space.mesh, rules);
-        let mut values = vec![Vec::new(); self.parts.fields()];
-        self.parts.exact.interior.bind(&points).evaluate(self.parts.t, 0.0, &mut values);
+        let values = self.parts.exact.interior.values(&points, self.parts.t, 0.0);
         let onto = Onto::new(self.parts.space.element, whole);
         let (mut first, mut before) = (0, Vec::new());
         for Cut { simplex, rule } in &cut {

@@ -4,11 +4,10 @@
 //! branch of a formula, change sign along such lines. The simplices are cut there into straight pieces; the remaining
 //! error for a curved line is of the order of its deviation, h² of the cell.
 
-use std::sync::{Mutex, PoisonError};
-
+use super::shared_program::SharedProgram;
 use fem::mesh::Mesh;
 use fem::space::quadrature::Rule;
-use formula::{BoundProgram, Graph, Node, Program, Variable};
+use formula::{Graph, Node, Program, Variable};
 
 const MOST_CORNERS: usize = 4;
 /// Guards below this share of their largest value at a vertex are zero: rounding of formulas.
@@ -32,7 +31,7 @@ struct Piece {
 pub(super) struct Cuts {
     guards: Vec<Program>,
     /// All guards at the vertices.
-    at_vertices: Mutex<BoundProgram>,
+    at_vertices: SharedProgram,
     /// Vertices of the simplices, number of vertices per simplex, and the index of each among the evaluated vertices.
     vertices: Vec<u32>,
     corners: usize,
@@ -54,7 +53,6 @@ impl Cuts {
         mesh: &'a Mesh,
         simplices: impl Iterator<Item = &'a [u32]>,
     ) -> Option<Self> {
-        let mut graph = graph.clone();
         let mut simplices = simplices.peekable();
         let corners = simplices.peek()?.len();
         let varies = |&guard: &Node| {
@@ -71,13 +69,13 @@ impl Cuts {
         distinct.sort_unstable();
         distinct.dedup();
         let points: Vec<[f64; 3]> = distinct.iter().map(|&v| mesh.point(&[v], &[1.0])).collect();
-        let all = Program::compile(&mut graph, &guards, horizon);
+        let all = Program::compile(graph, &guards, horizon);
         let place = |v: &u32| distinct.partition_point(|distinct| distinct < v) as u32;
         Some(Self {
-            at_vertices: Mutex::new(all.bind(&points)),
+            at_vertices: all.bind(&points).into(),
             place: vertices.iter().map(place).collect(),
             corners,
-            guards: guards.iter().map(|&g| Program::compile(&mut graph, &[g], horizon)).collect(),
+            guards: guards.iter().map(|&g| Program::compile(graph, &[g], horizon)).collect(),
             vertices,
         })
     }
@@ -88,9 +86,7 @@ impl Cuts {
 
     /// The simplices that are cut at time t, with `rule` on each of their pieces.
     pub(crate) fn rules(&self, mesh: &Mesh, rule: &Rule, t: f64) -> Vec<Cut> {
-        let mut values = vec![Vec::new(); self.guards.len()];
-        let bound = || self.at_vertices.lock().unwrap_or_else(PoisonError::into_inner);
-        bound().evaluate(t, 0.0, &mut values);
+        let values = self.at_vertices.values_at(t);
         let mut is_cut = vec![false; self.vertices.len() / self.corners];
         let mut active = Vec::new();
         for (guard, values) in self.guards.iter().zip(&values) {
@@ -140,11 +136,7 @@ impl Cuts {
         let place = |piece: &Piece, b: &[f64; MOST_CORNERS]| {
             mesh.point(self.simplex(piece.simplex), &b[..corners])
         };
-        let values = |points: &[[f64; 3]]| {
-            let mut out = vec![Vec::new()];
-            guard.bind(points).evaluate(t, 0.0, &mut out);
-            out.swap_remove(0)
-        };
+        let values = |points: &[[f64; 3]]| guard.values(points, t, 0.0).swap_remove(0);
         let points: Vec<[f64; 3]> =
             pieces.iter().flat_map(|p| p.corner[..corners].iter().map(|b| place(p, b))).collect();
         let mut guard_values = values(&points);
@@ -259,7 +251,7 @@ mod tests {
         let mut graph = Graph::new();
         let scope = Scope::new(&[Variable::X, Variable::Y, Variable::Z, Variable::T]);
         let f = graph.parse(text, &scope).expect("a formula");
-        let program = Program::compile(&mut graph, &[f], 1.0);
+        let program = Program::compile(&graph, &[f], 1.0);
         let rule = if mesh.dimension == 2 { triangle_degree_4() } else { tetrahedron_degree_5() };
         let cells = mesh.cell_count();
         let cuts = Cuts::new(&graph, &[f], 1.0, mesh, (0..cells).map(|c| mesh.cell(c)));

@@ -1,5 +1,7 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
+use std::sync::Arc;
+
 use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full, stress};
 use super::curve::CurveNumbers;
@@ -119,7 +121,7 @@ impl ExactData {
 /// A polygon or polyhedron of coarse simplices, with the roles of its sides.
 #[derive(Debug, Clone)]
 pub struct Polytope {
-    pub coarse: CoarseMesh,
+    pub coarse: Arc<CoarseMesh>,
     /// The sides of Γ1.
     pub clamped: Vec<u32>,
     /// The sides of Γ3.
@@ -184,11 +186,8 @@ impl Exact {
             return found;
         }
         let conditions: Vec<Node> = self.data.regions.iter().map(|r| r.condition).collect();
-        let mut graph = self.data.graph.clone();
-        let program = Program::compile(&mut graph, &conditions, self.data.horizon);
-        let mut values = vec![Vec::new(); conditions.len()];
-        program.bind(points).evaluate(0.0, 0.0, &mut values);
-        for (index, values) in values.iter().enumerate() {
+        let program = Program::compile(&self.data.graph, &conditions, self.data.horizon);
+        for (index, values) in program.values(points, 0.0, 0.0).iter().enumerate() {
             for (region, value) in found.iter_mut().zip(values) {
                 if *value > 0.0 {
                     *region = index + 1;
@@ -234,8 +233,7 @@ impl Exact {
 
     /// σ at points.
     pub(crate) fn stress_at<const D: usize>(&self, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
-        let mut out = vec![Vec::new(); D + self.strain.len() + self.memory.len()];
-        self.interior.bind(points).evaluate(t, 0.0, &mut out);
+        let out = self.interior.values(points, t, 0.0);
         let (kappa, regions, mut memory) = (self.kappa(t), self.regions_at(points), Vec::new());
         let one = |p: usize| {
             let strain = self.tensors::<D, f64>(|k| out[k][p], &mut memory);
@@ -287,7 +285,7 @@ impl Exact {
         let mut outputs = [u_nu, pressure, gap, xi, lambda];
         on_plane(&mut graph, &mut outputs, plane);
         let [u_nu, _, gap, xi, lambda] = outputs;
-        let program = Program::compile(&mut graph, &outputs, self.data.horizon);
+        let program = Program::compile(&graph, &outputs, self.data.horizon);
         BoundaryFormulas { graph, program, normal: u_nu, xi, lambda, gap }
     }
 }

@@ -196,8 +196,7 @@ impl FiniteExact {
                 .flat_map(|ends| against_power(power, t, ends[0], ends[1]))
                 .collect();
             let points: Vec<[f64; 3]> = rule.iter().map(|&(s, _)| [s, 0.0, 0.0]).collect();
-            let mut values = vec![Vec::new(); sums.len()];
-            self.integrands.bind(&points).evaluate(t, 0.0, &mut values);
+            let values = self.integrands.values(&points, t, 0.0);
             for (l, _) in kernels.iter().enumerate().filter(|(_, kernel)| kernel.power == power) {
                 for (sum, list) in sums[m * l..m * (l + 1)].iter_mut().zip(&values[m * l..]) {
                     *sum = list.iter().zip(&rule).map(|(value, (_, weight))| weight * value).sum();
@@ -223,8 +222,7 @@ impl FiniteExact {
     /// The solution at time t.
     pub fn at(&self, t: f64) -> FiniteState {
         let (data, m, p) = (&self.data, self.data.u.len(), self.data.traces.len());
-        let mut values = vec![Vec::new(); m + 3 * p];
-        self.present.bind(&[[0.0; 3]]).evaluate(t, 0.0, &mut values);
+        let values = self.present.values(&[[0.0; 3]], t, 0.0);
         let present: Vec<f64> = values.iter().map(|list| list[0]).collect();
         let u = present[..m].to_vec();
         let part = |which: usize| present[m + which * p..m + (which + 1) * p].to_vec();

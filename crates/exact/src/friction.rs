@@ -147,7 +147,7 @@ impl Exact {
         };
         let mut outputs = [&s[..], &u_tau, &[bound]].concat();
         on_plane(&mut graph, &mut outputs, plane);
-        let program = Program::compile(&mut graph, &outputs, self.data.horizon);
+        let program = Program::compile(&graph, &outputs, self.data.horizon);
         Some(FrictionOnSide { tangents, program })
     }
 }

@@ -3,7 +3,7 @@
 //! uses the boundary rule of the scheme. Only the time error remains.
 
 use fem::mesh::in_dimension;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 use super::Sliding;
 use super::constitutive::{self, Tensor, mandel};
@@ -15,12 +15,13 @@ use super::nodal_strain::NodalStrain;
 use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
 use super::shapes::Shapes;
+use super::shared_program::SharedProgram;
 use super::side_points::{SidePoints, side_points};
 use super::sign_changes::Guards;
 use super::truth::{ByTime, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::norms::{ContactSamples, Moments, facet_samples, is_locked};
-use formula::{BoundProgram, EvaluationPoint, Node, Program};
+use formula::{EvaluationPoint, Node, Program};
 
 /// Intervals of the horizon in which guards are watched.
 const WATCHES: usize = 64;
@@ -32,7 +33,7 @@ pub struct InterpolatedOnMesh {
     /// The scheme's quadrature of ∂j_ν.
     rule: ComplianceRule,
     /// The components of u, then those of each H_i u, at the nodes.
-    bound: Mutex<BoundProgram>,
+    bound: SharedProgram,
     /// Of each cell.
     regions: Vec<usize>,
     strains: NodalStrain,
@@ -55,11 +56,11 @@ impl InterpolatedOnMesh {
             outputs.extend(exact.data.u.iter().map(|&u| graph.convolve(kernel, u)));
         }
         let horizon = exact.data.horizon;
-        let nodal = Program::compile(&mut graph, &outputs, horizon);
+        let nodal = Program::compile(&graph, &outputs, horizon);
         let points = points_of_nodes(&space);
         let boundary = side_points(&exact, &space);
         Self {
-            bound: Mutex::new(nodal.bind(&points)),
+            bound: nodal.bind(&points).into(),
             regions: exact.cell_regions(&space.mesh),
             strains: NodalStrain::new(
                 space.clone(),
@@ -83,8 +84,7 @@ impl InterpolatedOnMesh {
     /// A formula that is not finite at a vertex.
     pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<Vec<f64>>), LoadError> {
         let d = self.space.mesh.dimension;
-        let mut out = vec![Vec::new(); d * (1 + self.exact.data.kernels.len())];
-        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        let out = self.bound.values_at(t);
         let nodes = self.space.nodes.vertex.len();
         let remembered = vector_names("H u", d);
         let names = vector_names("u", d).into_iter().chain(remembered.into_iter().cycle());
@@ -340,9 +340,8 @@ fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
 
 /// Times at which a guard of u changes sign at some node.
 fn events(exact: &Exact, space: &Discretization) -> Vec<f64> {
-    let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
-    let guards = graph.guards(&exact.data.u);
-    let guards = Guards::new(&mut graph, &guards, horizon);
+    let (graph, horizon) = (&exact.data.graph, exact.data.horizon);
+    let guards = Guards::new(graph, &graph.guards(&exact.data.u), horizon);
     // Guards of contact scenes depend on x and t: one vertex per distinct x suffices.
     let mut distinct = points_of_nodes(space);
     distinct.sort_by(|a, b| a[0].total_cmp(&b[0]));

@@ -37,6 +37,7 @@ mod running_integral;
 mod sampled;
 mod separation;
 mod shapes;
+mod shared_program;
 mod side_points;
 mod sign_changes;
 mod simplex_points;

@@ -27,7 +27,7 @@ impl Exact {
             if with_remainders {
                 data.graph.add_remainders();
             }
-            let bound = Program::compile(&mut data.graph, &all, data.horizon).bind(points);
+            let bound = Program::compile(&data.graph, &all, data.horizon).bind(points);
             (bound, vec![Vec::new(); all.len()])
         });
         let moved = times.iter().any(|&t| {

@@ -192,7 +192,7 @@ mod tests {
         let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
         let text = |graph: &mut Graph, text| graph.parse(text, &scope).expect("a formula");
         let nodes = [text(&mut graph, "x*exp(t*y)"), text(&mut graph, "1/max(x - 0.9, 0)")];
-        let program = Program::compile(&mut graph, &nodes, 1.0);
+        let program = Program::compile(&graph, &nodes, 1.0);
         let sampled = |kept: usize, block: usize| {
             let cells = (0..mesh.cell_count()).map(|c| mesh.cell(c));
             Sampled { kept, block, ..Sampled::new(cells, &triangle_degree_4()) }

@@ -1,11 +1,12 @@
 //! Exact fields as sums of products of time and space.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use super::exact::{ExactData, MaterialNumbers, RegionNumbers};
+use super::shared_program::SharedProgram;
 use super::symbolic;
 use super::truth::ByTime;
-use formula::{BoundProgram, Graph, Node, Program};
+use formula::{Graph, Node, Program};
 
 /// Longer sums are evaluated at each time: a part costs as much as a time.
 const MOST_PARTS: usize = 8;
@@ -13,23 +14,19 @@ const MOST_PARTS: usize = 8;
 /// The a_m of formulas Σ_m a_m(t) S_m(x).
 pub struct TimeFactors {
     pub parts: usize,
-    bound: Mutex<BoundProgram>,
+    bound: SharedProgram,
     known: ByTime<Vec<f64>>,
 }
 
 impl TimeFactors {
-    fn new(graph: &mut Graph, factors: &[Node], horizon: f64) -> Self {
+    fn new(graph: &Graph, factors: &[Node], horizon: f64) -> Self {
         let bound = Program::compile(graph, factors, horizon).bind(&[[0.0; 3]]);
-        Self { parts: factors.len(), bound: Mutex::new(bound), known: ByTime::default() }
+        Self { parts: factors.len(), bound: bound.into(), known: ByTime::default() }
     }
 
     /// The a_m(t).
     pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
-        self.known.always(t, || {
-            let mut out = vec![Vec::new(); self.parts];
-            self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-            out.into_iter().flatten().collect()
-        })
+        self.known.always(t, || self.bound.values_at(t).into_iter().flatten().collect())
     }
 }
 
@@ -85,12 +82,12 @@ impl Separation {
             forces.extend(symbolic::body_force(&mut graph, &stress));
         }
         let inside = parts.concat();
-        let mut times = |nodes: &[Node]| TimeFactors::new(&mut graph, nodes, data.horizon);
+        let times = |nodes: &[Node]| TimeFactors::new(&graph, nodes, data.horizon);
         let of_stress = of_stress.map(|factors| times(&factors));
         let factors = times(&factors);
         let remembered_alone = (0..parts.len()).map(|m| m >= present).collect();
         let [interior, forces] =
-            [inside, forces].map(|all| Program::compile_once(&mut graph, &all, data.horizon));
+            [inside, forces].map(|all| Program::compile_once(&graph, &all, data.horizon));
         Some(Self { factors, of_stress, interior, forces, remembered_alone })
     }
 

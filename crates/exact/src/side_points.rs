@@ -1,15 +1,14 @@
 //! The points of the trace by side, with the formulas of the contact state bound to them.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
 
 use super::exact::Exact;
 use super::friction::{Sliding, Tangents};
 use super::nodal_force::facet_measure;
 use super::shapes::Shapes;
+use super::shared_program::SharedProgram;
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
-use formula::BoundProgram;
 
 /// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
 pub(super) struct SidePoints {
@@ -19,23 +18,20 @@ pub(super) struct SidePoints {
     pub(super) facets: Vec<usize>,
     /// ∫ φ over the side, of each member.
     pub(super) weights: Vec<f64>,
-    bound: Mutex<BoundProgram>,
-    friction: Option<(Tangents, Mutex<BoundProgram>)>,
+    bound: SharedProgram,
+    friction: Option<(Tangents, SharedProgram)>,
 }
 
 impl SidePoints {
     /// The values of all five at t.
     pub(super) fn evaluate(&self, t: f64) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::new(); 5];
-        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-        out
+        self.bound.values_at(t)
     }
 
     /// The friction at t in dimension d; None without friction.
     pub(super) fn friction(&self, t: f64, d: usize) -> Option<Vec<Sliding>> {
         let (tangents, bound) = self.friction.as_ref()?;
-        let mut out = vec![Vec::new(); Sliding::numbers(d)];
-        bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        let out = bound.values_at(t);
         let state = |p: usize| Sliding::new(*tangents, d, |i| out[i][p]);
         Some((0..self.members.len()).map(state).collect())
     }
@@ -64,10 +60,10 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
             }
         }
         let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
-        let bound = Mutex::new(formulas.program.bind(&points));
+        let bound = formulas.program.bind(&points).into();
         let friction = exact.friction(&normal[..d]);
         let friction =
-            friction.map(|on_side| (on_side.tangents, Mutex::new(on_side.program.bind(&points))));
+            friction.map(|on_side| (on_side.tangents, on_side.program.bind(&points).into()));
         SidePoints { normal, facets, weights, bound, members, friction }
     };
     mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()

@@ -9,15 +9,13 @@ pub(super) struct Guards {
 }
 
 impl Guards {
-    pub(super) fn new(graph: &mut Graph, guards: &[Node], horizon: f64) -> Self {
+    pub(super) fn new(graph: &Graph, guards: &[Node], horizon: f64) -> Self {
         Self { program: Program::compile(graph, guards, horizon), count: guards.len() }
     }
 
     /// Their values at points, guard by guard.
     pub(super) fn at(&self, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
-        let mut values = vec![Vec::new(); self.count];
-        self.program.bind(points).evaluate(t, 0.0, &mut values);
-        values
+        self.program.values(points, t, 0.0)
     }
 
     /// Where one changes sign on a line at time t, by the coordinate of which `point` is a function.
@@ -48,10 +46,9 @@ impl Guards {
         }
         sign_changes(from, to, watches, |times| {
             let mut bound = self.program.bind(points);
-            let mut values = vec![Vec::new(); self.count];
             let mut rows = vec![Vec::with_capacity(times.len()); points.len() * self.count];
             for &t in times {
-                bound.evaluate(t, 0.0, &mut values);
+                let values = bound.values_at(t, 0.0);
                 let pairs = rows.iter_mut().zip(values.iter().flatten());
                 pairs.for_each(|(row, value)| row.push(*value));
             }

@@ -17,20 +17,11 @@ pub(super) struct SimplexPoints {
 }
 
 impl SimplexPoints {
-    /// Points in a polyhedron that resolve smooth fields to rounding. A field with kinks is integrated only to the
-    /// square of the size of these simplices; `check` reports it.
-    pub(crate) fn fine(coarse: &CoarseMesh) -> Self {
-        Self::in_space(coarse, 0)
-    }
-
-    /// A finer rule: two more points per direction.
-    pub(crate) fn finer(coarse: &CoarseMesh) -> Self {
-        Self::in_space(coarse, 2)
-    }
-
-    fn in_space(coarse: &CoarseMesh, more: usize) -> Self {
+    /// Points in a polyhedron that resolve smooth fields to rounding; two more per direction in the finer rule. A field
+    /// with kinks is integrated only to the square of the size of these simplices; `check` reports it.
+    pub(crate) fn in_space(coarse: &CoarseMesh, finer: bool) -> Self {
         let mesh = parts(coarse, TETRAHEDRA);
-        let count = points_a_direction(mesh.cell_count(), WORK) + more;
+        let count = points_a_direction(mesh.cell_count(), WORK) + if finer { 2 } else { 0 };
         Self::of(&mesh, &tetrahedron_product(count))
     }
 
@@ -54,7 +45,7 @@ pub(super) fn points_a_direction(cells: usize, work: f64) -> usize {
 /// A refinement of the domain with at least so many simplices.
 pub(super) fn parts(coarse: &CoarseMesh, simplices: usize) -> Mesh {
     let share = simplices as f64 / coarse.count() as f64;
-    let root = if coarse.dimension() == 2 { share.sqrt() } else { share.cbrt() };
+    let root = if coarse.dimension == 2 { share.sqrt() } else { share.cbrt() };
     // The cube root of a cube may round up.
     coarse.refined((root - 1e-9).ceil().max(1.0) as u32, Family::Structured)
 }

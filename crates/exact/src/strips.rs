@@ -3,7 +3,7 @@
 //! All chords of a strip have their points at few abscissae, as on a rectangle: what depends on x alone, as memories of
 //! contact scenes do, is evaluated there. Fields that are smooth between the cuts are integrated to rounding.
 
-use fem::mesh::Coarse;
+use fem::mesh::{CoarseMesh, Piece};
 use fem::space::quadrature::gauss_legendre;
 
 /// Gauss points per piece, and minimum of pieces of the width and of the height, in the plane and in space. A quarter of
@@ -27,11 +27,18 @@ pub(super) struct Strips {
 
 impl Strips {
     /// Strips of a polygon; `finer` takes pieces of half the size.
-    pub(crate) fn new(coarse: &Coarse, finer: bool) -> Self {
-        let sides = coarse.edges.iter().map(|edge| coarse.segment(edge).0).collect();
+    pub(crate) fn new(coarse: &CoarseMesh, finer: bool) -> Self {
+        let plane = |[x, y, _]: [f64; 3]| [x, y];
+        let side = |piece: Piece| [0, 1].map(|end| plane(piece.corners[end]));
+        let sides = coarse.pieces().into_iter().map(side).collect();
         let (points, parts) = PLANE;
         let parts = if finer { 2.0 * parts } else { parts };
-        Self { sides, bounds: coarse.bounds(), rule: (points, parts), deep: vec![(0.0, 1.0)] }
+        Self {
+            sides,
+            bounds: coarse.bounds().map(plane),
+            rule: (points, parts),
+            deep: vec![(0.0, 1.0)],
+        }
     }
 
     /// Strips of a rectangle or box from the origin; if nothing varies along z, one plane suffices.
@@ -117,7 +124,7 @@ fn crossing([p, q]: [[f64; 2]; 2], x: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::mesh::{BoundaryEdge, triangulate};
+    use fem::mesh::triangulate;
 
     /// A downward arrow, whose chords come in pairs, against closed forms.
     #[test]
@@ -142,18 +149,10 @@ mod tests {
     }
 
     fn strips(corners: &[[f64; 2]]) -> Strips {
-        let count = corners.len() as u32;
         let triangles = triangulate(corners).unwrap();
-        let coarse = Coarse {
-            vertices: corners.to_vec(),
-            region: vec![0; triangles.len()],
-            triangles,
-            regions: vec!["body".into()],
-            edges: (0..count)
-                .map(|i| BoundaryEdge { ends: [i, (i + 1) % count], side: i })
-                .collect(),
-            sides: (0..count).map(|i| i.to_string()).collect(),
-        };
+        let sides: Vec<u32> = (0..corners.len() as u32).collect();
+        let names = sides.iter().map(u32::to_string).collect();
+        let coarse = CoarseMesh::polygon(corners, &triangles, &sides, names).unwrap();
         Strips::new(&coarse, false)
     }
 }

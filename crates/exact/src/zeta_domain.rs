@@ -32,13 +32,15 @@ impl Region {
                 Self { corners: strips.corners(), shape: Shape::Strips(strips), finer: None }
             }
             Domain::Coarse(coarse) => {
-                let uncut = |&guard: &Node| is_uncut(graph, guard, coarse.dimension());
+                let uncut = |&guard: &Node| is_uncut(graph, guard, coarse.dimension);
                 let finer = guards.iter().any(uncut).then(|| Shape::of(coarse, true));
-                Self { shape: Shape::of(coarse, false), finer, corners: coarse.vertices() }
+                Self { shape: Shape::of(coarse, false), finer, corners: coarse.vertices.clone() }
             }
-            Domain::Finer(coarse) => {
-                Self { shape: Shape::of(coarse, true), finer: None, corners: coarse.vertices() }
-            }
+            Domain::Finer(coarse) => Self {
+                shape: Shape::of(coarse, true),
+                finer: None,
+                corners: coarse.vertices.clone(),
+            },
         }
     }
 }
@@ -50,10 +52,9 @@ pub(super) enum Shape {
 
 impl Shape {
     fn of(coarse: &CoarseMesh, finer: bool) -> Self {
-        match coarse {
-            CoarseMesh::Plane(coarse) => Self::Strips(Strips::new(coarse, finer)),
-            CoarseMesh::Space(_) if finer => Self::Points(SimplexPoints::finer(coarse)),
-            CoarseMesh::Space(_) => Self::Points(SimplexPoints::fine(coarse)),
+        match coarse.dimension {
+            2 => Self::Strips(Strips::new(coarse, finer)),
+            _ => Self::Points(SimplexPoints::in_space(coarse, finer)),
         }
     }
 }

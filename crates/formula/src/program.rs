@@ -52,16 +52,16 @@ pub(super) struct EvaluationPlan {
 impl Program {
     /// Prepares the outputs for times from 0 to about `horizon`. Later times are allowed; the panels of hereditary
     /// integrals are horizon/16 wide, narrower for fast relaxation.
-    pub fn compile(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
+    pub fn compile(graph: &Graph, outputs: &[Node], horizon: f64) -> Self {
         Self::of(graph, outputs, horizon, false)
     }
 
     /// Compiles for one time at any points: nothing is precomputed at binding.
-    pub fn compile_once(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
+    pub fn compile_once(graph: &Graph, outputs: &[Node], horizon: f64) -> Self {
         Self::of(graph, outputs, horizon, true)
     }
 
-    fn of(graph: &mut Graph, outputs: &[Node], horizon: f64, once: bool) -> Self {
+    fn of(graph: &Graph, outputs: &[Node], horizon: f64, once: bool) -> Self {
         let histories = HistoryPlan::groups(graph, outputs, horizon);
         // Integrals read precomputed values.
         let mut compiler = Compiler::new(graph, &histories, outputs, once && histories.is_empty());
@@ -311,11 +311,11 @@ mod tests {
         let texts = ["(1 - y^2)*sin(x) + x*t", "y + 1", "exp(t)"];
         let outputs = texts.map(|text| graph.parse(text, &scope).expect("a formula"));
         let both = 0b11;
-        let plan = Program::compile(&mut graph, &outputs, 1.0).plan;
+        let plan = Program::compile(&graph, &outputs, 1.0).plan;
         // (1 - y²) sin(x) and y + 1 are fixed.
         assert_eq!(computed(&plan), [vec![0b01, both, both], vec![0, both]]);
         assert_eq!(plan.coordinates.len(), 3);
-        let plan = Program::compile_once(&mut graph, &outputs, 1.0).plan;
+        let plan = Program::compile_once(&graph, &outputs, 1.0).plan;
         assert_eq!(computed(&plan), [vec![], vec![0, 0b01, both, both]]);
     }
 }

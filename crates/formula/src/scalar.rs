@@ -1,14 +1,8 @@
-//! Evaluation of one expression at one point: the plain definition, independent of the tapes so that the two check each
-//! other.
+//! Evaluation of one expression at one point, operation by operation. Only hereditary integrals ask for a program; tests
+//! compare the two with plain integrals.
 
 use super::graph::{Graph, Node, Op, Variable};
-use super::quadrature::GAUSS;
-
-const PANELS: usize = 32;
-const WATCHES: usize = 6;
-
-/// Breaks closer than this, relative to t, are merged.
-const APART: f64 = 1e-14;
+use super::program::Program;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EvaluationPoint {
@@ -53,8 +47,10 @@ pub(super) fn power(x: f64, n: i32) -> f64 {
     if n < 0 { 1.0 / product } else { product }
 }
 
-struct Scratch<'a> {
+/// The values of an expression and its parts, with hereditary integrals by `integral`.
+pub(super) struct Scratch<'a, F> {
     graph: &'a Graph,
+    integral: F,
     order: Vec<Node>,
     values: rustc_hash::FxHashMap<Node, f64>,
 }
@@ -63,19 +59,23 @@ impl Graph {
     /// The value of `f` at a point; with hereditary integrals accurate to about 1e-13 of the terms. Slow: for single
     /// values and checks.
     pub fn evaluate(&self, f: Node, at: &EvaluationPoint) -> f64 {
-        Scratch::new(self, &[f]).value(f, at)
+        let integral = |node: Node, at: &EvaluationPoint| {
+            let program = Program::compile(self, &[node], at.t);
+            program.values(&[[at.x, at.y, at.z]], at.t, at.zeta)[0][0]
+        };
+        Scratch::new(self, f, integral).value(f, at)
     }
 }
 
-impl<'a> Scratch<'a> {
-    fn new(graph: &'a Graph, roots: &[Node]) -> Self {
+impl<'a, F: Fn(Node, &EvaluationPoint) -> f64> Scratch<'a, F> {
+    pub(super) fn new(graph: &'a Graph, f: Node, integral: F) -> Self {
         let order =
-            graph.reachable(roots, |n| !matches!(graph.op(n), Op::Relax(..) | Op::Convolve(..)));
+            graph.reachable(&[f], |n| !matches!(graph.op(n), Op::Relax(..) | Op::Convolve(..)));
         let values = order.iter().map(|&n| (n, f64::NAN)).collect();
-        Self { graph, order, values }
+        Self { graph, integral, order, values }
     }
 
-    fn value(&mut self, f: Node, at: &EvaluationPoint) -> f64 {
+    pub(super) fn value(&mut self, f: Node, at: &EvaluationPoint) -> f64 {
         for k in 0..self.order.len() {
             let node = self.order[k];
             let value = self.one_value(node, at);
@@ -109,86 +109,12 @@ impl<'a> Scratch<'a> {
                     self.of(q)
                 }
             }
-            Op::Relax(c, f) => {
-                let c = f64::from_bits(c);
-                integral(self.graph, f, at, |lag| (-c * lag).exp())
-            }
-            Op::Convolve(kernel, f) => {
-                let mut b = Scratch::new(self.graph, &[kernel]);
-                integral(self.graph, f, at, |lag| {
-                    b.value(kernel, &EvaluationPoint { t: lag, ..*at })
-                })
-            }
+            Op::Relax(..) | Op::Convolve(..) => (self.integral)(node, at),
         }
     }
-}
-
-/// Integral over 0 < s < t of kernel(t-s) f(s): composite Gauss quadrature, panels broken where a guard of f changes
-/// sign.
-fn integral(
-    graph: &Graph,
-    f: Node,
-    at: &EvaluationPoint,
-    mut kernel: impl FnMut(f64) -> f64,
-) -> f64 {
-    let guards: Vec<Node> = graph.guards(&[f]);
-    let mut integrand = Scratch::new(graph, &[f]);
-    let mut guards: Vec<(Node, Scratch)> = guards
-        .into_iter()
-        .filter(|g| graph.depends_on(*g, Variable::T))
-        .map(|g| (g, Scratch::new(graph, &[g])))
-        .collect();
-    let edge = |k: usize| at.t * k as f64 / (PANELS * WATCHES) as f64;
-    let mut total = 0.0;
-    for panel in 0..PANELS {
-        let mut cuts = vec![edge(panel * WATCHES), edge((panel + 1) * WATCHES)];
-        for (guard, scratch) in &mut guards {
-            let mut sign = |s: f64| class(scratch.value(*guard, &EvaluationPoint { t: s, ..*at }));
-            for k in panel * WATCHES..(panel + 1) * WATCHES {
-                cuts.extend(change(&mut sign, edge(k), edge(k + 1)));
-            }
-        }
-        cuts.sort_by(f64::total_cmp);
-        if at.t < 0.0 {
-            cuts.reverse();
-        }
-        // A break next to an edge or another break would leave no room for quadrature points.
-        cuts.dedup_by(|next, kept| (*next - *kept).abs() <= APART * at.t.abs());
-        if let Some(last) = cuts.last_mut() {
-            *last = edge((panel + 1) * WATCHES);
-        }
-        for piece in cuts.windows(2) {
-            let width = piece[1] - piece[0];
-            for (u, w) in GAUSS.abscissae.iter().zip(&GAUSS.weights) {
-                let s = piece[0] + width * u;
-                let value = integrand.value(f, &EvaluationPoint { t: s, ..*at });
-                total += width * w * value * kernel(at.t - s);
-            }
-        }
-    }
-    total
 }
 
 /// The sign as a number: equal classes mean the same branch.
 pub(super) fn class(guard: f64) -> i8 {
     i8::from(guard > 0.0) - i8::from(guard < 0.0)
-}
-
-/// The place between `low` and `high` where the sign changes, by bisection.
-fn change(sign: &mut impl FnMut(f64) -> i8, mut low: f64, mut high: f64) -> Option<f64> {
-    let first = sign(low);
-    if sign(high) == first {
-        return None;
-    }
-    loop {
-        let middle = 0.5 * (low + high);
-        if middle <= low.min(high) || middle >= low.max(high) {
-            return Some(high);
-        }
-        if sign(middle) == first {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
 }

@@ -12,6 +12,8 @@ pub(super) use family::MESHES;
 pub(super) use mesh_file::with_mesh;
 pub use side::{Face, Side};
 
+use std::sync::Arc;
+
 use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, lattice};
 use formula::EvaluationPoint;
 
@@ -31,7 +33,7 @@ pub enum Shape {
     /// The product of (0, size\[i\]).
     Box,
     /// The union of coarse simplices, which the meshes refine.
-    Refined(CoarseMesh),
+    Refined(Arc<CoarseMesh>),
 }
 
 /// Each side is in exactly one of the three lists.
@@ -116,11 +118,11 @@ impl Domain {
                 let opposite = Side(side.0 ^ 1);
                 self.clamped.contains(&opposite).then(|| self.size[side.index() / 2])
             }
-            Shape::Refined(CoarseMesh::Plane(coarse)) => {
+            Shape::Refined(coarse) if coarse.dimension == 2 => {
                 depth::under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
             }
             // Not implemented in space.
-            Shape::Refined(CoarseMesh::Space(_)) => None,
+            Shape::Refined(_) => None,
         }
     }
 
@@ -154,7 +156,7 @@ impl Domain {
     pub fn cells(&self, n: u32) -> f64 {
         match &self.shape {
             Shape::Refined(coarse) => {
-                coarse.count() as f64 * f64::from(n).powi(coarse.dimension() as i32)
+                coarse.count() as f64 * f64::from(n).powi(coarse.dimension as i32)
             }
             Shape::Box => {
                 // As the meshes of boxes round; no side has less than one.
@@ -168,11 +170,11 @@ impl Domain {
     /// What mesh n refines.
     pub(crate) fn nesting(&self, n: u32) -> Nesting {
         match &self.shape {
-            Shape::Refined(CoarseMesh::Plane(coarse)) => {
+            Shape::Refined(coarse) if coarse.dimension == 2 => {
                 Nesting::Refined { coarse: coarse.clone(), parts: n }
             }
             // Tetrahedra from a file are refined edgewise, and parents of vertices are not kept.
-            Shape::Refined(CoarseMesh::Space(_)) => Nesting::Unknown,
+            Shape::Refined(_) => Nesting::Unknown,
             Shape::Box => Nesting::of_box(&self.size, n),
         }
     }
@@ -192,9 +194,9 @@ impl Domain {
             Shape::Refined(coarse) => coarse,
             Shape::Box => return Face::whole(&self.size).points(intervals),
         };
-        let beside = match coarse {
-            CoarseMesh::Plane(_) => 1.0,
-            CoarseMesh::Space(_) => (coarse.count() as f64 / 6.0).cbrt().max(1.0),
+        let beside = match coarse.dimension {
+            2 => 1.0,
+            _ => (coarse.count() as f64 / 6.0).cbrt().max(1.0),
         };
         let parts = (f64::from(intervals) / beside).ceil() as u32;
         let mesh = coarse.refined(parts, Family::Structured);

@@ -38,7 +38,7 @@ pub(super) fn place(
                 return Err(reading.error(&physical, message, hint));
             };
             let known: Vec<(&str, u32)> =
-                coarse.regions().iter().map(String::as_str).zip(0..).collect();
+                coarse.regions.iter().map(String::as_str).zip(0..).collect();
             reading.choice(&physical, &known).map(Place::Physical)
         }
         (both, _) => {
@@ -63,7 +63,7 @@ impl Place {
             (Place::Physical(_), Shape::Box) => return graph.constant(-1.0),
             (Place::Physical(group), Shape::Refined(coarse)) => (group, coarse),
         };
-        let simplices = (0..coarse.count()).filter(|&simplex| coarse.region_of(simplex) == group);
+        let simplices = (0..coarse.count()).filter(|&simplex| coarse.region[simplex] == group);
         let mut deepest = graph.constant(f64::NEG_INFINITY);
         for simplex in simplices {
             let least = smallest_coordinate(graph, coarse, simplex);
@@ -76,7 +76,7 @@ impl Place {
 
 /// min_a λ_a(x) of a coarse simplex.
 fn smallest_coordinate(graph: &mut Graph, coarse: &CoarseMesh, simplex: usize) -> Node {
-    let (corners, d) = (coarse.corners(simplex), coarse.dimension());
+    let (corners, d) = (coarse.corners(simplex), coarse.dimension);
     // Rows of the inverse are the gradients of λ_1, …, λ_d; λ_0 = 1 minus their sum.
     let edges = nalgebra::DMatrix::from_fn(d, d, |i, a| corners[a + 1][i] - corners[0][i]);
     let inverse = edges.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(d, d));

@@ -67,7 +67,7 @@ fn midpoints_stand_behind_the_vertices_and_between_their_corners() {
         let points = files.numbers("vertices.csv");
         assert_eq!(points.len(), all);
         let mesh = std::fs::read_to_string(files.folder.at("case/mesh.msh")).expect("a text");
-        assert_eq!(read_gmsh(&mesh).expect("a mesh").vertices().len(), corners);
+        assert_eq!(read_gmsh(&mesh).expect("a mesh").vertices.len(), corners);
         let between = |row: &[f64], corners: usize| {
             for (m, [a, b]) in row[corners..].iter().zip(EDGES) {
                 for i in 1..=d {

@@ -111,8 +111,8 @@ fn the_files_are_those_of_the_case() {
             |file: &str| decode(&std::fs::read(dir.join(file)).expect("a file")).expect("an array");
         // Read back by the reader of gmsh's files.
         let coarse = read_gmsh(&text("mesh.msh")).expect("a mesh");
-        assert_eq!(coarse.vertices().len(), mesh.vertices());
-        for (v, at) in coarse.vertices().iter().enumerate() {
+        assert_eq!(coarse.vertices.len(), mesh.vertices());
+        for (v, at) in coarse.vertices.iter().enumerate() {
             assert_eq!(*at, mesh.point(&[v as u32], &[1.0]));
         }
         // Loads act on the hat functions of all vertices: those of free ones are the case's.

@@ -2,6 +2,7 @@
 
 mod ahead;
 mod cholesky;
+mod complement;
 mod conjugate_gradient;
 mod dense;
 mod dissection;
@@ -20,6 +21,7 @@ mod tangent_solver;
 mod vectors;
 
 pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
+pub use complement::complement;
 pub use conjugate_gradient::{Directions, conjugate_gradients};
 pub use dense::DenseCholesky;
 pub use dissection::nested_dissection;

@@ -107,21 +107,7 @@ impl BlockPattern {
         values: &mut [f64],
     ) {
         // A constant number of nodes for linear elements lets loops unroll.
-        match self.stride {
-            linear if linear == D + 1 => self.scatter_of::<D>(D + 1, c, nodes, local, values),
-            vertices => self.scatter_of::<D>(vertices, c, nodes, local, values),
-        }
-    }
-
-    #[inline(always)]
-    fn scatter_of<const D: usize>(
-        &self,
-        vertices: usize,
-        c: usize,
-        nodes: &[u32],
-        local: &[f64],
-        values: &mut [f64],
-    ) {
+        let vertices = self.stride;
         let order = D * vertices;
         let free = (self.first.len() - 1) as u32;
         for (a, &node) in nodes.iter().enumerate() {

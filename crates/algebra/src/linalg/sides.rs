@@ -153,32 +153,12 @@ fn product<T: Real>(a: &[T], b: &[T]) -> T {
 /// remainders.
 #[inline(always)]
 fn subtract<T: Real>(c: [&[T]; COLUMNS], w: [T; COLUMNS], x: &mut [T]) {
-    let [c0, c1, c2, c3] = c;
-    let value = |x: T, [c0, c1, c2, c3]: [T; COLUMNS]| {
-        x - ((c0 * w[0] + c1 * w[1]) + (c2 * w[2] + c3 * w[3]))
-    };
-    let (blocks, rest) = x.as_chunks_mut::<LANES>();
-    let ((c0, rest0), (c1, rest1)) = (c0.as_chunks::<LANES>(), c1.as_chunks::<LANES>());
-    let ((c2, rest2), (c3, rest3)) = (c2.as_chunks::<LANES>(), c3.as_chunks::<LANES>());
-    for ((((x, c0), c1), c2), c3) in blocks.iter_mut().zip(c0).zip(c1).zip(c2).zip(c3) {
-        for l in 0..LANES {
-            x[l] = value(x[l], [c0[l], c1[l], c2[l], c3[l]]);
-        }
-    }
-    let (blocks, rest) = rest.as_chunks_mut::<HALF>();
-    let ((c0, rest0), (c1, rest1)) = (rest0.as_chunks::<HALF>(), rest1.as_chunks::<HALF>());
-    let ((c2, rest2), (c3, rest3)) = (rest2.as_chunks::<HALF>(), rest3.as_chunks::<HALF>());
-    for ((((x, c0), c1), c2), c3) in blocks.iter_mut().zip(c0).zip(c1).zip(c2).zip(c3) {
-        for l in 0..HALF {
-            x[l] = value(x[l], [c0[l], c1[l], c2[l], c3[l]]);
-        }
-    }
-    for ((((x, c0), c1), c2), c3) in rest.iter_mut().zip(rest0).zip(rest1).zip(rest2).zip(rest3) {
-        *x = value(*x, [*c0, *c1, *c2, *c3]);
+    let [c0, c1, c2, c3] = c.map(|c| &c[..x.len()]);
+    for (i, x) in x.iter_mut().enumerate() {
+        *x -= (c0[i] * w[0] + c1[i] * w[1]) + (c2[i] * w[2] + c3[i] * w[3]);
     }
 }
 
-/// Σ_i c_i x_i for several columns c.
 #[inline(always)]
 fn products<T: Real>(c: [&[T]; COLUMNS], x: &[T]) -> [T; COLUMNS] {
     let ((x, x_rest), c) = (x.as_chunks::<LANES>(), c.map(|c| c.as_chunks::<LANES>()));

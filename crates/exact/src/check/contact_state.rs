@@ -108,18 +108,12 @@ fn sample<const D: usize>(
     let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
     let (mut bound, mut inside) = (formulas.program.bind(points), exact.interior.bind(points));
     let (regions, mut memory) = (exact.regions_at(points), Vec::new());
-    let mut values = vec![Vec::new(); 5];
-    let mut fields = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
     let friction = exact.friction(&normal[..D]);
     let mut sliding = friction.map(|friction| (friction.tangents, friction.program.bind(points)));
-    let mut slides = vec![Vec::new(); Sliding::numbers(D)];
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
-        bound.evaluate(t, 0.0, &mut values);
-        inside.evaluate(t, 0.0, &mut fields);
-        if let Some((_, bound)) = &mut sliding {
-            bound.evaluate(t, 0.0, &mut slides);
-        }
+        let [values, fields] = [&mut bound, &mut inside].map(|bound| bound.values_at(t, 0.0));
+        let slides = sliding.as_mut().map(|(tangents, bound)| (*tangents, bound.values_at(t, 0.0)));
         let kappa = exact.kappa(t);
         for p in 0..points.len() {
             let [u_nu, pressure, gap, _, lambda] = [0, 1, 2, 3, 4].map(|i| values[i][p]);
@@ -127,7 +121,7 @@ fn sample<const D: usize>(
             let sigma = stress(exact.material_in(regions[p]), &strain, &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
             let mut along = [0.0; 3];
-            if let Some((tangents, _)) = &sliding {
+            if let Some((tangents, slides)) = &slides {
                 let sliding_state = Sliding::new(*tangents, D, |i| slides[i][p]);
                 extremes.friction.get_or_insert_default().add(&sliding_state);
                 along = sliding_state.stress();

@@ -27,7 +27,7 @@ pub(super) struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     pub(super) fn new(exact: &'a Exact, t: f64) -> Self {
-        let mut graph = exact.data.graph.clone();
+        let graph = &exact.data.graph;
         // The stress has the guards of strain and memory, and those of regions.
         let named = exact.data.regions.iter().map(|region| region.condition);
         let nodes: Vec<Node> = exact.strain.iter().chain(&exact.memory).copied().collect();
@@ -38,7 +38,7 @@ impl<'a> Lines<'a> {
         let guards: Vec<Node> = all.iter().map(|(guard, _)| *guard).collect();
         Self {
             size: &exact.data.size,
-            guards: Guards::new(&mut graph, &guards, exact.data.horizon),
+            guards: Guards::new(graph, &guards, exact.data.horizon),
             depends: all.into_iter().map(|(_, depends)| depends).collect(),
             times: [t, 0.0],
         }

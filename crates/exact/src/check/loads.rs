@@ -92,13 +92,11 @@ impl TestFunctions {
             }
         }
         let count = outputs.len() / (1 + size.len());
-        Self { program: Program::compile(&mut graph, &outputs, exact.data.horizon), count }
+        Self { program: Program::compile(&graph, &outputs, exact.data.horizon), count }
     }
 
     fn at<const D: usize>(&self, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::new(); (D + 1) * self.count];
-        self.program.bind(points).evaluate(0.0, 0.0, &mut out);
-        out
+        self.program.values(points, 0.0, 0.0)
     }
 }
 
@@ -139,8 +137,7 @@ fn yield_points<const D: usize>(exact: &Exact, t: f64, lines: &[([f64; 3], f64)]
         return roots;
     }
     let beyond = |points: &[[f64; 3]]| -> Vec<bool> {
-        let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
-        exact.interior.bind(points).evaluate(t, 0.0, &mut out);
+        let out = exact.interior.values(points, t, 0.0);
         (0..points.len()).map(|p| deviator_norm::<D>(&full(|k| out[D + k][p])) > kappa).collect()
     };
     let height = exact.data.size[1];
@@ -197,8 +194,7 @@ fn volume<const D: usize>(
 ) {
     let points: Vec<[f64; 3]> = columns.iter().map(|(point, _)| *point).collect();
     let sigma = exact.stress_at::<D>(&points, t);
-    let mut force = vec![Vec::new(); D];
-    exact.forces.bind(&points).evaluate(t, exact.zeta.at(t), &mut force);
+    let force = exact.forces.values(&points, t, exact.zeta.at(t));
     let v = tests.at::<D>(&points);
     for (p, (_, weight)) in columns.iter().enumerate() {
         for test in 0..tests.count {

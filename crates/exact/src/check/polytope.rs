@@ -95,8 +95,7 @@ impl<const D: usize> Fields<D> {
         };
         let inside = SimplexPoints::of(mesh, &rule);
         let sigma = exact.stress_at(&inside.points, t);
-        let mut force = vec![Vec::new(); D];
-        exact.forces.bind(&inside.points).evaluate(t, exact.zeta.at(t), &mut force);
+        let force = exact.forces.values(&inside.points, t, exact.zeta.at(t));
         let facets = 0..mesh.facet_side.len();
         let on_facet =
             |f: usize| side_rule.points.iter().map(move |b| mesh.point(mesh.facet(f), b));
@@ -159,9 +158,9 @@ pub(super) fn zeta(exact: &Exact, polytope: &Polytope) -> Option<Finding> {
     if known.is_nan() {
         return None;
     }
-    let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
+    let (graph, horizon) = (&exact.data.graph, exact.data.horizon);
     let finer = Domain::Finer(&polytope.coarse);
-    let finer = AccumulatedStrain::new(&mut graph, &exact.strain, horizon, finer, true).at(horizon);
+    let finer = AccumulatedStrain::new(graph, &exact.strain, horizon, finer, true).at(horizon);
     let share = ((known - finer) / finer.abs().max(f64::MIN_POSITIVE)).abs();
     let status = if share <= ZETA { Status::Verified } else { Status::Weak };
     let text = format!("zeta(T) = {known:.6} agrees to {share:.1e} with a finer rule");
@@ -179,10 +178,7 @@ pub(super) fn in_time(polytope: &Polytope) -> (Vec<[f64; 3]>, Vec<f64>) {
 
 /// Number of edges of a simplex.
 pub(super) fn directions(coarse: &CoarseMesh) -> usize {
-    match coarse {
-        CoarseMesh::Plane(_) => 3,
-        CoarseMesh::Space(_) => 6,
-    }
+    if coarse.dimension == 2 { 3 } else { 6 }
 }
 
 /// The edges of a tetrahedron, each with its opposite one.
@@ -197,12 +193,12 @@ pub(super) fn gathered(coarse: &CoarseMesh, direction: usize) -> Vec<Lines> {
 fn in_simplex(coarse: &CoarseMesh, simplex: usize, direction: usize) -> Lines {
     let (corners, measure) = (coarse.corners(simplex), coarse.measure_of(simplex));
     // The edge, and the points opposite to it with the share of the opposite edge that each represents.
-    let (a, b, opposite, lines) = match coarse {
-        CoarseMesh::Plane(_) => {
+    let (a, b, opposite, lines) = match coarse.dimension {
+        2 => {
             let [a, b, tip] = [0, 1, 2].map(|i: usize| corners[(direction + i) % 3]);
             (a, b, vec![(tip, 1.0)], LINES)
         }
-        CoarseMesh::Space(_) => {
+        _ => {
             let [a, b, c, d] = EDGES[direction].map(|i| corners[i]);
             let between = |i: usize| {
                 let w = (i as f64 + 0.5) / LINES_IN_SPACE as f64;

@@ -80,12 +80,11 @@ fn time_derivatives(exact: &Exact) -> [Finding; 2] {
     let mut bound = exact.interior.bind(&points);
     let d = exact.dimension();
     let strains = d..d + exact.strain.len();
-    let mut out = vec![Vec::new(); strains.end + exact.memory.len()];
     let count = FINE / 3;
     let step = exact.data.horizon / count as f64;
     let history: Vec<Vec<f64>> = (0..=count)
         .map(|n| {
-            bound.evaluate(step * n as f64, 0.0, &mut out);
+            let out = bound.values_at(step * n as f64, 0.0);
             out[strains.clone()].concat()
         })
         .collect();
@@ -182,20 +181,11 @@ fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
 }
 
 fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
-    let mut graph = exact.data.graph.clone();
-    let nodes = match field {
-        Field::Strain => &exact.strain,
-        Field::Stress => &exact.stress,
+    let (nodes, zeta) = match field {
+        Field::Strain => (&exact.strain, 0.0),
+        Field::Stress => (&exact.stress, exact.zeta.at(t)),
     };
-    let zeta = match field {
-        Field::Strain => 0.0,
-        Field::Stress => exact.zeta.at(t),
-    };
-    let mut out = vec![Vec::new(); nodes.len()];
-    Program::compile(&mut graph, nodes, exact.data.horizon)
-        .bind(points)
-        .evaluate(t, zeta, &mut out);
-    out
+    Program::compile(&exact.data.graph, nodes, exact.data.horizon).values(points, t, zeta)
 }
 
 /// Lines of [`FINE`] intervals on a plane part of Γ3, with their length and the measure of what they represent.
@@ -251,10 +241,10 @@ impl TraceBends {
         measure: f64,
     ) {
         let mut bound = program.bind(points);
-        let (mut out, mut extent) = (vec![Vec::new(); 5], 0.0f64);
+        let mut extent = 0.0f64;
         let lines = points.len() / (FINE + 1);
         for t in times(exact) {
-            bound.evaluate(t, 0.0, &mut out);
+            let out = bound.values_at(t, 0.0);
             extent = worst(extent, largest(&out[0]));
             for (quotient, stride) in self.quotients.iter_mut().zip(STRIDES) {
                 let delta = length * stride as f64 / FINE as f64;

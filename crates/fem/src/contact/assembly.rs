@@ -3,36 +3,24 @@
 use super::{Discretization, Frames};
 use crate::space::StrainPoint;
 use algebra::in_dimension;
+use algebra::tensor::off_diagonal;
 use vhi::law::TensorField;
 
 /// The columns of B at a point of a cell: the Mandel strain of each unit displacement.
 #[inline]
-pub(crate) fn strain_columns<const D: usize, const S: usize>(
-    gradients: &[f64],
-    out: &mut [[f64; S]],
-) {
+fn strain_columns<const D: usize, const S: usize>(gradients: &[f64], out: &mut [[f64; S]]) {
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    for (a, g) in gradients.chunks_exact(D).enumerate() {
-        for i in 0..D {
-            let mut column = [0.0; S];
+    for (g, columns) in gradients.chunks_exact(D).zip(out.chunks_exact_mut(D)) {
+        columns.fill([0.0; S]);
+        for (i, column) in columns.iter_mut().enumerate() {
             column[i] = g[i];
-            if D == 2 {
-                column[2] = half * g[1 - i];
-            } else {
-                // Off-diagonal component 3 + m couples the two axes other than m.
-                for m in 0..3 {
-                    if m != i {
-                        column[3 + m] = half * g[3 - i - m];
-                    }
-                }
-            }
-            out[D * a + i] = column;
+        }
+        for (k, &(i, j)) in off_diagonal(D).iter().enumerate() {
+            columns[i][D + k] = half * g[j];
+            columns[j][D + k] = half * g[i];
         }
     }
 }
-
-/// Unknowns of a cell, at most: those of a tetrahedron with 4 nodes.
-const MOST_LINEAR: usize = 12;
 
 /// Unknowns of a cell of any element: a tetrahedron with 10 nodes has the most.
 const MOST_UNKNOWNS: usize = 30;
@@ -47,27 +35,10 @@ pub(crate) fn point_stiffness<'a, const D: usize, const S: usize>(
     law: &[[f64; S]; S],
     room: &'a mut [f64; ROOM],
 ) -> &'a mut [f64] {
-    let order = at.gradients.len();
+    let (order, weight) = (at.gradients.len(), at.weight);
     let local = &mut room[..order * order];
-    // The order of linear elements as a constant: loops are unrolled.
-    if order == D * (D + 1) {
-        of_order::<D, S, MOST_LINEAR>(D * (D + 1), at.gradients, law, at.weight, local);
-    } else {
-        of_order::<D, S, MOST_UNKNOWNS>(order, at.gradients, law, at.weight, local);
-    }
-    local
-}
-
-#[inline(always)]
-fn of_order<const D: usize, const S: usize, const MOST: usize>(
-    order: usize,
-    gradients: &[f64],
-    law: &[[f64; S]; S],
-    weight: f64,
-    local: &mut [f64],
-) {
-    let mut columns = [[0.0; S]; MOST];
-    strain_columns::<D, S>(gradients, &mut columns[..order]);
+    let mut columns = [[0.0; S]; MOST_UNKNOWNS];
+    strain_columns::<D, S>(at.gradients, &mut columns[..order]);
     for j in 0..order {
         let mut stress = [0.0; S];
         for (p, row) in law.iter().enumerate() {
@@ -84,6 +55,7 @@ fn of_order<const D: usize, const S: usize, const MOST: usize>(
             local[order * j + i] = weight * sum;
         }
     }
+    local
 }
 
 /// Adds the work σ:ε(v) of a point of a cell to the nodal vector `force`, for the stress there times the weight of the
@@ -98,20 +70,12 @@ pub fn stress_force<const D: usize, const S: usize>(
     let half = std::f64::consts::FRAC_1_SQRT_2;
     for (g, &node) in gradients.chunks_exact(D).zip(nodes) {
         let out = &mut force[D * node as usize..D * node as usize + D];
-        if D == 2 {
-            out[0] += stress[0] * g[0] + half * stress[2] * g[1];
-            out[1] += stress[1] * g[1] + half * stress[2] * g[0];
-        } else {
-            for i in 0..3 {
-                let mut sum = stress[i] * g[i];
-                for m in 0..3 {
-                    if m != i {
-                        sum += half * stress[3 + m] * g[3 - i - m];
-                    }
-                }
-                out[i] += sum;
-            }
+        let mut sums: [f64; D] = std::array::from_fn(|i| stress[i] * g[i]);
+        for (k, &(i, j)) in off_diagonal(D).iter().enumerate() {
+            sums[i] += half * stress[D + k] * g[j];
+            sums[j] += half * stress[D + k] * g[i];
         }
+        out.iter_mut().zip(sums).for_each(|(out, sum)| *out += sum);
     }
 }
 

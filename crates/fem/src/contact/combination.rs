@@ -11,6 +11,7 @@ use super::case::StepView;
 use super::kkt::internal_force;
 use super::model::Model;
 use super::nodal_norms::strain_norm;
+use super::shown::Shown;
 use algebra::linalg::{axpy, is_sound_sum, larger, largest};
 use algebra::tensor::contract;
 
@@ -41,20 +42,9 @@ impl Combination {
         };
         let solutions: Vec<Vec<f64>> = solutions.iter().map(padded).collect();
         let zero = vec![0.0; space.nodes.len()];
-        let nothing = vec![0.0; space.trace.points.len()];
+        let nothing = Shown::new(space, model);
         let forces = |u: &[f64], history: &[Vec<f64>]| {
-            let view = StepView {
-                n: 0,
-                t: 0.0,
-                u,
-                history,
-                zeta: 0.0,
-                kappa: f64::INFINITY,
-                strain_norm: 0.0,
-                compliance: &nothing,
-                multiplier: &nothing,
-                friction: &[],
-            };
+            let view = StepView { u, history, ..nothing.view((0, 0.0), &[], [0.0; 2]) };
             internal_force(space, model, &view)
         };
         let elastic = solutions.iter().map(|w| forces(w, &[])).collect();

@@ -7,13 +7,12 @@ use std::time::Instant;
 
 use self::frozen::Frozen;
 use super::case::failed;
+use super::histories::Histories;
 use super::last_slot::LastSlot;
 use super::path::Paths;
-use super::taken::of_storage;
 use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
 use algebra::linalg::{FactorError, axpy};
-use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::Convolution;
+use vhi::history::{Accumulated, TimeGrid};
 use vhi::{
     BoundaryGraph, FailedStep, HistoryInequality, OpenInequality, StepInequality, StepState,
 };
@@ -25,8 +24,7 @@ pub struct Evolution<'a> {
     grid: &'a TimeGrid,
     source: &'a mut dyn Load,
     problem: ContactProblem<'a>,
-    /// One per term of the memory, as the vectors below.
-    memory: Vec<Memory>,
+    histories: Histories<'a>,
     accumulated: Accumulated,
     /// Levels committed so far: the index n of the open one.
     committed: usize,
@@ -34,12 +32,7 @@ pub struct Evolution<'a> {
     past_zeta: f64,
     /// F_n, Cartesian.
     load: Vec<f64>,
-    /// Σ_{j<n} W_nj u_j of each term while a level is open, Σ'_{j≤n} W_nj u_j after its commit, of
-    /// unknowns padded to all nodes.
-    history: Vec<Vec<f64>>,
-    /// The history as displacements, where these differ from the unknowns.
-    shown_history: Vec<Vec<f64>>,
-    /// The history with a frozen last slot.
+    /// The histories with a frozen last slot.
     frozen_history: Vec<Vec<f64>>,
     zeta: f64,
     /// DΛ of the open level, if it was asked for.
@@ -62,20 +55,11 @@ impl<'a> Evolution<'a> {
         source: &'a mut dyn Load,
     ) -> Result<Self, FailedStep> {
         let solver = LinearSolver::of(space, model, grid.steps());
-        let rule = model.time_rule.as_ref();
-        let terms = model.memory.iter();
-        let memory: Vec<Memory> =
-            terms.map(|term| Memory::new(&*term.kernel, rule, grid, space.dofs())).collect();
         Ok(Self {
             problem: ContactProblem::new(space, model, solver)
                 .map_err(|source| failed(0, grid.time(0), source))?,
-            history: vec![vec![0.0; space.nodes.len()]; memory.len()],
-            shown_history: match space.frames.is_empty() {
-                true => Vec::new(),
-                false => vec![vec![0.0; space.nodes.len()]; memory.len()],
-            },
-            frozen_history: vec![vec![0.0; space.dofs()]; memory.len()],
-            memory,
+            histories: Histories::new(space, model, grid, true),
+            frozen_history: vec![vec![0.0; space.dofs()]; model.memory.len()],
             accumulated: Accumulated::default(),
             committed: 0,
             slot: LastSlot::default(),
@@ -109,7 +93,7 @@ impl<'a> Evolution<'a> {
 
     /// Σ'_{j≤n} W_nj u_j of the last committed level as nodal vectors, one per term of the memory.
     pub fn history(&self) -> &[Vec<f64>] {
-        if self.space.frames.is_empty() { &self.history } else { &self.shown_history }
+        self.histories.shown()
     }
 
     /// A vector of unknowns as displacements of all nodes.
@@ -121,11 +105,7 @@ impl<'a> Evolution<'a> {
     }
 
     pub(super) fn paths(&self) -> Paths {
-        let mut paths = Paths::default();
-        for memory in &self.memory {
-            paths.insert(of_storage(memory.storage(), self.grid));
-        }
-        paths
+        self.histories.paths()
     }
 
     /// ζ_n of the last committed level.
@@ -146,7 +126,7 @@ impl<'a> Evolution<'a> {
     }
 
     fn begin_implicit(&mut self) {
-        let sums = if self.committed > 0 { &self.history[..] } else { &[] };
+        let sums = if self.committed > 0 { &self.histories.sums[..] } else { &[] };
         self.problem.begin(&self.slot, self.past_zeta, &self.load, sums);
     }
 }
@@ -164,38 +144,22 @@ impl HistoryInequality for Evolution<'_> {
         self.source.assemble(self.grid.time(n), &mut self.load)?;
         self.seconds_load += start.elapsed().as_secs_f64();
         let rule = self.model.time_rule.as_ref();
-        let (grid, dofs) = (self.grid, self.space.dofs());
-        self.slot.zeta = rule.weight(grid, n, n);
+        self.slot.zeta = rule.weight(self.grid, n, n);
         self.slot.memory.clear();
-        self.past_zeta = self.accumulated.past(rule, grid);
-        for ((memory, term), sum) in
-            self.memory.iter_mut().zip(&self.model.memory).zip(&mut self.history)
-        {
-            let last_weight = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
-            self.slot.memory.push(last_weight);
-            memory.past(&*term.kernel, rule, grid, &mut sum[..dofs]);
-        }
+        self.slot.memory.extend(self.model.last_weights(self.grid, n));
+        self.past_zeta = self.accumulated.past(rule, self.grid);
+        self.histories.recall();
         self.problem.set_friction(self.grid.time(n));
         self.begin_implicit();
         Ok(())
     }
 
     fn commit(&mut self, solution: &StepState) {
-        let dofs = self.space.dofs();
         let strain_norm = self.problem.strain_norm();
         self.zeta = self.past_zeta + self.slot.zeta * strain_norm;
         self.accumulated.commit(self.grid, strain_norm);
-        let sums = self.history.iter_mut().zip(&self.slot.memory);
-        for (memory, (sum, &last_weight)) in self.memory.iter_mut().zip(sums) {
-            memory.commit(self.grid, &solution.u);
-            axpy(last_weight, &solution.u, &mut sum[..dofs]);
-        }
-        for (shown, sum) in self.shown_history.iter_mut().zip(&self.history) {
-            shown.copy_from_slice(sum);
-            self.space.frames.to_cartesian(shown);
-        }
-        let bytes = self.memory.iter().map(Memory::bytes).sum();
-        self.peak_history_bytes = self.peak_history_bytes.max(bytes);
+        self.histories.commit(&solution.u, &self.slot.memory);
+        self.peak_history_bytes = self.peak_history_bytes.max(self.histories.bytes());
         self.committed += 1;
     }
 }
@@ -205,7 +169,7 @@ impl OpenInequality for Evolution<'_> {
         let Some(eta) = eta else { return self.begin_implicit() };
         let dofs = self.space.dofs();
         let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
-        let sums = self.frozen_history.iter_mut().zip(&self.history).zip(&self.slot.memory);
+        let sums = self.frozen_history.iter_mut().zip(&self.histories.sums).zip(&self.slot.memory);
         for ((frozen, sum), &last_weight) in sums {
             frozen.copy_from_slice(&sum[..dofs]);
             axpy(last_weight, eta, frozen);

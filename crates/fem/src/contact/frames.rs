@@ -5,6 +5,7 @@
 //! B = N⁻¹, displacements are u = B w, forces Bᵀf, matrices BᵀKB. Elsewhere w = u, and a scene whose
 //! normals are axes has no frame and pays nothing.
 
+use algebra::linalg::complement;
 use nalgebra::DMatrix;
 
 /// A vertex whose unknowns are not Cartesian components.
@@ -42,7 +43,9 @@ impl Frames {
     /// mesh: two sides that meet at an angle have different normals.
     pub(crate) fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]]) {
         let d = self.dimension;
-        let rows = completed(normals, d);
+        let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
+        rows.extend(complement(&rows, d).unwrap_or_default());
+        assert_eq!(rows.len(), d, "dependent normals at node {node}");
         let normals = DMatrix::from_fn(d, d, |i, j| rows[i][j]);
         assert!(normals.determinant().abs() > DEPENDENT, "dependent normals at node {node}");
         let basis = normals.clone().try_inverse().expect("independent rows");
@@ -122,45 +125,6 @@ impl Frames {
             }
         }
     }
-}
-
-/// Unit vectors completed to d of them, by the axes that are furthest from what is there, made orthogonal to it.
-pub(super) fn completed(normals: &[[f64; 3]], d: usize) -> Vec<Vec<f64>> {
-    let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
-    while rows.len() < d {
-        let across = |axis: usize| {
-            let mut v = vec![0.0; d];
-            v[axis] = 1.0;
-            for row in orthonormal(&rows) {
-                let along: f64 = row.iter().zip(&v).map(|(a, b)| a * b).sum();
-                v.iter_mut().zip(&row).for_each(|(v, r)| *v -= along * r);
-            }
-            v
-        };
-        let length = |v: &Vec<f64>| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let candidates = (0..d).map(across);
-        let Some(best) = candidates.max_by(|a, b| length(a).total_cmp(&length(b))) else {
-            break;
-        };
-        let scale = length(&best);
-        rows.push(best.iter().map(|v| v / scale).collect());
-    }
-    rows
-}
-
-/// Gram-Schmidt.
-fn orthonormal(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let mut out: Vec<Vec<f64>> = Vec::new();
-    for row in rows {
-        let mut v = row.clone();
-        for known in &out {
-            let along: f64 = known.iter().zip(&v).map(|(a, b)| a * b).sum();
-            v.iter_mut().zip(known).for_each(|(v, k)| *v -= along * k);
-        }
-        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        out.push(v.iter().map(|x| x / length).collect());
-    }
-    out
 }
 
 #[cfg(test)]

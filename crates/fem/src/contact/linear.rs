@@ -3,9 +3,10 @@
 
 use std::time::Instant;
 
-use super::case::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, failed};
+use super::case::{CaseError, CaseInfo, KKT_ALLOWED, Observer, failed};
 use super::combination::Combination;
 use super::kkt::kkt_residual_in;
+use super::shown::Shown;
 use super::taken::of_storage;
 use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
@@ -35,10 +36,9 @@ pub fn march(
     if let Some(remembered) = &memory {
         info.paths.insert(of_storage(remembered.memory.storage(), grid));
     }
-    let (mut force, mut u) = (vec![0.0; space.dofs()], vec![0.0; space.nodes.len()]);
+    let (mut force, mut shown) = (vec![0.0; space.dofs()], Shown::new(space, model));
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut accumulated = Accumulated::default();
-    let nothing = vec![0.0; space.trace.points.len()];
     let mut seconds = 0.0;
     for n in 0..=grid.steps() {
         let t = grid.time(n);
@@ -50,24 +50,14 @@ pub fn march(
             solved.map_err(|source| failed(n, t, source))?;
             info.peak_history_bytes = info.peak_history_bytes.max(remembered.memory.bytes());
         }
-        combination.combine(&coefficients, &mut u);
+        combination.combine(&coefficients, &mut shown.nodal);
         history.iter_mut().for_each(|history| combination.combine(&past, history));
-        let strain_norm = combination.strain_norm(space, &coefficients, &u);
+        let strain_norm = combination.strain_norm(space, &coefficients, &shown.nodal);
         accumulated.commit(grid, strain_norm);
         seconds += start.elapsed().as_secs_f64();
         info.newton_iterations += 1;
-        let view = StepView {
-            n,
-            t,
-            u: &u,
-            history: &history,
-            zeta: accumulated.value(rule, grid),
-            kappa: f64::INFINITY,
-            strain_norm,
-            compliance: &nothing,
-            multiplier: &nothing,
-            friction: &[],
-        };
+        let zeta = accumulated.value(rule, grid);
+        let view = shown.view((n, t), &history, [zeta, strain_norm]);
         let parts = load.basis().unwrap_or_default();
         let mut residual = combination.kkt_residual(space, [&coefficients, &past], &factors, parts);
         // The last level is balanced by the load itself; one that is no number is said first, and one that would be refused
@@ -82,7 +72,7 @@ pub fn march(
         observe(&view)?;
     }
     let size = norm(&force);
-    info.floors = volume.floors(force, size, [&u, &u], &history);
+    info.floors = volume.floors(force, size, [&shown.nodal, &shown.nodal], &history);
     info.work = volume.work();
     info.work.linear.seconds_solve += seconds;
     Ok(info)

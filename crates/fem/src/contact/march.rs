@@ -2,14 +2,10 @@
 
 use super::case::{CaseError, CaseInfo, Observer, StepView};
 use super::floor::Accepted;
-use super::kkt::kkt_residual_in;
 use super::plan::Plan;
-use super::pressures::split_pressures;
-use super::{
-    Discretization, Evolution, Floors, Load, Model, Path, friction_graph, linear, one_matrix, taken,
-};
+use super::shown::Shown;
+use super::{Discretization, Evolution, Floors, Load, Model, Path, linear, one_matrix, taken};
 use vhi::history::TimeGrid;
-use vhi::law::Projection;
 use vhi::{StepInequality, StepSolver, Stepper};
 
 /// Fields of this size have squares, and squares of errors down to 1e-2 of ε, that are doubles.
@@ -94,11 +90,7 @@ struct March<'a> {
     model: &'a Model,
     evolution: Evolution<'a>,
     stepper: Stepper<'a>,
-    nodal: Vec<f64>,
-    balance: Vec<f64>,
-    compliance: Vec<f64>,
-    multiplier: Vec<f64>,
-    friction: Vec<f64>,
+    shown: Shown<'a>,
     /// The largest residual that was accepted so far, and the floors it and rounding make.
     worst_residual: f64,
     info: CaseInfo,
@@ -116,18 +108,7 @@ impl<'a> March<'a> {
         Ok(Self {
             stepper: Stepper::new(&evolution, solver),
             evolution,
-            nodal: vec![0.0; space.nodes.len()],
-            balance: Vec::new(),
-            compliance: vec![0.0; space.trace.points.len()],
-            multiplier: vec![0.0; space.trace.points.len()],
-            friction: vec![
-                0.0;
-                if model.friction.is_some() {
-                    (space.mesh.dimension - 1) * space.trace.points.len()
-                } else {
-                    0
-                }
-            ],
+            shown: Shown::new(space, model),
             worst_residual: 0.0,
             info: CaseInfo::default(),
             space,
@@ -169,7 +150,7 @@ impl<'a> March<'a> {
         self.space.frames.to_cartesian(&mut delta);
         let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
         let accepted = Accepted { residual, tolerance };
-        let floors = Floors::new(self.space, &delta, &self.nodal, accepted, largest);
+        let floors = Floors::new(self.space, &delta, &self.shown.nodal, accepted, largest);
         self.info.floors = self.info.floors.max(floors);
     }
 
@@ -184,39 +165,10 @@ impl<'a> March<'a> {
     }
 
     fn show(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
-        let state = &self.stepper.state;
-        self.nodal[..state.u.len()].copy_from_slice(&state.u);
-        self.space.frames.to_cartesian(&mut self.nodal);
-        split_pressures(
-            self.space,
-            self.model,
-            self.evolution.graph(),
-            state,
-            [&mut self.compliance, &mut self.multiplier],
-        );
-        friction_graph::show(self.space, &state.pressure, &mut self.friction);
-        let zeta = self.evolution.zeta();
-        let history = self.evolution.history();
-        let view = StepView {
-            n,
-            t,
-            u: &self.nodal,
-            history,
-            zeta,
-            kappa: self.model.projection.limit().map_or(f64::INFINITY, |l| l.value(zeta)),
-            strain_norm: self.evolution.problem().strain_norm(),
-            compliance: &self.compliance,
-            multiplier: &self.multiplier,
-            friction: &self.friction,
-        };
-        let residual = kkt_residual_in(
-            self.space,
-            self.model,
-            &view,
-            self.evolution.load(),
-            &mut self.balance,
-        );
-        self.info.accept(&view, residual)?;
-        observe(&view)
+        let (state, evolution) = (&self.stepper.state, &self.evolution);
+        self.shown.take(&state.u, Some((evolution.graph(), state)));
+        let sizes = [evolution.zeta(), evolution.problem().strain_norm()];
+        let to = (&mut self.info, observe);
+        self.shown.show((n, t), evolution.history(), sizes, evolution.load(), to)
     }
 }

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use super::friction_law::Friction;
 use crate::space::Element;
-use vhi::history::TimeRule;
-use vhi::law::{AnyProjection, MemoryKernel, Potential, Projection, Scaled, TensorField};
+use vhi::history::{TimeGrid, TimeRule};
+use vhi::law::{
+    AnyProjection, Convolution, MemoryKernel, Potential, Projection, Scaled, TensorField,
+};
 
 /// A term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds of the memory.
 pub struct MemoryTerm {
@@ -116,6 +118,14 @@ impl Model {
             [term] => weight(&*term.kernel).abs() * term.tensor.norm(d),
             terms => weighted_memory(terms, weight, d).map_or(0.0, |tensor| tensor.norm(d)),
         }
+    }
+
+    /// Weights of the last slot of level n, one per term of the memory.
+    pub(crate) fn last_weights(&self, grid: &TimeGrid, n: usize) -> impl Iterator<Item = f64> {
+        let weight = move |term: &MemoryTerm| {
+            self.time_rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n)
+        };
+        self.memory.iter().map(weight)
     }
 
     /// β with ℬ₀ = β𝒜, where there is one term and that is so; 0 without memory.

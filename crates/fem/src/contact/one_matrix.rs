@@ -18,13 +18,13 @@ use std::time::Instant;
 pub(super) use pending::Pending;
 
 use super::case::{CaseError, CaseInfo, Observer, failed};
+use super::histories::Histories;
+use super::shown::Shown;
 use super::side::Side;
-use super::taken::of_storage;
 use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
 use algebra::linalg::{FactorError, axpy};
-use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::Convolution;
+use vhi::history::{Accumulated, TimeGrid};
 use vhi::{Extrapolation, FailedStep, Newton, StepError, StepState};
 
 /// Passes for one level with an old matrix, beyond the first, before a new one is factored: each leaves some 1e-3 of
@@ -70,7 +70,7 @@ struct OneMatrix<'a> {
     volume: Volume<'a>,
     /// Γ3; none in a linear scene.
     side: Option<Side<'a>>,
-    memory: Vec<Memory>,
+    histories: Histories<'a>,
     /// L₁₁⁻¹F_i where the load is Σ a_i(t) F_i and memory a multiple; the a_i.
     basis: Option<Vec<Vec<f64>>>,
     factors: Vec<f64>,
@@ -88,16 +88,11 @@ struct OneMatrix<'a> {
     trend: Extrapolation,
     guess: StepState,
     accumulated: Accumulated,
-    /// Unknowns and histories padded to all nodes; the same as displacements.
+    /// Unknowns padded to all nodes.
     u: Vec<f64>,
-    history: Vec<Vec<f64>>,
-    nodal: Vec<f64>,
-    balance: Vec<f64>,
-    shown_history: Vec<Vec<f64>>,
-    compliance: Vec<f64>,
-    multiplier: Vec<f64>,
-    /// The level shown last, and the largest load whose level has set the floors.
-    shown: usize,
+    shown: Shown<'a>,
+    /// The pending level shown last, and the largest load whose level has set the floors.
+    last: usize,
     largest_force: f64,
 }
 
@@ -107,7 +102,6 @@ impl<'a> OneMatrix<'a> {
         model: &'a Model,
         grid: &'a TimeGrid,
     ) -> Result<Self, FactorError> {
-        let mut info = CaseInfo::default();
         // What is condensed is a factor.
         let (solver, unknowns) = match &model.boundary {
             Some(_) => (LinearSolver::Direct, Unknowns::ContactLast),
@@ -116,19 +110,13 @@ impl<'a> OneMatrix<'a> {
         let volume = Volume::new(space, model, solver, unknowns, grid.is_uniform())?;
         let boundary = model.boundary.as_ref();
         let side = boundary.map(|_| Side::new(space, model, grid, &volume));
-        let (dofs, nodes, points) = (space.dofs(), space.nodes.len(), space.trace.points.len());
-        let rule = model.time_rule.as_ref();
-        let remember = |term: &super::MemoryTerm| Memory::new(&*term.kernel, rule, grid, dofs);
-        let memory: Vec<Memory> = model.memory.iter().map(remember).collect();
-        for memory in &memory {
-            info.paths.insert(of_storage(memory.storage(), grid));
-        }
-        let framed = side.is_some() && !space.frames.is_empty();
-        let (width, terms) = (volume.width(), model.memory.len());
+        let histories = Histories::new(space, model, grid, side.is_some());
+        let info = CaseInfo { paths: histories.paths(), ..CaseInfo::default() };
+        let (dofs, width, terms) = (space.dofs(), volume.width(), model.memory.len());
         let guessed = if volume.serves() { dofs } else { 0 };
         Ok(Self {
             cut: dofs - side.as_ref().map_or(0, Side::size),
-            memory,
+            histories,
             basis: None,
             factors: Vec::new(),
             pending: vec![Pending::new(dofs, terms); width],
@@ -138,14 +126,9 @@ impl<'a> OneMatrix<'a> {
             trend: Extrapolation::default(),
             guess: StepState { u: vec![0.0; guessed], pressure: Vec::new() },
             accumulated: Accumulated::default(),
-            u: vec![0.0; nodes],
-            history: vec![vec![0.0; nodes]; terms],
-            nodal: vec![0.0; nodes],
-            balance: Vec::new(),
-            shown_history: vec![vec![0.0; nodes]; if framed { terms } else { 0 }],
-            compliance: vec![0.0; points],
-            multiplier: vec![0.0; points],
-            shown: 0,
+            u: vec![0.0; space.nodes.len()],
+            shown: Shown::new(space, model),
+            last: 0,
             largest_force: 0.0,
             space,
             model,
@@ -189,7 +172,7 @@ impl<'a> OneMatrix<'a> {
         self.prepare(anew, load);
         // With a multiple the past waits for the displacements.
         if self.volume.beta.is_none() {
-            self.recall();
+            self.histories.recall();
         }
         if self.volume.is_behind() {
             self.trend.start(t, &mut self.guess);
@@ -253,7 +236,7 @@ impl<'a> OneMatrix<'a> {
             self.u[dof as usize] = value;
         }
         let (dofs, force) = (self.space.dofs(), &self.pending[0].force);
-        let (u, left) = (&self.u[..dofs], &mut self.nodal[..dofs]);
+        let (u, left) = (&self.u[..dofs], &mut self.shown.nodal[..dofs]);
         let solved =
             self.volume.is_behind() && self.volume.is_solved(u, &self.guess.u, force, left);
         axpy(1.0, left, &mut self.right);
@@ -267,23 +250,12 @@ impl<'a> OneMatrix<'a> {
         let start = Instant::now();
         load.assemble(t, &mut pending.force)?;
         self.info.seconds_load += start.elapsed().as_secs_f64();
-        let rule = self.model.time_rule.as_ref();
-        for (term, last_weight) in self.model.memory.iter().zip(&mut pending.slot) {
-            *last_weight = rule.kernel_weight(&Convolution(&*term.kernel), self.grid, n, n);
-        }
+        pending.slot.clear();
+        pending.slot.extend(self.model.last_weights(self.grid, n));
         let last_weight = pending.slot.first().copied().unwrap_or(0.0);
         (pending.n, pending.t) = (n, t);
         pending.scale = 1.0 + self.volume.beta.map_or(0.0, |beta| beta * last_weight);
         Ok(())
-    }
-
-    /// Σ_{j<n} W_nj u_j of each term, for the first level that is not committed.
-    fn recall(&mut self) {
-        let (dofs, rule) = (self.space.dofs(), self.model.time_rule.as_ref());
-        let terms = self.model.memory.iter().zip(&mut self.memory).zip(&mut self.history);
-        for ((term, memory), history) in terms {
-            memory.past(&*term.kernel, rule, self.grid, &mut history[..dofs]);
-        }
     }
 
     /// What is made of a new matrix on Γ3.
@@ -342,7 +314,7 @@ impl<'a> OneMatrix<'a> {
         if self.side.is_some() {
             self.space.frames.force_on_unknowns(right);
         }
-        self.volume.subtract_memory(&self.history, right);
+        self.volume.subtract_memory(&self.histories.sums, right);
         if self.volume.is_behind() {
             self.volume.subtract_behind(&self.guess.u, right);
         }

@@ -1,8 +1,8 @@
 //! The cheapest exact way to march a scene, from the terms it has.
 
-use super::{Discretization, LinearSolver, MemoryTerm, Model};
+use super::{Discretization, LinearSolver, Model};
 use vhi::history::TimeGrid;
-use vhi::law::{Convolution, Projection};
+use vhi::law::Projection;
 
 /// How the levels of a scene are solved. All ways that apply have the same discrete solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,11 +64,8 @@ impl Plan {
         if !grid.is_uniform() {
             return None;
         }
-        let weight = |n: usize, term: &MemoryTerm| {
-            model.time_rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n)
-        };
-        let slot = |n: usize| model.memory.iter().map(|term| weight(n, term)).collect::<Vec<_>>();
-        let slots: Vec<Vec<f64>> = (0..=grid.steps()).map(slot).collect();
+        let slots: Vec<Vec<f64>> =
+            (0..=grid.steps()).map(|n| model.last_weights(grid, n).collect()).collect();
         Some(1 + slots.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32)
     }
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::Frames;
-use super::frames::completed;
 use crate::mesh::Mesh;
 use crate::space::{Element, Nodes};
+use algebra::linalg::complement;
 
 /// A vertex of Γ3, or a midpoint with a node, with one normal direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -197,8 +197,9 @@ impl TracePoint {
                 point.tangents[0] = [x, y, 0.0];
             }
             // The tangents of a frame, which are axes where ν is one.
-            _ => completed(&[normal], d)[1..]
+            _ => complement(&[normal.to_vec()], d)
                 .iter()
+                .flatten()
                 .zip(&mut point.tangents)
                 .for_each(|(row, tangent)| tangent.copy_from_slice(row)),
         }

@@ -1,251 +1,399 @@
-//! The coarse triangulation of a plane domain, which all its meshes refine.
+//! The coarse simplices of a domain in the plane or in space, which all its meshes refine.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
-/// An edge of the boundary, with the domain on its left.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BoundaryEdge {
-    /// Its vertices.
-    pub ends: [u32; 2],
+use super::geometry::{cross, dot, extent, minus, norm};
+use super::{Family, Mesh, WHOLE, subdivision};
+
+/// A facet of the boundary: an edge with the domain on its left, or a triangle seen counter-clockwise from outside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundaryFacet {
+    /// Its d vertices.
+    pub corners: Vec<u32>,
     /// Its side: index into `sides`.
     pub side: u32,
+    /// Outward unit normal, padded with zeros; facets of one side in one plane have the same to the bit.
+    pub normal: [f64; 3],
 }
 
-/// Triangles, regions and named sides of a plane domain.
+/// Triangles or tetrahedra, regions and named sides.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Coarse {
-    /// Coordinates.
-    pub vertices: Vec<[f64; 2]>,
-    /// Vertex numbers, counter-clockwise.
-    pub triangles: Vec<[u32; 3]>,
-    /// The region of each triangle: index into `regions`.
+pub struct CoarseMesh {
+    /// d.
+    pub dimension: usize,
+    /// Coordinates, padded with zeros.
+    pub vertices: Vec<[f64; 3]>,
+    /// The d + 1 vertices of each cell, positively oriented.
+    pub cells: Vec<Vec<u32>>,
+    /// The region of each cell: index into `regions`.
     pub region: Vec<u32>,
     /// Names of the regions.
     pub regions: Vec<String>,
     /// The whole boundary.
-    pub edges: Vec<BoundaryEdge>,
-    /// Names of the sides; a side may have several edges.
+    pub facets: Vec<BoundaryFacet>,
+    /// Names of the sides; a side may have many facets.
     pub sides: Vec<String>,
 }
 
-/// Why triangles and edges make no domain; numbers count from 0.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CoarseError {
-    /// A triangle of no area, to rounding.
-    #[error("triangle {triangle} has no area: its corners {corners:?} lie on a line")]
-    Flat { triangle: usize, corners: [[f64; 2]; 3] },
-    #[error("triangle {triangle} names vertex {vertex}, and there are {count}")]
-    NoVertex { triangle: usize, vertex: u32, count: usize },
-    /// An edge with triangles on one side twice, or three of them.
-    #[error("the edge from {:?} to {:?} bounds two triangles on the same side, or is named twice", ends[0], ends[1])]
-    Overlap { ends: [[f64; 2]; 2] },
-    /// An edge of one triangle that no side names.
-    #[error("the edge from {:?} to {:?} bounds the triangles and belongs to no side", ends[0], ends[1])]
-    Unnamed { ends: [[f64; 2]; 2] },
-    /// A named edge that is no edge of one triangle.
-    #[error("the side `{side}` has the edge from {:?} to {:?}, which does not bound the triangles", ends[0], ends[1])]
-    NotOnBoundary { side: String, ends: [[f64; 2]; 2] },
-    /// A vertex number beyond the list, in an edge.
-    #[error("the side `{side}` names vertex {vertex}, and there are {count}")]
-    NoEnd { side: String, vertex: u32, count: usize },
-    #[error("the triangles fall apart: no chain of common edges leads from {from:?} to {to:?}")]
-    Apart { from: [f64; 2], to: [f64; 2] },
+/// A boundary facet with its places.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// The side.
+    pub side: u32,
+    /// Its two or three corners, padded with zeros.
+    pub corners: Vec<[f64; 3]>,
+    /// Outward unit normal, padded with zeros.
+    pub normal: [f64; 3],
 }
 
-/// A triangle whose smallest altitude is below this part of its longest edge has no area.
-const FLAT: f64 = 1e-10;
+/// An element, by its position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum At {
+    Cell(usize),
+    Facet(usize),
+}
 
-impl Coarse {
-    /// Turns every triangle counter-clockwise and every edge so that the domain is on its left, drops vertices
-    /// that no triangle uses, and checks that the edges are the boundary of the triangles.
+type Places = Vec<Vec<f64>>;
+
+/// Why cells and facets make no domain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoarseError {
+    pub dimension: usize,
+    /// The element at fault.
+    pub at: At,
+    pub fault: CoarseFault,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum CoarseFault {
+    /// A cell of no measure, to rounding.
+    Flat { corners: Places },
+    /// A vertex number beyond the list.
+    NoVertex { vertex: u32, count: usize },
+    /// A facet with cells on one side twice, or three of them.
+    Overlap { corners: Places },
+    /// A vertex inside a facet or on its edges.
+    Hanging { vertex: Vec<f64>, corners: Places },
+    /// A facet of one cell that no side names.
+    Unnamed { corners: Places },
+    /// A named facet that is no facet of one cell.
+    NotOnBoundary { side: String, corners: Places },
+    /// A facet with two names, or twice with one.
+    Twice { side: String, corners: Places },
+    /// Parts that no facet joins.
+    Apart { from: Vec<f64>, to: Vec<f64> },
+}
+
+impl fmt::Display for CoarseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [cell, facet, measure, flat] = match self.dimension {
+            2 => ["triangle", "edge", "area", "line"],
+            _ => ["tetrahedron", "face", "volume", "plane"],
+        };
+        match &self.fault {
+            CoarseFault::Flat { corners } => {
+                write!(f, "the {cell} has no {measure}: its corners {corners:?} lie in a {flat}")
+            }
+            CoarseFault::NoVertex { vertex, count } => {
+                write!(f, "an element names vertex {vertex}, and there are {count}")
+            }
+            CoarseFault::Overlap { corners } => {
+                write!(
+                    f,
+                    "the {facet} {corners:?} of the {cell} belongs to another one on the same side"
+                )
+            }
+            CoarseFault::Hanging { vertex, corners } => write!(
+                f,
+                "the vertex {vertex:?} hangs on the {facet} {corners:?} of the {cell}: cells must meet {facet} to {facet}"
+            ),
+            CoarseFault::Unnamed { corners } => {
+                write!(f, "the {facet} {corners:?} bounds the domain and belongs to no side")
+            }
+            CoarseFault::NotOnBoundary { side, corners } => write!(
+                f,
+                "the side `{side}` has the {facet} {corners:?}, which does not bound the domain"
+            ),
+            CoarseFault::Twice { side, corners } => {
+                write!(f, "the {facet} {corners:?} of the side `{side}` is named twice")
+            }
+            CoarseFault::Apart { from, to } => write!(
+                f,
+                "the domain falls apart: no chain of common {facet}s leads from {from:?} to {to:?}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for CoarseError {}
+
+/// A cell whose measure is below this part of its longest edge to the power d has none.
+const FLAT: f64 = 1e-10;
+/// Normals that differ by less belong to one plane, and a vertex as close to a facet lies on it: files carry 16 digits, or
+/// fewer where a kernel of geometry put the vertices on a facet.
+const SAME: f64 = 1e-9;
+
+/// The cell and the facet as it sees it, by the facet's vertices in order.
+type Owners = BTreeMap<Vec<u32>, Vec<(usize, Vec<u32>)>>;
+
+impl CoarseMesh {
+    /// A polygon whose boundary runs over the first vertices, edge i from vertex i to the next on the side `of_edge[i]`.
+    ///
+    /// # Errors
+    /// As [`Self::checked`].
+    pub fn polygon(
+        vertices: &[[f64; 2]],
+        triangles: &[[u32; 3]],
+        of_edge: &[u32],
+        sides: Vec<String>,
+    ) -> Result<Self, CoarseError> {
+        let count = of_edge.len() as u32;
+        let edge = |(i, &side): (u32, &u32)| BoundaryFacet {
+            corners: vec![i, (i + 1) % count],
+            side,
+            normal: [0.0; 3],
+        };
+        let polygon = Self {
+            dimension: 2,
+            vertices: vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect(),
+            cells: triangles.iter().map(|triangle| triangle.to_vec()).collect(),
+            region: vec![0; triangles.len()],
+            regions: vec![WHOLE.to_string()],
+            facets: (0..).zip(of_edge).map(edge).collect(),
+            sides,
+        };
+        polygon.checked()
+    }
+
+    /// Orients every cell positively and every facet outward, drops vertices that no cell uses, computes the normals,
+    /// and checks that the facets are the boundary of the cells.
     ///
     /// # Errors
     /// [`CoarseError`].
     pub fn checked(mut self) -> Result<Self, CoarseError> {
-        let count = self.vertices.len();
-        let mut around: BTreeMap<[u32; 2], usize> = BTreeMap::new();
-        for t in 0..self.triangles.len() {
-            let triangle = self.triangles[t];
-            if let Some(&vertex) = triangle.iter().find(|&&v| v as usize >= count) {
-                return Err(CoarseError::NoVertex { triangle: t, vertex, count });
+        let (count, d) = (self.vertices.len(), self.dimension);
+        let mut owners = Owners::new();
+        for c in 0..self.cells.len() {
+            let refused = |fault| Err(CoarseError { dimension: d, at: At::Cell(c), fault });
+            if let Some(&vertex) = self.cells[c].iter().find(|&&v| v as usize >= count) {
+                return refused(CoarseFault::NoVertex { vertex, count });
             }
-            let area = self.double_area(t);
-            let longest = self.edge_lengths(t).into_iter().fold(0.0, f64::max);
-            if area.is_nan() || area.abs() <= FLAT * longest * longest {
-                return Err(CoarseError::Flat { triangle: t, corners: self.corners(t) });
+            let (measure, longest) = (self.measure_of(c), longest_edge(&self.corners(c)));
+            if measure.is_nan() || measure.abs() <= FLAT * longest.powi(d as i32) {
+                return refused(CoarseFault::Flat { corners: self.places(&self.cells[c]) });
             }
-            if area < 0.0 {
-                self.triangles[t].swap(1, 2);
+            if measure < 0.0 {
+                self.cells[c].swap(d - 1, d);
             }
-            let [a, b, c] = self.triangles[t];
-            for ends in [[a, b], [b, c], [c, a]] {
-                if around.insert(ends, t).is_some() {
-                    return Err(CoarseError::Overlap { ends: self.places(ends) });
+            for facet in facets_of(&self.cells[c]) {
+                let here = owners.entry(sorted(&facet)).or_default();
+                if here.iter().any(|(_, other)| from_lowest(other) == from_lowest(&facet)) {
+                    return refused(CoarseFault::Overlap { corners: self.places(&facet) });
                 }
+                here.push((c, facet));
             }
         }
-        let outer = |ends: [u32; 2]| {
-            around.contains_key(&ends) && !around.contains_key(&[ends[1], ends[0]])
-        };
-        for e in 0..self.edges.len() {
-            let BoundaryEdge { ends, side } = self.edges[e];
-            let side = || self.sides[side as usize].clone();
-            if let Some(&vertex) = ends.iter().find(|&&v| v as usize >= count) {
-                return Err(CoarseError::NoEnd { side: side(), vertex, count });
-            }
-            let turned = [ends[1], ends[0]];
-            self.edges[e].ends = match (outer(ends), outer(turned)) {
-                (true, _) => ends,
-                (_, true) => turned,
-                _ => {
-                    let ends = self.places(ends);
-                    return Err(CoarseError::NotOnBoundary { side: side(), ends });
-                }
-            };
-        }
-        let mut named: Vec<[u32; 2]> = self.edges.iter().map(|edge| edge.ends).collect();
-        named.sort_unstable();
-        if let Some(pair) = named.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(CoarseError::Overlap { ends: self.places(pair[0]) });
-        }
-        let unnamed =
-            around.keys().find(|ends| outer(**ends) && named.binary_search(ends).is_err());
-        if let Some(&ends) = unnamed {
-            return Err(CoarseError::Unnamed { ends: self.places(ends) });
-        }
-        self.connected(&around)?;
+        self.name_facets(&owners)?;
+        self.connected(&owners)?;
         self.drop_unused();
+        self.set_normals();
         Ok(self)
     }
 
-    fn places(&self, ends: [u32; 2]) -> [[f64; 2]; 2] {
-        ends.map(|v| self.vertices[v as usize])
+    /// Turns the named facets outward and compares them with the facets of one cell.
+    fn name_facets(&mut self, owners: &Owners) -> Result<(), CoarseError> {
+        let (count, dimension) = (self.vertices.len(), self.dimension);
+        let mut named = BTreeSet::new();
+        for f in 0..self.facets.len() {
+            let BoundaryFacet { corners, side, .. } = &self.facets[f];
+            let refused = |fault| Err(CoarseError { dimension, at: At::Facet(f), fault });
+            if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= count) {
+                return refused(CoarseFault::NoVertex { vertex, count });
+            }
+            let (side, places) = (self.sides[*side as usize].clone(), self.places(corners));
+            let Some([(_, seen)]) = owners.get(&sorted(corners)).map(Vec::as_slice) else {
+                return refused(CoarseFault::NotOnBoundary { side, corners: places });
+            };
+            if !named.insert(sorted(corners)) {
+                return refused(CoarseFault::Twice { side, corners: places });
+            }
+            self.facets[f].corners.clone_from(seen);
+        }
+        let outer = owners.iter().filter(|(_, here)| here.len() == 1);
+        let unnamed: Vec<&(usize, Vec<u32>)> =
+            outer.filter(|(facet, _)| !named.contains(*facet)).map(|(_, here)| &here[0]).collect();
+        let Some((cell, first)) = unnamed.first() else { return Ok(()) };
+        // Where cells do not meet, the larger facet has the smaller one's vertex on it.
+        let used: BTreeSet<u32> = self.cells.iter().flatten().copied().collect();
+        let hanging = unnamed.iter().find_map(|(cell, facet)| {
+            let mut others = used.iter().filter(|v| !facet.contains(*v));
+            let v = *others.find(|v| self.lies_on(**v, facet))?;
+            let vertex = self.places(&[v]).swap_remove(0);
+            Some((*cell, CoarseFault::Hanging { vertex, corners: self.places(facet) }))
+        });
+        let (cell, fault) = hanging
+            .unwrap_or_else(|| (*cell, CoarseFault::Unnamed { corners: self.places(first) }));
+        Err(CoarseError { dimension, at: At::Cell(cell), fault })
     }
 
-    /// Refuses triangles that cannot be reached over common edges: a detached part of the body.
-    fn connected(&self, around: &BTreeMap<[u32; 2], usize>) -> Result<(), CoarseError> {
-        let mut reached = vec![false; self.triangles.len()];
+    /// Whether a vertex lies on a facet, its ends and edges included: the parts seen from there add up to the facet.
+    fn lies_on(&self, v: u32, facet: &[u32]) -> bool {
+        let corners = facet.iter().map(|&corner| self.vertices[corner as usize]);
+        let corners: Vec<[f64; 3]> = corners.collect();
+        let part = |a: usize| {
+            let mut part = corners.clone();
+            part[a] = self.vertices[v as usize];
+            extent(&part)
+        };
+        (0..corners.len()).map(part).sum::<f64>() <= (1.0 + SAME) * extent(&corners)
+    }
+
+    /// Refuses cells that cannot be reached over common facets: a detached part of the body.
+    fn connected(&self, owners: &Owners) -> Result<(), CoarseError> {
+        let mut reached = vec![false; self.cells.len()];
         let mut next: Vec<usize> = (0..reached.len().min(1)).collect();
-        while let Some(t) = next.pop() {
-            if !std::mem::replace(&mut reached[t], true) {
-                let [a, b, c] = self.triangles[t];
-                next.extend([[b, a], [c, b], [a, c]].iter().filter_map(|ends| around.get(ends)));
+        while let Some(c) = next.pop() {
+            if !std::mem::replace(&mut reached[c], true) {
+                let around = facets_of(&self.cells[c]);
+                next.extend(around.flat_map(|facet| &owners[&sorted(&facet)]).map(|(c, _)| *c));
             }
         }
-        match reached.iter().position(|reached| !reached) {
-            None => Ok(()),
-            Some(t) => Err(CoarseError::Apart { from: self.corners(0)[0], to: self.corners(t)[0] }),
-        }
+        let Some(cell) = reached.iter().position(|reached| !reached) else { return Ok(()) };
+        let [from, to] = [0, cell].map(|c| self.places(&self.cells[c]).swap_remove(0));
+        let fault = CoarseFault::Apart { from, to };
+        Err(CoarseError { dimension: self.dimension, at: At::Cell(cell), fault })
     }
 
     fn drop_unused(&mut self) {
+        let used: BTreeSet<u32> = self.cells.iter().flatten().copied().collect();
         let mut number = vec![u32::MAX; self.vertices.len()];
-        let mut kept = Vec::new();
-        let mut used: Vec<u32> = self.triangles.iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        for v in used {
-            number[v as usize] = kept.len() as u32;
-            kept.push(self.vertices[v as usize]);
+        used.iter().zip(0..).for_each(|(&v, new)| number[v as usize] = new);
+        self.vertices = used.iter().map(|&v| self.vertices[v as usize]).collect();
+        let of_facets = self.facets.iter_mut().flat_map(|facet| &mut facet.corners);
+        self.cells.iter_mut().flatten().chain(of_facets).for_each(|v| *v = number[*v as usize]);
+    }
+
+    fn set_normals(&mut self) {
+        let mut known: Vec<(u32, [f64; 3])> = Vec::new();
+        for f in 0..self.facets.len() {
+            let Piece { side, corners, .. } = self.piece(&self.facets[f]);
+            let across = match corners[..] {
+                [a, b] => [b[1] - a[1], a[0] - b[0], 0.0],
+                _ => cross(minus(corners[1], corners[0]), minus(corners[2], corners[0])),
+            };
+            // Adding zero turns -0 into 0.
+            let exact = across.map(|x| x / norm(across) + 0.0);
+            let close = |normal: &[f64; 3]| norm(minus(*normal, exact)) < SAME;
+            let of_side = known.iter().filter(|(of, _)| *of == side).map(|(_, normal)| *normal);
+            let found = axes().into_iter().chain(of_side).find(close);
+            self.facets[f].normal = found.unwrap_or_else(|| {
+                known.push((side, exact));
+                exact
+            });
         }
-        self.vertices = kept;
-        self.triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
-        self.edges.iter_mut().flat_map(|e| &mut e.ends).for_each(|v| *v = number[*v as usize]);
     }
 
-    pub(crate) fn corners(&self, t: usize) -> [[f64; 2]; 3] {
-        self.triangles[t].map(|v| self.vertices[v as usize])
+    /// The d coordinates of some vertices.
+    fn places(&self, vertices: &[u32]) -> Places {
+        let place = |&v: &u32| self.vertices[v as usize][..self.dimension].to_vec();
+        vertices.iter().map(place).collect()
     }
 
-    fn double_area(&self, t: usize) -> f64 {
-        let [a, b, c] = self.corners(t);
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.cells.len()
     }
 
-    pub(crate) fn area(&self, t: usize) -> f64 {
-        0.5 * self.double_area(t)
+    /// The corners of a cell, padded with zeros.
+    pub fn corners(&self, c: usize) -> Vec<[f64; 3]> {
+        self.cells[c].iter().map(|&v| self.vertices[v as usize]).collect()
     }
 
-    fn edge_lengths(&self, t: usize) -> [f64; 3] {
-        let [a, b, c] = self.corners(t);
-        [[a, b], [b, c], [c, a]].map(|[p, q]| (q[0] - p[0]).hypot(q[1] - p[1]))
+    /// Area or volume of a cell.
+    pub fn measure_of(&self, c: usize) -> f64 {
+        let corners = self.corners(c);
+        let edge = |a: usize| minus(corners[a], corners[0]);
+        match self.dimension {
+            2 => 0.5 * cross(edge(1), edge(2))[2],
+            _ => dot(edge(1), cross(edge(2), edge(3))) / 6.0,
+        }
+    }
+
+    /// |Ω|.
+    pub fn measure(&self) -> f64 {
+        (0..self.count()).map(|c| self.measure_of(c)).sum()
+    }
+
+    /// Smallest and largest coordinates, padded with zeros.
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        let start = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        self.vertices.iter().fold(start, |[low, high], v| {
+            [[0, 1, 2].map(|i| low[i].min(v[i])), [0, 1, 2].map(|i| high[i].max(v[i]))]
+        })
     }
 
     /// The longest edge: h of the mesh n is this over n.
     pub fn longest_edge(&self) -> f64 {
-        (0..self.triangles.len()).flat_map(|t| self.edge_lengths(t)).fold(0.0, f64::max)
+        (0..self.count()).map(|c| longest_edge(&self.corners(c))).fold(0.0, f64::max)
     }
 
-    /// Ends and outward unit normal of a boundary edge.
-    pub fn segment(&self, edge: &BoundaryEdge) -> ([[f64; 2]; 2], [f64; 2]) {
-        let [p, q] = edge.ends.map(|v| self.vertices[v as usize]);
-        let (dx, dy) = (q[0] - p[0], q[1] - p[1]);
-        let length = (dx * dx + dy * dy).sqrt();
-        // Adding zero turns -0 into 0.
-        ([p, q], [dy / length + 0.0, -dx / length + 0.0])
+    /// A boundary facet with its places.
+    pub fn piece(&self, facet: &BoundaryFacet) -> Piece {
+        let corners = facet.corners.iter().map(|&v| self.vertices[v as usize]).collect();
+        Piece { side: facet.side, corners, normal: facet.normal }
     }
 
-    /// Smallest and largest coordinates.
-    pub fn bounds(&self) -> [[f64; 2]; 2] {
-        let start = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        self.vertices.iter().fold(start, |[low, high], v| {
-            [[0, 1].map(|i| low[i].min(v[i])), [0, 1].map(|i| high[i].max(v[i]))]
+    /// The boundary in plane pieces.
+    pub fn pieces(&self) -> Vec<Piece> {
+        self.facets.iter().map(|facet| self.piece(facet)).collect()
+    }
+
+    /// The mesh with n parts of every coarse edge. In space there is the structured family alone, which scenes
+    /// validate.
+    pub fn refined(&self, n: u32, family: Family) -> Mesh {
+        subdivision::refined(self, n, family)
+    }
+}
+
+fn longest_edge(corners: &[[f64; 3]]) -> f64 {
+    let pairs = (0..corners.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    pairs.map(|(a, b)| norm(minus(corners[a], corners[b]))).fold(0.0, f64::max)
+}
+
+/// The facets of a cell, seen from outside where it is positively oriented.
+fn facets_of(cell: &[u32]) -> impl Iterator<Item = Vec<u32>> + use<> {
+    let facets: &[&[usize]] = match cell.len() {
+        3 => &[&[1, 2], &[2, 0], &[0, 1]],
+        _ => &[&[1, 2, 3], &[0, 3, 2], &[0, 1, 3], &[0, 2, 1]],
+    };
+    let cell = cell.to_vec();
+    facets.iter().map(move |facet| facet.iter().map(|&a| cell[a]).collect())
+}
+
+fn axes() -> [[f64; 3]; 6] {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|axis| match axis == i / 2 {
+            true => 1.0 - 2.0 * (i % 2) as f64,
+            false => 0.0,
         })
+    })
+}
+
+fn sorted(facet: &[u32]) -> Vec<u32> {
+    let mut facet = facet.to_vec();
+    facet.sort_unstable();
+    facet
+}
+
+/// A facet as its sense tells it from its reverse: an edge as it is, a triangle from its lowest vertex on.
+fn from_lowest(facet: &[u32]) -> Vec<u32> {
+    let mut facet = facet.to_vec();
+    if let [a, b, c] = facet[..] {
+        facet.rotate_left(if a < b.min(c) { 0 } else { 1 + usize::from(c < b) });
     }
+    facet
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn square() -> Coarse {
-        let edge = |a, b, side| BoundaryEdge { ends: [a, b], side };
-        Coarse {
-            vertices: vec![[0.0, 0.0], [1.0, 0.0], [9.0, 9.0], [1.0, 1.0], [0.0, 1.0]],
-            triangles: vec![[0, 3, 1], [0, 3, 4]],
-            region: vec![0, 0],
-            regions: vec!["body".into()],
-            edges: vec![edge(1, 0, 0), edge(1, 3, 1), edge(3, 4, 2), edge(4, 0, 1)],
-            sides: vec!["bottom".into(), "free".into(), "top".into()],
-        }
-    }
-
-    #[test]
-    fn orientation_is_mended_and_unused_vertices_go() {
-        let coarse = square().checked().unwrap();
-        assert_eq!(coarse.vertices.len(), 4);
-        assert!((0..2).all(|t| coarse.area(t) == 0.5));
-        assert_eq!(coarse.segment(&coarse.edges[0]), ([[0.0, 0.0], [1.0, 0.0]], [0.0, -1.0]));
-        assert_eq!(coarse.longest_edge(), 2f64.sqrt());
-        assert_eq!(coarse.bounds(), [[0.0, 0.0], [1.0, 1.0]]);
-    }
-
-    #[test]
-    fn what_is_no_domain_is_refused() {
-        type Defect = fn(&mut Coarse);
-        let cases: [(Defect, &str); 8] = [
-            (|c| c.vertices[3] = [0.5, 0.0], "has no area"),
-            (|c| c.vertices[3] = [f64::NAN, 0.0], "has no area"),
-            (|c| c.triangles[1][2] = 7, "names vertex 7, and there are 5"),
-            (|c| c.triangles.push([0, 1, 3]), "two triangles on the same side"),
-            (|c| c.edges.truncate(3), "belongs to no side"),
-            (|c| c.edges[2].ends = [0, 3], "which does not bound the triangles"),
-            (|c| c.edges[2].ends = [0, 9], "names vertex 9, and there are 5"),
-            (
-                |c| {
-                    c.vertices.extend([[5.0, 5.0], [6.0, 5.0], [5.0, 6.0]]);
-                    c.triangles.push([5, 6, 7]);
-                    let edge = |a, b| BoundaryEdge { ends: [a, b], side: 1 };
-                    c.edges.extend([edge(5, 6), edge(6, 7), edge(7, 5)]);
-                },
-                "no chain of common edges",
-            ),
-        ];
-        for (defect, message) in cases {
-            let mut coarse = square();
-            defect(&mut coarse);
-            let error = coarse.checked().unwrap_err().to_string();
-            assert!(error.contains(message), "{error}");
-        }
-    }
-}
+pub(super) mod tests;

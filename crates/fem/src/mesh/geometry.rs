@@ -15,3 +15,12 @@ pub(super) fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
 pub(super) fn norm(p: [f64; 3]) -> f64 {
     dot(p, p).sqrt()
 }
+
+/// Length of an edge or area of a triangle of these corners.
+pub(super) fn extent(corners: &[[f64; 3]]) -> f64 {
+    let edge = |a: usize| minus(corners[a], corners[0]);
+    match corners.len() {
+        2 => norm(edge(1)),
+        _ => 0.5 * norm(cross(edge(1), edge(2))),
+    }
+}

@@ -16,7 +16,7 @@ pub use self::fault::{Fault, GmshError};
 use self::sections::{Element, Sections};
 use self::tokens::Tokens;
 pub use self::write::write_gmsh;
-use super::{At, BoundaryEdge, BoundaryFace, Coarse, CoarseError, CoarseMesh, Solid, WHOLE};
+use super::{At, BoundaryFacet, CoarseMesh, WHOLE};
 
 /// Lines of a file that stand for coordinates off the plane by rounding of the mesh generator.
 const PLANE: f64 = 1e-12;
@@ -37,8 +37,7 @@ pub fn read_gmsh(text: &str) -> Result<CoarseMesh, GmshError> {
     }
     let file = File { tokens, sections, number };
     match file.sections.elements.iter().map(|element| element.dimension).max() {
-        Some(3) => file.solid().map(CoarseMesh::from),
-        Some(2) => file.plane().map(CoarseMesh::from),
+        Some(dimension @ 2..) => file.domain(dimension),
         _ => Err(file.tokens.at(file.sections.elements_at.clone(), Fault::NoCells)),
     }
 }
@@ -56,75 +55,48 @@ impl File<'_> {
         self.sections.elements.iter().filter(move |element| element.dimension == dimension)
     }
 
-    fn corners<const N: usize>(&self, element: &Element) -> Result<[u32; N], GmshError> {
-        let mut corners = [0; N];
-        for (vertex, &tag) in corners.iter_mut().zip(&element.nodes) {
-            let unknown =
-                || self.tokens.at(element.span.clone(), Fault::Unknown { what: "node", tag });
-            *vertex = self.number.get(&tag).copied().ok_or_else(unknown)?;
-        }
-        Ok(corners)
+    fn corners(&self, element: &Element) -> Result<Vec<u32>, GmshError> {
+        let corner = |&tag: &u64| {
+            let unknown = Fault::Unknown { what: "node", tag };
+            let known = self.number.get(&tag).copied();
+            known.ok_or_else(|| self.tokens.at(element.span.clone(), unknown))
+        };
+        element.nodes.iter().map(corner).collect()
     }
 
-    fn plane(&self) -> Result<Coarse, GmshError> {
-        let nodes = &self.sections.nodes;
-        let extent = nodes.iter().flat_map(|node| node.at).fold(0.0, |m: f64, x| m.max(x.abs()));
+    /// The domain of the cells of this dimension.
+    fn domain(&self, dimension: u64) -> Result<CoarseMesh, GmshError> {
+        let Sections { nodes, names, elements_at, .. } = &self.sections;
         let (mut sides, mut regions) = (Groups::default(), Groups::default());
-        let (mut triangles, mut region, mut edges) = (Vec::new(), Vec::new(), Vec::new());
-        for element in self.elements(2) {
-            triangles.push(self.corners(element)?);
-            region.push(regions.number(element.group, &self.sections.names, 2));
-        }
-        for element in self.elements(1).filter(|element| element.group.is_some()) {
-            let side = sides.number(element.group, &self.sections.names, 1);
-            edges.push(BoundaryEdge { ends: self.corners(element)?, side });
-        }
-        if let Some(node) = nodes.iter().find(|node| node.at[2].abs() > PLANE * extent) {
-            let fault = Fault::OffPlane { tag: node.tag, z: node.at[2] };
-            return Err(self.tokens.at(node.span.clone(), fault));
-        }
-        let vertices = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
-        let (sides, regions) = (sides.names, regions.names);
-        let coarse = Coarse { vertices, triangles, region, regions, edges, sides };
-        coarse.checked().map_err(|error| {
-            let triangle = match &error {
-                CoarseError::Flat { triangle, .. } | CoarseError::NoVertex { triangle, .. } => {
-                    self.elements(2).nth(*triangle)
-                }
-                _ => None,
-            };
-            self.fault(triangle, Fault::Domain(error))
-        })
-    }
-
-    fn solid(&self) -> Result<Solid, GmshError> {
-        let (mut sides, mut regions) = (Groups::default(), Groups::default());
-        let (mut cells, mut region, mut faces) = (Vec::new(), Vec::new(), Vec::new());
-        for element in self.elements(3) {
+        let (mut cells, mut region, mut facets) = (Vec::new(), Vec::new(), Vec::new());
+        for element in self.elements(dimension) {
             cells.push(self.corners(element)?);
-            region.push(regions.number(element.group, &self.sections.names, 3));
+            region.push(regions.number(element.group, names, dimension));
         }
-        let named = || self.elements(2).filter(|element| element.group.is_some());
+        let named = || self.elements(dimension - 1).filter(|element| element.group.is_some());
         for element in named() {
-            let side = sides.number(element.group, &self.sections.names, 2);
-            faces.push(BoundaryFace { corners: self.corners(element)?, side, normal: [0.0; 3] });
+            let side = sides.number(element.group, names, dimension - 1);
+            facets.push(BoundaryFacet { corners: self.corners(element)?, side, normal: [0.0; 3] });
         }
-        let vertices = self.sections.nodes.iter().map(|node| node.at).collect();
-        let (sides, regions) = (sides.names, regions.names);
-        let solid = Solid { vertices, cells, region, regions, faces, sides };
-        solid.checked().map_err(|error| {
-            let element = match error.at() {
-                At::Cell(cell) => self.elements(3).nth(cell),
-                At::Face(face) => named().nth(face),
+        let mut vertices: Vec<[f64; 3]> = nodes.iter().map(|node| node.at).collect();
+        if dimension == 2 {
+            let extent = vertices.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+            if let Some(node) = nodes.iter().find(|node| node.at[2].abs() > PLANE * extent) {
+                let fault = Fault::OffPlane { tag: node.tag, z: node.at[2] };
+                return Err(self.tokens.at(node.span.clone(), fault));
+            }
+            vertices.iter_mut().for_each(|place| place[2] = 0.0);
+        }
+        let (sides, regions, dimension) = (sides.names, regions.names, dimension as usize);
+        let coarse = CoarseMesh { dimension, vertices, cells, region, regions, facets, sides };
+        coarse.checked().map_err(|error| {
+            let element = match error.at {
+                At::Cell(cell) => self.elements(dimension as u64).nth(cell),
+                At::Facet(facet) => named().nth(facet),
             };
-            self.fault(element, Fault::Body(Box::new(error)))
+            let span = element.map_or(elements_at, |element| &element.span).clone();
+            self.tokens.at(span, Fault::Domain(Box::new(error)))
         })
-    }
-
-    /// A fault of an element, or of all of them.
-    fn fault(&self, element: Option<&Element>, fault: Fault) -> GmshError {
-        let all = &self.sections.elements_at;
-        self.tokens.at(element.map_or(all, |element| &element.span).clone(), fault)
     }
 }
 

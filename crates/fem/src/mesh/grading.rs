@@ -5,7 +5,7 @@
 //! J. Pitkäranta, Numer. Math. 33 (1979)). Vertices of nested meshes coincide; cells do not, since the
 //! lines between vertices at different distances are moved too: no reference run on a graded mesh.
 
-use super::Coarse;
+use super::CoarseMesh;
 
 /// Two points closer than this part of the domain are one.
 const SAME: f64 = 1e-9;
@@ -13,7 +13,7 @@ const SAME: f64 = 1e-9;
 /// Moves the vertices of all coarse triangles that have `corner`, which must be one of their vertices.
 /// `number` gives the vertex of a triangle at i and j with i + j ≤ n.
 pub(super) fn towards(
-    coarse: &Coarse,
+    coarse: &CoarseMesh,
     n: u32,
     corner: [f64; 2],
     exponent: f64,
@@ -21,7 +21,7 @@ pub(super) fn towards(
     coordinates: &mut [f64],
 ) {
     let Some(tip) = vertex_at(coarse, corner) else { return };
-    for (t, triangle) in coarse.triangles.iter().enumerate() {
+    for (t, triangle) in coarse.cells.iter().enumerate() {
         let Some(at_tip) = triangle.iter().position(|&v| v == tip) else { continue };
         let corners = coarse.corners(t);
         for j in 0..=n {
@@ -44,10 +44,10 @@ pub(super) fn towards(
 }
 
 /// The vertex of a coarse triangulation at a place.
-pub fn vertex_at(coarse: &Coarse, place: [f64; 2]) -> Option<u32> {
+pub fn vertex_at(coarse: &CoarseMesh, place: [f64; 2]) -> Option<u32> {
     let [low, high] = coarse.bounds();
     let close = SAME * (high[0] - low[0]).max(high[1] - low[1]);
-    let near = |v: &[f64; 2]| (v[0] - place[0]).abs().max((v[1] - place[1]).abs()) <= close;
+    let near = |v: &[f64; 3]| (v[0] - place[0]).abs().max((v[1] - place[1]).abs()) <= close;
     coarse.vertices.iter().position(near).map(|v| v as u32)
 }
 

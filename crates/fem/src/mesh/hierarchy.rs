@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::{Coarse, Parents, subdivision};
+use super::{CoarseMesh, Parents, subdivision};
 
 /// What a mesh refines.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,7 +24,7 @@ pub enum Nesting {
     /// A coarse triangulation with n parts per edge, as [`super::refined`] numbers it.
     Refined {
         /// The coarse triangulation.
-        coarse: Arc<Coarse>,
+        coarse: Arc<CoarseMesh>,
         /// n.
         parts: u32,
     },
@@ -97,7 +97,7 @@ fn lattice_parents(counts: &[usize], coarse: &[usize]) -> Parents {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{BoundaryEdge, Family, Mesh, lattice, refined, triangulate};
+    use crate::mesh::{Family, Mesh, lattice, triangulate};
 
     /// Largest distance of a vertex from the middle of its parents; infinite if these share no coarse cell.
     fn off_the_middle(fine: &Mesh, coarse: &Mesh, parents: &Parents) -> f64 {
@@ -131,19 +131,12 @@ mod tests {
         assert!(off_the_middle(&solid(4), &solid(2), &wrong) > 0.1);
         let square = [[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.0, 1.5]];
         let triangles = triangulate(&square).unwrap();
-        let edges = (0..4).map(|i| BoundaryEdge { ends: [i, (i + 1) % 4], side: i }).collect();
-        let coarse = Coarse {
-            region: vec![0; triangles.len()],
-            regions: vec!["all".into()],
-            vertices: square.to_vec(),
-            triangles,
-            edges,
-            sides: (0..4).map(|i| format!("s{i}")).collect(),
-        };
-        let coarse = Arc::new(coarse.checked().unwrap());
+        let names = (0..4).map(|i| format!("s{i}")).collect();
+        let coarse = CoarseMesh::polygon(&square, &triangles, &[0, 1, 2, 3], names).unwrap();
+        let coarse = Arc::new(coarse);
         let nesting = Nesting::Refined { coarse: coarse.clone(), parts: 8 };
         let (parents, _) = nesting.coarsened().unwrap();
-        let mesh = |n| refined(&coarse, n, structured);
+        let mesh = |n| coarse.refined(n, structured);
         assert!(off_the_middle(&mesh(8), &mesh(4), &parents) < 1e-14);
     }
 

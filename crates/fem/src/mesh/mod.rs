@@ -1,7 +1,6 @@
 //! Simplex meshes: vertices, cells, boundary facets with named sides.
 
 mod coarse;
-mod coarse_mesh;
 mod edgewise;
 mod family;
 mod geometry;
@@ -11,14 +10,12 @@ mod hierarchy;
 mod lattice;
 mod quality;
 mod simplices;
-mod solid;
 mod subdivision;
 mod triangulation;
 
 // For the side of the truth, which sees of the solver meshes and spaces alone.
 pub use algebra::in_dimension;
-pub use coarse::{BoundaryEdge, Coarse, CoarseError};
-pub use coarse_mesh::{CoarseMesh, Piece};
+pub use coarse::{At, BoundaryFacet, CoarseError, CoarseFault, CoarseMesh, Piece};
 pub use family::Family;
 pub use gmsh::{Fault, GmshError, read_gmsh, write_gmsh};
 pub use grading::vertex_at;
@@ -26,6 +23,5 @@ pub use hierarchy::Nesting;
 pub use lattice::lattice;
 pub use quality::Quality;
 pub use simplices::{Mesh, PlanePart, WHOLE};
-pub use solid::{At, BoundaryFace, Solid, SolidError};
-pub use subdivision::{Parents, refined};
+pub use subdivision::Parents;
 pub use triangulation::{PolygonError, triangulate};

@@ -1,6 +1,6 @@
 //! A mesh of simplices in flat lists, of any dimension d: cell c has the vertices `cells[c(d+1)..(c+1)(d+1)]`.
 
-use super::geometry::{cross, minus, norm};
+use super::geometry::extent;
 
 /// The region of a mesh that has only one.
 pub const WHOLE: &str = "body";
@@ -132,11 +132,7 @@ impl Mesh {
 
     /// Length of an edge or area of a triangle with these corners.
     pub fn measure_of(&self, corners: &[u32]) -> f64 {
-        let corner = |a: usize| self.point(&corners[a..=a], &[1.0]);
-        let edge = minus(corner(1), corner(0));
-        match corners.len() {
-            2 => norm(edge),
-            _ => 0.5 * norm(cross(edge, minus(corner(2), corner(0)))),
-        }
+        let places = corners.iter().map(|&v| self.point(&[v], &[1.0]));
+        extent(&places.collect::<Vec<_>>())
     }
 }

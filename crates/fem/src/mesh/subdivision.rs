@@ -1,45 +1,48 @@
-//! Uniform refinement: each coarse triangle into n² congruent ones, n parts per edge.
+//! Uniform refinement: each coarse triangle into n² congruent parts, each tetrahedron into n³ of equal volume.
 //!
-//! The cells of a coarse triangle stand together, those of the strip along its first edge first; the
-//! facets of a coarse boundary edge stand together as well, from its first end to its second. So meshes
-//! n and m of one coarse triangulation nest if n divides m.
+//! The cells of a coarse cell stand together, those of a triangle in strips along its first edge; the facets of a coarse
+//! facet stand together as well, along an edge from its first end to its second. So meshes n and m of one coarse mesh nest
+//! if n divides m.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use rustc_hash::FxHashMap;
 
-use super::{Coarse, Family, Mesh, grading};
+use super::{CoarseMesh, Family, Mesh, edgewise, grading};
 use algebra::linalg::signed_unit;
 
 /// The coarse vertices of each vertex: one twice if it is that vertex, or the ends of the edge it halves.
 pub type Parents = Vec<[u32; 2]>;
 
 /// The mesh with n parts of every edge of `coarse`.
-pub fn refined(coarse: &Arc<Coarse>, n: u32, family: Family) -> Mesh {
-    let mut vertices = Vertices::new(coarse, n);
-    let mut cells = Vec::with_capacity(3 * coarse.triangles.len() * (n * n) as usize);
-    for triangle in 0..coarse.triangles.len() {
-        let number = vertices.of_triangle(triangle);
-        for j in 0..n {
-            for i in 0..n - j {
-                cells.extend([number(i, j), number(i + 1, j), number(i, j + 1)]);
-                if i + j + 2 <= n {
-                    cells.extend([number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)]);
-                }
-            }
+pub(super) fn refined(coarse: &CoarseMesh, n: u32, family: Family) -> Mesh {
+    let (mut vertices, d) = (Vertices::new(coarse, n), coarse.dimension);
+    let mut cells = Vec::with_capacity((d + 1) * coarse.count() * n.pow(d as u32) as usize);
+    for (c, corners) in coarse.cells.iter().enumerate() {
+        match vertices.of_triangles.get(c) {
+            Some(numbers) => strips(n, |i, j| numbers[place(n, i, j)], &mut cells),
+            None => edgewise::parts(&coarse.corners(c), n, |part| {
+                cells.extend(part.map(|weights| vertices.in_cell(corners, weights)));
+            }),
         }
     }
     let (mut facets, mut facet_side, mut facet_normal) = (Vec::new(), Vec::new(), Vec::new());
-    for edge in &coarse.edges {
-        let (_, normal) = coarse.segment(edge);
-        for s in 0..n {
-            facets.extend([vertices.on_edge(edge.ends, s), vertices.on_edge(edge.ends, s + 1)]);
-            facet_side.push(edge.side);
-            facet_normal.extend(normal);
+    for facet in &coarse.facets {
+        match facet.corners[..] {
+            [p, q] => {
+                let mut at = |s: u32| vertices.number(&[(p, n - s), (q, s)]);
+                (0..n).for_each(|s| facets.extend([at(s), at(s + 1)]));
+            }
+            [a, b, c, ..] => {
+                let at = |i: u32, j: u32| vertices.number(&[(a, n - i - j), (b, i), (c, j)]);
+                strips(n, at, &mut facets);
+            }
+            _ => {}
         }
+        facet_side.resize(facets.len() / d, facet.side);
+        facet_normal.extend((0..n.pow(d as u32 - 1)).flat_map(|_| &facet.normal[..d]));
     }
-    let each = |&region: &u32| std::iter::repeat_n(region, (n * n) as usize);
+    let each = |&region: &u32| std::iter::repeat_n(region, n.pow(d as u32) as usize);
     let mut mesh = Mesh {
-        dimension: 2,
+        dimension: d,
         n,
         h: coarse.longest_edge() / f64::from(n),
         coordinates: vertices.coordinates,
@@ -57,116 +60,108 @@ pub fn refined(coarse: &Arc<Coarse>, n: u32, family: Family) -> Mesh {
             perturb(&mut mesh, amplitude, seed, axes);
         }
         Family::Graded { corner, exponent } => {
-            let number =
-                |t: usize, i, j| vertices.numbers[t][row_start(n, j) + i as usize] as usize;
+            let number = |t: usize, i, j| vertices.of_triangles[t][place(n, i, j)] as usize;
             grading::towards(coarse, n, corner, exponent, number, &mut mesh.coordinates);
         }
     }
     mesh
 }
 
-/// The vertices of mesh n/2 of which each vertex of mesh n is one, or halves the edge between two.
-pub(super) fn parents(coarse: &Arc<Coarse>, n: u32) -> Parents {
-    let (mut fine, mut half) = (Vertices::new(coarse, n), Vertices::new(coarse, n / 2));
+/// The n² parts of a triangle whose vertices are numbered by i + j ≤ n.
+fn strips(n: u32, mut at: impl FnMut(u32, u32) -> u32, out: &mut Vec<u32>) {
+    for (i, j) in rows(n - 1) {
+        out.extend([at(i, j), at(i + 1, j), at(i, j + 1)]);
+        if i + j + 2 <= n {
+            out.extend([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+}
+
+/// (i, j) with i + j ≤ n, row by row.
+fn rows(n: u32) -> impl Iterator<Item = (u32, u32)> {
+    (0..=n).flat_map(move |j| (0..=n - j).map(move |i| (i, j)))
+}
+
+/// Position of (i, j) in [`rows`].
+fn place(n: u32, i: u32, j: u32) -> usize {
+    (j * (n + 1) - j * (j.max(1) - 1) / 2 + i) as usize
+}
+
+/// The vertices of mesh n/2 of which each vertex of mesh n is one, or halves the edge between two; in the plane.
+pub(super) fn parents(coarse: &CoarseMesh, n: u32) -> Parents {
+    let [fine, half] = [n, n / 2].map(|n| Vertices::new(coarse, n));
     let mut parents = vec![[0; 2]; fine.count() as usize];
-    for triangle in 0..coarse.triangles.len() {
-        let (number, of_half) = (fine.of_triangle(triangle), half.of_triangle(triangle));
-        for j in 0..=n {
-            for i in 0..=n - j {
-                // Edges run along i, along j, and where i + j does not change.
-                let (low, high) = (i / 2, i.div_ceil(2));
-                parents[number(i, j) as usize] =
-                    [of_half(high, j / 2), of_half(low, j.div_ceil(2))];
-            }
+    for (fine, of_half) in fine.of_triangles.iter().zip(&half.of_triangles) {
+        for ((i, j), &number) in rows(n).zip(fine) {
+            // Edges run along i, along j, and where i + j does not change.
+            let (low, high) = ((i / 2, j.div_ceil(2)), (i.div_ceil(2), j / 2));
+            parents[number as usize] = [high, low].map(|(i, j)| of_half[place(n / 2, i, j)]);
         }
     }
     parents
 }
 
-/// The vertices of a refined mesh.
-struct Vertices {
+/// The vertices of a refined mesh, by their weights at the corners of a coarse cell.
+struct Vertices<'a> {
+    coarse: &'a CoarseMesh,
     n: u32,
     coordinates: Vec<f64>,
-    /// First inner vertex of each coarse edge, by its ends in order.
-    first: BTreeMap<[u32; 2], u32>,
-    /// Numbers by triangle, rows j of i = 0..=n - j.
-    numbers: Vec<Vec<u32>>,
+    /// Numbers of the vertices that are not coarse ones, by (coarse vertex, weight) in order, of positive weights.
+    known: FxHashMap<[(u32, u32); 4], u32>,
+    /// In the plane, by triangle and [`place`]. Those of coarse edges come first.
+    of_triangles: Vec<Vec<u32>>,
 }
 
-impl Vertices {
-    fn new(coarse: &Coarse, n: u32) -> Self {
-        let coordinates = coarse.vertices.iter().flatten().copied().collect();
-        let mut vertices = Self { n, coordinates, first: BTreeMap::new(), numbers: Vec::new() };
-        let share = |i: u32| f64::from(i) / f64::from(n);
-        for triangle in &coarse.triangles {
-            for i in 0..3 {
-                let mut ends = [triangle[i], triangle[(i + 1) % 3]];
-                ends.sort_unstable();
-                if vertices.first.contains_key(&ends) {
-                    continue;
-                }
-                vertices.first.insert(ends, vertices.count());
-                let [a, b] = ends.map(|v| coarse.vertices[v as usize]);
-                for s in 1..n {
-                    let at = |i: usize| share(n - s) * a[i] + share(s) * b[i];
-                    vertices.coordinates.extend([at(0), at(1)]);
-                }
+impl<'a> Vertices<'a> {
+    fn new(coarse: &'a CoarseMesh, n: u32) -> Self {
+        let d = coarse.dimension;
+        let coordinates = coarse.vertices.iter().flat_map(|v| v[..d].to_vec()).collect();
+        let (known, of_triangles) = (FxHashMap::default(), Vec::new());
+        let mut vertices = Self { coarse, n, coordinates, known, of_triangles };
+        let triangles = || coarse.cells.iter().filter(|cell| cell.len() == 3);
+        for (triangle, a) in triangles().flat_map(|triangle| (0..3).map(move |a| (triangle, a))) {
+            let (p, q) = (triangle[a], triangle[(a + 1) % 3]);
+            for s in 1..n {
+                vertices.number(&[(p.min(q), n - s), (p.max(q), s)]);
             }
         }
-        for (t, &[a, b, c]) in coarse.triangles.iter().enumerate() {
-            let corners = coarse.corners(t);
-            let mut numbers = Vec::with_capacity(((n + 1) * (n + 2) / 2) as usize);
-            for j in 0..=n {
-                for i in 0..=n - j {
-                    numbers.push(if j == 0 {
-                        vertices.on_edge([a, b], i)
-                    } else if i == 0 {
-                        vertices.on_edge([a, c], j)
-                    } else if i + j == n {
-                        vertices.on_edge([b, c], j)
-                    } else {
-                        let weights = [n - i - j, i, j].map(share);
-                        let at = |axis: usize| -> f64 {
-                            (0..3).map(|corner| weights[corner] * corners[corner][axis]).sum()
-                        };
-                        vertices.coordinates.extend([at(0), at(1)]);
-                        vertices.count() - 1
-                    });
-                }
-            }
-            vertices.numbers.push(numbers);
+        for triangle in triangles() {
+            let number = |(i, j)| vertices.in_cell(triangle, [n - i - j, i, j]);
+            let numbers = rows(n).map(number).collect();
+            vertices.of_triangles.push(numbers);
         }
         vertices
     }
 
     fn count(&self) -> u32 {
-        (self.coordinates.len() / 2) as u32
+        (self.coordinates.len() / self.coarse.dimension) as u32
     }
 
-    /// Vertex s of the n + 1 on the coarse edge from `ends[0]` to `ends[1]`.
-    fn on_edge(&self, ends: [u32; 2], s: u32) -> u32 {
-        if s == 0 {
-            return ends[0];
-        }
-        if s == self.n {
-            return ends[1];
-        }
-        match ends[0] < ends[1] {
-            true => self.first[&ends] + s - 1,
-            false => self.first[&[ends[1], ends[0]]] + self.n - s - 1,
-        }
+    fn in_cell<const N: usize>(&mut self, corners: &[u32], weights: [u32; N]) -> u32 {
+        self.number::<N>(&std::array::from_fn(|a| (corners[a], weights[a])))
     }
 
-    /// The vertex numbers of a coarse triangle by i and j.
-    fn of_triangle(&mut self, t: usize) -> impl Fn(u32, u32) -> u32 + use<> {
-        let (n, numbers) = (self.n, self.numbers[t].clone());
-        move |i, j| numbers[row_start(n, j) + i as usize]
+    /// The vertex at Σ weight/n · corner.
+    fn number<const N: usize>(&mut self, weights: &[(u32, u32); N]) -> u32 {
+        let mut key = [(u32::MAX, 0); 4];
+        let positive = weights.iter().filter(|(_, weight)| *weight > 0);
+        key.iter_mut().zip(positive.clone()).for_each(|(entry, weight)| *entry = *weight);
+        key.sort_unstable();
+        if key[0].1 == self.n {
+            return key[0].0;
+        }
+        let next = self.count();
+        let number = *self.known.entry(key).or_insert(next);
+        if number == next {
+            let share = |weight: u32| f64::from(weight) / f64::from(self.n);
+            let place = positive.fold([0.0; 3], |place, &(v, weight)| {
+                let corner = self.coarse.vertices[v as usize];
+                [0, 1, 2].map(|i| place[i] + share(weight) * corner[i])
+            });
+            self.coordinates.extend(&place[..self.coarse.dimension]);
+        }
+        number
     }
-}
-
-/// Position of row j in the numbers of a triangle.
-fn row_start(n: u32, j: u32) -> usize {
-    (j * (n + 1) - j * (j.max(1) - 1) / 2) as usize
 }
 
 /// Moves inner vertices along each of the `axes` by at most `amplitude` times the smallest altitude of the
@@ -192,21 +187,16 @@ fn perturb(mesh: &mut Mesh, amplitude: f64, seed: u64, axes: [bool; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{BoundaryEdge, triangulate};
+    use crate::mesh::triangulate;
 
-    fn l_shape() -> Arc<Coarse> {
-        let vertices = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    fn l_shape() -> CoarseMesh {
+        let vertices = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let names = (1..7).map(|i| format!("s{i}")).collect();
         let triangles = triangulate(&vertices).unwrap();
-        let edges = (0..6).map(|i| BoundaryEdge { ends: [i, (i + 1) % 6], side: i }).collect();
-        let coarse = Coarse {
-            region: (0..triangles.len() as u32).collect(),
-            regions: (0..triangles.len()).map(|t| format!("r{t}")).collect(),
-            vertices,
-            triangles,
-            edges,
-            sides: (1..7).map(|i| format!("s{i}")).collect(),
-        };
-        Arc::new(coarse.checked().unwrap())
+        let polygon = CoarseMesh::polygon(&vertices, &triangles, &[0, 1, 2, 3, 4, 5], names);
+        let count = triangles.len() as u32;
+        let regions = (0..count).map(|t| format!("r{t}")).collect();
+        CoarseMesh { region: (0..count).collect(), regions, ..polygon.unwrap() }
     }
 
     fn area(mesh: &Mesh, c: usize) -> f64 {
@@ -243,7 +233,7 @@ mod tests {
         let coarse = l_shape();
         let mesh = refined(&coarse, 4, Family::Structured);
         for c in 0..mesh.cell_count() {
-            let expected = coarse.area(c / 16) / 16.0;
+            let expected = coarse.measure_of(c / 16) / 16.0;
             assert!((area(&mesh, c) - expected).abs() < 1e-15);
         }
         assert_eq!(mesh.h(), coarse.longest_edge() / 4.0);

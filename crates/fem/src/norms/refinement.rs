@@ -210,9 +210,7 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Arc;
-
-    use crate::mesh::{BoundaryEdge, Coarse, Family, lattice, refined, triangulate};
+    use crate::mesh::{CoarseMesh, Family, lattice, triangulate};
 
     fn space(mesh: Mesh) -> Discretization {
         let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
@@ -259,15 +257,10 @@ mod tests {
     fn l_shape(n: u32, family: Family) -> Discretization {
         let vertices = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
         let triangles = triangulate(&vertices).expect("a polygon");
-        let coarse = Coarse {
-            region: vec![0; triangles.len()],
-            regions: vec!["body".into()],
-            triangles,
-            edges: (0..6).map(|i| BoundaryEdge { ends: [i, (i + 1) % 6], side: i }).collect(),
-            sides: (0..6).map(|i| format!("s{i}")).collect(),
-            vertices,
-        };
-        let mesh = refined(&Arc::new(coarse), n, family);
+        let names = (0..6).map(|i| format!("s{i}")).collect();
+        let sides = [0, 1, 2, 3, 4, 5];
+        let coarse = CoarseMesh::polygon(&vertices, &triangles, &sides, names).expect("a domain");
+        let mesh = coarse.refined(n, family);
         Discretization::new(mesh, &[0], &[2, 3])
     }
 

@@ -32,12 +32,7 @@ impl Jump {
     /// ⟦v⟧ at the corners of F.
     #[inline]
     pub fn of<const D: usize>(&self, v: &[f64]) -> [[f64; D]; D] {
-        Self::at_corners(&self.apart(v, |sign| sign, |v| v))
-    }
-
-    /// Sums of the absolute values of its terms.
-    pub(crate) fn terms<const D: usize>(&self, v: &[f64]) -> [[f64; D]; D] {
-        Self::terms_at_corners(&self.apart(v, f64::abs, f64::abs))
+        Self::at_corners(&self.apart(v))
     }
 
     /// Σ w - d w_q at all corners q: a symmetric matrix, so that it also takes what acts on jumps at corners to what acts on w.
@@ -46,39 +41,23 @@ impl Jump {
         w.map(|w_q| std::array::from_fn(|i| sum[i] - D as f64 * w_q[i]))
     }
 
-    /// The same with the absolute values of the matrix, 1 and d - 1.
-    pub(crate) fn terms_at_corners<const D: usize>(w: &[[f64; D]; D]) -> [[f64; D]; D] {
-        let sum: [f64; D] = std::array::from_fn(|i| w.iter().map(|w_q| w_q[i]).sum());
-        w.map(|w_q| std::array::from_fn(|i| sum[i] + (D - 2) as f64 * w_q[i]))
-    }
-
-    /// w by the corners that its nodes are opposite to, from functions of signs and values.
+    /// w by the corners that its nodes are opposite to, from signs and values.
     #[inline]
-    fn apart<const D: usize>(
-        &self,
-        v: &[f64],
-        sign: impl Fn(f64) -> f64,
-        value: impl Fn(f64) -> f64,
-    ) -> [[f64; D]; D] {
+    fn apart<const D: usize>(&self, v: &[f64]) -> [[f64; D]; D] {
         let mut apart = [[0.0; D]; D];
         for (a, (&node, count)) in self.nodes(D).iter().zip(self.signs).enumerate() {
             let at_node = &v[D * node as usize..][..D];
-            apart[a % D].iter_mut().zip(at_node).for_each(|(w, v)| *w += sign(count) * value(*v));
+            apart[a % D].iter_mut().zip(at_node).for_each(|(w, v)| *w += count * v);
         }
         apart
     }
 
-    /// Adds what acts on w to the nodes, times a function of their signs.
+    /// Adds what acts on w to the nodes, times their signs.
     #[inline]
-    pub(crate) fn add<const D: usize>(
-        &self,
-        on_w: &[[f64; D]; D],
-        sign: impl Fn(f64) -> f64,
-        out: &mut [f64],
-    ) {
+    pub(crate) fn add<const D: usize>(&self, on_w: &[[f64; D]; D], out: &mut [f64]) {
         for (a, (&node, count)) in self.nodes(D).iter().zip(self.signs).enumerate() {
             let target = out[D * node as usize..][..D].iter_mut();
-            target.zip(on_w[a % D]).for_each(|(target, value)| *target += sign(count) * value);
+            target.zip(on_w[a % D]).for_each(|(target, value)| *target += count * value);
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::{Element, Simplex};
 use crate::mesh::Mesh;
+use algebra::tensor::{dimension, off_diagonal};
 
 /// Measures of all cells, and shape gradients at their strain points.
 #[derive(Debug, Clone)]
@@ -80,26 +81,14 @@ pub(super) fn append_gradients(slopes: &[Vec<f64>], linear: &[f64], out: &mut Ve
 /// notation.
 #[inline]
 pub fn strain_of<const S: usize>(gradients: &[f64], nodes: &[u32], v: &[f64]) -> [f64; S] {
-    let mut strain = [0.0; S];
-    let half = std::f64::consts::FRAC_1_SQRT_2;
-    // Pieces of fixed length: one check each, and loops that are unrolled.
-    if S == 3 {
-        let (gradients, values) = (gradients.as_chunks::<2>().0, v.as_chunks::<2>().0);
-        for (&[gx, gy], &node) in gradients.iter().zip(nodes) {
-            let [vx, vy] = values[node as usize];
-            strain[0] += gx * vx;
-            strain[1] += gy * vy;
-            strain[2] += half * (gy * vx + gx * vy);
+    let (mut strain, half, d) = ([0.0; S], std::f64::consts::FRAC_1_SQRT_2, dimension::<S>());
+    for (g, &node) in gradients.chunks_exact(d).zip(nodes) {
+        let w = &v[d * node as usize..][..d];
+        for i in 0..d {
+            strain[i] += g[i] * w[i];
         }
-    } else {
-        let (gradients, values) = (gradients.as_chunks::<3>().0, v.as_chunks::<3>().0);
-        for (g, &node) in gradients.iter().zip(nodes) {
-            let w = &values[node as usize];
-            for i in 0..3 {
-                strain[i] += g[i] * w[i];
-                let (j, l) = ((i + 1) % 3, (i + 2) % 3);
-                strain[3 + i] += half * (g[j] * w[l] + g[l] * w[j]);
-            }
+        for (k, &(i, j)) in off_diagonal(d).iter().enumerate() {
+            strain[d + k] += half * (g[i] * w[j] + g[j] * w[i]);
         }
     }
     strain

@@ -95,7 +95,7 @@ impl<'a> Linearised<'a> {
         let s = graph.variable(Variable::X);
         let u = problem.u.iter().map(|&u| graph.substitute(u, Variable::T, s));
         let u: Vec<Node> = u.collect();
-        let u = Program::compile(&mut graph, &u, horizon);
+        let u = Program::compile(&graph, &u, horizon);
         let mut by = |f: Node, variable| graph.derivative(f, variable);
         let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
         let force = problem

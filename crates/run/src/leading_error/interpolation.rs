@@ -79,7 +79,7 @@ fn constant_in<const D: usize>(exact: &Exact, size: &[f64], t: f64) -> f64 {
     }
     let places: Vec<[f64; 3]> = points.iter().map(|(point, _)| *point).collect();
     let mut out = vec![Vec::new(); nodes.len()];
-    let program = Program::compile(&mut graph, &nodes, exact.data.horizon);
+    let program = Program::compile(&graph, &nodes, exact.data.horizon);
     program.bind(&places).evaluate(t, 0.0, &mut out);
     let simplices = simplices_of_a_cube::<D>();
     let numbers = nodes.len() / D;
@@ -122,10 +122,10 @@ impl<'a> InterpolationError<'a> {
     /// Binds u to the nodes of a mesh, ε(u) to the points of a rule of degree 4 or 5 per cell: the squared strain error
     /// of linear interpolation has degree 2 for a quadratic, that of quadratic interpolation degree 4 for a cubic.
     pub fn new(exact: &Exact, space: &'a Arc<Discretization>) -> Self {
-        let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
+        let (graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
         let rule = space.element.square_rule(space.mesh.dimension + 1);
-        let u = Program::compile(&mut graph, &exact.data.u, horizon);
-        let strain = Program::compile(&mut graph, &exact.strain, horizon);
+        let u = Program::compile(&graph, &exact.data.u, horizon);
+        let strain = Program::compile(&graph, &exact.strain, horizon);
         let of_interpolant = NodalStrain::new(space.clone(), &rule);
         let strain = strain.bind(&points_of_cells(&space.mesh, &rule));
         Self { space, nodal: u.bind(&points_of_nodes(space)), strain, rule, of_interpolant }

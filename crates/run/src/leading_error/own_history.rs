@@ -34,8 +34,8 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         kernels: &'a [Kernel],
         with_zeta: bool,
     ) -> Self {
-        let mut graph = exact.data.graph.clone();
-        let program = Program::compile(&mut graph, &exact.data.u, exact.data.horizon);
+        let graph = exact.data.graph.clone();
+        let program = Program::compile(&graph, &exact.data.u, exact.data.horizon);
         let points = points_of_nodes(space);
         let terms = kernels.iter().flat_map(Kernel::exponentials);
         let rates: Vec<f64> = terms.map(|&(_, rate)| rate).collect();
@@ -43,7 +43,7 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         let guards = graph.guards(&exact.data.u);
         let guards = kernels.iter().any(Kernel::is_direct).then(|| {
             let mut values = vec![Vec::new(); guards.len()];
-            let program = Program::compile(&mut graph, &guards, exact.data.horizon);
+            let program = Program::compile(&graph, &guards, exact.data.horizon);
             let mut bound = program.bind(&points);
             bound.evaluate(0.0, 0.0, &mut values);
             (bound, values)

@@ -4,7 +4,7 @@ mod space;
 
 use std::collections::BTreeSet;
 
-use fem::mesh::{CoarseMesh, Mesh};
+use fem::mesh::Mesh;
 use formula::{EvaluationPoint, Node, Program};
 use report::{Ink, Sketch, Stroke};
 use scene::setup::cell_regions;
@@ -213,8 +213,8 @@ fn displaced(
 ) -> Vec<Vec<([f64; 3], [f64; 3])>> {
     let Data::Exact { u, .. } = &body.data else { return Vec::new() };
     let t = scene.time.horizon;
-    let mut graph = scene.formulas.clone();
-    let program = Program::compile(&mut graph, u, t);
+    let graph = scene.formulas.clone();
+    let program = Program::compile(&graph, u, t);
     let of_line = |line: &Vec<[f64; 3]>| {
         let mut out = vec![Vec::new(); u.len()];
         program.bind(line).evaluate(t, 0.0, &mut out);
@@ -250,5 +250,5 @@ fn polygons(body: &ContactScene, side: Side) -> Vec<(Vec<[f64; 3]>, [f64; 3])> {
 
 /// Whether the mesh comes from a file.
 fn is_imported(body: &ContactScene) -> bool {
-    matches!(body.domain.shape, Shape::Refined(CoarseMesh::Space(_)))
+    matches!(&body.domain.shape, Shape::Refined(coarse) if coarse.dimension == 3)
 }

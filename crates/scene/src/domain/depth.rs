@@ -1,6 +1,6 @@
 //! Extent of the body along the normal of a plane side.
 
-use fem::mesh::{BoundaryEdge, Coarse};
+use fem::mesh::{CoarseMesh, Piece};
 
 /// Shorter lengths, relative to the side, are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -10,40 +10,41 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// Between the feet of the other vertices the first edge met is constant, and the length affine: one line in the middle
 /// gives the edge, those at both ends the lengths.
-pub(super) fn under(coarse: &Coarse, side: u32, clamped: impl Fn(u32) -> bool) -> Option<f64> {
-    let edges: Vec<&BoundaryEdge> = coarse.edges.iter().filter(|edge| edge.side == side).collect();
-    let (first, normal) = coarse.segment(edges.first()?);
-    let along = [-normal[1], normal[0]];
+pub(super) fn under(coarse: &CoarseMesh, side: u32, clamped: impl Fn(u32) -> bool) -> Option<f64> {
+    let all = coarse.pieces();
+    let edges: Vec<&Piece> = all.iter().filter(|edge| edge.side == side).collect();
+    let Piece { corners: first, normal: [x, y, _], .. } = edges.first()?;
+    let (normal, along) = ([*x, *y], [-y, *x]);
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     // Position along the side and height into the body.
-    let local = |p: [f64; 2]| {
+    let local = |p: [f64; 3]| {
         let away = [p[0] - first[0][0], p[1] - first[0][1]];
         [dot(away, along), -dot(away, normal)]
     };
+    let ends = |edge: &Piece| [0, 1].map(|end| local(edge.corners[end]));
     let length = coarse.longest_edge();
     let mut deepest = 0.0f64;
     for edge in edges {
-        let ends = coarse.segment(edge).0.map(local);
-        if ends.iter().any(|end| end[1].abs() > ROUNDING * length) {
+        let [p, q] = ends(edge);
+        if [p, q].iter().any(|end| end[1].abs() > ROUNDING * length) {
             return None;
         }
-        let (from, to) = (ends[0][0].min(ends[1][0]), ends[0][0].max(ends[1][0]));
+        let (from, to) = (p[0].min(q[0]), p[0].max(q[0]));
         let mut cuts: Vec<f64> = coarse.vertices.iter().map(|v| local(*v)[0]).collect();
         cuts.retain(|cut| *cut > from && *cut < to);
         cuts.extend([from, to]);
         cuts.sort_by(f64::total_cmp);
         for pair in cuts.windows(2).filter(|pair| pair[1] - pair[0] > ROUNDING * length) {
-            let height = |edge: &BoundaryEdge, s: f64| {
-                let [p, q] = coarse.segment(edge).0.map(local);
+            let height = |edge: &Piece, s: f64| {
+                let [p, q] = ends(edge);
                 p[1] + (s - p[0]) / (q[0] - p[0]) * (q[1] - p[1])
             };
             let middle = 0.5 * (pair[0] + pair[1]);
-            let crosses = |edge: &&BoundaryEdge| {
-                let [p, q] = coarse.segment(edge).0.map(local);
+            let crosses = |edge: &&Piece| {
+                let [p, q] = ends(edge);
                 (p[0] < middle) != (q[0] < middle) && height(edge, middle) > ROUNDING * length
             };
-            let nearest = coarse
-                .edges
+            let nearest = all
                 .iter()
                 .filter(crosses)
                 .min_by(|a, b| height(a, middle).total_cmp(&height(b, middle)))?;
@@ -59,20 +60,12 @@ pub(super) fn under(coarse: &Coarse, side: u32, clamped: impl Fn(u32) -> bool) -
 #[cfg(test)]
 mod tests {
     use super::under;
-    use fem::mesh::{BoundaryEdge, Coarse, triangulate};
+    use fem::mesh::{CoarseMesh, triangulate};
 
-    fn polygon(vertices: &[[f64; 2]]) -> Coarse {
-        let count = vertices.len() as u32;
-        let edge = |i| BoundaryEdge { ends: [i, (i + 1) % count], side: i };
-        let triangles = triangulate(vertices).unwrap();
-        Coarse {
-            vertices: vertices.to_vec(),
-            region: vec![0; triangles.len()],
-            triangles,
-            regions: vec!["body".into()],
-            edges: (0..count).map(edge).collect(),
-            sides: (0..count).map(|i| i.to_string()).collect(),
-        }
+    fn polygon(vertices: &[[f64; 2]]) -> CoarseMesh {
+        let sides: Vec<u32> = (0..vertices.len() as u32).collect();
+        let names = sides.iter().map(u32::to_string).collect();
+        CoarseMesh::polygon(vertices, &triangulate(vertices).unwrap(), &sides, names).unwrap()
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::polygon::A_POINT;
 use super::{Domain, Shape};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
-use fem::mesh::{CoarseMesh, Family as MeshFamily, vertex_at};
+use fem::mesh::{Family as MeshFamily, vertex_at};
 
 /// Larger exponents give cells at the corner below rounding.
 const STEEPEST: f64 = 8.0;
@@ -18,7 +18,9 @@ pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, S
         return Ok(MeshFamily::Structured);
     }
     let kind = reading.kind("domain.mesh", &MESHES)?;
-    if kind != "structured" && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_))) {
+    if kind != "structured"
+        && matches!(&domain.shape, Shape::Refined(coarse) if coarse.dimension == 3)
+    {
         let message = format!("meshes of kind `{kind}` are not made of tetrahedra from a file");
         let hint =
             "leave `mesh` away: the file says where the vertices are, and refinement keeps them";
@@ -67,10 +69,9 @@ fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> 
             let ends = |axis: usize| corner[axis] == 0.0 || corner[axis] == domain.size[axis];
             (ends(0) && ends(1), "corner of the rectangle")
         }
-        Shape::Refined(CoarseMesh::Plane(coarse)) => {
+        Shape::Refined(coarse) => {
             (vertex_at(coarse, corner).is_some(), "vertex of the coarse triangulation")
         }
-        Shape::Refined(CoarseMesh::Space(_)) => (false, "point of the plane"),
     };
     if known {
         return Ok(MeshFamily::Graded { corner, exponent });

@@ -48,7 +48,7 @@ pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMes
         let hint = "export the mesh from gmsh as ASCII, version 4.1 or 2.2, order 1, with a physical group for every side";
         SceneError::at(&Source::from_text(path.clone(), text), error.span, message, hint)
     })?;
-    let cells = match mesh.dimension() {
+    let cells = match mesh.dimension {
         found if found == dimension => return Ok(mesh),
         3 => "tetrahedra, and dimension = 2",
         _ => "triangles and no tetrahedra, and dimension = 3",

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::{Domain, Shape, place};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
-use fem::mesh::{CoarseMesh, Solid};
+use fem::mesh::CoarseMesh;
 
 /// |det| of unit normals below which they count as dependent, as in the frames of the unknowns.
 const DEPENDENT: f64 = 1e-6;
@@ -16,11 +16,14 @@ const DEPENDENT: f64 = 1e-6;
 /// # Errors
 /// The first vertex of Γ3 off Γ1 with too many normals.
 pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
-    let Shape::Refined(CoarseMesh::Space(solid)) = &domain.shape else { return Ok(()) };
+    let Shape::Refined(coarse) = &domain.shape else { return Ok(()) };
+    if coarse.dimension == 2 {
+        return Ok(());
+    }
     let on = |sides: &[super::Side], side: u32| sides.iter().any(|listed| listed.0 == side);
-    let mut normals: Vec<Vec<[f64; 3]>> = vec![Vec::new(); solid.vertices.len()];
-    let mut clamped = vec![false; solid.vertices.len()];
-    for face in &solid.faces {
+    let mut normals: Vec<Vec<[f64; 3]>> = vec![Vec::new(); coarse.vertices.len()];
+    let mut clamped = vec![false; coarse.vertices.len()];
+    for face in &coarse.facets {
         for &v in &face.corners {
             let here = &mut normals[v as usize];
             if on(&domain.contact, face.side) && !here.contains(&face.normal) {
@@ -31,11 +34,11 @@ pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), 
     }
     let bad = |v: &usize| !clamped[*v] && !independent(&normals[*v]);
     let Some(v) = (0..normals.len()).find(bad) else { return Ok(()) };
-    Err(refusal(reading, solid, v, normals[v].len()))
+    Err(refusal(reading, coarse, v, normals[v].len()))
 }
 
-fn refusal(reading: &Reading, solid: &Solid, v: usize, count: usize) -> SceneError {
-    let at = place(&solid.vertices[v].into(), 3);
+fn refusal(reading: &Reading, coarse: &CoarseMesh, v: usize, count: usize) -> SceneError {
+    let at = place(&coarse.vertices[v].into(), 3);
     let message = format!(
         "{count} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent"
     );

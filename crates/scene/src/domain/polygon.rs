@@ -4,9 +4,9 @@ use crate::diagnostic::SceneError;
 use crate::reading::Reading;
 use serde::de::IgnoredAny;
 
-use fem::mesh::{BoundaryEdge, Coarse, PolygonError, WHOLE, triangulate};
+use fem::mesh::{CoarseMesh, PolygonError, triangulate};
 
-pub(super) fn polygon(reading: &Reading) -> Result<Coarse, SceneError> {
+pub(super) fn polygon(reading: &Reading) -> Result<CoarseMesh, SceneError> {
     let _: IgnoredAny = reading.required("domain.vertices")?;
     let boundary = &places(reading, "domain.vertices")?[..];
     measurable(reading, boundary)?;
@@ -25,17 +25,7 @@ pub(super) fn polygon(reading: &Reading) -> Result<Coarse, SceneError> {
         }
     };
     let (sides, of_edge) = names(reading, boundary.len())?;
-    let next = |i: usize| ((i + 1) % boundary.len()) as u32;
-    let edge = |(i, side): (usize, u32)| BoundaryEdge { ends: [i as u32, next(i)], side };
-    let coarse = Coarse {
-        vertices,
-        region: vec![0; triangles.len()],
-        triangles,
-        regions: vec![WHOLE.to_string()],
-        edges: of_edge.into_iter().enumerate().map(edge).collect(),
-        sides,
-    };
-    coarse.checked().map_err(|error| {
+    CoarseMesh::polygon(&vertices, &triangles, &of_edge, sides).map_err(|error| {
         let hint = "the triangles must cover the polygon, edge to edge, and each edge of the polygon must be an edge of one of them";
         reading.error("domain.triangles", error.to_string(), hint)
     })

@@ -3,7 +3,6 @@
 use super::{Shape, mesh_file, polygon, side};
 use crate::diagnostic::SceneError;
 use crate::reading::Reading;
-use fem::mesh::CoarseMesh;
 
 type Parts = (Shape, Vec<f64>, Vec<String>);
 
@@ -28,7 +27,7 @@ pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts, SceneE
     let shape = reading.choice("domain.shape", known)?;
     reading.only("domain", ("shape", shape), &SHAPES)?;
     let coarse = match shape {
-        "polygon" => CoarseMesh::from(polygon::polygon(reading)?),
+        "polygon" => polygon::polygon(reading)?,
         "mesh" => mesh_file::mesh_file(reading, dimension)?,
         _ => {
             let hint = "give one length a dimension: size = [1.0, 1.0]";
@@ -40,6 +39,6 @@ pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts, SceneE
         }
     };
     let [low, high] = coarse.bounds();
-    let (size, sides) = ((0..dimension).map(|i| high[i] - low[i]), coarse.sides().to_vec());
-    Ok((Shape::Refined(coarse), size.collect(), sides))
+    let (size, sides) = ((0..dimension).map(|i| high[i] - low[i]), coarse.sides.clone());
+    Ok((Shape::Refined(coarse.into()), size.collect(), sides))
 }

@@ -259,7 +259,7 @@ fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
     let programs: Vec<Program> = problem
         .kernels
         .iter()
-        .map(|kernel| Program::compile(&mut graph, &[kernel.q], scene.time.horizon))
+        .map(|kernel| Program::compile(&graph, &[kernel.q], scene.time.horizon))
         .collect();
     let graph = Arc::new(graph);
     let components = |nodes: &[[Node; 3]]| -> Vec<Box<dyn ComponentLaw>> {

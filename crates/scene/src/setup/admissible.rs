@@ -134,8 +134,8 @@ fn place(setup: &Setup, at: &EvaluationPoint) -> String {
 /// u = 0 on Γ1.
 fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SetupError> {
     let (horizon, count) = (setup.scene.time.horizon, exact.data.u.len());
-    let mut graph = exact.data.graph.clone();
-    let program = Program::compile(&mut graph, &exact.data.u, horizon);
+    let graph = exact.data.graph.clone();
+    let program = Program::compile(&graph, &exact.data.u, horizon);
     let mut size = 0.0f64;
     visit(&program, count, &interior(setup), horizon, |_, u| {
         size = u.iter().fold(size, |size, u| size.max(u.abs()));

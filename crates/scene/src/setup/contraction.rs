@@ -2,7 +2,7 @@
 
 use super::constants::with_needed;
 use super::{AbstractSetup, Setup, SetupError};
-use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
+use fem::contact::{Discretization, TraceMass, trace_constants};
 use vhi::law::TensorField;
 
 /// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), less what

@@ -184,7 +184,7 @@ impl<'a> Integrals<'a> {
         traction: &[(Side, Vec<Node>)],
         space: &'a Discretization,
     ) -> Self {
-        let (mesh, mut graph) = (&space.mesh, scene.formulas.clone());
+        let (mesh, graph) = (&space.mesh, scene.formulas.clone());
         let rules = TruthRules::for_element(space.element, mesh.dimension);
         let (inside, outside) = match mesh.dimension {
             2 => ([rules.load, triangle_product(5)], [rules.traction, edge(7)]),
@@ -194,7 +194,7 @@ impl<'a> Integrals<'a> {
         let mut add = |formulas: &[Node], simplices: Rc<[Loaded<'a>]>, rules: &[Rule; 2]| {
             for (component, &formula) in formulas.iter().enumerate() {
                 if graph.value_of_constant(formula) != Some(0.0) {
-                    let formula = Program::compile(&mut graph, &[formula], scene.time.horizon);
+                    let formula = Program::compile(&graph, &[formula], scene.time.horizon);
                     let (simplices, rules) = (simplices.clone(), rules.clone());
                     acting.push(Acting { formula, component, simplices, rules });
                 }

@@ -2,7 +2,6 @@
 
 use super::good::{EXACT, LOADED, refused};
 use crate::{MeshFamily, Place, Scene, Shape, Side, Source};
-use fem::mesh::CoarseMesh;
 
 const RECTANGLE: &str = "shape = \"rectangle\"\nsize = [1.0, 0.5]";
 const CORNERS: &str = "vertices = [[0, 0], [2, 0], [2, 1], [0, 1]]";
@@ -71,9 +70,9 @@ fn what_is_no_polygon_is_refused() {
         (CORNERS, &format!("{NAMES}\nsize = [2, 1]"), "shape `polygon` takes no `size`"),
         (CORNERS, &format!("{NAMES}\npoints = [[1, 0.5]]"), "and there are none"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 4]]"), "there is no vertex 4"),
-        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 2]]"), "does not bound the triangles"),
+        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 2]]"), "does not bound the domain"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1]]"), "2 entries where 3 are wanted"),
-        (CORNERS, &format!("{NAMES}\ntriangles = []"), "does not bound the triangles"),
+        (CORNERS, &format!("{NAMES}\ntriangles = []"), "does not bound the domain"),
         (CORNERS, &format!("{NAMES}\nfile = \"x.msh\""), "shape `polygon` takes no `file`"),
     ];
     for (corners, names, phrase) in cases {
@@ -94,9 +93,7 @@ fn mesh_files_are_read_beside_the_scene() {
     };
     let scene = accepted(&text("../../tests/fixtures/block-4.1.msh"));
     let domain = &scene.as_contact().unwrap().domain;
-    let Shape::Refined(CoarseMesh::Plane(coarse)) = &domain.shape else {
-        panic!("{:?}", domain.shape)
-    };
+    let Shape::Refined(coarse) = &domain.shape else { panic!("{:?}", domain.shape) };
     assert_eq!(coarse.regions, ["layer", "body"].map(String::from));
     let mesh = domain.mesh(2);
     assert_eq!((mesh.cell_count(), mesh.regions.len()), (128, 2));

@@ -104,8 +104,7 @@ impl Densities {
             }
         };
         let horizon = setup.scene.time.horizon;
-        let compile =
-            |mut graph: Graph, outputs: &[Node]| Program::compile(&mut graph, outputs, horizon);
+        let compile = |graph: Graph, outputs: &[Node]| Program::compile(&graph, outputs, horizon);
         let domain = &setup.body.domain;
         let body = match (&setup.body.data, &setup.exact) {
             (Data::Loads { body, traction }, _) => {

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::history::TimeRule;
 use crate::law::{HistoryKernel, Potential};
+use algebra::linalg::complement;
 
 /// A function of y = (Su)_i and r = u_i.
 pub trait ComponentLaw: Send + Sync {
@@ -95,43 +96,10 @@ impl FiniteModel {
     /// Coordinates in which the functionals come first: C with a_i·(C w) = w_i, the rest orthonormal. A permutation of
     /// the identity if the functionals are unit vectors, None if they are linearly dependent.
     pub(crate) fn coordinates(&self) -> Option<DMatrix<f64>> {
-        let (m, p) = (self.dimension(), self.functionals.len());
-        let mut rows = DMatrix::zeros(m, m);
-        for (i, functional) in self.functionals.iter().enumerate() {
-            rows.set_row(i, &functional.a.transpose());
-        }
-        // Completed by the unit vectors farthest from the span of the rows so far.
-        let mut basis: Vec<DVector<f64>> = Vec::new();
-        let residue = |basis: &[DVector<f64>], v: &DVector<f64>| {
-            // Twice: the second pass removes the rounding of the first.
-            let once = |v: DVector<f64>| {
-                basis.iter().fold(v, |v, b| {
-                    let along = b.dot(&v);
-                    v - b * along
-                })
-            };
-            once(once(v.clone()))
-        };
-        for i in 0..p {
-            let row = self.functionals[i].a.clone();
-            let rest = residue(&basis, &row);
-            if rest.norm() <= INDEPENDENT * row.norm() {
-                return None;
-            }
-            basis.push(rest.normalize());
-        }
-        for i in p..m {
-            let candidates = (0..m).map(|e| {
-                let unit = DVector::from_fn(m, |row, _| f64::from(u8::from(row == e)));
-                residue(&basis, &unit)
-            });
-            let rest = candidates.max_by(|a, b| a.norm().total_cmp(&b.norm()))?.normalize();
-            rows.set_row(i, &rest.transpose());
-            basis.push(rest);
-        }
-        rows.try_inverse()
+        let m = self.dimension();
+        let mut rows: Vec<Vec<f64>> =
+            self.functionals.iter().map(|functional| functional.a.as_slice().to_vec()).collect();
+        rows.extend(complement(&rows, m)?);
+        DMatrix::from_fn(m, m, |i, j| rows[i][j]).try_inverse()
     }
 }
-
-/// A functional closer to the span of the others than this (relative) would lose 8 digits in the change of coordinates.
-const INDEPENDENT: f64 = 1e-8;

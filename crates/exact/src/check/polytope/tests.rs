@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::*;
 use crate::check::check;
 use crate::{ContactFormulas, ExactData, MaterialNumbers};
-use fem::mesh::{BoundaryEdge, Coarse, triangulate};
+use fem::mesh::triangulate;
 use formula::{Graph, Scope, Variable};
 
 const TRIANGLE: [[f64; 2]; 3] = [[1.0, 0.5], [3.0, 1.0], [1.5, 2.5]];
@@ -15,16 +15,10 @@ const L_SHAPE: [[f64; 2]; 6] =
 /// u on a polytope, contact on its first edge, clamped on its last; with ζ in κ if `yields`.
 fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
     let count = vertices.len() as u32;
+    let sides: Vec<u32> = (0..count).collect();
+    let names = sides.iter().map(u32::to_string).collect();
     let triangles = triangulate(vertices).unwrap();
-    let edge = |i| BoundaryEdge { ends: [i, (i + 1) % count], side: i };
-    let coarse = Coarse {
-        vertices: vertices.to_vec(),
-        region: vec![0; triangles.len()],
-        triangles,
-        regions: vec!["body".into()],
-        edges: (0..count).map(edge).collect(),
-        sides: (0..count).map(|i| i.to_string()).collect(),
-    };
+    let coarse = CoarseMesh::polygon(vertices, &triangles, &sides, names).unwrap();
     let mut graph = Graph::new();
     let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
     let u = u.map(|text| graph.parse(text, &scope).expect("a formula")).to_vec();
@@ -67,12 +61,11 @@ fn loads_agree_and_a_wrong_force_or_normal_is_seen() {
         solution.forces = other.forces;
         assert_eq!(loads(&solution, polytope(&solution)).status, Status::Failed);
     }
-    // Edges of the opposite direction have reversed normals.
+    // A reversed normal.
     let mut solution = exact(&L_SHAPE, u, false);
-    let CoarseMesh::Plane(coarse) = &mut solution.data.polytope.as_mut().unwrap().coarse else {
-        panic!("a plane domain");
-    };
-    Arc::make_mut(coarse).edges[1].ends.swap(0, 1);
+    let coarse = &mut solution.data.polytope.as_mut().unwrap().coarse;
+    let normal = &mut Arc::make_mut(coarse).facets[1].normal;
+    *normal = normal.map(|component| -component);
     assert_eq!(loads(&solution, polytope(&solution)).status, Status::Failed);
 }
 

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::*;
+use crate::mesh::coarse::tests::cube;
 use crate::mesh::geometry::{cross, dot};
-use crate::mesh::solid::tests::cube;
+use crate::mesh::{BoundaryFacet, CoarseMesh, Family, Mesh};
 
 /// A regular tetrahedron beside a flat one, so that all three diagonals are chosen in turn.
-fn pair() -> Solid {
+fn pair() -> CoarseMesh {
     let mut solid = cube();
     solid.vertices = vec![
         [1.0, 1.0, 1.0],
@@ -16,17 +17,17 @@ fn pair() -> Solid {
         [-1.0, -1.0, 1.0],
         [-2.0, -0.7, -2.5],
     ];
-    solid.cells = vec![[0, 1, 2, 3], [1, 2, 4, 3]];
+    solid.cells = vec![vec![0, 1, 2, 3], vec![1, 2, 4, 3]];
     solid.region = vec![0, 1];
     solid.regions = vec!["a".into(), "b".into()];
     let corners = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 4], [1, 3, 4], [2, 3, 4]];
-    solid.faces = (0..).zip(corners).map(|(side, corners)| face(corners, side)).collect();
+    solid.facets = (0..).zip(corners).map(|(side, corners)| face(corners, side)).collect();
     solid.sides = (0..6).map(|side| side.to_string()).collect();
     solid.checked().unwrap()
 }
 
-fn face(corners: [u32; 3], side: u32) -> crate::mesh::BoundaryFace {
-    crate::mesh::BoundaryFace { corners, side, normal: [0.0; 3] }
+fn face(corners: [u32; 3], side: u32) -> BoundaryFacet {
+    BoundaryFacet { corners: corners.to_vec(), side, normal: [0.0; 3] }
 }
 
 fn volume(mesh: &Mesh, c: usize) -> f64 {
@@ -39,11 +40,11 @@ fn volume(mesh: &Mesh, c: usize) -> f64 {
 fn cells_of_equal_volume_tile_and_meet_face_to_face() {
     for solid in [cube().checked().unwrap(), pair()] {
         for n in [1, 2, 3, 4, 5] {
-            let mesh = refined(&solid, n);
+            let mesh = solid.refined(n, Family::Structured);
             let pieces = (n * n * n) as usize;
             assert_eq!(mesh.cell_count(), pieces * solid.cells.len());
             for c in 0..mesh.cell_count() {
-                let expected = solid.volume(c / pieces) / pieces as f64;
+                let expected = solid.measure_of(c / pieces) / pieces as f64;
                 assert!((volume(&mesh, c) / expected - 1.0).abs() < 1e-12, "n = {n}, cell {c}");
             }
             let mut faces: BTreeMap<[u32; 3], usize> = BTreeMap::new();
@@ -76,9 +77,9 @@ fn sorted(face: impl Iterator<Item = u32>) -> [u32; 3] {
 #[test]
 fn angles_do_not_degenerate_and_the_shortest_diagonal_is_taken() {
     let solid = pair();
-    let angle = |n: u32| refined(&solid, n).quality().smallest_angle;
+    let angle = |n: u32| solid.refined(n, Family::Structured).quality().smallest_angle;
     assert!((angle(2) - angle(8)).abs() < 1e-9 && (angle(4) - angle(6)).abs() < 1e-9);
-    let best = |corners: &[[f64; 3]; 4]| {
+    let best = |corners: &[[f64; 3]]| {
         let middles = |order: [usize; 4]| {
             let [a, b, c, d] = order.map(|a| corners[a]);
             norm([0, 1, 2].map(|i| b[i] - a[i] + d[i] - c[i]))
@@ -92,5 +93,5 @@ fn angles_do_not_degenerate_and_the_shortest_diagonal_is_taken() {
         let chosen = norm([0, 1, 2].map(|i| q[i] - p[i] + s[i] - r[i]));
         assert!(chosen <= best(&corners) * (1.0 + 1e-8));
     }
-    assert_eq!(refined(&solid, 3).h(), solid.longest_edge() / 3.0);
+    assert_eq!(solid.refined(3, Family::Structured).h(), solid.longest_edge() / 3.0);
 }

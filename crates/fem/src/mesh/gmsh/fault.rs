@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::mesh::{CoarseError, SolidError};
+use crate::mesh::CoarseError;
 
 /// What is wrong with a `.msh` file, and where.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -48,10 +48,7 @@ pub enum Fault {
     /// Nothing to compute on.
     #[error("the file has neither triangles nor tetrahedra")]
     NoCells,
-    /// Triangles and edges that make no domain.
+    /// Elements that make no domain.
     #[error("{0}")]
-    Domain(CoarseError),
-    /// Tetrahedra and triangles that make no body.
-    #[error("{0}")]
-    Body(Box<SolidError>),
+    Domain(Box<CoarseError>),
 }

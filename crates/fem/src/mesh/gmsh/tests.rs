@@ -10,16 +10,15 @@ const V2: &str = include_str!("../../../../../tests/fixtures/block-2.2.msh");
 fn both_versions_hold_the_same_domain() {
     let (four, two) = (read_gmsh(V4).unwrap(), read_gmsh(V2).unwrap());
     assert_eq!(four, two);
-    let CoarseMesh::Plane(four) = four else { panic!("{four:?}") };
     assert_eq!(four.sides, ["foot", "right side", "left", "top"].map(String::from));
     assert_eq!(four.regions, ["layer", "body"].map(String::from));
-    assert_eq!((four.vertices.len(), four.triangles.len(), four.edges.len()), (23, 32, 12));
+    assert_eq!((four.vertices.len(), four.cells.len(), four.facets.len()), (23, 32, 12));
     // Above y = 0.7 the body is a rectangle of 2 × 0.5.
-    let upper: f64 = (0..32).filter(|&t| four.region[t] == 1).map(|t| four.area(t)).sum();
+    let upper: f64 = (0..32).filter(|&t| four.region[t] == 1).map(|t| four.measure_of(t)).sum();
     assert!((upper - 1.0).abs() < 1e-9, "{upper}");
     // The foot bends: its four edges have four normals, all pointing down.
-    let foot: Vec<[f64; 2]> =
-        four.edges.iter().filter(|e| e.side == 0).map(|e| four.segment(e).1).collect();
+    let foot: Vec<[f64; 3]> =
+        four.facets.iter().filter(|edge| edge.side == 0).map(|edge| edge.normal).collect();
     assert!(foot.len() == 4 && foot.windows(2).all(|pair| pair[0] != pair[1]));
     assert!(foot.iter().all(|normal| normal[1] < -0.7));
 }
@@ -31,22 +30,22 @@ const SOLID_V2: &str = include_str!("../../../../../tests/fixtures/frustum-2.2.m
 fn tetrahedra_of_both_versions_are_one_body() {
     let (four, two) = (read_gmsh(SOLID_V4).unwrap(), read_gmsh(SOLID_V2).unwrap());
     assert_eq!(four, two);
-    let CoarseMesh::Space(solid) = four else { panic!("{four:?}") };
+    let solid = four;
     assert_eq!(solid.sides, ["foot", "walls", "top"].map(String::from));
     assert_eq!(solid.regions, ["lower", "upper"].map(String::from));
-    assert_eq!((solid.vertices.len(), solid.cells.len(), solid.faces.len()), (14, 24, 20));
+    assert_eq!((solid.vertices.len(), solid.cells.len(), solid.facets.len()), (14, 24, 20));
     // Half of the tetrahedra in the file are negatively oriented.
-    assert!((0..24).all(|c| solid.volume(c) > 0.0));
+    assert!((0..24).all(|c| solid.measure_of(c) > 0.0));
     // ∫ (0.8 + 0.2 y)² over (0, 1/2) and (1/2, 1), by hand.
     for (region, expected) in [(0, (0.729 - 0.512) / 0.6), (1, (1.0 - 0.729) / 0.6)] {
         let of_region = (0..24).filter(|&c| solid.region[c] == region);
-        let volume: f64 = of_region.map(|c| solid.volume(c)).sum();
+        let volume: f64 = of_region.map(|c| solid.measure_of(c)).sum();
         assert!((volume - expected).abs() < 1e-12, "{region}: {volume}");
     }
     // Each of the four walls is one plane, and so are foot and top.
     let of_side = |side: u32| {
         let mut normals: Vec<[f64; 3]> = Vec::new();
-        for face in solid.faces.iter().filter(|face| face.side == side) {
+        for face in solid.facets.iter().filter(|face| face.side == side) {
             if !normals.contains(&face.normal) {
                 normals.push(face.normal);
             }
@@ -64,7 +63,7 @@ fn broken_bodies_are_refused_with_the_line_of_the_element() {
         (edited(SOLID_V2, "21 4 2 4 4 1 2 3 13", "21 4 2 4 4 1 2 3 4"), 51, "has no volume"),
         (edited(SOLID_V2, "21 4 2 4 4 1 2 3 13", "21 11 2 4 4 1 2 3 13"), 51, "order 2"),
         (edited(SOLID_V2, "1 2 2 1 1 1 2 3", "1 2 2 0 1 1 2 3"), 51, "belongs to no side"),
-        (edited(SOLID_V2, "1 2 2 1 1 1 2 3", "1 2 2 1 1 1 2 13"), 31, "does not bound the body"),
+        (edited(SOLID_V2, "1 2 2 1 1 1 2 3", "1 2 2 1 1 1 2 13"), 31, "does not bound the domain"),
         (edited(SOLID_V2, "1 2 2 1 1 1 2 3", "1 2 2 1 1 1 3 4"), 32, "is named twice"),
         (edited(SOLID_V2, "21 4 2 4 4 1 2 3 13", "21 4 2 4 4 1 3 4 13"), 52, "the same side"),
     ];
@@ -121,8 +120,8 @@ fn broken_files_are_refused_with_line_and_value() {
         (edited(V2, "1 1 2 1 1 1 7", "1 5 2 1 1 1 7 8 9"), 41, "type 5 (hexahedron)"),
         (edited(V2, "1 1 2 1 1 1 7", "1 4 2 1 1 1 7 8 9"), 41, "has no volume"),
         (edited(V2, "1 1 2 1 1 1 7", "1 1 2 1 1 1 77"), 41, "there is no node 77"),
-        (edited(V2, "1 1 2 1 1 1 7", "1 1 2 0 1 1 7"), 39, "belongs to no side"),
-        (edited(V2, "1 1 2 1 1 1 7", "1 1 2 1 1 1 9"), 39, "does not bound the triangles"),
+        (edited(V2, "1 1 2 1 1 1 7", "1 1 2 0 1 1 7"), 53, "belongs to no side"),
+        (edited(V2, "1 1 2 1 1 1 7", "1 1 2 1 1 1 9"), 41, "does not bound the domain"),
         (edited(V2, "13 2 2 5 1 1 7 18", "13 2 2 5 1 1 7 7"), 53, "has no area"),
         (edited(V4, "2 6 \"body\"", "2 5 \"body\""), 11, "physical group 5 is defined twice"),
         (edited(V4, "$EndEntities", "$EndEntity"), 0, "$EndEntities should stand"),

@@ -65,11 +65,11 @@ impl SideEdges {
         touches: bool,
     ) -> Self {
         let horizon = exact.data.horizon;
-        let mut graph = exact.data.graph.clone();
+        let graph = exact.data.graph.clone();
         let guards = graph.guards(&exact.stress);
         let ends = |&f: &usize| padded(space.nodes.on_facet(f));
         let contact = touches.then(|| {
-            let mut formulas = exact.boundary(&normal);
+            let formulas = exact.boundary(&normal);
             let [u, xi, lambda, gap] =
                 [formulas.normal, formulas.xi, formulas.lambda, formulas.gap];
             let guards = formulas.graph.guards(&[u, xi, lambda, gap]);
@@ -84,7 +84,7 @@ impl SideEdges {
                 trace: facets.iter().map(position).collect(),
                 shift: (given.and_then(|contact| contact.shift), 0.0),
                 scale: (given.and_then(|contact| contact.scale), 1.0),
-                guards: Program::compile(&mut formulas.graph, &guards, horizon),
+                guards: Program::compile(&formulas.graph, &guards, horizon),
                 kinks: law.map_or(Vec::new(), LawNumbers::kinks),
                 has_jump: law
                     .is_some_and(|law| law.points.windows(2).any(|pair| pair[0][0] == pair[1][0])),
@@ -97,7 +97,7 @@ impl SideEdges {
             normal,
             lengths: facets.iter().map(length).collect(),
             edges,
-            guards: Program::compile(&mut graph, &guards, horizon),
+            guards: Program::compile(&graph, &guards, horizon),
             contact,
         }
     }

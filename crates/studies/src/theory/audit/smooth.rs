@@ -35,7 +35,7 @@ pub(crate) struct SmoothFields {
 impl SmoothFields {
     pub(crate) fn new(setup: &Setup, exact: &Arc<Exact>, space: &Arc<Discretization>) -> Self {
         let horizon = exact.data.horizon;
-        let mut graph = exact.data.graph.clone();
+        let graph = exact.data.graph.clone();
         let mut fields = exact.data.u.clone();
         fields.extend(exact.stress.iter().chain(&exact.body_force));
         let (bent, vertical): (Vec<_>, Vec<_>) = graph
@@ -47,7 +47,7 @@ impl SmoothFields {
             .partition(|&guard| {
                 graph.depends_on(guard, Variable::Y) || graph.depends_on(guard, Variable::Zeta)
             });
-        let displacement = Program::compile(&mut graph, &exact.data.u, horizon);
+        let displacement = Program::compile(&graph, &exact.data.u, horizon);
         let mut whole = CellPoints::default();
         for c in 0..space.mesh.cell_count() {
             whole.add(c as u32, &triangle(space, c), &[]);
@@ -58,8 +58,8 @@ impl SmoothFields {
         let (traction, contact) = (side_numbers(&domain.traction), side_numbers(&domain.contact));
         Self {
             width: domain.width(),
-            vertical: Program::compile(&mut graph, &vertical, horizon),
-            bent: Program::compile(&mut graph, &bent, horizon).bind(&whole.points),
+            vertical: Program::compile(&graph, &vertical, horizon),
+            bent: Program::compile(&graph, &bent, horizon).bind(&whole.points),
             cells: whole.cells,
             nodal: displacement.bind(&vertices),
             remembered: fixed_points(exact, space),
