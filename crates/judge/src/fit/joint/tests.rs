@@ -92,11 +92,9 @@ fn parts_reach_by_the_change_they_make() {
     assert_eq!(drift(full, estimate(0.75, 9.0)), Interval { lo: 0.25, hi: 1.25 });
     assert_eq!(corrected(full, estimate(1.25, 0.0)), Interval { lo: 1.125, hi: 1.375 });
     assert_eq!(corrected(full, estimate(1.25, 0.5)), Interval { lo: 0.75, hi: 1.75 });
-    let [space, time] = extrapolated(
-        [full, full],
-        [estimate(1.25, 0.0), estimate(1.0, 0.25)],
-        Some([estimate(2.0, 0.5), estimate(1.0, 0.0)]),
-    );
+    let bent = [estimate(1.25, 0.0), estimate(1.0, 0.25)];
+    let rival = [estimate(2.0, 0.5), estimate(1.0, 0.0)].map(|rival| rival.interval);
+    let [space, time] = hulls(bent, &[bent.map(|bent| corrected(full, bent)), rival]);
     assert_eq!(space, FittedValue { value: 1.25, interval: Interval { lo: 1.125, hi: 2.5 } });
     assert_eq!(time, FittedValue { value: 1.0, interval: Interval { lo: 0.75, hi: 1.25 } });
 }
