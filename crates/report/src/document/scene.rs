@@ -29,7 +29,7 @@ pub(super) fn of_scene(report: &Report<'_>, at: usize) -> Section {
     section.table(Table::new(caption, &VERDICT_HEADS[1..], rows));
     section.figures(&drawn.figures);
     for verdict in &verdicts {
-        section.table(points(verdict, report.records));
+        section.table(points(verdict));
     }
     section.table(cases(&scene.name, report.records));
     let row = |[part, key, value]: &[String; 3]| {
