@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::eoc;
-use super::wording::{Part, next_steps, run, step_name};
+use super::wording::{Part, next_steps, run};
 use files::counted;
 use judge::fit::{
     Direction, EcaHoekstra, Expansion, FitError, Posterior, Triple, ValueSample, eca_hoekstra,
@@ -33,7 +33,7 @@ pub(super) fn part(group: &Group, direction: Direction, asked: Asked) -> Option<
     // Along a path the value depends on one step.
     let findings = value_samples(&eoc::line(group, direction), direction)
         .map(|samples| Findings::of(samples, asked));
-    let name = step_name(direction);
+    let name = direction.name();
     let answer = predicted.map(|order| {
         gap_verdict(group).unwrap_or_else(|| match &findings {
             Ok(findings) => findings.answer(name, asked, order),

@@ -42,7 +42,8 @@ pub(super) fn check_levels(
     parameters: usize,
     needed: usize,
 ) -> Result<(), NotIdentifiable> {
-    for (name, direction) in [("h", Direction::Space), ("k", Direction::Time)] {
+    for direction in Direction::BOTH {
+        let name = direction.name();
         let found = levels(points, direction).len();
         if found < needed {
             return Err(NotIdentifiable::new(
@@ -70,15 +71,12 @@ pub(super) fn check_levels(
 }
 
 pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIdentifiable> {
-    let largest = |term: usize| {
-        points.iter().map(|point| fit.weights(point.h, point.k)[term]).fold(0.0, f64::max)
-    };
     let hints = [
         ("space", "run fewer cells n, or more steps", Direction::Space),
         ("time", "run fewer steps, or more cells n, or judge k on V_time_max", Direction::Time),
     ];
-    for (term, (name, suggestion, direction)) in hints.into_iter().enumerate() {
-        let share = largest(term);
+    for (name, suggestion, direction) in hints {
+        let share = points.iter().map(|point| fit.share(direction, point)).fold(0.0, f64::max);
         if share < SMALLEST_SHARE {
             let percent = 100.0 * share;
             let reason = format!("the {name} term is at most {percent:.1} % of the error");
@@ -95,7 +93,7 @@ pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIde
 }
 
 pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
-    [Direction::Space, Direction::Time].map(|direction| {
+    Direction::BOTH.map(|direction| {
         let coarsest = levels(points, direction).first().copied().unwrap_or(f64::INFINITY);
         let finer = |point: &&Point| !same_level(direction.step(point), coarsest);
         points.iter().filter(finer).copied().collect()

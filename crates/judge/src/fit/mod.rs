@@ -34,8 +34,8 @@ pub use error::FitError;
 pub use identifiable::NotIdentifiable;
 pub(crate) use identifiable::distinct;
 pub use inference::{
-    Claim, ClaimError, FEWEST, GridPosterior, Level, Posterior, Ruling, TOLERANCE, infer,
-    infer_grid, order,
+    Claim, ClaimError, FEWEST, GridPosterior, Level, LineReading, Posterior, Ruling, TOLERANCE,
+    infer, infer_grid, order,
 };
 pub use interval::Interval;
 pub use joint::{JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};

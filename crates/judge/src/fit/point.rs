@@ -37,6 +37,14 @@ impl Direction {
         }
     }
 
+    /// Name of the constant of its term.
+    pub fn constant(self) -> &'static str {
+        match self {
+            Self::Space => "C_h",
+            Self::Time => "C_k",
+        }
+    }
+
     /// The direction that is not refined.
     #[must_use]
     pub fn other(self) -> Self {

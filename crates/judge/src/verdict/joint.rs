@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::judge::{claim, with_help};
 use super::next::next_case;
+use super::ruling::{claim, with_help};
 use super::selection::Selection;
 use super::{Decision, FittedConstant, MeshAndSteps, Prediction, Verdict};
 use crate::fit::{

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use super::constants::{ConstantComparison, compare_constant, correction};
 use super::joint::judge_grid;
 use super::next::{Next, next_case};
+use super::ruling::{claim, with_help};
 use super::selection::{Cases, Selection};
 use super::{Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict};
 use crate::fit::{
-    Claim, Direction, LARGEST_OTHER_SHARE, Level, Point, Ruling, Sample, TOLERANCE, constant_under,
-    infer, joint_fits, samples,
+    Direction, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE, constant_under,
+    joint_fits,
 };
 use crate::record::{CaseRecord, Key};
 
@@ -65,7 +66,7 @@ fn compare_with(
         Variable::K => Direction::Time,
         Variable::Joint | Variable::Path => return,
     };
-    let name = constant_name(direction);
+    let name = direction.constant();
     let Some(&fitted) = finding.constants.get(name) else { return };
     let compared = compare_constant(fitted, &selection.used, line, prediction, direction);
     let Some(ConstantComparison { constant, decision, sentence, leading_order }) = compared else {
@@ -128,11 +129,8 @@ fn judge_line(
     direction: Direction,
 ) -> Verdict {
     let next = next_case(selection, direction, prediction);
-    let points = selection.points();
-    let levels: Vec<Level> = points.iter().map(|point| Level::of(point, direction, None)).collect();
-    let read = infer(&levels, None, 0.0)
-        .and_then(|posterior| Ok((posterior, samples(&points, direction)?)));
-    let (posterior, samples) = match read {
+    let points: Vec<_> = selection.used.iter().map(|used| (used.point, None)).collect();
+    let LineReading { posterior, samples } = match LineReading::of(&points, direction, None, 0.0) {
         Ok(read) => read,
         Err(error) => {
             return Verdict { reason: format!("{error}: {}", next.text), next: next.cases, ..open };
@@ -166,52 +164,28 @@ fn flattening(prediction: &Prediction) -> Next {
     Next { cases: Vec::new(), text: prediction.floor.remedy().to_owned() }
 }
 
-/// A reason and, if the ruling is open, what would help.
-pub(super) fn with_help(reason: String, ruling: &Ruling, next: &str) -> String {
-    match (ruling.decision, ruling.too_high) {
-        (Decision::Unresolved, true) => format!("{reason}: {HIGHER_ORDER}"),
-        (Decision::Unresolved, false) => format!("{reason}: {next}"),
-        _ => reason,
-    }
-}
-
-pub(super) fn claim(prediction: &Prediction, order: f64) -> Claim {
-    let Prediction { at_least, exact, .. } = *prediction;
-    Claim { order, at_least, exact, tolerance: TOLERANCE, log: 0.0 }
-}
-
-const HIGHER_ORDER: &str = "finer cases would not lower it; state the higher order with its theorem, at_least = true where the theory gives a bound, or choose a solution that excites the term";
-
-fn constant_name(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Space => "C_h",
-        Direction::Time => "C_k",
-    }
-}
-
 fn constants(
     samples: &[Sample],
     prediction: &Prediction,
     direction: Direction,
 ) -> BTreeMap<&'static str, FittedConstant> {
-    let name = constant_name(direction);
     let order = prediction.order;
-    let fitted = constant_under(order, samples, correction(prediction, direction))
-        .map(|(value, interval)| (name, FittedConstant::fitted(value, interval, order)));
-    fitted.into_iter().collect()
+    let fitted = constant_under(order, samples, correction(prediction, direction));
+    let named = fitted.map(|(value, interval)| {
+        (direction.constant(), FittedConstant::fitted(value, interval, order))
+    });
+    named.into_iter().collect()
 }
 
 /// Where the term of the other direction bends this line, if the grid can tell.
 fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Option<String> {
     let best = joint_fits(grid, false).ok()?.best;
-    let (index, name, cure) = match direction {
-        Direction::Space => (1, "time", "more steps"),
-        Direction::Time => (0, "space", "more cells n"),
+    let (name, cure) = match direction {
+        Direction::Space => ("time", "more steps"),
+        Direction::Time => ("space", "more cells n"),
     };
-    let shares = selection
-        .used
-        .iter()
-        .map(|used| (best.weights(used.point.h, used.point.k)[index], used.place));
+    let shares =
+        selection.used.iter().map(|used| (best.share(direction.other(), &used.point), used.place));
     let (share, place) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let percent = 100.0 * share;
     (share > LARGEST_OTHER_SHARE).then(|| {

@@ -10,6 +10,7 @@ mod judged;
 mod mesh_and_steps;
 mod next;
 mod prediction;
+mod ruling;
 mod selection;
 mod stopping;
 mod table;

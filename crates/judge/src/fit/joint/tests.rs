@@ -1,4 +1,5 @@
 use super::*;
+use crate::fit::Direction;
 
 fn grid(levels: i32, error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
     let step = |level: i32| 0.125 * 0.5f64.powi(level);
@@ -107,9 +108,10 @@ fn a_fit_evaluates_its_model() {
     let error = 1e-3 + space + time;
     // The floor is a tenth of the smallest error.
     assert!((fits.best.error(h, k) / error - 1.0).abs() < 1e-5);
-    let weights = fits.best.weights(h, k);
-    assert!((weights[0] - space / error).abs() < 1e-5);
-    assert!((weights[1] - time / error).abs() < 1e-5);
+    let point = Point { h, k, error, floor: 0.0 };
+    let shares = Direction::BOTH.map(|direction| fits.best.share(direction, &point));
+    assert!((shares[0] - space / error).abs() < 1e-5);
+    assert!((shares[1] - time / error).abs() < 1e-5);
 }
 
 #[test]

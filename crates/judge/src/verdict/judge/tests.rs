@@ -1,5 +1,5 @@
 use super::*;
-use crate::fit::{Claim, Correction, Point};
+use crate::fit::{Claim, Correction, Level, Point, infer};
 use crate::record::{NormError, Status, V_MAX};
 use crate::verdict::{
     Failure, ForeseenConstant, LeadingPoint, MeshAndSteps, cell_texts, exit_code, failures,
