@@ -2,7 +2,6 @@
 
 mod elements;
 
-use self::elements::moves;
 use super::palette::{Colour, INK};
 use super::sheet::{PAPER, WORDS, WORDS_ON_TINT, style};
 
@@ -68,16 +67,6 @@ impl Canvas {
 
     pub(super) fn height(&self) -> f64 {
         f64::from(self.size.1)
-    }
-
-    /// Areas under lines from lower left to upper right.
-    pub(super) fn hatch(&mut self, areas: impl Iterator<Item = Vec<CanvasPoint>>, colour: Colour) {
-        let data: String = areas.map(|corners| moves(&corners) + "Z").collect();
-        self.push(&format!(
-            "<pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"13\" height=\"13\" patternTransform=\"rotate(45)\">\
-             <path fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\" d=\"M6 0L6 13\"/></pattern>\n\
-             <path fill=\"url(#hatch)\" d=\"{data}\"/>"
-        ));
     }
 
     /// A box from [left, top, right, bottom].

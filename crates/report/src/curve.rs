@@ -28,8 +28,19 @@ pub(super) fn norms<'a>(records: impl IntoIterator<Item = &'a CaseRecord>) -> Ve
     norms
 }
 
+/// The curves of a scene in one direction, by norm.
+pub(super) fn curves<'a>(
+    scene: &SceneSummary,
+    records: &'a [CaseRecord],
+    verdicts: &'a [Verdict],
+    direction: Direction,
+) -> impl Iterator<Item = Curve<'a>> {
+    let norms = norms(records.iter().filter(|record| record.scene == scene.name));
+    norms.into_iter().filter_map(move |norm| curve(scene, records, verdicts, norm, direction))
+}
+
 /// The curve of a norm in one direction; None with fewer than two points.
-pub(super) fn curve<'a>(
+fn curve<'a>(
     scene: &SceneSummary,
     records: &[CaseRecord],
     verdicts: &'a [Verdict],

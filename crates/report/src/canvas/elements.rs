@@ -12,7 +12,7 @@ const APART: f64 = 0.3;
 const PATH_END: &str = "\"/>\n";
 
 impl Canvas {
-    pub(super) fn push(&mut self, element: &str) {
+    fn push(&mut self, element: &str) {
         self.path.clear();
         self.elements += element;
         self.elements.push('\n');
@@ -44,6 +44,16 @@ impl Canvas {
         let points = corners.iter().map(|corner| pixel(*corner));
         let points: String = points.map(|(x, y)| format!("{x},{y} ")).collect();
         self.push(&format!("<polygon{clear} fill=\"{ink}\" points=\"{points}\"/>"));
+    }
+
+    /// Areas under lines from lower left to upper right.
+    pub(crate) fn hatch(&mut self, areas: impl Iterator<Item = Vec<CanvasPoint>>, colour: Colour) {
+        let data: String = areas.map(|corners| moves(&corners) + "Z").collect();
+        self.push(&format!(
+            "<pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"13\" height=\"13\" patternTransform=\"rotate(45)\">\
+             <path fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\" d=\"M6 0L6 13\"/></pattern>\n\
+             <path fill=\"url(#hatch)\" d=\"{data}\"/>"
+        ));
     }
 
     pub(super) fn disc(&mut self, centre: CanvasPoint, radius: f64, ink: Colour) {
@@ -82,7 +92,7 @@ impl Canvas {
 }
 
 /// `M1 2L3 4`: from the first point through the others.
-pub(super) fn moves(path: &[CanvasPoint]) -> String {
+fn moves(path: &[CanvasPoint]) -> String {
     let letters = std::iter::once('M').chain(std::iter::repeat('L'));
     let places = path.iter().map(|place| pixel(*place));
     letters.zip(places).map(|(letter, (x, y))| format!("{letter}{x} {y}")).collect()
