@@ -30,4 +30,4 @@ pub use judged::{Verdict, exit_code};
 pub use mesh_and_steps::MeshAndSteps;
 pub use prediction::{FloorSource, Prediction, Variable};
 pub use selection::{JudgedPoint, line_keys, line_points};
-pub use table::{NOTHING_JUDGED, TABLE_WIDTH, cell_texts, render_table};
+pub use table::cell_texts;

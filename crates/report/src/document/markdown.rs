@@ -1,6 +1,7 @@
 //! The document for a pull request: outcome, verdicts, remarks, links.
 
-use super::content::{VERDICT_HEADS, verdict_row};
+use super::content::verdict_row;
+use super::verdicts::VERDICT_HEADS;
 use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::symbols::replaced;
 use files::harmless;

@@ -18,6 +18,7 @@ mod scene;
 mod study;
 mod terminal;
 mod typst;
+mod verdicts;
 
 use crate::symbols::symbols;
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,8 @@ pub use number::{digits, held, number, precise, sides};
 pub use pdf::pdf;
 pub use study::{Chapter, StudyDocument};
 pub(super) use typst::{DATA, TEMPLATE, data};
+pub(super) use verdicts::outcome;
+pub use verdicts::verdict_table;
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Serialize)]

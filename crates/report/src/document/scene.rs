@@ -1,8 +1,9 @@
 //! The section of a scene: a summary, and the evidence of its verdicts.
 
 use super::chapter::numbered;
-use super::content::{Report, VERDICT_HEADS, tone, verdict_row};
+use super::content::{Report, tone, verdict_row};
 use super::evidence::{cases, points};
+use super::verdicts::VERDICT_HEADS;
 use super::{Block, Card, Run, Section, Table, Tone};
 use judge::verdict::{Verdict, cell_texts};
 
