@@ -190,6 +190,13 @@ impl Section {
         Self { level, id: id.into(), title: title.into(), card: None, blocks: Vec::new() }
     }
 
+    /// A chapter that begins with these words.
+    fn opening(id: &str, title: &str, words: &str) -> Self {
+        let mut section = Self::new(1, id, title);
+        section.words(words);
+        section
+    }
+
     fn text(&mut self, runs: Vec<Run>) {
         self.blocks.push(Block::Text(runs));
     }
