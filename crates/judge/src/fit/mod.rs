@@ -29,7 +29,7 @@ mod values;
 
 pub use against_reference::{AgainstReference, against_reference};
 pub use decision::Decision;
-pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
+pub use eca_hoekstra::{EcaHoekstra, Expansion, ExpansionFit, eca_hoekstra};
 pub use error::FitError;
 pub use identifiable::NotIdentifiable;
 pub(crate) use identifiable::distinct;
