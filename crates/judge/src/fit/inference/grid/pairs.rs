@@ -123,16 +123,17 @@ impl PairSums {
     }
 
     fn reading(&self, pair: &Pair, next: &Next, noise: &Noise) -> f64 {
-        let matrix = next.products + Matrix2::from_diagonal(&(pair.ridges * noise.variance));
-        let determinants = pair.determinant * matrix.determinant();
-        match matrix.try_inverse().filter(|_| determinants > 0.0) {
+        let [a, d] = [0, 1].map(|i| next.products[(i, i)] + pair.ridges[i] * noise.variance);
+        let (b, f, g) = (next.products[(0, 1)], next.ones[0], next.ones[1]);
+        let determinant = a * d - b * b;
+        let determinants = pair.determinant * determinant;
+        if determinants > 0.0 {
             // Four parameters are integrated: |M| of M = gram / s² + prior is s⁻⁸ times the determinants.
-            Some(inverse) => {
-                let explained = next.ones.dot(&(inverse * next.ones));
-                let left = self.points - pair.explained - explained;
-                noise.log + pair.log - 0.5 * (left * noise.precision + determinants.ln())
-            }
-            None => f64::NEG_INFINITY,
+            let explained = (d * f * f - 2.0 * b * f * g + a * g * g) / determinant;
+            let left = self.points - pair.explained - explained;
+            noise.log + pair.log - 0.5 * (left * noise.precision + determinants.ln())
+        } else {
+            f64::NEG_INFINITY
         }
     }
 }
