@@ -1,7 +1,12 @@
 //! Strokes, markers and words of an SVG, in units of 1/1800 of its width.
 
-mod elements;
+use plotters::coord::Shift;
+use plotters::element::{Circle, Drawable, PathElement, PointCollection, Polygon};
+use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, Text};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
+use super::backend::{Elements, moves};
 use super::palette::{Colour, INK};
 use super::sheet::{PAPER, WORDS, WORDS_ON_TINT, style};
 
@@ -33,9 +38,8 @@ pub(super) enum Anchor {
 }
 
 pub(super) struct Canvas {
-    elements: String,
-    /// Style of the last element if it is a path, which a line of the same style continues.
-    path: String,
+    area: DrawingArea<Elements, Shift>,
+    elements: Elements,
     size: (u32, u32),
     text: f64,
 }
@@ -46,7 +50,8 @@ impl Canvas {
     }
 
     pub(super) fn of_size(size: (u32, u32), text: f64) -> Self {
-        Self { elements: String::new(), path: String::new(), size, text }
+        let elements = Elements::new(size);
+        Self { area: elements.clone().into_drawing_area(), elements, size, text }
     }
 
     /// The picture.
@@ -57,7 +62,7 @@ impl Canvas {
     /// The picture without so much of its top.
     pub(super) fn without_head(self, head: u32) -> String {
         let Self { size: (width, height), elements, .. } = self;
-        let (left, style) = (height - head, style());
+        let (left, style, elements) = (height - head, style(), elements.text());
         format!(
             "<svg font-family=\"sans-serif\" width=\"{width}\" height=\"{left}\" viewBox=\"0 {head} {width} {left}\" \
              xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
@@ -67,6 +72,54 @@ impl Canvas {
 
     pub(super) fn height(&self) -> f64 {
         f64::from(self.size.1)
+    }
+
+    fn draw<'a, E>(&self, element: &'a E)
+    where
+        &'a E: PointCollection<'a, (i32, i32)>,
+        E: Drawable<Elements>,
+    {
+        self.area.draw(element).expect("elements of a text have no errors");
+    }
+
+    pub(super) fn line(&mut self, path: &[CanvasPoint], colour: Colour, width: u32) {
+        self.draw(&PathElement::new(pixels(path), colour.stroke_width(width)));
+    }
+
+    /// Areas under lines from lower left to upper right.
+    pub(super) fn hatch(&mut self, areas: impl Iterator<Item = Vec<CanvasPoint>>, colour: Colour) {
+        let data: String = areas.map(|corners| moves(pixels(&corners)) + "Z").collect();
+        self.elements.push(&format!(
+            "<pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"13\" height=\"13\" patternTransform=\"rotate(45)\">\
+             <path fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\" d=\"M6 0L6 13\"/></pattern>\n\
+             <path fill=\"url(#hatch)\" d=\"{data}\"/>"
+        ));
+    }
+
+    /// A path of strokes of length `on` with gaps of length `off`.
+    pub(super) fn dashed(&mut self, path: &[CanvasPoint], colour: Colour, (on, off): (f64, f64)) {
+        let mut phase = 0.0;
+        for pair in path.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let along = |s: f64| {
+                let share = s / length;
+                (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))
+            };
+            let mut start = -phase;
+            while start < length {
+                let stroke = (start.max(0.0), (start + on).min(length));
+                if stroke.1 > stroke.0 {
+                    self.line(&[along(stroke.0), along(stroke.1)], colour, 4);
+                }
+                start += on + off;
+            }
+            phase = (phase + length) % (on + off);
+        }
+    }
+
+    pub(super) fn fill(&mut self, corners: &[CanvasPoint], colour: Colour, opacity: f64) {
+        self.draw(&Polygon::new(pixels(corners), colour.mix(opacity).filled()));
     }
 
     /// A box from [left, top, right, bottom].
@@ -91,7 +144,7 @@ impl Canvas {
         let inside = if hollow { PAPER } else { colour };
         if corners.is_empty() {
             for (radius, ink) in [(MARKER, colour), (MARKER - 4.0, inside)] {
-                self.disc(place, radius, ink);
+                self.draw(&Circle::new(pixel(place), radius as i32, ink.filled()));
             }
             return;
         }
@@ -101,11 +154,11 @@ impl Canvas {
     }
 
     pub(super) fn text(&mut self, words: &str, place: CanvasPoint, anchor: Anchor) {
-        self.styled(words, place, anchor, ("", WORDS));
+        self.styled(words, place, anchor, (FontStyle::Normal, WORDS));
     }
 
     pub(super) fn bold(&mut self, words: &str, place: CanvasPoint) {
-        self.styled(words, place, Anchor::Left, (" font-weight=\"bold\"", WORDS));
+        self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS));
     }
 
     /// A box of a light colour around lines of words; `crossed` for prints without colours.
@@ -124,7 +177,7 @@ impl Canvas {
         let first = 0.5 * (top + bottom) - 0.5 * apart * (lines.len() as f64 - 1.0);
         for (i, words) in lines.iter().enumerate() {
             let place = (0.5 * (left + right), first + apart * i as f64);
-            self.styled(words, place, Anchor::Centre, ("", WORDS_ON_TINT));
+            self.styled(words, place, Anchor::Centre, (FontStyle::Normal, WORDS_ON_TINT));
         }
     }
 
@@ -149,6 +202,27 @@ impl Canvas {
         for (i, line) in lines.iter().enumerate() {
             self.text(line, (30.0, 44.0 + LINE * (i + 1) as f64), Anchor::Left);
         }
+    }
+
+    fn styled(
+        &mut self,
+        words: &str,
+        place: CanvasPoint,
+        anchor: Anchor,
+        (weight, ink): (FontStyle, Colour),
+    ) {
+        if words.is_empty() {
+            return;
+        }
+        let font = ("sans-serif", self.text).into_font().style(weight);
+        let (font, horizontal) = match anchor {
+            Anchor::Left => (font, HPos::Left),
+            Anchor::Centre => (font, HPos::Center),
+            Anchor::Right => (font, HPos::Right),
+            Anchor::Upwards => (font.transform(FontTransform::Rotate270), HPos::Center),
+        };
+        let style = TextStyle::from(font).color(&ink).pos(Pos::new(horizontal, VPos::Center));
+        self.draw(&Text::new(words, pixel(place), style));
     }
 }
 
@@ -202,4 +276,12 @@ impl View {
         let away = (x - self.origin.0, y - self.origin.1);
         (self.corner.0 + self.scale.0 * away.0, self.corner.1 - self.scale.1 * away.1)
     }
+}
+
+fn pixel((x, y): CanvasPoint) -> (i32, i32) {
+    (x.round() as i32, y.round() as i32)
+}
+
+fn pixels(path: &[CanvasPoint]) -> Vec<(i32, i32)> {
+    path.iter().copied().map(pixel).collect()
 }

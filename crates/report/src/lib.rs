@@ -3,6 +3,7 @@
 //! Everything is rebuilt from records and verdicts; equal input gives equal bytes. A picture is a [`Chart`] (series
 //! over two axes) or a [`Map`].
 
+mod backend;
 mod body;
 mod canvas;
 mod chart;
