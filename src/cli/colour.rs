@@ -1,7 +1,5 @@
 //! Colours the words of verdicts on a terminal.
 
-use std::io::IsTerminal;
-
 /// The words and their colours; blue and orange differ for colour-blind readers.
 const WORDS: [(&str, &str); 3] =
     [("pass", "\u{1b}[34m"), ("fail", "\u{1b}[1;33m"), ("unresolved", "\u{1b}[33m")];
@@ -12,9 +10,7 @@ const HEAD: &str = "verdict";
 
 /// A table of verdicts, coloured if stdout allows it: not with NO_COLOR (any value) or a dumb terminal.
 pub(super) fn shown(table: &str) -> String {
-    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
-    let wanted = set("NO_COLOR").is_none() && set("TERM").is_none_or(|term| term != "dumb");
-    match wanted && std::io::stdout().is_terminal() {
+    match console::Term::stdout().features().colors_supported() {
         true => coloured(table),
         false => table.to_owned(),
     }

@@ -7,9 +7,10 @@ use clap::Args;
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::machine::Allowance;
-use super::{CliError, Scenes, meshes_fit, print_beside, print_json, print_text, width};
+use super::{
+    CliError, Scenes, TABLE_WIDTH, meshes_fit, print_beside, print_json, print_text, width,
+};
 use fem::contact::{LinearSolver, Plan};
-use judge::verdict::TABLE_WIDTH;
 use run::sweep::{CasePlan, Cost, Overrides, PlanCost, ScenePlan};
 use scene::setup::{Setup, Subject};
 use scene::{Data, RelaxationTerm};

@@ -130,17 +130,14 @@ impl Fit {
         if !self.log.is_finite() {
             return Err(CliError::other("--log is a finite power of |log h|: 1 for h |log h|"));
         }
-        // Checks the options that all claims share.
-        let any = Claim { tolerance: self.tolerance, ..Claim::new(1.0).map_err(CliError::other)? };
-        any.checked().map_err(CliError::other)?;
+        let Self { at_least, exact, tolerance, log, .. } = *self;
+        let claim = Claim { order: 1.0, at_least, exact, tolerance, log };
+        let claim = claim.checked().map_err(CliError::other)?;
         let left_out = self.window.map(|window| window.narrow(&mut tables)).unwrap_or_default();
         let asked = |norm: Option<&str>| Asked {
             p: self.p.as_ref().and_then(|claims| claims.of(norm)),
             q: self.q.as_ref().and_then(|claims| claims.of(norm)),
-            at_least: self.at_least,
-            exact: self.exact,
-            tolerance: self.tolerance,
-            log: self.log,
+            claim,
             noise: self.noise,
         };
         let found = judged(&self.name(), &tables, asked, &left_out)?;
@@ -210,7 +207,8 @@ pub struct Fitted {
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
     let tables = tables(file, &Reading::default())?;
     let name = file.display().to_string();
-    judged(&name, &tables, |_| Asked { p, q, ..Asked::default() }, &[])
+    let claim = Claim::new(1.0).map_err(CliError::other)?;
+    judged(&name, &tables, |_| Asked { p, q, claim, noise: None }, &[])
 }
 
 fn judged(
@@ -248,13 +246,13 @@ fn judged(
 /// All results for one table.
 fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'static str> {
     let points = group.points();
-    let directions = [Direction::Space, Direction::Time];
+    let directions = Direction::BOTH;
     if group.quantity == Quantity::Value {
         let parts = directions.into_iter();
         return Ok(parts.filter_map(|direction| values::part(group, direction, asked)).collect());
     }
     let both = directions.into_iter().all(|direction| group.refined(direction));
-    if both && asked.log != 0.0 {
+    if both && asked.claim.log != 0.0 {
         return Err("--log needs a table in which one step is refined: h and k both are");
     }
     if let Some(found) = path(&points) {

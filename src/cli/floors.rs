@@ -8,9 +8,9 @@ use clap::Args;
 use super::chosen::Grid;
 use super::machine::Allowance;
 use super::{
-    CliError, Scenes, create_dir, no_case, print_json, print_text, subject, width, write_json,
+    CliError, Scenes, TABLE_WIDTH, create_dir, no_case, print_json, print_text, subject, width,
+    write_json,
 };
-use judge::verdict::TABLE_WIDTH;
 use run::sweep::{CasePlan, Cost, FloorRow, ScenePlan, admit_plan, floors_beside};
 
 /// `sweep floors`.

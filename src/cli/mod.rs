@@ -55,8 +55,8 @@ use arguments::{Arguments, Command};
 use build::BUILD;
 use error::COULD_NOT_JUDGE;
 use output::{
-    create_dir, delivered, print_as_it_is, print_beside, print_error, print_json, print_text,
-    print_verdicts, verdict_table, width, write_file, write_json,
+    TABLE_WIDTH, create_dir, delivered, print_as_it_is, print_beside, print_error, print_json,
+    print_text, print_verdicts, verdict_table, width, write_file, write_json,
 };
 use scenes::{Scenes, meshes_fit, no_case, subject};
 

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use super::CliError;
 use files::{harmless, harmless_json, make_directory, read_file, replace_file, write_named};
-use judge::verdict::{TABLE_WIDTH, Verdict, render_table};
+use judge::verdict::Verdict;
 
 /// The first failed write to stdout; nothing is written after it.
 static STOPPED: OnceLock<io::Error> = OnceLock::new();
@@ -67,14 +67,17 @@ pub(crate) fn print_beside(label: &str, room: usize, words: &str) {
 
 /// Columns for a table: of the terminal, else COLUMNS, else `usual`.
 pub fn width(usual: u16) -> u16 {
-    let terminal = || comfy_table::Table::new().width();
+    let terminal = || Some(console::Term::stdout().size_checked()?.1);
     let given = || std::env::var("COLUMNS").ok()?.parse().ok();
     terminal().or_else(given).map_or(usual, |columns: u16| columns.clamp(NARROWEST, WIDEST))
 }
 
 pub(crate) fn verdict_table(verdicts: &[Verdict]) -> String {
-    render_table(verdicts, width(TABLE_WIDTH))
+    report::verdict_table(verdicts, width(TABLE_WIDTH))
 }
+
+/// Width of a table where nothing else is known.
+pub(crate) const TABLE_WIDTH: u16 = 100;
 
 /// Narrowest table.
 const NARROWEST: u16 = 60;

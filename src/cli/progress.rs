@@ -1,7 +1,7 @@
 //! Progress of a sweep on stderr: a bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -101,29 +101,38 @@ impl Display {
         Self { bar, state: Mutex::default() }
     }
 
-    fn show_running(&self, state: &State) {
-        if let Some(bar) = &self.bar {
+    fn show(&self, state: &State) {
+        if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_finished()) {
+            bar.set_position((state.share * PARTS as f64) as u64);
             bar.set_prefix(state.in_words());
             bar.set_message(state.running.join(" | "));
         }
+    }
+
+    /// A line, above the bar if there is one.
+    fn line(&self, line: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(harmless(line).as_ref()),
+            None => note(line),
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Progress for Display {
     fn begin(&self, total: usize, done: usize) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state();
         (state.total, state.done, state.begun, state.share) =
             (total, done, Some(Instant::now()), 0.0);
-        match &self.bar {
-            Some(bar) => {
-                bar.set_position(0);
-                bar.set_prefix(state.in_words());
-            }
-            None if loudness() == Loudness::Quiet => {}
-            None if done > 0 => {
-                print_error(&format!("{}, {done} already recorded", counted(total, "case")))
-            }
-            None => print_error(&counted(total, "case")),
+        self.show(&state);
+        let cases = counted(total, "case");
+        match (&self.bar, done) {
+            (Some(_), _) => {}
+            (None, 0) => note(&cases),
+            (None, done) => note(&format!("{cases}, {done} already recorded")),
         }
     }
 
@@ -132,50 +141,34 @@ impl Progress for Display {
     }
 
     fn started(&self, what: &str) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state();
         state.running.push(what.to_string());
-        self.show_running(&state);
+        self.show(&state);
     }
 
     fn finished(&self, what: &str, record: Option<&CaseRecord>) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state();
         state.running.retain(|running| running != what);
         let failure = record.and_then(|record| match &record.status {
             Status::Failed { reason } => Some(state.failed(reason)),
             _ => None,
         });
-        if record.is_some() {
-            state.done += 1;
+        state.done += usize::from(record.is_some());
+        if failure.is_some() || self.bar.is_none() || loudness() == Loudness::Verbose {
+            let outcome = failure.unwrap_or_else(|| "done".into());
+            let seconds = record.map_or(String::new(), |r| format!(" {:.2} s", r.seconds_total));
+            self.line(&format!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total));
         }
-        let seconds =
-            record.map_or(String::new(), |record| format!(" {:.2} s", record.seconds_total));
-        match &self.bar {
-            Some(bar) => {
-                if let Some(failure) = failure {
-                    bar.println(harmless(&format!("{what} {failure}")).as_ref());
-                } else if loudness() == Loudness::Verbose {
-                    bar.println(format!("{what} done{seconds}"));
-                }
-                if state.done == state.total {
-                    bar.finish_and_clear();
-                }
-            }
-            None if loudness() == Loudness::Quiet => {}
-            None => {
-                let outcome = failure.unwrap_or_else(|| "done".into());
-                print_error(&format!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total));
-            }
+        self.show(&state);
+        if let Some(bar) = self.bar.as_ref().filter(|_| state.done == state.total) {
+            bar.finish_and_clear();
         }
-        self.show_running(&state);
     }
 
     fn advanced(&self, share: f64) {
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state();
         state.share = share;
-        if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_finished()) {
-            bar.set_position((share * PARTS as f64) as u64);
-            bar.set_prefix(state.in_words());
-        }
+        self.show(&state);
     }
 }
 

@@ -8,7 +8,7 @@ use clap::Args;
 use super::extension::earlier;
 use super::typesetter::Typesetter;
 use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
-use judge::record::{CaseRecord, CaseTable, Key, RecordError, read_table};
+use judge::record::{CaseRecord, CaseTable, Key, read_table};
 use judge::verdict::{Earlier, exit_code, read_earlier, restore_reasons};
 use report::write_all;
 use run::distributed::unfinished_in_words;
@@ -40,7 +40,7 @@ impl Report {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let typesetter = self.pdf.as_deref().map(Typesetter::find).transpose()?;
         let _held = self.hold()?;
-        let Found { mut records, torn } = self.records()?;
+        let CaseTable { cases: mut records, torn, .. } = self.records()?;
         // The order in which cases ended is arbitrary.
         records.sort_by_key(CaseRecord::key);
         let Earlier { failures, mut foreseen } =
@@ -103,13 +103,9 @@ impl Report {
         })
     }
 
-    fn records(&self) -> Result<Found, CliError> {
+    fn records(&self) -> Result<CaseTable, CliError> {
         let path = self.dir.join("cases.csv");
-        let CaseTable { cases, changed, torn, .. } = read_table(&path).map_err(CliError::other)?;
-        match changed.first() {
-            Some(&line) => Err(CliError::other(RecordError::Changed { path, line })),
-            None => Ok(Found { records: cases, torn }),
-        }
+        read_table(&path).and_then(|table| table.unchanged(&path)).map_err(CliError::other)
     }
 
     /// The scenes of the records, and those planned.
@@ -167,11 +163,6 @@ impl Report {
         }
         Ok(scene)
     }
-}
-
-struct Found {
-    records: Vec<CaseRecord>,
-    torn: bool,
 }
 
 struct Owed {

@@ -5,7 +5,7 @@ use std::mem::discriminant;
 
 use super::SceneSummary;
 use super::chart::{Axis, Chart, Datum, Part, Series};
-use super::curve::{Curve, curve, is_path, norms};
+use super::curve::{Curve, curves, is_path};
 use super::ruler::Scale;
 use judge::fit::Direction;
 use judge::record::{CaseRecord, is_by_state, norm_label, norm_label_in_time};
@@ -18,13 +18,11 @@ pub fn convergence_svg(
     verdicts: &[Verdict],
     direction: Direction,
 ) -> Option<String> {
-    let records: Vec<CaseRecord> =
-        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let (curves, not_drawn): (Vec<Curve<'_>>, Vec<Curve<'_>>) = norms(&records)
-        .into_iter()
-        .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
-        .filter(|curve| curve.verdict.is_some() || !is_by_state(curve.norm))
-        .partition(Curve::is_drawn);
+    let (curves, not_drawn): (Vec<Curve<'_>>, Vec<Curve<'_>>) =
+        curves(scene, records, verdicts, direction)
+            .filter(|curve| curve.verdict.is_some() || !is_by_state(curve.norm))
+            .partition(Curve::is_drawn);
+    let of_scene = || records.iter().filter(|record| record.scene == scene.name);
     let level = |fixed: u32| match direction {
         Direction::Space => format!("N = {fixed}"),
         Direction::Time => format!("n = {fixed}"),
@@ -32,7 +30,7 @@ pub fn convergence_svg(
     // Curves may come from different cases: the axis names the most frequent level, other curves theirs.
     let usual = most_frequent(curves.iter().filter_map(|curve| curve.fixed));
     let others = curves.iter().any(|curve| curve.fixed != usual);
-    let mut step = step_name(&records, direction).to_owned();
+    let mut step = step_name(of_scene(), direction).to_owned();
     if let Some(usual) = usual {
         let rest = if others { " where not named" } else { "" };
         step = format!("{step}, {}{rest}", level(usual));
@@ -40,7 +38,7 @@ pub fn convergence_svg(
     let x = Axis::new(step, Scale::Steps);
     let y = Axis::new("error in the norm named", Scale::Log);
     let mut chart = Chart::new("", "", x, y);
-    let label = |norm| match records.iter().any(|record| record.n.is_some()) {
+    let label = |norm| match of_scene().any(|record| record.n.is_some()) {
         true => norm_label(norm),
         false => norm_label_in_time(norm),
     };
@@ -65,16 +63,17 @@ pub fn convergence_svg(
 }
 
 /// The abscissa and its convention.
-fn step_name(records: &[CaseRecord], direction: Direction) -> &'static str {
+fn step_name<'a>(
+    mut records: impl Iterator<Item = &'a CaseRecord>,
+    direction: Direction,
+) -> &'static str {
     // 1/n is off by a rounding at most.
     let cells = |record: &CaseRecord| match (record.n, record.h) {
         (Some(n), Some(h)) => (f64::from(n) * h - 1.0).abs() < 1e-9,
         _ => true,
     };
     match direction {
-        Direction::Space if records.iter().all(cells) => {
-            "mesh size h = 1/n, n cells per unit length"
-        }
+        Direction::Space if records.all(cells) => "mesh size h = 1/n, n cells per unit length",
         Direction::Space => "mesh size h, the longest edge",
         Direction::Time => "time step k = T/N",
     }

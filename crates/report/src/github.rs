@@ -1,8 +1,8 @@
 //! Verdicts as workflow commands of GitHub Actions, and as Markdown for its step summary. Deterministic, without
 //! clocks.
 
-use super::document::verdict_rows;
-use files::{counted, harmless};
+use super::document::{outcome, verdict_rows};
+use files::harmless;
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Verdict, cell_texts};
 
@@ -42,7 +42,7 @@ pub fn annotations(
             format!("predicted {predicted} by {why}, observed {observed}: {}", verdict.reason);
         lines.push(command(level, place(&scene, Some(verdict)), &title, &text));
     }
-    lines.push(command("notice", None, "orders of convergence", &count(records, verdicts)));
+    lines.push(command("notice", None, "orders of convergence", &outcome(records, verdicts)));
     lines.join("\n") + "\n"
 }
 
@@ -50,16 +50,9 @@ pub fn annotations(
 pub fn step_summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
     format!(
         "### Orders of convergence\n\n{}\n\n{}\n",
-        count(records, verdicts),
+        outcome(records, verdicts),
         verdict_rows(verdicts)
     )
-}
-
-fn count(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
-    let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
-    let failed = records.iter().filter(|record| matches!(record.status, Status::Failed { .. }));
-    let (verdicts, cases) = (counted(verdicts.len(), "verdict"), counted(records.len(), "case"));
-    format!("{met} of {verdicts} as expected; {cases}, {} of them failed", failed.count())
 }
 
 fn command(level: &str, place: Option<AnnotationPlace>, title: &str, text: &str) -> String {

@@ -43,7 +43,7 @@ pub use convergence::convergence_svg;
 pub use document::pdf;
 pub use document::{
     Chapter, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held, number,
-    precise, sides, text_table,
+    precise, sides, text_table, verdict_table,
 };
 pub use github::{AnnotationPlace, annotations, step_summary};
 pub use group::Group;

@@ -5,7 +5,7 @@ use super::SceneSummary;
 use super::curve::norms;
 use super::map::{Cell, Map, Shade};
 use super::ticks::step_label;
-use judge::fit::{ErrorCombination, JointFit, Point, joint_fits, screen};
+use judge::fit::{Direction, JointFit, Point, joint_fits, screen};
 use judge::record::{CaseRecord, norm_label};
 
 /// Text of 30 units is 7.5 pt at a picture width of 16 cm.
@@ -53,7 +53,7 @@ pub fn split_svg(scene: &SceneSummary, records: &[CaseRecord]) -> Option<String>
 
 /// The error of a run, and the larger share in it.
 fn cell(point: &Point, fit: &JointFit) -> Cell {
-    let of_k = share_of_k(fit, point.h, point.k);
+    let of_k = fit.share(Direction::Time, point);
     let error = match screen(point) {
         Ok(_) => format!("{:.1e}", point.error),
         Err(_) => format!("[{:.1e}]", point.error),
@@ -65,28 +65,18 @@ fn cell(point: &Point, fit: &JointFit) -> Cell {
     (format!("{error}\n{share}"), Shade::Shared(of_k))
 }
 
-/// The share of E^m that the model attributes to the time step.
-fn share_of_k(fit: &JointFit, h: f64, k: f64) -> f64 {
-    let m = match fit.model {
-        ErrorCombination::Sum => 1.0,
-        ErrorCombination::RootSumSquare => 2.0,
-    };
-    let space = (fit.constant_h * h.powf(fit.order_h.value)).powf(m);
-    let time = (fit.constant_k * k.powf(fit.order_k.value)).powf(m);
-    time / (space + time)
-}
-
 /// The first norm with two levels of h and of k, and its points: a row per h, coarse to fine, along falling k.
 fn grid(scene: &SceneSummary, records: &[CaseRecord]) -> Option<(String, Vec<Vec<Point>>)> {
-    let records: Vec<CaseRecord> =
-        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let mut all = norms(&records).into_iter().map(|norm| (norm, rows(&records, norm)));
+    let records: Vec<&CaseRecord> =
+        records.iter().filter(|record| record.scene == scene.name).collect();
+    let norms = norms(records.iter().copied()).into_iter();
+    let mut all = norms.map(|norm| (norm, rows(&records, norm)));
     let is_grid = |rows: &[Vec<Point>]| rows.len() >= 2 && rows.iter().any(|row| row.len() >= 2);
     let (norm, rows) = all.find(|(_, rows)| is_grid(rows))?;
     Some((norm.to_owned(), rows))
 }
 
-fn rows(records: &[CaseRecord], norm: &str) -> Vec<Vec<Point>> {
+fn rows(records: &[&CaseRecord], norm: &str) -> Vec<Vec<Point>> {
     let mut points: Vec<Point> = records.iter().filter_map(|record| point(record, norm)).collect();
     points.sort_by(|a, b| b.h.total_cmp(&a.h).then(b.k.total_cmp(&a.k)));
     points.chunk_by(|a, b| a.h == b.h).map(<[Point]>::to_vec).collect()

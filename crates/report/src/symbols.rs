@@ -2,27 +2,15 @@
 
 use std::ops::Range;
 
-/// ASCII names of letters and signs.
-const LETTERS: [(&str, &str); 18] = [
-    ("alpha", "α"),
-    ("beta", "β"),
-    ("gamma", "γ"),
-    ("delta", "δ"),
-    ("epsilon", "ε"),
-    ("zeta", "ζ"),
-    ("theta", "θ"),
-    ("kappa", "κ"),
-    ("lambda", "λ"),
-    ("mu", "μ"),
-    ("nu", "ν"),
-    ("xi", "ξ"),
-    ("sigma", "σ"),
-    ("phi", "φ"),
-    ("Omega", "Ω"),
-    ("Gamma", "Γ"),
-    ("Lambda", "Λ"),
-    ("sqrt", "√"),
-];
+/// ASCII names of letters and signs, each before its sign.
+const LETTERS: &str = "alpha α beta β gamma γ delta δ epsilon ε zeta ζ theta θ kappa κ lambda λ mu μ nu ν xi ξ sigma σ phi φ \
+    Omega Ω Gamma Γ Lambda Λ sqrt √";
+
+/// Pairs of words that stand behind each other.
+fn pairs(words: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let mut words = words.split_whitespace();
+    std::iter::from_fn(move || words.next().zip(words.next()))
+}
 
 /// A formula with its letters and signs; `_` and `^` precede low and high signs.
 pub fn symbols(ascii: &str) -> String {
@@ -58,7 +46,7 @@ pub fn symbols(ascii: &str) -> String {
 
 /// A named letter, with or without a number behind it.
 fn letters(word: &str) -> String {
-    let named = LETTERS.iter().find_map(|(name, letter)| {
+    let named = pairs(LETTERS).find_map(|(name, letter)| {
         let number = word.strip_prefix(name)?;
         number.chars().all(|c| c.is_ascii_digit()).then(|| format!("{letter}{number}"))
     });
@@ -113,13 +101,17 @@ fn script(characters: &[char], at: usize, formula: bool) -> Option<(char, Range<
     (length > 0 && ended).then_some((sign, from..from + length, from + length))
 }
 
-/// The text without control characters, each sign as `set` has it for a format.
-pub(crate) fn replaced(text: &str, set: impl Fn(char) -> Option<&'static str>) -> String {
+/// The text without control characters; `signs` has each sign to be replaced before what stands for it.
+pub(crate) fn replaced(text: &str, signs: &'static str) -> String {
     let mut result = String::with_capacity(text.len());
     for character in files::harmless(text).chars() {
-        match set(character) {
-            Some(sign) => result.push_str(sign),
-            None => result.push(character),
+        let is_sign = |sign: &str| sign.chars().eq([character]);
+        match character.is_ascii_alphanumeric() {
+            true => result.push(character),
+            false => match pairs(signs).find(|(sign, _)| is_sign(sign)) {
+                Some((_, spelt)) => result.push_str(spelt),
+                None => result.push(character),
+            },
         }
     }
     result
@@ -127,16 +119,7 @@ pub(crate) fn replaced(text: &str, set: impl Fn(char) -> Option<&'static str>) -
 
 /// Escapes words for HTML and SVG.
 pub fn escaped(text: &str) -> String {
-    replaced(text, |character| {
-        Some(match character {
-            '&' => "&amp;",
-            '<' => "&lt;",
-            '>' => "&gt;",
-            '"' => "&quot;",
-            '\'' => "&#39;",
-            _ => return None,
-        })
-    })
+    replaced(text, "& &amp; < &lt; > &gt; \" &quot; ' &#39;")
 }
 
 #[cfg(test)]

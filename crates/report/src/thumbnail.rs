@@ -1,7 +1,7 @@
 //! The judged errors of a scene, small enough for a card: points, fitted line, the order at its end.
 
 use super::chart::{Axis, Chart, Part, Series};
-use super::curve::{Curve, curve, norms};
+use super::curve::{Curve, curves};
 use super::ruler::Scale;
 use super::{Direction, SceneSummary};
 use judge::record::CaseRecord;
@@ -22,11 +22,7 @@ pub(super) fn thumbnail_svg(
         true => (Direction::Time, "error against k"),
         false => (Direction::Space, "error against h"),
     };
-    let records: Vec<CaseRecord> =
-        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let drawn = norms(&records)
-        .into_iter()
-        .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
+    let drawn = curves(scene, records, verdicts, direction)
         .filter(|curve| curve.verdict.is_some() || of_scene.is_empty())
         .filter(|curve| curve.used.len() > 1)
         .take(if of_scene.is_empty() { 1 } else { MOST });

@@ -40,20 +40,8 @@ pub(super) fn with_decimals(value: f64, step: f64) -> String {
 }
 
 fn superscript(exponent: i64) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        '4' => '⁴',
-        '5' => '⁵',
-        '6' => '⁶',
-        '7' => '⁷',
-        '8' => '⁸',
-        '9' => '⁹',
-        _ => '⁰',
-    };
-    exponent.to_string().chars().map(raised).collect()
+    let digit = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10)? as usize);
+    exponent.to_string().chars().map(|c| digit(c).unwrap_or('⁻')).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use judge::fit::{Claim, Direction, Posterior, Ruling, TOLERANCE};
+use judge::fit::{Claim, Direction, Posterior, Ruling};
 use judge::table::Group;
 use judge::verdict::Decision;
 use serde_json::{Map, Value, json};
@@ -14,20 +14,9 @@ use super::wording::run;
 pub(super) struct Asked {
     pub(super) p: Option<f64>,
     pub(super) q: Option<f64>,
-    pub(super) at_least: bool,
-    pub(super) exact: bool,
-    /// Allowed distance of an order from the prediction.
-    pub(super) tolerance: f64,
-    /// Power of a factor |log h|.
-    pub(super) log: f64,
+    /// What is claimed of either order, whatever it is.
+    pub(super) claim: Claim,
     pub(super) noise: Option<f64>,
-}
-
-impl Default for Asked {
-    fn default() -> Self {
-        let (p, q, noise) = (None, None, None);
-        Self { p, q, at_least: false, exact: false, tolerance: TOLERANCE, log: 0.0, noise }
-    }
 }
 
 /// The judgement of an order, before it is printed.
@@ -58,11 +47,6 @@ impl Asked {
         }
     }
 
-    pub(super) fn claim(self, order: f64) -> Claim {
-        let Self { at_least, exact, tolerance, log, .. } = self;
-        Claim { order, at_least, exact, tolerance, log }
-    }
-
     /// Judges an order; `next` are the steps of one more level.
     pub(super) fn answer(
         self,
@@ -71,7 +55,7 @@ impl Asked {
         (name, next): (&str, Vec<f64>),
     ) -> Answer {
         let Ruling { decision, reason, probability, too_high } =
-            posterior.decide(&self.claim(order));
+            posterior.decide(&Claim { order, ..self.claim });
         let reason = format!("{reason}{}", posterior.left_out_in_words());
         let (help, next) = match (decision, too_high, posterior.floor_from) {
             (Decision::Unresolved, true, _) => (
@@ -97,9 +81,9 @@ impl Asked {
         further: Value,
     ) -> Map<String, Value> {
         let mut object = map(json!({
-            "at_least": self.at_least,
-            "exact": self.exact,
-            "tolerance": self.tolerance,
+            "at_least": self.claim.at_least,
+            "exact": self.claim.exact,
+            "tolerance": self.claim.tolerance,
             "order": found.map(|found| found.order),
             "observed": found.map(|found| found.order),
             "interval": found.map(|found| [found.interval.lo, found.interval.hi]),

@@ -3,7 +3,7 @@
 use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level};
 use judge::table::{Group, Quantity};
 
-use super::wording::{plain, step_name};
+use super::wording::plain;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Style {
@@ -28,7 +28,7 @@ pub(super) fn tables(groups: &[Group], style: Style) -> Vec<String> {
     scenes.dedup();
     let mut texts = Vec::new();
     for scene in scenes {
-        for direction in [Direction::Space, Direction::Time] {
+        for direction in Direction::BOTH {
             let belongs = |group: &&Group| {
                 let second = direction == Direction::Time && path(&group.points()).is_some();
                 group.scene == *scene && group.refined(direction) && !second
@@ -85,7 +85,7 @@ fn table(groups: &[&Group], direction: Direction, style: Style) -> String {
     rows.dedup_by(|a, b| same_level(step(a), step(b)));
     // Along a path both steps change from row to row.
     let along = groups.iter().any(|group| path(&group.points()).is_some());
-    let mut head = vec![step_name(direction).to_owned()];
+    let mut head = vec![direction.name().to_owned()];
     head.extend(along.then(|| "k".to_owned()));
     for group in groups {
         let (measured, order) = match group.quantity {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::asked::{Answer, Asked, gap_verdict, verdict_text};
-use super::wording::{Part, next_steps, step_name};
+use super::wording::{Part, next_steps};
 use judge::fit::{
     Direction, FittedValue, GridPosterior, JointFit, JointFits, NotIdentifiable, Point,
     fit_constants, infer_grid, joint_fits, same_level, student_quantile,
@@ -44,7 +44,7 @@ impl Joint {
         let mut steps: Vec<f64> = self.points.iter().map(|point| direction.step(point)).collect();
         steps.sort_by(|a, b| b.total_cmp(a));
         steps.dedup_by(|a, b| same_level(*a, *b));
-        asked.answer(posterior, order, (step_name(direction), next_steps(&steps)))
+        asked.answer(posterior, order, (direction.name(), next_steps(&steps)))
     }
 }
 

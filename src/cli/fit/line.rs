@@ -4,18 +4,13 @@ use serde_json::json;
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::grid::Joint;
-use super::wording::{Part, next_steps, plain, run, step_name};
+use super::wording::{Part, next_steps, plain, run};
 use files::counted;
 use judge::fit::{
-    Correction, Direction, FitError, Interval, LARGEST_OTHER_SHARE, Level, NotIdentifiable, Point,
-    Posterior, Sample, constant_under, infer, samples, screen,
+    Correction, Direction, FitError, Interval, LARGEST_OTHER_SHARE, LineReading, NotIdentifiable,
+    Point, Posterior, Sample, constant_under, samples, screen,
 };
 use judge::table::Group;
-
-struct Read {
-    samples: Vec<Sample>,
-    posterior: Posterior,
-}
 
 /// A line of the table, and its result.
 struct Line<'a> {
@@ -23,7 +18,7 @@ struct Line<'a> {
     points: Vec<Point>,
     /// Points outside the window.
     outside: &'a [Point],
-    read: Result<Read, FitError>,
+    read: Result<LineReading, FitError>,
     asked: Asked,
 }
 
@@ -50,34 +45,22 @@ pub(super) fn part(
     })
 }
 
-pub(super) fn order(
-    measured: &[(Point, Option<f64>)],
-    direction: Direction,
-    asked: Asked,
-) -> Result<Posterior, FitError> {
-    let serves = |(point, _): &&(Point, Option<f64>)| screen(point).is_ok();
-    let level = |(point, sigma): &(Point, Option<f64>)| Level::of(point, direction, *sigma);
-    let levels: Vec<Level> = measured.iter().filter(serves).map(level).collect();
-    infer(&levels, asked.noise, asked.log)
-}
-
 impl<'a> Line<'a> {
     fn of(group: &Group, direction: Direction, asked: Asked, outside: &'a [Point]) -> Self {
         let measured = group.line(direction);
         let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
-        let read = order(&measured, direction, asked)
-            .and_then(|posterior| Ok(Read { samples: samples(&points, direction)?, posterior }));
+        let read = LineReading::of(&measured, direction, asked.noise, asked.claim.log);
         Self { direction, points, outside, read, asked }
     }
 
     fn name(&self) -> &'static str {
-        step_name(self.direction)
+        self.direction.name()
     }
 
     fn answer(&self, order: f64) -> Answer {
         let steps = |samples: &[Sample]| samples.iter().map(|s| s.step).collect::<Vec<f64>>();
         match &self.read {
-            Ok(Read { samples, posterior }) => {
+            Ok(LineReading { samples, posterior }) => {
                 let next = next_steps(&steps(samples));
                 self.asked.answer(posterior, order, (self.name(), next))
             }
@@ -106,18 +89,15 @@ impl<'a> Line<'a> {
             }
             Err(_) => return None,
         };
-        let (other, name) = match self.direction {
-            Direction::Space => (1, "k"),
-            Direction::Time => (0, "h"),
-        };
-        let best = &joint.fits.best;
+        let other = self.direction.other();
         let used = self.points.iter().filter(|point| screen(point).is_ok());
-        let share = used.map(|point| best.weights(point.h, point.k)[other]).fold(0.0, f64::max);
+        let share = used.map(|point| joint.fits.best.share(other, point)).fold(0.0, f64::max);
         (share > LARGEST_OTHER_SHARE).then(|| {
             let answer = joint.answer(self.direction, order, self.asked);
             let percent = 100.0 * share;
             let reason = format!(
-                "the term in {name} is up to {percent:.0} % of the error on this line, so the grid is judged: {}",
+                "the term in {} is up to {percent:.0} % of the error on this line, so the grid is judged: {}",
+                other.name(),
                 answer.reason
             );
             Answer { reason, ..answer }
@@ -134,9 +114,9 @@ impl<'a> Line<'a> {
 
     /// The constant for the predicted or the found order; the scheme is unknown, so the next power is taken as the next
     /// term.
-    fn constant(&self, read: &Read) -> Option<(f64, Interval)> {
+    fn constant(&self, read: &LineReading) -> Option<(f64, Interval)> {
         let order = self.asked.order(self.direction).unwrap_or(read.posterior.order);
-        let factor = |step: f64| step.ln().abs().powf(self.asked.log);
+        let factor = |step: f64| step.ln().abs().powf(self.asked.claim.log);
         let divided = read.samples.iter().map(|s| Sample { error: s.error / factor(s.step), ..*s });
         constant_under(order, &divided.collect::<Vec<_>>(), Correction::Linear)
     }
@@ -180,7 +160,7 @@ impl<'a> Line<'a> {
             "local_slopes": posterior.map(|fitted| fitted.slopes.clone()),
             "coarse_left_out": posterior.map(|fitted| fitted.coarse_left_out),
             "floor_from": posterior.and_then(|fitted| fitted.floor_from),
-            "log": self.asked.log,
+            "log": self.asked.claim.log,
             "constant": constant.map(|(value, _)| value),
             "constant_interval": constant.map(|(_, i)| [i.lo, i.hi]),
             "predicted": self.asked.order(self.direction),

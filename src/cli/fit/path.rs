@@ -3,24 +3,24 @@
 use serde_json::json;
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
-use super::line;
 use super::wording::{Part, next_steps};
-use judge::fit::{Direction, FitError, Posterior, RefinementPath, samples};
+use judge::fit::{Direction, FitError, LineReading, Posterior, RefinementPath};
 use judge::table::Group;
 use judge::verdict::Decision;
 
 /// The order in h along the path, min(p, s q), and what it implies for p and q.
 pub(super) fn part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
-    let read = line::order(&group.measurements(), Direction::Space, asked);
+    let measured = group.measurements();
+    let read = LineReading::of(&measured, Direction::Space, asked.noise, asked.claim.log);
     let order = along(path, asked);
     let answer = order.map(|order| {
         gap_verdict(group).unwrap_or_else(|| match &read {
-            Ok(posterior) => decide(group, posterior, path, asked, order),
+            Ok(read) => decide(read, path, asked, order),
             Err(error) => Answer::open(error),
         })
     });
     let RefinementPath { exponent, constant } = path;
-    let found = read.as_ref().ok();
+    let found = read.as_ref().ok().map(|read| &read.posterior);
     let answered = answer.as_ref();
     let further = json!({
         "variable": "path",
@@ -38,7 +38,7 @@ pub(super) fn part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
 }
 
 fn text(
-    read: &Result<Posterior, FitError>,
+    read: &Result<LineReading, FitError>,
     path: RefinementPath,
     order: Option<f64>,
     answer: Option<&Answer>,
@@ -47,7 +47,7 @@ fn text(
     let head = format!("path k = {constant:.3} h^{exponent:.2}:");
     let tail = verdict_text(order.map(|order| format!("order {order} along it")), answer);
     match read {
-        Ok(Posterior { order, interval, .. }) => {
+        Ok(LineReading { posterior: Posterior { order, interval, .. }, .. }) => {
             let tail = match tail.is_empty() {
                 true => format!("; it is min(p, {exponent:.2} q)"),
                 false => format!("\n   {tail}"),
@@ -71,16 +71,9 @@ fn along(path: RefinementPath, asked: Asked) -> Option<f64> {
     Some((1e6 * order).round() / 1e6)
 }
 
-fn decide(
-    group: &Group,
-    posterior: &Posterior,
-    path: RefinementPath,
-    asked: Asked,
-    order: f64,
-) -> Answer {
-    let samples = samples(&group.points(), Direction::Space).unwrap_or_default();
-    let steps: Vec<f64> = samples.iter().map(|sample| sample.step).collect();
-    let mut answer = asked.answer(posterior, order, ("h", next_steps(&steps)));
+fn decide(read: &LineReading, path: RefinementPath, asked: Asked, order: f64) -> Answer {
+    let steps: Vec<f64> = read.samples.iter().map(|sample| sample.step).collect();
+    let mut answer = asked.answer(&read.posterior, order, ("h", next_steps(&steps)));
     let reason = answer.reason.clone();
     match (answer.decision, asked.p, asked.q) {
         (Decision::Pass, Some(p), Some(q)) => {

@@ -6,7 +6,6 @@ use report::{Axis, Chart, Datum, Part, Scale, Series, Slope};
 
 use super::asked::Asked;
 use super::eoc;
-use super::wording::step_name;
 use crate::cli::CliError;
 
 /// One series per table, in the first refined direction of the file, with triangles of predicted orders.
@@ -16,11 +15,11 @@ pub(super) fn svg(
 ) -> Result<String, CliError> {
     let errors: Vec<&Group> =
         groups.iter().filter(|group| group.quantity == Quantity::Error).collect();
-    let directions = [Direction::Space, Direction::Time];
+    let directions = Direction::BOTH;
     let refined = |direction: &Direction| errors.iter().any(|group| group.refined(*direction));
     let nothing = || CliError::other("nothing to draw: no errors at two sizes");
     let direction = directions.into_iter().find(refined).ok_or_else(nothing)?;
-    let x = Axis::new(step_name(direction), Scale::Steps);
+    let x = Axis::new(direction.name(), Scale::Steps);
     let chart = Chart::new("", "", x, Axis::new("error", Scale::Log));
     let mut chart = Chart { direct: true, ..chart };
     for group in errors {

@@ -4,11 +4,11 @@ use serde_json::{Value, json};
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::eoc;
-use super::wording::{Part, next_steps, run, step_name};
+use super::wording::{Part, next_steps, run};
 use files::counted;
 use judge::fit::{
-    Direction, EcaHoekstra, Expansion, FitError, Posterior, Triple, ValueSample, eca_hoekstra,
-    infer_values, value_samples,
+    Direction, EcaHoekstra, FitError, Posterior, Triple, ValueSample, eca_hoekstra, infer_values,
+    value_samples,
 };
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -33,7 +33,7 @@ pub(super) fn part(group: &Group, direction: Direction, asked: Asked) -> Option<
     // Along a path the value depends on one step.
     let findings = value_samples(&eoc::line(group, direction), direction)
         .map(|samples| Findings::of(samples, asked));
-    let name = step_name(direction);
+    let name = direction.name();
     let answer = predicted.map(|order| {
         gap_verdict(group).unwrap_or_else(|| match &findings {
             Ok(findings) => findings.answer(name, asked, order),
@@ -132,9 +132,9 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
     lines.extend(findings.estimate.filter(|_| !diverges(findings)).map(|found| {
         format!(
             "   Eça-Hoekstra: {:.10}, uncertainty {:.2e} on the finest, expansion {}, factor {}",
-            found.limit,
+            found.fit.limit,
             found.uncertainty,
-            expansion(found.expansion),
+            String::from(found.fit.expansion),
             found.safety
         )
     }));
@@ -148,15 +148,6 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
 /// Diverging values have no limit, so no estimate is printed.
 fn diverges(findings: &Findings) -> bool {
     matches!(findings.last_three, Some(Triple::Diverging { .. }))
-}
-
-fn expansion(expansion: Expansion) -> String {
-    match expansion {
-        Expansion::Power(p) => format!("α h^{p:.2}"),
-        Expansion::First => "α h".into(),
-        Expansion::Second => "α h²".into(),
-        Expansion::Mixed => "α h + β h²".into(),
-    }
 }
 
 fn object(found: Option<&Findings>, name: &str, answer: Option<&Answer>) -> Value {
@@ -179,16 +170,7 @@ fn object(found: Option<&Findings>, name: &str, answer: Option<&Answer>) -> Valu
         "gci": gci,
         "half_range": half_range,
         "caution": found.and_then(Findings::caution),
-        "eca_hoekstra": estimate.map(|found| json!({
-            "limit": found.limit,
-            "uncertainty": found.uncertainty,
-            "expansion": expansion(found.expansion),
-            "weighted": found.weighted,
-            "order": found.observed_order,
-            "deviation": found.deviation,
-            "data_range": found.data_range,
-            "safety": found.safety,
-        })),
+        "eca_hoekstra": estimate,
         "next": next(answer),
         "points_used": found.map(|found| {
             let plain = |sample: &ValueSample| json!({name: sample.step, "value": sample.value});

@@ -1,6 +1,5 @@
 //! A result in words, and the words that results share.
 
-use judge::fit::Direction;
 use judge::verdict::Decision;
 
 /// The result for one table in one direction.
@@ -34,12 +33,5 @@ pub(super) fn run(name: &str, steps: &[f64]) -> String {
     match each.is_empty() {
         true => format!("run three values of {name}"),
         false => format!("run {}", each.join(" and ")),
-    }
-}
-
-pub(super) fn step_name(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Space => "h",
-        Direction::Time => "k",
     }
 }

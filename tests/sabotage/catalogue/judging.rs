@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use judge::fit::{Claim, Direction, Level, Point, Posterior, infer, infer_grid};
 use judge::record::CaseRecord;
-use judge::verdict::{Decision, PointUsed, Variable, Verdict};
+use judge::verdict::{Decision, JudgedPoint, Variable, Verdict};
 
 use super::{Defect, Table, Term};
 
@@ -85,9 +85,9 @@ fn again(mut verdict: Verdict, error: impl Fn(f64, f64) -> f64) -> Verdict {
     if !verdict.complete || verdict.observed.is_none() {
         return verdict;
     }
-    let level = |used: &PointUsed| {
+    let level = |used: &JudgedPoint| {
         let step = direction.step(&point(used));
-        Level::new(step, error(step, used.error))
+        Level::new(step, error(step, used.point.error))
     };
     let levels: Vec<Level> = verdict.points_used.iter().map(level).collect();
     let posterior = infer(&levels, None, 0.0).expect("levels that served");
@@ -110,8 +110,8 @@ fn grid_again(mut verdict: Verdict) -> Verdict {
     verdict
 }
 
-fn point(used: &PointUsed) -> Point {
-    Point { h: used.h, k: used.k, error: used.error, floor: 0.0 }
+fn point(used: &JudgedPoint) -> Point {
+    Point { floor: 0.0, ..used.point }
 }
 
 /// |order|: divergence reads as convergence.

@@ -5,6 +5,7 @@
 //! elements are in L² functionals and the trapezoidal rule is.
 
 use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
 
 use super::ValueSample;
 
@@ -22,7 +23,8 @@ const ORDERS: [f64; 2] = [-4.0, 8.0];
 const ORDER_STEP: f64 = 0.05;
 
 /// The error expansions φ − φ₀ among which the procedure chooses.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(into = "String")]
 pub enum Expansion {
     Power(f64),
     First,
@@ -30,16 +32,26 @@ pub enum Expansion {
     Mixed,
 }
 
+impl From<Expansion> for String {
+    fn from(expansion: Expansion) -> Self {
+        match expansion {
+            Expansion::Power(p) => format!("α h^{p:.2}"),
+            Expansion::First => "α h".into(),
+            Expansion::Second => "α h²".into(),
+            Expansion::Mixed => "α h + β h²".into(),
+        }
+    }
+}
+
 /// What the procedure says of the finest grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EcaHoekstra {
-    pub expansion: Expansion,
-    /// Whether the grids were weighted with 1/h.
-    pub weighted: bool,
-    pub limit: f64,
+    /// The expansion that was chosen.
+    #[serde(flatten)]
+    pub fit: ExpansionFit,
     /// Order of the power expansion, even if another was chosen; none without an optimum.
+    #[serde(rename = "order")]
     pub observed_order: Option<f64>,
-    pub deviation: f64,
     /// Data range Δφ = (max φ − min φ)/(n − 1), with which σ is compared.
     pub data_range: f64,
     /// Factor of safety, 1.25 or 3.
@@ -48,14 +60,18 @@ pub struct EcaHoekstra {
     pub uncertainty: f64,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct ExpansionFit {
-    expansion: Expansion,
-    weighted: bool,
-    limit: f64,
-    deviation: f64,
+/// One expansion, fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ExpansionFit {
+    pub expansion: Expansion,
+    /// Whether the grids were weighted with 1/h.
+    pub weighted: bool,
+    pub limit: f64,
+    pub deviation: f64,
     /// On the finest grid: the error by the expansion, and the misfit.
+    #[serde(skip)]
     error: f64,
+    #[serde(skip)]
     distance: f64,
 }
 
@@ -86,16 +102,7 @@ pub fn eca_hoekstra(samples: &[ValueSample]) -> Option<EcaHoekstra> {
     };
     // All values equal: no range, deviation or error.
     let uncertainty = if data_range == 0.0 { 0.0 } else { uncertainty };
-    Some(EcaHoekstra {
-        expansion: fit.expansion,
-        weighted: fit.weighted,
-        limit: fit.limit,
-        observed_order: order,
-        deviation: fit.deviation,
-        data_range,
-        safety,
-        uncertainty,
-    })
+    Some(EcaHoekstra { fit, observed_order: order, data_range, safety, uncertainty })
 }
 
 fn data_range(samples: &[ValueSample]) -> f64 {

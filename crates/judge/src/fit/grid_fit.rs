@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::identifiable::check_bends;
+use super::identifiable::{LEVELS, check_levels};
 use super::levenberg_marquardt::minimise;
-use super::log_table::{LogTable, Shape};
+use super::log_table::{LogTable, Parameters, Shape};
 use super::{ErrorCombination, FittedValue, Interval, Point, student_quantile};
 
 /// Start orders; all pairs are tried and the best minimum kept.
@@ -22,19 +22,26 @@ pub(super) struct GridFit {
     pub(super) residual_norm: f64,
     /// Condition of the Jacobian with columns scaled to length 1.
     pub(super) condition: f64,
-    x: DVector<f64>,
+    at: Parameters,
     centre: [f64; 2],
     deviations: DVector<f64>,
     quantile: f64,
 }
 
 impl GridFit {
-    pub(super) fn of(points: &[Point], model: ErrorCombination, shape: Shape) -> Option<Self> {
+    /// The best minimum from all starts, or from the given orders.
+    pub(super) fn of(
+        points: &[Point],
+        model: ErrorCombination,
+        shape: Shape,
+        orders: Option<(f64, f64)>,
+    ) -> Option<Self> {
         let scouts = scouts(points);
         let table = LogTable::new(&scouts);
-        let best = starts(&table, shape)
+        let starts = orders.map_or(STARTS.to_vec(), |given| vec![given]);
+        let best = starts
             .into_iter()
-            .filter_map(|start| Self::from_start(&table, model, shape, start))
+            .filter_map(|orders| Self::from_start(&table, model, shape, start(&table, orders)))
             .min_by(|a, b| a.residual_norm.total_cmp(&b.residual_norm))?;
         if scouts.len() == points.len() { Some(best) } else { best.again(points, shape) }
     }
@@ -42,20 +49,17 @@ impl GridFit {
     /// Refit of other points or another shape, started from this minimum.
     pub(super) fn again(&self, points: &[Point], shape: Shape) -> Option<Self> {
         let table = LogTable::new(points);
-        let orders = self.shape.orders_of(&self.x);
-        let [space, time] = self.log_constants();
-        let constants = [space + orders.0 * table.centre[0], time + orders.1 * table.centre[1]];
-        let fitted = shape.orders.is_none().then_some([orders.0, orders.1]);
-        let floor = shape.floor.then(|| self.x[self.shape.floor_at()]);
-        let start = constants.into_iter().chain(fitted.into_iter().flatten()).chain(floor);
-        let start = start.chain(std::iter::repeat(0.0)).take(shape.parameters()).collect();
-        Self::from_start(&table, self.model, shape, DVector::from_vec(start))
+        let mut start = self.at;
+        for i in 0..2 {
+            start[i] += start[2 + i] * (table.centre[i] - self.centre[i]);
+        }
+        Self::from_start(&table, self.model, shape, start)
     }
 
     /// Fit with the next term of each expansion, if there are enough levels.
     pub(super) fn bent(&self, points: &[Point]) -> Option<Self> {
         let shape = Shape { bends: true, ..self.shape };
-        check_bends(points, shape.parameters()).ok()?;
+        check_levels(points, shape.parameters(), LEVELS + 1).ok()?;
         self.again(points, shape)
     }
 
@@ -63,29 +67,37 @@ impl GridFit {
         table: &LogTable,
         model: ErrorCombination,
         shape: Shape,
-        start: DVector<f64>,
+        mut at: Parameters,
     ) -> Option<Self> {
-        let minimum = minimise(start, |x| table.residuals(model, shape, x))?;
-        let freedom = table.rows.len().checked_sub(minimum.x.len())?;
-        let quantile = student_quantile(freedom)?;
-        let deviations = minimum.deviations(freedom)?;
+        if !shape.floor {
+            at[4] = f64::NEG_INFINITY;
+        }
+        let free = shape.free();
+        let placed = |x: &DVector<f64>| {
+            let mut placed = at;
+            free.iter().zip(x.iter()).for_each(|(place, value)| placed[*place] = *value);
+            placed
+        };
+        let start = DVector::from_iterator(free.len(), free.iter().map(|place| at[*place]));
+        let minimum = minimise(start, |x| table.residuals(model, placed(x), &free))?;
+        let freedom = table.rows.len().checked_sub(free.len())?;
         Some(Self {
             model,
             shape,
             residual_norm: minimum.residuals.norm(),
             condition: condition(&minimum.jacobian),
-            x: minimum.x,
+            at: placed(&minimum.x),
             centre: table.centre,
-            deviations,
-            quantile,
+            deviations: minimum.deviations(freedom)?,
+            quantile: student_quantile(freedom)?,
         })
     }
 
     /// Student estimates of both orders, or of both log C where the orders are given.
     pub(super) fn estimates(&self) -> [FittedValue; 2] {
         let (first, values) = match self.shape.orders {
-            None => (2, [self.x[2], self.x[3]]),
-            Some(_) => (0, self.log_constants()),
+            true => (2, [self.at[2], self.at[3]]),
+            false => (0, self.log_constants()),
         };
         [0, 1].map(|i| {
             let radius = self.quantile * self.deviations[first + i];
@@ -94,12 +106,11 @@ impl GridFit {
     }
 
     pub(super) fn log_constants(&self) -> [f64; 2] {
-        let (p, q) = self.shape.orders_of(&self.x);
-        [self.x[0] - p * self.centre[0], self.x[1] - q * self.centre[1]]
+        [0, 1].map(|i| self.at[i] - self.at[2 + i] * self.centre[i])
     }
 
     pub(super) fn floor(&self) -> Option<f64> {
-        self.shape.floor.then(|| self.x[self.shape.floor_at()].exp())
+        self.shape.floor.then(|| self.at[4].exp())
     }
 }
 
@@ -114,21 +125,10 @@ fn scouts(points: &[Point]) -> Vec<Point> {
 }
 
 /// Both constants at half of the mean error, the floor below the smallest error.
-fn starts(table: &LogTable, shape: Shape) -> Vec<DVector<f64>> {
-    let count = table.rows.len().max(1) as f64;
-    let mean = table.rows.iter().map(|row| row.error).sum::<f64>() / count;
-    let level = mean - std::f64::consts::LN_2;
-    let lowest = table.rows.iter().map(|row| row.error).fold(f64::INFINITY, f64::min);
-    let start = |orders: &[f64]| {
-        let floor = shape.floor.then_some(lowest - 1.0);
-        let values = [level, level].into_iter().chain(orders.iter().copied()).chain(floor);
-        let values = values.chain(std::iter::repeat(0.0)).take(shape.parameters());
-        DVector::from_vec(values.collect())
-    };
-    match shape.orders {
-        Some(_) => vec![start(&[])],
-        None => STARTS.iter().map(|(p, q)| start(&[*p, *q])).collect(),
-    }
+fn start(table: &LogTable, (p, q): (f64, f64)) -> Parameters {
+    let errors = || table.rows.iter().map(|row| row.error);
+    let level = errors().sum::<f64>() / table.rows.len().max(1) as f64 - std::f64::consts::LN_2;
+    [level, level, p, q, errors().fold(f64::INFINITY, f64::min) - 1.0, 0.0, 0.0]
 }
 
 fn condition(jacobian: &DMatrix<f64>) -> f64 {
@@ -184,10 +184,10 @@ mod tests {
                 Point { h, k, error: (0.3 * h + 4.0 * k * k) * shake(i, j), floor: 0.0 }
             })
             .collect();
-        let shape = Shape { orders: None, floor: false, bends: false };
-        let found = GridFit::of(&points, ErrorCombination::Sum, shape).unwrap();
+        let shape = Shape { orders: true, floor: false, bends: false };
+        let found = GridFit::of(&points, ErrorCombination::Sum, shape, None).unwrap();
         let table = LogTable::new(&points);
-        let start = DVector::from_vec(vec![-3.0, -3.0, 1.1, 1.9]);
+        let start = [-3.0, -3.0, 1.1, 1.9, 0.0, 0.0, 0.0];
         let other = GridFit::from_start(&table, ErrorCombination::Sum, shape, start).unwrap();
         for (a, b) in found.estimates().into_iter().zip(other.estimates()) {
             assert!((a.value - b.value).abs() < 1e-7 && a.interval.contains(b.value));
@@ -201,7 +201,7 @@ mod tests {
         for (radius, at) in radii(&found).into_iter().zip([2, 3]) {
             assert!((radius - radius_by_deviation(&found, at)).abs() < 1e-12);
         }
-        let given = Shape { orders: Some((1.0, 2.0)), ..shape };
+        let given = Shape { orders: false, ..shape };
         let constants = found.again(&points, given).unwrap();
         for (radius, at) in radii(&constants).into_iter().zip([0, 1]) {
             assert!((radius - radius_by_deviation(&constants, at)).abs() < 1e-12);

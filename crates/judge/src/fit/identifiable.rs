@@ -1,11 +1,10 @@
 //! Whether a grid of cases determines an order in h and one in k.
 
-use super::log_table::Shape;
 use super::{Direction, JointFit, Point, same_level};
 use files::counted;
 
 /// Levels per direction: two give an order, the third its uncertainty.
-const LEVELS: usize = 3;
+pub(super) const LEVELS: usize = 3;
 
 /// Beyond this correlation of log h and log k the two terms are interchangeable, as on a path k = h.
 const LARGEST_CORRELATION: f64 = 0.999;
@@ -37,23 +36,14 @@ impl NotIdentifiable {
     }
 }
 
-pub(super) fn check_grid(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
-    check_levels(points, parameters, LEVELS)
-}
-
-/// Checks a grid without its coarsest level; two levels suffice for given orders.
-pub(super) fn check_clip(points: &[Point], shape: Shape) -> Result<(), NotIdentifiable> {
-    let needed = if shape.orders.is_some() { 2 } else { LEVELS };
-    check_levels(points, shape.parameters(), needed)
-}
-
-/// Checks for a fit with the next term of each expansion, which takes one more level.
-pub(super) fn check_bends(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
-    check_levels(points, parameters, LEVELS + 1)
-}
-
-fn check_levels(points: &[Point], parameters: usize, needed: usize) -> Result<(), NotIdentifiable> {
-    for (name, direction) in [("h", Direction::Space), ("k", Direction::Time)] {
+/// Checks points for a fit of so many parameters that needs so many levels in each direction.
+pub(super) fn check_levels(
+    points: &[Point],
+    parameters: usize,
+    needed: usize,
+) -> Result<(), NotIdentifiable> {
+    for direction in Direction::BOTH {
+        let name = direction.name();
         let found = levels(points, direction).len();
         if found < needed {
             return Err(NotIdentifiable::new(
@@ -81,15 +71,12 @@ fn check_levels(points: &[Point], parameters: usize, needed: usize) -> Result<()
 }
 
 pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIdentifiable> {
-    let largest = |term: usize| {
-        points.iter().map(|point| fit.weights(point.h, point.k)[term]).fold(0.0, f64::max)
-    };
     let hints = [
         ("space", "run fewer cells n, or more steps", Direction::Space),
         ("time", "run fewer steps, or more cells n, or judge k on V_time_max", Direction::Time),
     ];
-    for (term, (name, suggestion, direction)) in hints.into_iter().enumerate() {
-        let share = largest(term);
+    for (name, suggestion, direction) in hints {
+        let share = points.iter().map(|point| fit.share(direction, point)).fold(0.0, f64::max);
         if share < SMALLEST_SHARE {
             let percent = 100.0 * share;
             let reason = format!("the {name} term is at most {percent:.1} % of the error");
@@ -106,7 +93,7 @@ pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIde
 }
 
 pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
-    [Direction::Space, Direction::Time].map(|direction| {
+    Direction::BOTH.map(|direction| {
         let coarsest = levels(points, direction).first().copied().unwrap_or(f64::INFINITY);
         let finer = |point: &&Point| !same_level(direction.step(point), coarsest);
         points.iter().filter(finer).copied().collect()
@@ -147,19 +134,17 @@ mod tests {
 
     #[test]
     fn three_levels_and_a_spare_point_are_enough() {
-        assert_eq!(check_grid(&on(&FIVE), 4), Ok(()));
-        let refused = check_grid(&on(&FIVE), 5).unwrap_err();
+        assert_eq!(check_levels(&on(&FIVE), 4, LEVELS), Ok(()));
+        let refused = check_levels(&on(&FIVE), 5, LEVELS).unwrap_err();
         assert_eq!(refused.reason, "5 points for 5 parameters");
-        let two = check_grid(&on(&FIVE[..4]), 3).unwrap_err();
+        let two = check_levels(&on(&FIVE[..4]), 3, LEVELS).unwrap_err();
         assert_eq!(
             (two.reason.as_str(), two.suggestion.as_str()),
             ("2 levels of k above the floor, 3 are needed", "run 1 more of k")
         );
-        let bends = check_bends(&on(&FIVE), 4).unwrap_err();
+        let bends = check_levels(&on(&FIVE), 4, LEVELS + 1).unwrap_err();
         assert_eq!(bends.reason, "3 levels of h above the floor, 4 are needed");
-        let given = Shape { orders: Some((1.0, 2.0)), floor: false, bends: false };
-        assert_eq!(check_clip(&on(&FIVE[..4]), given), Ok(()));
-        assert!(check_clip(&on(&FIVE[..4]), Shape { orders: None, ..given }).is_err());
+        assert_eq!(check_levels(&on(&FIVE[..4]), 2, 2), Ok(()));
         assert_eq!(two.hidden, None);
     }
 
@@ -176,7 +161,7 @@ mod tests {
         assert!((correlation(&bent) - 0.75f64.sqrt()).abs() < 1e-15);
         let falling = logs(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0), (3.0, 0.0), (1.0, 2.0)]);
         assert!((correlation(&falling) + 1.0).abs() < 1e-15);
-        let refused = check_grid(&falling, 2).unwrap_err();
+        let refused = check_levels(&falling, 2, LEVELS).unwrap_err();
         assert!(refused.reason.contains("refined together"), "{refused}");
     }
 

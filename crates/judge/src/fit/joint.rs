@@ -1,7 +1,7 @@
 //! Both orders from a grid of meshes and time steps.
 
 use super::grid_fit::GridFit;
-use super::identifiable::{check_clip, check_grid, check_terms, clipped};
+use super::identifiable::{LEVELS, check_levels, check_terms, clipped};
 use super::log_table::Shape;
 use super::{
     ErrorCombination, FitError, FittedValue, Interval, JointFit, NotIdentifiable, Point, screen,
@@ -32,11 +32,11 @@ pub struct JointFits {
 /// [`NotIdentifiable`] if the points do not determine both orders.
 pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotIdentifiable> {
     let usable = usable(points);
-    let shape = Shape { orders: None, floor: with_floor, bends: false };
-    check_grid(&usable, shape.parameters())?;
+    let shape = Shape { orders: true, floor: with_floor, bends: false };
+    check_levels(&usable, shape.parameters(), LEVELS)?;
     let mut fits: Vec<GridFit> = [ErrorCombination::Sum, ErrorCombination::RootSumSquare]
         .into_iter()
-        .filter_map(|model| GridFit::of(&usable, model, shape))
+        .filter_map(|model| GridFit::of(&usable, model, shape, None))
         .collect();
     fits.sort_by(|a, b| a.residual_norm.total_cmp(&b.residual_norm));
     let [best, others @ ..] = &fits[..] else {
@@ -62,26 +62,23 @@ pub fn fit_constants(
 ) -> Result<[FittedValue; 2], FitError> {
     let usable = usable(points);
     let found = usable.len();
-    let shape = Shape { orders: Some(orders), floor: false, bends: false };
+    let shape = Shape { orders: false, floor: false, bends: false };
     if found <= shape.parameters() {
         return Err(FitError::TooFew { found, needed: shape.parameters() + 1 });
     }
-    let fit = |model| GridFit::of(&usable, model, shape);
+    let fit = |model| GridFit::of(&usable, model, shape, Some(orders));
     let full = fit(model).ok_or(FitError::Singular { points: found })?;
     let rival = match model {
         ErrorCombination::Sum => fit(ErrorCombination::RootSumSquare),
         ErrorCombination::RootSumSquare => fit(ErrorCombination::Sum),
     };
-    let bent = full.bent(&usable);
-    let logs = match &bent {
-        None => widened(&full, rival.as_slice(), &usable),
-        Some(bent) => {
-            let rival = rival.and_then(|rival| rival.bent(&usable));
-            let comparable =
-                rival.filter(|rival| rival.residual_norm <= COMPARABLE * bent.residual_norm);
-            extrapolated(full.estimates(), bent.estimates(), comparable.map(|r| r.estimates()))
-        }
-    };
+    let mut logs = widened(&full, rival.as_slice(), &usable);
+    if let Some(bent) = full.bent(&usable) {
+        let rival = rival.and_then(|rival| rival.bent(&usable));
+        let mut parts = vec![both(&full, &bent, corrected)];
+        parts.extend(comparable(&bent, rival.as_slice()));
+        logs = hulls(bent.estimates(), &parts);
+    }
     Ok(logs.map(|log| FittedValue { value: log.value.exp(), interval: log.interval.exp() }))
 }
 
@@ -108,35 +105,37 @@ fn joint_fit(fit: &GridFit, [order_h, order_k]: [FittedValue; 2]) -> JointFit {
 
 /// Estimates with intervals widened for the choice of grid, the next terms and the choice of model.
 fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [FittedValue; 2] {
-    let estimates = full.estimates();
-    let mut parts: Vec<[Interval; 2]> = Vec::new();
-    let clips = clipped(points).into_iter().filter(|clip| check_clip(clip, full.shape).is_ok());
-    for clip in clips.filter_map(|clip| full.again(&clip, full.shape)) {
-        let clip = clip.estimates();
-        parts.push([0, 1].map(|i| drift(estimates[i], clip[i])));
-    }
-    if let Some(bent) = full.bent(points) {
-        let bent = bent.estimates();
-        parts.push([0, 1].map(|i| corrected(estimates[i], bent[i])));
-    }
-    for rival in rivals.iter().filter(|o| o.residual_norm <= COMPARABLE * full.residual_norm) {
-        parts.push(rival.estimates().map(|rival| rival.interval));
-    }
+    // Two levels suffice for given orders.
+    let needed = if full.shape.orders { LEVELS } else { 2 };
+    let serves = |clip: &Vec<Point>| check_levels(clip, full.shape.parameters(), needed).is_ok();
+    let clips = clipped(points).into_iter().filter(serves);
+    let clips = clips.filter_map(|clip| full.again(&clip, full.shape));
+    let mut parts: Vec<[Interval; 2]> = clips.map(|clip| both(full, &clip, drift)).collect();
+    parts.extend(full.bent(points).map(|bent| both(full, &bent, corrected)));
+    parts.extend(comparable(full, rivals));
+    hulls(full.estimates(), &parts)
+}
+
+/// Intervals of the other models that fit about as well.
+fn comparable(fit: &GridFit, rivals: &[GridFit]) -> impl Iterator<Item = [Interval; 2]> {
+    let most = COMPARABLE * fit.residual_norm;
+    let rivals = rivals.iter().filter(move |rival| rival.residual_norm <= most);
+    rivals.map(|rival| rival.estimates().map(|estimate| estimate.interval))
+}
+
+fn both(
+    full: &GridFit,
+    other: &GridFit,
+    of: fn(FittedValue, FittedValue) -> Interval,
+) -> [Interval; 2] {
+    let (full, other) = (full.estimates(), other.estimates());
+    [0, 1].map(|i| of(full[i], other[i]))
+}
+
+fn hulls(estimates: [FittedValue; 2], parts: &[[Interval; 2]]) -> [FittedValue; 2] {
     [0, 1].map(|i| {
         let interval = parts.iter().fold(estimates[i].interval, |hull, part| hull.hull(part[i]));
         FittedValue { interval, ..estimates[i] }
-    })
-}
-
-fn extrapolated(
-    full: [FittedValue; 2],
-    bent: [FittedValue; 2],
-    rival: Option<[FittedValue; 2]>,
-) -> [FittedValue; 2] {
-    [0, 1].map(|i| {
-        let interval = corrected(full[i], bent[i]);
-        let interval = rival.map_or(interval, |rival| interval.hull(rival[i].interval));
-        FittedValue { interval, ..bent[i] }
     })
 }
 

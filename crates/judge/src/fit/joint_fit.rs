@@ -1,6 +1,6 @@
 //! The result of a fit of one error model to a grid.
 
-use super::{ErrorCombination, Interval};
+use super::{Direction, ErrorCombination, Interval, Point};
 
 /// A fitted value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,10 +34,9 @@ impl JointFit {
         self.combined(h, k).0.exp()
     }
 
-    /// Weights of space and time in the local slope at (h, k).
-    pub fn weights(&self, h: f64, k: f64) -> [f64; 2] {
-        let (_, [space, time, _]) = self.combined(h, k);
-        [space, time]
+    /// Share of a direction in the error at a point: its weight in a local slope.
+    pub fn share(&self, direction: Direction, point: &Point) -> f64 {
+        self.combined(point.h, point.k).1[direction as usize]
     }
 
     fn combined(&self, h: f64, k: f64) -> (f64, [f64; 3]) {

@@ -29,13 +29,13 @@ mod values;
 
 pub use against_reference::{AgainstReference, against_reference};
 pub use decision::Decision;
-pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
+pub use eca_hoekstra::{EcaHoekstra, Expansion, ExpansionFit, eca_hoekstra};
 pub use error::FitError;
 pub use identifiable::NotIdentifiable;
 pub(crate) use identifiable::distinct;
 pub use inference::{
-    Claim, ClaimError, FEWEST, GridPosterior, Level, Posterior, Ruling, TOLERANCE, infer,
-    infer_grid, order,
+    Claim, ClaimError, FEWEST, GridPosterior, Level, LineReading, Posterior, Ruling, TOLERANCE,
+    infer, infer_grid, order,
 };
 pub use interval::Interval;
 pub use joint::{JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};

@@ -9,12 +9,13 @@ pub fn same_level(a: f64, b: f64) -> bool {
 }
 
 /// One entry of an error table. A missing error or step is NaN, an unmeasured floor is 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Point {
     pub h: f64,
     pub k: f64,
     pub error: f64,
     /// Error that exact discretisation would leave: solver tolerance and rounding.
+    #[serde(skip)]
     pub floor: f64,
 }
 
@@ -26,6 +27,33 @@ pub enum Direction {
 }
 
 impl Direction {
+    pub const BOTH: [Self; 2] = [Self::Space, Self::Time];
+
+    /// Name of its step.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Space => "h",
+            Self::Time => "k",
+        }
+    }
+
+    /// Name of the constant of its term.
+    pub fn constant(self) -> &'static str {
+        match self {
+            Self::Space => "C_h",
+            Self::Time => "C_k",
+        }
+    }
+
+    /// The direction that is not refined.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Space => Self::Time,
+            Self::Time => Self::Space,
+        }
+    }
+
     /// The step of a point in this direction.
     pub fn step(self, point: &Point) -> f64 {
         match self {

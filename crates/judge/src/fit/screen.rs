@@ -57,39 +57,33 @@ pub struct Sample {
 
 /// The screened points, coarse to fine.
 pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, FitError> {
-    let mut samples: Vec<Sample> = points
-        .iter()
-        .filter(|point| screen(point).is_ok())
-        .map(|point| Sample { step: direction.step(point), error: point.error })
-        .filter(|sample| sample.step.is_finite() && sample.step > 0.0)
-        .collect();
-    samples.sort_by(|a, b| b.step.total_cmp(&a.step));
-    distinct(samples.iter().map(|sample| sample.step))?;
-    Ok(samples)
+    let sample = |point: &Point, step| Sample { step, error: point.error };
+    line(points, direction, |point| screen(point).is_ok(), sample)
 }
 
 /// The values of a functional, coarse to fine, from a table that has them in place of errors; non-finite ones are
 /// dropped.
 pub fn value_samples(points: &[Point], direction: Direction) -> Result<Vec<ValueSample>, FitError> {
-    let mut samples: Vec<ValueSample> = points
-        .iter()
-        .map(|point| ValueSample { step: direction.step(point), value: point.error })
-        .filter(|sample| sample.value.is_finite() && sample.step.is_finite() && sample.step > 0.0)
-        .collect();
-    samples.sort_by(|a, b| b.step.total_cmp(&a.step));
-    distinct(samples.iter().map(|sample| sample.step))?;
-    Ok(samples)
+    let sample = |point: &Point, step| ValueSample { step, value: point.error };
+    line(points, direction, |point| point.error.is_finite(), sample)
 }
 
-fn distinct(steps: impl Iterator<Item = f64>) -> Result<(), FitError> {
-    let mut previous = f64::INFINITY;
-    for step in steps {
-        if same_level(previous, step) {
-            return Err(FitError::RepeatedStep { step });
-        }
-        previous = step;
+/// What `sample` makes of the points that serve and their steps, coarse to fine; steps are distinct.
+fn line<T>(
+    points: &[Point],
+    direction: Direction,
+    serves: impl Fn(&Point) -> bool,
+    sample: impl Fn(&Point, f64) -> T,
+) -> Result<Vec<T>, FitError> {
+    let steps = points.iter().filter(|point| serves(point));
+    let steps = steps.map(|point| (direction.step(point), point));
+    let mut line: Vec<(f64, &Point)> =
+        steps.filter(|(step, _)| step.is_finite() && *step > 0.0).collect();
+    line.sort_by(|a, b| b.0.total_cmp(&a.0));
+    match line.windows(2).find(|pair| same_level(pair[0].0, pair[1].0)) {
+        Some(pair) => Err(FitError::RepeatedStep { step: pair[1].0 }),
+        None => Ok(line.into_iter().map(|(step, point)| sample(point, step)).collect()),
     }
-    Ok(())
 }
 
 #[cfg(test)]

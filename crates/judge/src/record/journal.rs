@@ -25,19 +25,19 @@ impl Journal {
     /// # Errors
     /// [`RecordError::Header`] if the file is something else (it is left untouched), and those of [`read`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let io_error = |source| RecordError::Io { path: path.to_owned(), source };
+        let io_error = RecordError::io(path);
         let bytes = match read_file(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            other => other.map_err(io_error)?,
+            other => other.map_err(&io_error)?,
         };
         let Scan { intact, width, .. } = scan(path, &bytes)?;
         // Rows of two lengths would make the table unreadable.
         check_header(path, &bytes, intact == 0 || width == COLUMNS.len())?;
-        let file = OpenOptions::new().create(true).append(true).open(path).map_err(io_error)?;
-        file.set_len(intact).map_err(io_error)?;
+        let file = OpenOptions::new().create(true).append(true).open(path).map_err(&io_error)?;
+        file.set_len(intact).map_err(&io_error)?;
         let mut journal = Self { path: path.to_owned(), file };
         if intact == 0 {
-            journal.write(&lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(io_error)?)?;
+            journal.write(&lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(&io_error)?)?;
         }
         Ok(journal)
     }
@@ -54,9 +54,7 @@ impl Journal {
 
     /// Whether the table is still the one at its path: writes into a removed file are lost silently.
     pub fn in_place(&self) -> Result<(), RecordError> {
-        let opened = self.file.metadata();
-        let opened =
-            opened.map_err(|source| RecordError::Io { path: self.path.clone(), source })?;
+        let opened = self.file.metadata().map_err(RecordError::io(&self.path))?;
         match fs::metadata(&self.path) {
             Ok(there) if same_file(&opened, &there) => Ok(()),
             _ => Err(RecordError::Gone { path: self.path.clone() }),
@@ -65,7 +63,7 @@ impl Journal {
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), RecordError> {
         let written = self.file.write_all(bytes).and_then(|()| self.file.flush());
-        written.map_err(|source| RecordError::Io { path: self.path.clone(), source })
+        written.map_err(RecordError::io(&self.path))
     }
 }
 
@@ -92,16 +90,22 @@ pub struct CaseTable {
     pub checked: bool,
 }
 
+impl CaseTable {
+    /// Refuses a table with a changed line; `path` is for the message.
+    pub fn unchanged(self, path: &Path) -> Result<Self, RecordError> {
+        match self.changed.first() {
+            Some(&line) => Err(RecordError::Changed { path: path.to_owned(), line }),
+            None => Ok(self),
+        }
+    }
+}
+
 /// Reads the cases of a table; a torn last line is dropped.
 ///
 /// # Errors
 /// A torn, malformed or changed line anywhere else.
 pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
-    let CaseTable { cases, changed, .. } = read_table(path)?;
-    match changed.first() {
-        Some(&line) => Err(RecordError::Changed { path: path.to_owned(), line }),
-        None => Ok(cases),
-    }
+    Ok(read_table(path)?.unchanged(path)?.cases)
 }
 
 /// Reads a table and reports its defects.
@@ -129,19 +133,15 @@ pub fn read_table(path: &Path) -> Result<CaseTable, RecordError> {
 /// # Errors
 /// A torn, malformed or changed line.
 pub fn read_finished(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
-    let CaseTable { cases, changed, torn, .. } = every_entry(path)?;
-    let path = path.to_owned();
-    match changed.first() {
-        Some(&line) => Err(RecordError::Changed { path, line }),
-        None if torn => Err(RecordError::Torn { path }),
-        None => Ok(cases),
+    match every_entry(path)?.unchanged(path)? {
+        CaseTable { torn: true, .. } => Err(RecordError::Torn { path: path.to_owned() }),
+        table => Ok(table.cases),
     }
 }
 
 /// A table with every entry of a case.
 fn every_entry(path: &Path) -> Result<CaseTable, RecordError> {
-    let bytes =
-        read_file(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
+    let bytes = read_file(path).map_err(RecordError::io(path))?;
     let Scan { rows, intact, width } = scan(path, &bytes)?;
     let (sound, changed): (Vec<Line>, Vec<Line>) = rows
         .into_iter()
@@ -177,10 +177,10 @@ fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
 /// # Errors
 /// [`RecordError::Name`], [`RecordError::Io`].
 pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError> {
-    let io_error = |source| RecordError::Io { path: path.to_owned(), source };
+    let io_error = RecordError::io(path);
     let mut sorted: BTreeMap<Key, CaseRecord> =
         cases.iter().map(|case| (case.key(), case.clone())).collect();
-    let mut bytes = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(io_error)?;
+    let mut bytes = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(&io_error)?;
     for case in sorted.values_mut() {
         case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
         bytes.extend(case_lines(case, path)?);
@@ -194,7 +194,7 @@ fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
             return Err(RecordError::Name { name: name.to_owned() });
         }
     }
-    lines(&row::encode(case)).map_err(|source| RecordError::Io { path: path.to_owned(), source })
+    lines(&row::encode(case)).map_err(RecordError::io(path))
 }
 
 fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
@@ -244,8 +244,7 @@ fn parse_lines(path: &Path, bytes: &[u8]) -> Result<(Vec<Line>, Vec<u64>), Recor
     let mut rows = Vec::new();
     let mut places = Vec::new();
     for record in reader.byte_records() {
-        let record = record
-            .map_err(|error| RecordError::Io { path: path.to_owned(), source: error.into() })?;
+        let record = record.map_err(io::Error::from).map_err(RecordError::io(path))?;
         let (line, byte) = record.position().map_or((0, 0), |at| (at.line(), at.byte()));
         rows.push((line, StringRecord::from_byte_record_lossy(record)));
         places.push(byte);

@@ -9,7 +9,7 @@ mod norm;
 mod row;
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use files::counted;
 
@@ -136,6 +136,13 @@ impl CaseRecord {
     /// Whether the case converged.
     pub fn converged(&self) -> bool {
         self.status == Status::Converged
+    }
+}
+
+impl RecordError {
+    /// What becomes of an error at a path.
+    pub(crate) fn io(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
+        |source| Self::Io { path: path.to_owned(), source }
     }
 }
 

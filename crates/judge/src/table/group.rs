@@ -60,10 +60,7 @@ impl Group {
     /// Measurements on one line: the step of the other direction with most points, the finest of several; all points if
     /// the table lacks that step.
     pub fn line(&self, direction: Direction) -> Vec<Measurement> {
-        let other = match direction {
-            Direction::Space => Direction::Time,
-            Direction::Time => Direction::Space,
-        };
+        let other = direction.other();
         let mut points = self.measurements();
         points.retain(|(point, _)| direction.step(point).is_finite());
         points.sort_by(|(a, _), (b, _)| other.step(b).total_cmp(&other.step(a)));

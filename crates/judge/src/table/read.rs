@@ -77,13 +77,13 @@ fn share_nameless(groups: &mut Vec<Group>) {
 
 /// A row without h in a table that has h elsewhere is unusable; the same for k.
 fn mark_missing_steps(group: &mut Group) {
-    for (direction, name) in [(Direction::Space, "h"), (Direction::Time, "k")] {
+    for direction in Direction::BOTH {
         let missing = |row: &Row| direction.step(&row.point).is_nan();
         if group.rows.iter().all(missing) {
             continue;
         }
         for row in group.rows.iter_mut().filter(|row| missing(row)) {
-            row.gap.get_or_insert(format!("no {name}"));
+            row.gap.get_or_insert(format!("no {}", direction.name()));
         }
     }
 }

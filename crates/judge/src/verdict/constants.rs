@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::selection::Serving;
-use super::{Decision, FittedConstant, Prediction, Variable};
+use super::selection::JudgedPoint;
+use super::{Decision, FittedConstant, MeshAndSteps, Prediction, Variable};
 use crate::fit::{Correction, Direction, FEWEST, Sample, constant_under, local_slopes};
 
 /// Leading error of a sound scheme on one case.
@@ -58,7 +58,7 @@ pub(super) struct ConstantComparison {
 /// step shows. None if nothing is predicted or no used case has a leading error.
 pub(super) fn compare_constant(
     fitted: FittedConstant,
-    used: &[Serving],
+    used: &[JudgedPoint],
     line: &LeadingLine,
     prediction: &Prediction,
     direction: Direction,
@@ -66,15 +66,14 @@ pub(super) fn compare_constant(
     let order = prediction.order;
     let mut pairs: Vec<(Sample, f64)> = Vec::new();
     for point in &line.points {
-        let same_case =
-            |serving: &&Serving| serving.key.n == point.n && serving.key.steps == point.steps;
-        let Some(serving) = used.iter().find(same_case) else { continue };
+        let place = MeshAndSteps { n: point.n, steps: point.steps };
+        let Some(used) = used.iter().find(|used| used.place == place) else { continue };
         let step = match direction {
             Direction::Space => point.h.unwrap_or(f64::NAN),
             Direction::Time => point.k,
         };
         let under = |error: f64, step: f64| error / step.powf(order);
-        let measured = under(serving.point.error, direction.step(&serving.point));
+        let measured = under(used.point.error, direction.step(&used.point));
         let leading = under(point.error, step);
         pairs.push((Sample { step, error: point.error }, measured / leading));
     }

@@ -20,7 +20,8 @@ pub struct FittedConstant {
 }
 
 impl FittedConstant {
-    pub(crate) fn fitted(value: f64, interval: [f64; 2], order: f64) -> Self {
+    pub(crate) fn fitted(value: f64, interval: impl Into<[f64; 2]>, order: f64) -> Self {
+        let interval = interval.into();
         Self { value, interval, order, predicted: None, limit: None, ratio: None, tolerance: None }
     }
 }

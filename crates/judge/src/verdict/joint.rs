@@ -2,105 +2,65 @@
 
 use std::collections::BTreeMap;
 
-use super::judgement::{HIGHER_ORDER, Judgement, claim, pair};
 use super::next::next_case;
+use super::ruling::{claim, with_help};
 use super::selection::Selection;
-use super::{Decision, FittedConstant, MeshAndSteps, Prediction};
+use super::{Decision, FittedConstant, MeshAndSteps, Prediction, Verdict};
 use crate::fit::{
-    Direction, GridPosterior, JointFit, Ruling, fit_constants, infer_grid, joint_fits,
+    Direction, ErrorCombination, GridPosterior, Posterior, fit_constants, infer_grid, joint_fits,
 };
 
 /// Passes if both orders pass, fails if one fails.
-pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Judgement {
+pub(super) fn judge_grid(open: Verdict, selection: &Selection, prediction: &Prediction) -> Verdict {
     let Some(order_k) = prediction.order_k else {
         let reason = "a joint prediction needs an order in k as well".to_owned();
-        return Judgement::without_order(Decision::Unresolved, reason);
+        return Verdict { reason, ..open };
     };
-    let fits = match joint_fits(&selection.points(), false) {
-        Ok(fits) => fits,
+    let points = selection.points();
+    let found = joint_fits(&points, false).and_then(|fits| Ok((fits, infer_grid(&points, None)?)));
+    let (fits, GridPosterior { order_h: space, order_k: time }) = match found {
+        Ok(found) => found,
         Err(error) => {
-            let next = in_both(selection, prediction);
-            return Judgement::without_order(Decision::Unresolved, error.to_string())
-                .with_next(next);
+            let cases = |direction| next_case(selection, direction, prediction).cases;
+            let next = Direction::BOTH.map(cases).concat();
+            return Verdict { reason: error.to_string(), next, ..open };
         }
     };
-    let posterior = match infer_grid(&selection.points(), None) {
-        Ok(posterior) => posterior,
-        Err(error) => {
-            let next = in_both(selection, prediction);
-            return Judgement::without_order(Decision::Unresolved, error.to_string())
-                .with_next(next);
-        }
+    let part = |direction, found: &Posterior, order| {
+        let ruling = found.decide(&claim(prediction, order));
+        let next = next_case(selection, direction, prediction);
+        let sentence = with_help(ruling.reason.clone(), &ruling, &next.text);
+        let helps = ruling.decision == Decision::Unresolved && !ruling.too_high;
+        let next: Vec<MeshAndSteps> = if helps { next.cases } else { Vec::new() };
+        (ruling, sentence, next)
     };
-    let GridPosterior { order_h, order_k: in_time } = posterior;
-    let order = prediction.order;
-    let parts = [(Direction::Space, &order_h, order), (Direction::Time, &in_time, order_k)].map(
-        |(direction, found, order)| Part {
-            direction,
-            ruling: found.decide(&claim(prediction, order)),
-        },
-    );
-    let decision = parts[0].ruling.decision.and(parts[1].ruling.decision);
-    let next = parts.iter().flat_map(|part| part.next(selection, prediction)).collect();
-    let [in_h, in_k] = parts.each_ref().map(|part| part.sentence(selection, prediction));
-    let best = fits.best;
-    Judgement {
-        orders: Some((order_h.order, order_h.interval)),
-        orders_k: Some((in_time.order, in_time.interval)),
-        probability: Some(parts[0].ruling.probability.min(parts[1].ruling.probability)),
-        contradicted_by: None,
-        constants: constants(selection, &best, (order, order_k)),
+    let (in_h, words_h, next_h) = part(Direction::Space, &space, prediction.order);
+    let (in_k, words_k, next_k) = part(Direction::Time, &time, order_k);
+    let decision = in_h.decision.and(in_k.decision);
+    Verdict {
+        observed: Some(space.order),
+        observed_k: Some(time.order),
+        interval: Some(space.interval.into()),
+        interval_k: Some(time.interval.into()),
+        probability: Some(in_h.probability.min(in_k.probability)),
+        constants: constants(selection, fits.best.model, (prediction.order, order_k)),
         decision,
-        reason: format!("in h: {in_h}; in k: {in_k}"),
-        next: if decision == Decision::Unresolved { next } else { Vec::new() },
-    }
-}
-
-fn in_both(selection: &Selection, prediction: &Prediction) -> Vec<MeshAndSteps> {
-    let cases = |direction| next_case(selection, direction, prediction).cases;
-    [cases(Direction::Space), cases(Direction::Time)].concat()
-}
-
-struct Part {
-    direction: Direction,
-    ruling: Ruling,
-}
-
-impl Part {
-    fn next(&self, selection: &Selection, prediction: &Prediction) -> Vec<MeshAndSteps> {
-        match self.ruling.decision {
-            Decision::Unresolved if !self.ruling.too_high => {
-                next_case(selection, self.direction, prediction).cases
-            }
-            _ => Vec::new(),
-        }
-    }
-
-    fn sentence(&self, selection: &Selection, prediction: &Prediction) -> String {
-        let Ruling { decision, reason, too_high, .. } = &self.ruling;
-        match (decision, too_high) {
-            (Decision::Unresolved, true) => format!("{reason}: {HIGHER_ORDER}"),
-            (Decision::Unresolved, false) => {
-                let next = next_case(selection, self.direction, prediction).text;
-                format!("{reason}: {next}")
-            }
-            _ => reason.clone(),
-        }
+        reason: format!("in h: {words_h}; in k: {words_k}"),
+        next: if decision == Decision::Unresolved { [next_h, next_k].concat() } else { Vec::new() },
+        ..open
     }
 }
 
 fn constants(
     selection: &Selection,
-    best: &JointFit,
+    model: ErrorCombination,
     orders: (f64, f64),
 ) -> BTreeMap<&'static str, FittedConstant> {
-    let Ok([space, time]) = fit_constants(&selection.points(), best.model, orders) else {
-        return BTreeMap::new();
-    };
-    [("C_h", space, orders.0), ("C_k", time, orders.1)]
-        .into_iter()
-        .map(|(name, fitted, order)| {
-            (name, FittedConstant::fitted(fitted.value, pair(fitted.interval), order))
+    let fitted = fit_constants(&selection.points(), model, orders).into_iter().flatten();
+    let named = fitted.zip([("C_h", orders.0), ("C_k", orders.1)]);
+    named
+        .map(|(fitted, (name, order))| {
+            (name, FittedConstant::fitted(fitted.value, fitted.interval, order))
         })
         .collect()
 }

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use super::constants::{ConstantComparison, compare_constant, correction};
 use super::joint::judge_grid;
-use super::judgement::{HIGHER_ORDER, Judgement, claim, pair};
 use super::next::{Next, next_case};
+use super::ruling::{claim, with_help};
 use super::selection::{Cases, Selection};
 use super::{Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict};
 use crate::fit::{
-    Direction, Interval, LARGEST_OTHER_SHARE, Level, Point, Posterior, Ruling, Sample, TOLERANCE,
-    constant_under, infer, joint_fits, samples,
+    Direction, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE, constant_under,
+    joint_fits,
 };
 use crate::record::{CaseRecord, Key};
 
@@ -37,47 +37,26 @@ pub fn judge_foreseen(
 ) -> Verdict {
     let cases = Cases::new(scene, records, expected_cases);
     let selection = cases.select(prediction);
-    let complete = selection.gaps.is_empty();
-    let mut finding = match prediction.variable {
-        _ if !complete => Judgement::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
-        Variable::H | Variable::Path => {
-            judge_line(&cases, &selection, prediction, Direction::Space)
-        }
-        Variable::K => judge_line(&cases, &selection, prediction, Direction::Time),
-        Variable::Joint => judge_grid(&selection, prediction),
+    let open = Verdict::open(scene, prediction, expect);
+    let mut verdict = match prediction.variable.direction() {
+        _ if !selection.gaps.is_empty() => Verdict {
+            decision: Decision::Fail,
+            reason: gaps_in_words(&selection.gaps),
+            complete: false,
+            ..open
+        },
+        Some(direction) => judge_line(open, &cases, &selection, prediction, direction),
+        None => judge_grid(open, &selection, prediction),
     };
     if let Some(Foreseen::Leading(line)) = foreseen {
-        compare_with(&mut finding, &selection, prediction, line);
+        compare_with(&mut verdict, &selection, prediction, line);
     }
-    let ends = |orders: Option<(f64, Interval)>| orders.map(|(_, interval)| pair(interval));
-    Verdict {
-        scene: scene.to_owned(),
-        norm: prediction.norm.clone(),
-        variable: prediction.variable,
-        predicted: prediction.order,
-        predicted_k: prediction.order_k.filter(|_| prediction.variable == Variable::Joint),
-        at_least: prediction.at_least,
-        why: prediction.why.clone(),
-        observed: finding.orders.map(|(order, _)| order),
-        observed_k: finding.orders_k.map(|(order, _)| order),
-        interval: ends(finding.orders),
-        interval_k: ends(finding.orders_k),
-        probability: finding.probability,
-        contradicted_by: finding.contradicted_by,
-        points_used: selection.points_used(),
-        points_left_out: selection.points_left_out(),
-        constants: finding.constants,
-        foreseen: foreseen.cloned(),
-        decision: finding.decision,
-        reason: finding.reason,
-        next: finding.next,
-        complete,
-        expect,
-    }
+    let Selection { used: points_used, left_out: points_left_out, .. } = selection;
+    Verdict { points_used, points_left_out, foreseen: foreseen.cloned(), ..verdict }
 }
 
 fn compare_with(
-    finding: &mut Judgement,
+    finding: &mut Verdict,
     selection: &Selection,
     prediction: &Prediction,
     line: &LeadingLine,
@@ -87,7 +66,7 @@ fn compare_with(
         Variable::K => Direction::Time,
         Variable::Joint | Variable::Path => return,
     };
-    let name = constant_name(direction);
+    let name = direction.constant();
     let Some(&fitted) = finding.constants.get(name) else { return };
     let compared = compare_constant(fitted, &selection.used, line, prediction, direction);
     let Some(ConstantComparison { constant, decision, sentence, leading_order }) = compared else {
@@ -143,21 +122,18 @@ fn gaps_in_words(gaps: &[String]) -> String {
 }
 
 fn judge_line(
+    open: Verdict,
     cases: &Cases<'_>,
     selection: &Selection,
     prediction: &Prediction,
     direction: Direction,
-) -> Judgement {
+) -> Verdict {
     let next = next_case(selection, direction, prediction);
-    let points = selection.points();
-    let levels: Vec<Level> = points.iter().map(|point| Level::of(point, direction, None)).collect();
-    let read = infer(&levels, None, 0.0)
-        .and_then(|posterior| Ok((posterior, samples(&points, direction)?)));
-    let (posterior, samples) = match read {
+    let points: Vec<_> = selection.used.iter().map(|used| (used.point, None)).collect();
+    let LineReading { posterior, samples } = match LineReading::of(&points, direction, None, 0.0) {
         Ok(read) => read,
         Err(error) => {
-            let reason = format!("{error}: {}", next.text);
-            return Judgement::without_order(Decision::Unresolved, reason).with_next(next.cases);
+            return Verdict { reason: format!("{error}: {}", next.text), next: next.cases, ..open };
         }
     };
     let ruling = posterior.decide(&claim(prediction, prediction.order));
@@ -166,19 +142,20 @@ fn judge_line(
         Some(_) if helped => flattening(prediction),
         _ => next,
     };
-    let mut reason = in_words(&ruling, &posterior, &next.text);
+    let reason = format!("{}{}", ruling.reason, posterior.left_out_in_words());
+    let mut reason = with_help(reason, &ruling, &next.text);
     if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
         reason = format!("{reason}; {note}");
     }
-    Judgement {
-        orders: Some((posterior.order, posterior.interval)),
-        orders_k: None,
+    Verdict {
+        observed: Some(posterior.order),
+        interval: Some(posterior.interval.into()),
         probability: Some(ruling.probability),
-        contradicted_by: None,
         constants: constants(&samples, prediction, direction),
         decision: ruling.decision,
         reason,
         next: if helped { next.cases } else { Vec::new() },
+        ..open
     }
 }
 
@@ -187,50 +164,32 @@ fn flattening(prediction: &Prediction) -> Next {
     Next { cases: Vec::new(), text: prediction.floor.remedy().to_owned() }
 }
 
-/// The ruling, the levels behind it and, if open, the next cases.
-fn in_words(ruling: &Ruling, posterior: &Posterior, next: &str) -> String {
-    let reason = format!("{}{}", ruling.reason, posterior.left_out_in_words());
-    match (ruling.decision, ruling.too_high) {
-        (Decision::Unresolved, true) => format!("{reason}: {HIGHER_ORDER}"),
-        (Decision::Unresolved, false) => format!("{reason}: {next}"),
-        _ => reason,
-    }
-}
-
-fn constant_name(direction: Direction) -> &'static str {
-    match direction {
-        Direction::Space => "C_h",
-        Direction::Time => "C_k",
-    }
-}
-
 fn constants(
     samples: &[Sample],
     prediction: &Prediction,
     direction: Direction,
 ) -> BTreeMap<&'static str, FittedConstant> {
-    let name = constant_name(direction);
     let order = prediction.order;
-    let fitted = constant_under(order, samples, correction(prediction, direction))
-        .map(|(value, interval)| (name, FittedConstant::fitted(value, pair(interval), order)));
-    fitted.into_iter().collect()
+    let fitted = constant_under(order, samples, correction(prediction, direction));
+    let named = fitted.map(|(value, interval)| {
+        (direction.constant(), FittedConstant::fitted(value, interval, order))
+    });
+    named.into_iter().collect()
 }
 
 /// Where the term of the other direction bends this line, if the grid can tell.
 fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Option<String> {
     let best = joint_fits(grid, false).ok()?.best;
-    let (index, name, cure) = match direction {
-        Direction::Space => (1, "time", "more steps"),
-        Direction::Time => (0, "space", "more cells n"),
+    let (name, cure) = match direction {
+        Direction::Space => ("time", "more steps"),
+        Direction::Time => ("space", "more cells n"),
     };
-    let shares = selection
-        .used
-        .iter()
-        .map(|serving| (best.weights(serving.point.h, serving.point.k)[index], &serving.key));
-    let (share, key) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let shares =
+        selection.used.iter().map(|used| (best.share(direction.other(), &used.point), used.place));
+    let (share, place) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let percent = 100.0 * share;
     (share > LARGEST_OTHER_SHARE).then(|| {
-        format!("the {name} term is {percent:.0} % of the error at {key}, which bends the slope: use {cure} to decide")
+        format!("the {name} term is {percent:.0} % of the error at {place}, which bends the slope: use {cure} to decide")
     })
 }
 

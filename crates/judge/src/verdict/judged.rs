@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Decision, FittedConstant, Foreseen, MeshAndSteps, PointLeftOut, PointUsed, Variable};
+use super::{Decision, FittedConstant, Foreseen, JudgedPoint, MeshAndSteps, Prediction, Variable};
 use crate::record::{CaseRecord, Status};
 
 /// A judged prediction, an entry of `verdict.json`.
@@ -37,8 +37,8 @@ pub struct Verdict {
     /// wrong and the program sound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contradicted_by: Option<f64>,
-    pub points_used: Vec<PointUsed>,
-    pub points_left_out: Vec<PointLeftOut>,
+    pub points_used: Vec<JudgedPoint>,
+    pub points_left_out: Vec<JudgedPoint>,
     /// `C_h` and `C_k`, as far as fitted.
     pub constants: BTreeMap<&'static str, FittedConstant>,
     /// The predicted constant: leading errors, or why there are none.
@@ -57,6 +57,35 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// Before any point is judged.
+    pub(super) fn open(scene: &str, prediction: &Prediction, expect: Decision) -> Self {
+        let joint = prediction.variable == Variable::Joint;
+        Self {
+            scene: scene.to_owned(),
+            norm: prediction.norm.clone(),
+            variable: prediction.variable,
+            predicted: prediction.order,
+            predicted_k: prediction.order_k.filter(|_| joint),
+            at_least: prediction.at_least,
+            why: prediction.why.clone(),
+            observed: None,
+            observed_k: None,
+            interval: None,
+            interval_k: None,
+            probability: None,
+            contradicted_by: None,
+            points_used: Vec::new(),
+            points_left_out: Vec::new(),
+            constants: BTreeMap::new(),
+            foreseen: None,
+            decision: Decision::Unresolved,
+            reason: String::new(),
+            next: Vec::new(),
+            complete: true,
+            expect,
+        }
+    }
+
     /// Whether the verdict is the expected one. An expected failure must come from the order, not from a missing case.
     pub fn as_expected(&self) -> bool {
         self.complete && self.decision == self.expect

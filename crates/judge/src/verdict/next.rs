@@ -1,6 +1,6 @@
 //! The next cases to run for unresolved verdicts.
 
-use super::selection::{Selection, Serving, inside};
+use super::selection::{JudgedPoint, Selection, inside};
 use super::{MeshAndSteps, Prediction, Variable};
 use crate::fit::Direction;
 
@@ -16,12 +16,12 @@ pub(super) fn next_case(
     direction: Direction,
     prediction: &Prediction,
 ) -> Next {
-    let name = match direction {
-        Direction::Space => "n",
-        Direction::Time => "steps",
+    let (name, window) = match direction {
+        Direction::Space => ("n", prediction.window_n),
+        Direction::Time => ("steps", prediction.window_steps),
     };
     let lost = finest_is_below_floor(selection, direction);
-    let left_out = levels(selection.left_out.iter().map(|(serving, _)| serving), direction);
+    let left_out = levels(selection.left_out.iter(), direction);
     let is_there = |level: u32| left_out.iter().any(|there| there.0 == level);
     let levels = levels(selection.used.iter(), direction);
     let (wanted, text) = match (&levels[..], lost) {
@@ -42,10 +42,6 @@ pub(super) fn next_case(
             (vec![a, b], format!("run {name} = {a} and {name} = {b}"))
         }
     };
-    let window = match direction {
-        Direction::Space => prediction.window_n,
-        Direction::Time => prediction.window_steps,
-    };
     if wanted.iter().any(|level| !inside(Some(*level), window)) {
         return Next { cases: Vec::new(), text: format!("{text}, in a wider window") };
     }
@@ -61,8 +57,7 @@ fn cases(
     prediction: &Prediction,
     level: u32,
 ) -> Vec<MeshAndSteps> {
-    let left_out = selection.left_out.iter().map(|(serving, _)| serving);
-    let keys = selection.used.iter().chain(left_out).map(|serving| &serving.key);
+    let keys = selection.used.iter().chain(&selection.left_out).map(|point| point.place);
     let mut found: Vec<MeshAndSteps> = match (direction, prediction.variable) {
         (_, Variable::Path) => {
             let steps = levels(selection.used.iter(), Direction::Time);
@@ -84,15 +79,15 @@ fn cases(
 
 /// Levels n or N of the cases with their steps, coarse to fine.
 fn levels<'a>(
-    servings: impl Iterator<Item = &'a Serving>,
+    points: impl Iterator<Item = &'a JudgedPoint>,
     direction: Direction,
 ) -> Vec<(u32, f64)> {
-    let level = |serving: &Serving| match direction {
-        Direction::Space => serving.key.n,
-        Direction::Time => Some(serving.key.steps),
+    let level = |place: MeshAndSteps| match direction {
+        Direction::Space => place.n,
+        Direction::Time => Some(place.steps),
     };
-    let mut levels: Vec<(u32, f64)> = servings
-        .filter_map(|serving| Some((level(serving)?, direction.step(&serving.point))))
+    let mut levels: Vec<(u32, f64)> = points
+        .filter_map(|judged| Some((level(judged.place)?, direction.step(&judged.point))))
         .collect();
     levels.sort_by_key(|level| level.0);
     levels.dedup_by_key(|level| level.0);
@@ -100,8 +95,9 @@ fn levels<'a>(
 }
 
 fn finest_is_below_floor(selection: &Selection, direction: Direction) -> bool {
-    let lost = selection.left_out.iter().filter(|(_, reason)| reason.starts_with("below floor"));
-    let finest_lost = levels(lost.map(|(serving, _)| serving), direction).pop();
+    let below = |reason: &String| reason.starts_with("below floor");
+    let lost = selection.left_out.iter().filter(|point| point.reason.as_ref().is_some_and(below));
+    let finest_lost = levels(lost, direction).pop();
     let finest_used = levels(selection.used.iter(), direction).pop();
     finest_lost.is_some_and(|lost| finest_used.is_none_or(|used| lost.0 > used.0))
 }
@@ -146,17 +142,18 @@ mod tests {
         assert_eq!(coarser(1, Some(2)), None);
     }
 
-    fn serving(n: u32, steps: u32) -> Serving {
+    fn judged(&(n, steps): &(u32, u32), reason: Option<&str>) -> JudgedPoint {
         let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
-        let key = MeshAndSteps { n: Some(n), steps };
-        Serving { key, point: Point { h, k, error: h + k, floor: 0.0 } }
+        let place = MeshAndSteps { n: Some(n), steps };
+        let point = Point { h, k, error: h + k, floor: 0.0 };
+        JudgedPoint { point, place, reason: reason.map(str::to_owned) }
     }
 
     fn selection(used: &[(u32, u32)], below_floor: &[(u32, u32)]) -> Selection {
-        let lost = |&(n, steps): &(u32, u32)| (serving(n, steps), "below floor 1e-12".to_owned());
+        let lost = below_floor.iter().map(|place| judged(place, Some("below floor 1e-12")));
         Selection {
-            used: used.iter().map(|&(n, steps)| serving(n, steps)).collect(),
-            left_out: below_floor.iter().map(lost).collect(),
+            used: used.iter().map(|place| judged(place, None)).collect(),
+            left_out: lost.collect(),
             gaps: Vec::new(),
         }
     }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::fit::Direction;
+
 /// What is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -24,6 +26,15 @@ impl Variable {
             Self::K => "k",
             Self::Joint => "joint",
             Self::Path => "path",
+        }
+    }
+
+    /// The direction of a line; none for a grid.
+    pub fn direction(self) -> Option<Direction> {
+        match self {
+            Self::H | Self::Path => Some(Direction::Space),
+            Self::K => Some(Direction::Time),
+            Self::Joint => None,
         }
     }
 }

@@ -8,55 +8,30 @@ use super::{MeshAndSteps, Prediction, Variable};
 use crate::fit::{Direction, Point, screen};
 use crate::record::{CaseRecord, Key, Status};
 
-/// A point that served.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PointUsed {
-    pub h: f64,
-    pub k: f64,
-    pub error: f64,
-}
-
-/// A point that was left out.
+/// A point on the line or grid of a prediction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PointLeftOut {
-    pub h: f64,
-    pub k: f64,
-    pub error: f64,
-    pub reason: String,
-}
-
-#[derive(Debug, Clone)]
-pub(super) struct Serving {
-    pub(super) key: MeshAndSteps,
-    pub(super) point: Point,
+pub struct JudgedPoint {
+    #[serde(flatten)]
+    pub point: Point,
+    /// Its case.
+    #[serde(skip)]
+    pub place: MeshAndSteps,
+    /// Why it was left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
 }
 
 /// Cases of a line or grid: used, left out with the reason, and missing.
 #[derive(Debug, Default)]
 pub(super) struct Selection {
-    pub(super) used: Vec<Serving>,
-    pub(super) left_out: Vec<(Serving, String)>,
+    pub(super) used: Vec<JudgedPoint>,
+    pub(super) left_out: Vec<JudgedPoint>,
     pub(super) gaps: Vec<String>,
 }
 
 impl Selection {
     pub(super) fn points(&self) -> Vec<Point> {
-        self.used.iter().map(|serving| serving.point).collect()
-    }
-
-    pub(super) fn points_used(&self) -> Vec<PointUsed> {
-        let plain = |Point { h, k, error, .. }: Point| PointUsed { h, k, error };
-        self.used.iter().map(|serving| plain(serving.point)).collect()
-    }
-
-    pub(super) fn points_left_out(&self) -> Vec<PointLeftOut> {
-        let plain = |Point { h, k, error, .. }: Point, reason: &String| PointLeftOut {
-            h,
-            k,
-            error,
-            reason: reason.clone(),
-        };
-        self.left_out.iter().map(|(serving, reason)| plain(serving.point, reason)).collect()
+        self.used.iter().map(|used| used.point).collect()
     }
 }
 
@@ -95,22 +70,22 @@ impl<'a> Cases<'a> {
         let norm = &prediction.norm;
         let line = self.line(prediction);
         let mut selection = Selection::default();
-        for &(key, record) in &self.cases {
-            let served = line.holds(key);
+        for &(place, record) in &self.cases {
+            let served = line.holds(place);
             match found(record, norm) {
-                Found::Gap(gap) => selection.gaps.push(format!("{key} {gap}")),
+                Found::Gap(gap) => selection.gaps.push(format!("{place} {gap}")),
                 Found::NotMeasured if served => {
-                    selection.gaps.push(format!("{key} has no row for {norm}"));
+                    selection.gaps.push(format!("{place} has no row for {norm}"));
                 }
-                Found::NotMeasured => {}
                 Found::Point(point) if served => {
-                    let serving = Serving { key, point };
-                    match exclusion(&serving, prediction) {
-                        Some(reason) => selection.left_out.push((serving, reason)),
-                        None => selection.used.push(serving),
-                    }
+                    let reason = exclusion(place, &point, prediction);
+                    let side = match &reason {
+                        Some(_) => &mut selection.left_out,
+                        None => &mut selection.used,
+                    };
+                    side.push(JudgedPoint { point, place, reason });
                 }
-                Found::Point(_) => {}
+                Found::NotMeasured | Found::Point(_) => {}
             }
         }
         if self.cases.is_empty() {
@@ -213,16 +188,13 @@ fn point(record: &CaseRecord, norm: &str) -> Option<Point> {
     })
 }
 
-fn exclusion(serving: &Serving, prediction: &Prediction) -> Option<String> {
-    let Serving { key, point } = serving;
-    let needs = match prediction.variable {
-        Variable::H | Variable::Path => &[Direction::Space][..],
-        Variable::K => &[Direction::Time],
-        Variable::Joint => &[Direction::Space, Direction::Time],
-    };
-    if !inside(key.n, prediction.window_n) || !inside(Some(key.steps), prediction.window_steps) {
+fn exclusion(place: MeshAndSteps, point: &Point, prediction: &Prediction) -> Option<String> {
+    let MeshAndSteps { n, steps } = place;
+    let needed = |along: Direction| prediction.variable.direction().is_none_or(|it| it == along);
+    let mut needs = Direction::BOTH.into_iter().filter(|along| needed(*along));
+    if !inside(n, prediction.window_n) || !inside(Some(steps), prediction.window_steps) {
         Some("outside window".to_owned())
-    } else if !needs.iter().all(|direction| is_step(direction.step(point))) {
+    } else if !needs.all(|direction| is_step(direction.step(point))) {
         Some("no step size".to_owned())
     } else {
         screen(point).err().map(|exclusion| exclusion.to_string())
@@ -246,17 +218,16 @@ pub fn line_points(
     records: &[CaseRecord],
     norm: &str,
     variable: Variable,
-) -> Vec<Point> {
+) -> Vec<JudgedPoint> {
     let prediction = Prediction::new(norm, variable, 0.0);
-    let selection = Cases::new(scene, records, &[]).select(&prediction);
-    let left_out = selection.left_out.iter().map(|(serving, _)| serving);
-    selection.used.iter().chain(left_out).map(|serving| serving.point).collect()
+    let Selection { used, left_out, .. } = Cases::new(scene, records, &[]).select(&prediction);
+    [used, left_out].concat()
 }
 
 /// Keys of the cases used for a prediction.
 pub fn line_keys(scene: &str, records: &[CaseRecord], prediction: &Prediction) -> Vec<Key> {
     let selection = Cases::new(scene, records, &[]).select(prediction);
-    selection.used.into_iter().map(|serving| serving.key.key(scene)).collect()
+    selection.used.into_iter().map(|used| used.place.key(scene)).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Sequential stopping of the verdicts of a growing sweep.
 
-use super::{Decision, FittedConstant, Variable, Verdict};
+use super::{Decision, FittedConstant, Verdict};
 use crate::fit::{FEWEST, distinct, settles};
 
 impl Verdict {
@@ -22,12 +22,9 @@ impl Verdict {
 
     /// Distinct steps of the points used; none for a grid, which needs every case.
     fn levels(&self) -> usize {
-        let steps: Vec<f64> = match self.variable {
-            Variable::H | Variable::Path => self.points_used.iter().map(|point| point.h).collect(),
-            Variable::K => self.points_used.iter().map(|point| point.k).collect(),
-            Variable::Joint => Vec::new(),
-        };
-        distinct(steps).len()
+        let Some(direction) = self.variable.direction() else { return 0 };
+        let steps = self.points_used.iter().map(|used| direction.step(&used.point));
+        distinct(steps.collect()).len()
     }
 
     /// Whether constants are predicted, and all measured ones agree.
@@ -45,7 +42,7 @@ mod tests {
 
     use super::*;
     use crate::record::{CaseRecord, Key, NormError, V_MAX};
-    use crate::verdict::{Prediction, judge};
+    use crate::verdict::{Prediction, Variable, judge};
 
     fn on(levels: u32, order: f64, expect: Decision) -> Verdict {
         let records: Vec<CaseRecord> = (0..levels)

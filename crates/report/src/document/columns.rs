@@ -1,8 +1,5 @@
 //! Text tables that fit the available width without breaking numbers or words.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Width};
-
 use crate::legend::wrapped;
 
 /// Characters between columns.
@@ -11,23 +8,33 @@ const GAP: usize = 2;
 /// Longer cells are prose and may be wrapped.
 const PROSE: usize = 30;
 
-/// Narrower prose goes below its row.
+/// Prose is not made narrower while there is another way.
 const NARROWEST: usize = 28;
 
-/// A table for a terminal of `width` columns; heads that begin with `>` are numeric and right-aligned.
+/// A table for a terminal of `width` columns; heads that begin with `>` are numeric and right-aligned. Columns without
+/// room stand in further tables, which repeat the first column.
 pub fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
     let width = usize::from(width);
-    let columns: Vec<Column> =
-        heads.iter().enumerate().map(|(at, head)| Column::new(at, head, rows)).collect();
-    let refs: Vec<&Column> = columns.iter().collect();
-    if fits(&refs, |column| column.whole, width) {
-        return grid(&refs, rows, |column| column.whole);
+    let columns_of = |in_parts: bool| -> Vec<Column> {
+        let heads = heads.iter().enumerate();
+        heads.map(|(at, head)| Column::new(at, head, rows, in_parts)).collect()
+    };
+    let mut columns = columns_of(false);
+    if taken(&columns.iter().collect::<Vec<_>>()) > width {
+        columns = columns_of(true);
     }
-    if fits(&refs, |column| column.least, width) {
-        let spare = width.saturating_sub(taken(&refs, |column| column.least));
-        return grid(&refs, rows, shares(&refs, spare));
+    let mut tables: Vec<Vec<&Column>> = vec![Vec::new()];
+    for column in &columns {
+        let last = tables.len() - 1;
+        let longer = [&tables[last][..], &[column]].concat();
+        if taken(&longer) <= width || tables[last].len() < 2 {
+            tables[last] = longer;
+        } else {
+            tables.push(vec![&columns[0], column]);
+        }
     }
-    apart(&columns, rows, width)
+    let drawn = tables.iter().map(|columns| grid(columns, rows, width));
+    drawn.collect::<Vec<_>>().join("\n")
 }
 
 /// Words beside a label of width `room`; later lines are aligned with the words.
@@ -45,25 +52,29 @@ struct Column {
     at: usize,
     head: String,
     numeric: bool,
-    prose: bool,
-    /// Characters of its longest cell or head.
+    /// Characters of its longest line.
     whole: usize,
     /// Minimum without breaking a number or word.
     least: usize,
 }
 
 impl Column {
-    fn new(at: usize, head: &str, rows: &[Vec<String>]) -> Self {
-        let cells = || rows.iter().filter_map(|row| row.get(at)).map(String::as_str);
-        let longest = |text: &str| text.split_whitespace().map(length).max().unwrap_or(0);
+    fn new(at: usize, head: &str, rows: &[Vec<String>], in_parts: bool) -> Self {
         let (numeric, head) = (head.starts_with('>'), head.trim_start_matches('>'));
-        let content = cells().map(length).max().unwrap_or(0);
-        let prose = !numeric && content > PROSE;
-        let words = cells().map(longest).max().unwrap_or(0);
-        // Cells other than prose stay whole; only the head may take several lines.
-        let least = if prose { words.max(NARROWEST) } else { content }.max(longest(head));
+        let narrowest = if in_parts { 0 } else { NARROWEST };
+        let lines = || rows.iter().filter_map(|row| row.get(at)).flat_map(|cell| cell.lines());
+        let content = lines().map(length).max().unwrap_or(0);
+        // Cells other than prose stay whole; only a head and, in parts, a name takes several lines.
+        let least = |line: &str| match line.split_whitespace().nth(1) {
+            Some(_) if numeric || content <= PROSE => length(line),
+            Some(_) => line.split_whitespace().map(length).fold(narrowest, usize::max),
+            None if in_parts => parts(line).map(length).max().unwrap_or(0),
+            None => length(line),
+        };
+        let word = head.split_whitespace().map(length).max().unwrap_or(0);
+        let least = lines().map(least).fold(word, usize::max);
         let whole = content.max(length(head));
-        Self { at, head: head.to_owned(), numeric, prose, whole, least: least.min(whole) }
+        Self { at, head: head.to_owned(), numeric, whole, least: least.min(whole) }
     }
 }
 
@@ -71,104 +82,69 @@ fn length(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Total width of these columns.
-fn taken(columns: &[&Column], of: impl Fn(&Column) -> usize) -> usize {
-    columns.iter().map(|column| of(column) + GAP).sum()
+/// The parts of a name, which a narrow column sets below each other; other words are whole.
+fn parts(word: &str) -> impl Iterator<Item = &str> {
+    let is_name = word.starts_with(char::is_alphabetic);
+    word.split_inclusive(move |c| is_name && "-_".contains(c))
 }
 
-fn fits(columns: &[&Column], of: impl Fn(&Column) -> usize, width: usize) -> bool {
-    taken(columns, of) <= width
+/// Least width of these columns.
+fn taken(columns: &[&Column]) -> usize {
+    columns.iter().map(|column| column.least + GAP).sum()
 }
 
-/// Distributes spare width to prose, as far as useful.
-fn shares(columns: &[&Column], spare: usize) -> impl Fn(&Column) -> usize {
+/// A cell in lines of at most so many characters.
+fn lines(cell: &str, room: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    for line in cell.lines() {
+        match (length(line) > room, line.contains(' ')) {
+            (false, _) => lines.push(line.to_owned()),
+            (true, true) => lines.extend(wrapped(line, room, usize::MAX)),
+            (true, false) => parts(line).for_each(|part| match lines.last_mut() {
+                Some(last) if length(last) + length(part) <= room => last.push_str(part),
+                _ => lines.push(part.to_owned()),
+            }),
+        }
+    }
+    lines
+}
+
+fn grid(columns: &[&Column], rows: &[Vec<String>], width: usize) -> String {
+    // Spare width goes to the columns that can use it, in shares of what they lack.
+    let spare = width.saturating_sub(taken(columns));
     let wanted: usize = columns.iter().map(|column| column.whole - column.least).sum();
-    move |column| {
-        let more = column.whole - column.least;
-        column.least + (spare * more).checked_div(wanted).unwrap_or(0).min(more)
-    }
-}
-
-/// Prose below its row, and remaining columns in further tables that repeat the first column.
-fn apart(columns: &[Column], rows: &[Vec<String>], width: usize) -> String {
-    let (prose, short): (Vec<&Column>, Vec<&Column>) =
-        columns.iter().partition(|column| column.prose);
-    let Some((first, others)) = short.split_first() else {
-        return below(&prose, rows, width);
+    let widths: Vec<usize> = columns
+        .iter()
+        .map(|column| {
+            let more = column.whole - column.least;
+            column.least + (spare * more).checked_div(wanted).unwrap_or(0).min(more)
+        })
+        .collect();
+    let rule = |sign: &str| sign.repeat(widths.iter().map(|width| width + GAP).sum::<usize>() - 1);
+    let row = |cell: &dyn Fn(&Column) -> String| -> Vec<String> {
+        let cells: Vec<Vec<String>> = columns
+            .iter()
+            .zip(&widths)
+            .map(|(column, width)| lines(&cell(column), *width))
+            .collect();
+        let height = cells.iter().map(Vec::len).max().unwrap_or(0).max(1);
+        let line = |at: usize| {
+            let each = columns.iter().zip(&widths).zip(&cells).map(|((column, &width), cell)| {
+                let text = cell.get(at).map_or("", String::as_str);
+                if column.numeric { format!("{text:>width$}") } else { format!("{text:<width$}") }
+            });
+            each.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        };
+        (0..height).map(line).collect()
     };
-    let mut tables: Vec<Vec<&Column>> = vec![vec![first]];
-    for column in others {
-        let last = tables.len() - 1;
-        let longer = [&tables[last][..], &[column]].concat();
-        if fits(&longer, |column| column.least, width) || tables[last].len() == 1 {
-            tables[last] = longer;
-        } else {
-            tables.push(vec![first, column]);
-        }
+    let mut drawn = vec![rule("─")];
+    drawn.extend(row(&|column| column.head.clone()));
+    drawn.push(rule("═"));
+    for cells in rows {
+        drawn.extend(row(&|column| cells.get(column.at).cloned().unwrap_or_default()));
     }
-    let drawn = tables.iter().enumerate().map(|(at, columns)| {
-        let table = grid(columns, rows, |column| column.least);
-        if at > 0 || prose.is_empty() { table } else { with_prose(&table, &prose, rows, width) }
-    });
-    drawn.collect::<Vec<_>>().join("\n")
-}
-
-/// A table whose rows take a line each, with the prose of each row below it.
-fn with_prose(table: &str, prose: &[&Column], rows: &[Vec<String>], width: usize) -> String {
-    let mut lines = table.lines();
-    let mut out: Vec<String> = Vec::new();
-    for line in lines.by_ref() {
-        out.push(line.to_owned());
-        if line.contains('═') {
-            break;
-        }
-    }
-    for (row, line) in rows.iter().zip(lines.by_ref()) {
-        out.push(line.to_owned());
-        out.extend(prose_of(row, prose, width));
-    }
-    out.extend(lines.map(str::to_owned));
-    out.join("\n")
-}
-
-fn below(prose: &[&Column], rows: &[Vec<String>], width: usize) -> String {
-    let lines: Vec<String> = rows.iter().flat_map(|row| prose_of(row, prose, width)).collect();
-    lines.join("\n")
-}
-
-/// The prose of a row, each with its head if there are several.
-fn prose_of(row: &[String], prose: &[&Column], width: usize) -> Vec<String> {
-    let cells = prose.iter().filter_map(|column| {
-        let text = row.get(column.at).filter(|text| !text.is_empty())?;
-        Some(if prose.len() > 1 { format!("{}: {text}", column.head) } else { text.clone() })
-    });
-    let indented = |text: String| {
-        let lines = wrapped(&text, width.saturating_sub(6), usize::MAX);
-        let indent =
-            |(at, line)| if at == 0 { format!("    {line}") } else { format!("      {line}") };
-        lines.into_iter().enumerate().map(indent).collect::<Vec<_>>()
-    };
-    cells.flat_map(indented).collect()
-}
-
-fn grid(columns: &[&Column], rows: &[Vec<String>], of: impl Fn(&Column) -> usize) -> String {
-    let mut table = comfy_table::Table::new();
-    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
-    table.load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table.set_header(columns.iter().map(|column| &column.head));
-    table.add_rows(rows.iter().map(|row| {
-        columns.iter().map(|column| row.get(column.at).map_or("", String::as_str).to_owned())
-    }));
-    for (column, drawn) in columns.iter().zip(table.column_iter_mut()) {
-        // One character between columns belongs to the table.
-        drawn.set_padding((0, GAP as u16 - 1));
-        let characters = of(column) + GAP - 1;
-        drawn.set_constraint(ColumnConstraint::Absolute(Width::Fixed(characters as u16)));
-        if column.numeric {
-            drawn.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table.trim_fmt()
+    drawn.push(rule("─"));
+    drawn.join("\n")
 }
 
 #[cfg(test)]

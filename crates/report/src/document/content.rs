@@ -4,11 +4,12 @@ use super::StudyDocument;
 use super::answers;
 use super::chapter::{chapters, failures};
 use super::scene::{of_scene, sentence};
+use super::verdicts::{VERDICT_HEADS, outcome};
 use super::{Block, Document, Figure, Run, Section, Table, Tone};
 use crate::{Group, SceneSummary};
-use files::{counted, quoted};
-use judge::record::{CaseRecord, Status};
-use judge::verdict::{Decision, NOTHING_JUDGED, Verdict, cell_texts, exit_code};
+use files::quoted;
+use judge::record::CaseRecord;
+use judge::verdict::{Decision, Verdict, cell_texts, exit_code};
 use serde_json::Value;
 
 /// The pictures of a scene.
@@ -37,7 +38,9 @@ pub(crate) struct Report<'a> {
 }
 
 pub(crate) fn document(report: Report<'_>) -> Document {
-    let outcome = outcome(report.records, report.verdicts);
+    let (records, verdicts) = (report.records, report.verdicts);
+    let outcome =
+        format!("{}. Exit code {}.", outcome(records, verdicts), exit_code(records, verdicts));
     let mut sections = vec![summary(&report, &outcome, &failures(&report.studies))];
     if !report.scenes.is_empty() {
         sections.push(introduction());
@@ -82,19 +85,6 @@ fn number(sections: &mut [Section]) {
     }
 }
 
-fn outcome(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
-    let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
-    let failed =
-        records.iter().filter(|record| matches!(record.status, Status::Failed { .. })).count();
-    let code = exit_code(records, verdicts);
-    let judged = match verdicts.len() {
-        0 => NOTHING_JUDGED.to_owned(),
-        count => format!("{met} of {} as expected", counted(count, "verdict")),
-    };
-    let cases = counted(records.len(), "case");
-    format!("{judged}; {cases}, {failed} of them failed. Exit code {code}.")
-}
-
 pub(super) fn tone(verdict: &Verdict) -> Tone {
     if verdict.as_expected() { Tone::Pass } else { Tone::Miss }
 }
@@ -137,10 +127,6 @@ pub(super) fn verdict_row(verdict: &Verdict, target: Option<String>) -> Vec<Run>
     (row[0].target, row[5].target) = (target.clone(), target);
     row.into()
 }
-
-/// Heads of such rows.
-pub(super) const VERDICT_HEADS: [&str; 7] =
-    ["scene", "norm", "in", "predicted", "observed", "verdict", "by"];
 
 fn summary(report: &Report<'_>, outcome: &str, failures: &[(String, String)]) -> Section {
     let mut section = Section::new(1, "verdicts", "Verdicts");

@@ -2,8 +2,9 @@
 
 use super::{Run, Table, Tone};
 use crate::curve::norms;
+use judge::fit::{Direction, Point};
 use judge::record::{CaseRecord, Status, V_MAX, is_by_state};
-use judge::verdict::{Variable, Verdict};
+use judge::verdict::{JudgedPoint, Verdict};
 
 /// Norms in the table of cases that fit a page; cases.csv has all.
 const NORM_COLUMNS: usize = 4;
@@ -18,46 +19,41 @@ fn step(value: f64) -> String {
 }
 
 /// The points of a verdict, coarse to fine, with the orders between used neighbours.
-pub(super) fn points(verdict: &Verdict, records: &[CaseRecord]) -> Table {
-    let case = |h: f64, k: f64| {
-        let here = |r: &&CaseRecord| {
-            r.scene == verdict.scene
-                && r.k == k
-                && r.h.map_or(h.is_nan(), |size| size == h)
-                && r.norm(&verdict.norm).is_some()
-        };
-        records.iter().find(here)
-    };
-    let used = verdict.points_used.iter().map(|p| (p.h, p.k, p.error, None));
-    let left_out = verdict.points_left_out.iter().map(|p| (p.h, p.k, p.error, Some(&*p.reason)));
-    let mut points: Vec<(f64, f64, f64, Option<&str>)> = used.chain(left_out).collect();
-    let along = |h: f64, k: f64| if verdict.variable == Variable::K { k } else { h };
-    points.sort_by(|a, b| along(b.0, b.1).total_cmp(&along(a.0, a.1)).then(b.1.total_cmp(&a.1)));
-    let joint = verdict.variable == Variable::Joint;
+pub(super) fn points(verdict: &Verdict) -> Table {
+    let mut points: Vec<&JudgedPoint> =
+        verdict.points_used.iter().chain(&verdict.points_left_out).collect();
+    let direction = verdict.variable.direction();
+    let along = |point: &Point| direction.unwrap_or(Direction::Space).step(point);
+    points.sort_by(|a, b| {
+        let (a, b) = (&a.point, &b.point);
+        along(b).total_cmp(&along(a)).then(b.k.total_cmp(&a.k))
+    });
     let mut before: Option<(f64, f64)> = None;
     let mut rows = Vec::new();
-    for (h, k, error, reason) in points {
-        let record = case(h, k);
-        let level = |n: Option<u32>| n.map_or_else(|| "–".to_owned(), |n| n.to_string());
-        let at = along(h, k);
-        let order = match before.filter(|_| reason.is_none() && !joint) {
-            Some((step, other)) => format!("{:.3}", (other / error).ln() / (step / at).ln()),
+    for JudgedPoint { point, place, reason } in points {
+        let at = along(point);
+        let order = match before.filter(|_| reason.is_none() && direction.is_some()) {
+            Some((step, other)) => {
+                format!("{:.3}", (other / point.error).ln() / (step / at).ln())
+            }
             None => "–".into(),
         };
         if reason.is_none() {
-            before = Some((at, error));
+            before = Some((at, point.error));
         }
-        let floor = record.and_then(|r| r.norm(&verdict.norm)?.floor);
-        rows.push(vec![
-            Run::plain(level(record.and_then(|r| r.n))),
-            Run::plain(level(record.map(|r| r.steps))),
-            Run::plain(step(h)),
-            Run::plain(step(k)),
-            Run::plain(scientific(error)),
-            Run::plain(order),
-            Run::plain(floor.map_or_else(|| "–".into(), scientific)),
-            Run::plain(reason.map_or_else(|| "served".into(), |why| format!("left out: {why}"))),
-        ]);
+        let use_of =
+            reason.as_ref().map_or_else(|| "served".into(), |why| format!("left out: {why}"));
+        let cells = [
+            place.n.map_or_else(|| "–".to_owned(), |n| n.to_string()),
+            place.steps.to_string(),
+            step(point.h),
+            step(point.k),
+            scientific(point.error),
+            order,
+            if point.floor > 0.0 { scientific(point.floor) } else { "–".into() },
+            use_of,
+        ];
+        rows.push(cells.map(Run::plain).into());
     }
     let (norm, variable) = (&verdict.norm, verdict.variable.name());
     let caption = format!("{}: points of the verdict on {norm} in {variable}.", verdict.scene);

@@ -80,95 +80,18 @@ fn columns(table: &Table) -> (&'static str, String) {
 
 /// Escapes words for LaTeX; letters are left to `inputenc`.
 fn escaped(text: &str) -> String {
-    replaced(text, command)
+    replaced(text, SIGNS).replace('\n', "; ")
 }
 
-fn command(character: char) -> Option<&'static str> {
-    COMMANDS.iter().find(|(sign, _)| *sign == character).map(|(_, command)| *command)
-}
-
-/// LaTeX for special or unknown signs.
-const COMMANDS: &[(char, &str)] = &[
-    ('\\', "\\textbackslash{}"),
-    ('{', "\\{"),
-    ('}', "\\}"),
-    ('$', "\\$"),
-    ('&', "\\&"),
-    ('%', "\\%"),
-    ('#', "\\#"),
-    ('_', "\\_"),
-    ('^', "\\textasciicircum{}"),
-    ('~', "\\textasciitilde{}"),
-    ('<', "$<$"),
-    ('>', "$>$"),
-    ('|', "$|$"),
-    ('"', "''"),
-    // After a line break a bracket would be read as its argument.
-    ('[', "{[}"),
-    (']', "{]}"),
-    ('\n', "; "),
-    ('–', "--"),
-    ('−', "$-$"),
-    ('⟨', "$\\langle$"),
-    ('⟩', "$\\rangle$"),
-    ('Ẽ', "\\~E"),
-    ('×', "$\\times$"),
-    ('·', "$\\cdot$"),
-    ('≥', "$\\geq$"),
-    ('≤', "$\\leq$"),
-    ('≠', "$\\neq$"),
-    ('≈', "$\\approx$"),
-    ('±', "$\\pm$"),
-    ('∞', "$\\infty$"),
-    ('∈', "$\\in$"),
-    ('∂', "$\\partial$"),
-    ('∇', "$\\nabla$"),
-    ('∫', "$\\int$"),
-    ('Σ', "$\\Sigma$"),
-    ('Ω', "$\\Omega$"),
-    ('Γ', "$\\Gamma$"),
-    ('Λ', "$\\Lambda$"),
-    ('Δ', "$\\Delta$"),
-    ('α', "$\\alpha$"),
-    ('β', "$\\beta$"),
-    ('γ', "$\\gamma$"),
-    ('δ', "$\\delta$"),
-    ('ε', "$\\varepsilon$"),
-    ('ζ', "$\\zeta$"),
-    ('η', "$\\eta$"),
-    ('θ', "$\\theta$"),
-    ('κ', "$\\kappa$"),
-    ('λ', "$\\lambda$"),
-    ('μ', "$\\mu$"),
-    ('ν', "$\\nu$"),
-    ('ξ', "$\\xi$"),
-    ('π', "$\\pi$"),
-    ('ρ', "$\\rho$"),
-    ('σ', "$\\sigma$"),
-    ('τ', "$\\tau$"),
-    ('φ', "$\\varphi$"),
-    ('ω', "$\\omega$"),
-    ('ℝ', "$\\mathbf{R}$"),
-    ('𝒜', "$\\mathcal{A}$"),
-    ('ℬ', "$\\mathcal{B}$"),
-    ('𝒮', "$\\mathcal{S}$"),
-    ('‖', "$\\|$"),
-    ('√', "$\\surd$"),
-    ('→', "$\\to$"),
-    ('⊂', "$\\subset$"),
-    ('½', "$\\frac12$"),
-    ('…', "\\dots{}"),
-    ('′', "$'$"),
-    ('⁰', "$^0$"),
-    ('¹', "$^1$"),
-    ('²', "$^2$"),
-    ('³', "$^3$"),
-    ('⁻', "$^-$"),
-    ('₀', "$_0$"),
-    ('₁', "$_1$"),
-    ('₂', "$_2$"),
-    ('₃', "$_3$"),
-];
+/// Special or unknown signs, each before its LaTeX. After a line break a bracket would be read as its argument.
+const SIGNS: &str = r#"
+    \ \textbackslash{} { \{ } \} $ \$ & \& % \% # \# _ \_ ^ \textasciicircum{} ~ \textasciitilde{} < $<$ > $>$ | $|$ " ''
+    [ {[} ] {]} – -- − $-$ ⟨ $\langle$ ⟩ $\rangle$ Ẽ \~E × $\times$ · $\cdot$ ≥ $\geq$ ≤ $\leq$ ≠ $\neq$ ≈ $\approx$
+    ± $\pm$ ∞ $\infty$ ∈ $\in$ ∂ $\partial$ ∇ $\nabla$ ∫ $\int$ Σ $\Sigma$ Ω $\Omega$ Γ $\Gamma$ Λ $\Lambda$ Δ $\Delta$
+    α $\alpha$ β $\beta$ γ $\gamma$ δ $\delta$ ε $\varepsilon$ ζ $\zeta$ η $\eta$ θ $\theta$ κ $\kappa$ λ $\lambda$ μ $\mu$
+    ν $\nu$ ξ $\xi$ π $\pi$ ρ $\rho$ σ $\sigma$ τ $\tau$ φ $\varphi$ ω $\omega$ ℝ $\mathbf{R}$ 𝒜 $\mathcal{A}$
+    ℬ $\mathcal{B}$ 𝒮 $\mathcal{S}$ ‖ $\|$ √ $\surd$ → $\to$ ⊂ $\subset$ ½ $\frac12$ … \dots{} ′ $'$
+    ⁰ $^0$ ¹ $^1$ ² $^2$ ³ $^3$ ⁻ $^-$ ₀ $_0$ ₁ $_1$ ₂ $_2$ ₃ $_3$"#;
 
 #[cfg(test)]
 mod tests {
@@ -177,8 +100,8 @@ mod tests {
     /// inputenc knows accented letters but no mathematical signs: one without a command would stop LaTeX.
     #[test]
     fn every_sign_of_the_program_has_a_command() {
-        let known =
-            |c: char| c.is_ascii() || command(c).is_some() || ('\u{c0}'..='\u{ff}').contains(&c);
+        let spelt = |c: char| escaped(&c.to_string()) != c.to_string();
+        let known = |c: char| c.is_ascii() || spelt(c) || ('\u{c0}'..='\u{ff}').contains(&c);
         for (_, label) in judge::record::NORMS {
             assert!(label.chars().all(known), "{label}");
         }

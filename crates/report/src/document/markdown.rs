@@ -1,6 +1,7 @@
 //! The document for a pull request: outcome, verdicts, remarks, links.
 
-use super::content::{VERDICT_HEADS, verdict_row};
+use super::content::verdict_row;
+use super::verdicts::VERDICT_HEADS;
 use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::symbols::replaced;
 use files::harmless;
@@ -87,36 +88,11 @@ fn of_run(run: &Run) -> String {
 
 /// Escapes words.
 fn plain(text: &str) -> String {
-    replaced(text, |character| {
-        Some(match character {
-            '&' => "&amp;",
-            '<' => "&lt;",
-            '\n' => "<br>",
-            '\\' => "\\\\",
-            '`' => "\\`",
-            '*' => "\\*",
-            '_' => "\\_",
-            '|' => "\\|",
-            '[' => "\\[",
-            ']' => "\\]",
-            '#' => "\\#",
-            _ => return None,
-        })
-    })
+    let signs = r"& &amp; < &lt; \ \\ ` \` * \* _ \_ | \| [ \[ ] \] # \#";
+    replaced(text, signs).replace('\n', "<br>")
 }
 
 /// Escapes words inside an element, where backslashes do not work.
 fn html(text: &str) -> String {
-    replaced(text, |character| {
-        Some(match character {
-            '&' => "&amp;",
-            '<' => "&lt;",
-            '|' => "&#124;",
-            '*' => "&#42;",
-            '_' => "&#95;",
-            '`' => "&#96;",
-            '\n' => "<br>",
-            _ => return None,
-        })
-    })
+    replaced(text, "& &amp; < &lt; | &#124; * &#42; _ &#95; ` &#96;").replace('\n', "<br>")
 }

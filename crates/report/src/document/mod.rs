@@ -18,6 +18,7 @@ mod scene;
 mod study;
 mod terminal;
 mod typst;
+mod verdicts;
 
 use crate::symbols::symbols;
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,8 @@ pub use number::{digits, held, number, precise, sides};
 pub use pdf::pdf;
 pub use study::{Chapter, StudyDocument};
 pub(super) use typst::{DATA, TEMPLATE, data};
+pub(super) use verdicts::outcome;
+pub use verdicts::verdict_table;
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -185,6 +188,13 @@ impl Table {
 impl Section {
     fn new(level: usize, id: &str, title: &str) -> Self {
         Self { level, id: id.into(), title: title.into(), card: None, blocks: Vec::new() }
+    }
+
+    /// A chapter that begins with these words.
+    fn opening(id: &str, title: &str, words: &str) -> Self {
+        let mut section = Self::new(1, id, title);
+        section.words(words);
+        section
     }
 
     fn text(&mut self, runs: Vec<Run>) {

@@ -1,8 +1,9 @@
 //! The section of a scene: a summary, and the evidence of its verdicts.
 
 use super::chapter::numbered;
-use super::content::{Report, VERDICT_HEADS, tone, verdict_row};
+use super::content::{Report, tone, verdict_row};
 use super::evidence::{cases, points};
+use super::verdicts::VERDICT_HEADS;
 use super::{Block, Card, Run, Section, Table, Tone};
 use judge::verdict::{Verdict, cell_texts};
 
@@ -29,7 +30,7 @@ pub(super) fn of_scene(report: &Report<'_>, at: usize) -> Section {
     section.table(Table::new(caption, &VERDICT_HEADS[1..], rows));
     section.figures(&drawn.figures);
     for verdict in &verdicts {
-        section.table(points(verdict, report.records));
+        section.table(points(verdict));
     }
     section.table(cases(&scene.name, report.records));
     let row = |[part, key, value]: &[String; 3]| {

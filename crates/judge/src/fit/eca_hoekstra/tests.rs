@@ -11,9 +11,9 @@ const STEPS: [f64; 5] = [0.4, 0.25, 0.2, 0.1, 0.08];
 fn an_exact_power_gives_its_limit_and_the_small_factor() {
     for order in [0.6, 1.0, 1.01, 1.7, 2.0 - 1e-6] {
         let found = eca_hoekstra(&values(&STEPS, |h| 3.0 + 2.0 * h.powf(order))).unwrap();
-        let Expansion::Power(p) = found.expansion else { panic!("{found:?}") };
+        let Expansion::Power(p) = found.fit.expansion else { panic!("{found:?}") };
         assert!((p - order).abs() < 1e-7, "{found:?}");
-        assert!((found.limit - 3.0).abs() < 1e-7 && found.safety == 1.25, "{found:?}");
+        assert!((found.fit.limit - 3.0).abs() < 1e-7 && found.safety == 1.25, "{found:?}");
         let error = 2.0 * 0.08f64.powf(order);
         assert!((found.uncertainty - 1.25 * error).abs() < 1e-6, "{found:?}");
         let range = (2.0 * 0.4f64.powf(order) - error) / 4.0;
@@ -26,7 +26,7 @@ fn an_exact_power_gives_its_limit_and_the_small_factor() {
 fn orders_beyond_two_fall_back_to_two() {
     let samples = values(&STEPS, |h| 3.0 - h.powi(3));
     let found = eca_hoekstra(&samples).unwrap();
-    assert_eq!((found.expansion, found.safety), (Expansion::Second, 3.0));
+    assert_eq!((found.fit.expansion, found.safety), (Expansion::Second, 3.0));
     assert!((found.observed_order.unwrap() - 3.0).abs() < 1e-7);
     assert!(found.uncertainty > (samples[4].value - 3.0).abs(), "{found:?}");
 }
@@ -37,7 +37,10 @@ fn the_factor_has_its_margin() {
     for (order, safety) in [(2.05, 1.25), (2.15, 3.0), (0.55, 1.25), (0.45, 3.0)] {
         let found = eca_hoekstra(&values(&STEPS, |h| 1.0 + h.powf(order))).unwrap();
         assert_eq!(found.safety, safety, "{order}: {found:?}");
-        assert_eq!(matches!(found.expansion, Expansion::Power(_)), (0.5..=2.0).contains(&order));
+        assert_eq!(
+            matches!(found.fit.expansion, Expansion::Power(_)),
+            (0.5..=2.0).contains(&order)
+        );
     }
 }
 
@@ -46,7 +49,7 @@ fn the_factor_has_its_margin() {
 fn slow_values_take_the_mixed_expansion() {
     let samples = values(&STEPS, |h| 1.0 + h.powf(0.3));
     let found = eca_hoekstra(&samples).unwrap();
-    assert_eq!((found.expansion, found.safety), (Expansion::Mixed, 3.0));
+    assert_eq!((found.fit.expansion, found.safety), (Expansion::Mixed, 3.0));
     assert!((found.observed_order.unwrap() - 0.3).abs() < 1e-6);
 }
 
@@ -88,7 +91,7 @@ fn weights_are_the_inverse_steps() {
 fn scatter_is_not_believed() {
     let samples = values(&[0.4, 0.3, 0.2, 0.1], |h| if h == 0.3 || h == 0.1 { 1.0 } else { -1.0 });
     let found = eca_hoekstra(&samples).unwrap();
-    assert!(found.deviation > found.data_range && found.safety == 3.0, "{found:?}");
+    assert!(found.fit.deviation > found.data_range && found.safety == 3.0, "{found:?}");
     assert!(found.uncertainty > 2.0, "{found:?}");
 }
 
@@ -104,10 +107,10 @@ fn three_grids_and_constant_values() {
     let exact = eca_hoekstra(&values(&STEPS[..3], |h| 1.0 + h.powf(1.5))).unwrap();
     let error = STEPS[2].powf(1.5);
     // Golden section finds the order to the root of rounding.
-    assert!((exact.limit - 1.0).abs() < 1e-6 && exact.deviation < 1e-7, "{exact:?}");
+    assert!((exact.fit.limit - 1.0).abs() < 1e-6 && exact.fit.deviation < 1e-7, "{exact:?}");
     assert!((exact.uncertainty / (1.25 * error) - 1.0).abs() < 1e-4, "{exact:?}");
     let still = eca_hoekstra(&values(&STEPS, |_| 5.0)).unwrap();
-    assert_eq!((still.limit, still.uncertainty, still.data_range), (5.0, 0.0, 0.0));
+    assert_eq!((still.fit.limit, still.uncertainty, still.data_range), (5.0, 0.0, 0.0));
 }
 
 /// Values on h = 1.6, 0.8, 0.4, 0.2, 0.1 with the results of a separate NumPy program (least squares and bounded scalar
@@ -142,16 +145,17 @@ fn every_branch_has_the_numbers_of_another_program() {
         let steps = [1.6, 0.8, 0.4, 0.2, 0.1];
         let samples = steps.iter().zip(values).map(|(&step, value)| ValueSample { step, value });
         let found = eca_hoekstra(&samples.collect::<Vec<_>>()).expect("five grids");
-        match (found.expansion, expansion) {
+        match (found.fit.expansion, expansion) {
             // A flat optimum: σ to ten digits is p to five.
             (Power(fitted), Power(other)) => assert!((fitted - other).abs() < 1e-5, "{found:?}"),
             (fitted, other) => assert_eq!(fitted, other),
         }
-        assert_eq!((found.weighted, found.safety), (weighted, safety));
+        assert_eq!((found.fit.weighted, found.safety), (weighted, safety));
         if let (Some(fitted), Some(other)) = (found.observed_order, order) {
             assert!((fitted - other).abs() < 1e-5, "{found:?}");
         }
-        let numbers_found = [found.limit, found.deviation, found.data_range, found.uncertainty];
+        let numbers_found =
+            [found.fit.limit, found.fit.deviation, found.data_range, found.uncertainty];
         for (fitted, other) in numbers_found.iter().zip(numbers) {
             // σ and the rest change with the square and the first power of the error in p.
             assert!((fitted - other).abs() < 1e-6 * other.abs(), "{found:?}");

@@ -8,7 +8,7 @@ mod pairs;
 
 use super::mixture::Mixture;
 use super::{Interval, LEAST_NOISE, Posterior};
-use crate::fit::identifiable::check_grid;
+use crate::fit::identifiable::{LEVELS, check_levels};
 use crate::fit::{NotIdentifiable, Point, screen};
 use pairs::{ORDERS, PairSums, STEP, order};
 
@@ -34,7 +34,7 @@ pub struct GridPosterior {
 pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior, NotIdentifiable> {
     let noises = noise.map_or(NOISE.to_vec(), |noise| vec![(noise.max(LEAST_NOISE), 1.0)]);
     let usable: Vec<Point> = points.iter().copied().filter(|p| screen(p).is_ok()).collect();
-    check_grid(&usable, PARAMETERS)?;
+    check_levels(&usable, PARAMETERS, LEVELS)?;
     let mut evidence = vec![f64::NEG_INFINITY; ORDERS * ORDERS];
     for (model, prior) in MODELS {
         PairSums::new(&usable, model).add(prior.ln(), &noises, &mut evidence);

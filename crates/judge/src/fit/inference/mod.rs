@@ -11,7 +11,7 @@ mod grid;
 mod mixture;
 mod next_term;
 
-use super::{Direction, Exclusion, FitError, Interval, Point, screen};
+use super::{Direction, Exclusion, FitError, Interval, Point, Sample, samples, screen};
 use evidence::{Base, Noise};
 use mixture::{Mixture, Part};
 use next_term::{Family, NODES};
@@ -89,6 +89,29 @@ pub struct Posterior {
     sound: Mixture,
     floored: Mixture,
     floor: f64,
+}
+
+/// The levels of a line that serve, and what they say of the order.
+#[derive(Debug, Clone)]
+pub struct LineReading {
+    pub samples: Vec<Sample>,
+    pub posterior: Posterior,
+}
+
+impl LineReading {
+    /// Reads points with the relative standard deviations of their errors, if known; see [`infer`].
+    pub fn of(
+        measured: &[(Point, Option<f64>)],
+        direction: Direction,
+        noise: Option<f64>,
+        log: f64,
+    ) -> Result<Self, FitError> {
+        let serving = measured.iter().filter(|(point, _)| screen(point).is_ok());
+        let levels = serving.map(|(point, sigma)| Level::of(point, direction, *sigma));
+        let posterior = infer(&levels.collect::<Vec<_>>(), noise, log)?;
+        let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
+        Ok(Self { samples: samples(&points, direction)?, posterior })
+    }
 }
 
 /// Order of a table of steps h and errors e.

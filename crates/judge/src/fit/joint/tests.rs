@@ -1,4 +1,5 @@
 use super::*;
+use crate::fit::Direction;
 
 fn grid(levels: i32, error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
     let step = |level: i32| 0.125 * 0.5f64.powi(level);
@@ -92,11 +93,9 @@ fn parts_reach_by_the_change_they_make() {
     assert_eq!(drift(full, estimate(0.75, 9.0)), Interval { lo: 0.25, hi: 1.25 });
     assert_eq!(corrected(full, estimate(1.25, 0.0)), Interval { lo: 1.125, hi: 1.375 });
     assert_eq!(corrected(full, estimate(1.25, 0.5)), Interval { lo: 0.75, hi: 1.75 });
-    let [space, time] = extrapolated(
-        [full, full],
-        [estimate(1.25, 0.0), estimate(1.0, 0.25)],
-        Some([estimate(2.0, 0.5), estimate(1.0, 0.0)]),
-    );
+    let bent = [estimate(1.25, 0.0), estimate(1.0, 0.25)];
+    let rival = [estimate(2.0, 0.5), estimate(1.0, 0.0)].map(|rival| rival.interval);
+    let [space, time] = hulls(bent, &[bent.map(|bent| corrected(full, bent)), rival]);
     assert_eq!(space, FittedValue { value: 1.25, interval: Interval { lo: 1.125, hi: 2.5 } });
     assert_eq!(time, FittedValue { value: 1.0, interval: Interval { lo: 0.75, hi: 1.25 } });
 }
@@ -109,9 +108,10 @@ fn a_fit_evaluates_its_model() {
     let error = 1e-3 + space + time;
     // The floor is a tenth of the smallest error.
     assert!((fits.best.error(h, k) / error - 1.0).abs() < 1e-5);
-    let weights = fits.best.weights(h, k);
-    assert!((weights[0] - space / error).abs() < 1e-5);
-    assert!((weights[1] - time / error).abs() < 1e-5);
+    let point = Point { h, k, error, floor: 0.0 };
+    let shares = Direction::BOTH.map(|direction| fits.best.share(direction, &point));
+    assert!((shares[0] - space / error).abs() < 1e-5);
+    assert!((shares[1] - time / error).abs() < 1e-5);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::tolerance::{REPEATED_WITHIN, in_percent};
-use super::{Baseline, Owing, Recorded, RecordedCase};
+use super::{Baseline, Owing, RecordedCase};
 use crate::record::{CaseRecord, Key, Status};
 use crate::verdict::{Decision, Variable};
 
@@ -31,10 +31,7 @@ impl DeviationKind {
     pub(crate) fn decision(self) -> Decision {
         match self {
             DeviationKind::Stale => Decision::Unresolved,
-            DeviationKind::Error
-            | DeviationKind::Missing
-            | DeviationKind::Cost
-            | DeviationKind::Owed => Decision::Fail,
+            _ => Decision::Fail,
         }
     }
 }
@@ -134,43 +131,18 @@ pub fn compare_with_baseline(
             comparison.deviations.push(Deviation::of(DeviationKind::Stale, &run.scene, reason));
             continue;
         }
-        compare_scene(run, recorded, records, &mut comparison);
+        let of_scene = || records.iter().rev().filter(|record| record.scene == run.scene);
+        for case in &recorded.cases {
+            let planned = run.planned.iter().any(|key| case.is_case(key.n, key.steps));
+            if planned || run.own_grids {
+                let found = of_scene().find(|record| case.is_case(record.n, record.steps));
+                let converged = found.is_some_and(CaseRecord::converged);
+                comparison.compared += if converged { case.errors.len() } else { 0 };
+                comparison.deviations.extend(compare_case(&run.scene, case, found));
+            }
+        }
     }
     comparison
-}
-
-fn compare_scene(
-    run: &ComparedRun,
-    recorded: &Recorded,
-    records: &[CaseRecord],
-    comparison: &mut Comparison,
-) {
-    for case in &recorded.cases {
-        let planned = run.planned.iter().any(|key| case.is_case(key.n, key.steps));
-        if !planned && !run.own_grids {
-            continue;
-        }
-        let found =
-            records.iter().rev().find(|r| r.scene == run.scene && case.is_case(r.n, r.steps));
-        let at = Place { scene: &run.scene, case };
-        let Some(found) = found.filter(|record| record.converged()) else {
-            let what = match found.map(|record| &record.status) {
-                None => "was not run".to_owned(),
-                Some(Status::Failed { reason }) => format!("failed: {reason}"),
-                Some(_) => "was skipped".to_owned(),
-            };
-            comparison.deviations.push(at.deviation(
-                DeviationKind::Missing,
-                None,
-                [None; 2],
-                &what,
-            ));
-            continue;
-        };
-        comparison.compared += case.errors.len();
-        comparison.deviations.extend(at.errors(found));
-        comparison.deviations.extend(at.work(found));
-    }
 }
 
 impl Deviation {
@@ -191,69 +163,58 @@ impl Deviation {
     }
 }
 
-struct Place<'a> {
-    scene: &'a str,
-    case: &'a RecordedCase,
+/// Deviations of a recorded case, whose last record is `found`.
+fn compare_case(scene: &str, case: &RecordedCase, found: Option<&CaseRecord>) -> Vec<Deviation> {
+    let mut deviations = Vec::new();
+    let mut say = |kind, norm: Option<&str>, [recorded, found]: [Option<f64>; 2], what: &str| {
+        let subject = norm.map_or(String::new(), |norm| format!(": {norm}"));
+        let reason = format!("{scene}, {}{subject} {what}", case.name());
+        let (n, steps, norm) = (case.n, Some(case.steps), norm.map(str::to_owned));
+        let of_scene = Deviation::of(kind, scene, reason);
+        deviations.push(Deviation { n, steps, norm, recorded, found, ..of_scene });
+    };
+    let Some(record) = found.filter(|record| record.converged()) else {
+        let what = match found.map(|record| &record.status) {
+            None => "was not run".to_owned(),
+            Some(Status::Failed { reason }) => format!("failed: {reason}"),
+            Some(_) => "was skipped".to_owned(),
+        };
+        say(DeviationKind::Missing, None, [None; 2], &what);
+        return deviations;
+    };
+    for (norm, &recorded) in &case.errors {
+        let allowed = case.allowed.get(norm).copied().unwrap_or(REPEATED_WITHIN);
+        let Some(error) = record.norm(norm).and_then(|entry| entry.error) else {
+            let values = [Some(recorded), None];
+            say(DeviationKind::Missing, Some(norm), values, "was not measured");
+            continue;
+        };
+        let change = error / recorded - 1.0;
+        // A NaN is not a small change.
+        if change.is_nan() || change.abs() > allowed {
+            let finite = Some(error).filter(|error| error.is_finite());
+            let what = match finite {
+                Some(_) => {
+                    format!("is {error:.6e}, recorded {recorded:.6e}: {}", in_percent(change))
+                }
+                None => format!("is {error}, recorded {recorded:.6e}"),
+            };
+            say(DeviationKind::Error, Some(norm), [Some(recorded), finite], &what);
+        }
+    }
+    for ((name, _, recorded), (_, _, now)) in
+        case.work().into_iter().zip(RecordedCase::of(record).work())
+    {
+        if let Some((recorded, now)) =
+            recorded.zip(now).filter(|(recorded, now)| grew(*recorded, *now))
+        {
+            let what = format!("rose from {recorded} to {now}: the same result costs more");
+            say(DeviationKind::Cost, Some(name), [recorded, now].map(|v| Some(v as f64)), &what);
+        }
+    }
+    deviations
 }
 
-impl Place<'_> {
-    fn errors(&self, found: &CaseRecord) -> Vec<Deviation> {
-        let mut deviations = Vec::new();
-        for (norm, &recorded) in &self.case.errors {
-            let allowed = self.case.allowed.get(norm).copied().unwrap_or(REPEATED_WITHIN);
-            let Some(error) = found.norm(norm).and_then(|entry| entry.error) else {
-                let (kind, values) = (DeviationKind::Missing, [Some(recorded), None]);
-                deviations.push(self.deviation(kind, Some(norm), values, "was not measured"));
-                continue;
-            };
-            let change = error / recorded - 1.0;
-            // A NaN is not a small change.
-            if change.is_nan() || change.abs() > allowed {
-                let what = match error.is_finite() {
-                    true => {
-                        format!("is {error:.6e}, recorded {recorded:.6e}: {}", in_percent(change))
-                    }
-                    false => format!("is {error}, recorded {recorded:.6e}"),
-                };
-                let values = [Some(recorded), Some(error).filter(|error| error.is_finite())];
-                deviations.push(self.deviation(DeviationKind::Error, Some(norm), values, &what));
-            }
-        }
-        deviations
-    }
-
-    fn work(&self, found: &CaseRecord) -> Vec<Deviation> {
-        let grew = |recorded: u64, now: u64| {
-            now > recorded + WORK_NUMBER && now as f64 > recorded as f64 * (1.0 + WORK_SHARE)
-        };
-        let counters = self.case.work().into_iter().zip(RecordedCase::of(found).work());
-        counters
-            .filter_map(|((name, _, recorded), (_, _, now))| Some((name, recorded?, now?)))
-            .filter(|&(_, recorded, now)| grew(recorded, now))
-            .map(|(name, recorded, now)| {
-                let what = format!("rose from {recorded} to {now}: the same result costs more");
-                let values = [Some(recorded as f64), Some(now as f64)];
-                self.deviation(DeviationKind::Cost, Some(name), values, &what)
-            })
-            .collect()
-    }
-
-    fn deviation(
-        &self,
-        kind: DeviationKind,
-        norm: Option<&str>,
-        [recorded, found]: [Option<f64>; 2],
-        what: &str,
-    ) -> Deviation {
-        let subject = norm.map_or(String::new(), |norm| format!(": {norm}"));
-        let reason = format!("{}, {}{subject} {what}", self.scene, self.case.name());
-        Deviation {
-            n: self.case.n,
-            steps: Some(self.case.steps),
-            norm: norm.map(str::to_owned),
-            recorded,
-            found,
-            ..Deviation::of(kind, self.scene, reason)
-        }
-    }
+fn grew(recorded: u64, now: u64) -> bool {
+    now > recorded + WORK_NUMBER && now as f64 > recorded as f64 * (1.0 + WORK_SHARE)
 }

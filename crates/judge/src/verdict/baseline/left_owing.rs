@@ -1,8 +1,7 @@
 //! Compares what a run settled with what its scenes owe, so that a gate which judges less than before fails.
 
-use super::Baseline;
 use super::compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_with_baseline};
-use super::owed::Owed;
+use super::{Baseline, Owed};
 use crate::record::CaseRecord;
 use crate::verdict::Verdict;
 use files::counted;
@@ -55,7 +54,7 @@ pub fn compare_owed(
 }
 
 /// Every item counts once, in any order; settled items that are not owed are reported as well.
-fn left_owing(scene: &str, owes: &[Owed], mut settled: Vec<Owed>) -> Vec<Deviation> {
+pub(super) fn left_owing(scene: &str, owes: &[Owed], mut settled: Vec<Owed>) -> Vec<Deviation> {
     let mut found = Vec::new();
     let mut say = |owed: &Owed, what: String| found.push(deviation(scene, owed, &what));
     for owed in owes {

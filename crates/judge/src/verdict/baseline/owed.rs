@@ -35,7 +35,7 @@ impl Owed {
     }
 
     /// What the verdicts of a scene settle.
-    pub(crate) fn of_scene(scene: &str, verdicts: &[Verdict]) -> Vec<Self> {
+    pub(super) fn of_scene(scene: &str, verdicts: &[Verdict]) -> Vec<Self> {
         verdicts.iter().filter(|verdict| verdict.scene == scene).map(Self::of).collect()
     }
 
@@ -46,28 +46,4 @@ impl Owed {
     pub(super) fn name(&self) -> String {
         format!("{} in {}", self.norm, self.variable.name())
     }
-}
-
-/// Changes in what a scene owes, a line each.
-pub(super) fn changes_of_owed(scene: &str, was: &[Owed], is: &[Owed]) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut left = is.to_vec();
-    let names = |owed: &Owed| match owed.constants.len() {
-        0 => "no constant".to_owned(),
-        _ => owed.constants.join(", "),
-    };
-    for owed in was {
-        match left.iter().position(|other| other.is_of(owed)) {
-            None => lines.push(format!("{scene}: {}: no longer owed", owed.name())),
-            Some(at) => {
-                let judged = left.remove(at);
-                if judged != *owed {
-                    let (was, is) = (names(owed), names(&judged));
-                    lines.push(format!("{scene}: {}: owes {was} -> {is}", owed.name()));
-                }
-            }
-        }
-    }
-    lines.extend(left.iter().map(|owed| format!("{scene}: {}: owed from now on", owed.name())));
-    lines
 }

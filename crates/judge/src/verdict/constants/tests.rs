@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::fit::Point;
-use crate::verdict::MeshAndSteps;
 
 fn constant() -> FittedConstant {
     FittedConstant::fitted(5.0, [4.9, 5.1], 2.0)
@@ -23,16 +22,16 @@ fn line(error: impl Fn(f64) -> f64) -> LeadingLine {
 }
 
 /// Cases measured at k and recorded at k times `label`.
-fn cases(label: f64, error: impl Fn(f64) -> f64) -> Vec<Serving> {
+fn cases(label: f64, error: impl Fn(f64) -> f64) -> Vec<JudgedPoint> {
     let serving = |&steps: &u32| {
         let k = 1.0 / f64::from(steps);
         let point = Point { h: f64::NAN, k: label * k, error: error(k), floor: 0.0 };
-        Serving { key: MeshAndSteps { n: None, steps }, point }
+        JudgedPoint { point, place: MeshAndSteps { n: None, steps }, reason: None }
     };
     STEPS.iter().map(serving).collect()
 }
 
-fn compared(used: &[Serving], line: &LeadingLine) -> ConstantComparison {
+fn compared(used: &[JudgedPoint], line: &LeadingLine) -> ConstantComparison {
     compare_constant(constant(), used, line, &prediction(), Direction::Time).expect("cases")
 }
 

@@ -1,9 +1,9 @@
 use super::*;
-use crate::fit::{Claim, Correction, Point};
+use crate::fit::{Claim, Correction, Level, Point, infer};
 use crate::record::{NormError, Status, V_MAX};
 use crate::verdict::{
     Failure, ForeseenConstant, LeadingPoint, MeshAndSteps, cell_texts, exit_code, failures,
-    read_earlier, render_table, restore_reasons, write_json,
+    read_earlier, restore_reasons, write_json,
 };
 
 fn record(point: Point) -> CaseRecord {
@@ -69,7 +69,7 @@ fn a_plateau_at_the_floor_is_left_out() {
     let plateau = table(&[4], &DOUBLING, |_, k| (1e-8 * k * k).max(5e-12));
     let verdict = verdict(&plateau, &predict(Variable::K, 2.0));
     assert_eq!(verdict.points_left_out.len(), 4);
-    assert!(verdict.points_left_out[0].reason.starts_with("below floor"));
+    assert!(verdict.points_left_out[0].reason.as_ref().unwrap().starts_with("below floor"));
     assert_eq!(verdict.decision, Decision::Unresolved);
     assert!(
         verdict.reason.contains("run steps = 4: finer ones are below the floor"),
@@ -120,7 +120,7 @@ fn two_points_are_unresolved_and_name_the_third() {
     assert_eq!(two.next, [MeshAndSteps { n: Some(256), steps: 4 }]);
     let windowed = Prediction { window_n: Some([32, 64]), ..predict(Variable::H, 1.0) };
     let windowed = verdict(&table(&DOUBLING, &[4], |h, _| h), &windowed);
-    assert_eq!(windowed.points_left_out[0].reason, "outside window");
+    assert_eq!(windowed.points_left_out[0].reason.as_deref(), Some("outside window"));
     assert_eq!(windowed.points_used.len(), 2);
 }
 
@@ -312,7 +312,6 @@ fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
 #[test]
 fn a_row_names_what_is_refined() {
     let one = verdict(&table(&DOUBLING, &[4], |h, _| h), &predict(Variable::H, 1.0));
-    assert_eq!(render_table(std::slice::from_ref(&one), 100).lines().count(), 5);
     let cells = |verdict: &Verdict| {
         let [_, _, _, predicted, observed, decision, why] = cell_texts(verdict);
         [predicted, observed, decision, why]
@@ -329,12 +328,6 @@ fn a_row_names_what_is_refined() {
         ..one.clone()
     };
     assert_eq!(cells(&failed)[2], "fail, as expected");
-    for other in [&bound, &failed] {
-        let text = render_table(&[one.clone(), other.clone()], 100);
-        let reason = format!("block V_max in h: {}: {}", other.decision.name(), other.reason);
-        assert_eq!(text.lines().last(), Some(&*reason));
-        assert_eq!(text.matches("in h:").count(), 1);
-    }
     let names = [
         (Variable::H, "h"),
         (Variable::K, "k"),
@@ -379,20 +372,4 @@ fn the_document_has_its_keys_and_no_infinite_number() {
     restore_reasons(&mut records, &kept);
     assert_eq!(failures(&records), kept);
     std::fs::remove_file(&path).unwrap();
-}
-
-#[test]
-fn the_table_fits_its_width_and_keeps_intervals_whole() {
-    let records = table(&DOUBLING, &[4], |h, _| h.powf(1.7));
-    let mut verdicts = vec![verdict(&records, &predict(Variable::H, 1.0))];
-    let (scene, norm) = ("corner-reentrant-loaded".into(), "pressure_L2_max".into());
-    let why = "a theorem of many words that is too long for one line of the table".into();
-    verdicts.push(Verdict { scene, norm, why, ..verdicts[0].clone() });
-    let observed = cell_texts(&verdicts[0])[4].clone();
-    for width in [80, 100, 140] {
-        let text = render_table(&verdicts, width);
-        assert!(text.lines().all(|line| line.chars().count() <= width.into()), "{text}");
-        assert!(text.matches(&observed).count() == 2 && text.contains("unresolved"), "{text}");
-        assert_eq!(text.contains("many words"), width >= 100);
-    }
 }

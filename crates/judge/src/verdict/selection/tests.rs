@@ -26,7 +26,7 @@ fn selected(records: &[CaseRecord], prediction: &Prediction) -> Selection {
 }
 
 fn used(selection: &Selection) -> Vec<(Option<u32>, u32)> {
-    selection.used.iter().map(|serving| (serving.key.n, serving.key.steps)).collect()
+    selection.used.iter().map(|used| (used.place.n, used.place.steps)).collect()
 }
 
 #[test]
@@ -79,14 +79,14 @@ fn windows_hold_their_ends_and_steps_are_positive_numbers() {
     let window = Prediction { window_n: Some([16, 64]), ..predict(Variable::H) };
     let inside = selected(&records, &window);
     assert_eq!(used(&inside), [(Some(16), 4), (Some(32), 4), (Some(64), 4)]);
-    assert!(inside.left_out.iter().all(|(_, reason)| reason == "outside window"));
+    assert!(inside.left_out.iter().all(|out| out.reason.as_deref() == Some("outside window")));
     assert_eq!(inside.left_out.len(), 2);
     for h in [None, Some(0.0), Some(-0.1), Some(f64::INFINITY)] {
         let mut records = records.clone();
         records[2].h = h;
         let line = selected(&records, &predict(Variable::H));
         assert_eq!(used(&line).len(), 4, "{h:?}");
-        assert_eq!(line.left_out[0].1, "no step size");
+        assert_eq!(line.left_out[0].reason.as_deref(), Some("no step size"));
     }
 }
 
@@ -95,7 +95,10 @@ fn pictures_and_constants_take_the_same_line() {
     let mut records = grid(&[8, 16, 32], &[4, 8]);
     records[5].errors[0].floor = Some(1.0);
     let points = line_points("block", &records, V_MAX, Variable::H);
-    assert_eq!(points.iter().map(|point| point.h).collect::<Vec<_>>(), [0.125, 0.0625, 0.03125]);
+    assert_eq!(
+        points.iter().map(|judged| judged.point.h).collect::<Vec<_>>(),
+        [0.125, 0.0625, 0.03125]
+    );
     let keys = line_keys("block", &records, &predict(Variable::H));
     assert_eq!(keys, [records[1].key(), records[3].key()]);
 }

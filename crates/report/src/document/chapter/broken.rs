@@ -1,21 +1,21 @@
 //! Broken hypotheses: the scenes that break one on purpose, and the remaining order.
 
-use super::Pen;
-use crate::document::Run;
+use super::{Report, absent};
 use crate::document::content::tone;
+use crate::document::{Run, Section, Table};
 use judge::verdict::cell_texts;
 
-pub(super) fn write(pen: &mut Pen<'_>) {
-    let report = pen.report;
+pub(super) fn chapter(report: &Report<'_>) -> Section {
     let broken: Vec<_> = report.scenes.iter().filter(|scene| !scene.violates.is_empty()).collect();
-    pen.chapter(
+    let mut section = Section::opening(
         "chapter-broken",
         "Broken hypotheses",
         "A hypothesis is needed if the order is lost without it. These scenes break one on purpose; what is then left was derived beforehand, \
          and is judged like any other prediction.",
     );
     if broken.is_empty() {
-        return pen.absent("There is no scene that breaks one", "run broken-kernel broken-trace");
+        absent(&mut section, "There is no scene that breaks one", "run broken-kernel broken-trace");
+        return section;
     }
     let mut rows = Vec::new();
     for scene in &broken {
@@ -43,11 +43,12 @@ pub(super) fn write(pen: &mut Pen<'_>) {
             }
         }
     }
-    pen.table(
+    section.table(Table::new(
         "Scenes that break a hypothesis, by its number in the paper: the order that is derived for it, and the one observed.",
         &["broken", "scene", "error", "predicted", "observed", "verdict"],
         rows,
-    );
+    ));
+    section
 }
 
 /// A hypothesis as named in scene files: a number of the paper, or a word.

@@ -12,24 +12,21 @@ mod tests;
 pub(super) use broken::numbered;
 
 use super::content::Report;
-use super::{Block, Chapter, Run, Section, StudyDocument, Table, Tone};
+use super::{Chapter, Run, Section, StudyDocument, Tone};
 
 pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
-    let mut pen = Pen { report, sections: Vec::new() };
-    opening::bound(&mut pen);
-    step_size::write(&mut pen, &report.studies);
-    pen.studies(Chapter::Bound);
-    opening::gronwall(&mut pen);
-    pen.studies(Chapter::Gronwall);
-    opening::audit(&mut pen);
-    pen.studies(Chapter::Audit);
-    pen.studies(Chapter::Ledger);
-    broken::write(&mut pen);
-    opening::trade(&mut pen);
-    pen.studies(Chapter::Trade);
-    opening::extremes(&mut pen);
-    pen.studies(Chapter::Extremes);
-    pen.sections
+    let mut all = vec![opening::bound(), step_size::section(report)];
+    add_studies(&mut all, report, Chapter::Bound);
+    all.push(opening::gronwall());
+    add_studies(&mut all, report, Chapter::Gronwall);
+    all.push(opening::audit());
+    add_studies(&mut all, report, Chapter::Audit);
+    add_studies(&mut all, report, Chapter::Ledger);
+    all.extend([broken::chapter(report), opening::trade()]);
+    add_studies(&mut all, report, Chapter::Trade);
+    all.push(opening::extremes());
+    add_studies(&mut all, report, Chapter::Extremes);
+    all
 }
 
 /// Failures found by the studies: a sentence each, with its section.
@@ -59,80 +56,46 @@ fn id(study: &StudyDocument) -> String {
     }
 }
 
-struct Pen<'a> {
-    report: &'a Report<'a>,
-    sections: Vec<Section>,
+/// The studies of a chapter, a section each, or the command that makes one.
+fn add_studies(sections: &mut Vec<Section>, report: &Report<'_>, chapter: Chapter) {
+    let before = sections.len();
+    for study in report.studies.iter().filter(|study| study.chapter == chapter) {
+        let mut section = Section::new(2, &id(study), &study.title);
+        of_this_text(&mut section, study, report);
+        section.blocks.extend(study.blocks.iter().cloned());
+        sections.push(section);
+    }
+    if before < sections.len() {
+        return;
+    }
+    if let Some(last) = sections.last_mut() {
+        let what = match chapter {
+            Chapter::Bound => "There is no measured contraction factor",
+            Chapter::Ledger => "There is no ledger of claims, sharp or slack,",
+            _ => "There is no such study",
+        };
+        absent(last, what, chapter.command());
+    }
 }
 
-impl Pen<'_> {
-    fn chapter(&mut self, id: &str, title: &str, text: &str) {
-        self.sections.push(Section::new(1, id, title));
-        self.words(text);
-    }
+/// Names the command for a missing kind of study.
+fn absent(section: &mut Section, what: &str, command: &str) {
+    section.text(vec![
+        Run::plain(format!("{what} in the directory of this report: ")),
+        Run::code(format!("sweep {command} --out DIR")),
+        Run::plain(" adds one, and "),
+        Run::code("sweep report DIR"),
+        Run::plain(" shows it here."),
+    ]);
+}
 
-    fn section(&mut self, id: &str, title: &str) {
-        self.sections.push(Section::new(2, id, title));
-    }
-
-    fn block(&mut self, block: Block) {
-        if let Some(section) = self.sections.last_mut() {
-            section.blocks.push(block);
-        }
-    }
-
-    fn text(&mut self, runs: Vec<Run>) {
-        self.block(Block::Text(runs));
-    }
-
-    fn words(&mut self, text: &str) {
-        self.text(vec![Run::plain(text)]);
-    }
-
-    /// A table; heads that begin with `>` are numeric. Omitted without rows.
-    fn table(&mut self, caption: &str, heads: &[&str], rows: Vec<Vec<Run>>) {
-        if !rows.is_empty() {
-            self.block(Block::Table(Table::new(caption, heads, rows)));
-        }
-    }
-
-    /// The studies of a chapter, a section each, or the command that makes one.
-    fn studies(&mut self, chapter: Chapter) {
-        let report = self.report;
-        let mut studies = report.studies.iter().filter(|study| study.chapter == chapter).peekable();
-        if studies.peek().is_none() {
-            let what = match chapter {
-                Chapter::Bound => "There is no measured contraction factor",
-                Chapter::Ledger => "There is no ledger of claims, sharp or slack,",
-                _ => "There is no such study",
-            };
-            self.absent(what, chapter.command());
-        }
-        for study in studies {
-            self.section(&id(study), &study.title);
-            self.of_this_text(study);
-            study.blocks.iter().for_each(|block| self.block(block.clone()));
-        }
-    }
-
-    /// Names the command for a missing kind of study.
-    fn absent(&mut self, what: &str, command: &str) {
-        self.text(vec![
-            Run::plain(format!("{what} in the directory of this report: ")),
-            Run::code(format!("sweep {command} --out DIR")),
-            Run::plain(" adds one, and "),
-            Run::code("sweep report DIR"),
-            Run::plain(" shows it here."),
-        ]);
-    }
-
-    /// Notes a study of another text of a scene, which is no evidence for these records.
-    fn of_this_text(&mut self, study: &StudyDocument) {
-        let Some(scene) = &study.scene else { return };
-        let known = self.report.provenance.get("scenes").and_then(|scenes| scenes.get(scene));
-        let known = known.and_then(serde_json::Value::as_str);
-        if known.is_some_and(|hash| study.fingerprint.as_deref() != Some(hash)) {
-            let words = "This study was made with another text of the scene than the records.";
-            self.text(vec![Run::of(words, Tone::Miss)]);
-        }
+/// Notes a study of another text of a scene, which is no evidence for these records.
+fn of_this_text(section: &mut Section, study: &StudyDocument, report: &Report<'_>) {
+    let Some(scene) = &study.scene else { return };
+    let known = report.provenance.get("scenes").and_then(|scenes| scenes.get(scene));
+    let known = known.and_then(serde_json::Value::as_str);
+    if known.is_some_and(|hash| study.fingerprint.as_deref() != Some(hash)) {
+        let words = "This study was made with another text of the scene than the records.";
+        section.text(vec![Run::of(words, Tone::Miss)]);
     }
 }

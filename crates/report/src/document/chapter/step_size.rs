@@ -1,17 +1,18 @@
 //! The bound (3.4) of every scene, in numbers that follow from its data.
 
-use super::{Pen, id};
-use crate::document::{Chapter, Equation, Run, StudyDocument, Tone, digits, number};
+use super::{Report, id};
+use crate::document::{
+    Chapter, Equation, Run, Section, StudyDocument, Table, Tone, digits, number,
+};
 use crate::{SceneSummary, StepLimits};
 
 /// Hypotheses necessary for a bound: (2.9) and κ Lipschitz, by their names in scene files.
 const NEEDED: [&str; 2] = ["2.9", "5.1"];
 
-pub(super) fn write(pen: &mut Pen<'_>, studies: &[StudyDocument]) {
-    pen.section("chapter-step-sizes", "Bounds of all scenes");
-    let rows: Vec<Vec<Run>> =
-        pen.report.scenes.iter().map(|scene| row(scene, pen, studies)).collect();
-    pen.table(
+pub(super) fn section(report: &Report<'_>) -> Section {
+    let mut section = Section::new(2, "chapter-step-sizes", "Bounds of all scenes");
+    let rows = report.scenes.iter().map(|scene| row(scene, report)).collect();
+    section.table(Table::new(
         "Step sizes: bounds on k, and the largest k of the records.",
         &[
             "scene",
@@ -25,7 +26,8 @@ pub(super) fn write(pen: &mut Pen<'_>, studies: &[StudyDocument]) {
             "which is",
         ],
         rows,
-    );
+    ));
+    section
 }
 
 pub(super) fn formulas() -> Vec<Equation> {
@@ -44,17 +46,17 @@ pub(super) fn formulas() -> Vec<Equation> {
     ]
 }
 
-fn row(scene: &SceneSummary, pen: &Pen<'_>, studies: &[StudyDocument]) -> Vec<Run> {
-    let of_scene = pen.report.records.iter().filter(|record| record.scene == scene.name);
+fn row(scene: &SceneSummary, report: &Report<'_>) -> Vec<Run> {
+    let of_scene = report.records.iter().filter(|record| record.scene == scene.name);
     let largest = of_scene.map(|record| record.k).reduce(f64::max);
     let study = |study: &&StudyDocument| {
         study.chapter == Chapter::Bound && study.scene.as_ref() == Some(&scene.name)
     };
-    let measured = studies.iter().find(study).and_then(|study| {
+    let measured = report.studies.iter().find(study).and_then(|study| {
         Some(Run::plain(study.threshold.as_ref()?).to(format!("#{}", id(study))))
     });
     let measured = measured.unwrap_or_else(|| Run::plain("–"));
-    let link = |text: &str| Run::plain(text).to(format!("#{}", pen.report.stem(scene)));
+    let link = |text: &str| Run::plain(text).to(format!("#{}", report.stem(scene)));
     let Some(limits) = scene.step else {
         let mut cells = vec![link(&scene.name)];
         cells.extend((0..4).map(|_| Run::plain("–")));

@@ -3,6 +3,8 @@
 //! Columns h^p, k^q and their next terms, divided by the observed errors, are fitted to one. The leading terms are
 //! eliminated once per pair; a 2 × 2 matrix of the next terms remains for each noise.
 
+use nalgebra::{DMatrix, Matrix2, Vector2};
+
 use crate::fit::Point;
 
 pub(super) const STEP: f64 = 0.05;
@@ -19,11 +21,8 @@ pub(super) struct PairSums {
     /// 1 if errors add, 2 if squares do.
     exponent: usize,
     points: f64,
-    /// Column i of h with itself and with its next terms; likewise for k.
-    with_next_terms: [Vec<[f64; 4]>; 2],
-    next: [Vec<f64>; 2],
-    ones: [Vec<f64>; 2],
-    mixed: Vec<f64>,
+    /// Products of the columns of h, those of k, and one.
+    gram: DMatrix<f64>,
 }
 
 const COLUMNS: usize = ORDERS + NEXT[2].0;
@@ -32,39 +31,20 @@ impl PairSums {
     pub(super) fn new(points: &[Point], exponent: i32) -> Self {
         let largest = |f: fn(&Point) -> f64| points.iter().map(f).fold(0.0, f64::max);
         let scale = [largest(|p| p.h), largest(|p| p.k)];
-        let rows: Vec<[f64; 3]> = points
-            .iter()
-            .map(|p| [p.h / scale[0], p.k / scale[1], p.error].map(|value| value.powi(exponent)))
-            .collect();
-        let columns = |which: usize| -> Vec<Vec<f64>> {
-            let factors: Vec<f64> = rows.iter().map(|row| row[which].powf(STEP)).collect();
-            let first = rows.iter().zip(&factors).map(|(row, factor)| factor / row[2]).collect();
-            // By repeated products: 119 of them are off by 1e-14.
-            let times = |column: &Vec<f64>| {
-                Some(column.iter().zip(&factors).map(|(value, factor)| value * factor).collect())
-            };
-            std::iter::successors(Some(first), times).take(COLUMNS).collect()
-        };
-        let of = [columns(0), columns(1)];
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        let shifts = NEXT.map(|(shift, _)| shift / exponent as usize);
-        let with_next_terms = |columns: &[Vec<f64>]| -> Vec<[f64; 4]> {
-            let at = |i: usize, shift: usize| dot(&columns[i], &columns[i + shift]);
-            (0..ORDERS)
-                .map(|i| [at(i, 0), at(i, shifts[0]), at(i, shifts[1]), at(i, shifts[2])])
-                .collect()
-        };
-        let next = |columns: &[Vec<f64>]| columns.iter().map(|c| dot(c, c)).collect();
-        let ones = |columns: &[Vec<f64>]| columns.iter().map(|c| c.iter().sum()).collect();
-        let mixed = of[0].iter().flat_map(|a| of[1].iter().map(move |b| dot(a, b))).collect();
-        Self {
-            exponent: exponent as usize,
-            points: rows.len() as f64,
-            with_next_terms: [with_next_terms(&of[0]), with_next_terms(&of[1])],
-            next: [next(&of[0]), next(&of[1])],
-            ones: [ones(&of[0]), ones(&of[1])],
-            mixed,
+        let mut columns = DMatrix::from_element(points.len(), 2 * COLUMNS + 1, 1.0);
+        for (row, point) in points.iter().enumerate() {
+            for (which, step) in [point.h / scale[0], point.k / scale[1]].into_iter().enumerate() {
+                let factor = step.powi(exponent).powf(STEP);
+                let mut value = 1.0 / point.error.powi(exponent);
+                // By repeated products: 119 of them are off by 1e-14.
+                for column in 0..COLUMNS {
+                    value *= factor;
+                    columns[(row, which * COLUMNS + column)] = value;
+                }
+            }
         }
+        let gram = columns.tr_mul(&columns);
+        Self { exponent: exponent as usize, points: points.len() as f64, gram }
     }
 
     /// Adds exp(log prior) times the evidence of every pair, in logarithms.
@@ -86,67 +66,45 @@ impl PairSums {
         Noise { variance, precision: 1.0 / variance, log }
     }
 
+    fn products(&self, [a, b]: [usize; 2], [c, d]: [usize; 2]) -> Matrix2<f64> {
+        let at = |row, column| self.gram[(row, column)];
+        Matrix2::new(at(a, c), at(a, d), at(b, c), at(b, d))
+    }
+
+    fn with_one(&self, columns: [usize; 2]) -> Vector2<f64> {
+        Vector2::from(columns.map(|column| self.gram[(column, 2 * COLUMNS)]))
+    }
+
     /// Eliminates a pair of orders without next terms; none unless both terms are positive.
     fn pair(&self, i: usize, j: usize) -> Option<Pair> {
-        let (a, b, d) = (
-            self.with_next_terms[0][i][0],
-            self.mixed[i * COLUMNS + j],
-            self.with_next_terms[1][j][0],
-        );
-        let determinant = a * d - b * b;
-        let inverse = [d, -b, a].map(|entry| entry / determinant);
-        let (f, g) = (self.ones[0][i], self.ones[1][j]);
-        let sizes = [inverse[0] * f + inverse[1] * g, inverse[1] * f + inverse[2] * g];
+        let at = [i, COLUMNS + j];
+        let matrix = self.products(at, at);
+        let (inverse, ones) = (matrix.try_inverse()?, self.with_one(at));
+        let sizes = inverse * ones;
         if !sizes.iter().all(|size| *size > 0.0 && size.is_finite()) {
             return None;
         }
-        let bends = sizes.map(|size| BEND * self.exponent as f64 * size);
+        let bends = sizes * (BEND * self.exponent as f64);
         Some(Pair {
-            at: [i, j],
+            at,
             inverse,
-            determinant,
+            determinant: matrix.determinant(),
             sizes,
-            explained: f * sizes[0] + g * sizes[1],
+            explained: ones.dot(&sizes),
             ridges: bends.map(|bend| 1.0 / (bend * bend)),
             // C has a flat prior in log C, C D is normal with standard deviation 0.3 C.
             log: -bends.iter().chain(&sizes).map(|size| size.ln()).sum::<f64>(),
         })
     }
 
-    /// The column of a next term, orthogonal to the two leading terms.
-    fn next(&self, pair: &Pair, which: usize, reading: usize) -> Next {
-        let place = pair.at[which] + NEXT[reading].0 / self.exponent;
-        let with_itself = self.with_next_terms[which][pair.at[which]][reading + 1];
-        let other = match which {
-            0 => self.mixed[place * COLUMNS + pair.at[1]],
-            _ => self.mixed[pair.at[0] * COLUMNS + place],
-        };
-        let along = if which == 0 { [with_itself, other] } else { [other, with_itself] };
-        let by = [
-            pair.inverse[0] * along[0] + pair.inverse[1] * along[1],
-            pair.inverse[1] * along[0] + pair.inverse[2] * along[1],
-        ];
-        Next {
-            place,
-            by,
-            along,
-            norm: self.next[which][place] - along[0] * by[0] - along[1] * by[1],
-            one: self.ones[which][place] - along[0] * pair.sizes[0] - along[1] * pair.sizes[1],
-        }
-    }
-
     /// Log evidence of all readings of a pair.
     fn evidence(&self, pair: &Pair, noises: &[Noise]) -> f64 {
-        let [of_h, of_k] = [0, 1].map(|which| [0, 1, 2].map(|r| self.next(pair, which, r)));
         let mut evidence = f64::NEG_INFINITY;
-        for (h, (_, r_weight)) in of_h.iter().zip(&NEXT) {
-            for (k, (_, s_weight)) in of_k.iter().zip(&NEXT) {
-                let cross = self.mixed[h.place * COLUMNS + k.place]
-                    - h.along[0] * k.by[0]
-                    - h.along[1] * k.by[1];
-                let two = Two { h: h.norm, cross, k: k.norm, ones: [h.one, k.one] };
+        for (r, r_weight) in NEXT {
+            for (s, s_weight) in NEXT {
+                let next = self.next(pair, [r, s]);
                 for noise in noises {
-                    let log = self.reading(pair, &two, noise) + (r_weight * s_weight).ln();
+                    let log = self.reading(pair, &next, noise) + (r_weight * s_weight).ln();
                     evidence = log_sum(evidence, log);
                 }
             }
@@ -154,12 +112,25 @@ impl PairSums {
         evidence
     }
 
-    fn reading(&self, pair: &Pair, two: &Two, noise: &Noise) -> f64 {
-        let (explained, determinant) = two.solve(pair.ridges.map(|ridge| ridge * noise.variance));
-        let left = self.points - pair.explained - explained;
+    /// The columns of two next terms, orthogonal to the two leading terms.
+    fn next(&self, pair: &Pair, powers: [usize; 2]) -> Next {
+        let next = [0, 1].map(|which| pair.at[which] + powers[which] / self.exponent);
+        let along = self.products(next, pair.at);
+        Next {
+            products: self.products(next, next) - along * pair.inverse * along.transpose(),
+            ones: self.with_one(next) - along * pair.sizes,
+        }
+    }
+
+    fn reading(&self, pair: &Pair, next: &Next, noise: &Noise) -> f64 {
+        let [a, d] = [0, 1].map(|i| next.products[(i, i)] + pair.ridges[i] * noise.variance);
+        let (b, f, g) = (next.products[(0, 1)], next.ones[0], next.ones[1]);
+        let determinant = a * d - b * b;
         let determinants = pair.determinant * determinant;
         if determinants > 0.0 {
             // Four parameters are integrated: |M| of M = gram / s² + prior is s⁻⁸ times the determinants.
+            let explained = (d * f * f - 2.0 * b * f * g + a * g * g) / determinant;
+            let left = self.points - pair.explained - explained;
             noise.log + pair.log - 0.5 * (left * noise.precision + determinants.ln())
         } else {
             f64::NEG_INFINITY
@@ -175,40 +146,21 @@ struct Noise {
 }
 
 struct Pair {
+    /// Its columns.
     at: [usize; 2],
-    inverse: [f64; 3],
+    inverse: Matrix2<f64>,
     determinant: f64,
     /// C_h and C_k by least squares, and the share of the observations (all one) that they explain.
-    sizes: [f64; 2],
+    sizes: Vector2<f64>,
     explained: f64,
-    ridges: [f64; 2],
+    ridges: Vector2<f64>,
     log: f64,
 }
 
-/// Products of a next term's column with those of the pair (raw and by the inverse), itself and one.
+/// Products of the columns of two next terms with each other, and with one.
 struct Next {
-    place: usize,
-    along: [f64; 2],
-    by: [f64; 2],
-    norm: f64,
-    one: f64,
-}
-
-struct Two {
-    h: f64,
-    cross: f64,
-    k: f64,
-    ones: [f64; 2],
-}
-
-impl Two {
-    /// What they explain with `ridges` added, and the determinant.
-    fn solve(&self, ridges: [f64; 2]) -> (f64, f64) {
-        let (a, b, d) = (self.h + ridges[0], self.cross, self.k + ridges[1]);
-        let [f, g] = self.ones;
-        let determinant = a * d - b * b;
-        ((d * f * f - 2.0 * b * f * g + a * g * g) / determinant, determinant)
-    }
+    products: Matrix2<f64>,
+    ones: Vector2<f64>,
 }
 
 fn log_sum(a: f64, b: f64) -> f64 {
@@ -253,11 +205,7 @@ mod tests {
             let sizes = gram.columns(0, 2).into_owned().svd(true, true);
             let sizes = sizes.solve(&ones, 0.0).expect("two sizes");
             let bends = [0, 1].map(|at| BEND * f64::from(exponent) * sizes[at]);
-            let [h, k] = [(0, r), (1, s)].map(|(which, reading)| model.next(&pair, which, reading));
-            let cross = model.mixed[h.place * COLUMNS + k.place]
-                - h.along[0] * k.by[0]
-                - h.along[1] * k.by[1];
-            let two = Two { h: h.norm, cross, k: k.norm, ones: [h.one, k.one] };
+            let next = model.next(&pair, [NEXT[r].0, NEXT[s].0]);
             for (s, share) in NOISE {
                 let noise = s * f64::from(exponent);
                 let mut precision = gram.transpose() * &gram / (noise * noise);
@@ -271,7 +219,7 @@ mod tests {
                     - points.len() as f64 * noise.ln()
                     - 0.5 * (left + log_determinant)
                     - (bends[0] * bends[1] * sizes[0] * sizes[1]).ln();
-                let found = model.reading(&pair, &two, &model.noise((s, share), 0.0));
+                let found = model.reading(&pair, &next, &model.noise((s, share), 0.0));
                 // Rounding of nine over the square of the noise.
                 assert!((found - expected).abs() < 1e-6, "{exponent} {s}: {found} {expected}");
             }
