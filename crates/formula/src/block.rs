@@ -1,8 +1,7 @@
 //! Execution of tapes in blocks of lanes.
 
-use super::scalar::power;
 use super::tape::{Register, Source, Step, Tape};
-use super::vocabulary::{Function, sign};
+use super::vocabulary::{Function, power, sign};
 
 /// Lanes of a block: a few dozen registers of this length fit in cache.
 pub(super) const BLOCK: usize = 128;

@@ -3,7 +3,7 @@
 //! One round of equal sections, then regula falsi safeguarded by bisection: about 20 values for smooth guards, a
 //! bounded number for any other.
 
-use super::scalar::class;
+use super::vocabulary::class;
 
 /// Sections of the first round, to find the first of several changes.
 const SECTIONS: usize = 16;

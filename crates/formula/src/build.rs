@@ -5,8 +5,8 @@
 //! x/x = 1 the one at x = 0: accepted, since exact solutions have neither.
 
 use super::graph::{Graph, Node, Op, Variable};
-use super::scalar::power;
 use super::vocabulary::Function;
+use super::vocabulary::power;
 
 impl Graph {
     /// Both zeros are one node.

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::graph::{Graph, Node, Op, Variable};
-use super::scalar::power;
 use super::vocabulary::Function;
+use super::vocabulary::power;
 
 /// Longer sums are not treated term by term.
 const MOST_TERMS: usize = 64;

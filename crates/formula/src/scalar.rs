@@ -3,6 +3,7 @@
 
 use super::graph::{Graph, Node, Op, Variable};
 use super::program::Program;
+use super::vocabulary::power;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EvaluationPoint {
@@ -30,21 +31,6 @@ impl EvaluationPoint {
             Variable::Zeta => self.zeta,
         }
     }
-}
-
-#[inline]
-pub(super) fn power(x: f64, n: i32) -> f64 {
-    let (mut base, mut rest, mut product) = (x, n.unsigned_abs(), 1.0);
-    while rest > 0 {
-        if rest & 1 == 1 {
-            product *= base;
-        }
-        rest >>= 1;
-        if rest > 0 {
-            base *= base;
-        }
-    }
-    if n < 0 { 1.0 / product } else { product }
 }
 
 /// The values of an expression and its parts, with hereditary integrals by `integral`.
@@ -112,9 +98,4 @@ impl<'a, F: Fn(Node, &EvaluationPoint) -> f64> Scratch<'a, F> {
             Op::Relax(..) | Op::Convolve(..) => (self.integral)(node, at),
         }
     }
-}
-
-/// The sign as a number: equal classes mean the same branch.
-pub(super) fn class(guard: f64) -> i8 {
-    i8::from(guard > 0.0) - i8::from(guard < 0.0)
 }

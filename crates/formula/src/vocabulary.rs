@@ -97,3 +97,23 @@ pub(super) fn function_names() -> Vec<&'static str> {
 pub(super) fn is_word(name: &str) -> bool {
     name == "pi" || is_function(name) || CONNECTIVES.contains(&name)
 }
+
+#[inline]
+pub(super) fn power(x: f64, n: i32) -> f64 {
+    let (mut base, mut rest, mut product) = (x, n.unsigned_abs(), 1.0);
+    while rest > 0 {
+        if rest & 1 == 1 {
+            product *= base;
+        }
+        rest >>= 1;
+        if rest > 0 {
+            base *= base;
+        }
+    }
+    if n < 0 { 1.0 / product } else { product }
+}
+
+/// The sign as a number: equal classes mean the same branch.
+pub(super) fn class(guard: f64) -> i8 {
+    i8::from(guard > 0.0) - i8::from(guard < 0.0)
+}

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
+use super::WHOLE;
 use super::geometry::{cross, dot, extent, minus, norm};
-use super::{Family, Mesh, WHOLE, subdivision};
 
 /// A facet of the boundary: an edge with the domain on its left, or a triangle seen counter-clockwise from outside.
 #[derive(Debug, Clone, PartialEq)]
@@ -347,12 +347,6 @@ impl CoarseMesh {
     /// The boundary in plane pieces.
     pub fn pieces(&self) -> Vec<Piece> {
         self.facets.iter().map(|facet| self.piece(facet)).collect()
-    }
-
-    /// The mesh with n parts of every coarse edge. In space there is the structured family alone, which scenes
-    /// validate.
-    pub fn refined(&self, n: u32, family: Family) -> Mesh {
-        subdivision::refined(self, n, family)
     }
 }
 

@@ -12,59 +12,61 @@ use algebra::linalg::signed_unit;
 /// The coarse vertices of each vertex: one twice if it is that vertex, or the ends of the edge it halves.
 pub type Parents = Vec<[u32; 2]>;
 
-/// The mesh with n parts of every edge of `coarse`.
-pub(super) fn refined(coarse: &CoarseMesh, n: u32, family: Family) -> Mesh {
-    let (mut vertices, d) = (Vertices::new(coarse, n), coarse.dimension);
-    let mut cells = Vec::with_capacity((d + 1) * coarse.count() * n.pow(d as u32) as usize);
-    for (c, corners) in coarse.cells.iter().enumerate() {
-        match vertices.of_triangles.get(c) {
-            Some(numbers) => strips(n, |i, j| numbers[place(n, i, j)], &mut cells),
-            None => edgewise::parts(&coarse.corners(c), n, |part| {
-                cells.extend(part.map(|weights| vertices.in_cell(corners, weights)));
-            }),
-        }
-    }
-    let (mut facets, mut facet_side, mut facet_normal) = (Vec::new(), Vec::new(), Vec::new());
-    for facet in &coarse.facets {
-        match facet.corners[..] {
-            [p, q] => {
-                let mut at = |s: u32| vertices.number(&[(p, n - s), (q, s)]);
-                (0..n).for_each(|s| facets.extend([at(s), at(s + 1)]));
+impl CoarseMesh {
+    /// The mesh with n parts of every coarse edge. In space there is the structured family alone, which scenes validate.
+    pub fn refined(&self, n: u32, family: Family) -> Mesh {
+        let (mut vertices, d) = (Vertices::new(self, n), self.dimension);
+        let mut cells = Vec::with_capacity((d + 1) * self.count() * n.pow(d as u32) as usize);
+        for (c, corners) in self.cells.iter().enumerate() {
+            match vertices.of_triangles.get(c) {
+                Some(numbers) => strips(n, |i, j| numbers[place(n, i, j)], &mut cells),
+                None => edgewise::parts(&self.corners(c), n, |part| {
+                    cells.extend(part.map(|weights| vertices.in_cell(corners, weights)));
+                }),
             }
-            [a, b, c, ..] => {
-                let at = |i: u32, j: u32| vertices.number(&[(a, n - i - j), (b, i), (c, j)]);
-                strips(n, at, &mut facets);
+        }
+        let (mut facets, mut facet_side, mut facet_normal) = (Vec::new(), Vec::new(), Vec::new());
+        for facet in &self.facets {
+            match facet.corners[..] {
+                [p, q] => {
+                    let mut at = |s: u32| vertices.number(&[(p, n - s), (q, s)]);
+                    (0..n).for_each(|s| facets.extend([at(s), at(s + 1)]));
+                }
+                [a, b, c, ..] => {
+                    let at = |i: u32, j: u32| vertices.number(&[(a, n - i - j), (b, i), (c, j)]);
+                    strips(n, at, &mut facets);
+                }
+                _ => {}
             }
-            _ => {}
+            facet_side.resize(facets.len() / d, facet.side);
+            facet_normal.extend((0..n.pow(d as u32 - 1)).flat_map(|_| &facet.normal[..d]));
         }
-        facet_side.resize(facets.len() / d, facet.side);
-        facet_normal.extend((0..n.pow(d as u32 - 1)).flat_map(|_| &facet.normal[..d]));
+        let each = |&region: &u32| std::iter::repeat_n(region, n.pow(d as u32) as usize);
+        let mut mesh = Mesh {
+            dimension: d,
+            n,
+            h: self.longest_edge() / f64::from(n),
+            coordinates: vertices.coordinates,
+            cells,
+            cell_region: self.region.iter().flat_map(each).collect(),
+            regions: self.regions.clone(),
+            facets,
+            facet_side,
+            facet_normal,
+            sides: self.sides.clone(),
+        };
+        match family {
+            Family::Structured => {}
+            Family::Perturbed { amplitude, seed, axes } => {
+                perturb(&mut mesh, amplitude, seed, axes);
+            }
+            Family::Graded { corner, exponent } => {
+                let number = |t: usize, i, j| vertices.of_triangles[t][place(n, i, j)] as usize;
+                grading::towards(self, n, corner, exponent, number, &mut mesh.coordinates);
+            }
+        }
+        mesh
     }
-    let each = |&region: &u32| std::iter::repeat_n(region, n.pow(d as u32) as usize);
-    let mut mesh = Mesh {
-        dimension: d,
-        n,
-        h: coarse.longest_edge() / f64::from(n),
-        coordinates: vertices.coordinates,
-        cells,
-        cell_region: coarse.region.iter().flat_map(each).collect(),
-        regions: coarse.regions.clone(),
-        facets,
-        facet_side,
-        facet_normal,
-        sides: coarse.sides.clone(),
-    };
-    match family {
-        Family::Structured => {}
-        Family::Perturbed { amplitude, seed, axes } => {
-            perturb(&mut mesh, amplitude, seed, axes);
-        }
-        Family::Graded { corner, exponent } => {
-            let number = |t: usize, i, j| vertices.of_triangles[t][place(n, i, j)] as usize;
-            grading::towards(coarse, n, corner, exponent, number, &mut mesh.coordinates);
-        }
-    }
-    mesh
 }
 
 /// The n² parts of a triangle whose vertices are numbered by i + j ≤ n.
@@ -214,8 +216,8 @@ mod tests {
     fn cells_tile_the_polygon_and_meet_edge_to_edge() {
         for family in FAMILIES {
             for n in [1, 2, 3, 5] {
-                let mesh = refined(&l_shape(), n, family);
-                let areas: Vec<f64> = (0..mesh.cell_count()).map(|c| area(&mesh, c)).collect();
+                let mesh = &l_shape().refined(n, family);
+                let areas: Vec<f64> = (0..mesh.cell_count()).map(|c| area(mesh, c)).collect();
                 assert!(areas.iter().all(|a| *a > 0.0), "{family:?} {n}");
                 // 100 roundings of numbers up to 3.
                 assert!((areas.iter().sum::<f64>() - 3.0).abs() < 1e-13);
@@ -231,7 +233,7 @@ mod tests {
     #[test]
     fn congruent_cells_have_the_nominal_size() {
         let coarse = l_shape();
-        let mesh = refined(&coarse, 4, Family::Structured);
+        let mesh = &coarse.refined(4, Family::Structured);
         for c in 0..mesh.cell_count() {
             let expected = coarse.measure_of(c / 16) / 16.0;
             assert!((area(&mesh, c) - expected).abs() < 1e-15);
@@ -242,7 +244,7 @@ mod tests {
 
     #[test]
     fn normals_point_outward_and_facets_follow_their_edge() {
-        let mesh = refined(&l_shape(), 3, Family::Structured);
+        let mesh = &l_shape().refined(3, Family::Structured);
         for f in 0..mesh.facet_side.len() {
             let ends = mesh.facet(f).to_vec();
             let owner =

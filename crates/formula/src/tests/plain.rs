@@ -2,7 +2,8 @@
 
 use crate::graph::{Graph, Node, Op, Variable};
 use crate::quadrature::GAUSS;
-use crate::scalar::{EvaluationPoint, Scratch, class};
+use crate::scalar::{EvaluationPoint, Scratch};
+use crate::vocabulary::class;
 
 const PANELS: usize = 32;
 const WATCHES: usize = 6;
