@@ -236,7 +236,7 @@ mod tests {
         let mesh = &coarse.refined(4, Family::Structured);
         for c in 0..mesh.cell_count() {
             let expected = coarse.measure_of(c / 16) / 16.0;
-            assert!((area(&mesh, c) - expected).abs() < 1e-15);
+            assert!((area(mesh, c) - expected).abs() < 1e-15);
         }
         assert_eq!(mesh.h(), coarse.longest_edge() / 4.0);
         assert!((mesh.quality().longest - mesh.h()).abs() < 1e-14);
