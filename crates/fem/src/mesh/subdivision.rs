@@ -13,7 +13,7 @@ use algebra::linalg::signed_unit;
 pub type Parents = Vec<[u32; 2]>;
 
 impl CoarseMesh {
-    /// The mesh with n parts of every coarse edge. In space there is the structured family alone, which scenes validate.
+    /// The mesh with n parts of every coarse edge. Scenes validate that only plane meshes are graded.
     pub fn refined(&self, n: u32, family: Family) -> Mesh {
         let (mut vertices, d) = (Vertices::new(self, n), self.dimension);
         let mut cells = Vec::with_capacity((d + 1) * self.count() * n.pow(d as u32) as usize);
@@ -178,8 +178,11 @@ fn perturb(mesh: &mut Mesh, amplitude: f64, seed: u64, axes: [bool; 3]) {
     }
     mesh.facets.iter().for_each(|&v| room[v as usize] = 0.0);
     let mut state = seed;
-    for (v, room) in room.into_iter().enumerate().filter(|(_, room)| *room > 0.0) {
-        for (value, moved) in mesh.coordinates[2 * v..2 * v + 2].iter_mut().zip(axes) {
+    for (vertex, room) in mesh.coordinates.chunks_exact_mut(mesh.dimension).zip(room) {
+        if room == 0.0 {
+            continue;
+        }
+        for (value, moved) in vertex.iter_mut().zip(axes) {
             let by = amplitude * room * signed_unit(&mut state);
             *value += if moved { by } else { 0.0 };
         }

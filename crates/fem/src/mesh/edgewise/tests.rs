@@ -67,6 +67,23 @@ fn cells_of_equal_volume_tile_and_meet_face_to_face() {
     }
 }
 
+/// Vertices inside move by three coordinates, those of the boundary by none.
+#[test]
+fn moved_vertices_leave_the_domain_as_it_is() {
+    let family = Family::Perturbed { amplitude: 0.24, seed: 5, axes: [true; 3] };
+    for solid in [cube().checked().unwrap(), pair()] {
+        let (plain, mesh) = (solid.refined(4, Family::Structured), solid.refined(4, family));
+        let volumes: Vec<f64> = (0..mesh.cell_count()).map(|c| volume(&mesh, c)).collect();
+        assert!(volumes.iter().all(|volume| *volume > 0.0));
+        assert!((volumes.iter().sum::<f64>() / solid.measure() - 1.0).abs() < 1e-13);
+        let moved = |v: u32, i: usize| mesh.point(&[v], &[1.0])[i] != plain.point(&[v], &[1.0])[i];
+        for v in 0..mesh.vertices() as u32 {
+            let inside = !mesh.facets.contains(&v);
+            assert!((0..3).all(|i| moved(v, i) == inside), "vertex {v}");
+        }
+    }
+}
+
 fn sorted(face: impl Iterator<Item = u32>) -> [u32; 3] {
     let mut face: Vec<u32> = face.collect();
     face.sort_unstable();
