@@ -19,12 +19,13 @@ run: ## the main job: all scenes at gate size, verdict table, report in reports/
 test: ## unit, integration and documentation tests
 	$(CARGO) test --release $(MEMBERS)
 
-test-long: ## tests of many seconds that `make test` leaves out: all scenes, more seeds, large runs
-	$(CARGO) test --release $(MEMBERS) --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
+test-long: ## what `make test` leaves out: damaged texts, seeded defects, all scenes, more seeds, large runs
+	$(CARGO) test --release $(MEMBERS) --test fuzz --test sabotage --test false_alarms
+	$(CARGO) test --release $(MEMBERS) --lib --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
+	$(CARGO) clippy --release --workspace --all-targets --test fuzz --test sabotage --test false_alarms -- -D warnings
 	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --release $(MEMBERS) --no-deps
 
 bench: ## all benchmarks (see benches/README.md); BENCH=... goes to criterion

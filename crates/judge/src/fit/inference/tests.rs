@@ -260,7 +260,7 @@ fn the_judge_meets_its_demands() {
 /// A thousand fresh tables per class and number of levels.
 #[test]
 #[ignore = "minutes"]
-fn long_the_judge_meets_them_on_fresh_tables() {
+fn the_judge_meets_them_on_fresh_tables() {
     assert_eq!(unmet(judge, 700_000..701_000).next(), None);
 }
 
@@ -299,7 +299,7 @@ fn a_coarser_mesh_takes_no_pass_away() {
 
 #[test]
 #[ignore = "prints the whole table: a minute"]
-fn long_table_of_the_simulation() {
+fn table_of_the_simulation() {
     for (name, rule) in [
         ("inference", judge as fn(&[Level], f64) -> Decision),
         ("last pair", last_pair),
@@ -321,7 +321,7 @@ fn long_table_of_the_simulation() {
 
 #[test]
 #[ignore = "timing"]
-fn long_time_a_table() {
+fn time_a_table() {
     for levels in 3..=8 {
         let mut random = Random::new(1);
         let tables: Vec<_> =
