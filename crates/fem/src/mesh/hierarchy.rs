@@ -21,7 +21,7 @@ pub enum Nesting {
         /// Width of a cell along each axis over that of the finest mesh.
         stretch: Vec<usize>,
     },
-    /// A coarse triangulation with n parts per edge, as [`super::refined`] numbers it.
+    /// A coarse triangulation with n parts per edge, as [`CoarseMesh::refined`] numbers it.
     Refined {
         /// The coarse triangulation.
         coarse: Arc<CoarseMesh>,
