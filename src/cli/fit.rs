@@ -11,7 +11,6 @@ mod values;
 mod window;
 mod wording;
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -23,7 +22,7 @@ use self::window::Window;
 use self::wording::Part;
 use super::output::write_user_file;
 use super::{CliError, print_json, print_text};
-use files::read_at_most;
+use files::{read_at_most, up_to};
 use judge::fit::{Claim, Direction, Point, TOLERANCE, path};
 use judge::table::{Group, Quantity, Reading, Tables, read};
 use judge::verdict::Decision;
@@ -122,10 +121,8 @@ impl Fit {
                 return Err(CliError::about(self.name(), words));
             }
         }
-        let noisy = self.noise.is_some_and(|noise| !(noise.is_finite() && noise > 0.0));
-        if noisy {
-            let words = "--noise is a positive share: 0.01 for 1 %";
-            return Err(CliError::other(words));
+        if self.noise.is_some_and(|noise| !(noise.is_finite() && noise > 0.0)) {
+            return Err(CliError::other("--noise is a positive share: 0.01 for 1 %"));
         }
         if !self.log.is_finite() {
             return Err(CliError::other("--log is a finite power of |log h|: 1 for h |log h|"));
@@ -145,15 +142,14 @@ impl Fit {
             let drawn = picture::svg(&tables.groups, asked)?;
             write_user_file(file, drawn)?;
         }
-        match (self.json, self.markdown, self.latex) {
-            (true, ..) => print_json(&found.objects.into())?,
-            (_, true, _) => {
-                eoc::tables(&tables.groups, Style::Markdown).iter().for_each(|t| print_text(t))
-            }
-            (.., true) => {
-                eoc::tables(&tables.groups, Style::Latex).iter().for_each(|t| print_text(t))
-            }
-            _ => found.texts.iter().for_each(|text| print_text(text)),
+        let texts = match (self.markdown, self.latex) {
+            (true, _) => eoc::tables(&tables.groups, Style::Markdown),
+            (_, true) => eoc::tables(&tables.groups, Style::Latex),
+            _ => found.texts,
+        };
+        match self.json {
+            true => print_json(&found.objects.into())?,
+            false => texts.iter().for_each(|text| print_text(text)),
         }
         Ok(u8::from(!found.all_pass))
     }
@@ -166,27 +162,24 @@ impl Fit {
     }
 
     fn tables(&self) -> Result<Tables, CliError> {
-        let reading = Reading { dimension: self.dimension };
-        if self.file.as_os_str() != "-" {
-            return tables(&self.file, &reading);
-        }
-        let mut bytes = Vec::new();
-        let said = std::io::stdin().take(LARGEST + 1).read_to_end(&mut bytes);
-        said.map_err(|error| CliError::about(self.name(), error))?;
-        if bytes.len() as u64 > LARGEST {
-            return Err(CliError::about(self.name(), format!("more than {} MiB", LARGEST >> 20)));
-        }
-        read(&bytes, &reading).map_err(|error| CliError::other(format!("{}:{error}", self.name())))
+        let bytes = match self.file.as_os_str() == "-" {
+            true => up_to(std::io::stdin(), LARGEST),
+            false => read_at_most(&self.file, LARGEST),
+        };
+        tables(&self.name(), bytes, &Reading { dimension: self.dimension })
     }
 }
 
 /// Largest table, 256 MiB: a million rows of a sweep.
 const LARGEST: u64 = 256 << 20;
 
-fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
-    let bytes =
-        read_at_most(file, LARGEST).map_err(|error| CliError::about(file.display(), error))?;
-    read(&bytes, reading).map_err(|error| CliError::other(format!("{}:{error}", file.display())))
+fn tables(
+    name: &str,
+    bytes: std::io::Result<Vec<u8>>,
+    reading: &Reading,
+) -> Result<Tables, CliError> {
+    let bytes = bytes.map_err(|error| CliError::about(name, error))?;
+    read(&bytes, reading).map_err(|error| CliError::other(format!("{name}:{error}")))
 }
 
 /// The result of `sweep fit` for a file.
@@ -205,8 +198,8 @@ pub struct Fitted {
 /// # Errors
 /// A file that is not a table, or has nothing to fit.
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
-    let tables = tables(file, &Reading::default())?;
     let name = file.display().to_string();
+    let tables = tables(&name, read_at_most(file, LARGEST), &Reading::default())?;
     let claim = Claim::new(1.0).map_err(CliError::other)?;
     judged(&name, &tables, |_| Asked { p, q, claim, noise: None }, &[])
 }
@@ -224,9 +217,9 @@ fn judged(
         let outside = left_out.get(at).map_or(&[][..], Vec::as_slice);
         for mut part in parts(group, asked, outside).map_err(|why| CliError::about(name, why))? {
             found.all_pass &= part.decision.is_none_or(|d| d == Decision::Pass);
-            part.json.insert("scene".into(), group.scene.clone().into());
-            part.json.insert("norm".into(), group.norm.clone().into());
-            found.objects.push(serde_json::Value::Object(part.json));
+            part.json["scene"] = group.scene.clone().into();
+            part.json["norm"] = group.norm.clone().into();
+            found.objects.push(part.json);
             found.texts.push(match group.heading() {
                 Some(heading) => format!("{heading}, {}", part.text),
                 None => part.text,
@@ -245,24 +238,20 @@ fn judged(
 
 /// All results for one table.
 fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'static str> {
-    let points = group.points();
-    let directions = Direction::BOTH;
+    let directions = Direction::BOTH.into_iter();
     if group.quantity == Quantity::Value {
-        let parts = directions.into_iter();
-        return Ok(parts.filter_map(|direction| values::part(group, direction, asked)).collect());
+        let part = |direction| values::part(group, direction, asked);
+        return Ok(directions.filter_map(part).collect());
     }
-    let both = directions.into_iter().all(|direction| group.refined(direction));
+    let both = directions.clone().all(|direction| group.refined(direction));
     if both && asked.claim.log != 0.0 {
         return Err("--log needs a table in which one step is refined: h and k both are");
     }
-    if let Some(found) = path(&points) {
+    if let Some(found) = path(&group.points()) {
         return Ok(vec![path::part(group, found, asked)]);
     }
     let joint = both.then(|| grid::Joint::of(group, asked));
-    let lines = directions
-        .into_iter()
-        .filter_map(|direction| line::part(group, direction, asked, joint.as_ref(), outside));
-    let lines: Vec<Part> = lines.collect();
-    let grid = joint.map(|joint| grid::part(group, &joint, asked));
-    Ok(lines.into_iter().chain(grid).collect())
+    let line = |direction| line::part(group, direction, asked, joint.as_ref(), outside);
+    let grid = joint.as_ref().map(|joint| grid::part(group, joint, asked));
+    Ok(directions.filter_map(line).chain(grid).collect())
 }

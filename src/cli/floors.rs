@@ -33,11 +33,8 @@ pub(crate) struct FloorsCommand {
     out: Option<PathBuf>,
 }
 
-struct Measured {
-    n: Option<u32>,
-    steps: u32,
-    rows: Vec<FloorRow>,
-}
+/// A floor with its case.
+type Measured<'a> = (&'a CasePlan, FloorRow);
 
 impl FloorsCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
@@ -76,17 +73,17 @@ impl FloorsCommand {
     }
 }
 
-fn measure(plan: &ScenePlan) -> Result<Vec<Measured>, CliError> {
-    let one = |case: &CasePlan| {
+fn measure(plan: &ScenePlan) -> Result<Vec<Measured<'_>>, CliError> {
+    let mut measured = Vec::new();
+    for case in &plan.cases {
         let rows = plan.floors(case).map_err(CliError::other)?;
-        Ok(Measured { n: case.n, steps: case.steps, rows })
-    };
-    plan.cases.iter().map(one).collect()
+        measured.extend(rows.into_iter().map(|row| (case, row)));
+    }
+    Ok(measured)
 }
 
-fn document(scene: &str, measured: &[Measured]) -> serde_json::Value {
-    let rows = measured.iter().flat_map(|case| case.rows.iter().map(move |row| (case, row)));
-    rows.map(|(case, row)| {
+fn document(scene: &str, measured: &[Measured<'_>]) -> serde_json::Value {
+    let row = |(case, row): &Measured<'_>| {
         serde_json::json!({
             "scene": scene,
             "n": case.n,
@@ -98,26 +95,17 @@ fn document(scene: &str, measured: &[Measured]) -> serde_json::Value {
             "estimated": row.estimated,
             "ratio": row.estimated / row.measured,
         })
-    })
-    .collect()
+    };
+    measured.iter().map(row).collect()
 }
 
-fn table(measured: &[Measured]) -> String {
-    let text = |value: f64| format!("{value:.1e}");
-    let rows = measured.iter().flat_map(|case| {
-        case.rows.iter().map(move |row| {
-            vec![
-                case.n.map_or("-".into(), |n| n.to_string()),
-                case.steps.to_string(),
-                row.norm.name().into(),
-                row.part.name().into(),
-                text(row.error),
-                text(row.measured),
-                text(row.estimated),
-                text(row.estimated / row.measured),
-            ]
-        })
+fn table(measured: &[Measured<'_>]) -> String {
+    let rows = measured.iter().map(|(case, row)| {
+        let n = case.n.map_or("-".into(), |n| n.to_string());
+        let words = [n, case.steps.to_string(), row.norm.name().into(), row.part.name().into()];
+        let numbers = [row.error, row.measured, row.estimated, row.estimated / row.measured];
+        words.into_iter().chain(numbers.map(|value| format!("{value:.1e}"))).collect()
     });
     let heads = [">n", ">N", "norm", "part", ">error", ">measured", ">estimated", ">ratio"];
-    report::text_table(&heads, &rows.collect::<Vec<_>>(), width(TABLE_WIDTH))
+    report::text_table(&heads, &rows.collect::<Vec<Vec<String>>>(), width(TABLE_WIDTH))
 }

@@ -56,9 +56,13 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     up_to(File::open(path)?, most)
 }
 
-fn up_to(file: File, most: u64) -> io::Result<Vec<u8>> {
+/// The bytes of a source, at most `most`.
+///
+/// # Errors
+/// The source's; [`io::ErrorKind::FileTooLarge`].
+pub fn up_to(source: impl Read, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    file.take(most + 1).read_to_end(&mut bytes)?;
+    source.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         let reason = format!("more than {} MiB", most >> 20);
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));

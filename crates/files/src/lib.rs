@@ -8,7 +8,7 @@ mod hash;
 mod quoted;
 
 pub use atomic::{Replacement, make_directory, remove_if_there, replace_file, write_named};
-pub use bounded::{open_file, read_at_most, read_file, read_file_up_to, read_text};
+pub use bounded::{open_file, read_at_most, read_file, read_file_up_to, read_text, up_to};
 pub use counted::{counted, megabytes};
 pub use foreign::{harmless, harmless_json, shortened};
 pub use hash::fnv_1a;

@@ -5,9 +5,9 @@ use std::fmt::Display;
 use judge::fit::{Claim, Direction, Posterior, Ruling};
 use judge::table::Group;
 use judge::verdict::Decision;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::wording::run;
+use super::wording::{Part, run};
 
 /// Predicted orders and their meaning.
 #[derive(Debug, Clone, Copy)]
@@ -72,40 +72,33 @@ impl Asked {
         Answer { decision, reason: reason + &help, probability: Some(probability), next }
     }
 
-    /// The JSON entries of what was asked, found and answered, and the reason why nothing was; `further` go beside.
-    pub(super) fn json(
+    /// The result, `json` with the entries of what was asked, found and answered, and the reason why nothing was.
+    pub(super) fn part(
         self,
+        (text, mut json): (String, Value),
         found: Option<&Posterior>,
-        answer: Option<&Answer>,
+        answer: Option<Answer>,
         otherwise: impl Display,
-        further: Value,
-    ) -> Map<String, Value> {
-        let mut object = map(json!({
-            "at_least": self.claim.at_least,
-            "exact": self.claim.exact,
-            "tolerance": self.claim.tolerance,
-            "order": found.map(|found| found.order),
-            "observed": found.map(|found| found.order),
-            "interval": found.map(|found| [found.interval.lo, found.interval.hi]),
-            "verdict": answer.map(|answer| answer.decision),
-            "probability": answer.and_then(|answer| answer.probability),
-            "reason": answer.map_or_else(|| otherwise.to_string(), |answer| answer.reason.clone()),
-        }));
-        object.extend(map(further));
-        object
+    ) -> Part {
+        let decision = answer.as_ref().map(|answer| answer.decision);
+        let probability = answer.as_ref().and_then(|answer| answer.probability);
+        json["at_least"] = json!(self.claim.at_least);
+        json["exact"] = json!(self.claim.exact);
+        json["tolerance"] = json!(self.claim.tolerance);
+        json["order"] = json!(found.map(|found| found.order));
+        json["observed"] = json["order"].clone();
+        json["interval"] = json!(found.map(|found| found.interval));
+        json["verdict"] = json!(decision);
+        json["probability"] = json!(probability);
+        json["reason"] =
+            answer.map_or_else(|| otherwise.to_string(), |answer| answer.reason).into();
+        Part { text, json, decision }
     }
 }
 
 /// The steps that would help, for JSON.
 pub(super) fn next(answer: Option<&Answer>) -> &[f64] {
     answer.map_or(&[], |answer| &answer.next)
-}
-
-fn map(object: Value) -> Map<String, Value> {
-    match object {
-        Value::Object(map) => map,
-        _ => Map::new(),
-    }
 }
 
 /// The verdict for gaps: as in a sweep, a missing case is a failure.

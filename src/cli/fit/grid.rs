@@ -64,14 +64,16 @@ pub(super) fn part(group: &Group, joint: &Result<Joint, NotIdentifiable>, asked:
         .ok()
         .zip(orders)
         .and_then(|(joint, orders)| fit_constants(&points, joint.fits.best.model, orders).ok());
-    let json = object(joint, floor.as_ref(), constants, asked, answer.as_ref());
+    let json = object(joint, floor.as_ref(), constants, asked);
     let head = verdict_text(orders.map(|(p, q)| format!("{p}, {q}")), answer.as_ref());
     let text = match joint {
         Err(_) if !head.is_empty() => format!("joint: {head}"),
         Err(refused) => format!("joint: {refused}"),
         Ok(joint) => text(joint, floor.as_ref(), constants, &head),
     };
-    Part { text, json, decision: answer.map(|answer| answer.decision) }
+    let otherwise = joint.as_ref().err().map_or(String::new(), NotIdentifiable::to_string);
+    let space = joint.as_ref().ok().map(|joint| &joint.posterior.order_h);
+    asked.part((text, json), space, answer, otherwise)
 }
 
 /// Passes if both orders pass, fails if one fails.
@@ -150,20 +152,17 @@ fn object(
     floor: Option<&JointFits>,
     constants: Option<[FittedValue; 2]>,
     asked: Asked,
-    answer: Option<&Answer>,
-) -> serde_json::Map<String, Value> {
+) -> Value {
     let found = joint.as_ref().ok();
     let fits = found.map(|joint| &joint.fits);
-    let space = found.map(|joint| &joint.posterior.order_h);
     let time = found.map(|joint| &joint.posterior.order_k);
     let all = fits.into_iter().chain(floor);
     let all = all.flat_map(|fits| [Some(&fits.best), fits.other.as_ref()]).flatten();
-    let constant = |c: FittedValue, order: Option<f64>| json!({"value": c.value, "interval": [c.interval.lo, c.interval.hi], "order": order});
-    let otherwise = joint.as_ref().err().map_or(String::new(), NotIdentifiable::to_string);
-    let further = json!({
+    let constant = |c: FittedValue, order: Option<f64>| json!({"value": c.value, "interval": c.interval, "order": order});
+    json!({
         "variable": "joint",
         "observed_k": time.map(|posterior| posterior.order),
-        "interval_k": time.map(|posterior| [posterior.interval.lo, posterior.interval.hi]),
+        "interval_k": time.map(|posterior| posterior.interval),
         "models": all.map(model).collect::<Vec<Value>>(),
         "better": fits.map(|fits| fits.best.model.name()),
         "constants": constants.map(|[h, k]| json!({
@@ -171,17 +170,16 @@ fn object(
         })),
         "predicted": asked.p,
         "predicted_k": asked.q,
-    });
-    asked.json(space, answer, otherwise, further)
+    })
 }
 
 fn model(fit: &JointFit) -> Value {
     json!({
         "model": fit.model.name(),
         "order_h": fit.order_h.value,
-        "interval_h": [fit.order_h.interval.lo, fit.order_h.interval.hi],
+        "interval_h": fit.order_h.interval,
         "order_k": fit.order_k.value,
-        "interval_k": [fit.order_k.interval.lo, fit.order_k.interval.hi],
+        "interval_k": fit.order_k.interval,
         "C_h": fit.constant_h,
         "C_k": fit.constant_k,
         "floor": fit.floor,

@@ -33,49 +33,36 @@ pub(super) fn part(
     if !group.refined(direction) && asked.order(direction).is_none() {
         return None;
     }
-    let line = Line::of(group, direction, asked, outside);
+    let measured = group.line(direction);
+    let read = LineReading::of(&measured, direction, asked.noise, asked.claim.log);
+    let points = measured.into_iter().map(|(point, _)| point).collect();
+    let line = Line { direction, points, outside, read, asked };
     let answer = asked.order(direction).map(|order| {
         let gaps = gap_verdict(group);
         gaps.or_else(|| line.bent(order, joint)).unwrap_or_else(|| line.answer(order))
     });
-    Some(Part {
-        text: line.text(answer.as_ref()),
-        json: line.json(answer.as_ref()),
-        decision: answer.map(|answer| answer.decision),
-    })
+    let said = (line.text(answer.as_ref()), line.json(answer.as_ref()));
+    let otherwise = line.read.as_ref().err().map_or(String::new(), FitError::to_string);
+    let found = line.read.as_ref().ok().map(|read| &read.posterior);
+    Some(asked.part(said, found, answer, otherwise))
 }
 
-impl<'a> Line<'a> {
-    fn of(group: &Group, direction: Direction, asked: Asked, outside: &'a [Point]) -> Self {
-        let measured = group.line(direction);
-        let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
-        let read = LineReading::of(&measured, direction, asked.noise, asked.claim.log);
-        Self { direction, points, outside, read, asked }
-    }
-
-    fn name(&self) -> &'static str {
-        self.direction.name()
-    }
-
+impl Line<'_> {
     fn answer(&self, order: f64) -> Answer {
-        let steps = |samples: &[Sample]| samples.iter().map(|s| s.step).collect::<Vec<f64>>();
+        let name = self.direction.name();
+        let next = |samples: &[Sample]| {
+            next_steps(&samples.iter().map(|sample| sample.step).collect::<Vec<f64>>())
+        };
         match &self.read {
             Ok(LineReading { samples, posterior }) => {
-                let next = next_steps(&steps(samples));
-                self.asked.answer(posterior, order, (self.name(), next))
+                self.asked.answer(posterior, order, (name, next(samples)))
             }
-            Err(error) => {
-                let left = samples(&self.points, self.direction).unwrap_or_default();
-                let (next, help) = match error {
-                    FitError::TooFew { .. } => {
-                        let next = next_steps(&steps(&left));
-                        let help = format!(": {}", run(self.name(), &next));
-                        (next, help)
-                    }
-                    _ => (Vec::new(), String::new()),
-                };
-                Answer { next, ..Answer::open(format!("{error}{}{help}", self.below_floor())) }
+            Err(error @ FitError::TooFew { .. }) => {
+                let next = next(&samples(&self.points, self.direction).unwrap_or_default());
+                let help = run(name, &next);
+                Answer { next, ..Answer::open(format!("{error}{}: {help}", self.below_floor())) }
             }
+            Err(error) => Answer::open(format!("{error}{}", self.below_floor())),
         }
     }
 
@@ -122,7 +109,7 @@ impl<'a> Line<'a> {
     }
 
     fn text(&self, answer: Option<&Answer>) -> String {
-        let name = self.name();
+        let name = self.direction.name();
         let verdict = verdict_text(self.asked.order(self.direction), answer);
         let read = match &self.read {
             Ok(read) => read,
@@ -137,37 +124,30 @@ impl<'a> Line<'a> {
         format!("{name}: order {order:.3} in {interval}{constant}{}{verdict}", self.below_floor())
     }
 
-    fn json(&self, answer: Option<&Answer>) -> serde_json::Map<String, serde_json::Value> {
+    fn json(&self, answer: Option<&Answer>) -> serde_json::Value {
         let found = self.read.as_ref().ok();
         let posterior = found.map(|read| &read.posterior);
         let constant = found.and_then(|read| self.constant(read));
-        let used = |point: &Point| json!({"h": point.h, "k": point.k, "error": point.error});
-        let left_out = |point: &Point, reason: String| {
-            let mut left_out = used(point);
+        let left_out = |(point, reason): (&Point, String)| {
+            let mut left_out = json!(point);
             left_out["reason"] = reason.into();
             left_out
         };
         let serving = self.points.iter().filter(|point| screen(point).is_ok());
-        let lost = self
-            .points
-            .iter()
-            .filter_map(|point| Some(left_out(point, screen(point).err()?.to_string())));
-        let outside =
-            self.outside.iter().map(|point| left_out(point, "outside of the window".into()));
-        let otherwise = self.read.as_ref().err().map_or(String::new(), FitError::to_string);
-        let further = json!({
-            "variable": self.name(),
-            "local_slopes": posterior.map(|fitted| fitted.slopes.clone()),
+        let lost = self.points.iter().filter_map(|p| Some((p, screen(p).err()?.to_string())));
+        let outside = self.outside.iter().map(|point| (point, "outside of the window".into()));
+        json!({
+            "variable": self.direction.name(),
+            "local_slopes": posterior.map(|fitted| &fitted.slopes),
             "coarse_left_out": posterior.map(|fitted| fitted.coarse_left_out),
             "floor_from": posterior.and_then(|fitted| fitted.floor_from),
             "log": self.asked.claim.log,
             "constant": constant.map(|(value, _)| value),
-            "constant_interval": constant.map(|(_, i)| [i.lo, i.hi]),
+            "constant_interval": constant.map(|(_, interval)| interval),
             "predicted": self.asked.order(self.direction),
             "next": next(answer),
-            "points_used": serving.map(used).collect::<Vec<_>>(),
-            "points_left_out": lost.chain(outside).collect::<Vec<_>>(),
-        });
-        self.asked.json(posterior, answer, otherwise, further)
+            "points_used": serving.collect::<Vec<&Point>>(),
+            "points_left_out": lost.chain(outside).map(left_out).collect::<Vec<_>>(),
+        })
     }
 }

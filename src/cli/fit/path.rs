@@ -26,15 +26,14 @@ pub(super) fn part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
         "variable": "path",
         "exponent": exponent,
         "path_constant": constant,
-        "local_slopes": found.map(|fitted| fitted.slopes.clone()),
+        "local_slopes": found.map(|fitted| &fitted.slopes),
         "predicted": asked.p,
         "predicted_k": asked.q,
         "next": next(answered),
     });
     let otherwise = format!("along the path the order in h is min(p, {exponent:.2} q)");
-    let json = asked.json(found, answered, otherwise, further);
     let text = text(&read, path, order, answered);
-    Part { text, json, decision: answer.map(|answer| answer.decision) }
+    asked.part((text, further), found, answer, otherwise)
 }
 
 fn text(

@@ -46,25 +46,20 @@ pub(super) fn part(group: &Group, direction: Direction, asked: Asked) -> Option<
     let otherwise = findings.as_ref().err().map_or(String::new(), FitError::to_string);
     let mut further = object(found, name, answer.as_ref());
     further["predicted"] = predicted.into();
-    let json = asked.json(order, answer.as_ref(), otherwise, further);
-    Some(Part {
-        text: match &findings {
-            Ok(findings) => text(findings, name, &tail),
-            Err(error) => format!("{name}: {error}"),
-        },
-        json,
-        decision: answer.map(|answer| answer.decision),
-    })
+    let text = match &findings {
+        Ok(findings) => text(findings, name, &tail),
+        Err(error) => format!("{name}: {error}"),
+    };
+    Some(asked.part((text, further), order, answer, otherwise))
 }
 
 impl Findings {
     fn of(samples: Vec<ValueSample>, asked: Asked) -> Self {
-        Self {
-            last_three: samples.last_chunk().map(|three| Triple::of(*three)),
-            order: infer_values(&samples, asked.noise),
-            estimate: eca_hoekstra(&samples),
-            samples,
-        }
+        let last_three = samples.last_chunk().map(|three| Triple::of(*three));
+        // Diverging values have no limit.
+        let diverges = matches!(last_three, Some(Triple::Diverging { .. }));
+        let estimate = eca_hoekstra(&samples).filter(|_| !diverges);
+        Self { last_three, order: infer_values(&samples, asked.noise), estimate, samples }
     }
 
     fn answer(&self, name: &str, asked: Asked, order: f64) -> Answer {
@@ -129,7 +124,7 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
     if let Ok(found) = &findings.order {
         lines.push(format!("   order {:.3} in {} over {grids}", found.order, found.interval));
     }
-    lines.extend(findings.estimate.filter(|_| !diverges(findings)).map(|found| {
+    lines.extend(findings.estimate.map(|found| {
         format!(
             "   Eça-Hoekstra: {:.10}, uncertainty {:.2e} on the finest, expansion {}, factor {}",
             found.fit.limit,
@@ -145,45 +140,33 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
     lines.join("\n")
 }
 
-/// Diverging values have no limit, so no estimate is printed.
-fn diverges(findings: &Findings) -> bool {
-    matches!(findings.last_three, Some(Triple::Diverging { .. }))
-}
-
 fn object(found: Option<&Findings>, name: &str, answer: Option<&Answer>) -> Value {
     let triple = found.and_then(|found| found.last_three);
-    let (limit, gci) = match triple {
-        Some(Triple::Converging { limit, gci, .. }) => (Some(limit), Some(gci)),
-        _ => (None, None),
+    let (behaviour, limit, gci, half_range) = match triple {
+        Some(Triple::Converging { limit, gci, .. }) => {
+            (Some("monotone"), Some(limit), Some(gci), None)
+        }
+        Some(Triple::Oscillating { half_range }) => {
+            (Some("oscillating"), None, None, Some(half_range))
+        }
+        Some(Triple::Diverging { .. }) => (Some("divergent"), None, None, None),
+        Some(Triple::Stationary) => (Some("stationary"), None, None, None),
+        None => (None, None, None, None),
     };
-    let half_range = match triple {
-        Some(Triple::Oscillating { half_range }) => Some(half_range),
-        _ => None,
-    };
-    let estimate = found.filter(|found| !diverges(found)).and_then(|found| found.estimate);
     json!({
         "variable": name,
-        "behaviour": triple.map(behaviour),
+        "behaviour": behaviour,
         "finest": found.and_then(|found| found.samples.last()).map(|sample| sample.value),
         "extrapolated": limit,
         "order_of_last_three": triple.and_then(Triple::order),
         "gci": gci,
         "half_range": half_range,
         "caution": found.and_then(Findings::caution),
-        "eca_hoekstra": estimate,
+        "eca_hoekstra": found.and_then(|found| found.estimate),
         "next": next(answer),
         "points_used": found.map(|found| {
             let plain = |sample: &ValueSample| json!({name: sample.step, "value": sample.value});
             found.samples.iter().map(plain).collect::<Vec<Value>>()
         }),
     })
-}
-
-fn behaviour(triple: Triple) -> &'static str {
-    match triple {
-        Triple::Converging { .. } => "monotone",
-        Triple::Oscillating { .. } => "oscillating",
-        Triple::Diverging { .. } => "divergent",
-        Triple::Stationary => "stationary",
-    }
 }

@@ -5,7 +5,7 @@ use judge::verdict::Decision;
 /// The result for one table in one direction.
 pub(super) struct Part {
     pub(super) text: String,
-    pub(super) json: serde_json::Map<String, serde_json::Value>,
+    pub(super) json: serde_json::Value,
     /// Set if an order is predicted.
     pub(super) decision: Option<Decision>,
 }
