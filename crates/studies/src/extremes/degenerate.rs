@@ -1,6 +1,6 @@
 //! Ladders of what is next to nothing: subnormal numbers in a scene, slivers, and memories whose parts cancel.
 
-use super::answer::{relative, solve};
+use super::answer::{SceneAnswer, relative, solve};
 use super::history::opposed;
 use super::rung::{Expected, Ladder, Measured, Rung};
 use super::scene_text::SceneText;
@@ -27,15 +27,10 @@ pub(crate) fn subnormal() -> Ladder {
             Ok(Measured::of(distance, &found))
         })
     };
-    let alone = Rung::new(
-        "load alone",
-        Expected::Refused("state the scene in other units"),
-        |under_test| {
-            let load = "[loads]\nbody = [\"0\", \"-1e-310*t*x\"]\n";
-            let answer = solve(SceneText::free(load).text(), 4, 4, under_test.prepare)?;
-            Ok(Measured::of(largest(&answer.displacement), &answer))
-        },
-    );
+    let load = SceneText::free("[loads]\nbody = [\"0\", \"-1e-310*t*x\"]\n").text();
+    let refused = Expected::Refused("state the scene in other units");
+    let size = |answer: &SceneAnswer| largest(&answer.displacement);
+    let alone = Rung::body("load alone", refused, (load, 4, 4), size);
     let (free, touching): (Body, Body) = (SceneText::free, SceneText::in_contact);
     let memory = "[material.memory]\nkernel = \"1e-310*exp(-t)\"\nlambda = 1.0\nmu = 1.0\n";
     let projection = "[material.projection]\nmu = 1e-310\nkappa = \"0.001\"\n";

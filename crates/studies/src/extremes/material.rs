@@ -1,7 +1,6 @@
 //! Ladders of the projection, μ and κ, and of u(t) through zero, on exact solutions in V^h.
 
-use super::UnderTest;
-use super::answer::{SceneAnswer, Unanswered, solve};
+use super::answer::{SceneAnswer, solve};
 use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
 use super::scene_text::SceneText;
 use super::small::step_in_words;
@@ -25,29 +24,23 @@ fn stress_error(answer: &SceneAnswer) -> f64 {
     answer.errors.map_or(f64::NAN, |errors| errors[2]) / largest(&answer.stress)
 }
 
-fn strain_error(answer: &SceneAnswer) -> f64 {
+/// The largest error of the strains relative to the displacements.
+pub(super) fn strain_error(answer: &SceneAnswer) -> f64 {
     // ‖ε(u)‖ of the profile is 0.5 at its largest; the displacement is 0.2 there.
     answer.errors.map_or(f64::NAN, |errors| errors[0]) / largest(&answer.displacement)
 }
 
-fn projected(
-    mu: f64,
-    kappa: f64,
-    value: fn(&SceneAnswer) -> f64,
-    under_test: &UnderTest<'_>,
-) -> Result<Measured, Unanswered> {
+/// The run of a body with a projection.
+fn projected(mu: f64, kappa: f64) -> (String, u32, u32) {
     let projection = format!("[material.projection]\nmu = {mu:?}\nkappa = \"{kappa:?}\"\n");
-    let answer = solve(in_space(&projection, "(0.2 + t)"), 8, 4, under_test.prepare)?;
-    Ok(Measured::of(value(&answer), &answer))
+    (in_space(&projection, "(0.2 + t)"), 8, 4)
 }
 
 /// μ from 0 to 1e6 μ_L with κ = 0.1.
 pub(crate) fn projection() -> Ladder {
     let rung = |at: &str, mu: f64| {
-        let bound = ROUNDING * (1.0 + mu);
-        Rung::new(at, Expected::AtMost(bound), move |under_test| {
-            projected(mu, 0.1, strain_error, under_test)
-        })
+        let bound = Expected::AtMost(ROUNDING * (1.0 + mu));
+        Rung::body(at, bound, projected(mu, 0.1), strain_error)
     };
     let mut rungs = vec![rung("0", 0.0)];
     rungs.extend((-6..=6).step_by(2).map(|e| rung(&format!("1e{e}"), power_of_ten(e))));
@@ -63,13 +56,8 @@ pub(crate) fn projection() -> Ladder {
 /// κ from 1e-300 (nothing is below it) to 1e300 (everything is).
 pub(crate) fn yield_limit() -> Ladder {
     let rung = |e: i32| {
-        Rung::new(
-            format!("1e{e}"),
-            Expected::AtMost(2.0 * ROUNDING),
-            move |under_test: &UnderTest<'_>| {
-                projected(1.0, power_of_ten(e), stress_error, under_test)
-            },
-        )
+        let bound = Expected::AtMost(2.0 * ROUNDING);
+        Rung::body(format!("1e{e}"), bound, projected(1.0, power_of_ten(e)), stress_error)
     };
     Ladder {
         name: "kappa",
@@ -93,27 +81,23 @@ const NEXT_ORDER: f64 = 0.15;
 /// with t* inside a step ζ is wrong by a(1 - a) k² ‖ε(U)‖, a being its place in the step: order 2 in the mean (the
 /// BV lemma), and between N = 8 and N = 64 the slope 2 + log2(a(1 - a) of the first / of the second)/3.
 pub(crate) fn through_zero() -> Ladder {
-    let errors = |at: f64, steps: u32, under_test: &UnderTest<'_>| {
+    let moving = |at: f64| {
         let projection = "[material.projection]\nmu = 1.0\nkappa = \"0.02 + 0.5*zeta\"\n";
-        let answer =
-            solve(in_space(projection, &format!("(t - {at:?})")), 4, steps, under_test.prepare)?;
-        Ok::<_, Unanswered>((strain_error(&answer), answer))
+        in_space(projection, &format!("(t - {at:?})"))
     };
     let between = |label: &str, at: f64| {
         let slope = 2.0 + (kink(at, 8) / kink(at, 64)).log2() / 3.0;
         let expected = Expected::Within([slope - NEXT_ORDER, slope + NEXT_ORDER]);
         Rung::new(label, expected, move |under_test| {
-            let ((coarse, _), (fine, answer)) =
-                (errors(at, 8, under_test)?, errors(at, 64, under_test)?);
-            Ok(Measured::of((coarse / fine).log2() / 3.0, &answer))
+            let [coarse, fine] = [8, 64].map(|n| solve(moving(at), 4, n, under_test.prepare));
+            let (coarse, fine) = (coarse?, fine?);
+            let ratio = strain_error(&coarse) / strain_error(&fine);
+            Ok(Measured::of(ratio.log2() / 3.0, &fine))
         })
     };
     let on_level = |label: &str, at: f64| {
         let expected = Expected::AtMost(2.0 * ROUNDING);
-        Rung::new(label, expected, move |under_test| {
-            let (error, answer) = errors(at, 8, under_test)?;
-            Ok(Measured::of(error, &answer))
-        })
+        Rung::body(label, expected, (moving(at), 4, 8), strain_error)
     };
     Ladder {
         name: "through-zero",
@@ -138,10 +122,7 @@ pub(crate) fn body_step() -> Ladder {
             true => Expected::AtMost(ROUNDING / (1.0 - 0.5 * k)),
             false => Expected::Refused("not positive definite"),
         };
-        Rung::new(step_in_words(k), expected, move |under_test| {
-            let (answer, error) = remembered(-1.0, k, 1, 8, under_test)?;
-            Ok(Measured::of(error, &answer))
-        })
+        Rung::body(step_in_words(k), expected, (remembering(-1.0, k), 8, 1), strain_error)
     };
     Ladder {
         name: "step-body",
@@ -157,12 +138,9 @@ pub(crate) fn body_step() -> Ladder {
 pub(crate) fn long_march(most: i32) -> Ladder {
     let rung = |e: i32| {
         let steps = 10u32.pow(e as u32);
-        let bound = ROUNDING + 3.0 * f64::EPSILON * f64::from(steps);
-        Rung::new(format!("1e{e}"), Expected::AtMost(bound), move |under_test: &UnderTest<'_>| {
-            let (answer, error) = remembered(0.1, 1.0, steps, 2, under_test)?;
-            Ok(Measured::of(error, &answer))
-        })
-        .with_largest(remembering(0.1, 1.0), 2, steps)
+        let bound = Expected::AtMost(ROUNDING + 3.0 * f64::EPSILON * f64::from(steps));
+        Rung::body(format!("1e{e}"), bound, (remembering(0.1, 1.0), 2, steps), strain_error)
+            .with_largest(remembering(0.1, 1.0), 2, steps)
     };
     Ladder {
         name: "march",
@@ -179,17 +157,4 @@ fn remembering(factor: f64, horizon: f64) -> String {
     let profile = PROFILE.replace("{f}", &format!("(1 + t/{horizon:?})"));
     let rest = format!("{memory}[exact]\nu = [{profile}]\ninterpolated = true\n");
     SceneText { horizon, ..SceneText::free(rest) }.text()
-}
-
-/// Its answer and error.
-fn remembered(
-    factor: f64,
-    horizon: f64,
-    steps: u32,
-    n: u32,
-    under_test: &UnderTest<'_>,
-) -> Result<(SceneAnswer, f64), Unanswered> {
-    let answer = solve(remembering(factor, horizon), n, steps, under_test.prepare)?;
-    let error = strain_error(&answer);
-    Ok((answer, error))
 }

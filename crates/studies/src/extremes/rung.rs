@@ -1,7 +1,7 @@
 //! Ladders: one parameter from the ordinary to the extreme, and what each rung must show.
 
 use super::UnderTest;
-use super::answer::{SceneAnswer, Unanswered};
+use super::answer::{SceneAnswer, Unanswered, solve};
 
 /// What a rung must show.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +75,19 @@ impl Rung {
         run: impl Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync + 'static,
     ) -> Self {
         Self { at: at.into(), expected, run: Box::new(run), largest: None }
+    }
+
+    /// A rung that is one run of a body, its text with n and N, and a number about the answer.
+    pub(super) fn body(
+        at: impl Into<String>,
+        expected: Expected,
+        (text, n, steps): (String, u32, u32),
+        value: impl Fn(&SceneAnswer) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        Self::new(at, expected, move |under_test| {
+            let answer = solve(text.clone(), n, steps, under_test.prepare)?;
+            Ok(Measured::of(value(&answer), &answer))
+        })
     }
 
     /// Names the largest run of a body in the rung, for the limit of memory.

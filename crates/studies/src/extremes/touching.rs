@@ -2,6 +2,7 @@
 
 use super::UnderTest;
 use super::answer::{relative, solve};
+use super::material::strain_error;
 use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
 use super::scene_text::{SceneText, punch};
 use algebra::linalg::largest;
@@ -54,10 +55,8 @@ pub(crate) fn gap() -> Ladder {
         })
     };
     let refused = |gap: &'static str, saying: &'static str| {
-        Rung::new(gap, Expected::Refused(saying), move |under_test| {
-            let found = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
-            Ok(Measured::of(largest(&found.displacement), &found))
-        })
+        let run = (punch(gap, 1.0), 4, 4);
+        Rung::body(gap, Expected::Refused(saying), run, |found| largest(&found.displacement))
     };
     Ladder {
         name: "gap",
@@ -83,20 +82,17 @@ pub(crate) fn gap() -> Ladder {
 pub(crate) fn one_vertex() -> Ladder {
     let rung = |(label, c): (&str, f64)| {
         let bound = Expected::AtMost(16.0 * f64::EPSILON);
-        Rung::new(label, bound, move |under_test| {
-            let domain = "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]\nsides = [\"bottom\", \"slope\", \"left\"]\nclamped = [\"left\"]\ntraction = [\"slope\"]\ncontact = [\"bottom\"]\n".to_owned();
-            let rest = format!(
-                "[contact]\ngap = \"0.1\"\nlaw = {{ kind = \"none\" }}\n[loads]\nbody = [\"0\", \"{:?}\"]\n",
-                -c
-            );
-            let text = SceneText { domain, ..SceneText::free(rest) }.text();
-            let answer = solve(text, 1, 1, under_test.prepare)?;
-            let (q, pressure) = (-(c / 3.0).min(0.1), (c / 3.0 - 0.1).max(0.0));
-            let found = [
-                answer.displacement.iter().copied().fold(0.0, f64::min),
-                answer.pressure.iter().copied().fold(0.0, f64::max),
-            ];
-            Ok(Measured::of(relative(&found, &[q, pressure]), &answer))
+        let domain = "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]\nsides = [\"bottom\", \"slope\", \"left\"]\nclamped = [\"left\"]\ntraction = [\"slope\"]\ncontact = [\"bottom\"]\n".to_owned();
+        let rest = format!(
+            "[contact]\ngap = \"0.1\"\nlaw = {{ kind = \"none\" }}\n[loads]\nbody = [\"0\", \"{:?}\"]\n",
+            -c
+        );
+        let text = SceneText { domain, ..SceneText::free(rest) }.text();
+        let (q, pressure) = (-(c / 3.0).min(0.1), (c / 3.0 - 0.1).max(0.0));
+        Rung::body(label, bound, (text, 1, 1), move |answer| {
+            let least = answer.displacement.iter().copied().fold(0.0, f64::min);
+            let most = answer.pressure.iter().copied().fold(0.0, f64::max);
+            relative(&[least, most], &[q, pressure])
         })
     };
     let loads = [
@@ -131,18 +127,14 @@ pub(crate) fn short_clamp() -> Ladder {
             11 => Expected::Refused("has no area"),
             _ => Expected::Refused("are the same point"),
         };
-        Rung::new(format!("1e-{e}"), expected, move |under_test: &UnderTest<'_>| {
-            let end = 0.5 + power_of_ten(-e);
-            let domain = format!(
-                "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [{end:?}, 1.0], [0.5, 1.0], [0.0, 1.0]]\nsides = [\"bottom\", \"right\", \"top-right\", \"clamp\", \"top-left\", \"left\"]\ntriangles = [[0, 1, 4], [1, 3, 4], [1, 2, 3], [0, 4, 5]]\nclamped = [\"clamp\"]\ntraction = [\"bottom\", \"right\", \"top-right\", \"top-left\", \"left\"]\n"
-            );
-            let rest =
-                "[exact]\nu = [\"t*(1 - y)*(1 + x)\", \"0.3*t*(1 - y)*x\"]\ninterpolated = true\n";
-            let text = SceneText { domain, ..SceneText::free(rest) }.text();
-            let answer = solve(text, 4, 1, under_test.prepare)?;
-            let error = answer.errors.map_or(f64::NAN, |errors| errors[0]);
-            Ok(Measured::of(error / largest(&answer.displacement), &answer))
-        })
+        let end = 0.5 + power_of_ten(-e);
+        let domain = format!(
+            "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [{end:?}, 1.0], [0.5, 1.0], [0.0, 1.0]]\nsides = [\"bottom\", \"right\", \"top-right\", \"clamp\", \"top-left\", \"left\"]\ntriangles = [[0, 1, 4], [1, 3, 4], [1, 2, 3], [0, 4, 5]]\nclamped = [\"clamp\"]\ntraction = [\"bottom\", \"right\", \"top-right\", \"top-left\", \"left\"]\n"
+        );
+        let rest =
+            "[exact]\nu = [\"t*(1 - y)*(1 + x)\", \"0.3*t*(1 - y)*x\"]\ninterpolated = true\n";
+        let text = SceneText { domain, ..SceneText::free(rest) }.text();
+        Rung::body(format!("1e-{e}"), expected, (text, 4, 1), strain_error)
     };
     Ladder {
         name: "clamp",
