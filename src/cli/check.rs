@@ -3,13 +3,14 @@
 use clap::Args;
 
 use super::abstract_problem::fact;
+use super::explain::under_loads;
 use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_beside, print_json};
 use exact::{Finding, Status, check};
 use run::sweep::admit_constants;
+use scene::Hypothesis;
 use scene::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
-use scene::{Data, Hypothesis};
-use studies::theory::corner::{Corner, corners};
+use studies::theory::corner::Corner;
 
 /// `sweep check`.
 #[derive(Args)]
@@ -42,9 +43,7 @@ impl Check {
                 }
                 findings.extend(interfaces(setup));
                 findings.extend(hypotheses(setup, &constants(setup)?));
-                if matches!(setup.body.data, Data::Loads { .. }) {
-                    findings.extend(corners(&setup.body).iter().map(at_corner));
-                }
+                findings.extend(under_loads(setup).iter().map(at_corner));
             }
             Subject::Abstract(setup) => findings.extend(abstract_problem::findings(setup)),
         }
@@ -123,24 +122,12 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
             Err(error) => cut = cut.or(Some(error)),
         }
     }
-    let subject = "mesh lines on interfaces";
-    Some(match cut {
-        None => {
-            let text = format!("no cell is cut on n = {}", fit.join(", "));
-            Finding::new(subject, Status::Verified, fit.len() as f64, text)
-        }
-        Some(error) => Finding::new(subject, Status::Failed, f64::NAN, error.to_string()),
-    })
-}
-
-/// α_φ of all of φ, including friction that follows the normal law.
-fn alpha_phi(c: &Constants) -> Finding {
-    let value = c.alpha_phi_as_printed();
-    let how = match c.coulomb {
-        None => "proved: mu",
-        Some(_) => "mu + mu_f L_p c_j c_tau with the extrapolated c_j, c_tau",
+    let fits = format!("no cell is cut on n = {}", fit.join(", "));
+    let (status, value, text) = match cut {
+        None => (Status::Verified, fit.len() as f64, fits),
+        Some(error) => (Status::Failed, f64::NAN, error.to_string()),
     };
-    fact("alpha_phi", value, how)
+    Some(Finding::new("mesh lines on interfaces", status, value, text))
 }
 
 /// Constants of the trace, and how friction changes them.
@@ -149,12 +136,10 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     if c.c_j_squared > 0.0 {
         let levels: Vec<String> =
             trace_levels(&setup.body.domain).iter().map(u32::to_string).collect();
-        let how = match levels.len() {
-            3.. => format!("extrapolated from n = {}; no bound", levels.join(", ")),
-            _ => format!(
-                "on n = {}, finer meshes having too many cells; no bound",
-                levels.join(", ")
-            ),
+        let (few, list) = (levels.len() < 3, levels.join(", "));
+        let how = match few {
+            true => format!("on n = {list}, finer meshes having too many cells; no bound"),
+            false => format!("extrapolated from n = {list}; no bound"),
         };
         findings.push(fact("c_j^2", c.c_j_squared, &how));
     }
@@ -184,11 +169,16 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         let text = "functions jump: Theorems 6 to 11 do not apply as they stand, orders are those of `why`; the constants below are those of V";
         findings.push(Finding::new("V^h in V", Status::Weak, f64::NAN, text.into()));
     }
+    // Of all of φ, including friction that follows the normal law.
+    let alpha_phi = match c.coulomb {
+        None => "proved: mu",
+        Some(_) => "mu + mu_f L_p c_j c_tau with the extrapolated c_j, c_tau",
+    };
     findings.extend([
         fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
         fact("m_A", c.m_a, "proved: elastic part + mu"),
         fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
-        alpha_phi(c),
+        fact("alpha_phi", c.alpha_phi_as_printed(), alpha_phi),
         fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
     ]);
     findings.extend(trace_findings(setup, c));

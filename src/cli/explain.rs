@@ -40,9 +40,17 @@ impl Explain {
         let asked = match &plan.subject {
             Subject::Contact(setup) => {
                 meshes_fit(setup, &limit)?;
-                Asked::of_body(setup)
+                Asked {
+                    regions: regions(setup),
+                    corners: under_loads(setup),
+                    history: history(setup),
+                }
             }
-            Subject::Abstract(_) => Asked::of_finite(),
+            Subject::Abstract(_) => Asked {
+                regions: Vec::new(),
+                corners: Vec::new(),
+                history: "direct sum, O(n) at step n".into(),
+            },
         };
         let (constants, costs) = (predicted_constants(&plan), plan.costs()?);
         let algorithm = of_meshes(&plan, &costs, |cost| algorithm(&plan.subject, cost.plan));
@@ -125,7 +133,7 @@ fn print_in_words(
     for corner in corners {
         say("corner", &corner.in_words());
     }
-    if let Some(order) = least_order(corners) {
+    if let Some(order) = corners.iter().map(Corner::order).reduce(f64::min) {
         let words = format!(
             "order in h at least {order:.4} by the corners, and (5.26) promises 1 for u in H2 alone; loads that do not excite the strongest term do better"
         );
@@ -140,19 +148,11 @@ struct Asked {
     history: String,
 }
 
-impl Asked {
-    fn of_body(setup: &Setup) -> Self {
-        // Corners do not matter for an exact solution.
-        let corners = match &setup.body.data {
-            Data::Loads { .. } => corners(&setup.body),
-            Data::Exact { .. } => Vec::new(),
-        };
-        Self { regions: regions(setup), corners, history: history(setup) }
-    }
-
-    fn of_finite() -> Self {
-        let history = "direct sum, O(n) at step n".into();
-        Self { regions: Vec::new(), corners: Vec::new(), history }
+/// The corners of a scene with given loads; they do not matter for an exact solution.
+pub(super) fn under_loads(setup: &Setup) -> Vec<Corner> {
+    match &setup.body.data {
+        Data::Loads { .. } => corners(&setup.body),
+        Data::Exact { .. } => Vec::new(),
     }
 }
 
@@ -163,11 +163,6 @@ fn row(corner: &Corner) -> serde_json::Value {
         "singular": corner.in_words(),
         "order": corner.order(),
     })
-}
-
-/// The least order in h at the corners of a scene with given loads.
-fn least_order(corners: &[Corner]) -> Option<f64> {
-    corners.iter().map(Corner::order).reduce(f64::min)
 }
 
 fn predicted(cost: &Cost) -> [String; 2] {
@@ -205,9 +200,10 @@ fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'stat
     if let [(name, _)] = found[..] {
         return name.to_string();
     }
-    let list =
-        |meshes: &BTreeSet<u32>| meshes.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-    let each = found.iter().map(|(name, meshes)| format!("{name} for n = {}", list(meshes)));
+    let each = found.iter().map(|(name, meshes)| {
+        let list: Vec<String> = meshes.iter().map(u32::to_string).collect();
+        format!("{name} for n = {}", list.join(", "))
+    });
     each.collect::<Vec<_>>().join("; ")
 }
 

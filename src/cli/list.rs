@@ -43,8 +43,7 @@ impl List {
             return pictures(&all, folder);
         }
         if self.json {
-            let rows: Vec<_> = all.iter().map(row).collect();
-            print_json(&serde_json::Value::Array(rows))?;
+            print_json(&all.iter().map(row).collect())?;
             return Ok(0);
         }
         if self.markdown {
@@ -64,9 +63,7 @@ impl List {
         print_text(&format!("{} {}", counted(all.len(), "scene"), scenes.place()));
         Ok(0)
     }
-}
 
-impl List {
     /// The text of a scene's file.
     fn text_of(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let [name] = &self.scene[..] else {
@@ -117,37 +114,33 @@ fn row(scene: &Scene) -> serde_json::Value {
     })
 }
 
-/// The terms of (5.1)-(5.5) in a scene.
+/// The terms of (5.1)-(5.5) in a scene, or those of Problem 1 in an abstract one.
 pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
-    let Some(body) = scene.as_contact() else { return abstract_terms(scene) };
-    let contact = body.contact.as_ref();
-    let present = [
-        (true, "elasticity"),
-        (!body.material.regions.is_empty(), "regions"),
-        (body.material.is_anisotropic(), "anisotropy"),
-        (!body.material.memory.is_empty(), "memory"),
-        (body.material.memory.len() > 1, "several kernels"),
-        (body.material.projection.is_some(), "projection"),
-        (contact.is_some_and(|c| c.law.is_some()), "compliance"),
-        (contact.is_some_and(|c| c.gap.is_some()), "gap"),
-        (contact.is_some_and(|c| c.shift.is_some()), "shift"),
-        (contact.is_some_and(|c| c.friction.is_some()), "friction"),
-    ];
-    present.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect()
-}
-
-/// The terms of Problem 1 in an abstract scene.
-fn abstract_terms(scene: &Scene) -> Vec<&'static str> {
-    let Body::Abstract(problem) = &scene.body else { return Vec::new() };
-    let traces = &problem.traces;
-    let present = [
-        (problem.nonlinear.is_none(), "linear operator"),
-        (problem.nonlinear.is_some(), "nonlinear operator"),
-        (!problem.kernels.is_empty(), "history"),
-        (problem.force.is_some(), "nonlinear phi"),
-        (traces.iter().any(|trace| trace.law.is_some()), "j"),
-        (traces.iter().any(|trace| trace.is_bounded()), "constraint"),
-    ];
+    let present = match &scene.body {
+        Body::Contact(body) => {
+            let contact = body.contact.as_ref();
+            vec![
+                (true, "elasticity"),
+                (!body.material.regions.is_empty(), "regions"),
+                (body.material.is_anisotropic(), "anisotropy"),
+                (!body.material.memory.is_empty(), "memory"),
+                (body.material.memory.len() > 1, "several kernels"),
+                (body.material.projection.is_some(), "projection"),
+                (contact.is_some_and(|c| c.law.is_some()), "compliance"),
+                (contact.is_some_and(|c| c.gap.is_some()), "gap"),
+                (contact.is_some_and(|c| c.shift.is_some()), "shift"),
+                (contact.is_some_and(|c| c.friction.is_some()), "friction"),
+            ]
+        }
+        Body::Abstract(problem) => vec![
+            (problem.nonlinear.is_none(), "linear operator"),
+            (problem.nonlinear.is_some(), "nonlinear operator"),
+            (!problem.kernels.is_empty(), "history"),
+            (problem.force.is_some(), "nonlinear phi"),
+            (problem.traces.iter().any(|trace| trace.law.is_some()), "j"),
+            (problem.traces.iter().any(|trace| trace.is_bounded()), "constraint"),
+        ],
+    };
     present.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect()
 }
 

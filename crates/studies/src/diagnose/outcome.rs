@@ -105,7 +105,8 @@ pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     let cases = match run_cases(&trial.scene, prepare) {
         Ok(cases) => cases,
         Err(error) => {
-            outcome.reason = format!("not run: {}", first_line(&error.to_string()));
+            let said = error.to_string();
+            outcome.reason = format!("not run: {}", said.lines().next().unwrap_or_default());
             return outcome;
         }
     };
@@ -114,7 +115,9 @@ pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
             let foreseen = foresee(&cases.plan.subject, &cases.records);
             let keys = cases.plan.keys();
             let verdicts = judge_scene(&trial.scene, &cases.records, &keys, &foreseen);
-            let verdict = verdicts.into_iter().max_by_key(|verdict| badness(verdict.decision));
+            let rising = [Decision::Pass, Decision::Unresolved, Decision::Fail];
+            let badness = |verdict: &Verdict| rising.iter().position(|d| *d == verdict.decision);
+            let verdict = verdicts.into_iter().max_by_key(badness);
             if let Some(verdict) = verdict {
                 outcome.decision = verdict.decision;
                 outcome.reason = verdict.reason.clone();
@@ -142,18 +145,6 @@ fn acquitted(cases: &Cases) -> Suspect {
         marched.is_ok() && largest <= KKT_ALLOWED
     };
     if cases.run().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
-}
-
-fn badness(decision: Decision) -> u8 {
-    match decision {
-        Decision::Pass => 0,
-        Decision::Unresolved => 1,
-        Decision::Fail => 2,
-    }
-}
-
-fn first_line(text: &str) -> &str {
-    text.lines().next().unwrap_or_default()
 }
 
 /// The errors of an exact variant, relative to the solution.

@@ -2,22 +2,16 @@
 
 use scene::ContactScene;
 
-/// The terms of (5.1)-(5.5) that a variant of a scene has: whether it has each of [`SceneTerms::ALL`].
+/// How many suspects are terms: the first of [`Suspect::ALL`].
+const TERMS: usize = 5;
+
+/// The terms of (5.1)-(5.5) that a variant of a scene has: whether it has each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct SceneTerms([bool; 5]);
+pub(crate) struct SceneTerms([bool; TERMS]);
 
 impl SceneTerms {
-    /// Every term there is: the first of [`Suspect::ALL`].
-    const ALL: [Suspect; 5] = [
-        Suspect::Projection,
-        Suspect::Accumulation,
-        Suspect::Memory,
-        Suspect::Compliance,
-        Suspect::Gap,
-    ];
-
     /// No term: linear elasticity.
-    pub const NONE: SceneTerms = SceneTerms([false; 5]);
+    pub const NONE: SceneTerms = SceneTerms([false; TERMS]);
 
     pub(crate) fn of(body: &ContactScene) -> Self {
         let projection = body.material.projection.as_ref().filter(|p| p.mu > 0.0);
@@ -52,7 +46,7 @@ impl SceneTerms {
     }
 
     fn present(self) -> impl Iterator<Item = Suspect> {
-        Self::ALL.into_iter().filter(move |&term| self.has(term))
+        Suspect::ALL.into_iter().take(TERMS).filter(move |&term| self.has(term))
     }
 
     /// Each term with the terms that remain without it.
@@ -156,6 +150,6 @@ impl Suspect {
 
     /// Whether a variant of a scene can do without it.
     pub(crate) fn is_term(self) -> bool {
-        SceneTerms::ALL.contains(&self)
+        (self as usize) < TERMS
     }
 }

@@ -84,10 +84,7 @@ impl ErrorModel {
             (_, Some(_)) => "line in h on the finest k; k from runs on one mesh".to_owned(),
             (_, None) => "line in h; k does not show".to_owned(),
         };
-        let with = |model| {
-            let fitted = Self { model, space, time, source: source.clone(), residual: 0.0 };
-            fitted.judged(points)
-        };
+        let with = |model| Self::new(points, model, [space, time], source.clone());
         let [sum, root] = [ErrorCombination::Sum, ErrorCombination::RootSumSquare].map(with);
         Ok(if sum.residual < root.residual { sum } else { root })
     }
@@ -96,20 +93,20 @@ impl ErrorModel {
         let term = |constant: f64, order: judge::fit::FittedValue| {
             Some(Term { constant, order: order.value, interval: order.interval })
         };
-        let found = Self {
-            model: fit.model,
-            space: term(fit.constant_h, fit.order_h),
-            time: term(fit.constant_k, fit.order_k),
-            source: format!("joint fit, {}", fit.model.name()),
-            residual: 0.0,
-        };
-        found.judged(points)
+        let terms = [term(fit.constant_h, fit.order_h), term(fit.constant_k, fit.order_k)];
+        Self::new(points, fit.model, terms, format!("joint fit, {}", fit.model.name()))
     }
 
-    fn judged(mut self, points: &[Point]) -> Self {
-        let off = points.iter().map(|p| (self.error(p.h, p.k) / p.error).ln().abs());
-        self.residual = off.fold(0.0, f64::max);
-        self
+    fn new(
+        points: &[Point],
+        model: ErrorCombination,
+        [space, time]: [Option<Term>; 2],
+        source: String,
+    ) -> Self {
+        let mut found = Self { model, space, time, source, residual: 0.0 };
+        let off = points.iter().map(|p| (found.error(p.h, p.k) / p.error).ln().abs());
+        found.residual = off.fold(0.0, f64::max);
+        found
     }
 }
 

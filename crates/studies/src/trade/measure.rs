@@ -99,11 +99,8 @@ impl Bench {
         (variant, n, steps): Case<'_>,
         times: Result<Vec<Timed>, String>,
     ) -> Trial {
-        let outcome = self.judge(variant, n).and_then(|()| {
-            let times = times?;
-            let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
-            self.judged(variant, &data, (n, steps), &times)
-        });
+        let outcome =
+            self.judge(variant, n).and_then(|()| self.judged(variant, (n, steps), &times?));
         self.row(variant.knob, variant.element(), (n, steps), outcome)
     }
 
@@ -157,18 +154,18 @@ impl Bench {
         Ok(Timed { seconds, load_share })
     }
 
-    /// The cost of a run on this mesh, by `times`, with the error of a run that is not timed.
+    /// The cost of a run, by `times`, with the error of a run that is not timed.
     fn judged(
         &mut self,
         variant: &Variant,
-        data: &MeshData,
         (n, steps): (u32, u32),
         times: &[Timed],
     ) -> Result<Outcome, String> {
+        let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
         let least = times.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
         let Timed { seconds, load_share } = *least.ok_or("no run")?;
         let (info, error) =
-            self.error(variant, data, (n, steps)).map_err(|error| error.to_string())?;
+            self.error(variant, &data, (n, steps)).map_err(|error| error.to_string())?;
         let cost = run_cost(self.judging(variant), &data.space, steps);
         // The prediction is that of the scene with this element; the history is counted.
         let bytes = cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes;
