@@ -59,16 +59,8 @@ impl MergeCommand {
         let verdict = self.out.join("verdict.json");
         write_json(&verdict, &provenance, &verdicts, &records, comparison.as_ref())
             .map_err(CliError::other)?;
-        let swept = Swept {
-            records,
-            verdicts,
-            plans: Vec::new(),
-            provenance,
-            comparison,
-            references: Vec::new(),
-            not_run: Vec::new(),
-            _out: out,
-        };
+        let _out = Some(out);
+        let swept = Swept { records, verdicts, provenance, comparison, _out, ..Swept::default() };
         if self.json {
             print_json(&swept.document())?;
         } else {

@@ -215,7 +215,7 @@ impl What {
             comparison,
             references,
             not_run,
-            _out: out,
+            _out: Some(out),
         })
     }
 

@@ -6,6 +6,7 @@ pub(super) mod words;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
 use super::machine::Allowance;
@@ -46,8 +47,8 @@ pub(crate) struct Solve {
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     solver: Solver,
     /// Solver of the linear systems; without it the size of the problem decides
-    #[arg(long, value_enum)]
-    linear_solver: Option<LinearChoice>,
+    #[arg(long, value_parser = linear_solvers())]
+    linear_solver: Option<LinearSolver>,
     #[command(flatten)]
     allowance: Allowance,
     /// Print JSON
@@ -83,22 +84,15 @@ enum Solver {
     Decomposition,
 }
 
-/// The solver of the linear systems.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum LinearChoice {
-    /// Sparse Cholesky factors
-    Direct,
-    /// Conjugate gradients with a multigrid cycle
-    Multigrid,
-}
-
-impl From<LinearChoice> for LinearSolver {
-    fn from(choice: LinearChoice) -> Self {
-        match choice {
-            LinearChoice::Direct => Self::Direct,
-            LinearChoice::Multigrid => Self::Multigrid,
-        }
-    }
+/// The solvers of the linear systems by their names.
+fn linear_solvers() -> impl TypedValueParser<Value = LinearSolver> {
+    let [direct, multigrid] = [LinearSolver::Direct, LinearSolver::Multigrid];
+    let named = |solver: LinearSolver, help| PossibleValue::new(solver.name()).help(help);
+    PossibleValuesParser::new([
+        named(direct, "Sparse Cholesky factors"),
+        named(multigrid, "Conjugate gradients with a multigrid cycle"),
+    ])
+    .map(move |name| if name == direct.name() { direct } else { multigrid })
 }
 
 impl Solver {
@@ -120,7 +114,7 @@ impl Solve {
         }
         match (subject, self.n) {
             (Subject::Contact(mut setup), Some(n)) => {
-                setup.linear_solver = self.linear_solver.map(LinearSolver::from);
+                setup.linear_solver = self.linear_solver;
                 setup.scene.check_cells(n)?;
                 self.admit(&setup, n, None)?;
                 match self.estimate {

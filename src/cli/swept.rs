@@ -13,6 +13,7 @@ use report::{SceneSummary, write_all};
 use run::sweep::{NotRun, OutputDirectory, ScenePlan, reference_in_words, scene_summary};
 
 /// Records of all cases of the plans, and their verdicts.
+#[derive(Default)]
 pub(super) struct Swept {
     pub(super) records: Vec<CaseRecord>,
     pub(super) verdicts: Vec<Verdict>,
@@ -24,7 +25,7 @@ pub(super) struct Swept {
     /// Cases skipped by --until-resolved.
     pub(super) not_run: Vec<NotRun>,
     /// Kept locked until the report is written.
-    pub(super) _out: OutputDirectory,
+    pub(super) _out: Option<OutputDirectory>,
 }
 
 impl Swept {

@@ -1,6 +1,5 @@
 //! `sweep verify`: runs another program's solver under the same sweep, measured and judged like the built-in one.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,7 +23,7 @@ use run::plan_for;
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, admit_constants, judge_plan, run_sweep,
 };
-use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
+use scene::setup::{MeshData, NewtonMarch, Scheme, Subject};
 
 /// Limits of the log shown for a failed case: lines (a long traceback), and bytes per line.
 const LINES_SHOWN: usize = 60;
@@ -175,23 +174,14 @@ impl Verify {
     }
 
     fn judged(&self, plan: ScenePlan, out: OutputDirectory) -> Result<Swept, CliError> {
-        let plans = [plan];
+        let plans = vec![plan];
         let progress = super::progress::Display::new();
         let machine = self.machine();
         let records = run_sweep(&plans, &out, &machine, false, &progress)?;
         let provenance = Provenance::of_run(&plans, &machine).json();
-        let [plan] = &plans;
-        let verdicts = judge_plan(plan, &records, !self.orders_only);
-        Ok(Swept {
-            plans: plans.into(),
-            records,
-            verdicts,
-            provenance,
-            comparison: None,
-            references: Vec::new(),
-            not_run: Vec::new(),
-            _out: out,
-        })
+        let verdicts = judge_plan(&plans[0], &records, !self.orders_only);
+        let _out = Some(out);
+        Ok(Swept { plans, records, verdicts, provenance, _out, ..Swept::default() })
     }
 
     /// The memory of an external solver does not count.
@@ -217,23 +207,18 @@ impl Verify {
 /// Writes the files of all runs of the plan, including those for time errors.
 fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
     let Subject::Contact(setup) = &plan.subject else { return Ok(0) };
-    let runs: BTreeSet<_> = plan.runs().into_iter().collect();
-    let mut mesh: Option<(u32, MeshData)> = None;
-    for (n, steps) in runs {
-        if mesh.as_ref().is_none_or(|(known, _)| *known != n) {
-            mesh = Some((n, data(setup, n)?));
-        }
-        if let Some((_, data)) = &mesh {
+    let mut runs = plan.runs();
+    runs.sort_unstable();
+    runs.dedup();
+    for of_mesh in runs.chunk_by(|a, b| a.0 == b.0) {
+        let data = MeshData::new(setup, of_mesh[0].0, None)?;
+        for &(_, steps) in of_mesh {
             let dir = case_dir(folder, &setup.scene.name, data.space.mesh.n, steps);
-            write_case(&dir, setup, data, steps).map_err(CliError::other)?;
+            write_case(&dir, setup, &data, steps).map_err(CliError::other)?;
             print_text(&dir.display().to_string());
         }
     }
     Ok(0)
-}
-
-fn data(setup: &Setup, n: u32) -> Result<MeshData, CliError> {
-    Ok(MeshData::new(setup, n, None)?)
 }
 
 /// One error by both solvers.
@@ -250,23 +235,17 @@ struct Beside {
 
 /// The errors that both have.
 fn compare(solver: &[CaseRecord], built_in: &[CaseRecord]) -> Vec<Beside> {
-    let mut rows = Vec::new();
-    for record in solver {
-        let Some(same) = built_in.iter().find(|other| other.key() == record.key()) else {
-            continue;
-        };
-        for entry in &record.errors {
-            let other = same.errors.iter().find(|other| other.norm == entry.norm);
-            if let (Some(solver), Some(built_in)) =
-                (entry.error, other.and_then(|other| other.error))
-            {
-                let (norm, difference) = (entry.norm.clone(), (solver - built_in).abs() / built_in);
-                let (n, steps) = (record.n, record.steps);
-                rows.push(Beside { n, steps, norm, solver, built_in, difference });
-            }
-        }
-    }
-    rows
+    let of_record = |record: &CaseRecord| {
+        let same = built_in.iter().find(|other| other.key() == record.key());
+        let entries = record.errors.iter().map(|entry| {
+            let (norm, solver) = (entry.norm.clone(), entry.error?);
+            let built_in = same?.errors.iter().find(|other| other.norm == norm)?.error?;
+            let difference = (solver - built_in).abs() / built_in;
+            Some(Beside { n: record.n, steps: record.steps, norm, solver, built_in, difference })
+        });
+        entries.flatten().collect::<Vec<_>>()
+    };
+    solver.iter().flat_map(of_record).collect()
 }
 
 fn table(rows: &[Beside]) -> String {

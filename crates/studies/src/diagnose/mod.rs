@@ -25,7 +25,7 @@ pub(crate) use trial::{Trial, trials_in_space, trials_in_time};
 
 use judge::verdict::{Decision, Variable, Verdict};
 use run::sweep::{
-    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, foresee, judge_scene,
+    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, judge_plan,
 };
 use scene::setup::{SetupError, Subject};
 use scene::{Body, Data, Direction, Extension, Scene};
@@ -64,10 +64,9 @@ pub fn diagnose(
     scene.without(&[Extension::Nonconforming], "sweep diagnose", jumps)?;
     has_exact_solution(scene)?;
     let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
-    let foreseen = foresee(&plan.subject, &records);
     let mut found = Diagnosis {
         scene: scene.name.clone(),
-        verdicts: judge_scene(scene, &records, &plan.keys(), &foreseen),
+        verdicts: judge_plan(&plan, &records, true),
         outcomes: Vec::new(),
         finding: None,
         sentence: String::new(),

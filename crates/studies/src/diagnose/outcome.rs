@@ -8,7 +8,7 @@ use algebra::linalg::larger;
 use fem::contact::{KKT_ALLOWED, LoadError, kkt_residual};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Verdict};
-use run::sweep::{CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_contact_case};
+use run::sweep::{CasePlan, Overrides, ScenePlan, judge_plan, run_contact_case};
 use scene::Scene;
 use scene::setup::{MeshData, Setup, SetupError, Subject};
 
@@ -112,9 +112,7 @@ pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     };
     match trial.question {
         Question::Order => {
-            let foreseen = foresee(&cases.plan.subject, &cases.records);
-            let keys = cases.plan.keys();
-            let verdicts = judge_scene(&trial.scene, &cases.records, &keys, &foreseen);
+            let verdicts = judge_plan(&cases.plan, &cases.records, true);
             let rising = [Decision::Pass, Decision::Unresolved, Decision::Fail];
             let badness = |verdict: &Verdict| rising.iter().position(|d| *d == verdict.decision);
             let verdict = verdicts.into_iter().max_by_key(badness);

@@ -1,7 +1,8 @@
 //! What Richardson's extrapolation is worth: errors with and without it, and the orders of both.
 
 use super::measure::Bench;
-use super::{Knob, Study, Trial};
+use super::study::plain;
+use super::{Knob, Trial};
 use fem::contact::strain_norm;
 use judge::fit::{Interval, Level, Sample, infer, local_slopes};
 use serde::Serialize;
@@ -48,12 +49,12 @@ fn order(samples: &[Sample]) -> Option<LastOrder> {
 }
 
 /// (4 u_k - u_2k)/3 on the finest mesh, in the V norm.
-pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
+pub(super) fn in_time(trials: &[Trial]) -> Option<Extrapolated> {
     let better = |t: &&Trial| t.knob == Knob::Extrapolated;
-    let n = study.trials.iter().filter(better).map(|t| t.n).max()?;
+    let n = trials.iter().filter(better).map(|t| t.n).max()?;
     let error = |trial: &Trial| trial.done().map(|run| run.error);
-    let rows = study.plain().filter(|trial| trial.n == n).filter_map(|plain| {
-        let other = study.trials.iter().find(|t| better(t) && t.n == n && t.steps == plain.steps);
+    let rows = plain(trials).filter(|trial| trial.n == n).filter_map(|plain| {
+        let other = trials.iter().find(|t| better(t) && t.n == n && t.steps == plain.steps);
         Some((plain.k, error(plain)?, other.and_then(error)))
     });
     let what = format!("(4 u_k - u_2k)/3 on n = {n}, V_max");
@@ -63,14 +64,13 @@ pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
 /// ‖ε(u_h(T))‖ by (4^p Q_h - Q_2h)/(4^p - 1) with the most steps: the discrete solutions of nested meshes are nearly
 /// orthogonal, so that Q has twice the degree p of the element as its order. The strain itself gains nothing: it is of
 /// lower degree on cells. None where the data depend on the mesh.
-pub(crate) fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
+pub(super) fn in_space(bench: &Bench, trials: &[Trial]) -> Option<Extrapolated> {
     let setup = &bench.plain.setup;
     if setup.body.data.is_interpolated() {
         return None;
     }
-    let steps = study.plain().map(|trial| trial.steps).max()?;
-    let values: Vec<(u32, f64, f64)> = study
-        .plain()
+    let steps = plain(trials).map(|trial| trial.steps).max()?;
+    let values: Vec<(u32, f64, f64)> = plain(trials)
         .filter(|trial| trial.steps == steps && trial.done().is_some())
         .filter_map(|trial| {
             let (space, u, exact) = bench.last_level(trial.n, steps)?;

@@ -199,22 +199,20 @@ impl Study {
             let rival = Models::fit(bench, variant, &trials, [n, &plan.steps]);
             Rival::new(&candidates, &models, variant.knob, rival, &trials)
         };
-        let mut study = Self {
+        let extrapolated = [in_time(&trials), in_space(bench, &trials)];
+        Ok(Self {
             scene: setup.scene.name.clone(),
             fingerprint: setup.scene.source.hash.clone(),
             norm: bench.norm,
             size: bench.size,
             coupling,
             paths,
-            extrapolated: Vec::new(),
+            extrapolated: extrapolated.into_iter().flatten().collect(),
             elements: plan.rivals(variants).map(compared).collect(),
             prices,
             trials,
             models,
-        };
-        let found = [in_time(&study), in_space(bench, &study)];
-        study.extrapolated = found.into_iter().flatten().collect();
-        Ok(study)
+        })
     }
 
     /// The rows of the scene as written.
@@ -223,7 +221,8 @@ impl Study {
     }
 }
 
-fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> + Clone {
+/// The rows of the scene as written.
+pub(super) fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> {
     trials.iter().filter(|trial| trial.knob == Knob::AsWritten)
 }
 

@@ -155,12 +155,15 @@ impl<'a> Search<'a> {
     /// The cheapest pair that fits into memory and at which `read`, of the error and its interval, is the target or less.
     fn advised(&self, read: &dyn Fn(f64, Interval) -> f64) -> Result<Advised, NoAnswer> {
         let (target, mut most) = (self.goal.target, self.most[0]);
+        let error = |h: f64, k: f64| {
+            let (value, interval) = self.at(h, k);
+            read(value, interval)
+        };
         let mut refused: Option<NoAnswer> = None;
         while most >= self.least[0] {
-            let answer = match self.cheapest(read, most) {
-                Ok(answer) => answer,
-                Err(none) => return Err(refused.unwrap_or(none)),
-            };
+            let range = [self.least, [most, self.most[1]]];
+            let cheapest = self.candidates.cheapest(&error, self.seconds, target, range);
+            let answer = cheapest.map_err(|none| refused.clone().unwrap_or(none))?;
             let source = match self.bytes(answer)? {
                 Ok(bytes) => return Ok(self.in_full(answer, bytes)),
                 Err(source) => source,
@@ -170,15 +173,6 @@ impl<'a> Search<'a> {
             refused.get_or_insert(NoAnswer::Memory { target, n, steps, source });
         }
         Err(refused.unwrap_or_else(|| NoAnswer::Refused("no n is admitted".into())))
-    }
-
-    fn cheapest(&self, read: &dyn Fn(f64, Interval) -> f64, most: u32) -> Result<Answer, NoAnswer> {
-        let error = |h: f64, k: f64| {
-            let (value, interval) = self.at(h, k);
-            read(value, interval)
-        };
-        let range = [self.least, [most, self.most[1]]];
-        self.candidates.cheapest(&error, self.seconds, self.goal.target, range)
     }
 
     /// The memory of an answer, or that it is too much. A mesh within the span of the companions is made for that, unless a
