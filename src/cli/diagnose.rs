@@ -57,11 +57,10 @@ impl DiagnoseCommand {
 }
 
 fn trials(outcomes: &[Outcome]) -> String {
-    let row = |outcome: &Outcome| {
-        let [name, terms] = [outcome.name.clone(), outcome.terms.clone()];
-        [name, terms, asked(outcome), observed(outcome), outcome.decision.name().to_owned()]
+    let row = |of: &Outcome| {
+        vec![of.name.clone(), of.terms.clone(), asked(of), observed(of), of.decision.name().into()]
     };
-    let rows: Vec<Vec<String>> = outcomes.iter().map(|outcome| row(outcome).into()).collect();
+    let rows: Vec<Vec<String>> = outcomes.iter().map(row).collect();
     let heads = ["trial", "terms", "must show", "observed", "verdict"];
     report::text_table(&heads, &rows, width(WIDTH))
 }

@@ -40,7 +40,9 @@ impl Report {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let typesetter = self.pdf.as_deref().map(Typesetter::find).transpose()?;
         let _held = self.hold()?;
-        let CaseTable { cases: mut records, torn, .. } = self.records()?;
+        let path = self.dir.join("cases.csv");
+        let read = read_table(&path).and_then(|table| table.unchanged(&path));
+        let CaseTable { cases: mut records, torn, .. } = read.map_err(CliError::other)?;
         // The order in which cases ended is arbitrary.
         records.sort_by_key(CaseRecord::key);
         let Earlier { failures, mut foreseen } =
@@ -103,11 +105,6 @@ impl Report {
         })
     }
 
-    fn records(&self) -> Result<CaseTable, CliError> {
-        let path = self.dir.join("cases.csv");
-        read_table(&path).and_then(|table| table.unchanged(&path)).map_err(CliError::other)
-    }
-
     /// The scenes of the records, and those planned.
     fn names(
         &self,
@@ -126,10 +123,9 @@ impl Report {
 
     /// An error about cases still owed; the report shows the rest.
     fn unfinished(&self, torn: bool, missing: &[Key]) -> Option<CliError> {
-        let cut =
-            torn.then(|| "the last line of cases.csv was cut off, and is left out".to_owned());
+        let cut = "the last line of cases.csv was cut off, and is left out";
         let open = (!missing.is_empty()).then(|| unfinished_in_words(missing));
-        let all: Vec<String> = cut.into_iter().chain(open).collect();
+        let all: Vec<String> = torn.then(|| cut.into()).into_iter().chain(open).collect();
         let unfinished = format!("unfinished: {}", all.join("; "));
         (!all.is_empty()).then(|| CliError::about(self.dir.display(), unfinished))
     }

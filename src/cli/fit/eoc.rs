@@ -12,20 +12,12 @@ pub(super) enum Style {
     Latex,
 }
 
-impl Style {
-    /// Norms side by side that fit a page or a terminal of 100 columns.
-    fn norms(self) -> usize {
-        match self {
-            Self::Text => 4,
-            Self::Markdown | Self::Latex => usize::MAX,
-        }
-    }
-}
-
 /// A table for each scene and refined direction; for a grid its longest line.
 pub(super) fn tables(groups: &[Group], style: Style) -> Vec<String> {
     let mut scenes: Vec<&Option<String>> = groups.iter().map(|group| &group.scene).collect();
     scenes.dedup();
+    // Norms side by side that fit a terminal of 100 columns.
+    let norms = if style == Style::Text { 4 } else { usize::MAX };
     let mut texts = Vec::new();
     for scene in scenes {
         for direction in Direction::BOTH {
@@ -38,7 +30,7 @@ pub(super) fn tables(groups: &[Group], style: Style) -> Vec<String> {
                 continue;
             }
             texts.extend(scene.clone());
-            texts.extend(shown.chunks(style.norms()).map(|group| table(group, direction, style)));
+            texts.extend(shown.chunks(norms).map(|group| table(group, direction, style)));
         }
     }
     texts

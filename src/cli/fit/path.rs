@@ -72,8 +72,9 @@ fn along(path: RefinementPath, asked: Asked) -> Option<f64> {
 
 fn decide(read: &LineReading, path: RefinementPath, asked: Asked, order: f64) -> Answer {
     let steps: Vec<f64> = read.samples.iter().map(|sample| sample.step).collect();
-    let mut answer = asked.answer(&read.posterior, order, ("h", next_steps(&steps)));
-    let reason = answer.reason.clone();
+    let answer = asked.answer(&read.posterior, order, ("h", next_steps(&steps)));
+    let (reason, helps) = (answer.reason.clone(), !answer.next.is_empty());
+    let and = |words: &str| Answer { reason: format!("{reason}{words}"), ..answer };
     match (answer.decision, asked.p, asked.q) {
         (Decision::Pass, Some(p), Some(q)) => {
             let balanced = format!("run k proportional to h^{:.2}, or the grid", p / q);
@@ -83,32 +84,20 @@ fn decide(read: &LineReading, path: RefinementPath, asked: Asked, order: f64) ->
                 ))
             };
             match path.tests(p, q) {
-                [true, true] => {
-                    answer.reason += &format!(", so the orders are at least {p} in h and {q} in k");
-                    answer
-                }
+                [true, true] => and(&format!(", so the orders are at least {p} in h and {q} in k")),
                 [true, false] => hidden(q, "k", order / path.exponent),
                 _ => hidden(p, "h", order),
             }
         }
-        (Decision::Pass, Some(p), None) => {
-            answer.reason += &format!(", so the order is at least {p} in h");
-            answer
-        }
-        (Decision::Pass, None, Some(q)) => {
-            answer.reason += &format!(", so the order is at least {q} in k");
-            answer
-        }
+        (Decision::Pass, Some(p), None) => and(&format!(", so the order is at least {p} in h")),
+        (Decision::Pass, None, Some(q)) => and(&format!(", so the order is at least {q} in k")),
         (Decision::Fail, Some(_), None) => {
             Answer::open(format!("{reason}, in h or in k: run one k with several h"))
         }
         (Decision::Fail, None, Some(_)) => {
             Answer::open(format!("{reason}, in h or in k: run one h with several k"))
         }
-        (Decision::Unresolved, ..) if !answer.next.is_empty() => {
-            answer.reason += " on the path";
-            answer
-        }
-        _ => answer,
+        (Decision::Unresolved, ..) if helps => and(" on the path"),
+        _ => and(""),
     }
 }

@@ -15,16 +15,15 @@ impl Window {
     /// Removes the rows outside from all tables and returns their points, a list per table. The window is in h, or in k
     /// for a table without h.
     pub(super) fn narrow(self, tables: &mut Tables) -> Vec<Vec<Point>> {
-        let mut left_out = Vec::new();
-        for group in &mut tables.groups {
+        let narrowed = tables.groups.iter_mut().map(|group| {
             let space = group.rows.iter().any(|row| !row.point.h.is_nan());
             let step = |row: &Row| if space { row.point.h } else { row.point.k };
             let (inside, outside): (Vec<Row>, Vec<Row>) =
                 group.rows.drain(..).partition(|row| self.holds(step(row)));
             group.rows = inside;
-            left_out.push(outside.into_iter().map(|row| row.point).collect());
-        }
-        left_out
+            outside.into_iter().map(|row| row.point).collect()
+        });
+        narrowed.collect()
     }
 
     /// A row without a step stays, as a gap.

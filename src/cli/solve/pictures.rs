@@ -130,10 +130,8 @@ impl Pictures {
         let vertices = || 0..mesh.vertices() as u32;
         let largest = vertices().map(displacement).fold(0.0f64, |m, u| m.max(u.0.hypot(u.1)));
         let extent = (0..2).map(|c| {
-            let values = vertices().map(|v| mesh.vertex(v)[c]);
-            let ends = values
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
-            ends.1 - ends.0
+            let values = || vertices().map(|v| mesh.vertex(v)[c]);
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
         });
         let factor = magnification(largest, extent.fold(0.0, f64::max));
         let moved = |v: u32| {
@@ -146,17 +144,20 @@ impl Pictures {
             yields: view.yields::<3>(space, model, c),
         };
         let cells: Vec<BodyCell> = (0..mesh.cell_count()).map(cell).collect();
-        let facets = mesh.facets.chunks(2).map(|ends| ends.iter().map(|&v| mesh.vertex(v)));
-        let flat = |x: &[f64]| (x[0], x[1]);
-        let rest = facets.filter_map(|mut ends| Some([flat(ends.next()?), flat(ends.next()?)]));
+        let flat = |v: u32| (mesh.vertex(v)[0], mesh.vertex(v)[1]);
+        let rest = mesh.facets.as_chunks().0.iter().map(|ends: &[u32; 2]| ends.map(flat));
         let arrow = |(i, point): (usize, &fem::contact::TracePoint)| {
             let [x, y, _] = point.normal;
             let pressure = view.compliance[i] + view.multiplier[i];
             Arrow { foot: moved(point.vertex), direction: (-x, -y), pressure }
         };
+        let drawn = match factor {
+            1.0 => "as they are".into(),
+            _ => format!("{factor} times as large as they are"),
+        };
         Deformed {
             title: format!("{}: the body at t = {}", self.name, view.t),
-            subtitle: format!("{}; displacements {}", self.grid, as_drawn(factor)),
+            subtitle: format!("{}; displacements {drawn}", self.grid),
             quantity: "‖σ^D‖, a stress".into(),
             rest: rest.collect(),
             yield_border: border(&mesh.cells, &cells).into_iter().map(|e| e.map(moved)).collect(),
@@ -201,14 +202,6 @@ fn magnification(largest: f64, extent: f64) -> f64 {
     let power = 10f64.powf(wanted.log10().floor());
     let digit = [5.0, 2.0].into_iter().find(|digit| digit * power <= wanted).unwrap_or(1.0);
     digit * power
-}
-
-fn as_drawn(factor: f64) -> String {
-    if factor == 1.0 {
-        "as they are".into()
-    } else {
-        format!("{factor} times as large as they are")
-    }
 }
 
 /// Edges between yielding and other cells.

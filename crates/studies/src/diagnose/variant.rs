@@ -125,14 +125,8 @@ fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, points: &[Evaluati
         };
         points.iter().map(value).sum()
     };
-    let mut best = (quarters[0], 0.0);
-    for t in quarters {
-        let extent = extent(graph, t);
-        if extent > best.1 {
-            best = (t, extent);
-        }
-    }
-    best.0
+    let extents = quarters.map(|t| (t, extent(graph, t))).into_iter();
+    extents.fold((quarters[0], 0.0), |best, next| if next.1 > best.1 { next } else { best }).0
 }
 
 fn interior(domain: &Domain) -> Vec<EvaluationPoint> {

@@ -102,10 +102,9 @@ pub fn standing(expected: &Expected, outcome: &Result<Measured, Unanswered>) -> 
     match (outcome, expected) {
         (Err(error @ Unanswered::Panicked(_)), _) => (Standing::Failed, error.to_string()),
         (Err(Unanswered::Refused(said)), Expected::Refused(saying)) => {
-            if said.contains(saying) {
-                (Standing::RefusedAsExpected, said.clone())
-            } else {
-                not(format!("refused for another reason: {said}"))
+            match said.contains(saying) {
+                true => (Standing::RefusedAsExpected, said.clone()),
+                false => not(format!("refused for another reason: {said}")),
             }
         }
         (Err(Unanswered::Refused(said)), _) => not(format!("refused: {said}")),

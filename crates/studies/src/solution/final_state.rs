@@ -1,5 +1,7 @@
 //! Named quantities of a solution at one time (t = T in `sweep solve`).
 
+use std::cmp::Ordering;
+
 use algebra::in_dimension;
 use serde::Serialize;
 
@@ -134,11 +136,8 @@ const AT_JUMP: f64 = 1e-14;
 /// Sorts rows by their coordinates.
 fn along_the_side(rows: &mut [Vec<f64>]) {
     rows.sort_by(|a, b| {
-        a.iter()
-            .zip(b)
-            .map(|(p, q)| p.total_cmp(q))
-            .find(|o| o.is_ne())
-            .unwrap_or(std::cmp::Ordering::Equal)
+        let pairs = a.iter().zip(b);
+        pairs.fold(Ordering::Equal, |order, (p, q)| order.then(p.total_cmp(q)))
     });
 }
 

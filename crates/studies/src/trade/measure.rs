@@ -57,12 +57,9 @@ impl Bench {
     /// A reference run that fails.
     pub fn new(plain: Variant, norm: Norm, repeats: u32) -> Result<Self, SetupError> {
         let setup = &plain.setup;
-        let reference = match scene_reference(setup) {
-            Some(wanted) => {
-                Some(Arc::new(reference_run(setup, wanted.n as u32, wanted.steps as u32, 1)?))
-            }
-            None => None,
-        };
+        let reference = scene_reference(setup)
+            .map(|wanted| reference_run(setup, wanted.n as u32, wanted.steps as u32, 1));
+        let reference = reference.transpose()?.map(Arc::new);
         let (judges, trajectories) = (HashMap::new(), HashMap::new());
         Ok(Self { plain, norm, repeats, reference, judges, trajectories, size: 0.0 })
     }
@@ -77,18 +74,14 @@ impl Bench {
         let mut all: Vec<Result<Vec<Timed>, String>> = vec![Ok(Vec::new()); cases.len()];
         let rounds = Rounds::run(cases.len(), self.repeats.max(1) as usize, |run| {
             let (variant, n, steps) = cases[run];
-            match self.timed(variant, n, steps) {
-                Ok(timed) => {
-                    if let Ok(times) = &mut all[run] {
-                        times.push(timed);
-                    }
-                    Some(timed.seconds)
-                }
-                Err(reason) => {
-                    all[run] = Err(reason);
-                    None
-                }
+            let timed = self.timed(variant, n, steps);
+            let seconds = timed.as_ref().ok().map(|timed| timed.seconds);
+            match (timed, &mut all[run]) {
+                (Ok(timed), Ok(times)) => times.push(timed),
+                (Err(reason), times) => *times = Err(reason),
+                (Ok(_), Err(_)) => {}
             }
+            seconds
         });
         (rounds, all)
     }

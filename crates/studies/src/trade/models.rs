@@ -34,12 +34,8 @@ impl Models {
             .map(|(t, run)| Point { h: t.h, k: t.k, error: run.error, floor: run.floor })
             .collect();
         let differences = differences(bench, variant, n, steps);
-        let sample = |(t, run): (&Trial, &super::Outcome)| CostSample {
-            h: t.h,
-            k: t.k,
-            seconds: run.seconds,
-        };
-        let samples: Vec<CostSample> = done().map(sample).collect();
+        let samples: Vec<CostSample> =
+            done().map(|(t, run)| CostSample { h: t.h, k: t.k, seconds: run.seconds }).collect();
         let cost = CostModel::fit(&samples).map_err(|error| error.to_string());
         let composition = cost.as_ref().ok().and_then(|_| {
             Composition::fit(&samples, setup.scene.dimension, setup.scene.time.horizon)
@@ -63,13 +59,9 @@ fn or_reason<T: Serialize, S: Serializer>(
     found: &Result<T, String>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Reason<'a> {
-        reason: &'a str,
-    }
     match found {
         Ok(model) => model.serialize(serializer),
-        Err(reason) => Reason { reason }.serialize(serializer),
+        Err(reason) => serializer.collect_map([("reason", reason)]),
     }
 }
 

@@ -36,8 +36,7 @@ pub(super) fn turn(
     let mut prices = Vec::new();
     for (run, ((what, case), times)) in names.into_iter().zip(&cases).zip(times).enumerate() {
         // Another element may have been run there on one of its meshes.
-        let known = position_of(trials, case.0.knob, case.1, case.2);
-        let at = match known {
+        let at = match position(trials, case.0.knob, case.1, case.2) {
             Some(at) => {
                 if let Ok(times) = times {
                     timed_again(&mut trials[at], &times);
@@ -50,7 +49,7 @@ pub(super) fn turn(
             }
         };
         if run > 0 {
-            let as_written = position(trials, n, steps).map(|at| &trials[at]);
+            let as_written = position(trials, Knob::AsWritten, n, steps).map(|at| &trials[at]);
             let ratio = rounds.ratio(|times| times[run]);
             prices.extend(as_written.and_then(|plain| Price::of(what, plain, &trials[at], ratio)));
         }
@@ -59,12 +58,7 @@ pub(super) fn turn(
     Ok(prices)
 }
 
-/// The run as written at n and N.
-fn position(trials: &[Trial], n: u32, steps: u32) -> Option<usize> {
-    position_of(trials, Knob::AsWritten, n, steps)
-}
-
-fn position_of(trials: &[Trial], knob: Knob, n: u32, steps: u32) -> Option<usize> {
+fn position(trials: &[Trial], knob: Knob, n: u32, steps: u32) -> Option<usize> {
     trials.iter().position(|t| t.knob == knob && t.n == n && t.steps == steps)
 }
 
@@ -85,8 +79,8 @@ fn extrapolated(
     rounds: &Rounds,
     trials: &[Trial],
 ) -> Option<Price> {
-    let row = &trials[position_of(trials, Knob::Extrapolated, n, steps)?];
+    let row = &trials[position(trials, Knob::Extrapolated, n, steps)?];
     let half = cases.iter().position(|case| (case.1, case.2) == (n, steps / 2))?;
-    let as_written = &trials[position(trials, n, steps)?];
+    let as_written = &trials[position(trials, Knob::AsWritten, n, steps)?];
     Price::of(row.knob.name(), as_written, row, rounds.ratio(|times| times[0] + times[half]))
 }

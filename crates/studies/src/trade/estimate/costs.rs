@@ -1,5 +1,7 @@
 //! What other n and N cost, from a run and its companions.
 
+use std::collections::BTreeSet;
+
 use super::{Companions, RunTime};
 use crate::trade::{Composition, CostSample};
 use run::sweep::run_cost;
@@ -46,13 +48,8 @@ pub fn costs(
 
 /// Counted costs of all pairs of the n and N that were run.
 fn counted(setup: &Setup, times: &[RunTime]) -> Result<Vec<RunTime>, SetupError> {
-    let listed = |pick: fn(&RunTime) -> u32| {
-        let mut list: Vec<u32> = times.iter().map(pick).collect();
-        list.sort_unstable();
-        list.dedup();
-        list
-    };
-    let (meshes, numbers) = (listed(|run| run.n), listed(|run| run.steps));
+    let (meshes, numbers): (BTreeSet<u32>, BTreeSet<u32>) =
+        times.iter().map(|run| (run.n, run.steps)).unzip();
     let mut found = Vec::new();
     for n in meshes {
         let space = setup.space(n)?;
