@@ -82,19 +82,12 @@ impl Meshed {
     }
 }
 
-/// CPU seconds of a run: mesh, loads, and the rest of the march.
-#[derive(Clone, Copy)]
-struct Clock {
-    mesh: f64,
-    load: f64,
-    march: f64,
-}
-
 /// One run: fields at the compared times, the state at T, floors.
 struct Run {
     n: u32,
     steps: u32,
-    clock: Clock,
+    /// CPU seconds of its loads, and of its mesh and the rest of its march.
+    seconds: [f64; 2],
     size: f64,
     levels: Vec<LevelFields>,
     state: FinalState,
@@ -122,23 +115,14 @@ pub fn companions_and_bound(
     steps: u32,
 ) -> Result<(Companions, Result<Guarantee, String>), GuaranteeError> {
     let mesh = Meshed::new(setup, n)?;
-    let mut bounding = or_reason(Bounding::new(setup, &mesh.data, steps))?;
+    let mut bounding = Bounding::new(setup, &mesh.data, steps);
     let found = companions_beside(setup, &mesh, steps, &mut |view| {
         bounding.iter_mut().for_each(|bounding| bounding.see(view));
         Ok(())
     })?;
-    let bound = match bounding {
-        Ok(bounding) => or_reason(bounding.finish())?,
-        Err(reason) => Err(reason),
-    };
-    Ok((found, bound))
-}
-
-/// What a scene that the theorem does not cover has in place of its bound.
-fn or_reason<T>(found: Result<T, GuaranteeError>) -> Result<Result<T, String>, GuaranteeError> {
-    match found {
-        Ok(found) => Ok(Ok(found)),
-        Err(GuaranteeError::Refused { reason }) => Ok(Err(reason)),
+    match bounding.and_then(Bounding::finish) {
+        Ok(bound) => Ok((found, Ok(bound))),
+        Err(GuaranteeError::Refused { reason }) => Ok((found, Err(reason))),
         Err(other) => Err(other),
     }
 }
@@ -266,12 +250,12 @@ impl Run {
     /// companions may find them made.
     fn alone(&self, first: &Self) -> RunTime {
         let levels = |run: &Self| f64::from(run.steps + 1);
-        let Clock { mesh, load, march } = self.clock;
+        let [load, rest] = self.seconds;
         let load = match self.n == first.n {
-            true => first.clock.load * levels(self) / levels(first),
+            true => first.seconds[0] * levels(self) / levels(first),
             false => load,
         };
-        RunTime { n: self.n, steps: self.steps, seconds: mesh + load + march }
+        RunTime { n: self.n, steps: self.steps, seconds: load + rest }
     }
 }
 
@@ -309,13 +293,13 @@ fn run(
         }
         Ok(())
     };
-    let (info, clock) = timed(setup, mesh, steps, &mut keep)?;
+    let (info, seconds) = timed(setup, mesh, steps, &mut keep)?;
     let missing =
         || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
     Ok(Run {
         n,
         steps,
-        clock,
+        seconds,
         size: info.strain_norm,
         levels,
         state: state.ok_or_else(missing)?,
@@ -325,13 +309,13 @@ fn run(
     })
 }
 
-/// A march that shows its levels to `keep`, and its CPU seconds without those of `keep`.
+/// A march that shows its levels to `keep`, and the CPU seconds of its loads and of mesh and march without those of `keep`.
 fn timed(
     setup: &Setup,
     mesh: &Meshed,
     steps: u32,
     keep: &mut Observer<'_>,
-) -> Result<(CaseInfo, Clock), CaseError> {
+) -> Result<(CaseInfo, [f64; 2]), CaseError> {
     let (clock, wall, mut keeping) = (ThreadTime::now(), Instant::now(), Duration::ZERO);
     let info = setup.scheme.march(setup, &mesh.data, steps, &mut |view| {
         let clock = ThreadTime::now();
@@ -343,7 +327,7 @@ fn timed(
     // The share is one of wall time, since the thread may have waited in between.
     let load = taken * (info.seconds_load / wall.elapsed().as_secs_f64()).min(1.0);
     let march = (taken - keeping.as_secs_f64() - load).max(0.0);
-    Ok((info, Clock { mesh: mesh.seconds, load, march }))
+    Ok((info, [load, mesh.seconds + march]))
 }
 
 /// Levels of a run with `steps` steps between two compared ones, N = `finest` being the steps of the finest.
