@@ -70,15 +70,11 @@ pub(super) fn execute(
 }
 
 fn print(found: &Companions, estimates: &[(Norm, Estimate)]) {
-    for (norm, estimate) in estimates {
-        print_text(&norm_words(found, *norm, estimate));
-    }
+    estimates.iter().for_each(|(norm, of)| print_text(&norm_words(found, *norm, of)));
     print_text(
         "\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k",
     );
-    for quantity in &found.quantities {
-        print_text(&quantity_words(quantity));
-    }
+    found.quantities.iter().for_each(|quantity| print_text(&quantity_words(quantity)));
 }
 
 fn part_words(part: &Part) -> String {
@@ -113,17 +109,11 @@ fn norm_words(found: &Companions, norm: Norm, estimate: &Estimate) -> String {
 fn quantity_words(estimate: &QuantityEstimate) -> String {
     let order = |order: Option<f64>| order.map_or("-".into(), |order| format!("{order:.2}"));
     let [h, k] = estimate.orders.map(order);
+    let value = format!("{:<24} {:.8}", estimate.name, estimate.value);
+    let reason = estimate.reason.as_deref().unwrap_or("no companions");
     match (estimate.uncertainty, estimate.extrapolated) {
-        (Some(bound), Some(limit)) => {
-            format!(
-                "{:<24} {:.8}  ± {bound:.1e}  {limit:.8}  {h} {k}",
-                estimate.name, estimate.value
-            )
-        }
-        _ => {
-            let reason = estimate.reason.as_deref().unwrap_or("no companions");
-            format!("{:<24} {:.8}  unknown: {reason}", estimate.name, estimate.value)
-        }
+        (Some(bound), Some(limit)) => format!("{value}  ± {bound:.1e}  {limit:.8}  {h} {k}"),
+        _ => format!("{value}  unknown: {reason}"),
     }
 }
 
@@ -190,18 +180,15 @@ fn norm_json(found: &Companions, norm: Norm, estimate: &Estimate) -> Value {
 
 /// Prints the recommendation with its estimate.
 fn print_advice(advice: &Advice, found: &Companions, norm: Norm, estimate: &Estimate) {
+    let percent = 100.0 * advice.target / found.size;
     let part = match norm {
-        Norm::VMax => {
-            format!(" ({:.3} % of the largest |eps(u)|)", 100.0 * advice.target / found.size)
-        }
+        Norm::VMax => format!(" ({percent:.3} % of the largest |eps(u)|)"),
         _ => String::new(),
     };
     print_text(&format!("\ntarget {:.4e} in {}{part}", advice.target, norm.name()));
     print_text(&format!("  recommended: {}", advised_words(&advice.choice)));
-    match &advice.cautious {
-        Ok(advised) => print_text(&format!("  cautious:    {}", advised_words(advised))),
-        Err(none) => print_text(&format!("  cautious:    {}", refusal(none))),
-    }
+    let cautious = advice.cautious.as_ref().map_or_else(refusal, advised_words);
+    print_text(&format!("  cautious:    {cautious}"));
     print_text(&format!("  orders counted on: {}", orders_words(estimate)));
     print_text(&format!("  seconds: {}", source_words(advice.source)));
     let [n, steps] = advice.check;

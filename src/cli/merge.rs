@@ -79,13 +79,9 @@ impl MergeCommand {
     fn apart(&self, parts: &Parts) -> Result<(), CliError> {
         let place = |path: &Path| path.canonicalize().ok();
         let target = place(&self.out);
-        match parts.dirs.iter().find(|dir| place(dir) == target) {
-            None => Ok(()),
-            Some(dir) => {
-                let what = "the merged records would replace those that are merged";
-                Err(CliError::about(dir.display(), format!("{what}; choose another --out")))
-            }
-        }
+        let same = parts.dirs.iter().find(|dir| place(dir) == target);
+        let what = "the merged records would replace those that are merged; choose another --out";
+        same.map_or(Ok(()), |dir| Err(CliError::about(dir.display(), what)))
     }
 
     fn options(&self) -> String {

@@ -1,6 +1,6 @@
 //! `sweep plan`: a sweep as jobs for many processes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
@@ -89,13 +89,13 @@ impl PlanCommand {
             counted(plan.jobs, "job"),
             bytes / 1e6
         ));
-        print_text(&self.next(&self.out));
+        print_text(&self.next());
         Ok(())
     }
 
     /// The next steps for the user.
-    fn next(&self, out: &Path) -> String {
-        let dir = quoted(&out.display().to_string());
+    fn next(&self) -> String {
+        let dir = quoted(&self.out.display().to_string());
         let run = match self.format {
             Format::Snakemake => format!("cd {dir} && snakemake --cores {}", processors()),
             Format::Slurm => format!("{dir}/submit.sh"),
@@ -116,12 +116,8 @@ fn once(list: &Option<Vec<u32>>) -> Option<Vec<u32>> {
 /// Refuses scenes of equal names, since records identify scenes by name.
 fn different_names(scenes: &[Scene]) -> Result<(), CliError> {
     let mut seen = std::collections::BTreeSet::new();
-    match scenes.iter().find(|scene| !seen.insert(&scene.name)) {
-        None => Ok(()),
-        Some(twice) => {
-            let message = "two scenes of this name are to be planned";
-            let hint = "name each scene once; a plan holds one text of it";
-            Err(twice.error("scene.name", message, hint).into())
-        }
-    }
+    let Some(twice) = scenes.iter().find(|scene| !seen.insert(&scene.name)) else { return Ok(()) };
+    let message = "two scenes of this name are to be planned";
+    let hint = "name each scene once; a plan holds one text of it";
+    Err(twice.error("scene.name", message, hint).into())
 }

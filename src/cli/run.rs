@@ -207,16 +207,8 @@ impl What {
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();
-        Ok(Swept {
-            plans,
-            records,
-            verdicts,
-            provenance,
-            comparison,
-            references,
-            not_run,
-            _out: Some(out),
-        })
+        let _out = Some(out);
+        Ok(Swept { plans, records, verdicts, provenance, comparison, references, not_run, _out })
     }
 
     /// Adds the cases that open claims need; returns which plans changed, or None.

@@ -130,21 +130,13 @@ impl Solve {
             (Subject::Abstract(setup), n) => {
                 abstract_problem::no_mesh(&setup.scene, n)?;
                 if self.linear_solver.is_some() {
-                    let name = &setup.scene.name;
-                    return Err(CliError::other(format!(
-                        "{name}: --linear-solver is for bodies; an abstract scene has a few coordinates and no mesh"
-                    )));
+                    let why = "--linear-solver is for bodies; an abstract scene has a few coordinates and no mesh";
+                    return Err(CliError::about(&setup.scene.name, why));
                 }
-                let bound =
-                    self.decomposes().then(|| abstract_decomposition_bound(&setup, self.steps));
+                let (steps, solver) = (self.steps, self.solver.of_levels());
+                let bound = self.decomposes().then(|| abstract_decomposition_bound(&setup, steps));
                 self.remark_on(&setup.scene.name, bound);
-                abstract_problem::solve(
-                    &setup,
-                    self.steps,
-                    &*self.solver.of_levels(),
-                    bound,
-                    self.json,
-                )
+                abstract_problem::solve(&setup, steps, &*solver, bound, self.json)
             }
             (Subject::Contact(setup), None) => {
                 let hint = "give --n, the number of mesh cells per unit length";
@@ -179,9 +171,8 @@ impl Solve {
         let data = MeshData::new(setup, n, None)?;
         self.admit(setup, n, Some(&data.space))?;
         self.check_levels(setup, n, &data)?;
-        let bound = self.decomposes();
-        let bound = bound.then(|| decomposition_bound(setup, &data.space, n, self.steps));
-        let bound = bound.transpose()?;
+        let bound = || decomposition_bound(setup, &data.space, n, self.steps);
+        let bound = self.decomposes().then(bound).transpose()?;
         self.remark_on(&setup.scene.name, bound);
         let (info, state, seconds) = self.march(setup, n, &data, start)?;
         let linear = &info.work.linear;
@@ -233,9 +224,7 @@ impl Solve {
         let series = self.vtu.as_ref().map(|dir| VtuSeries::new(dir, name));
         let mut series = series.transpose().map_err(CliError::other)?;
         if self.pictures.is_some() && !plane {
-            return Err(CliError::other(format!(
-                "{name}: --pictures draws plane bodies; --vtu is for any"
-            )));
+            return Err(CliError::about(name, "--pictures draws plane bodies; --vtu is for any"));
         }
         let drawn = self.pictures.is_some();
         let mut pictures = drawn.then(|| Pictures::new(&data.space, name, n, self.steps));
@@ -258,7 +247,7 @@ impl Solve {
         let steps = self.steps;
         let info = data
             .march(setup, steps, &*self.solver.of_levels(), &mut observe)
-            .map_err(|error| CliError::other(format!("{name} n = {n} steps = {steps}: {error}")))?;
+            .map_err(|error| CliError::about(format!("{name} n = {n} steps = {steps}"), error))?;
         let seconds = start.elapsed().as_secs_f64();
         if let Some(error) = write_error {
             return Err(CliError::other(error));
@@ -297,11 +286,12 @@ impl Solve {
             return Ok(());
         }
         if data.space.element != Element::P1 {
-            return Err(CliError::other(format!(
-                "{name}: multigrid is made for {} elements, and the scene has {}: --linear-solver direct factorizes",
+            let why = format!(
+                "multigrid is made for {} elements, and the scene has {}: --linear-solver direct factorizes",
                 Element::P1.name(),
                 data.space.element.name()
-            )));
+            );
+            return Err(CliError::about(name, why));
         }
         Err(CliError::other(format!(
             "{name} n = {n}: multigrid needs coarser meshes that this one refines, down to few unknowns; take an n with more factors of 2 (rectangles, boxes, polygons; {} unknowns here), or --linear-solver direct",

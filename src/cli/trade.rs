@@ -156,12 +156,12 @@ impl TradeCommand {
     ) -> Result<(), CliError> {
         for knob in knobs(&plain.setup) {
             let Knob::Element(element) = knob else { continue };
+            let left_out = |why: &str| {
+                super::progress::note(&format!("{} left out: {why}", knob.name()));
+            };
             let higher = element.degree() > plain.setup.body.element.degree();
             if higher && plain.setup.exact.is_none() {
-                super::progress::note(&format!(
-                    "{} left out: the reference run is of lower degree, and no truth for it",
-                    knob.name()
-                ));
+                left_out("the reference run is of lower degree, and no truth for it");
                 continue;
             }
             let n = element_meshes(&plain.setup.scene, &plan.n, element);
@@ -171,9 +171,7 @@ impl TradeCommand {
             let cases = self.cases(&scene, [&both, &plan.steps])?;
             match admit_trade(&cases, held(written), &self.allowance.limit()) {
                 Ok(()) => plan.elements.push((element, n)),
-                Err(refused) => {
-                    super::progress::note(&format!("{} left out: {refused}", knob.name()))
-                }
+                Err(refused) => left_out(&refused.to_string()),
             }
         }
         Ok(())

@@ -161,12 +161,9 @@ impl Verify {
             None => Way::Results,
             Some(command) => {
                 let words = shlex::split(command).filter(|words| !words.is_empty());
-                let words = words.ok_or_else(|| {
-                    CliError::about(
-                        format!("--solver {command:?}"),
-                        "no command, or a quote without end",
-                    )
-                })?;
+                let wrong = "no command, or a quote without end";
+                let about = || CliError::about(format!("--solver {command:?}"), wrong);
+                let words = words.ok_or_else(about)?;
                 Way::Command { words, limit: Duration::from_secs(self.time_limit) }
             }
         };
@@ -189,12 +186,8 @@ impl Verify {
         let flags = [(self.pressure, "--pressure"), (self.orders_only, "--orders-only")];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         let options = std::iter::once("verify").chain(given).collect::<Vec<_>>().join(" ");
-        Machine {
-            jobs: usize::from(self.jobs),
-            memory: self.allowance.limit(),
-            build: super::BUILD,
-            options,
-        }
+        let (jobs, memory) = (usize::from(self.jobs), self.allowance.limit());
+        Machine { jobs, memory, build: super::BUILD, options }
     }
 
     /// Runs the cases with the built-in solver.

@@ -66,15 +66,10 @@ fn rung(rung: &RungRow) -> Vec<Run> {
     let tone = if rung.standing.as_expected() { Tone::Plain } else { Tone::Miss };
     let short = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1e}"));
     let digit = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1}"));
-    vec![
-        Run::plain(rung.ladder),
-        Run::plain(&*rung.at),
-        Run::plain(&*rung.expected),
-        Run::plain(short(rung.measured)),
-        Run::plain(digit(rung.digits_lost)),
-        Run::plain(digit(rung.iterations)),
-        Run::plain(short(rung.kkt)),
-        Run::of(rung.standing.words(), tone),
-        Run::plain(&*rung.note),
-    ]
+    let words = [rung.ladder, &rung.at, &rung.expected].map(Run::plain);
+    let [measured, kkt] = [rung.measured, rung.kkt].map(|value| Run::plain(short(value)));
+    let [lost, iterations] = [rung.digits_lost, rung.iterations].map(|v| Run::plain(digit(v)));
+    let standing = Run::of(rung.standing.words(), tone);
+    let rest = [measured, lost, iterations, kkt, standing, Run::plain(&*rung.note)];
+    words.into_iter().chain(rest).collect()
 }
