@@ -57,14 +57,12 @@ pub(super) fn part(group: &Group, joint: &Result<Joint, NotIdentifiable>, asked:
             Err(refused) => Answer::open(refused),
         })
     });
-    let points = group.points();
-    let floor = joint.is_ok().then(|| joint_fits(&points, true).ok()).flatten();
-    let constants = joint
-        .as_ref()
-        .ok()
+    let (found, points) = (joint.as_ref().ok(), group.points());
+    let floor = found.and_then(|_| joint_fits(&points, true).ok());
+    let constants = found
         .zip(orders)
         .and_then(|(joint, orders)| fit_constants(&points, joint.fits.best.model, orders).ok());
-    let json = object(joint, floor.as_ref(), constants, asked);
+    let json = object(found, floor.as_ref(), constants, asked);
     let head = verdict_text(orders.map(|(p, q)| format!("{p}, {q}")), answer.as_ref());
     let text = match joint {
         Err(_) if !head.is_empty() => format!("joint: {head}"),
@@ -72,7 +70,7 @@ pub(super) fn part(group: &Group, joint: &Result<Joint, NotIdentifiable>, asked:
         Ok(joint) => text(joint, floor.as_ref(), constants, &head),
     };
     let otherwise = joint.as_ref().err().map_or(String::new(), NotIdentifiable::to_string);
-    let space = joint.as_ref().ok().map(|joint| &joint.posterior.order_h);
+    let space = found.map(|joint| &joint.posterior.order_h);
     asked.part((text, json), space, answer, otherwise)
 }
 
@@ -148,12 +146,11 @@ fn floor_line(plain: &JointFit, with: &JointFit, points: usize) -> Option<String
 }
 
 fn object(
-    joint: &Result<Joint, NotIdentifiable>,
+    found: Option<&Joint>,
     floor: Option<&JointFits>,
     constants: Option<[FittedValue; 2]>,
     asked: Asked,
 ) -> Value {
-    let found = joint.as_ref().ok();
     let fits = found.map(|joint| &joint.fits);
     let time = found.map(|joint| &joint.posterior.order_k);
     let all = fits.into_iter().chain(floor);

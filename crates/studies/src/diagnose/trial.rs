@@ -137,22 +137,16 @@ impl Design<'_> {
         let control = 1.0 / self.scene.time.horizon;
         // Of several terms none is taken alone: their course is that of the scene.
         let terms = &self.body.material.memory;
-        let course = match self.scene.time.rule {
-            TimeRule::Trapezoid => match &terms[..] {
-                [] => Some(Course::Fading(control)),
-                [memory] => single_rate(memory).map(Course::Fading),
-                _ => None,
-            },
+        let course = match (self.scene.time.rule, &terms[..]) {
+            (TimeRule::Trapezoid, []) => Some(Course::Fading(control)),
+            (TimeRule::Trapezoid, [memory]) => single_rate(memory).map(Course::Fading),
             // v, or the product of it with what a singular kernel has beside its power, is interpolated linearly.
-            TimeRule::ProductIntegration => match &terms[..] {
-                [memory] if memory.singular.is_some() => {
-                    factor_rate(&self.scene.formulas, memory).map(Course::Fading)
-                }
-                several if several.iter().all(|term| term.singular.is_none()) => {
-                    Some(Course::Linear)
-                }
-                _ => None,
-            },
+            (TimeRule::ProductIntegration, [memory]) if memory.singular.is_some() => {
+                factor_rate(&self.scene.formulas, memory).map(Course::Fading)
+            }
+            (TimeRule::ProductIntegration, several) => {
+                several.iter().all(|term| term.singular.is_none()).then_some(Course::Linear)
+            }
             _ => None,
         };
         match (terms.first(), course) {

@@ -100,21 +100,17 @@ impl Study {
 }
 
 fn term(step: &str, term: &Option<Term>) -> String {
-    match term {
-        Some(term) => {
-            let interval = bracketed(term.interval);
-            format!("{:.4e} {step}^{:.3} {interval}", term.constant, term.order)
-        }
-        None => format!("no term of {step}"),
-    }
+    let Some(Term { constant, order, interval }) = term else {
+        return format!("no term of {step}");
+    };
+    format!("{constant:.4e} {step}^{order:.3} {}", bracketed(*interval))
 }
 
 /// An interval in brackets; of two runs it is not known.
 fn bracketed(interval: Interval) -> String {
-    if interval.half_width().is_finite() {
-        format!("[{:.2}, {:.2}]", interval.lo, interval.hi)
-    } else {
-        "[interval unknown: too few levels]".into()
+    match interval.half_width().is_finite() {
+        true => format!("[{:.2}, {:.2}]", interval.lo, interval.hi),
+        false => "[interval unknown: too few levels]".into(),
     }
 }
 
