@@ -148,7 +148,7 @@ impl Fit {
             _ => found.texts,
         };
         match self.json {
-            true => print_json(&found.objects.into())?,
+            true => print_json(&found.objects)?,
             false => texts.iter().for_each(|text| print_text(text)),
         }
         Ok(u8::from(!found.all_pass))

@@ -43,7 +43,7 @@ impl List {
             return pictures(&all, folder);
         }
         if self.json {
-            print_json(&all.iter().map(row).collect())?;
+            print_json(&all.iter().map(row).collect::<Vec<_>>())?;
             return Ok(0);
         }
         if self.markdown {

@@ -7,14 +7,20 @@ use std::sync::OnceLock;
 use super::CliError;
 use files::{harmless, harmless_json, make_directory, read_file, replace_file, write_named};
 use judge::verdict::Verdict;
+use serde::Serialize;
 
 /// The first failed write to stdout; nothing is written after it.
 static STOPPED: OnceLock<io::Error> = OnceLock::new();
 
-pub(crate) fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
-    let text = serde_json::to_string_pretty(value).map_err(CliError::other)?;
-    print_as_it_is(&harmless_json(&text));
+/// Prints a value, its keys in the order of the alphabet.
+pub(crate) fn print_json(value: &impl Serialize) -> Result<(), CliError> {
+    print_as_it_is(&harmless_json(&sorted(value)?));
     Ok(())
+}
+
+fn sorted(value: &impl Serialize) -> Result<String, CliError> {
+    let text = serde_json::to_value(value).map(|value| format!("{value:#}"));
+    text.map_err(CliError::other)
 }
 
 /// Prints to stdout; control characters of foreign text are disarmed.
@@ -104,7 +110,6 @@ pub(crate) fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
     write_named(to, &bytes).map_err(|error| CliError::about(to.display(), error))
 }
 
-pub(crate) fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), CliError> {
-    let text = serde_json::to_string_pretty(value).map_err(CliError::other)?;
-    write_file(path, format!("{text}\n"))
+pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), CliError> {
+    write_file(path, format!("{}\n", sorted(value)?))
 }

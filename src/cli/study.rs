@@ -15,11 +15,10 @@ pub(super) fn deliver(
 ) -> Result<(), CliError> {
     write(study, document, out)?;
     if as_json {
-        print_json(&serde_json::to_value(study).map_err(CliError::other)?)
-    } else {
-        print_text(&document.text(width(StudyDocument::WIDTH)));
-        Ok(())
+        return print_json(study);
     }
+    print_text(&document.text(width(StudyDocument::WIDTH)));
+    Ok(())
 }
 
 pub(super) fn write(
@@ -29,7 +28,6 @@ pub(super) fn write(
 ) -> Result<(), CliError> {
     let Some(dir) = out else { return Ok(()) };
     create_dir(dir)?;
-    let value = serde_json::to_value(study).map_err(CliError::other)?;
-    write_json(&dir.join(format!("{}.json", document.stem())), &value)?;
+    write_json(&dir.join(format!("{}.json", document.stem())), study)?;
     Ok(document.write(dir)?)
 }

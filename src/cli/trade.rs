@@ -106,7 +106,7 @@ impl TradeCommand {
             write(&found, &document, Some(&self.out))?;
         }
         if self.json {
-            print_json(&serde_json::to_value(&found).map_err(CliError::other)?)?;
+            print_json(&found)?;
         }
         say(&format!("table: {}", self.at(&scene).display()));
         Ok(0)

@@ -2,30 +2,19 @@
 
 use std::str::FromStr;
 
-/// `2` or `L2=2,H1=1`.
+/// `2` or `L2=2,H1=1`: the order of every norm, or those of named ones, beside which none is judged.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Claims {
-    All(f64),
-    /// Other norms are not judged.
-    Each(Vec<(String, f64)>),
-}
+pub(super) struct Claims(Vec<(Option<String>, f64)>);
 
 impl Claims {
     pub(super) fn of(&self, norm: Option<&str>) -> Option<f64> {
-        match self {
-            Self::All(order) => Some(*order),
-            Self::Each(orders) => {
-                orders.iter().find(|(name, _)| Some(name.as_str()) == norm).map(|(_, order)| *order)
-            }
-        }
+        let mut claims = self.0.iter();
+        let (_, order) = claims.find(|(name, _)| name.is_none() || name.as_deref() == norm)?;
+        Some(*order)
     }
 
     pub(super) fn norms(&self) -> impl Iterator<Item = &str> {
-        let named: &[(String, f64)] = match self {
-            Self::All(_) => &[],
-            Self::Each(orders) => orders,
-        };
-        named.iter().map(|(norm, _)| norm.as_str())
+        self.0.iter().filter_map(|(norm, _)| norm.as_deref())
     }
 }
 
@@ -34,15 +23,15 @@ impl FromStr for Claims {
 
     fn from_str(text: &str) -> Result<Self, String> {
         if !text.contains('=') {
-            return order(text).map(Self::All);
+            return Ok(Self(vec![(None, order(text)?)]));
         }
         let pair = |part: &str| {
             let (norm, value) = part.rsplit_once('=').ok_or_else(|| {
                 format!("`{part}` names no norm: L2=2,H1=1 is an order for each of two")
             })?;
-            Ok((norm.trim().to_owned(), order(value)?))
+            Ok((Some(norm.trim().to_owned()), order(value)?))
         };
-        text.split(',').map(pair).collect::<Result<_, String>>().map(Self::Each)
+        text.split(',').map(pair).collect::<Result<_, String>>().map(Self)
     }
 }
 
