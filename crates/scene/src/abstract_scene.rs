@@ -161,10 +161,9 @@ impl AbstractTrace {
         let table = format!("trace.{index}");
         let key = |name: &str| join(&table, name);
         let functional = vector(reading, &key("functional"), m)?;
-        if functional.iter().all(|a| *a == 0.0) {
-            let message = "the functional is zero: it says nothing of u";
-            return Err(reading.error(&key("functional"), message, "give one nonzero number"));
-        }
+        let zero = functional.iter().all(|a| *a == 0.0);
+        let message = "the functional is zero: it says nothing of u";
+        reading.refuse_if(zero, &key("functional"), message, "give one nonzero number")?;
         if reading.has(&key("law.scale")) {
             let message = "a functional has no place that `scale` could depend on";
             let hint = "remove `scale` and write the factor into the numbers of the law";
@@ -174,10 +173,9 @@ impl AbstractTrace {
         let bound = |name: &str| reading.optional::<f64>(&key(name));
         let lower = bound("lower")?.unwrap_or(f64::NEG_INFINITY);
         let upper = bound("upper")?.unwrap_or(f64::INFINITY);
-        if lower.is_nan() || upper.is_nan() || lower >= upper {
-            let message = format!("no number lies between lower = {lower} and upper = {upper}");
-            return Err(reading.error(&key("lower"), message, "K needs lower < upper"));
-        }
+        let empty = lower.is_nan() || upper.is_nan() || lower >= upper;
+        let message = format!("no number lies between lower = {lower} and upper = {upper}");
+        reading.refuse_if(empty, &key("lower"), message, "K needs lower < upper")?;
         let weight = bound("weight")?.unwrap_or(1.0);
         let weight = reading.positive_number(&key("weight"), weight)?;
         Ok(Self { functional, weight, law: law.flatten(), upper, lower })

@@ -12,11 +12,10 @@ use super::values::Formula;
 pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>, SceneError> {
     let mut parameters = Vec::new();
     defined(reading, "exact.parameters", Scope::new(&[]), |reading, key, name, node| {
-        if !reading.formulas.value_of_constant(node).is_some_and(f64::is_finite) {
-            let message = format!("the parameter `{name}` is not a finite constant");
-            let hint = "move a formula in x, y, t to [exact.define]";
-            return Err(reading.error(key, message, hint));
-        }
+        let constant = reading.formulas.value_of_constant(node).is_some_and(f64::is_finite);
+        let message = format!("the parameter `{name}` is not a finite constant");
+        let hint = "move a formula in x, y, t to [exact.define]";
+        reading.refuse_if(!constant, key, message, hint)?;
         parameters.push((name.to_owned(), node));
         Ok(())
     })?;

@@ -91,24 +91,21 @@ impl Reference {
                 return Err(reading.error(&format!("sweep.reference.{name}"), message, hint));
             }
         }
-        if n.contains(&reference.n) && steps.contains(&reference.steps) {
-            let message = format!(
-                "the reference is the case n = {}, steps = {} itself: its error would be 0",
-                reference.n, reference.steps
-            );
-            let hint = "refine the reference in n or in steps";
-            return Err(reading.error("sweep.reference", message, hint));
-        }
-        Ok(reference)
+        let message = format!(
+            "the reference is the case n = {}, steps = {} itself: its error would be 0",
+            reference.n, reference.steps
+        );
+        let hint = "refine the reference in n or in steps";
+        let itself = n.contains(&reference.n) && steps.contains(&reference.steps);
+        reading.refuse_if(itself, "sweep.reference", message, hint).map(|()| reference)
     }
 }
 
 /// The pairs [n, N] of a path: at least three, with increasing n and nondecreasing N.
 fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneError> {
-    if reading.has("sweep.n") || reading.has("sweep.steps") {
-        let hint = "keep pairs, or the lists n and steps of a grid";
-        return Err(reading.error("sweep.pairs", "both pairs and a grid of n and steps", hint));
-    }
+    let both = reading.has("sweep.n") || reading.has("sweep.steps");
+    let hint = "keep pairs, or the lists n and steps of a grid";
+    reading.refuse_if(both, "sweep.pairs", "both pairs and a grid of n and steps", hint)?;
     let mut path: Vec<[usize; 2]> = Vec::new();
     for index in reading.entries("sweep.pairs")? {
         let key = format!("sweep.pairs.{index}");
@@ -117,18 +114,15 @@ fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneErro
         let n = reading.count(&first)?;
         let steps = step_count(reading, &format!("{key}.1"))?;
         whole_cells(reading, &first, n, domain)?;
-        if path.last().is_some_and(|&[last, before]| n <= last || steps < before) {
-            let message = format!("[{n}, {steps}] does not refine the pair before it");
-            let hint = "order the pairs from coarse to fine: n grows, N does not fall";
-            return Err(reading.error(&key, message, hint));
-        }
+        let odd = path.last().is_some_and(|&[last, before]| n <= last || steps < before);
+        let message = format!("[{n}, {steps}] does not refine the pair before it");
+        let hint = "order the pairs from coarse to fine: n grows, N does not fall";
+        reading.refuse_if(odd, &key, message, hint)?;
         path.push([n, steps]);
     }
-    if path.len() < 3 {
-        let message = format!("{} on the path, an order needs three", counted(path.len(), "pair"));
-        return Err(reading.error("sweep.pairs", message, "pairs = [[8, 4], [16, 6], [32, 8]]"));
-    }
-    Ok(path)
+    let message = format!("{} on the path, an order needs three", counted(path.len(), "pair"));
+    let hint = "pairs = [[8, 4], [16, 6], [32, 8]]";
+    reading.refuse_if(path.len() < 3, "sweep.pairs", message, hint).map(|()| path)
 }
 
 fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
@@ -138,20 +132,15 @@ fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
 }
 
 fn step_count(reading: &Reading, key: &str) -> Result<usize, SceneError> {
-    match reading.count(key)? {
-        count if count <= MOST_STEPS => Ok(count),
-        count => {
-            let message = format!("{count} time steps are more than {MOST_STEPS}");
-            Err(reading.error(key, message, "choose fewer steps"))
-        }
-    }
+    let count = reading.count(key)?;
+    let message = format!("{count} time steps are more than {MOST_STEPS}");
+    reading.refuse_if(count > MOST_STEPS, key, message, "choose fewer steps").map(|()| count)
 }
 
 fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
     let entries = 0..reading.required::<Vec<IgnoredAny>>(key)?.len();
-    if entries.is_empty() {
-        return Err(reading.error(key, "the list is empty", "give at least one: [8, 16, 32]"));
-    }
+    let hint = "give at least one: [8, 16, 32]";
+    reading.refuse_if(entries.is_empty(), key, "the list is empty", hint)?;
     let mut counts = Vec::new();
     for index in entries {
         let item = format!("{key}.{index}");
@@ -159,10 +148,8 @@ fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
             "sweep.steps" => step_count(reading, &item)?,
             _ => reading.count(&item)?,
         };
-        if counts.contains(&count) {
-            let message = format!("{count} is listed twice");
-            return Err(reading.error(&item, message, "remove one of the two"));
-        }
+        let message = format!("{count} is listed twice");
+        reading.refuse_if(counts.contains(&count), &item, message, "remove one of the two")?;
         counts.push(count);
     }
     Ok(counts)
@@ -224,11 +211,10 @@ impl Scene {
     /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
     pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
-        if path && !(n.is_empty() && steps.is_empty()) {
-            let message = "the scene runs along a path of pairs, not on a grid";
-            let hint = "leave --n and --steps away, or change the pairs";
-            return Err(self.error("sweep.pairs", message, hint));
-        }
+        let grid = !(n.is_empty() && steps.is_empty());
+        let message = "the scene runs along a path of pairs, not on a grid";
+        let hint = "leave --n and --steps away, or change the pairs";
+        self.refuse_if(path && grid, "sweep.pairs", message, hint)?;
         self.check_cases(n, steps)
     }
 

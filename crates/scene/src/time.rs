@@ -178,11 +178,10 @@ impl Time {
         let grid = reading.if_given("time.grid", |reading, _| TimeGrid::validate(reading))?;
         let rule = reading.if_given("time.rule", |reading, _| TimeRule::validate(reading))?;
         let (grid, rule) = (grid.unwrap_or(TimeGrid::Uniform), rule.unwrap_or(TimeRule::Trapezoid));
-        if rule.needs_equal_steps() && grid != TimeGrid::Uniform {
-            let message = "the rule of Gregory is for equal steps: its corrections are differences";
-            let hint = "leave the grid out, or take the rule \"trapezoid\"";
-            return Err(reading.error("time.rule", message, hint));
-        }
+        let odd = rule.needs_equal_steps() && grid != TimeGrid::Uniform;
+        let message = "the rule of Gregory is for equal steps: its corrections are differences";
+        let hint = "leave the grid out, or take the rule \"trapezoid\"";
+        reading.refuse_if(odd, "time.rule", message, hint)?;
         Ok(Time { horizon, grid, rule })
     }
 }

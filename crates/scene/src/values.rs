@@ -59,11 +59,8 @@ impl Reading<'_> {
         hint: &str,
     ) -> Result<Range<usize>, SceneError> {
         let found = self.required::<Vec<IgnoredAny>>(key)?.len();
-        if found == count {
-            return Ok(0..count);
-        }
         let message = format!("`{}` has {found} entries where {count} are wanted", last(key));
-        Err(self.error(key, message, hint))
+        self.refuse_if(found != count, key, message, hint).map(|()| 0..count)
     }
 
     /// So many finite numbers.
