@@ -102,21 +102,18 @@ impl AbstractScene {
         let u = reading.vector("exact.u", m, &scope)?;
         let mut of_traces =
             |key| reading.if_given(key, |reading, key| reading.vector(key, traces.len(), &scope));
-        let multiplier = of_traces("exact.multiplier")?;
-        let selection = of_traces("exact.selection")?;
-        let a_s = a_s.unwrap_or_else(|| vec![0.0; m]);
         Ok(Self {
             inner_product,
             matrix,
             nonlinear,
             kernels,
             r,
-            a_s,
+            a_s: a_s.unwrap_or_else(|| vec![0.0; m]),
             force,
-            traces,
             u,
-            multiplier,
-            selection,
+            multiplier: of_traces("exact.multiplier")?,
+            selection: of_traces("exact.selection")?,
+            traces,
         })
     }
 

@@ -55,18 +55,13 @@ fn defined(
 }
 
 /// Adds a note if a formula names something defined further down.
-fn used_too_early(error: SceneError, later: &[&str]) -> SceneError {
-    let SceneError::Text(diagnosis) = &error else {
-        return error;
-    };
-    let word = &diagnosis.text[diagnosis.span.clone()];
-    if !later.contains(&word) {
-        return error;
+fn used_too_early(mut error: SceneError, later: &[&str]) -> SceneError {
+    if let SceneError::Text(fault) = &mut error {
+        let word = &fault.text[fault.span.clone()];
+        let note = "is defined here or further down: a definition may use only those above it";
+        fault.notes.extend(later.contains(&word).then(|| format!("`{word}` {note}")));
     }
-    let note = format!(
-        "`{word}` is defined here or further down: a definition may use only those above it"
-    );
-    error.with_note(note)
+    error
 }
 
 /// (dotted key, name, formula) of a table, sorted by position in the file.

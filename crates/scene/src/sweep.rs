@@ -73,6 +73,19 @@ impl Sweep {
 }
 
 impl Reference {
+    /// What does not serve these cases, and why: they are compared with it at common vertices and times.
+    fn no_multiple(self, n: &[usize], steps: &[usize]) -> Option<(&'static str, String)> {
+        [("n", self.n, n), ("steps", self.steps, steps)].into_iter().find_map(
+            |(name, own, cases)| {
+                let case = cases.iter().find(|&&case| !own.is_multiple_of(case))?;
+                Some((
+                    name,
+                    format!("the reference {name} = {own} is not a multiple of {name} = {case}"),
+                ))
+            },
+        )
+    }
+
     fn validate(
         reading: &Reading,
         domain: &Domain,
@@ -84,12 +97,9 @@ impl Reference {
             steps: step_count(reading, "sweep.reference.steps")?,
         };
         whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
-        for (name, refined, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
-            if let Some(message) = no_multiple(name, refined, cases.iter().copied()) {
-                let hint =
-                    "errors are compared at common vertices and times: choose a common multiple";
-                return Err(reading.error(&format!("sweep.reference.{name}"), message, hint));
-            }
+        if let Some((name, message)) = reference.no_multiple(n, steps) {
+            let hint = "errors are compared at common vertices and times: choose a common multiple";
+            return Err(reading.error(&format!("sweep.reference.{name}"), message, hint));
         }
         let message = format!(
             "the reference is the case n = {}, steps = {} itself: its error would be 0",
@@ -185,16 +195,6 @@ fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Resul
     unfit(n, domain).map_or(Ok(()), |(message, hint)| Err(reading.error(key, message, hint)))
 }
 
-/// Why a reference run does not serve these cases: it is compared with them at common vertices and times.
-fn no_multiple(
-    name: &str,
-    reference: usize,
-    mut cases: impl Iterator<Item = usize>,
-) -> Option<String> {
-    let case = cases.find(|&case| !reference.is_multiple_of(case))?;
-    Some(format!("the reference {name} = {reference} is not a multiple of {name} = {case}"))
-}
-
 impl Scene {
     /// Checks that n cells per unit length divide the sides into whole cells.
     ///
@@ -227,14 +227,11 @@ impl Scene {
         let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
             return Ok(());
         };
-        for (name, refined, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
-            let cases = cases.iter().map(|&case| case as usize);
-            if let Some(message) = no_multiple(name, refined, cases) {
-                let hint = "choose divisors of the reference's, or change the reference";
-                return Err(self.error("sweep.reference", message, hint));
-            }
-        }
-        Ok(())
+        let [n, steps] = [n, steps].map(|list| list.iter().map(|&count| count as usize).collect());
+        let (n, steps): (Vec<usize>, Vec<usize>) = (n, steps);
+        let hint = "choose divisors of the reference's, or change the reference";
+        let fault = reference.no_multiple(&n, &steps);
+        fault.map_or(Ok(()), |(_, message)| Err(self.error("sweep.reference", message, hint)))
     }
 }
 

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::extend::AddedCase;
-use super::floors::{FloorError, FloorRow, abstract_floors, contact_floors_of_case};
+use super::floors::{FloorError, FloorRow, abstract_floors, contact_floors, direct_history};
 use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
-use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
+use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
@@ -187,7 +187,11 @@ impl ScenePlan {
     /// A run that fails.
     pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
         match &self.subject {
-            Subject::Contact(setup) => contact_floors_of_case(setup, case),
+            Subject::Contact(setup) => {
+                let direct = direct_history(Setup::new(setup.scene.clone())?);
+                let (n, steps) = (case.n.unwrap_or_default(), case.steps);
+                Ok(contact_floors(setup, direct.as_ref(), n, steps, &case.norms)?)
+            }
             Subject::Abstract(setup) => Ok(abstract_floors(setup, case.steps)?),
         }
     }

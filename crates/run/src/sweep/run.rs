@@ -210,18 +210,17 @@ impl Sweep<'_> {
             })
             .collect();
         let (mut work, mut tasks) = (Vec::new(), Vec::new());
-        for (s, (open, needs)) in open.into_iter().zip(needs).enumerate() {
+        for (s, (open, (reference, needs))) in open.into_iter().zip(needs).enumerate() {
             let plan = self.shared[s].plan;
             let mut cases = Vec::new();
-            for (c, need) in open.into_iter().zip(needs.cases) {
+            for (c, need) in open.into_iter().zip(needs) {
                 match need {
                     Ok(need) => cases.push((c, need)),
                     Err(reason) => self.refuse(&plan.cases[c], plan, &reason),
                 }
             }
-            let reference = needs.reference.and_then(Result::ok).filter(|_| !cases.is_empty());
             let mut shares = Vec::new();
-            let after = reference.map(|need| {
+            let after = reference.filter(|_| !cases.is_empty()).map(|need| {
                 shares.push(((s, None), need.kept_bytes));
                 let longest = cases.iter().map(|(_, case)| case.seconds).fold(0.0, f64::max);
                 work.push(Job::Reference(s));

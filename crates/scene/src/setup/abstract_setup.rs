@@ -9,6 +9,7 @@ use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
 use super::{SetupError, potential, time_grid};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
+use algebra::linalg::larger;
 use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 use vhi::StepSolver;
@@ -70,11 +71,7 @@ impl AbstractSetup {
             let begin = Instant::now();
             let exact = DVector::from_column_slice(&self.state(view.t).u);
             run.seconds_truth += begin.elapsed().as_secs_f64();
-            let error = self.model.norm(&(exact - view.u));
-            // NaN is kept: no later error is larger.
-            if !run.error.is_nan() && (error.is_nan() || error > run.error) {
-                run.error = error;
-            }
+            run.error = larger(run.error, self.model.norm(&(exact - view.u)));
             run.u = view.u.as_slice().to_vec();
             run.history = view.history.as_slice().to_vec();
             run.pressure = view.pressure.to_vec();
