@@ -146,11 +146,10 @@ impl<'a> Reading<'a> {
             Some([first, last]) if first <= last => {
                 Ok(Some([self.count(&format!("{key}.0"))?, self.count(&format!("{key}.1"))?]))
             }
-            Some(values) => Err(self.error(
-                key,
-                format!("{values:?} is not a window"),
-                "a window is [from, to] with from <= to, as in [32, 128]",
-            )),
+            Some(values) => {
+                let hint = "a window is [from, to] with from <= to, as in [32, 128]";
+                Err(self.error(key, format!("{values:?} is not a window"), hint))
+            }
         }
     }
 

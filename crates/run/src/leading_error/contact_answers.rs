@@ -5,6 +5,7 @@ use super::in_space::{InSpace, State};
 use super::law_slope::{Answer, answer, sliding_block};
 use super::low_rank::RankOne;
 use exact::FrictionFormulas;
+use fem::contact::TracePoint;
 use formula::Node;
 
 /// Stiffness of a held vertex in units of the largest entry; reduces its motion to 1e-10.
@@ -15,10 +16,7 @@ impl<const S: usize> InSpace<S> {
     pub(super) fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
         let contact = self.exact.data.contact.as_ref();
         let law = contact.and_then(|contact| contact.law.as_ref());
-        let mut answers = Vec::with_capacity(state.contact.len());
-        for (point, &[normal, _, _, xi, lambda]) in
-            self.space.trace.points.iter().zip(&state.contact)
-        {
+        let of_point = |(point, &[normal, _, _, xi, lambda]): (&TracePoint, &[f64; 5])| {
             // The law is c p: its slope is c times that of p at ξ/c.
             let shift = self.at_vertex(contact.and_then(|known| known.shift), 0.0, point.vertex);
             let scale = self.at_vertex(contact.and_then(|known| known.scale), 1.0, point.vertex);
@@ -26,9 +24,9 @@ impl<const S: usize> InSpace<S> {
                 Answer::Slope(slope) => Answer::Slope(scale * slope),
                 Answer::Held => Answer::Held,
             };
-            answers.push(point.carries().then_some(response));
-        }
-        answers
+            point.carries().then_some(response)
+        };
+        self.space.trace.points.iter().zip(&state.contact).map(of_point).collect()
     }
 
     /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.

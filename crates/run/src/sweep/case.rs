@@ -60,17 +60,13 @@ fn measure(
     let wants = |norm| case.norms.contains(&norm);
     // Before loads are asked for, here or by the finer run.
     data.truth.expect(setup.grid(case.steps).times())?;
-    let finer = match wants(Norm::VTimeMax) {
-        true => Some(data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps)?),
-        false => None,
-    };
-    let mut projection = match wants(Norm::VProjectionMax) {
-        true => Some(
-            ElasticProjection::held(&data.space, &setup.model.elasticity, setup.projection_mu())
-                .map_err(|error| LoadError::Reference { reason: error.to_string() })?,
-        ),
-        false => None,
-    };
+    let finer = || data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps);
+    let finer = wants(Norm::VTimeMax).then(finer).transpose()?;
+    let (elastic, mu) = (&setup.model.elasticity, setup.projection_mu());
+    let projection = || ElasticProjection::held(&data.space, elastic, mu);
+    let projection = wants(Norm::VProjectionMax).then(projection).transpose();
+    let mut projection =
+        projection.map_err(|error| LoadError::Reference { reason: error.to_string() })?;
     let by_state = case.norms.iter().any(|norm| norm.by_state());
     let mut by_rule = Floors::default();
     let mut observe = |view: &StepView<'_>| {
