@@ -5,7 +5,6 @@ use super::in_space::{InSpace, State};
 use super::law_slope::{Answer, answer, sliding_block};
 use super::low_rank::RankOne;
 use exact::FrictionFormulas;
-use fem::contact::TracePoint;
 use formula::Node;
 
 /// Stiffness of a held vertex in units of the largest entry; reduces its motion to 1e-10.
@@ -16,7 +15,10 @@ impl<const S: usize> InSpace<S> {
     pub(super) fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
         let contact = self.exact.data.contact.as_ref();
         let law = contact.and_then(|contact| contact.law.as_ref());
-        let of_point = |(point, &[normal, _, _, xi, lambda]): (&TracePoint, &[f64; 5])| {
+        let mut answers = Vec::with_capacity(state.contact.len());
+        for (point, &[normal, _, _, xi, lambda]) in
+            self.space.trace.points.iter().zip(&state.contact)
+        {
             // The law is c p: its slope is c times that of p at ξ/c.
             let shift = self.at_vertex(contact.and_then(|known| known.shift), 0.0, point.vertex);
             let scale = self.at_vertex(contact.and_then(|known| known.scale), 1.0, point.vertex);
@@ -24,9 +26,9 @@ impl<const S: usize> InSpace<S> {
                 Answer::Slope(slope) => Answer::Slope(scale * slope),
                 Answer::Held => Answer::Held,
             };
-            point.carries().then_some(response)
-        };
-        self.space.trace.points.iter().zip(&state.contact).map(of_point).collect()
+            answers.push(point.carries().then_some(response));
+        }
+        answers
     }
 
     /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
