@@ -102,21 +102,18 @@ impl AbstractScene {
         let u = reading.vector("exact.u", m, &scope)?;
         let mut of_traces =
             |key| reading.if_given(key, |reading, key| reading.vector(key, traces.len(), &scope));
-        let multiplier = of_traces("exact.multiplier")?;
-        let selection = of_traces("exact.selection")?;
-        let a_s = a_s.unwrap_or_else(|| vec![0.0; m]);
         Ok(Self {
             inner_product,
             matrix,
             nonlinear,
             kernels,
             r,
-            a_s,
+            a_s: a_s.unwrap_or_else(|| vec![0.0; m]),
             force,
-            traces,
             u,
-            multiplier,
-            selection,
+            multiplier: of_traces("exact.multiplier")?,
+            selection: of_traces("exact.selection")?,
+            traces,
         })
     }
 
@@ -161,10 +158,9 @@ impl AbstractTrace {
         let table = format!("trace.{index}");
         let key = |name: &str| join(&table, name);
         let functional = vector(reading, &key("functional"), m)?;
-        if functional.iter().all(|a| *a == 0.0) {
-            let message = "the functional is zero: it says nothing of u";
-            return Err(reading.error(&key("functional"), message, "give one nonzero number"));
-        }
+        let zero = functional.iter().all(|a| *a == 0.0);
+        let message = "the functional is zero: it says nothing of u";
+        reading.refuse_if(zero, &key("functional"), message, "give one nonzero number")?;
         if reading.has(&key("law.scale")) {
             let message = "a functional has no place that `scale` could depend on";
             let hint = "remove `scale` and write the factor into the numbers of the law";
@@ -174,10 +170,9 @@ impl AbstractTrace {
         let bound = |name: &str| reading.optional::<f64>(&key(name));
         let lower = bound("lower")?.unwrap_or(f64::NEG_INFINITY);
         let upper = bound("upper")?.unwrap_or(f64::INFINITY);
-        if lower.is_nan() || upper.is_nan() || lower >= upper {
-            let message = format!("no number lies between lower = {lower} and upper = {upper}");
-            return Err(reading.error(&key("lower"), message, "K needs lower < upper"));
-        }
+        let empty = lower.is_nan() || upper.is_nan() || lower >= upper;
+        let message = format!("no number lies between lower = {lower} and upper = {upper}");
+        reading.refuse_if(empty, &key("lower"), message, "K needs lower < upper")?;
         let weight = bound("weight")?.unwrap_or(1.0);
         let weight = reading.positive_number(&key("weight"), weight)?;
         Ok(Self { functional, weight, law: law.flatten(), upper, lower })

@@ -45,11 +45,9 @@ fn power(reading: &Reading, table: &str) -> Result<Curve, SceneError> {
     let exponent = reading.number(&join(table, "exponent"), fits, range)?;
     let until = positive("until")?;
     let slope = coefficient * exponent * until.powf(exponent - 1.0);
-    if !slope.is_finite() {
-        let message = format!("the slope of the law at r = {until} is {slope}");
-        let hint = "(2.8b) asks for linear growth: lower `until` or `exponent`";
-        return Err(reading.error(&format!("{table}.until"), message, hint));
-    }
+    let message = format!("the slope of the law at r = {until} is {slope}");
+    let hint = "(2.8b) asks for linear growth: lower `until` or `exponent`";
+    reading.refuse_if(!slope.is_finite(), &join(table, "until"), message, hint)?;
     Ok(Curve::Power { coefficient, exponent, until })
 }
 

@@ -12,11 +12,10 @@ use super::values::Formula;
 pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>, SceneError> {
     let mut parameters = Vec::new();
     defined(reading, "exact.parameters", Scope::new(&[]), |reading, key, name, node| {
-        if !reading.formulas.value_of_constant(node).is_some_and(f64::is_finite) {
-            let message = format!("the parameter `{name}` is not a finite constant");
-            let hint = "move a formula in x, y, t to [exact.define]";
-            return Err(reading.error(key, message, hint));
-        }
+        let constant = reading.formulas.value_of_constant(node).is_some_and(f64::is_finite);
+        let message = format!("the parameter `{name}` is not a finite constant");
+        let hint = "move a formula in x, y, t to [exact.define]";
+        reading.refuse_if(!constant, key, message, hint)?;
         parameters.push((name.to_owned(), node));
         Ok(())
     })?;
@@ -56,18 +55,13 @@ fn defined(
 }
 
 /// Adds a note if a formula names something defined further down.
-fn used_too_early(error: SceneError, later: &[&str]) -> SceneError {
-    let SceneError::Text(diagnosis) = &error else {
-        return error;
-    };
-    let word = &diagnosis.text[diagnosis.span.clone()];
-    if !later.contains(&word) {
-        return error;
+fn used_too_early(mut error: SceneError, later: &[&str]) -> SceneError {
+    if let SceneError::Text(fault) = &mut error {
+        let word = &fault.text[fault.span.clone()];
+        let note = "is defined here or further down: a definition may use only those above it";
+        fault.notes.extend(later.contains(&word).then(|| format!("`{word}` {note}")));
     }
-    let note = format!(
-        "`{word}` is defined here or further down: a definition may use only those above it"
-    );
-    error.with_note(note)
+    error
 }
 
 /// (dotted key, name, formula) of a table, sorted by position in the file.

@@ -55,15 +55,6 @@ impl SceneError {
             hint: hint.into(),
         }))
     }
-
-    /// Adds a remark, printed before the way out.
-    #[must_use]
-    pub(crate) fn with_note(mut self, note: impl Into<String>) -> SceneError {
-        if let SceneError::Text(diagnosis) = &mut self {
-            diagnosis.notes.push(note.into());
-        }
-        self
-    }
 }
 
 /// One fault in the text of a scene; `Display` shows file:line:column, the text underlined, notes and hint.
@@ -74,6 +65,7 @@ pub struct TextFault {
     /// Bytes of `text` at fault, on character boundaries.
     pub span: Range<usize>,
     pub message: String,
+    /// Printed before the way out.
     pub notes: Vec<String>,
     pub hint: String,
 }

@@ -65,13 +65,11 @@ impl Domain {
         domain.mesh = family::family(reading, &domain)?;
         domain.each_side_once(reading)?;
         normals::few_at_a_vertex(reading, &domain)?;
-        if domain.clamped.is_empty() {
-            let message =
-                "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
-            let hint =
-                format!("clamp at least one side: clamped = [\"{}\"]", domain.example_of_a_side());
-            return Err(reading.error("domain.clamped", message, hint));
-        }
+        let message =
+            "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
+        let hint =
+            format!("clamp at least one side: clamped = [\"{}\"]", domain.example_of_a_side());
+        reading.refuse_if(domain.clamped.is_empty(), "domain.clamped", message, hint)?;
         Ok(domain)
     }
 
@@ -256,11 +254,8 @@ impl Domain {
         let named = self.sides.iter().zip(&owner);
         let free: Vec<&str> =
             named.filter(|(_, owner)| owner.is_none()).map(|(name, _)| name.as_str()).collect();
-        if free.is_empty() {
-            return Ok(());
-        }
         let message = format!("no condition on the side {}", free.join(", "));
         let hint = "put each side into clamped, traction or contact; a free side is a traction side without a load";
-        Err(reading.error("domain", message, hint))
+        reading.refuse_if(!free.is_empty(), "domain", message, hint)
     }
 }

@@ -40,13 +40,11 @@ fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrde
     let mu = reading.positive(&join(key, "mu_L"))?;
     let d = dimension as f64;
     let eigenvalue = 2.0 * mu + d * lambda;
-    if eigenvalue <= 0.0 {
-        let message = format!(
-            "2 mu_L + {dimension} lambda = {eigenvalue} is not positive: this eigenvalue of the elasticity tensor must be"
-        );
-        let hint = format!("give lambda > {}", -2.0 * mu / d);
-        return Err(reading.error(&format!("{key}.lambda"), message, hint));
-    }
+    let message = format!(
+        "2 mu_L + {dimension} lambda = {eigenvalue} is not positive: this eigenvalue of the elasticity tensor must be"
+    );
+    let hint = format!("give lambda > {}", -2.0 * mu / d);
+    reading.refuse_if(eigenvalue <= 0.0, &join(key, "lambda"), message, hint)?;
     Ok(Isotropic { lambda, mu }.into())
 }
 
@@ -71,15 +69,13 @@ fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, S
     };
     let tensor = FourthOrder::Full(Box::new(matrix));
     let (smallest, _) = tensor.eigenvalues(dimension);
-    // NaN is refused.
-    if smallest > 0.0 {
-        return Ok(tensor);
-    }
     let message = format!(
         "the elasticity tensor is not positive definite: its smallest eigenvalue m_A is {smallest:.6}"
     );
     let hint = "an elastic energy must be positive for every strain: raise the diagonal entries, or lower what couples them";
-    Err(reading.error(&place, message, hint))
+    // NaN is refused.
+    let positive = smallest > 0.0;
+    reading.refuse_if(!positive, &place, message, hint).map(|()| tensor)
 }
 
 fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6], SceneError> {

@@ -98,33 +98,37 @@ fn coulomb(
     let node = reading.formula(key, &scope)?;
     let coefficient = reading.formulas.evaluate(node, &EvaluationPoint::default());
     let coefficient = reading.positive_number(key, coefficient)?;
-    let refuse = |message: &str, hint: &str| {
-        Err(reading.error("contact.friction.bound.kind", message, hint))
-    };
+    let key = "contact.friction.bound.kind";
     let Some(law) = law else {
         let hint = "add law = { kind = \"linear\", stiffness = 2.0 } or another law to [contact], or give the bound";
-        return refuse("the bound mu p(u_nu) without a normal law p", hint);
+        return Err(reading.error(key, "the bound mu p(u_nu) without a normal law p", hint));
     };
-    if law.is_set_valued() {
-        let hint = "replace the jump of the normal law by a steep slope";
-        return refuse("the bound mu p(u_nu) and a law p with a jump: p is no number there", hint);
-    }
-    if law.curve.is_some() {
-        let hint = "take a law by lines: kind = \"linear\" or \"piecewise-linear\"";
-        return refuse(
-            "the bound mu p(u_nu) and a curved law p: (2.9) takes its steepest rise from lines",
-            hint,
-        );
-    }
     let negative = law.points.iter().any(|point| point[1] < 0.0);
-    if negative || law.slope_before > 0.0 || law.slope_after < 0.0 {
-        let hint = "let every point have p >= 0, with slope_before <= 0 and slope_after >= 0";
-        return refuse("the bound mu p(u_nu) is negative for some u_nu", hint);
-    }
-    if quadrature != ContactQuadrature::Vertex {
-        let hint = "use quadrature = \"vertex\"";
-        return refuse("the bound mu p(u_nu) takes p from the vertices", hint);
-    }
+    let refused = [
+        (
+            law.is_set_valued(),
+            "the bound mu p(u_nu) and a law p with a jump: p is no number there",
+            "replace the jump of the normal law by a steep slope",
+        ),
+        (
+            law.curve.is_some(),
+            "the bound mu p(u_nu) and a curved law p: (2.9) takes its steepest rise from lines",
+            "take a law by lines: kind = \"linear\" or \"piecewise-linear\"",
+        ),
+        (
+            negative || law.slope_before > 0.0 || law.slope_after < 0.0,
+            "the bound mu p(u_nu) is negative for some u_nu",
+            "let every point have p >= 0, with slope_before <= 0 and slope_after >= 0",
+        ),
+        (
+            quadrature != ContactQuadrature::Vertex,
+            "the bound mu p(u_nu) takes p from the vertices",
+            "use quadrature = \"vertex\"",
+        ),
+    ];
+    refused
+        .iter()
+        .try_for_each(|&(fault, what, hint)| reading.refuse_if(fault, key, what, hint))?;
     Ok(coefficient)
 }
 
@@ -133,25 +137,18 @@ fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>, SceneError> {
     let points = reading.points(key, "[r, S(r)]")?;
     for (index, &[r, bound]) in points.iter().enumerate() {
         let here = format!("{key}.{index}");
-        if bound < 0.0 {
-            let message = format!("the bound is {bound} at r = {r}: it must not be negative");
-            return Err(reading.error(&here, message, "give S >= 0"));
-        }
+        let message = format!("the bound is {bound} at r = {r}: it must not be negative");
+        reading.refuse_if(bound < 0.0, &here, message, "give S >= 0")?;
         let fits = match index.checked_sub(1) {
             None => r == 0.0,
             Some(before) => r > points[before][0],
         };
-        if !fits {
-            let message = format!("the slip {r}: points start at r = 0, and r increases");
-            let hint = "a jump of S would violate relaxed monotonicity (2.8c) on one side of r = 0: replace it by a steep slope";
-            return Err(reading.error(&here, message, hint));
-        }
+        let message = format!("the slip {r}: points start at r = 0, and r increases");
+        let hint = "a jump of S would violate relaxed monotonicity (2.8c) on one side of r = 0: replace it by a steep slope";
+        reading.refuse_if(!fits, &here, message, hint)?;
     }
-    if points.is_empty() {
-        let hint = "give at least one: points = [[0.0, 0.3], [0.1, 0.28]]";
-        return Err(reading.error(key, "the bound has no point", hint));
-    }
-    Ok(points)
+    let hint = "give at least one: points = [[0.0, 0.3], [0.1, 0.28]]";
+    reading.refuse_if(points.is_empty(), key, "the bound has no point", hint).map(|()| points)
 }
 
 /// u_τ takes the unknowns left by u_ν: a vertex between two contact sides has too few, unless it is clamped. In space

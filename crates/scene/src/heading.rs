@@ -69,16 +69,13 @@ const LONGEST_NAME: usize = 200;
 pub(super) fn name(reading: &Reading) -> Result<String, SceneError> {
     let name: String = reading.required("scene.name")?;
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    if name.len() > LONGEST_NAME {
-        let message = format!("a name of {} characters", name.len());
-        let hint = format!("use at most {LONGEST_NAME}: the name becomes part of file names");
-        return Err(reading.error("scene.name", message, hint));
-    }
-    if !name.is_empty() && name.chars().all(allowed) {
-        return Ok(name);
-    }
+    let message = format!("a name of {} characters", name.len());
+    let hint = format!("use at most {LONGEST_NAME}: the name becomes part of file names");
+    reading.refuse_if(name.len() > LONGEST_NAME, "scene.name", message, hint)?;
+    let odd = name.is_empty() || !name.chars().all(allowed);
+    let message = format!("`{name}` cannot name a scene");
     let hint = "use letters, digits, - and _: the name becomes part of file names";
-    Err(reading.error("scene.name", format!("`{name}` cannot name a scene"), hint))
+    reading.refuse_if(odd, "scene.name", message, hint).map(|()| name)
 }
 
 pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize, SceneError> {
@@ -95,10 +92,8 @@ pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize, Sce
             "write dimension = 2 (plane strain) or 3".into(),
         ),
     };
-    match known.contains(&dimension) {
-        true => Ok(dimension.unsigned_abs() as usize),
-        false => Err(reading.error("scene.dimension", message, hint)),
-    }
+    reading.refuse_if(!known.contains(&dimension), "scene.dimension", message, hint)?;
+    Ok(dimension.unsigned_abs() as usize)
 }
 
 pub(super) fn expectation(reading: &Reading) -> Result<Expectation, SceneError> {

@@ -36,11 +36,8 @@ fn decay(amplitude: f64, time: f64) -> String {
 
 fn prony(reading: &Reading, key: &str) -> Result<Formula, SceneError> {
     let terms = reading.entries(key)?;
-    if terms.is_empty() {
-        let message = "a Prony series without terms";
-        let hint = "for instance: terms = [[-0.5, 0.2], [-0.3, 2.0]]";
-        return Err(reading.error(key, message, hint));
-    }
+    let hint = "for instance: terms = [[-0.5, 0.2], [-0.3, 2.0]]";
+    reading.refuse_if(terms.is_empty(), key, "a Prony series without terms", hint)?;
     let term = |index| {
         let at = format!("{key}.{index}");
         reading.entries_of(&at, 2, "a term is a pair [amplitude, time], as in [-0.5, 0.2]")?;

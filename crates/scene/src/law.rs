@@ -60,10 +60,8 @@ impl Law {
         let points = reading.points(&key, "[r, p(r)]")?;
         let before = reading.finite(&join(table, "slope_before"))?;
         let after = reading.finite(&join(table, "slope_after"))?;
-        if points.is_empty() {
-            let hint = "give at least one: points = [[0.0, 0.0]]";
-            return Err(reading.error(&key, "the law has no point", hint));
-        }
+        let hint = "give at least one: points = [[0.0, 0.0]]";
+        reading.refuse_if(points.is_empty(), &key, "the law has no point", hint)?;
         let law = Law::graph(points, before, after);
         law.check_order(reading, table)?;
         Ok(law)
@@ -132,26 +130,20 @@ fn admissible(
     [r, p]: [f64; 2],
     [next_r, next_p]: [f64; 2],
 ) -> Result<(), SceneError> {
-    if next_r < r {
-        let message = format!("the abscissa {next_r} comes after {r}: points must be sorted");
-        return Err(reading.error(key, message, "sort the points by their first number"));
-    }
-    if next_r == r && next_p == p {
-        let message = format!("the point [{r}, {p}] is given twice");
-        return Err(reading.error(key, message, "remove one of the two"));
-    }
-    if next_r == r && next_p < p {
-        let message = format!(
-            "p jumps down from {p} to {next_p} at r = {r}: relaxed monotonicity (2.8c) then fails for every alpha"
-        );
-        return Err(reading.error(key, message, "replace the jump by a steep slope: alpha is that slope, and (2.9) asks alpha c_j^2 < m_A"));
-    }
-    if next_r > r && !((next_p - p) / (next_r - r)).is_finite() {
-        let message = format!("the slope from [{r}, {p}] to [{next_r}, {next_p}] is not finite");
-        let hint = "give the points one abscissa for a jump upward, or set them apart";
-        return Err(reading.error(key, message, hint));
-    }
-    Ok(())
+    let message = format!("the abscissa {next_r} comes after {r}: points must be sorted");
+    reading.refuse_if(next_r < r, key, message, "sort the points by their first number")?;
+    let message = format!("the point [{r}, {p}] is given twice");
+    reading.refuse_if([next_r, next_p] == [r, p], key, message, "remove one of the two")?;
+    let message = format!(
+        "p jumps down from {p} to {next_p} at r = {r}: relaxed monotonicity (2.8c) then fails for every alpha"
+    );
+    let hint =
+        "replace the jump by a steep slope: alpha is that slope, and (2.9) asks alpha c_j^2 < m_A";
+    reading.refuse_if(next_r == r && next_p < p, key, message, hint)?;
+    let endless = next_r > r && !((next_p - p) / (next_r - r)).is_finite();
+    let message = format!("the slope from [{r}, {p}] to [{next_r}, {next_p}] is not finite");
+    let hint = "give the points one abscissa for a jump upward, or set them apart";
+    reading.refuse_if(endless, key, message, hint)
 }
 
 #[cfg(test)]

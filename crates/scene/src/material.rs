@@ -45,20 +45,17 @@ impl Material {
         let (mut regions, mut parts) = (Vec::new(), Vec::new());
         for index in reading.entries("material.region")? {
             let region = Region::validate(reading, index, domain)?;
-            if regions.iter().any(|other: &Region| other.name == region.name) {
-                let message = format!("two regions are called `{}`", region.name);
-                let key = format!("material.region.{index}.name");
-                return Err(reading.error(&key, message, "rename one of them"));
-            }
+            let known = regions.iter().any(|other: &Region| other.name == region.name);
+            let message = format!("two regions are called `{}`", region.name);
+            let key = format!("material.region.{index}.name");
+            reading.refuse_if(known, &key, message, "rename one of them")?;
             regions.push(region);
             let separate = memory::parts(reading, Some(index), horizon, domain.dimension())?;
             parts.push(separate.unwrap_or_else(|| base.clone()));
         }
-        if regions.len() > MOST_REGIONS {
-            let message =
-                format!("{} regions: at most {MOST_REGIONS} are told apart", regions.len());
-            return Err(reading.error("material.region", message, "merge regions of one material"));
-        }
+        let message = format!("{} regions: at most {MOST_REGIONS} are told apart", regions.len());
+        let (many, hint) = (regions.len() > MOST_REGIONS, "merge regions of one material");
+        reading.refuse_if(many, "material.region", message, hint)?;
         let memory = memory::terms(reading, &base, &parts);
         let projection = reading
             .if_given("material.projection", |reading, _| Projection::validate(reading, horizon))?;
@@ -94,10 +91,8 @@ impl Region {
         let table = format!("material.region.{index}");
         let key = join(&table, "name");
         let name: String = reading.required(&key)?;
-        if name.trim().is_empty() {
-            let hint = "for instance: name = \"layer\"";
-            return Err(reading.error(&key, "a region needs a name", hint));
-        }
+        let hint = "for instance: name = \"layer\"";
+        reading.refuse_if(name.trim().is_empty(), &key, "a region needs a name", hint)?;
         let place = place(reading, &table, &name, domain)?;
         Ok(Region { name, place, elastic: elastic(reading, &table, domain.dimension())? })
     }

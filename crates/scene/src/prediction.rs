@@ -88,12 +88,9 @@ impl Norm {
         has_contact: bool,
     ) -> Result<Norm, SceneError> {
         let norm = reading.choice(key, &Norm::NAMES)?;
-        if norm.needs_contact() && !has_contact {
-            let name = norm.name();
-            let message = format!("`{name}` is measured on Γ3, and the scene has no contact");
-            let hint = "choose V_max, L2_max or stress_L2_max, or add contact";
-            return Err(reading.error(key, message, hint));
-        }
+        let message = format!("`{}` is measured on Γ3, and the scene has no contact", norm.name());
+        let hint = "choose V_max, L2_max or stress_L2_max, or add contact";
+        reading.refuse_if(norm.needs_contact() && !has_contact, key, message, hint)?;
         Ok(norm)
     }
 }
@@ -144,10 +141,8 @@ impl Prediction {
             return Err(reading.key_error(&key("exact"), message, "keep one of the two"));
         }
         let why: String = reading.required(&key("why"))?;
-        if why.trim().is_empty() {
-            let hint = "name the theorem or equation that promises the order: why = \"(5.26)\"";
-            return Err(reading.error(&key("why"), "`why` is empty", hint));
-        }
+        let hint = "name the theorem or equation that promises the order: why = \"(5.26)\"";
+        reading.refuse_if(why.trim().is_empty(), &key("why"), "`why` is empty", hint)?;
         let constant = flag("constant")?.unwrap_or(true);
         Ok(Prediction {
             norm: Norm::validate(reading, &key("norm"), has_contact)?,
@@ -169,16 +164,12 @@ impl Prediction {
     /// An abstract scene has no mesh: its error is ‖u_n - u_n^k‖_X, in k only.
     pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<(), SceneError> {
         let key = |name: &str| format!("predicts.{index}.{name}");
-        if self.norm != Norm::VMax {
-            let message = format!("`{}` needs a body", self.norm.name());
-            let hint = "the error of an abstract scene is V_max, the largest norm in X";
-            return Err(reading.error(&key("norm"), message, hint));
-        }
-        if self.variable != Direction::K {
-            let message = "an abstract scene has no mesh, so no order in h";
-            return Err(reading.error(&key("variable"), message, "write variable = \"k\""));
-        }
-        Ok(())
+        let message = format!("`{}` needs a body", self.norm.name());
+        let hint = "the error of an abstract scene is V_max, the largest norm in X";
+        reading.refuse_if(self.norm != Norm::VMax, &key("norm"), message, hint)?;
+        let (message, hint) =
+            ("an abstract scene has no mesh, so no order in h", "write variable = \"k\"");
+        reading.refuse_if(self.variable != Direction::K, &key("variable"), message, hint)
     }
 }
 

@@ -33,14 +33,10 @@ impl Projection {
         let kappa = reading.formula(key, &Scope::new(&[Variable::Zeta]))?;
         let fits = |kappa: f64| kappa.is_finite() && kappa >= 0.0;
         reading.everywhere((key, kappa), samples(horizon), fits, |at, value| {
-            let message = format!(
-                "kappa = {value} at zeta = {}: a yield bound must be finite and not negative",
-                at.zeta
-            );
-            (
-                message,
-                "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)",
-            )
+            let (zeta, must) = (at.zeta, "a yield bound must be finite and not negative");
+            let hint =
+                "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)";
+            (format!("kappa = {value} at zeta = {zeta}: {must}"), hint)
         })?;
         let lipschitz = lipschitz(reading, key, kappa, horizon)?;
         Ok(Projection { mu, kappa, lipschitz })

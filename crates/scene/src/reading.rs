@@ -46,6 +46,17 @@ impl<'a> Reading<'a> {
         SceneError::at(self.source, self.spans.value(key), message, hint)
     }
 
+    /// Refuses what [`Self::error`] underlines if it is at fault.
+    pub(crate) fn refuse_if(
+        &self,
+        fault: bool,
+        key: &str,
+        message: impl ToString,
+        hint: impl Into<String>,
+    ) -> Result<(), SceneError> {
+        if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
+    }
+
     /// An error that underlines the key itself.
     pub(crate) fn key_error(
         &self,
@@ -107,10 +118,8 @@ impl<'a> Reading<'a> {
         fits: impl Fn(f64) -> bool,
         [fault, hint]: [&str; 2],
     ) -> Result<f64, SceneError> {
-        if fits(value) {
-            return Ok(value);
-        }
-        Err(self.error(key, format!("`{}` = {value} {fault}", last(key)), hint))
+        let message = format!("`{}` = {value} {fault}", last(key));
+        self.refuse_if(!fits(value), key, message, hint).map(|()| value)
     }
 
     /// A whole number from 1 to 2³¹ - 1.
@@ -137,11 +146,10 @@ impl<'a> Reading<'a> {
             Some([first, last]) if first <= last => {
                 Ok(Some([self.count(&format!("{key}.0"))?, self.count(&format!("{key}.1"))?]))
             }
-            Some(values) => Err(self.error(
-                key,
-                format!("{values:?} is not a window"),
-                "a window is [from, to] with from <= to, as in [32, 128]",
-            )),
+            Some(values) => {
+                let hint = "a window is [from, to] with from <= to, as in [32, 128]";
+                Err(self.error(key, format!("{values:?} is not a window"), hint))
+            }
         }
     }
 
@@ -203,15 +211,10 @@ impl<'a> Reading<'a> {
         dimension: usize,
         scope: &Scope,
     ) -> Result<Vec<Node>, SceneError> {
-        if formulas.len() != dimension {
-            let message = format!(
-                "`{}` has {} components in dimension {dimension}",
-                last(key),
-                formulas.len()
-            );
-            let hint = format!("give {dimension} formulas, one a component");
-            return Err(self.error(key, message, hint));
-        }
+        let (name, count) = (last(key), formulas.len());
+        let message = format!("`{name}` has {count} components in dimension {dimension}");
+        let hint = format!("give {dimension} formulas, one a component");
+        self.refuse_if(count != dimension, key, message, hint)?;
         formulas
             .iter()
             .enumerate()

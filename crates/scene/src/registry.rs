@@ -83,13 +83,10 @@ impl Registry {
             None => Scene::read(&path)?,
         };
         let expected = stem(&path);
-        if self.files.contains_key(scene) && loaded.name != expected {
-            let message =
-                format!("the scene is called `{}`, its file `{expected}.toml`", loaded.name);
-            let hint = format!("write name = \"{expected}\", or rename the file");
-            return Err(loaded.error("scene.name", message, hint));
-        }
-        Ok(loaded)
+        let other = self.files.contains_key(scene) && loaded.name != expected;
+        let message = format!("the scene is called `{}`, its file `{expected}.toml`", loaded.name);
+        let hint = format!("write name = \"{expected}\", or rename the file");
+        loaded.refuse_if(other, "scene.name", message, hint).map(|()| loaded)
     }
 
     /// The text of a file inside the program.

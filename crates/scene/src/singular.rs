@@ -45,12 +45,9 @@ pub(super) fn needs_product_integration(
     time: &Time,
     singular: Option<String>,
 ) -> Result<(), SceneError> {
-    match singular {
-        Some(key) if time.rule != TimeRule::ProductIntegration => {
-            let message = "a kernel with `singular` is infinite at s = t, where this time rule takes its value";
-            let hint = "add to [time]: rule = \"product-integration\", which integrates the power";
-            Err(reading.error(&key, message, hint))
-        }
-        _ => Ok(()),
-    }
+    let Some(key) = singular else { return Ok(()) };
+    let message =
+        "a kernel with `singular` is infinite at s = t, where this time rule takes its value";
+    let hint = "add to [time]: rule = \"product-integration\", which integrates the power";
+    reading.refuse_if(time.rule != TimeRule::ProductIntegration, &key, message, hint)
 }

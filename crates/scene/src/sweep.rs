@@ -73,6 +73,19 @@ impl Sweep {
 }
 
 impl Reference {
+    /// What does not serve these cases, and why: they are compared with it at common vertices and times.
+    fn no_multiple(self, n: &[usize], steps: &[usize]) -> Option<(&'static str, String)> {
+        [("n", self.n, n), ("steps", self.steps, steps)].into_iter().find_map(
+            |(name, own, cases)| {
+                let case = cases.iter().find(|&&case| !own.is_multiple_of(case))?;
+                Some((
+                    name,
+                    format!("the reference {name} = {own} is not a multiple of {name} = {case}"),
+                ))
+            },
+        )
+    }
+
     fn validate(
         reading: &Reading,
         domain: &Domain,
@@ -84,31 +97,25 @@ impl Reference {
             steps: step_count(reading, "sweep.reference.steps")?,
         };
         whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
-        for (name, refined, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
-            if let Some(message) = no_multiple(name, refined, cases.iter().copied()) {
-                let hint =
-                    "errors are compared at common vertices and times: choose a common multiple";
-                return Err(reading.error(&format!("sweep.reference.{name}"), message, hint));
-            }
+        if let Some((name, message)) = reference.no_multiple(n, steps) {
+            let hint = "errors are compared at common vertices and times: choose a common multiple";
+            return Err(reading.error(&format!("sweep.reference.{name}"), message, hint));
         }
-        if n.contains(&reference.n) && steps.contains(&reference.steps) {
-            let message = format!(
-                "the reference is the case n = {}, steps = {} itself: its error would be 0",
-                reference.n, reference.steps
-            );
-            let hint = "refine the reference in n or in steps";
-            return Err(reading.error("sweep.reference", message, hint));
-        }
-        Ok(reference)
+        let message = format!(
+            "the reference is the case n = {}, steps = {} itself: its error would be 0",
+            reference.n, reference.steps
+        );
+        let hint = "refine the reference in n or in steps";
+        let itself = n.contains(&reference.n) && steps.contains(&reference.steps);
+        reading.refuse_if(itself, "sweep.reference", message, hint).map(|()| reference)
     }
 }
 
 /// The pairs [n, N] of a path: at least three, with increasing n and nondecreasing N.
 fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneError> {
-    if reading.has("sweep.n") || reading.has("sweep.steps") {
-        let hint = "keep pairs, or the lists n and steps of a grid";
-        return Err(reading.error("sweep.pairs", "both pairs and a grid of n and steps", hint));
-    }
+    let both = reading.has("sweep.n") || reading.has("sweep.steps");
+    let hint = "keep pairs, or the lists n and steps of a grid";
+    reading.refuse_if(both, "sweep.pairs", "both pairs and a grid of n and steps", hint)?;
     let mut path: Vec<[usize; 2]> = Vec::new();
     for index in reading.entries("sweep.pairs")? {
         let key = format!("sweep.pairs.{index}");
@@ -117,18 +124,15 @@ fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneErro
         let n = reading.count(&first)?;
         let steps = step_count(reading, &format!("{key}.1"))?;
         whole_cells(reading, &first, n, domain)?;
-        if path.last().is_some_and(|&[last, before]| n <= last || steps < before) {
-            let message = format!("[{n}, {steps}] does not refine the pair before it");
-            let hint = "order the pairs from coarse to fine: n grows, N does not fall";
-            return Err(reading.error(&key, message, hint));
-        }
+        let odd = path.last().is_some_and(|&[last, before]| n <= last || steps < before);
+        let message = format!("[{n}, {steps}] does not refine the pair before it");
+        let hint = "order the pairs from coarse to fine: n grows, N does not fall";
+        reading.refuse_if(odd, &key, message, hint)?;
         path.push([n, steps]);
     }
-    if path.len() < 3 {
-        let message = format!("{} on the path, an order needs three", counted(path.len(), "pair"));
-        return Err(reading.error("sweep.pairs", message, "pairs = [[8, 4], [16, 6], [32, 8]]"));
-    }
-    Ok(path)
+    let message = format!("{} on the path, an order needs three", counted(path.len(), "pair"));
+    let hint = "pairs = [[8, 4], [16, 6], [32, 8]]";
+    reading.refuse_if(path.len() < 3, "sweep.pairs", message, hint).map(|()| path)
 }
 
 fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
@@ -138,20 +142,15 @@ fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
 }
 
 fn step_count(reading: &Reading, key: &str) -> Result<usize, SceneError> {
-    match reading.count(key)? {
-        count if count <= MOST_STEPS => Ok(count),
-        count => {
-            let message = format!("{count} time steps are more than {MOST_STEPS}");
-            Err(reading.error(key, message, "choose fewer steps"))
-        }
-    }
+    let count = reading.count(key)?;
+    let message = format!("{count} time steps are more than {MOST_STEPS}");
+    reading.refuse_if(count > MOST_STEPS, key, message, "choose fewer steps").map(|()| count)
 }
 
 fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
     let entries = 0..reading.required::<Vec<IgnoredAny>>(key)?.len();
-    if entries.is_empty() {
-        return Err(reading.error(key, "the list is empty", "give at least one: [8, 16, 32]"));
-    }
+    let hint = "give at least one: [8, 16, 32]";
+    reading.refuse_if(entries.is_empty(), key, "the list is empty", hint)?;
     let mut counts = Vec::new();
     for index in entries {
         let item = format!("{key}.{index}");
@@ -159,10 +158,8 @@ fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
             "sweep.steps" => step_count(reading, &item)?,
             _ => reading.count(&item)?,
         };
-        if counts.contains(&count) {
-            let message = format!("{count} is listed twice");
-            return Err(reading.error(&item, message, "remove one of the two"));
-        }
+        let message = format!("{count} is listed twice");
+        reading.refuse_if(counts.contains(&count), &item, message, "remove one of the two")?;
         counts.push(count);
     }
     Ok(counts)
@@ -198,16 +195,6 @@ fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Resul
     unfit(n, domain).map_or(Ok(()), |(message, hint)| Err(reading.error(key, message, hint)))
 }
 
-/// Why a reference run does not serve these cases: it is compared with them at common vertices and times.
-fn no_multiple(
-    name: &str,
-    reference: usize,
-    mut cases: impl Iterator<Item = usize>,
-) -> Option<String> {
-    let case = cases.find(|&case| !reference.is_multiple_of(case))?;
-    Some(format!("the reference {name} = {reference} is not a multiple of {name} = {case}"))
-}
-
 impl Scene {
     /// Checks that n cells per unit length divide the sides into whole cells.
     ///
@@ -224,11 +211,10 @@ impl Scene {
     /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
     pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
-        if path && !(n.is_empty() && steps.is_empty()) {
-            let message = "the scene runs along a path of pairs, not on a grid";
-            let hint = "leave --n and --steps away, or change the pairs";
-            return Err(self.error("sweep.pairs", message, hint));
-        }
+        let grid = !(n.is_empty() && steps.is_empty());
+        let message = "the scene runs along a path of pairs, not on a grid";
+        let hint = "leave --n and --steps away, or change the pairs";
+        self.refuse_if(path && grid, "sweep.pairs", message, hint)?;
         self.check_cases(n, steps)
     }
 
@@ -241,14 +227,11 @@ impl Scene {
         let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
             return Ok(());
         };
-        for (name, refined, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
-            let cases = cases.iter().map(|&case| case as usize);
-            if let Some(message) = no_multiple(name, refined, cases) {
-                let hint = "choose divisors of the reference's, or change the reference";
-                return Err(self.error("sweep.reference", message, hint));
-            }
-        }
-        Ok(())
+        let [n, steps] = [n, steps].map(|list| list.iter().map(|&count| count as usize).collect());
+        let (n, steps): (Vec<usize>, Vec<usize>) = (n, steps);
+        let hint = "choose divisors of the reference's, or change the reference";
+        let fault = reference.no_multiple(&n, &steps);
+        fault.map_or(Ok(()), |(_, message)| Err(self.error("sweep.reference", message, hint)))
     }
 }
 

@@ -144,14 +144,11 @@ impl TimeRule {
     fn validate(reading: &Reading) -> Result<TimeRule, SceneError> {
         let mut rules = Self::EVERY.map(|rule| (rule.kind().0, rule)).to_vec();
         rules.dedup_by_key(|(kind, _)| *kind);
-        let rule = match reading.has_parts("time.rule") {
-            true => reading.named(
-                "time.rule.kind",
-                reading.kind("time.rule", &Self::kinds())?,
-                &rules,
-            )?,
-            false => reading.choice("time.rule", &rules)?,
+        let (key, word) = match reading.has_parts("time.rule") {
+            true => ("time.rule.kind", reading.kind("time.rule", &Self::kinds())?.to_owned()),
+            false => ("time.rule", reading.required("time.rule")?),
         };
+        let rule = reading.named(key, &word, &rules)?;
         Ok(match rule {
             TimeRule::Gregory { .. } => match reading.optional::<i64>("time.rule.order")? {
                 None | Some(3) => TimeRule::Gregory { order: 3 },
@@ -178,11 +175,10 @@ impl Time {
         let grid = reading.if_given("time.grid", |reading, _| TimeGrid::validate(reading))?;
         let rule = reading.if_given("time.rule", |reading, _| TimeRule::validate(reading))?;
         let (grid, rule) = (grid.unwrap_or(TimeGrid::Uniform), rule.unwrap_or(TimeRule::Trapezoid));
-        if rule.needs_equal_steps() && grid != TimeGrid::Uniform {
-            let message = "the rule of Gregory is for equal steps: its corrections are differences";
-            let hint = "leave the grid out, or take the rule \"trapezoid\"";
-            return Err(reading.error("time.rule", message, hint));
-        }
+        let odd = rule.needs_equal_steps() && grid != TimeGrid::Uniform;
+        let message = "the rule of Gregory is for equal steps: its corrections are differences";
+        let hint = "leave the grid out, or take the rule \"trapezoid\"";
+        reading.refuse_if(odd, "time.rule", message, hint)?;
         Ok(Time { horizon, grid, rule })
     }
 }

@@ -139,11 +139,10 @@ impl Scene {
             SceneKind::Contact => contact(&mut reading, dimension, judge)?,
             SceneKind::Abstract => abstract_problem(&mut reading, dimension)?,
         };
-        if judge && predicts.is_empty() {
-            let message = "the scene is judged and predicts nothing: there is no order to judge";
-            let hint = "add [[predicts]] with norm, variable, order and why, or say judge = false in [scene]";
-            return Err(reading.error("scene.judge", message, hint));
-        }
+        let message = "the scene is judged and predicts nothing: there is no order to judge";
+        let hint =
+            "add [[predicts]] with norm, variable, order and why, or say judge = false in [scene]";
+        reading.refuse_if(judge && predicts.is_empty(), "scene.judge", message, hint)?;
         let Reading { violates, formulas, .. } = reading;
         Ok(Scene {
             name,
@@ -168,6 +167,17 @@ impl Scene {
     /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would contain it.
     pub(crate) fn span(&self, key: &str) -> Range<usize> {
         self.spans.value(key)
+    }
+
+    /// Refuses what [`Self::error`] underlines if it is at fault.
+    pub(crate) fn refuse_if(
+        &self,
+        fault: bool,
+        key: &str,
+        message: impl ToString,
+        hint: impl Into<String>,
+    ) -> Result<(), SceneError> {
+        if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
     }
 
     /// An error found later, such as (2.9) violated, at a key of this scene.
@@ -240,11 +250,10 @@ fn has_truth(
     sweep: Option<&Sweep>,
 ) -> Result<(), SceneError> {
     let reference = sweep.and_then(|sweep| sweep.reference);
-    if matches!(data, Data::Exact { .. }) || reference.is_some() || (!judge && sweep.is_none()) {
-        return Ok(());
-    }
+    let truth = matches!(data, Data::Exact { .. }) || reference.is_some();
     let message =
         "no exact solution and no reference run: errors have no truth to be measured against";
+    let hint = "add to [sweep]: reference = { n = 128, steps = 64 }";
     let key = if sweep.is_some() { "sweep" } else { "loads" };
-    Err(reading.error(key, message, "add to [sweep]: reference = { n = 128, steps = 64 }"))
+    reading.refuse_if(!truth && (judge || sweep.is_some()), key, message, hint)
 }

@@ -59,11 +59,8 @@ impl Reading<'_> {
         hint: &str,
     ) -> Result<Range<usize>, SceneError> {
         let found = self.required::<Vec<IgnoredAny>>(key)?.len();
-        if found == count {
-            return Ok(0..count);
-        }
         let message = format!("`{}` has {found} entries where {count} are wanted", last(key));
-        Err(self.error(key, message, hint))
+        self.refuse_if(found != count, key, message, hint).map(|()| 0..count)
     }
 
     /// So many finite numbers.
@@ -97,14 +94,9 @@ impl Reading<'_> {
     pub(super) fn symmetric(&self, key: &str, rows: &[Vec<f64>]) -> Result<(), SceneError> {
         for (i, row) in rows.iter().enumerate() {
             if let Some(j) = (0..i).find(|&j| row[j] != rows[j][i]) {
+                let (above, below, i, j) = (rows[j][i], row[j], i + 1, j + 1);
                 let message = format!(
-                    "not symmetric: entry ({}, {}) is {}, entry ({}, {}) is {}",
-                    j + 1,
-                    i + 1,
-                    rows[j][i],
-                    i + 1,
-                    j + 1,
-                    row[j]
+                    "not symmetric: entry ({j}, {i}) is {above}, entry ({i}, {j}) is {below}"
                 );
                 return Err(self.error(key, message, "give both entries the same number"));
             }

@@ -51,10 +51,8 @@ impl Parts {
         for record in records(&dir)? {
             let key = record.key();
             if !part.scenes.contains_key(&key.scene) {
-                let reason = format!("records of the scene `{}`", key.scene);
-                return Err(different(format!(
-                    "{reason}, which its provenance.json does not name"
-                )));
+                let unnamed = "which its provenance.json does not name";
+                return Err(different(format!("records of the scene `{}`, {unnamed}", key.scene)));
             }
             match self.cases.entry(key) {
                 Entry::Vacant(new) => {

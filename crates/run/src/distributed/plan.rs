@@ -150,11 +150,8 @@ impl SweepPlan {
         let plan: Self = serde_json::from_str(&text).map_err(malformed(&path))?;
         let running = env!("CARGO_PKG_VERSION");
         if plan.version != running {
-            return Err(DistributedError::Version {
-                path,
-                found: plan.version,
-                running: running.to_owned(),
-            });
+            let (found, running) = (plan.version, running.to_owned());
+            return Err(DistributedError::Version { path, found, running });
         }
         Ok(plan)
     }

@@ -60,12 +60,8 @@ fn read_array(
     axes: &'static str,
     until: Until,
 ) -> Result<Vec<f64>, AnswerError> {
-    let unreadable = |error: std::io::Error| AnswerError::Unreadable {
-        path: path.clone(),
-        reason: error.to_string(),
-    };
     let no_array = |source| AnswerError::Npy { path: path.clone(), source };
-    let mut file = Timed::open(&path, until).map_err(unreadable)?;
+    let mut file = Timed::open(&path, until).map_err(AnswerError::at(&path))?;
     let shape = head(&mut file).map_err(no_array)?;
     if shape != wanted {
         let wanted = wanted.to_vec();
@@ -78,7 +74,7 @@ fn read_array(
     }
     let mut data = Vec::with_capacity(bytes);
     // The file may grow meanwhile.
-    file.take(bytes as u64).read_to_end(&mut data).map_err(unreadable)?;
+    file.take(bytes as u64).read_to_end(&mut data).map_err(AnswerError::at(&path))?;
     let array = numbers(shape, &data).map_err(no_array)?;
     finite(&path, &array.numbers, wanted[0])?;
     Ok(array.numbers)
@@ -107,7 +103,7 @@ fn read_table(
     let fault =
         |line: u64, reason: String| AnswerError::Row { path: path.to_owned(), line, reason };
     let file = open_bounded(path, most_bytes(BYTES_A_ROW, levels * vertices), until)
-        .map_err(|reason| AnswerError::Unreadable { path: path.to_owned(), reason })?;
+        .map_err(AnswerError::at(path))?;
     let mut reader =
         csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(BufReader::new(file));
     let names = ["n", "vertex", "ux", "uy", "uz"];
@@ -123,17 +119,11 @@ fn read_table(
         })?;
         let line = record.position().map_or(0, csv::Position::line);
         let index = |column: usize, below: usize| {
-            let text = &record[column];
-            text.parse().ok().filter(|&value: &usize| value < below).ok_or_else(|| {
-                fault(
-                    line,
-                    format!(
-                        "`{text}` is no {} from 0 to {}",
-                        names[column],
-                        below.saturating_sub(1)
-                    ),
-                )
-            })
+            let (text, name, last) = (&record[column], names[column], below.saturating_sub(1));
+            text.parse()
+                .ok()
+                .filter(|&value: &usize| value < below)
+                .ok_or_else(|| fault(line, format!("`{text}` is no {name} from 0 to {last}")))
         };
         let at = index(0, levels)? * vertices + index(1, vertices)?;
         if std::mem::replace(&mut seen[at], true) {

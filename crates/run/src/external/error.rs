@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::npy::NpyError;
 use super::wanted::{COLLECTION, DISPLACEMENT, DISPLACEMENT_TABLE};
@@ -27,6 +27,13 @@ pub enum AnswerError {
     Vtu { path: PathBuf, source: VtuReadError },
     #[error("{}, line {line}: {reason}", path.display())]
     Row { path: PathBuf, line: u64, reason: String },
+}
+
+impl AnswerError {
+    /// What becomes of an error in reading a path.
+    pub(super) fn at<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Self + '_ {
+        |error| Self::Unreadable { path: path.to_owned(), reason: error.to_string() }
+    }
 }
 
 /// Why files are not those of the levels.

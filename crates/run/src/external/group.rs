@@ -4,14 +4,9 @@
 use std::io;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use wait_timeout::ChildExt;
-
-/// Time for a solver to clean up after being asked to end.
-const GRACE: Duration = Duration::from_millis(500);
-/// Polling interval of a wait.
-const PAUSE: Duration = Duration::from_millis(10);
 
 /// The running groups, by leader.
 struct Running {
@@ -85,28 +80,32 @@ pub fn end_solvers() {
 }
 
 /// Asks the groups to end, and kills what is left of them after a while.
+#[cfg(unix)]
 fn end(leaders: &[u32], mut meanwhile: impl FnMut()) {
-    let mut left: Vec<u32> =
-        leaders.iter().copied().filter(|&leader| signal(leader, Signal::End)).collect();
-    let begin = Instant::now();
+    use nix::sys::signal::{Signal, killpg};
+    use nix::unistd::Pid;
+    /// Time for a solver to clean up after being asked to end.
+    const GRACE: Duration = Duration::from_millis(500);
+    /// Polling interval of a wait.
+    const PAUSE: Duration = Duration::from_millis(10);
+    // Whether the group existed: without a signal that is asked alone.
+    let sent = |group: &Pid, signal: Option<Signal>| killpg(*group, signal).is_ok();
+    // 0 and 1 would be this program's group, or every process.
+    let groups =
+        leaders.iter().filter_map(|&leader| i32::try_from(leader).ok().filter(|&id| id > 1));
+    let mut left: Vec<Pid> = groups.map(Pid::from_raw).collect();
+    left.retain(|group| sent(group, Some(Signal::SIGTERM)));
+    let begin = std::time::Instant::now();
     while !left.is_empty() && begin.elapsed() < GRACE {
         meanwhile();
-        left.retain(|&leader| signal(leader, Signal::None));
+        left.retain(|group| sent(group, None));
         if !left.is_empty() {
             std::thread::sleep(PAUSE);
         }
     }
-    for leader in left {
-        signal(leader, Signal::Kill);
+    for group in left {
+        sent(&group, Some(Signal::SIGKILL));
     }
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Signal {
-    /// Asks whether the group exists.
-    None,
-    End,
-    Kill,
 }
 
 #[cfg(unix)]
@@ -114,25 +113,9 @@ fn leading(command: &mut Command) {
     std::os::unix::process::CommandExt::process_group(command, 0);
 }
 
-/// Whether the group existed.
-#[cfg(unix)]
-fn signal(leader: u32, what: Signal) -> bool {
-    use nix::sys::signal::{Signal as Own, killpg};
-    use nix::unistd::Pid;
-    let sent = match what {
-        Signal::None => None,
-        Signal::End => Some(Own::SIGTERM),
-        Signal::Kill => Some(Own::SIGKILL),
-    };
-    // 0 and 1 would be this program's group, or every process.
-    i32::try_from(leader).is_ok_and(|id| id > 1 && killpg(Pid::from_raw(id), sent).is_ok())
-}
-
 /// Other systems have no groups: only the leader is ended.
 #[cfg(not(unix))]
 fn leading(_: &mut Command) {}
 
 #[cfg(not(unix))]
-fn signal(_: u32, _: Signal) -> bool {
-    false
-}
+fn end(_: &[u32], _: impl FnMut()) {}

@@ -58,16 +58,13 @@ fn level(times: &[f64], found: f64) -> Result<usize, SeriesError> {
 
 /// The numbered files in a directory; empty if it does not exist.
 pub(crate) fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError> {
-    let unreadable = |error: std::io::Error| AnswerError::Unreadable {
-        path: dir.to_owned(),
-        reason: error.to_string(),
-    };
+    let unreadable = AnswerError::at(dir);
     let mut files = Vec::new();
     if !dir.exists() {
         return Ok(files);
     }
-    for entry in std::fs::read_dir(dir).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
+    for entry in std::fs::read_dir(dir).map_err(&unreadable)? {
+        let path = entry.map_err(&unreadable)?.path();
         let name = path.file_name().and_then(|name| name.to_str());
         let digits = name
             .and_then(|name| name.strip_prefix(NUMBERED.0)?.strip_suffix(NUMBERED.1))

@@ -26,24 +26,18 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
     Answer::Slope(law.slope(r))
 }
 
-/// Response of s ∈ S ∂|u_τ| along the slip; a vertex below the bound sticks.
-fn sliding_answer(bound: &FrictionBound, sliding: &Sliding) -> Answer {
-    if sliding.sticks() {
-        return Answer::Held;
-    }
-    // Response to u_τ only; that to u_ν of a bound that follows the normal law is nonsymmetric.
-    Answer::Slope(bound.slope(sliding.slipped()))
-}
-
-/// w ∂s/∂u_τ by components at a vertex of weight w; `held` is the stiffness while it sticks.
+/// w ∂s/∂u_τ by components at a vertex of weight w, s ∈ S ∂|u_τ|; `held` is the stiffness while it sticks, below the
+/// bound. The response to u_ν of a bound that follows the normal law is nonsymmetric, and not in it.
 pub(super) fn sliding_block(
     bound: &FrictionBound,
     sliding: &Sliding,
     [weight, held]: [f64; 2],
 ) -> [[f64; 3]; 3] {
-    let along = match sliding_answer(bound, sliding) {
-        Answer::Slope(slope) => turning(sliding, slope).map(|row| row.map(|k| weight * k)),
-        Answer::Held => [[held, 0.0], [0.0, held]],
+    let along = match sliding.sticks() {
+        true => [[held, 0.0], [0.0, held]],
+        false => {
+            turning(sliding, bound.slope(sliding.slipped())).map(|row| row.map(|k| weight * k))
+        }
     };
     let mut block = [[0.0; 3]; 3];
     for (p, row) in sliding.tangents.iter().zip(&along) {
@@ -77,18 +71,17 @@ mod tests {
 
     #[test]
     fn friction_holds_below_its_bound_and_follows_it_beyond() {
-        let sliding_answer = |bound: &FrictionBound, values: [f64; 3]| {
+        let held = 7.0;
+        let response = |bound: &FrictionBound, values: [f64; 3]| {
             let plane = [[1.0, 0.0, 0.0], [0.0; 3]];
-            super::sliding_answer(bound, &Sliding::new(plane, 2, |i| values[i]))
+            sliding_block(bound, &Sliding::new(plane, 2, |i| values[i]), [1.0, held])[0][0]
         };
         let given = FrictionBound::Given(formula::Graph::new().constant(0.3));
-        assert_eq!(sliding_answer(&given, [0.2, 0.0, 0.3]), Answer::Held);
-        assert_eq!(sliding_answer(&given, [-0.3, -0.1, 0.3]), Answer::Slope(0.0));
+        assert_eq!(response(&given, [0.2, 0.0, 0.3]), held);
+        assert_eq!(response(&given, [-0.3, -0.1, 0.3]), 0.0);
         let falling = FrictionBound::Slip(vec![[0.0, 0.3], [0.5, 0.2]]);
         for (u_tau, slope) in [(0.1, -0.2), (-0.1, -0.2), (0.6, 0.0)] {
-            let Answer::Slope(found) = sliding_answer(&falling, [0.28, u_tau, 0.28]) else {
-                panic!("held at {u_tau}");
-            };
+            let found = response(&falling, [0.28, u_tau, 0.28]);
             assert!((found - slope).abs() < 1e-12, "{u_tau}: {found}");
         }
     }

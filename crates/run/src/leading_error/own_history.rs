@@ -140,11 +140,7 @@ pub(super) fn nodal(bound: &mut BoundProgram, space: &Discretization, t: f64) ->
     bound.evaluate(t, 0.0, &mut fields);
     let mut all = vec![0.0; space.nodes.len()];
     for (i, field) in fields.iter().enumerate() {
-        all[i..]
-            .iter_mut()
-            .step_by(d)
-            .zip(field)
-            .for_each(|(component, value)| *component = *value);
+        all[i..].iter_mut().step_by(d).zip(field).for_each(|(at, value)| *at = *value);
     }
     all
 }

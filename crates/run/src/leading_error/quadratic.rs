@@ -22,17 +22,12 @@ impl<const D: usize> QuadraticError<D> {
             std::array::from_fn(|a| std::array::from_fn(|i| corners[a + 1][i] - corners[0][i]));
         // λ_0 falls by one along every edge, λ_a rises along the a-th.
         let mut gradients = vec![gradient_of(&edges, &[-1.0; D])];
-        gradients.extend(
-            (0..D).map(|a| {
-                gradient_of(&edges, &std::array::from_fn(|b| f64::from(u8::from(a == b))))
-            }),
-        );
+        let along = |a: usize| std::array::from_fn(|b| f64::from(u8::from(a == b)));
+        gradients.extend((0..D).map(|a| gradient_of(&edges, &along(a))));
         let corners: Vec<[f64; D]> = corners.iter().map(relative).collect();
-        let spread = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                corners.iter().map(|v| v[i] * v[j]).sum::<f64>() / (count * (count + 1.0))
-            })
-        });
+        let product = |i: usize, j: usize| corners.iter().map(|v| v[i] * v[j]).sum::<f64>();
+        let spread = |i, j| product(i, j) / (count * (count + 1.0));
+        let spread = std::array::from_fn(|i| std::array::from_fn(|j| spread(i, j)));
         Self { corners, gradients, spread }
     }
 

@@ -1,8 +1,10 @@
 //! One case: march, errors at every step, their maxima over time.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use super::plan::{CasePlan, TIME_REFERENCE};
+use algebra::linalg::larger;
 use fem::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
 use fem::norms::{
     ContactState, ElasticProjection, StateErrors, StepErrors, Trajectory, state_errors, step_errors,
@@ -14,7 +16,7 @@ use scene::{Norm, Reference};
 /// Runs a case; a failure is recorded with its reason and without errors.
 pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
     let start = Instant::now();
-    let mut maxima = Maxima::new(case);
+    let mut maxima = Maxima::default();
     let outcome = measure(setup, data, case, &mut maxima);
     let grid = setup.grid(case.steps);
     let (info, quadrature) = outcome.as_ref().copied().unwrap_or_default();
@@ -34,7 +36,7 @@ pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> Case
         h: Some(data.space.mesh.h()),
         dofs: data.space.dofs() as u64,
         elements: data.space.mesh.cell_count() as u64,
-        errors: maxima.errors(status == Status::Converged, &floors),
+        errors: maxima.errors(&case.norms, status == Status::Converged, &floors),
         status,
         newton_iterations: info.newton_iterations.into(),
         active_set_changes: info.active_set_changes.into(),
@@ -58,17 +60,13 @@ fn measure(
     let wants = |norm| case.norms.contains(&norm);
     // Before loads are asked for, here or by the finer run.
     data.truth.expect(setup.grid(case.steps).times())?;
-    let finer = match wants(Norm::VTimeMax) {
-        true => Some(data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps)?),
-        false => None,
-    };
-    let mut projection = match wants(Norm::VProjectionMax) {
-        true => Some(
-            ElasticProjection::held(&data.space, &setup.model.elasticity, setup.projection_mu())
-                .map_err(|error| LoadError::Reference { reason: error.to_string() })?,
-        ),
-        false => None,
-    };
+    let finer = || data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps);
+    let finer = wants(Norm::VTimeMax).then(finer).transpose()?;
+    let (elastic, mu) = (&setup.model.elasticity, setup.projection_mu());
+    let projection = || ElasticProjection::held(&data.space, elastic, mu);
+    let projection = wants(Norm::VProjectionMax).then(projection).transpose();
+    let mut projection =
+        projection.map_err(|error| LoadError::Reference { reason: error.to_string() })?;
     let by_state = case.norms.iter().any(|norm| norm.by_state());
     let mut by_rule = Floors::default();
     let mut observe = |view: &StepView<'_>| {
@@ -121,23 +119,14 @@ fn time_error(data: &MeshData, finer: &Trajectory, view: &StepView<'_>) -> Resul
     Ok(strain_distance(&data.space, view.u, reference))
 }
 
-/// Maxima over time; NaN is kept, a norm that was never raised stays absent.
-struct Maxima {
-    values: Vec<(Norm, Option<f64>)>,
-}
+/// Maxima over time; NaN is kept, a norm that was never raised is absent.
+#[derive(Default)]
+struct Maxima(BTreeMap<Norm, f64>);
 
 impl Maxima {
-    fn new(case: &CasePlan) -> Self {
-        Self { values: case.norms.iter().map(|&norm| (norm, None)).collect() }
-    }
-
     fn raise(&mut self, norm: Norm, value: f64) {
-        if let Some((_, known)) = self.values.iter_mut().find(|(stored, _)| *stored == norm) {
-            *known = Some(match *known {
-                Some(before) if before.is_nan() || before >= value => before,
-                _ => value,
-            });
-        }
+        let known = self.0.entry(norm).or_insert(value);
+        *known = larger(*known, value);
     }
 
     fn raise_by_state(&mut self, errors: &StateErrors) {
@@ -150,15 +139,13 @@ impl Maxima {
         self.raise(Norm::ContactMeasureMax, errors.set_difference);
     }
 
-    fn errors(&self, converged: bool, floors: &CaseFloors) -> Vec<NormError> {
-        self.values
-            .iter()
-            .map(|&(norm, error)| NormError {
-                norm: norm.name().to_string(),
-                error: error.filter(|_| converged),
-                floor: error.filter(|_| converged).map(|error| floors.of(norm, error)),
-            })
-            .collect()
+    fn errors(&self, norms: &[Norm], converged: bool, floors: &CaseFloors) -> Vec<NormError> {
+        let one = |norm: &Norm| {
+            let error = self.0.get(norm).copied().filter(|_| converged);
+            let floor = error.map(|error| floors.of(*norm, error));
+            NormError { norm: norm.name().to_string(), error, floor }
+        };
+        norms.iter().map(one).collect()
     }
 }
 

@@ -213,19 +213,15 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let nodes = space.nodes.a_cell as f64 / (space.mesh.dimension + 1) as f64;
     let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
     let pattern = space.pattern.entries() as f64;
-    // Skipped without factors.
-    let [factor, multiplications] = match linear_solver {
-        LinearSolver::Direct => space.factor_size(),
-        LinearSolver::Multigrid => [0.0; 2],
-    };
-    let (solve, factorization, linear_bytes) = match linear_solver {
+    let (factor, solve, factorization, linear_bytes) = match linear_solver {
         LinearSolver::Direct => {
+            let [factor, multiplications] = space.factor_size();
             let seconds = FACTOR[0] * factor + FACTOR[1] * multiplications;
             let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
             // The factor, and scratch of half its size.
-            (SOLVE * factor, seconds, 1.5 * number * factor)
+            (factor, SOLVE * factor, seconds, 1.5 * number * factor)
         }
-        LinearSolver::Multigrid => (MULTIGRID * pattern, 0.0, MULTIGRID_BYTES * pattern),
+        LinearSolver::Multigrid => (0.0, MULTIGRID * pattern, 0.0, MULTIGRID_BYTES * pattern),
     };
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
     // One matrix serves all levels, and eight of them share their passes.

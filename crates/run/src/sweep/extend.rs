@@ -49,7 +49,8 @@ pub fn extend(
     let round = 1 + plans.iter().flat_map(|plan| &plan.added).map(|a| a.round).max().unwrap_or(0);
     let mut left = budget;
     for plan in plans.iter() {
-        left -= added_seconds(plan)?;
+        let added = plan.added.iter().map(|added| case_seconds(plan, &added.case));
+        left -= added.sum::<Result<f64, _>>()?;
     }
     let mut steps = Vec::new();
     let open = |v: &&Verdict| v.decision == Decision::Unresolved && !v.as_expected();
@@ -71,9 +72,9 @@ pub fn extend(
         for case in new {
             let ns: Vec<u32> = case.n.into_iter().collect();
             if let Err(error) = plan.scene().check_cases(&ns, &[case.steps]) {
-                let hint = error.to_string();
-                let hint = hint.lines().next().unwrap_or_default();
-                steps.push(leave(format!("{case} cannot be run: {hint}")));
+                let error = error.to_string();
+                let reason = error.lines().next().unwrap_or_default();
+                steps.push(leave(format!("{case} cannot be run: {reason}")));
                 continue;
             }
             let why = named(&verdict.reason);
@@ -92,10 +93,6 @@ pub fn extend(
         }
     }
     Ok(steps)
-}
-
-fn added_seconds(plan: &ScenePlan) -> Result<f64, SetupError> {
-    plan.added.iter().map(|added| case_seconds(plan, &added.case)).sum()
 }
 
 /// Predicted CPU seconds of one case of a plan, including its reference run, which no record keeps.

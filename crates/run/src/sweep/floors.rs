@@ -76,16 +76,6 @@ pub enum FloorError {
     Finite(#[from] FiniteError),
 }
 
-/// Floors of a case, with the direct-sum scene set up if needed.
-pub(super) fn contact_floors_of_case(
-    setup: &Setup,
-    case: &CasePlan,
-) -> Result<Vec<FloorRow>, FloorError> {
-    let Some(n) = case.n else { return Ok(Vec::new()) };
-    let direct = direct_history(Setup::new(setup.scene.clone())?);
-    Ok(contact_floors(setup, direct.as_ref(), n, case.steps, &case.norms)?)
-}
-
 /// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of [`direct_history`], `norms`
 /// those of the sweep. Costs four to six marches, more if a reference has to be repeated.
 ///

@@ -7,11 +7,9 @@ use fem::contact::Discretization;
 use scene::ContactScene;
 use scene::setup::{Setup, SetupError, side_numbers, trace_levels};
 
-/// Costs of a plan: of the reference run, and of some cases in order. An error is the reason of a refusal.
-pub(super) struct Needs {
-    pub(super) reference: Option<Result<Cost, TooLarge>>,
-    pub(super) cases: Vec<Result<Cost, TooLarge>>,
-}
+/// Costs of the reference run of a plan, and of some of its cases in order or why they are refused: all of them, if the
+/// reference run is too large, which each counts as its own.
+pub(super) type Needs = (Option<Cost>, Vec<Result<Cost, TooLarge>>);
 
 /// Cells per unit length, in the plane and in space, of the coarse mesh for estimates.
 const COARSE: [u32; 2] = [16, 8];
@@ -30,17 +28,13 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
     let too_large =
         plan.reference.and_then(|run| early(Some(run.n as u32), run.steps as u32).err());
     if let Some(reason) = too_large {
-        let cases = cases.iter().map(|_| Err(reason.clone())).collect();
-        return Needs { reference: Some(Err(reason)), cases };
+        return (None, vec![Err(reason); cases.len()]);
     }
     let refused: Vec<Option<TooLarge>> =
         cases.iter().map(|case| early(case.n, case.steps).err()).collect();
     let open = cases.iter().zip(&refused).filter(|(_, refused)| refused.is_none());
     let open: Vec<CasePlan> = open.map(|(case, _)| case.clone()).collect();
-    let predicted = without_panic(|| {
-        let costs = plan.costs_of(&open);
-        costs.map_err(|error| error.to_string())
-    });
+    let predicted = without_panic(|| plan.costs_of(&open).map_err(|error| error.to_string()));
     // The case that makes the mesh reports its errors.
     let PlanCost { cases: costs, reference } = predicted.unwrap_or_else(|_| PlanCost {
         cases: vec![Cost::UNKNOWN; open.len()],
@@ -57,9 +51,7 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
         Some(reason) => Err(reason),
         None => open.next().unwrap_or(Ok(Cost::UNKNOWN)),
     });
-    let cases = cases.collect();
-    let admit = |cost: Cost| limit.admit(cost.memory_bytes, false).map(|()| cost);
-    Needs { reference: reference.map(admit), cases }
+    (reference, cases.collect())
 }
 
 /// Refuses a single run, without measuring errors, that would exceed the limit; if possible before the mesh is made.

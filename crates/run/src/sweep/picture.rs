@@ -74,7 +74,7 @@ fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
         let mesh = if divides(scene, fine) { Some(domain.mesh(fine)) } else { whole };
         sketch.strokes.extend(mesh.iter().flat_map(lines));
     }
-    for (ink, sides) in parts(body) {
+    for (ink, _, sides) in parts(body) {
         for face in sides.iter().flat_map(|&side| domain.faces(side)) {
             let flat = |[x, y, _]: [f64; 3]| (x, y);
             let mut path: Vec<(f64, f64)> = face.points(1).into_iter().map(flat).collect();
@@ -103,22 +103,14 @@ fn divides(scene: &Scene, n: u32) -> bool {
 }
 
 /// Γ3, Γ2, then Γ1, as far as they exist, with their legend.
-fn parts(body: &ContactScene) -> impl Iterator<Item = (Ink, &[Side])> {
+fn parts(body: &ContactScene) -> impl Iterator<Item = (Ink, &str, &[Side])> {
     let domain = &body.domain;
     let all = [
-        (Ink::Traction, &domain.traction[..]),
-        (Ink::Contact, &domain.contact[..]),
-        (Ink::Clamped, &domain.clamped[..]),
+        (Ink::Traction, "traction", &domain.traction[..]),
+        (Ink::Contact, "contact", &domain.contact[..]),
+        (Ink::Clamped, "clamped", &domain.clamped[..]),
     ];
-    all.into_iter().filter(|(_, sides)| !sides.is_empty())
-}
-
-fn name(ink: Ink) -> &'static str {
-    match ink {
-        Ink::Clamped => "clamped",
-        Ink::Contact => "contact",
-        _ => "traction",
-    }
+    all.into_iter().filter(|(_, _, sides)| !sides.is_empty())
 }
 
 fn cell(mesh: &Mesh, c: usize) -> Vec<(f64, f64)> {
@@ -162,8 +154,7 @@ fn moved(
     flat: impl Fn([f64; 3]) -> (f64, f64),
     sketch: &mut Sketch,
 ) {
-    let entries = parts(body).map(|(ink, _)| (ink, name(ink).to_owned()));
-    let entries: Vec<(Ink, String)> = entries.collect();
+    let entries = parts(body).map(|(ink, name, _)| (ink, name.to_owned()));
     sketch.legend.splice(0..0, entries);
     let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
     let values = displaced(scene, body, lines);

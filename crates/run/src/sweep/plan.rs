@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::extend::AddedCase;
-use super::floors::{FloorError, FloorRow, abstract_floors, contact_floors_of_case};
+use super::floors::{FloorError, FloorRow, abstract_floors, contact_floors, direct_history};
 use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
-use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
+use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
@@ -187,7 +187,11 @@ impl ScenePlan {
     /// A run that fails.
     pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
         match &self.subject {
-            Subject::Contact(setup) => contact_floors_of_case(setup, case),
+            Subject::Contact(setup) => {
+                let direct = direct_history(Setup::new(setup.scene.clone())?);
+                let (n, steps) = (case.n.unwrap_or_default(), case.steps);
+                Ok(contact_floors(setup, direct.as_ref(), n, steps, &case.norms)?)
+            }
             Subject::Abstract(setup) => Ok(abstract_floors(setup, case.steps)?),
         }
     }
@@ -200,19 +204,16 @@ impl ScenePlan {
 
 /// The cases of a scene; `overrides` replace its grids.
 pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan> {
-    let listed = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<_>>();
-    let sweep = scene.sweep.as_ref();
-    let own_n = sweep.map_or(Vec::new(), |sweep| listed(&sweep.n));
-    let own_steps = sweep.map_or(Vec::new(), |sweep| listed(&sweep.steps));
-    let ns = overrides.n.clone().unwrap_or(own_n);
-    let steps = overrides.steps.clone().unwrap_or(own_steps);
+    let own = scene.sweep.clone().unwrap_or_default();
+    let listed = |list: Vec<usize>| list.into_iter().map(|v| v as u32).collect();
+    let ns = overrides.n.clone().unwrap_or_else(|| listed(own.n));
+    let steps: Vec<u32> = overrides.steps.clone().unwrap_or_else(|| listed(own.steps));
     let ns: Vec<Option<u32>> = match scene.as_contact() {
         Some(_) => ns.into_iter().map(Some).collect(),
         None => vec![None],
     };
-    let path = sweep.and_then(|sweep| sweep.pairs.as_ref());
-    let path = path.filter(|_| overrides.n.is_none() && overrides.steps.is_none());
-    let places: Vec<(Option<u32>, u32)> = match path {
+    let path = own.pairs.filter(|_| *overrides == Overrides::default());
+    let places: Vec<(Option<u32>, u32)> = match &path {
         Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n as u32), steps as u32)).collect(),
         None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
     };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::Build;
-use super::memory_limit::{MemoryLimit, TooLarge};
+use super::memory_limit::MemoryLimit;
 use super::needs::needs;
 use super::plan::{CasePlan, ScenePlan};
 use super::schedule::{Schedule, Task};
@@ -108,7 +108,10 @@ pub fn run_more(
     machine: &Machine,
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
-    let journal = prepare(plans, out, &known, machine)?;
+    let table = out.path().join("cases.csv");
+    replace_records(out.path(), &Provenance::of_run(plans, machine), !known.is_empty())?;
+    judge::record::write_sorted(&table, &known)?;
+    let journal = Journal::open(&table)?;
     let total = plans.iter().map(|plan| plan.cases.len()).sum();
     progress.begin(total, known.len());
     let shared: Vec<Shared<'_>> = plans.iter().map(Shared::new).collect();
@@ -151,19 +154,6 @@ pub fn run_more(
     Ok(records)
 }
 
-/// Writes the provenance, and the journal with the kept records.
-fn prepare(
-    plans: &[ScenePlan],
-    out: &OutputDirectory,
-    known: &[CaseRecord],
-    machine: &Machine,
-) -> Result<Journal, SweepError> {
-    replace_records(out.path(), &Provenance::of_run(plans, machine), !known.is_empty())?;
-    let table = out.path().join("cases.csv");
-    judge::record::write_sorted(&table, known)?;
-    Ok(Journal::open(&table)?)
-}
-
 /// Begins a directory of other records, whose table the caller writes last. If killed at any point, the directory must
 /// have no table without its provenance, and no mixture of old and new files: pages, pictures, verdicts and the old table
 /// are removed first, but not a table that is `kept` until it is replaced.
@@ -172,9 +162,8 @@ pub fn replace_records(out: &Path, provenance: &Provenance, kept: bool) -> Resul
     let failed = |error: std::io::Error| refused((out.to_owned(), error.to_string()));
     make_directory(out).map_err(failed)?;
     remove_earlier(out)?;
-    for name in
-        ["verdict.json", "cases.csv"].into_iter().filter(|name| !(kept && *name == "cases.csv"))
-    {
+    let removed = if kept { &["verdict.json"][..] } else { &["verdict.json", "cases.csv"] };
+    for name in removed {
         let path = out.join(name);
         remove_if_there(&path).map_err(|error| refused((path, error.to_string())))?;
     }
@@ -210,18 +199,20 @@ impl Sweep<'_> {
             })
             .collect();
         let (mut work, mut tasks) = (Vec::new(), Vec::new());
-        for (s, (open, needs)) in open.into_iter().zip(needs).enumerate() {
+        for (s, (open, (reference, needs))) in open.into_iter().zip(needs).enumerate() {
             let plan = self.shared[s].plan;
             let mut cases = Vec::new();
-            for (c, need) in open.into_iter().zip(needs.cases) {
+            for (c, need) in open.into_iter().zip(needs) {
                 match need {
                     Ok(need) => cases.push((c, need)),
-                    Err(reason) => self.refuse(&plan.cases[c], plan, &reason),
+                    Err(reason) => {
+                        let refused = || Err(reason.to_string());
+                        self.finish(plan, &plan.cases[c], plan.record(&plan.cases[c], refused));
+                    }
                 }
             }
-            let reference = needs.reference.and_then(Result::ok).filter(|_| !cases.is_empty());
             let mut shares = Vec::new();
-            let after = reference.map(|need| {
+            let after = reference.filter(|_| !cases.is_empty()).map(|need| {
                 shares.push(((s, None), need.kept_bytes));
                 let longest = cases.iter().map(|(_, case)| case.seconds).fold(0.0, f64::max);
                 work.push(Job::Reference(s));
@@ -244,12 +235,6 @@ impl Sweep<'_> {
         keys.filter(|(_, key)| !recorded.contains(key)).map(|(c, _)| c).collect()
     }
 
-    fn refuse(&self, case: &CasePlan, plan: &ScenePlan, reason: &TooLarge) {
-        let record = plan.record(case, || Err(reason.to_string()));
-        self.progress.finished(&in_words(plan, case), Some(&record));
-        self.keep(record);
-    }
-
     fn execute(&self, job: &Job) {
         match *job {
             Job::Reference(s) => {
@@ -264,11 +249,8 @@ impl Sweep<'_> {
             Job::Case(s, c) => {
                 let shared = &self.shared[s];
                 let case = &shared.plan.cases[c];
-                let what = in_words(shared.plan, case);
-                self.progress.started(&what);
-                let record = shared.record(case);
-                self.progress.finished(&what, Some(&record));
-                self.keep(record);
+                self.progress.started(&in_words(shared.plan, case));
+                self.finish(shared.plan, case, shared.record(case));
             }
         }
     }
@@ -281,7 +263,8 @@ impl Sweep<'_> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn keep(&self, record: CaseRecord) {
+    fn finish(&self, plan: &ScenePlan, case: &CasePlan, record: CaseRecord) {
+        self.progress.finished(&in_words(plan, case), Some(&record));
         let mut kept = self.kept();
         // The failed write may have left half a line; a line after it would make the table unreadable.
         if kept.failure.is_none() {

@@ -18,14 +18,10 @@ pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, S
         return Ok(MeshFamily::Structured);
     }
     let kind = reading.kind("domain.mesh", &MESHES)?;
-    if kind != "structured"
-        && matches!(&domain.shape, Shape::Refined(coarse) if coarse.dimension == 3)
-    {
-        let message = format!("meshes of kind `{kind}` are not made of tetrahedra from a file");
-        let hint =
-            "leave `mesh` away: the file says where the vertices are, and refinement keeps them";
-        return Err(reading.error("domain.mesh.kind", message, hint));
-    }
+    let tetrahedra = matches!(&domain.shape, Shape::Refined(coarse) if coarse.dimension == 3);
+    let message = format!("meshes of kind `{kind}` are not made of tetrahedra from a file");
+    let hint = "leave `mesh` away: the file says where the vertices are, and refinement keeps them";
+    reading.refuse_if(kind != "structured" && tetrahedra, "domain.mesh.kind", message, hint)?;
     match kind {
         "structured" => Ok(MeshFamily::Structured),
         "perturbed" => perturbed(reading, domain.dimension()),
@@ -73,9 +69,7 @@ fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> 
             (vertex_at(coarse, corner).is_some(), "vertex of the coarse triangulation")
         }
     };
-    if known {
-        return Ok(MeshFamily::Graded { corner, exponent });
-    }
     let message = format!("({}, {}) is no {what}", corner[0], corner[1]);
-    Err(reading.error(key, message, "grade towards a vertex that is in the file"))
+    reading.refuse_if(!known, key, message, "grade towards a vertex that is in the file")?;
+    Ok(MeshFamily::Graded { corner, exponent })
 }

@@ -43,12 +43,10 @@ fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError
     };
     let extent = range(0).max(range(1));
     // Coinciding or too few points get better messages below.
-    if extent <= 0.0 || EXTENTS.contains(&extent) {
-        return Ok(());
-    }
+    let known = extent <= 0.0 || EXTENTS.contains(&extent);
     let message = format!("the polygon is {extent:.1e} across, outside 1e-150 to 1e150");
     let hint = "areas leave the range of doubles there; state the scene in another unit of length";
-    Err(reading.error("domain.vertices", message, hint))
+    reading.refuse_if(!known, "domain.vertices", message, hint)
 }
 
 fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>, SceneError> {
@@ -80,18 +78,15 @@ fn vertex(reading: &Reading, key: &str, count: usize) -> Result<u32, SceneError>
 fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>), SceneError> {
     let names: Option<Vec<String>> = reading.optional("domain.sides")?;
     let names = names.unwrap_or_else(|| (1..=count).map(|i| format!("s{i}")).collect());
-    if names.len() != count {
-        let message = format!("{} names for {count} edges", names.len());
-        let hint = "give one name per edge; edge i goes from vertex i to the next, and several may share a name";
-        return Err(reading.error("domain.sides", message, hint));
-    }
+    let message = format!("{} names for {count} edges", names.len());
+    let hint = "give one name per edge; edge i goes from vertex i to the next, and several may share a name";
+    reading.refuse_if(names.len() != count, "domain.sides", message, hint)?;
     let mut sides: Vec<String> = Vec::new();
     let mut of_edge = Vec::new();
     for (i, name) in names.into_iter().enumerate() {
-        if name.trim().is_empty() {
-            let hint = "give the side a name: sides = [\"bottom\", ...]";
-            return Err(reading.error(&format!("domain.sides.{i}"), "a side without name", hint));
-        }
+        let (key, what) = (format!("domain.sides.{i}"), "a side without name");
+        let hint = "give the side a name: sides = [\"bottom\", ...]";
+        reading.refuse_if(name.trim().is_empty(), &key, what, hint)?;
         let side = sides.iter().position(|known| *known == name).unwrap_or_else(|| {
             sides.push(name);
             sides.len() - 1

@@ -19,11 +19,10 @@ pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts, SceneE
         3 => &[("box", "box"), ("mesh", "mesh")],
         _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],
     };
-    if dimension == 3 && reading.required::<String>("domain.shape")? == "polygon" {
-        let message = "the shape `polygon` is plane, and dimension = 3";
-        let hint = "write shape = \"box\" or \"mesh\", or dimension = 2";
-        return Err(reading.error("domain.shape", message, hint));
-    }
+    let plane = reading.required::<String>("domain.shape")? == "polygon";
+    let message = "the shape `polygon` is plane, and dimension = 3";
+    let hint = "write shape = \"box\" or \"mesh\", or dimension = 2";
+    reading.refuse_if(dimension == 3 && plane, "domain.shape", message, hint)?;
     let shape = reading.choice("domain.shape", known)?;
     reading.only("domain", ("shape", shape), &SHAPES)?;
     let coarse = match shape {

@@ -2,20 +2,12 @@
 
 use fem::mesh::Piece;
 
-/// A side by its position in [`super::Domain::sides`] and in `Mesh::sides`.
+/// A side by its position in [`super::Domain::sides`] and in `Mesh::sides`; those of a rectangle or box in the order x =
+/// 0, x = size\[0\], y = 0, and so on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Side(pub u32);
 
 impl Side {
-    /// x = 0 of a rectangle or box.
-    pub const LEFT: Side = Side(0);
-    /// x = size\[0\].
-    pub const RIGHT: Side = Side(1);
-    /// y = 0.
-    pub const BOTTOM: Side = Side(2);
-    /// y = size\[1\].
-    pub const TOP: Side = Side(3);
-
     pub(crate) fn index(self) -> usize {
         self.0 as usize
     }

@@ -83,11 +83,10 @@ pub(crate) fn abstract_constants(
 ) -> Result<AbstractConstants, SetupError> {
     let gram = SymmetricEigen::new(model.inner_product.clone());
     let least = gram.eigenvalues.min();
-    if least.is_nan() || least <= 0.0 {
-        let message = format!("the inner product has the eigenvalue {least:.3e}: not positive");
-        let hint = "an inner product is positive definite";
-        return Err(scene.error("space.inner_product", message, hint).into());
-    }
+    let message = format!("the inner product has the eigenvalue {least:.3e}: not positive");
+    let hint = "an inner product is positive definite";
+    let odd = least.is_nan() || least <= 0.0;
+    scene.refuse_if(odd, "space.inner_product", message, hint)?;
     let root = |power: f64| -> DMatrix<f64> {
         let scaled = DMatrix::from_diagonal(&gram.eigenvalues.map(|value| value.powf(power)));
         &gram.eigenvectors * scaled * gram.eigenvectors.transpose()

@@ -9,6 +9,7 @@ use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
 use super::{SetupError, potential, time_grid};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
+use algebra::linalg::larger;
 use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 use vhi::StepSolver;
@@ -70,11 +71,7 @@ impl AbstractSetup {
             let begin = Instant::now();
             let exact = DVector::from_column_slice(&self.state(view.t).u);
             run.seconds_truth += begin.elapsed().as_secs_f64();
-            let error = self.model.norm(&(exact - view.u));
-            // NaN is kept: no later error is larger.
-            if !run.error.is_nan() && (error.is_nan() || error > run.error) {
-                run.error = error;
-            }
+            run.error = larger(run.error, self.model.norm(&(exact - view.u)));
             run.u = view.u.as_slice().to_vec();
             run.history = view.history.as_slice().to_vec();
             run.pressure = view.pressure.to_vec();
@@ -86,16 +83,14 @@ impl AbstractSetup {
 
     /// l ≤ a·u ≤ g, λ on the bound only and of its sign, ξ ∈ ∂j(a·u); m0 > 0.
     fn admissible(&self) -> Result<(), SetupError> {
-        let m0 = self.constants.m0;
-        if m0 <= 0.0 && !self.scene.violates.contains(&Hypothesis::Smallness) {
-            let c = &self.constants;
-            let message = format!(
-                "the smallness condition (2.9) fails: m0 = m_A - alpha_phi - alpha_j c_j^2 = {:.4} - {:.4} - {:.4} * {:.4} = {m0:.4}",
-                c.m_a, c.alpha_phi, c.alpha_j, c.c_j_squared
-            );
-            let hint = "enlarge the matrix of the operator; or say violates = [\"2.9\"] in [scene] to run it all the same";
-            return Err(self.scene.error("operator.matrix", message, hint).into());
-        }
+        let c = &self.constants;
+        let message = format!(
+            "the smallness condition (2.9) fails: m0 = m_A - alpha_phi - alpha_j c_j^2 = {:.4} - {:.4} - {:.4} * {:.4} = {:.4}",
+            c.m_a, c.alpha_phi, c.alpha_j, c.c_j_squared, c.m0
+        );
+        let hint = "enlarge the matrix of the operator; or say violates = [\"2.9\"] in [scene] to run it all the same";
+        let fails = c.m0 <= 0.0 && !self.scene.violates.contains(&Hypothesis::Smallness);
+        self.scene.refuse_if(fails, "operator.matrix", message, hint)?;
         let times = (0..=TIMES).map(|n| self.scene.time.horizon * f64::from(n) / f64::from(TIMES));
         // Scale of rounding: the largest a_i·u and ξ_i at any time.
         let mut sizes = vec![[0.0f64; 2]; self.problem.traces.len()];
@@ -122,26 +117,24 @@ impl AbstractSetup {
         for (i, trace) in self.problem.traces.iter().enumerate() {
             let (r, xi, lambda) = (state.traces[i], state.selection[i], state.multiplier[i]);
             let slack = ROUNDING * sizes[i][0];
-            let at = |key: &str, message: String, hint: &str| {
-                Err(self.scene.error(key, format!("{message}, t = {t:.4}"), hint).into())
-            };
-            if r > trace.upper + slack || r < trace.lower - slack {
-                let message = format!("a_{i}·u = {r:.6} leaves [{}, {}]", trace.lower, trace.upper);
-                return at("exact.u", message, "keep u in K, or widen the bounds");
-            }
-            let (above, below) = (r >= trace.upper - slack, r <= trace.lower + slack);
-            if (lambda > 0.0 && !above) || (lambda < 0.0 && !below) || lambda.is_nan() {
-                let message = format!("the multiplier is {lambda:.3e} where a_{i}·u = {r:.6}");
-                let hint = "λ > 0 on the upper bound, λ < 0 on the lower one, 0 between";
-                return at(&format!("exact.multiplier.{i}"), message, hint);
-            }
+            let (lower, upper) = (trace.lower, trace.upper);
+            let message = format!("a_{i}·u = {r:.6} leaves [{lower}, {upper}], t = {t:.4}");
+            let outside = r > upper + slack || r < lower - slack;
+            let hint = "keep u in K, or widen the bounds";
+            self.scene.refuse_if(outside, "exact.u", message, hint)?;
+            let (above, below) = (r >= upper - slack, r <= lower + slack);
+            let odd = (lambda > 0.0 && !above) || (lambda < 0.0 && !below) || lambda.is_nan();
+            let message =
+                format!("the multiplier is {lambda:.3e} where a_{i}·u = {r:.6}, t = {t:.4}");
+            let hint = "λ > 0 on the upper bound, λ < 0 on the lower one, 0 between";
+            self.scene.refuse_if(odd, &format!("exact.multiplier.{i}"), message, hint)?;
             let (lo, hi) = self.model.functionals[i].potential.subdifferential(r);
             let slack = ROUNDING * lo.abs().max(hi.abs()).max(sizes[i][1]);
-            if !(xi >= lo - slack && xi <= hi + slack) {
-                let message = format!("xi = {xi:.6} is not in [{lo:.6}, {hi:.6}] = ∂j({r:.6})");
-                let hint = "state exact.selection within the interval of the law";
-                return at(&format!("exact.selection.{i}"), message, hint);
-            }
+            let within = xi >= lo - slack && xi <= hi + slack;
+            let message =
+                format!("xi = {xi:.6} is not in [{lo:.6}, {hi:.6}] = ∂j({r:.6}), t = {t:.4}");
+            let hint = "state exact.selection within the interval of the law";
+            self.scene.refuse_if(!within, &format!("exact.selection.{i}"), message, hint)?;
         }
         Ok(())
     }

@@ -111,19 +111,17 @@ pub fn cell_regions(
             let middle = value([x, y, z]);
             let name = &region.name;
             // NaN counts as cut.
-            if !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size) || middle.is_nan() {
-                let message = format!(
-                    "on the mesh n = {n} the boundary of region `{name}` cuts the cell at {place}: the condition goes from {low:.4} to {high:.4} in it"
-                );
-                let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose other n, or move the interface onto a mesh line";
-                return Err(scene.error(&key, message, hint));
+            let cut = !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size);
+            let message = format_args!(
+                "on the mesh n = {n} the boundary of region `{name}` cuts the cell at {place}: the condition goes from {low:.4} to {high:.4} in it"
+            );
+            let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose other n, or move the interface onto a mesh line";
+            scene.refuse_if(cut || middle.is_nan(), &key, message, hint)?;
+            if middle > 0.0 {
+                claim(scene, material, (index, "where"), region_of_cell, || {
+                    format!("the cell at {place} of the mesh n = {n}")
+                })?;
             }
-            if middle <= 0.0 {
-                continue;
-            }
-            claim(scene, material, (index, "where"), region_of_cell, || {
-                format!("the cell at {place} of the mesh n = {n}")
-            })?;
         }
     }
     Ok(regions)

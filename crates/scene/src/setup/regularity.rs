@@ -79,9 +79,7 @@ fn claim(
         return Ok(());
     };
     let findings = findings();
-    if findings.iter().any(|finding| finding.status == Status::Weak) {
-        return Ok(());
-    }
+    let shown = findings.iter().any(|finding| finding.status == Status::Weak);
     let seen: Vec<String> = findings.iter().map(|f| format!("{}: {}", f.subject, f.text)).collect();
     let message = format!(
         "the scene claims to violate ({}), and nothing shows it: {}",
@@ -89,5 +87,5 @@ fn claim(
         if seen.is_empty() { "the problem has no such hypothesis".into() } else { seen.join("; ") }
     );
     let hint = "remove the claim: a prediction for a broken hypothesis says nothing where it holds";
-    Err(scene.error(&format!("scene.violates.{index}"), message, hint).into())
+    Ok(scene.refuse_if(!shown, &format!("scene.violates.{index}"), message, hint)?)
 }

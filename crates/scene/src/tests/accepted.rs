@@ -118,7 +118,7 @@ fn loads_predictions_and_no_sweep() {
     assert_eq!(scene.predicts[0].order_k, Some(2.0));
     let Data::Loads { traction, .. } = &scene.as_contact().unwrap().data else { panic!() };
     assert_eq!(traction.len(), 1);
-    assert_eq!(traction[0].0, Side::LEFT);
+    assert_eq!(traction[0].0, Side(0));
     let start = LOADED.find("[sweep]").unwrap();
     let end = LOADED.find("[[predicts]]").unwrap();
     let unjudged = LOADED.replace("judge = true", "judge = false");

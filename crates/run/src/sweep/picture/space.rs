@@ -40,7 +40,7 @@ pub(super) fn sketch(scene: &Scene, body: &ContactScene) -> Sketch {
     let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
     let key = |x: [f64; 3]| x.map(|x| (x / (SAME * extent)).round() as i64);
     let mut edges: BTreeMap<[[i64; 3]; 2], Edge> = BTreeMap::new();
-    for (ink, sides) in parts(body) {
+    for (ink, _, sides) in parts(body) {
         for (corners, normal) in sides.iter().flat_map(|&side| polygons(body, side)) {
             let opacity = if ink == Ink::Traction { 0.07 } else { 0.35 };
             sketch.areas.push((corners.iter().map(|&x| flat(x)).collect(), ink, opacity));

@@ -114,6 +114,6 @@ fn scenes_without_history_or_bound_are_refused() {
     let refused = |setup: &scene::setup::Setup| GronwallConstants::new(setup).unwrap_err();
     assert!(matches!(refused(&setup("steady")), GronwallError::NoHistory { .. }));
     let mut sideways = setup("compliance");
-    sideways.body.domain.clamped = vec![scene::Side::LEFT];
+    sideways.body.domain.clamped = vec![scene::Side(0)];
     assert!(matches!(refused(&sideways), GronwallError::NoTraceBound { .. }));
 }
