@@ -23,8 +23,7 @@ use fem::contact::Model;
 use scene::setup::{MeshData, Setup, Subject};
 use scene::{Hypothesis, Registry, Scene, Source};
 use studies::theory::gronwall::{
-    GronwallConstants, GronwallError, KernelNorms, LinkViolation, TemporalRun, TemporalTruth,
-    prepare,
+    Estimate, GronwallConstants, GronwallError, KernelNorms, LinkViolation, TemporalTruth, prepare,
 };
 use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{AnyProjection, HistoryKernel, MemoryKernel, VonMises, YieldLimit};
@@ -52,22 +51,22 @@ impl Case {
         Self { setup, data, truth, constants }
     }
 
-    fn run(&self, model: &Model) -> TemporalRun {
+    fn run(&self, model: &Model) -> Estimate {
         let Self { setup, data, truth, constants } = self;
-        TemporalRun::measure(setup, model, data, truth, constants, STEPS).unwrap()
+        Estimate::measure(setup, model, data, truth, constants, STEPS).unwrap()
     }
 
-    fn right(&self) -> TemporalRun {
+    fn right(&self) -> Estimate {
         self.run(&self.setup.model)
     }
 }
 
-fn violations(run: &TemporalRun) -> Vec<LinkViolation> {
-    run.estimate.envelopes().unwrap().violations(&run.estimate)
+fn violations(run: &Estimate) -> Vec<LinkViolation> {
+    run.envelopes().unwrap().violations(&run)
 }
 
 /// True if a measured error is above the weighted envelope.
-fn caught(run: &TemporalRun) -> bool {
+fn caught(run: &Estimate) -> bool {
     violations(run).iter().any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
 }
 
@@ -99,12 +98,9 @@ fn the_chain_holds_on_every_scene_with_history() {
         let run = case.right();
         assert_eq!(violations(&run), [], "{name}");
         // The envelope bounds something: an error that is there, by a factor that is not absurd.
-        let envelopes = run.estimate.envelopes().unwrap();
-        let (error, bound) = (run.estimate.error[128], envelopes.weighted[128]);
-        assert!(
-            error > 1e3 * run.estimate.floor && bound < 10.0 * error,
-            "{name}: {bound} {error}"
-        );
+        let envelopes = run.envelopes().unwrap();
+        let (error, bound) = (run.error[128], envelopes.weighted[128]);
+        assert!(error > 1e3 * run.floor && bound < 10.0 * error, "{name}: {bound} {error}");
     }
 }
 
@@ -127,7 +123,7 @@ fn long_no_shipped_scene_violates_the_chain() {
         let subject = Subject::new(scene).unwrap_or_else(|error| panic!("{error}"));
         let outcome = prepare(&subject, n, &[32]).and_then(|scene| scene.measure(32));
         match outcome {
-            Ok(run) if without_bound && run.estimate.envelopes().is_err() => {
+            Ok(run) if without_bound && run.envelopes().is_err() => {
                 refused.push(name.to_string());
             }
             Ok(run) => {
@@ -227,26 +223,26 @@ fn defects_of_the_bound_are_caught_where_it_is_tight() {
         let case = Case::new(name, n);
         let run = case.right();
         let tight = name == "long-growing";
-        let with = |change: &dyn Fn(&mut TemporalRun)| {
+        let with = |change: &dyn Fn(&mut Estimate)| {
             let mut wrong = run.clone();
             change(&mut wrong);
             caught(&wrong)
         };
-        assert_eq!(with(&|run| run.estimate.m0 *= 1.01), tight, "{name}: m0 by 1 %");
-        assert!(with(&|run| run.estimate.m0 *= 4.0), "{name}: m0 by 4");
-        let smaller = |run: &mut TemporalRun| {
-            run.estimate.parts.iter_mut().for_each(|part| scaled(&mut part.norms, 0.98));
+        assert_eq!(with(&|run| run.m0 *= 1.01), tight, "{name}: m0 by 1 %");
+        assert!(with(&|run| run.m0 *= 4.0), "{name}: m0 by 4");
+        let smaller = |run: &mut Estimate| {
+            run.parts.iter_mut().for_each(|part| scaled(&mut part.norms, 0.98));
         };
         assert_eq!(with(&smaller), tight, "{name}: norm of the memory by 2 %");
         let yielding = case.constants.yielding;
-        let without_memory = |run: &mut TemporalRun| {
-            let zeta = run.truncation_zeta.iter();
-            run.estimate.weighted_source = zeta.map(|g| yielding * g).collect();
+        let without_memory = |run: &mut Estimate| {
+            let zeta = run.truncation[0].iter();
+            run.weighted_source = zeta.map(|g| yielding * g).collect();
         };
         assert!(with(&without_memory), "{name}: no truncation of the memory");
         if !tight {
-            let without_zeta = |run: &mut TemporalRun| {
-                run.estimate.weighted_source = run.truncation_memory.clone();
+            let without_zeta = |run: &mut Estimate| {
+                run.weighted_source = run.truncation[1].clone();
             };
             assert!(!with(&without_zeta), "{name}: no truncation of zeta");
         }
@@ -263,12 +259,9 @@ fn the_chain_holds_on_quadratic_elements() {
         assert_eq!(matches!(case.truth, TemporalTruth::Exact(_)), name == "in-space");
         let run = case.right();
         assert_eq!(violations(&run), [], "{name}");
-        let envelopes = run.estimate.envelopes().expect("envelopes");
-        let (error, bound) = (run.estimate.error[128], envelopes.weighted[128]);
-        assert!(
-            error > 1e3 * run.estimate.floor && bound < 10.0 * error,
-            "{name}: {bound} {error}"
-        );
+        let envelopes = run.envelopes().expect("envelopes");
+        let (error, bound) = (run.error[128], envelopes.weighted[128]);
+        assert!(error > 1e3 * run.floor && bound < 10.0 * error, "{name}: {bound} {error}");
         let mut wrong = setup_of(text.clone()).model;
         wrong.time_rule = Box::new(LastWeight);
         assert!(caught(&case.run(&wrong)), "{name}: last weight");
@@ -307,14 +300,14 @@ fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
     assert!(with(|n, j| if j == n { 1.1 } else { 1.0 }), "last weight");
     assert!(with(|_, j| if j == 0 { 0.5 } else { 1.0 }), "first weight");
     assert!(with(|_, _| 1.01), "all weights");
-    let changed = |change: &dyn Fn(&mut TemporalRun)| {
+    let changed = |change: &dyn Fn(&mut Estimate)| {
         let mut wrong = run.clone();
         change(&mut wrong);
         violations(&wrong).iter().map(|violation| violation.link).collect::<Vec<_>>()
     };
-    assert!(changed(&|run| run.estimate.m0 *= 4.0).contains(&"e <= weighted envelope"));
+    assert!(changed(&|run| run.m0 *= 4.0).contains(&"e <= weighted envelope"));
     // A bound of C alone without its norm: the weights of (t - s)^-a no longer bound those of the kernel.
-    let low = changed(&|run| run.estimate.parts[0].supremum *= 0.5);
+    let low = changed(&|run| run.parts[0].supremum *= 0.5);
     assert!(low.contains(&"weighted <= primed envelope"), "{low:?}");
     for name in ["singular-smooth", "singular-start", "singular-graded"] {
         let scene = Scene::from_source(Source::from_text("manufactured/scene.toml", text(name)));
@@ -322,7 +315,7 @@ fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
         let in_time = prepare(&subject, None, &[64]).expect("constants");
         let mut run = in_time.measure(64).expect("a run");
         assert_eq!(violations(&run), [], "{name}");
-        run.estimate.m0 *= 4.0;
+        run.m0 *= 4.0;
         assert!(caught(&run), "{name}");
     }
 }
@@ -346,26 +339,26 @@ fn every_link_can_fail() {
     // weighted = primed here: one part with a constant kernel.
     let case = Case::new("long-growing", 4);
     let run = case.right();
-    let failing = |change: &dyn Fn(&mut TemporalRun)| -> Vec<&'static str> {
+    let failing = |change: &dyn Fn(&mut Estimate)| -> Vec<&'static str> {
         let mut wrong = run.clone();
         change(&mut wrong);
         violations(&wrong).iter().map(|violation| violation.link).collect()
     };
     assert_eq!(failing(&|_| ()), Vec::<&str>::new());
     // A supremum below the norms it bounds, a β_φ below 1.
-    let low = failing(&|run| run.estimate.parts[0].supremum *= 0.99);
+    let low = failing(&|run| run.parts[0].supremum *= 0.99);
     assert_eq!(low, ["weighted <= primed envelope"]);
-    let low = failing(&|run| run.estimate.source.iter_mut().for_each(|s| *s *= 0.99));
+    let low = failing(&|run| run.source.iter_mut().for_each(|s| *s *= 0.99));
     assert_eq!(low, ["weighted <= primed envelope"]);
-    let lost = failing(&|run| run.estimate.error[7] = f64::NAN);
+    let lost = failing(&|run| run.error[7] = f64::NAN);
     assert_eq!(lost, ["e <= weighted envelope"]);
-    let lost = failing(&|run| run.estimate.source[7] = f64::NAN);
+    let lost = failing(&|run| run.source[7] = f64::NAN);
     assert!(lost.contains(&"primed envelope <= closed form"), "{lost:?}");
     let short = failing(&|run| {
-        run.estimate.error.pop();
+        run.error.pop();
     });
     assert_eq!(short, ["one value per step"]);
-    let envelopes = run.estimate.envelopes().expect("envelopes");
+    let envelopes = run.envelopes().expect("envelopes");
     for (n, change) in [(5, 0), (9, 1), (11, 2), (13, 3)] {
         let mut wrong = envelopes.clone();
         let printed = wrong.printed.as_mut().expect("C2 k < 1");
@@ -374,9 +367,9 @@ fn every_link_can_fail() {
             0 => wrong.closed[n] = 0.5 * wrong.primed[n],
             1 => printed[n] = 0.5 * wrong.primed[n],
             2 => closed[n] = 0.5 * printed[n],
-            _ => wrong.weighted[n] = 0.5 * run.estimate.error[n],
+            _ => wrong.weighted[n] = 0.5 * run.error[n],
         }
-        let found = wrong.violations(&run.estimate);
+        let found = wrong.violations(&run);
         assert!(
             found.iter().all(|v| v.n == n && v.left > v.right) && !found.is_empty(),
             "{found:?}"

@@ -4,7 +4,6 @@ use super::GronwallError;
 use super::constants::{GronwallConstants, InequalityConstants};
 use super::estimate::Estimate;
 use super::in_time::{InTime, Levels};
-use super::measure::TemporalRun;
 use super::truth::TemporalTruth;
 use crate::theory::dual_norm::DualNorm;
 use fem::contact::{Load, LoadError, march, strain_distance};
@@ -47,9 +46,9 @@ impl InTime for ContactInTime<'_> {
         self.setup.grid(steps)
     }
 
-    fn measure(&self, steps: u32) -> Result<TemporalRun, GronwallError> {
+    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError> {
         let Self { setup, data, truth, constants } = self;
-        TemporalRun::measure(setup, &setup.model, data, truth, constants, steps)
+        Estimate::measure(setup, &setup.model, data, truth, constants, steps)
     }
 
     fn loads(&self, grid: &TimeGrid) -> Result<Vec<Vec<f64>>, GronwallError> {

@@ -1,8 +1,9 @@
 //! A study of Gronwall's inequality in words and tables.
 
+use super::estimate::Effectivity;
 use super::horizon::HorizonRow;
 use super::stability::Perturbation;
-use super::study::{Effectivity, StudiedGrid, Study};
+use super::study::{StudiedGrid, Study};
 use report::{Chapter, Run, StudyDocument, digits, number, precise, sides};
 
 impl Study {
@@ -66,8 +67,7 @@ impl Study {
             let sides = sides(v.left, v.right);
             format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
         });
-        let all = match self.grids.first().is_none_or(|grid| grid.judged.run.estimate.is_printed())
-        {
+        let all = match self.grids.first().is_none_or(|grid| grid.judged.estimate.is_printed()) {
             true => {
                 "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run."
             }
@@ -115,7 +115,7 @@ fn answer(finest: &StudiedGrid) -> String {
         "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with {} {} times, its closed form {} times.",
         finest.steps,
         times(&e.weighted),
-        if finest.judged.run.estimate.is_printed() { "halved ends" } else { "one β_φ for all" },
+        if finest.judged.estimate.is_printed() { "halved ends" } else { "one β_φ for all" },
         times(&e.primed),
         times(&e.closed)
     )

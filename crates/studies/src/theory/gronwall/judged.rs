@@ -1,12 +1,11 @@
 //! A run in time under the chain of its bounds.
 
 use super::GronwallError;
-use super::estimate::{Envelopes, LinkViolation};
-use super::measure::TemporalRun;
+use super::estimate::{Envelopes, Estimate, LinkViolation};
 
 /// A run with its envelopes and the links of the chain that do not hold; the table of all levels holds its curves.
 pub struct Judged {
-    pub run: TemporalRun,
+    pub estimate: Estimate,
     pub envelopes: Envelopes,
     pub violations: Vec<LinkViolation>,
 }
@@ -14,11 +13,11 @@ pub struct Judged {
 impl Judged {
     /// # Errors
     /// [`GronwallError::Step`].
-    pub(super) fn new(run: TemporalRun) -> Result<Self, GronwallError> {
-        let steps = run.estimate.grid.steps() as u32;
+    pub(super) fn new(estimate: Estimate) -> Result<Self, GronwallError> {
+        let steps = estimate.grid.steps() as u32;
         let envelopes =
-            run.estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-        let violations = envelopes.violations(&run.estimate);
-        Ok(Self { run, envelopes, violations })
+            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        let violations = envelopes.violations(&estimate);
+        Ok(Self { estimate, envelopes, violations })
     }
 }

@@ -15,21 +15,7 @@ use vhi::Newton;
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::Convolution;
 
-/// One run in time with the truncation error of its grid.
-#[derive(Debug, Clone)]
-pub struct TemporalRun {
-    /// N.
-    pub steps: u32,
-    /// |∫_0^{t_n} ‖ε(u)‖ - Σ' ‖ε(u_j)‖|; zero where ζ is no part of the history, as in abstract scenes.
-    pub truncation_zeta: Vec<f64>,
-    /// ‖∫_0^{t_n} ℬ(t_n - s) ε(u) - Σ' ℬ(t_n - t_j) ε(u_j)‖_ℋ (a stress times √|Ω|), zero without memory;
-    /// ‖S_n u - S_n^k u‖_{X*} of an abstract scene.
-    pub truncation_memory: Vec<f64>,
-    /// The data of the bounds.
-    pub estimate: Estimate,
-}
-
-impl TemporalRun {
+impl Estimate {
     /// Runs `model`, which a test may have changed, under the loads of `setup`, and compares it with
     /// the truth of `setup`. Truncation errors and constants are those of `setup`.
     ///
@@ -67,25 +53,14 @@ impl TemporalRun {
         let truncation_memory =
             truncation_of_memory(setup, &data.space, constants.weights, &grid, &levels);
         let both = truncation_zeta.iter().zip(&truncation_memory);
-        let estimate = Estimate {
+        Ok(Self {
             error,
             weighted_source: both.clone().map(|(z, b)| constants.yielding * z + b).collect(),
             source: both.map(|(z, b)| constants.beta * (z + b)).collect(),
             floor,
+            truncation: [truncation_zeta, truncation_memory],
             ..constants.blank(setup, &grid)
-        };
-        Ok(Self { steps, truncation_zeta, truncation_memory, estimate })
-    }
-
-    /// The difference of two solutions.
-    pub(super) fn without_truncation(estimate: Estimate) -> Self {
-        let steps = estimate.grid.steps() as u32;
-        Self { steps, truncation_zeta: Vec::new(), truncation_memory: Vec::new(), estimate }
-    }
-
-    /// g_n.
-    pub(crate) fn truncation(&self) -> Vec<f64> {
-        self.truncation_zeta.iter().zip(&self.truncation_memory).map(|(z, b)| z + b).collect()
+        })
     }
 }
 

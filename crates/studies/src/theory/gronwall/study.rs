@@ -3,10 +3,9 @@
 use super::GronwallError;
 use super::bounds::Bounds;
 use super::constants::InequalityConstants;
-use super::estimate::{Estimate, LinkViolation, effectivities};
+use super::estimate::{Effectivity, Estimate, LinkViolation};
 use super::horizon::{Horizons, horizons};
 use super::judged::Judged;
-use super::measure::TemporalRun;
 use super::prepare::prepare;
 use super::stability::{Perturbation, perturbations};
 use algebra::linalg::largest;
@@ -76,36 +75,16 @@ pub struct FailedLink {
     pub violation: LinkViolation,
 }
 
-/// bound/e of one grid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Effectivity {
-    /// At t_N = T; absent if e_N is at its floor.
-    pub at_end: Option<f64>,
-    /// max_n bound/max_n e.
-    pub of_maxima: f64,
-    /// The least over n ≥ 1: how close the bound comes to being attained.
-    pub least: Option<f64>,
-}
-
-impl Effectivity {
-    pub(crate) fn new(bound: &[f64], estimate: &Estimate) -> Self {
-        let ratios = effectivities(bound, estimate);
-        Self {
-            at_end: ratios.last().copied().flatten(),
-            of_maxima: largest(bound) / largest(&estimate.error),
-            least: ratios.into_iter().flatten().reduce(f64::min),
-        }
-    }
-}
-
 impl StudiedGrid {
-    fn new(run: TemporalRun) -> Result<Self, GronwallError> {
-        let judged = Judged::new(run)?;
-        let (estimate, truncation) = (&judged.run.estimate, judged.run.truncation());
+    fn new(estimate: Estimate) -> Result<Self, GronwallError> {
+        let judged = Judged::new(estimate)?;
+        let estimate = &judged.estimate;
+        let [zeta, memory] = &estimate.truncation;
+        let truncation: Vec<f64> = zeta.iter().zip(memory).map(|(z, b)| z + b).collect();
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
         let k = estimate.grid.largest_step();
         Ok(Self {
-            steps: judged.run.steps,
+            steps: estimate.grid.steps() as u32,
             k,
             c2_k: estimate.c2() * estimate.weights.of_step(k),
             error_end: last(&estimate.error),
