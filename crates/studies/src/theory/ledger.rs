@@ -264,21 +264,20 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
             true => Run::of(claimed, Tone::Pass),
             false => Run::of(format!("{claimed}: not confirmed"), Tone::Miss),
         };
-        vec![
-            Run::plain((index + 1).to_string()),
-            Run::plain(question.claim),
-            Run::plain(question.hypotheses),
-            Run::plain(question.quantity),
-            number(question.proved),
-            number(entry.observed),
-            Run::plain(used),
-            found,
+        [
+            ("", Run::plain((index + 1).to_string())),
+            ("claim", Run::plain(question.claim)),
+            ("hypotheses", Run::plain(question.hypotheses)),
+            ("quantity", Run::plain(question.quantity)),
+            (">proved", number(question.proved)),
+            (">observed", number(entry.observed)),
+            (">used", Run::plain(used)),
+            ("is", found),
         ]
     };
-    document.table(
+    document.records(
         "Claims on the proofs, each with what a run observes.",
-        &["", "claim", "hypotheses", "quantity", ">proved", ">observed", ">used", "is"],
-        entries.iter().enumerate().map(row).collect(),
+        entries.iter().enumerate().map(row),
     );
     document.words("Each is shown by one command, in the same order:");
     document

@@ -149,17 +149,13 @@ impl SceneAudit {
             grid(|case| case.n),
             grid(|case| case.steps)
         ));
-        document.table(
+        document.records(
             "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
              identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
              accuracy; the powers of h and k with which the sides fall.",
-            &[
-                "line", "says", ">left", "", ">right", ">difference", ">accuracy", ">tightness",
-                "powers of h", "powers of k", "so it",
-            ],
-            by_tightness(&lines).into_iter().map(line).collect(),
+            by_tightness(&lines).into_iter().map(line),
         );
-        document.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
+        document.records("Constants of the bounds.", self.constants.rows());
         document
     }
 }
@@ -176,7 +172,7 @@ fn by_tightness(lines: &[SceneLine]) -> Vec<&SceneLine> {
 }
 
 impl AuditConstants {
-    fn rows(&self) -> Vec<Vec<Run>> {
+    fn rows(&self) -> [[(&'static str, Run); 2]; 11] {
         let c = self;
         let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
         let named = [
@@ -192,7 +188,7 @@ impl AuditConstants {
             ("‖R‖‖q‖", c.history),
             ("m0", c.m0()),
         ];
-        named.map(|(name, value)| vec![Run::formula(name), precise(value, 7)]).into()
+        named.map(|(name, value)| [("constant", Run::formula(name)), (">value", precise(value, 7))])
     }
 }
 
@@ -202,7 +198,7 @@ fn in_signs(says: &str) -> String {
     signs.iter().fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-fn line(line: &SceneLine) -> Vec<Run> {
+fn line(line: &SceneLine) -> [(&'static str, Run); 11] {
     let sign = if line.relation == Relation::Equal { "=" } else { "≤" };
     let short = |value: Option<f64>| Run::plain(value.map_or_else(|| "–".into(), |v| digits(v, 3)));
     let powers = |[left, right]: [Option<f64>; 2]| {
@@ -211,20 +207,21 @@ fn line(line: &SceneLine) -> Vec<Run> {
     };
     // Without a level at which the sides are seen, the largest of the finest run.
     let (left, right) = line.tightest.map_or((line.left, line.right), |at| (at.left, at.right));
-    vec![
-        Run::plain(line.statement.name),
-        Run::formula(&in_signs(line.statement.says)),
-        number(left),
-        Run::plain(sign),
-        number(Some(right).filter(|right| right.is_finite())),
-        short(line.difference),
-        short(line.accuracy),
-        short(line.tightness),
-        powers(line.power_h),
-        powers(line.power_k),
-        match line.standing {
-            LineStanding::Undefined => Run::of("is not defined", Tone::Miss),
-            standing => held(standing == LineStanding::Holds),
-        },
+    let so_it = match line.standing {
+        LineStanding::Undefined => Run::of("is not defined", Tone::Miss),
+        standing => held(standing == LineStanding::Holds),
+    };
+    [
+        ("line", Run::plain(line.statement.name)),
+        ("says", Run::formula(&in_signs(line.statement.says))),
+        (">left", number(left)),
+        ("", Run::plain(sign)),
+        (">right", number(Some(right).filter(|right| right.is_finite()))),
+        (">difference", short(line.difference)),
+        (">accuracy", short(line.accuracy)),
+        (">tightness", short(line.tightness)),
+        ("powers of h", powers(line.power_h)),
+        ("powers of k", powers(line.power_k)),
+        ("so it", so_it),
     ]
 }
