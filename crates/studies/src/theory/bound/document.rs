@@ -207,12 +207,13 @@ fn rung(rung: &StepRung) -> Row<11> {
 
 fn constant(constant: &Constant) -> Row<5> {
     let off = constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"));
+    let how = format!("{:?}", constant.how).to_lowercase();
     let side = if constant.safe { "safe side" } else { "no bound" };
     [
         ("constant", Run::formula(&constant.name)),
         (">value", precise(constant.value, 11)),
         (">±", Run::plain(off)),
-        ("how", Run::plain(format!("{}, {side}", constant.how.name()))),
+        ("how", Run::plain(format!("{how}, {side}"))),
         ("note", Run::formula(&constant.note)),
     ]
 }

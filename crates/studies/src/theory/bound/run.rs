@@ -8,7 +8,7 @@ use vhi::history::TimeGrid;
 use vhi::{FailedStep, FrozenDerivative, StepBounds, StepState};
 
 /// The factor of Λ at a level of the run, with the step size of the run.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct FactorAtLevel {
     /// Cells per unit length; none without a mesh.
     pub mesh: Option<u32>,
@@ -27,7 +27,7 @@ pub struct FactorAtLevel {
 }
 
 /// What the study found.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, Default, serde::Serialize)]
 pub struct ContractionStudy {
     /// Every level of the run.
     pub levels: Vec<FactorAtLevel>,
@@ -68,16 +68,8 @@ impl ContractionStudy {
             if next.norm > best.norm { *next } else { best }
         };
         let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
-        Ok(Self {
-            worst: levels.iter().fold(first, worse),
-            levels,
-            meshes: Vec::new(),
-            starts: starts::Starts::default(),
-            rungs: Vec::new(),
-            thresholds: Branch::default(),
-            not_followed: None,
-            linear: None,
-        })
+        let worst = levels.iter().fold(first, worse);
+        Ok(Self { worst, levels, ..Self::default() })
     }
 
     /// Starts, thresholds and ladder at the open `level` whose solution is `state`; neither thresholds nor rungs where

@@ -59,11 +59,7 @@ impl Weights {
 
     /// w_n0, …, w_nn.
     pub fn row(self, grid: &TimeGrid, n: usize) -> Vec<f64> {
-        let rule = self.rule();
-        match self.are_the_papers() {
-            true => (0..=n).map(|j| rule.weight(grid, n, j)).collect(),
-            false => rule.kernel_row(&Power(self.power), grid, n),
-        }
+        self.rule().kernel_row(&Power(self.power), grid, n)
     }
 
     /// What C2 stands beside on a step k: k, or k^{1-a}.

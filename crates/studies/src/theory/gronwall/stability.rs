@@ -26,11 +26,8 @@ pub enum LoadShape {
 }
 
 impl LoadShape {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Smooth => "smooth",
-            Self::Random => "random",
-        }
+    pub(crate) fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
     }
 }
 
