@@ -5,7 +5,7 @@ use algebra::in_dimension;
 use serde::Serialize;
 
 use super::ladder::BoundError;
-use crate::theory::dual_norm::DualNorm;
+use crate::theory::norms::{DualNorm, remembered, stress_norm};
 use algebra::linalg::{FactorError, larger, signed_unit};
 use algebra::tensor::contract;
 use fem::contact::{Boundary, Discretization, MemoryTerm, strain_norm, stress_force};
@@ -289,12 +289,12 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     }
 
     fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
-        let dofs = self.space.dofs();
+        let length = self.space.nodes.len();
         let mut zeta = [Accumulated::default(), Accumulated::default()];
-        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, dofs));
+        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, length));
         let mut past: Vec<Memory> = each.collect();
         let mut distance = Accumulated::default();
-        let (mut history, mut needed) = (vec![0.0; self.space.nodes.len()], 0f64);
+        let mut needed = 0f64;
         let (fixed, direction) = (self.displacement(), self.displacement());
         for n in 0..=grid.steps() {
             // The same pair at all times adds up without cancelling, random ones do not.
@@ -307,25 +307,12 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             zeta[0].commit(grid, strain_norm(self.space, &u));
             zeta[1].commit(grid, strain_norm(self.space, &other));
             distance.commit(grid, strain_norm(self.space, &d));
-            let last = if n == 0 { 0.0 } else { 0.5 * grid.step(n) };
-            let mut stress: Tensors<S> = vec![[0.0; S]; self.space.geometry.points()];
-            for (past, term) in past.iter_mut().zip(memory) {
-                past.past(&*term.kernel, &Trapezoid, grid, &mut history[..dofs]);
-                past.commit(grid, &d[..dofs]);
-                let last_weight = last * term.kernel.value(0.0);
-                algebra::linalg::axpy(last_weight, &d[..dofs], &mut history[..dofs]);
-                for (at, stress) in self.space.points().zip(&mut stress) {
-                    let strain = at.strain::<S>(&history);
-                    let part = term.tensor.on(self.space.region(at.cell)).apply(&strain);
-                    stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
-                }
-            }
-            let remembered = self.size(&stress);
+            let sums = remembered(memory, &mut past, &Trapezoid, (grid, n), &d);
             if n > 0 {
-                let left = (zeta[0].value(&Trapezoid, grid) - zeta[1].value(&Trapezoid, grid))
-                    .abs()
-                    + remembered;
-                needed = larger(needed, left / distance.value(&Trapezoid, grid));
+                let value = |sum: &Accumulated| sum.value(&Trapezoid, grid);
+                let left = (value(&zeta[0]) - value(&zeta[1])).abs()
+                    + stress_norm(self.space, memory, &sums);
+                needed = larger(needed, left / value(&distance));
             }
         }
         needed

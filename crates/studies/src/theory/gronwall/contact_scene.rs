@@ -5,7 +5,7 @@ use super::constants::{GronwallConstants, InequalityConstants};
 use super::estimate::Estimate;
 use super::in_time::{InTime, Levels};
 use super::truth::TemporalTruth;
-use crate::theory::dual_norm::DualNorm;
+use crate::theory::norms::DualNorm;
 use fem::contact::{Load, LoadError, march, strain_distance};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;

@@ -6,14 +6,11 @@ use super::constants::GronwallConstants;
 use super::estimate::Estimate;
 use super::rule::Weights;
 use super::truth::{TemporalTruth, TruthAtLevel};
-use algebra::linalg::axpy;
-use algebra::tensor::contract;
-use fem::contact::{Discretization, MemoryTerm, Model, march, strain_distance, strain_norm};
-use fem::space::StrainPoint;
+use crate::theory::norms::{remembered, stress_norm};
+use fem::contact::{Discretization, Model, march, strain_distance, strain_norm};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
 use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::Convolution;
 
 impl Estimate {
     /// Runs `model`, which a test may have changed, under the loads of `setup`, and compares it with
@@ -92,40 +89,12 @@ fn truncation_of_memory(
     let (rule, length) = (weights.rule(), space.nodes.len());
     let mut histories: Vec<Memory> =
         terms.iter().map(|term| Memory::new(&*term.kernel, &*rule, grid, length)).collect();
-    let mut sum = vec![0.0; length];
-    let mut defect = |(n, level): (usize, &TruthAtLevel)| {
-        let missed = terms.iter().zip(&mut histories).zip(&level.memory);
-        let missed: Vec<Vec<f64>> = missed
-            .map(|((term, history), exact)| {
-                let kernel = &*term.kernel;
-                history.past(kernel, &*rule, grid, &mut sum);
-                history.commit(grid, &level.u);
-                axpy(rule.kernel_weight(&Convolution(kernel), grid, n, n), &level.u, &mut sum);
-                exact.iter().zip(&sum).map(|(exact, sum)| exact - sum).collect()
-            })
-            .collect();
+    let defect = |(n, level): (usize, &TruthAtLevel)| {
+        let mut missed = remembered(terms, &mut histories, &*rule, (grid, n), &level.u);
+        for (missed, exact) in missed.iter_mut().zip(&level.memory) {
+            missed.iter_mut().zip(exact).for_each(|(sum, exact)| *sum = exact - *sum);
+        }
         stress_norm(space, terms, &missed)
     };
-    levels.iter().enumerate().map(&mut defect).collect()
-}
-
-/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory, with their jumps where functions have them.
-fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
-    fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
-        let square = |at: StrainPoint<'_>| {
-            let mut stress = [0.0; S];
-            for (term, v) in terms.iter().zip(v) {
-                let part = term.tensor.on(space.region(at.cell)).apply(&at.strain::<S>(v));
-                stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
-            }
-            at.weight * contract(&stress, &stress)
-        };
-        space.points().map(square).sum()
-    }
-    let jumps = terms.iter().zip(v).map(|(term, v)| (&term.tensor, &v[..]));
-    let jumps = space.jump_stress_square(jumps);
-    match space.mesh.dimension {
-        2 => (sum::<3>(space, terms, v) + jumps).sqrt(),
-        _ => (sum::<6>(space, terms, v) + jumps).sqrt(),
-    }
+    levels.iter().enumerate().map(defect).collect()
 }
