@@ -140,24 +140,24 @@ impl Study {
 
     /// All runs, each with its name in the table of levels and in words.
     pub(super) fn judged(&self) -> impl Iterator<Item = (String, String, &Judged)> {
-        let grid = |grid: &'_ StudiedGrid| ("time".to_owned(), format!("N = {}", grid.steps));
-        let grids = self.grids.iter().map(move |of| (grid(of), &of.judged));
-        let words = |h: &Horizons| ("horizon".to_owned(), format!("horizons, k = {}", h.k));
-        let horizons = self.horizons.iter().map(move |h| (words(h), &h.judged));
+        let grids = self.grids.iter();
+        let grids = grids.map(|g| ("time".into(), format!("N = {}", g.steps), &g.judged));
+        let horizons = self.horizons.iter();
+        let horizons =
+            horizons.map(|h| ("horizon".into(), format!("horizons, k = {}", h.k), &h.judged));
         let perturbations = self.perturbations.iter().map(|p| {
             let (shape, size) = (p.shape.name(), p.size);
-            let words = format!("{shape} perturbation {size:e}");
-            ((format!("{shape}-{size:e}"), words), &p.judged)
+            (format!("{shape}-{size:e}"), format!("{shape} perturbation {size:e}"), &p.judged)
         });
-        let all = grids.chain(horizons).chain(perturbations);
-        all.map(|((name, words), judged)| (name, words, judged))
+        grids.chain(horizons).chain(perturbations)
     }
 
     fn failed_links(&self) -> Vec<FailedLink> {
-        let failed = |(_, part, judged): (String, String, &Judged)| {
-            let of = |v: &LinkViolation| FailedLink { part: part.clone(), violation: v.clone() };
-            judged.violations.iter().map(of).collect::<Vec<_>>()
-        };
-        self.judged().flat_map(failed).collect()
+        let failed = self.judged().flat_map(|(_, part, judged)| {
+            let of =
+                move |v: &LinkViolation| FailedLink { part: part.clone(), violation: v.clone() };
+            judged.violations.iter().map(of)
+        });
+        failed.collect()
     }
 }
