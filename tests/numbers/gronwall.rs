@@ -18,12 +18,13 @@
 //! "no": the effectivities of the weighted envelope, 2.9, 3.7 and 3.5, leave room for the defect. In long-growing it is
 //! 1.003. A weight or a kernel value that is wrong at O(k) is far above any envelope, which is O(k²).
 
-use crate::shipped::{edited, on_mesh, setup, setup_of, text};
+use crate::shipped::{edited, setup, setup_of, text};
 use fem::contact::Model;
-use scene::setup::{MeshData, Setup, Subject};
+use scene::setup::{Setup, Subject};
 use scene::{Hypothesis, Registry, Scene, Source};
 use studies::theory::gronwall::{
-    Estimate, GronwallConstants, GronwallError, KernelNorms, LinkViolation, TemporalTruth, prepare,
+    ContactInTime, Estimate, GronwallConstants, GronwallError, InTime, KernelNorms, LinkViolation,
+    TemporalTruth, prepare,
 };
 use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{AnyProjection, HistoryKernel, MemoryKernel, VonMises, YieldLimit};
@@ -32,33 +33,20 @@ const STEPS: u32 = 128;
 /// Scenes with an exact state in V^h, and their meshes.
 const EXACT: [(&str, u32); 3] = [("affine", 4), ("affine-locked", 4), ("in-space", 16)];
 
-struct Case {
-    setup: Setup,
-    data: MeshData,
-    truth: TemporalTruth,
-    constants: GronwallConstants,
+fn case(name: &str, n: u32) -> ContactInTime<'static> {
+    case_of(setup(name), n)
 }
 
-impl Case {
-    fn new(name: &str, n: u32) -> Self {
-        Self::of(setup(name), n)
-    }
+fn case_of(setup: Setup, n: u32) -> ContactInTime<'static> {
+    ContactInTime::new(Box::leak(Box::new(setup)), n, &[STEPS]).unwrap()
+}
 
-    fn of(setup: Setup, n: u32) -> Self {
-        let data = on_mesh(&setup, n);
-        let truth = TemporalTruth::new(&setup, &data, &[STEPS]).unwrap();
-        let constants = GronwallConstants::new(&setup).unwrap();
-        Self { setup, data, truth, constants }
-    }
+fn right(case: &ContactInTime<'_>) -> Estimate {
+    case.measure(STEPS).unwrap()
+}
 
-    fn run(&self, model: &Model) -> Estimate {
-        let Self { setup, data, truth, constants } = self;
-        Estimate::measure(setup, model, data, truth, constants, STEPS).unwrap()
-    }
-
-    fn right(&self) -> Estimate {
-        self.run(&self.setup.model)
-    }
+fn run_of(case: &ContactInTime<'_>, model: &Model) -> Estimate {
+    case.measure_model(model, STEPS).unwrap()
 }
 
 fn violations(run: &Estimate) -> Vec<LinkViolation> {
@@ -93,9 +81,9 @@ fn the_chain_holds_on_every_scene_with_history() {
         ("friction-time", 4, false),
         ("nonconforming-signorini", 4, false),
     ] {
-        let case = Case::new(name, n);
+        let case = case(name, n);
         assert_eq!(matches!(case.truth, TemporalTruth::Exact(_)), exact, "{name}");
-        let run = case.right();
+        let run = right(&case);
         assert_eq!(violations(&run), [], "{name}");
         // The envelope bounds something: an error that is there, by a factor that is not absurd.
         let envelopes = run.envelopes().unwrap();
@@ -188,25 +176,25 @@ impl YieldLimit for Lagged {
 #[test]
 fn defects_of_the_solver_are_caught() {
     for (name, n) in EXACT.into_iter().chain([("long-growing", 4)]) {
-        let case = Case::new(name, n);
-        assert!(!caught(&case.right()), "{name}");
+        let case = case(name, n);
+        assert!(!caught(&right(&case)), "{name}");
         let mut wrong = setup(name).model;
         wrong.time_rule = Box::new(LastWeight);
-        assert!(caught(&case.run(&wrong)), "{name}: last weight");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: last weight");
         wrong.time_rule = Box::new(FirstWeight);
         let starts_at_rest = ["affine", "long-growing"].contains(&name);
-        assert_eq!(caught(&case.run(&wrong)), !starts_at_rest, "{name}: first weight");
+        assert_eq!(caught(&run_of(&case, &wrong)), !starts_at_rest, "{name}: first weight");
     }
     for (name, n) in EXACT {
-        let case = Case::new(name, n);
+        let case = case(name, n);
         let mut wrong = setup(name).model;
         wrong.memory[0].kernel = Box::new(NothingAtZero);
-        assert!(caught(&case.run(&wrong)), "{name}: no value at lag 0");
-        let levels = case.truth.levels(&case.setup, STEPS).expect("levels");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: no value at lag 0");
+        let levels = case.truth.levels(&setup(name), STEPS).expect("levels");
         let limit = Lagged { zeta: levels.iter().map(|level| level.zeta).collect() };
         let projection = Some(AnyProjection::new(VonMises { mu: 1.0, limit }));
         let wrong = Model { projection, ..setup(name).model };
-        assert!(caught(&case.run(&wrong)), "{name}: lagged limit");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: lagged limit");
     }
 }
 
@@ -220,8 +208,8 @@ fn scaled(norms: &mut KernelNorms, factor: f64) {
 #[test]
 fn defects_of_the_bound_are_caught_where_it_is_tight() {
     for (name, n) in EXACT.into_iter().chain([("long-growing", 4)]) {
-        let case = Case::new(name, n);
-        let run = case.right();
+        let case = case(name, n);
+        let run = right(&case);
         let tight = name == "long-growing";
         let with = |change: &dyn Fn(&mut Estimate)| {
             let mut wrong = run.clone();
@@ -255,16 +243,16 @@ fn the_chain_holds_on_quadratic_elements() {
     let quadratic = "[discretization]\nelement = \"P2\"\n\n[exact]";
     for (name, n) in [("in-space", 8), ("viscoelastic", 4)] {
         let text = edited(&text(name), "[exact]", quadratic);
-        let case = Case::of(setup_of(text.clone()), n);
+        let case = case_of(setup_of(text.clone()), n);
         assert_eq!(matches!(case.truth, TemporalTruth::Exact(_)), name == "in-space");
-        let run = case.right();
+        let run = right(&case);
         assert_eq!(violations(&run), [], "{name}");
         let envelopes = run.envelopes().expect("envelopes");
         let (error, bound) = (run.error[128], envelopes.weighted[128]);
         assert!(error > 1e3 * run.floor && bound < 10.0 * error, "{name}: {bound} {error}");
         let mut wrong = setup_of(text.clone()).model;
         wrong.time_rule = Box::new(LastWeight);
-        assert!(caught(&case.run(&wrong)), "{name}: last weight");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: last weight");
     }
 }
 
@@ -288,13 +276,13 @@ impl TimeRule for WrongProduct {
 /// With the weights of the kernel: what the solver, the truncation error or a constant has wrong is above the envelope.
 #[test]
 fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
-    let case = Case::new("singular-contact", 2);
-    let run = case.right();
+    let case = case("singular-contact", 2);
+    let run = right(&case);
     assert_eq!(violations(&run), []);
     let with = |factor: fn(usize, usize) -> f64| {
         let mut wrong = setup("singular-contact").model;
         wrong.time_rule = Box::new(WrongProduct(factor));
-        caught(&case.run(&wrong))
+        caught(&run_of(&case, &wrong))
     };
     assert!(!with(|_, _| 1.0));
     assert!(with(|n, j| if j == n { 1.1 } else { 1.0 }), "last weight");
@@ -327,18 +315,18 @@ fn friction_is_taken_where_it_takes_nothing_from_m0() {
         let refused = GronwallConstants::new(&setup(name));
         assert!(matches!(refused, Err(GronwallError::NoTangentialBound { .. })), "{name}");
     }
-    let case = Case::new("friction-front", 8);
+    let case = case("friction-front", 8);
     let mut wrong = setup("friction-front").model;
     wrong.time_rule = Box::new(LastWeight);
-    assert!(violations(&case.right()).is_empty() && caught(&case.run(&wrong)));
+    assert!(violations(&right(&case)).is_empty() && caught(&run_of(&case, &wrong)));
 }
 
 /// The links between the bounds are checked as well, and a number that is not one fails.
 #[test]
 fn every_link_can_fail() {
     // weighted = primed here: one part with a constant kernel.
-    let case = Case::new("long-growing", 4);
-    let run = case.right();
+    let case = case("long-growing", 4);
+    let run = right(&case);
     let failing = |change: &dyn Fn(&mut Estimate)| -> Vec<&'static str> {
         let mut wrong = run.clone();
         change(&mut wrong);

@@ -16,7 +16,7 @@ use studies::theory::audit::{AuditConstants, Auditor};
 use studies::theory::bound::contact::at_level;
 use studies::theory::bound::factor::contraction;
 use studies::theory::gronwall::{
-    Envelopes, Estimate, GronwallConstants, TemporalTruth, TruthAtLevel, prepare,
+    ContactInTime, Envelopes, Estimate, InTime, TruthAtLevel, prepare,
 };
 use vhi::StepBounds;
 use vhi::history::{Memory, TimeGrid};
@@ -113,13 +113,9 @@ impl Witnesses {
         });
         let enveloped = ENVELOPED.map(|(name, n, steps)| {
             let stage = Stage::new(name, n);
-            let (program, data) = (&stage.sound, stage.program(&Defect::SOUND).1);
-            let truth = TemporalTruth::new(program, &data, &[steps]).expect("a truth");
-            let constants = GronwallConstants::new(program).expect("constants");
-            let model = &program.model;
-            let run = Estimate::measure(program, model, &data, &truth, &constants, steps);
-            let run = run.expect("a run");
-            let levels = truth.levels(program, steps).expect("levels");
+            let scene = ContactInTime::new(&stage.sound, n, &[steps]).expect("a scene in time");
+            let run = scene.measure(steps).expect("a run");
+            let levels = scene.truth.levels(&stage.sound, steps).expect("levels");
             let envelopes = run.envelopes().expect("envelopes");
             Enveloped { stage, steps, levels, run, envelopes }
         });

@@ -15,7 +15,6 @@ mod horizon;
 mod in_time;
 mod judged;
 mod levels;
-mod measure;
 mod memory;
 mod mittag_leffler;
 mod pictures;
@@ -30,6 +29,7 @@ mod truth;
 
 pub use bounds::Bounds;
 pub use constants::{GronwallConstants, InequalityConstants};
+pub use contact_scene::ContactInTime;
 pub use error::GronwallError;
 pub use estimate::{Effectivity, Envelopes, Estimate, LinkViolation};
 pub use horizon::{HorizonRow, Horizons};

@@ -8,11 +8,8 @@ use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 /// The run of a scene, and the constants.
 fn measured(name: &str, n: u32, steps: u32) -> (Estimate, GronwallConstants) {
     let setup = setup(name);
-    let data = MeshData::new(&setup, n, None).unwrap();
-    let truth = TemporalTruth::new(&setup, &data, &[steps]).unwrap();
-    let constants = GronwallConstants::new(&setup).unwrap();
-    let run = Estimate::measure(&setup, &setup.model, &data, &truth, &constants, steps).unwrap();
-    (run, constants)
+    let scene = ContactInTime::new(&setup, n, &[steps]).unwrap();
+    (scene.measure(steps).unwrap(), scene.constants)
 }
 
 /// ∫_0^{t_n} f minus its trapezoidal sum, from an antiderivative.
