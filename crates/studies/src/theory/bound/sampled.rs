@@ -53,31 +53,17 @@ pub fn sample(
     constants: &Constants,
     space: &Discretization,
 ) -> Result<Vec<Sampled>, BoundError> {
-    in_dimension!(space.mesh.dimension, D, S => sample_in::<D, S>(setup, constants, space))
-}
-
-fn sample_in<const D: usize, const S: usize>(
-    setup: &Setup,
-    constants: &Constants,
-    space: &Discretization,
-) -> Result<Vec<Sampled>, BoundError> {
-    let model = &setup.model;
     let mut rows = Vec::new();
-    if let Some(boundary) = &model.boundary {
+    if let Some(boundary) = &setup.model.boundary {
         rows.extend(law(&*boundary.potential));
         if boundary.scale.is_some() {
             rows.push(scaled(boundary, space, constants.alpha_nu));
         }
     }
-    let mut fields =
-        RandomStates::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
-    rows.extend(fields.elasticity(&model.elasticity, constants));
-    rows.extend(fields.phi(&model.projection, setup.projection_mu(), constants));
-    if let Some(limit) = model.projection.limit() {
-        rows.push(lipschitz_kappa(limit, constants.lipschitz_kappa, setup.scene.time.horizon));
-    }
-    let lipschitz = 1.0 + constants.memory.operator;
-    rows.push(fields.history(&model.memory, setup.scene.time.horizon, lipschitz));
+    in_dimension!(space.mesh.dimension, D, S => {
+        let fields = RandomStates::<D, S>::new(space);
+        fields.map_err(|e| BoundError::Constant(e.into()))?.add(setup, constants, &mut rows);
+    });
     Ok(rows)
 }
 
@@ -199,6 +185,15 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
         self.dual.of(&force[..space.dofs()])
     }
 
+    fn add(&mut self, setup: &Setup, constants: &Constants, rows: &mut Vec<Sampled>) {
+        let (model, horizon) = (&setup.model, setup.scene.time.horizon);
+        rows.extend(self.elasticity(&model.elasticity, constants));
+        rows.extend(self.phi(&model.projection, setup.projection_mu(), constants));
+        let limit = model.projection.limit();
+        rows.extend(limit.map(|kappa| lipschitz_kappa(kappa, constants.lipschitz_kappa, horizon)));
+        rows.push(self.history(&model.memory, horizon, 1.0 + constants.memory.operator));
+    }
+
     /// m_A and L_A of A = 𝒜 + μ, which is linear.
     fn elasticity(&mut self, elastic: &TensorField, constants: &Constants) -> [Sampled; 2] {
         let (mut least, mut most) = (f64::INFINITY, 0f64);
@@ -228,13 +223,8 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
 
     /// (2.7b) and (4.1) of φ(y, u, v) = (θ - μ P_{M(κ(r))} ε(u), ε(v)), y = (r, θ): the left side of
     /// (2.7b) is (τ1 - τ2, ε(v2 - v1)) with τ = θ - μPε(u), largest at the Riesz representative.
-    pub(crate) fn phi(
-        &mut self,
-        p: &Option<AnyProjection>,
-        mu: f64,
-        constants: &Constants,
-    ) -> Vec<Sampled> {
-        let (alpha, beta) = (constants.alpha_phi, constants.beta_phi);
+    fn phi(&mut self, p: &Option<AnyProjection>, mu: f64, c: &Constants) -> [Sampled; 4] {
+        let (alpha, beta) = (c.alpha_phi, c.beta_phi);
         let (mut of_u, mut of_y, mut of_both, mut convex) = (0f64, 0f64, 0f64, 0f64);
         for sample in 0..SAMPLES {
             let (u1, mut u2) = (self.displacement(), self.displacement());
@@ -264,7 +254,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             let bend = at1 + at2 - 2.0 * self.product(&tau, &half);
             convex = larger(convex, bend.abs() / (at1.abs() + at2.abs()));
         }
-        vec![
+        [
             Sampled::new("(2.7b): alpha_phi, same y", alpha, of_u, SAMPLES),
             Sampled::new("(2.7b): beta_phi, same u", beta, of_y, SAMPLES),
             Sampled::new("(2.7b): left / right", 1.0, of_both, SAMPLES),
@@ -273,12 +263,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     }
 
     /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the history sums of the solver.
-    pub(crate) fn history(
-        &mut self,
-        memory: &[MemoryTerm],
-        horizon: f64,
-        declared: f64,
-    ) -> Sampled {
+    fn history(&mut self, memory: &[MemoryTerm], horizon: f64, declared: f64) -> Sampled {
         let mut needed = 0f64;
         let samples = 40;
         for sample in 0..samples {

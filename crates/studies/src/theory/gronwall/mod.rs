@@ -37,7 +37,7 @@ pub use in_time::InTime;
 pub use judged::Judged;
 pub use memory::study_runs;
 pub use prepare::prepare;
-pub use recurrence::{HistoryPart, KernelNorms, StepTooLarge};
+pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge};
 pub use rule::Weights;
 pub use stability::{LoadShape, Perturbation};
 pub use study::{FailedLink, StudiedGrid, Study, StudyRuns};

@@ -1,7 +1,7 @@
 //! Gronwall's inequality with the weights of a rule: the recurrence on any grid, and a closed form of it.
 
 use super::mittag_leffler::mittag_leffler;
-use super::recurrence::{StepTooLarge, amplified, closed_limit, primed_closed, solvable, solved};
+use super::recurrence::{Solved, amplified, closed_limit, primed_closed, solvable, solved};
 use statrs::function::gamma::gamma;
 use vhi::history::{ClosedForm, TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
@@ -77,12 +77,7 @@ impl Weights {
     ///
     /// # Errors
     /// C2 w_nn ≥ 1.
-    pub fn envelope(
-        self,
-        grid: &TimeGrid,
-        source: &[f64],
-        c2: f64,
-    ) -> Result<Vec<f64>, StepTooLarge> {
+    pub fn envelope(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
         solved(source, c2, |n| self.row(grid, n))
     }
 
@@ -97,12 +92,7 @@ impl Weights {
     ///
     /// # Errors
     /// θ ≥ 1, or c > 1 by Gregory's rules.
-    pub fn closed(
-        self,
-        grid: &TimeGrid,
-        source: &[f64],
-        c2: f64,
-    ) -> Result<Vec<f64>, StepTooLarge> {
+    pub fn closed(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
         let (share, beyond, most) = match self.form {
             ClosedForm::Paper => return primed_closed(grid, source, c2),
             ClosedForm::Corrected { share, beyond, most } => (share, beyond, most),
