@@ -97,13 +97,10 @@ impl SceneAudit {
             true => format!("m0 = {m0:.4} is not positive, (2.9) is violated"),
             false => "a constant in it is infinite".to_owned(),
         };
-        let summaries = self.summaries();
-        let undefined =
-            summaries.iter().filter(|summary| summary.standing == LineStanding::Undefined);
-        let sentence = |summary: &SceneLine| {
-            format!("{} has no defined constant: {why}", summary.statement.name)
-        };
-        undefined.map(sentence).collect()
+        let summaries = self.summaries().into_iter();
+        let undefined = summaries.filter(|line| line.standing == LineStanding::Undefined);
+        let names = undefined.map(|line| line.statement.name);
+        names.map(|name| format!("{name} has no defined constant: {why}")).collect()
     }
 
     /// `SCENE-audit.csv`.

@@ -160,10 +160,8 @@ const MASSES: [&str; 2] = ["consistent mass", "vertex rule"];
 
 fn trace_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
     let mut rows = Vec::new();
-    let tangential = traces
-        .tangential
-        .as_ref()
-        .map(|pair| ("c_tau^2", pair, "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it"));
+    let korn = "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it";
+    let tangential = traces.tangential.as_ref().map(|pair| ("c_tau^2", pair, korn));
     let normal = [
         ("c_j^2", &traces.strain, "sup |v_nu|^2/|eps(v)|^2"),
         ("energy constant", &traces.energy, "sup |v_nu|^2/(A eps(v), eps(v))"),
