@@ -49,7 +49,11 @@ impl Study {
             let sides = sides(v.left, v.right);
             format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
         });
-        let all = match self.grids.first().is_none_or(|grid| grid.judged.estimate.is_printed()) {
+        let all = match self
+            .grids
+            .first()
+            .is_none_or(|grid| grid.judged.estimate.weights.are_the_papers())
+        {
             true => {
                 "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run."
             }
@@ -99,7 +103,11 @@ fn answer(finest: &StudiedGrid) -> String {
         "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with {} {} times, its closed form {} times.",
         finest.steps,
         times(&e.weighted),
-        if finest.judged.estimate.is_printed() { "halved ends" } else { "one β_φ for all" },
+        if finest.judged.estimate.weights.are_the_papers() {
+            "halved ends"
+        } else {
+            "one β_φ for all"
+        },
         times(&e.primed),
         times(&e.closed)
     )

@@ -1,6 +1,7 @@
 //! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
 //! mesh, fills an [`Estimate`] and has its [`Envelopes`].
 
+use super::GronwallError;
 use super::bounds::Bounds;
 use super::recurrence::{HistoryPart, StepTooLarge, unprimed, unprimed_closed, weighted};
 use super::rule::Weights;
@@ -66,24 +67,9 @@ impl Estimate {
         }
     }
 
-    /// ‖R‖‖q‖, or the Lipschitz constant of S: Σ_p sup κ_p.
-    pub(crate) fn lipschitz(&self) -> f64 {
-        self.parts.iter().map(|part| part.supremum).sum()
-    }
-
-    /// C1 = β_φ/m0.
-    pub(crate) fn c1(&self) -> f64 {
-        self.beta / self.m0
-    }
-
-    /// C2 = β_φ ‖S‖/m0.
+    /// C2 = β_φ ‖S‖/m0, ‖S‖ being ‖R‖‖q‖ or the Lipschitz constant of S: Σ_p sup κ_p.
     pub(crate) fn c2(&self) -> f64 {
-        self.c1() * self.lipschitz()
-    }
-
-    /// Whether (3.24) has its printed sum: its weights bound those of the trapezoidal rule.
-    pub(crate) fn is_printed(&self) -> bool {
-        self.weights.are_the_papers()
+        self.beta / self.m0 * self.parts.iter().map(|part| part.supremum).sum::<f64>()
     }
 
     /// The estimate up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
@@ -112,7 +98,8 @@ impl Estimate {
     pub fn envelopes(&self) -> Result<Envelopes, StepTooLarge> {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
         let (grid, c2, weights) = (&self.grid, self.c2(), self.weights);
-        let as_printed = self.is_printed();
+        // (3.24) has its printed sum where its weights bound those of the trapezoidal rule.
+        let as_printed = weights.are_the_papers();
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
@@ -192,6 +179,25 @@ impl Envelopes {
             Some(LinkViolation { link, n, t: steps[n], left: left[n], right: right[n] })
         };
         links.into_iter().filter_map(failing).collect()
+    }
+}
+
+/// A run with its envelopes and the links of the chain that do not hold; the table of all levels holds its curves.
+pub struct Judged {
+    pub estimate: Estimate,
+    pub envelopes: Envelopes,
+    pub violations: Vec<LinkViolation>,
+}
+
+impl Judged {
+    /// # Errors
+    /// [`GronwallError::Step`].
+    pub(super) fn new(estimate: Estimate) -> Result<Self, GronwallError> {
+        let steps = estimate.grid.steps() as u32;
+        let envelopes =
+            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        let violations = envelopes.violations(&estimate);
+        Ok(Self { estimate, envelopes, violations })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::GronwallError;
 use super::bounds::Bounds;
-use super::judged::Judged;
+use super::estimate::Judged;
 use super::prepare::prepare;
 use algebra::linalg::largest;
 use scene::setup::Subject;

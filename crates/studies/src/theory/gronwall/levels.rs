@@ -1,6 +1,6 @@
 //! Every level of a study as a table.
 
-use super::judged::Judged;
+use super::estimate::Judged;
 use super::study::Study;
 use crate::table;
 

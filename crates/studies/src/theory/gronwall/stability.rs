@@ -8,9 +8,8 @@
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
 use super::GronwallError;
-use super::estimate::{Effectivity, Estimate};
+use super::estimate::{Effectivity, Estimate, Judged};
 use super::in_time::InTime;
-use super::judged::Judged;
 use algebra::linalg::{largest, signed_unit};
 use serde::Serialize;
 use vhi::history::TimeGrid;

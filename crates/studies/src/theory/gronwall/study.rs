@@ -3,9 +3,8 @@
 use super::GronwallError;
 use super::bounds::Bounds;
 use super::constants::InequalityConstants;
-use super::estimate::{Effectivity, Estimate, LinkViolation};
+use super::estimate::{Effectivity, Estimate, Judged, LinkViolation};
 use super::horizon::{Horizons, horizons};
-use super::judged::Judged;
 use super::prepare::prepare;
 use super::stability::{Perturbation, perturbations};
 use algebra::linalg::largest;
