@@ -50,7 +50,7 @@ fn run_of(case: &ContactInTime<'_>, model: &Model) -> Estimate {
 }
 
 fn violations(run: &Estimate) -> Vec<LinkViolation> {
-    run.envelopes().unwrap().violations(&run)
+    run.envelopes().unwrap().violations(run)
 }
 
 /// True if a measured error is above the weighted envelope.

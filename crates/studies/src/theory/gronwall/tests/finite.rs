@@ -14,7 +14,7 @@ fn abstract_setup(name: &str) -> AbstractSetup {
 }
 
 fn violations(run: &Estimate) -> Vec<LinkViolation> {
-    run.envelopes().unwrap().violations(&run)
+    run.envelopes().unwrap().violations(run)
 }
 
 /// Uniform, graded and random steps, convolutions and general kernels, contact events.
