@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::machine::{Allowance, processors};
 use super::study::deliver;
@@ -40,8 +40,8 @@ pub(crate) struct Audit {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<Vec<u32>>,
     /// Boundary rule of the runs
-    #[arg(long, value_enum)]
-    rule: Option<Rule>,
+    #[arg(long, value_parser = ["vertex", "gauss", "exact"])]
+    rule: Option<String>,
     #[command(flatten)]
     allowance: Allowance,
     /// Print JSON
@@ -56,13 +56,6 @@ impl From<AuditError> for CliError {
     fn from(error: AuditError) -> Self {
         Self::Other(error.to_string())
     }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Rule {
-    Vertex,
-    Gauss,
-    Exact,
 }
 
 impl Audit {
@@ -114,12 +107,11 @@ impl Audit {
         let Some(boundary) = &mut setup.model.boundary else { return Ok(()) };
         let jumps = !boundary.potential.jumps().is_empty();
         let element = setup.body.element;
-        let by_nodes = jumps || element != Element::P1;
-        boundary.rule = match self.rule {
-            None if by_nodes => BoundaryRule::Vertex,
-            None | Some(Rule::Exact) => BoundaryRule::Exact,
-            Some(Rule::Gauss) => BoundaryRule::Gauss,
-            Some(Rule::Vertex) => BoundaryRule::Vertex,
+        boundary.rule = match self.rule.as_deref() {
+            None if jumps || element != Element::P1 => BoundaryRule::Vertex,
+            Some("vertex") => BoundaryRule::Vertex,
+            Some("gauss") => BoundaryRule::Gauss,
+            _ => BoundaryRule::Exact,
         };
         if element != Element::P1 && boundary.rule != BoundaryRule::Vertex {
             let message = format!(

@@ -70,7 +70,7 @@ fn an_audit_says_which_line_fails() {
     let mut audit = SceneAudit::new(&setup("compliance"), &[4], &[2]).expect("an audit");
     let sound = audit.document();
     let row = &mut audit.cases[0].rows[0];
-    let (_, line) = row.tightest.expect("a level");
+    let line = row.tightest.expect("a level");
     row.violation = Some((2, Line { left: 2.0, right: 1.0, accuracy: 1e-12, ..line }));
     shows(&sound, &audit.document(), "(4.7) at level 2 of n = 4, N = 2");
     assert!(audit.document().text(132).contains("15 of 16 lines hold"));

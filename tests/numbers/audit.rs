@@ -347,7 +347,7 @@ fn one_run() -> SceneAudit {
 fn a_violation_is_spelt_out() {
     let mut audit = one_run();
     let row = &mut audit.cases[0].rows[0];
-    let (_, line) = row.tightest.expect("a level");
+    let line = row.tightest.expect("a level");
     row.violation = Some((2, Line { left: 2.0, right: 1.0, accuracy: 1e-12, ..line }));
     assert!(!audit.holds());
     let said = &audit.violations()[0];
@@ -364,8 +364,7 @@ fn a_violation_is_spelt_out() {
 #[test]
 fn what_is_tightest_stands_first() {
     let of = |relation, left: f64, right: f64, accuracy| Line {
-        statement: Statement { name: "a", says: "b" },
-        relation,
+        statement: Statement { name: "a", says: "b", relation },
         left,
         right,
         accuracy,

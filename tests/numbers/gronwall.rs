@@ -18,13 +18,13 @@
 //! "no": the effectivities of the weighted envelope, 2.9, 3.7 and 3.5, leave room for the defect. In long-growing it is
 //! 1.003. A weight or a kernel value that is wrong at O(k) is far above any envelope, which is O(k²).
 
-use crate::shipped::{edited, on_mesh, setup, setup_of, text};
+use crate::shipped::{edited, setup, setup_of, text};
 use fem::contact::Model;
-use scene::setup::{MeshData, Setup, Subject};
+use scene::setup::{Setup, Subject};
 use scene::{Hypothesis, Registry, Scene, Source};
 use studies::theory::gronwall::{
-    GronwallConstants, GronwallError, KernelNorms, LinkViolation, TemporalRun, TemporalTruth,
-    prepare,
+    ContactInTime, Estimate, GronwallConstants, GronwallError, InTime, KernelNorms, LinkViolation,
+    TemporalTruth, prepare,
 };
 use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{AnyProjection, HistoryKernel, MemoryKernel, VonMises, YieldLimit};
@@ -33,41 +33,28 @@ const STEPS: u32 = 128;
 /// Scenes with an exact state in V^h, and their meshes.
 const EXACT: [(&str, u32); 3] = [("affine", 4), ("affine-locked", 4), ("in-space", 16)];
 
-struct Case {
-    setup: Setup,
-    data: MeshData,
-    truth: TemporalTruth,
-    constants: GronwallConstants,
+fn case(name: &str, n: u32) -> ContactInTime<'static> {
+    case_of(setup(name), n)
 }
 
-impl Case {
-    fn new(name: &str, n: u32) -> Self {
-        Self::of(setup(name), n)
-    }
-
-    fn of(setup: Setup, n: u32) -> Self {
-        let data = on_mesh(&setup, n);
-        let truth = TemporalTruth::new(&setup, &data, &[STEPS]).unwrap();
-        let constants = GronwallConstants::new(&setup).unwrap();
-        Self { setup, data, truth, constants }
-    }
-
-    fn run(&self, model: &Model) -> TemporalRun {
-        let Self { setup, data, truth, constants } = self;
-        TemporalRun::measure(setup, model, data, truth, constants, STEPS).unwrap()
-    }
-
-    fn right(&self) -> TemporalRun {
-        self.run(&self.setup.model)
-    }
+fn case_of(setup: Setup, n: u32) -> ContactInTime<'static> {
+    ContactInTime::new(Box::leak(Box::new(setup)), n, &[STEPS]).unwrap()
 }
 
-fn violations(run: &TemporalRun) -> Vec<LinkViolation> {
-    run.estimate.envelopes().unwrap().violations(&run.estimate)
+fn right(case: &ContactInTime<'_>) -> Estimate {
+    case.measure(STEPS).unwrap()
+}
+
+fn run_of(case: &ContactInTime<'_>, model: &Model) -> Estimate {
+    case.measure_model(model, STEPS).unwrap()
+}
+
+fn violations(run: &Estimate) -> Vec<LinkViolation> {
+    run.envelopes().unwrap().violations(run)
 }
 
 /// True if a measured error is above the weighted envelope.
-fn caught(run: &TemporalRun) -> bool {
+fn caught(run: &Estimate) -> bool {
     violations(run).iter().any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
 }
 
@@ -94,17 +81,14 @@ fn the_chain_holds_on_every_scene_with_history() {
         ("friction-time", 4, false),
         ("nonconforming-signorini", 4, false),
     ] {
-        let case = Case::new(name, n);
+        let case = case(name, n);
         assert_eq!(matches!(case.truth, TemporalTruth::Exact(_)), exact, "{name}");
-        let run = case.right();
+        let run = right(&case);
         assert_eq!(violations(&run), [], "{name}");
         // The envelope bounds something: an error that is there, by a factor that is not absurd.
-        let envelopes = run.estimate.envelopes().unwrap();
-        let (error, bound) = (run.estimate.error[128], envelopes.weighted[128]);
-        assert!(
-            error > 1e3 * run.estimate.floor && bound < 10.0 * error,
-            "{name}: {bound} {error}"
-        );
+        let envelopes = run.envelopes().unwrap();
+        let (error, bound) = (run.error[128], envelopes.weighted[128]);
+        assert!(error > 1e3 * run.floor && bound < 10.0 * error, "{name}: {bound} {error}");
     }
 }
 
@@ -127,7 +111,7 @@ fn long_no_shipped_scene_violates_the_chain() {
         let subject = Subject::new(scene).unwrap_or_else(|error| panic!("{error}"));
         let outcome = prepare(&subject, n, &[32]).and_then(|scene| scene.measure(32));
         match outcome {
-            Ok(run) if without_bound && run.estimate.envelopes().is_err() => {
+            Ok(run) if without_bound && run.envelopes().is_err() => {
                 refused.push(name.to_string());
             }
             Ok(run) => {
@@ -192,25 +176,25 @@ impl YieldLimit for Lagged {
 #[test]
 fn defects_of_the_solver_are_caught() {
     for (name, n) in EXACT.into_iter().chain([("long-growing", 4)]) {
-        let case = Case::new(name, n);
-        assert!(!caught(&case.right()), "{name}");
+        let case = case(name, n);
+        assert!(!caught(&right(&case)), "{name}");
         let mut wrong = setup(name).model;
         wrong.time_rule = Box::new(LastWeight);
-        assert!(caught(&case.run(&wrong)), "{name}: last weight");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: last weight");
         wrong.time_rule = Box::new(FirstWeight);
         let starts_at_rest = ["affine", "long-growing"].contains(&name);
-        assert_eq!(caught(&case.run(&wrong)), !starts_at_rest, "{name}: first weight");
+        assert_eq!(caught(&run_of(&case, &wrong)), !starts_at_rest, "{name}: first weight");
     }
     for (name, n) in EXACT {
-        let case = Case::new(name, n);
+        let case = case(name, n);
         let mut wrong = setup(name).model;
         wrong.memory[0].kernel = Box::new(NothingAtZero);
-        assert!(caught(&case.run(&wrong)), "{name}: no value at lag 0");
-        let levels = case.truth.levels(&case.setup, STEPS).expect("levels");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: no value at lag 0");
+        let levels = case.truth.levels(&setup(name), STEPS).expect("levels");
         let limit = Lagged { zeta: levels.iter().map(|level| level.zeta).collect() };
         let projection = Some(AnyProjection::new(VonMises { mu: 1.0, limit }));
         let wrong = Model { projection, ..setup(name).model };
-        assert!(caught(&case.run(&wrong)), "{name}: lagged limit");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: lagged limit");
     }
 }
 
@@ -224,29 +208,29 @@ fn scaled(norms: &mut KernelNorms, factor: f64) {
 #[test]
 fn defects_of_the_bound_are_caught_where_it_is_tight() {
     for (name, n) in EXACT.into_iter().chain([("long-growing", 4)]) {
-        let case = Case::new(name, n);
-        let run = case.right();
+        let case = case(name, n);
+        let run = right(&case);
         let tight = name == "long-growing";
-        let with = |change: &dyn Fn(&mut TemporalRun)| {
+        let with = |change: &dyn Fn(&mut Estimate)| {
             let mut wrong = run.clone();
             change(&mut wrong);
             caught(&wrong)
         };
-        assert_eq!(with(&|run| run.estimate.m0 *= 1.01), tight, "{name}: m0 by 1 %");
-        assert!(with(&|run| run.estimate.m0 *= 4.0), "{name}: m0 by 4");
-        let smaller = |run: &mut TemporalRun| {
-            run.estimate.parts.iter_mut().for_each(|part| scaled(&mut part.norms, 0.98));
+        assert_eq!(with(&|run| run.m0 *= 1.01), tight, "{name}: m0 by 1 %");
+        assert!(with(&|run| run.m0 *= 4.0), "{name}: m0 by 4");
+        let smaller = |run: &mut Estimate| {
+            run.parts.iter_mut().for_each(|part| scaled(&mut part.norms, 0.98));
         };
         assert_eq!(with(&smaller), tight, "{name}: norm of the memory by 2 %");
         let yielding = case.constants.yielding;
-        let without_memory = |run: &mut TemporalRun| {
-            let zeta = run.truncation_zeta.iter();
-            run.estimate.weighted_source = zeta.map(|g| yielding * g).collect();
+        let without_memory = |run: &mut Estimate| {
+            let zeta = run.truncation[0].iter();
+            run.weighted_source = zeta.map(|g| yielding * g).collect();
         };
         assert!(with(&without_memory), "{name}: no truncation of the memory");
         if !tight {
-            let without_zeta = |run: &mut TemporalRun| {
-                run.estimate.weighted_source = run.truncation_memory.clone();
+            let without_zeta = |run: &mut Estimate| {
+                run.weighted_source = run.truncation[1].clone();
             };
             assert!(!with(&without_zeta), "{name}: no truncation of zeta");
         }
@@ -259,19 +243,16 @@ fn the_chain_holds_on_quadratic_elements() {
     let quadratic = "[discretization]\nelement = \"P2\"\n\n[exact]";
     for (name, n) in [("in-space", 8), ("viscoelastic", 4)] {
         let text = edited(&text(name), "[exact]", quadratic);
-        let case = Case::of(setup_of(text.clone()), n);
+        let case = case_of(setup_of(text.clone()), n);
         assert_eq!(matches!(case.truth, TemporalTruth::Exact(_)), name == "in-space");
-        let run = case.right();
+        let run = right(&case);
         assert_eq!(violations(&run), [], "{name}");
-        let envelopes = run.estimate.envelopes().expect("envelopes");
-        let (error, bound) = (run.estimate.error[128], envelopes.weighted[128]);
-        assert!(
-            error > 1e3 * run.estimate.floor && bound < 10.0 * error,
-            "{name}: {bound} {error}"
-        );
+        let envelopes = run.envelopes().expect("envelopes");
+        let (error, bound) = (run.error[128], envelopes.weighted[128]);
+        assert!(error > 1e3 * run.floor && bound < 10.0 * error, "{name}: {bound} {error}");
         let mut wrong = setup_of(text.clone()).model;
         wrong.time_rule = Box::new(LastWeight);
-        assert!(caught(&case.run(&wrong)), "{name}: last weight");
+        assert!(caught(&run_of(&case, &wrong)), "{name}: last weight");
     }
 }
 
@@ -295,26 +276,26 @@ impl TimeRule for WrongProduct {
 /// With the weights of the kernel: what the solver, the truncation error or a constant has wrong is above the envelope.
 #[test]
 fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
-    let case = Case::new("singular-contact", 2);
-    let run = case.right();
+    let case = case("singular-contact", 2);
+    let run = right(&case);
     assert_eq!(violations(&run), []);
     let with = |factor: fn(usize, usize) -> f64| {
         let mut wrong = setup("singular-contact").model;
         wrong.time_rule = Box::new(WrongProduct(factor));
-        caught(&case.run(&wrong))
+        caught(&run_of(&case, &wrong))
     };
     assert!(!with(|_, _| 1.0));
     assert!(with(|n, j| if j == n { 1.1 } else { 1.0 }), "last weight");
     assert!(with(|_, j| if j == 0 { 0.5 } else { 1.0 }), "first weight");
     assert!(with(|_, _| 1.01), "all weights");
-    let changed = |change: &dyn Fn(&mut TemporalRun)| {
+    let changed = |change: &dyn Fn(&mut Estimate)| {
         let mut wrong = run.clone();
         change(&mut wrong);
         violations(&wrong).iter().map(|violation| violation.link).collect::<Vec<_>>()
     };
-    assert!(changed(&|run| run.estimate.m0 *= 4.0).contains(&"e <= weighted envelope"));
+    assert!(changed(&|run| run.m0 *= 4.0).contains(&"e <= weighted envelope"));
     // A bound of C alone without its norm: the weights of (t - s)^-a no longer bound those of the kernel.
-    let low = changed(&|run| run.estimate.parts[0].supremum *= 0.5);
+    let low = changed(&|run| run.parts[0].supremum *= 0.5);
     assert!(low.contains(&"weighted <= primed envelope"), "{low:?}");
     for name in ["singular-smooth", "singular-start", "singular-graded"] {
         let scene = Scene::from_source(Source::from_text("manufactured/scene.toml", text(name)));
@@ -322,7 +303,7 @@ fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
         let in_time = prepare(&subject, None, &[64]).expect("constants");
         let mut run = in_time.measure(64).expect("a run");
         assert_eq!(violations(&run), [], "{name}");
-        run.estimate.m0 *= 4.0;
+        run.m0 *= 4.0;
         assert!(caught(&run), "{name}");
     }
 }
@@ -334,38 +315,38 @@ fn friction_is_taken_where_it_takes_nothing_from_m0() {
         let refused = GronwallConstants::new(&setup(name));
         assert!(matches!(refused, Err(GronwallError::NoTangentialBound { .. })), "{name}");
     }
-    let case = Case::new("friction-front", 8);
+    let case = case("friction-front", 8);
     let mut wrong = setup("friction-front").model;
     wrong.time_rule = Box::new(LastWeight);
-    assert!(violations(&case.right()).is_empty() && caught(&case.run(&wrong)));
+    assert!(violations(&right(&case)).is_empty() && caught(&run_of(&case, &wrong)));
 }
 
 /// The links between the bounds are checked as well, and a number that is not one fails.
 #[test]
 fn every_link_can_fail() {
     // weighted = primed here: one part with a constant kernel.
-    let case = Case::new("long-growing", 4);
-    let run = case.right();
-    let failing = |change: &dyn Fn(&mut TemporalRun)| -> Vec<&'static str> {
+    let case = case("long-growing", 4);
+    let run = right(&case);
+    let failing = |change: &dyn Fn(&mut Estimate)| -> Vec<&'static str> {
         let mut wrong = run.clone();
         change(&mut wrong);
         violations(&wrong).iter().map(|violation| violation.link).collect()
     };
     assert_eq!(failing(&|_| ()), Vec::<&str>::new());
     // A supremum below the norms it bounds, a β_φ below 1.
-    let low = failing(&|run| run.estimate.parts[0].supremum *= 0.99);
+    let low = failing(&|run| run.parts[0].supremum *= 0.99);
     assert_eq!(low, ["weighted <= primed envelope"]);
-    let low = failing(&|run| run.estimate.source.iter_mut().for_each(|s| *s *= 0.99));
+    let low = failing(&|run| run.source.iter_mut().for_each(|s| *s *= 0.99));
     assert_eq!(low, ["weighted <= primed envelope"]);
-    let lost = failing(&|run| run.estimate.error[7] = f64::NAN);
+    let lost = failing(&|run| run.error[7] = f64::NAN);
     assert_eq!(lost, ["e <= weighted envelope"]);
-    let lost = failing(&|run| run.estimate.source[7] = f64::NAN);
+    let lost = failing(&|run| run.source[7] = f64::NAN);
     assert!(lost.contains(&"primed envelope <= closed form"), "{lost:?}");
     let short = failing(&|run| {
-        run.estimate.error.pop();
+        run.error.pop();
     });
     assert_eq!(short, ["one value per step"]);
-    let envelopes = run.estimate.envelopes().expect("envelopes");
+    let envelopes = run.envelopes().expect("envelopes");
     for (n, change) in [(5, 0), (9, 1), (11, 2), (13, 3)] {
         let mut wrong = envelopes.clone();
         let printed = wrong.printed.as_mut().expect("C2 k < 1");
@@ -374,9 +355,9 @@ fn every_link_can_fail() {
             0 => wrong.closed[n] = 0.5 * wrong.primed[n],
             1 => printed[n] = 0.5 * wrong.primed[n],
             2 => closed[n] = 0.5 * printed[n],
-            _ => wrong.weighted[n] = 0.5 * run.estimate.error[n],
+            _ => wrong.weighted[n] = 0.5 * run.error[n],
         }
-        let found = wrong.violations(&run.estimate);
+        let found = wrong.violations(&run);
         assert!(
             found.iter().all(|v| v.n == n && v.left > v.right) && !found.is_empty(),
             "{found:?}"

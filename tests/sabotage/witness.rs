@@ -16,7 +16,7 @@ use studies::theory::audit::{AuditConstants, Auditor};
 use studies::theory::bound::contact::at_level;
 use studies::theory::bound::factor::contraction;
 use studies::theory::gronwall::{
-    Envelopes, GronwallConstants, TemporalRun, TemporalTruth, TruthAtLevel, prepare,
+    ContactInTime, Envelopes, Estimate, InTime, TruthAtLevel, prepare,
 };
 use vhi::StepBounds;
 use vhi::history::{Memory, TimeGrid};
@@ -76,7 +76,7 @@ struct Enveloped {
     stage: Stage,
     steps: u32,
     levels: Vec<TruthAtLevel>,
-    run: TemporalRun,
+    run: Estimate,
     envelopes: Envelopes,
 }
 
@@ -113,14 +113,10 @@ impl Witnesses {
         });
         let enveloped = ENVELOPED.map(|(name, n, steps)| {
             let stage = Stage::new(name, n);
-            let (program, data) = (&stage.sound, stage.program(&Defect::SOUND).1);
-            let truth = TemporalTruth::new(program, &data, &[steps]).expect("a truth");
-            let constants = GronwallConstants::new(program).expect("constants");
-            let model = &program.model;
-            let run = TemporalRun::measure(program, model, &data, &truth, &constants, steps);
-            let run = run.expect("a run");
-            let levels = truth.levels(program, steps).expect("levels");
-            let envelopes = run.estimate.envelopes().expect("envelopes");
+            let scene = ContactInTime::new(&stage.sound, n, &[steps]).expect("a scene in time");
+            let run = scene.measure(steps).expect("a run");
+            let levels = scene.truth.levels(&stage.sound, steps).expect("levels");
+            let envelopes = run.envelopes().expect("envelopes");
             Enveloped { stage, steps, levels, run, envelopes }
         });
         let bounded = BOUNDED.map(|name| {
@@ -204,7 +200,7 @@ impl Witnesses {
     fn gronwall(&self, defect: &Defect) -> Option<String> {
         let contact = self.enveloped.iter().find_map(|enveloped| {
             let (program, data) = enveloped.stage.program(defect);
-            let mut estimate = enveloped.run.estimate.clone();
+            let mut estimate = enveloped.run.clone();
             estimate.error.clear();
             let run = program.scheme.march(&program, &data, enveloped.steps, &mut |view| {
                 let exact = &enveloped.levels[view.n].u;
@@ -221,7 +217,7 @@ impl Witnesses {
             let program = (defect.abstract_program)(sound);
             let subject = Subject::Abstract(Box::new(program));
             let run = prepare(&subject, None, &[64]).ok()?.measure(64).ok()?;
-            let violations = run.estimate.envelopes().ok()?.violations(&run.estimate);
+            let violations = run.envelopes().ok()?.violations(&run);
             violations.first().map(|first| format!("{} on abstract-smooth", first.link))
         })
     }

@@ -125,6 +125,21 @@ impl StudyDocument {
         }
     }
 
+    /// A table of rows of named cells, the names being the heads of [`Self::table`].
+    pub fn records<'a, const N: usize>(
+        &mut self,
+        caption: impl Into<String>,
+        rows: impl IntoIterator<Item = [(&'a str, Run); N]>,
+    ) {
+        let mut heads = [""; N];
+        let row = |row: [(&'a str, Run); N]| {
+            heads = row.each_ref().map(|(head, _)| *head);
+            row.map(|(_, cell)| cell).into()
+        };
+        let rows = rows.into_iter().map(row).collect();
+        self.table(caption, &heads, rows);
+    }
+
     /// A picture, if any; `rest` is its file name without `SCENE-` and ending.
     pub fn figure(&mut self, rest: &str, caption: &str, svg: Option<String>) {
         let Some(svg) = svg else { return };

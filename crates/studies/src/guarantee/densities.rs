@@ -183,8 +183,7 @@ fn finite(
     t: f64,
     what: &'static str,
 ) -> Result<Vec<Vec<f64>>, GuaranteeError> {
-    let mut values = vec![Vec::new(); 2];
-    program.evaluate(t, 0.0, &mut values);
+    let values = program.values_at(t, 0.0);
     match values.iter().flatten().all(|value| value.is_finite()) {
         true => Ok(values),
         false => Err(GuaranteeError::NotFinite { what, t }),

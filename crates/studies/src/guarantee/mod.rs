@@ -139,38 +139,29 @@ fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     let jumps = "the theorem puts u^h into the inequality of u, so that V^h must be a part of V";
     let command = "the guaranteed bound";
     scene.without(&[Extension::Nonconforming], command, jumps).map_err(SetupError::from)?;
-    let refuse = |reason: &str| Err(GuaranteeError::refused(reason));
     let model = &setup.model;
-    if setup.scene.dimension != 2 {
-        return refuse("it is made for bodies in the plane");
-    }
-    if model.projection.is_some() {
-        return refuse(
+    let falls = model.boundary.as_ref().is_some_and(|b| b.potential.alpha() > 0.0);
+    let beyond = [
+        (scene.dimension != 2, "it is made for bodies in the plane"),
+        (
+            model.projection.is_some(),
             "the projection depends on ζ, the whole past, and its term is not convex in u",
-        );
-    }
-    if model.friction.is_some() {
-        return refuse("σ_τ = 0 on Γ3 is assumed; this scene has friction");
-    }
-    let falls = |boundary: &fem::contact::Boundary| boundary.potential.alpha() > 0.0;
-    if model.boundary.as_ref().is_some_and(falls) {
-        return refuse("the law on Γ3 falls somewhere, so the problem is not convex");
-    }
-    Ok(())
+        ),
+        (model.friction.is_some(), "σ_τ = 0 on Γ3 is assumed; this scene has friction"),
+        (falls, "the law on Γ3 falls somewhere, so the problem is not convex"),
+    ];
+    let reason = beyond.into_iter().find_map(|(is, reason)| is.then_some(reason));
+    reason.map_or(Ok(()), |reason| Err(GuaranteeError::refused(reason)))
 }
 
 /// f0 and the tractions of an exact solution are all of its load: a stress that jumps inside the body has a part of it on a
 /// line, which no density holds.
 fn has_densities(setup: &Setup) -> Result<(), GuaranteeError> {
     let Some(exact) = &setup.exact else { return Ok(()) };
-    let findings = check(exact, &sides(&setup.body)).into_iter();
+    let mut findings = check(exact, &sides(&setup.body)).into_iter();
     let of_loads = |subject: &str| ["loads", "stress jump"].contains(&subject);
-    let mut other =
-        findings.filter(|finding| of_loads(&finding.subject) && finding.status != Status::Verified);
-    match other.next() {
-        Some(finding) => Err(GuaranteeError::refused(finding.text)),
-        None => Ok(()),
-    }
+    let other = findings.find(|found| of_loads(&found.subject) && found.status != Status::Verified);
+    other.map_or(Ok(()), |finding| Err(GuaranteeError::refused(finding.text)))
 }
 
 /// A stress on one cell.
@@ -225,10 +216,7 @@ impl<'a> Bounding<'a> {
     /// # Errors
     /// A bound that is infinite.
     pub fn finish(self) -> Result<Guarantee, GuaranteeError> {
-        match self.failed {
-            Some(error) => Err(error),
-            None => Ok(Guarantee { levels: self.found }),
-        }
+        self.failed.map_or(Ok(Guarantee { levels: self.found }), Err)
     }
 
     fn add(&mut self, view: &StepView<'_>) -> Result<(), GuaranteeError> {

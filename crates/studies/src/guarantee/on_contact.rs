@@ -24,7 +24,7 @@ pub(super) fn pressures(
     let mut pressure: Vec<f64> =
         view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda).collect();
     for f in 0..trace.measure.len() {
-        let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
+        let ends = [0, 1].map(|end| trace.facet(f)[end] as usize);
         for (end, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
             if !trace.points[end].clamped {
                 continue;
@@ -47,9 +47,8 @@ pub(super) fn along_edges(space: &Discretization, pressure: &[f64]) -> Vec<[f64;
         let &[first, second, middle] = on_edge.as_slice() else { return [on_edge[0], on_edge[1]] };
         // λ_0 λ_1 is nearest to its mean 1/6.
         let raise = 2.0 / 3.0 * (middle - 0.5 * (first + second));
-        let (least, most) = on_edge
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        let least = on_edge.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = on_edge.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         [first, second].map(|end| (end + raise).max(least).min(most))
     };
     (0..trace.measure.len()).map(edge).collect()

@@ -21,15 +21,6 @@ pub enum Agreement {
     Slack,
 }
 
-impl Agreement {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Sharp => "sharp",
-            Self::Slack => "slack",
-        }
-    }
-}
-
 /// An entry.
 #[derive(Debug, Clone, Serialize)]
 pub struct Entry {
@@ -258,27 +249,26 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
     document.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
     let row = |(index, entry): (usize, &Entry)| {
         let question = entry.question;
-        let claimed = question.claimed.name();
+        let claimed = format!("{:?}", question.claimed).to_lowercase();
         let used = entry.used.map_or_else(|| "–".into(), |used| format!("{:.2} %", 100.0 * used));
         let found = match entry.confirmed {
             true => Run::of(claimed, Tone::Pass),
             false => Run::of(format!("{claimed}: not confirmed"), Tone::Miss),
         };
-        vec![
-            Run::plain((index + 1).to_string()),
-            Run::plain(question.claim),
-            Run::plain(question.hypotheses),
-            Run::plain(question.quantity),
-            number(question.proved),
-            number(entry.observed),
-            Run::plain(used),
-            found,
+        [
+            ("", Run::plain((index + 1).to_string())),
+            ("claim", Run::plain(question.claim)),
+            ("hypotheses", Run::plain(question.hypotheses)),
+            ("quantity", Run::plain(question.quantity)),
+            (">proved", number(question.proved)),
+            (">observed", number(entry.observed)),
+            (">used", Run::plain(used)),
+            ("is", found),
         ]
     };
-    document.table(
+    document.records(
         "Claims on the proofs, each with what a run observes.",
-        &["", "claim", "hypotheses", "quantity", ">proved", ">observed", ">used", "is"],
-        entries.iter().enumerate().map(row).collect(),
+        entries.iter().enumerate().map(row),
     );
     document.words("Each is shown by one command, in the same order:");
     document

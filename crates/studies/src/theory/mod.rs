@@ -3,6 +3,6 @@
 pub mod audit;
 pub mod bound;
 pub mod corner;
-mod dual_norm;
 pub mod gronwall;
 pub mod ledger;
+mod norms;

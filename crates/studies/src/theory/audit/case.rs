@@ -4,13 +4,12 @@ use super::constants::AuditConstants;
 use super::fields::Fields;
 use super::in_space::InSpaceFields;
 use super::level::Levels;
-use super::lines::{Line, LineStanding, Relation, Statement, lines};
+use super::lines::{Line, LineStanding, Statement, lines};
 use super::smooth::SmoothFields;
 use algebra::linalg::larger;
 use exact::Truth;
 use fem::contact::{CaseError, LoadError, StepView};
 use scene::setup::{MeshData, Setup, SetupError};
-use serde::Serialize;
 
 /// Why a scene cannot be audited.
 #[derive(Debug, thiserror::Error)]
@@ -39,13 +38,10 @@ pub enum AuditError {
 }
 
 /// A line over all levels of a run.
-#[derive(Debug, Clone, Serialize)]
-#[serde(into = "LineOfRun")]
+#[derive(Debug, Clone, Default)]
 pub struct CaseLine {
     /// The line of the proof.
     pub statement: Statement,
-    /// How its sides are related.
-    pub relation: Relation,
     /// Largest |left| and |right|.
     pub left: f64,
     /// Largest |right|.
@@ -59,33 +55,14 @@ pub struct CaseLine {
     pub rounding: f64,
     /// The level at which it fails worst.
     pub violation: Option<(usize, Line)>,
-    /// The level at which it is tightest; none where no level has a tightness.
-    pub tightest: Option<(usize, Line)>,
+    /// The line where it is tightest; none where no level has a tightness.
+    pub tightest: Option<Line>,
     /// Its bound is not defined at some level.
     pub undefined: bool,
 }
 
-/// [`CaseLine`] as JSON.
-#[derive(Serialize)]
-struct LineOfRun {
-    line: &'static str,
-    left: f64,
-    right: f64,
-    ratio: Option<f64>,
-    accuracy: f64,
-    holds: bool,
-}
-
-impl From<CaseLine> for LineOfRun {
-    fn from(row: CaseLine) -> Self {
-        let holds = row.standing() == LineStanding::Holds;
-        let CaseLine { statement, left, right, ratio, accuracy, .. } = row;
-        Self { line: statement.name, left, right, ratio, accuracy, holds }
-    }
-}
-
 /// An audited run.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct CaseAudit {
     /// Cells per unit length.
     pub n: u32,
@@ -96,7 +73,6 @@ pub struct CaseAudit {
     /// k.
     pub k: f64,
     /// The lines.
-    #[serde(rename = "lines")]
     pub rows: Vec<CaseLine>,
 }
 
@@ -149,7 +125,8 @@ impl<'a> Auditor<'a> {
         let level = self.levels.next(&mut *self.fields, view, &load)?;
         for (i, line) in lines(&level, self.constants, self.unconstrained).iter().enumerate() {
             if i == self.rows.len() {
-                self.rows.push(CaseLine::new(line));
+                let statement = line.statement;
+                self.rows.push(CaseLine { statement, ..CaseLine::default() });
             }
             self.rows[i].add(view.n, line);
         }
@@ -163,21 +140,6 @@ impl<'a> Auditor<'a> {
 }
 
 impl CaseLine {
-    fn new(line: &Line) -> Self {
-        Self {
-            statement: line.statement,
-            relation: line.relation,
-            left: 0.0,
-            right: 0.0,
-            ratio: None,
-            accuracy: 0.0,
-            rounding: 0.0,
-            violation: None,
-            tightest: None,
-            undefined: false,
-        }
-    }
-
     /// Over all levels; a violation outweighs everything else.
     pub(crate) fn standing(&self) -> LineStanding {
         match (self.violation, self.undefined) {
@@ -192,19 +154,11 @@ impl CaseLine {
         self.right = larger(self.right, line.right.abs());
         self.accuracy = larger(self.accuracy, line.accuracy);
         self.rounding = larger(self.rounding, line.rounding);
-        let ratio = match line.relation {
-            Relation::AtMost => line.ratio(),
-            Relation::Equal => line
-                .ratio()
-                .map(|_| (line.left - line.right).abs() / line.left.abs().max(line.right.abs())),
-        };
-        if let Some(ratio) = ratio {
-            self.ratio = Some(self.ratio.map_or(ratio, |known| larger(known, ratio)));
-        }
+        self.ratio = self.ratio.into_iter().chain(line.ratio()).reduce(larger);
         self.undefined |= line.standing() == LineStanding::Undefined;
-        let tighter = |(_, known): (usize, Line)| is_tighter(line, &known);
-        if line.tightness().is_some() && self.tightest.is_none_or(tighter) {
-            self.tightest = Some((level, *line));
+        if line.tightness().is_some() && self.tightest.is_none_or(|known| is_tighter(line, &known))
+        {
+            self.tightest = Some(*line);
         }
         let beyond = |line: &Line| line.excess() - line.accuracy;
         let worse = |(_, known): (usize, Line)| is_worse(beyond(line), beyond(&known));

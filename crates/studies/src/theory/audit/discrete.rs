@@ -40,6 +40,17 @@ pub(crate) fn primed_weights(grid: &TimeGrid, n: usize) -> Vec<f64> {
     weights
 }
 
+/// These weights times b(t_n - t_j).
+pub(crate) fn kernel_weights(
+    material: &PlainMaterial,
+    grid: &TimeGrid,
+    mut weights: Vec<f64>,
+) -> Vec<f64> {
+    let now = grid.time(weights.len() - 1);
+    weights.iter_mut().zip(grid.times()).for_each(|(w, t)| *w *= material.kernel(now - t));
+    weights
+}
+
 /// ε of a nodal vector at all strain points.
 pub(crate) fn strains(space: &Discretization, nodal: &[f64]) -> Vec<Plane> {
     space.points().map(|at| at.strain(nodal)).collect()
@@ -57,15 +68,12 @@ impl Past {
         let squares = strain.iter().zip(space.points()).map(|(e, at)| at.weight * dot(e, e));
         self.norms.push(squares.sum::<f64>().sqrt());
         self.displacements.push(u.to_vec());
-        let n = self.norms.len() - 1;
-        let weights = primed_weights(grid, n);
+        let weights = primed_weights(grid, self.norms.len() - 1);
         let zeta = weights.iter().zip(&self.norms).map(|(w, e)| w * e).sum();
         let mut history = vec![0.0; u.len()];
         if material.remembers() {
-            for (j, past) in self.displacements.iter().enumerate() {
-                let factor = weights[j] * material.kernel(grid.time(n) - grid.time(j));
-                axpy(factor, past, &mut history);
-            }
+            let factors = kernel_weights(material, grid, weights);
+            factors.iter().zip(&self.displacements).for_each(|(w, u)| axpy(*w, u, &mut history));
         }
         let theta: Vec<Plane> =
             strains(space, &history).iter().map(|h| material.remembered(h)).collect();

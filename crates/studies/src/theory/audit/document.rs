@@ -1,23 +1,18 @@
 //! An audit as JSON, as a table of all runs, and in words.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::case::{CaseAudit, CaseLine};
 use super::constants::{AuditConstants, c_j_source};
 use super::lines::{LineStanding, Relation};
 use super::scene::{SceneAudit, SceneLine};
 use crate::table;
-use fem::contact::BoundaryRule;
 use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
 
 impl SceneAudit {
     /// The rule's word in scene files.
-    pub(crate) fn rule_name(&self) -> &'static str {
-        match self.rule {
-            BoundaryRule::Vertex => "vertex",
-            BoundaryRule::Gauss => "gauss",
-            BoundaryRule::Exact => "exact",
-        }
+    pub(crate) fn rule_name(&self) -> String {
+        format!("{:?}", self.rule).to_lowercase()
     }
 
     /// The theorems whose lines are audited.
@@ -31,16 +26,38 @@ impl SceneAudit {
     /// The writer's.
     pub fn json(&self) -> Result<Value, serde_json::Error> {
         let mut constants = serde_json::to_value(&self.constants)?;
-        constants["m0"] = serde_json::json!(self.constants.m0());
-        Ok(serde_json::json!({
+        constants["m0"] = json!(self.constants.m0());
+        let of_run = |row: &CaseLine| {
+            json!({
+                "line": row.statement.name, "left": row.left, "right": row.right, "ratio": row.ratio,
+                "accuracy": row.accuracy, "holds": row.standing() == LineStanding::Holds,
+            })
+        };
+        let case = |case: &CaseAudit| {
+            json!({
+                "n": case.n, "steps": case.steps, "h": case.h, "k": case.k,
+                "lines": case.rows.iter().map(of_run).collect::<Vec<_>>(),
+            })
+        };
+        let line = |line: &SceneLine| {
+            json!({
+                "line": line.statement.name, "says": line.statement.says,
+                "relation": line.statement.relation.sign(), "left": line.left, "right": line.right,
+                "ratio": line.ratio, "tightness": line.tightness(), "difference": line.tightest.map(|at| at.excess()),
+                "accuracy": line.tightest.map(|at| at.accuracy), "power_h": line.power_h, "power_k": line.power_k,
+                "holds": line.standing == LineStanding::Holds,
+                "defined": line.standing != LineStanding::Undefined,
+            })
+        };
+        Ok(json!({
             "scene": self.scene,
             "fingerprint": self.fingerprint,
             "theorem": self.theorem(),
             "rule": self.rule_name(),
             "holds": self.holds(),
             "constants": constants,
-            "lines": self.summaries(),
-            "cases": self.cases,
+            "lines": self.summaries().iter().map(line).collect::<Vec<_>>(),
+            "cases": self.cases.iter().map(case).collect::<Vec<_>>(),
             "violations": self.violations(),
             "undefined": self.undefined(),
         }))
@@ -51,9 +68,10 @@ impl SceneAudit {
         let rows = self.cases.iter().flat_map(|case| case.rows.iter().map(move |row| (case, row)));
         rows.filter_map(|(case, row)| {
             let (level, v) = row.violation?;
-            let (sign, difference) = match row.relation {
-                Relation::AtMost => ("<=", "exceeds by"),
-                Relation::Equal => ("=", "differs by"),
+            let sign = row.statement.relation.sign();
+            let difference = match row.statement.relation {
+                Relation::AtMost => "exceeds by",
+                Relation::Equal => "differs by",
             };
             Some(format!(
                 "{} at level {} of n = {}, N = {} (h = {:.4e}, k = {:.4e}): {:.9e} {sign} {:.9e} does not hold; it {difference} {:.3e}, allowed {:.1e}",
@@ -79,13 +97,10 @@ impl SceneAudit {
             true => format!("m0 = {m0:.4} is not positive, (2.9) is violated"),
             false => "a constant in it is infinite".to_owned(),
         };
-        let summaries = self.summaries();
-        let undefined =
-            summaries.iter().filter(|summary| summary.standing == LineStanding::Undefined);
-        let sentence = |summary: &SceneLine| {
-            format!("{} has no defined constant: {why}", summary.statement.name)
-        };
-        undefined.map(sentence).collect()
+        let summaries = self.summaries().into_iter();
+        let undefined = summaries.filter(|line| line.standing == LineStanding::Undefined);
+        let names = undefined.map(|line| line.statement.name);
+        names.map(|name| format!("{name} has no defined constant: {why}")).collect()
     }
 
     /// `SCENE-audit.csv`.
@@ -100,14 +115,14 @@ impl SceneAudit {
             let right = Some(row.right).filter(|_| standing != LineStanding::Undefined);
             [
                 ("scene", self.scene.clone()),
-                ("rule", self.rule_name().to_owned()),
+                ("rule", self.rule_name()),
                 ("n", case.n.to_string()),
                 ("steps", case.steps.to_string()),
                 ("h", case.h.to_string()),
                 ("k", case.k.to_string()),
                 ("line", row.statement.name.to_owned()),
                 ("says", row.statement.says.to_owned()),
-                ("relation", row.relation.sign().to_owned()),
+                ("relation", row.statement.relation.sign().to_owned()),
                 ("left", exponential(row.left)),
                 ("right", right.map_or_else(String::new, exponential)),
                 ("ratio", row.ratio.map_or_else(String::new, exponential)),
@@ -149,17 +164,13 @@ impl SceneAudit {
             grid(|case| case.n),
             grid(|case| case.steps)
         ));
-        document.table(
+        document.records(
             "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
              identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
              accuracy; the powers of h and k with which the sides fall.",
-            &[
-                "line", "says", ">left", "", ">right", ">difference", ">accuracy", ">tightness",
-                "powers of h", "powers of k", "so it",
-            ],
-            by_tightness(&lines).into_iter().map(line).collect(),
+            by_tightness(&lines).into_iter().map(line),
         );
-        document.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
+        document.records("Constants of the bounds.", self.constants.rows());
         document
     }
 }
@@ -167,7 +178,7 @@ impl SceneAudit {
 /// The lines from what fails to what is furthest from it; those of one tightness in the order of the proof.
 fn by_tightness(lines: &[SceneLine]) -> Vec<&SceneLine> {
     let rank = |line: &SceneLine| match line.standing {
-        LineStanding::Holds => line.tightness.unwrap_or(f64::NEG_INFINITY),
+        LineStanding::Holds => line.tightness().unwrap_or(f64::NEG_INFINITY),
         LineStanding::Violated | LineStanding::Undefined => f64::INFINITY,
     };
     let mut sorted: Vec<&SceneLine> = lines.iter().collect();
@@ -175,8 +186,15 @@ fn by_tightness(lines: &[SceneLine]) -> Vec<&SceneLine> {
     sorted
 }
 
+impl SceneLine {
+    /// The tightness: left/right, of an identity the difference over the accuracy.
+    fn tightness(&self) -> Option<f64> {
+        self.tightest?.tightness()
+    }
+}
+
 impl AuditConstants {
-    fn rows(&self) -> Vec<Vec<Run>> {
+    fn rows(&self) -> [[(&'static str, Run); 2]; 11] {
         let c = self;
         let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
         let named = [
@@ -192,7 +210,7 @@ impl AuditConstants {
             ("‖R‖‖q‖", c.history),
             ("m0", c.m0()),
         ];
-        named.map(|(name, value)| vec![Run::formula(name), precise(value, 7)]).into()
+        named.map(|(name, value)| [("constant", Run::formula(name)), (">value", precise(value, 7))])
     }
 }
 
@@ -202,8 +220,8 @@ fn in_signs(says: &str) -> String {
     signs.iter().fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-fn line(line: &SceneLine) -> Vec<Run> {
-    let sign = if line.relation == Relation::Equal { "=" } else { "≤" };
+fn line(line: &SceneLine) -> [(&'static str, Run); 11] {
+    let sign = if line.statement.relation == Relation::Equal { "=" } else { "≤" };
     let short = |value: Option<f64>| Run::plain(value.map_or_else(|| "–".into(), |v| digits(v, 3)));
     let powers = |[left, right]: [Option<f64>; 2]| {
         let text = |power: Option<f64>| power.map_or_else(|| "–".into(), |p| format!("{p:.2}"));
@@ -211,20 +229,21 @@ fn line(line: &SceneLine) -> Vec<Run> {
     };
     // Without a level at which the sides are seen, the largest of the finest run.
     let (left, right) = line.tightest.map_or((line.left, line.right), |at| (at.left, at.right));
-    vec![
-        Run::plain(line.statement.name),
-        Run::formula(&in_signs(line.statement.says)),
-        number(left),
-        Run::plain(sign),
-        number(Some(right).filter(|right| right.is_finite())),
-        short(line.difference),
-        short(line.accuracy),
-        short(line.tightness),
-        powers(line.power_h),
-        powers(line.power_k),
-        match line.standing {
-            LineStanding::Undefined => Run::of("is not defined", Tone::Miss),
-            standing => held(standing == LineStanding::Holds),
-        },
+    let so_it = match line.standing {
+        LineStanding::Undefined => Run::of("is not defined", Tone::Miss),
+        standing => held(standing == LineStanding::Holds),
+    };
+    [
+        ("line", Run::plain(line.statement.name)),
+        ("says", Run::formula(&in_signs(line.statement.says))),
+        (">left", number(left)),
+        ("", Run::plain(sign)),
+        (">right", number(Some(right).filter(|right| right.is_finite()))),
+        (">difference", short(line.tightest.map(|at| at.excess()))),
+        (">accuracy", short(line.tightest.map(|at| at.accuracy))),
+        (">tightness", short(line.tightness())),
+        ("powers of h", powers(line.power_h)),
+        ("powers of k", powers(line.power_k)),
+        ("so it", so_it),
     ]
 }

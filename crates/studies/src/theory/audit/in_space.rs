@@ -54,23 +54,20 @@ impl InSpaceFields {
                 let contact = self.exact.data.contact.as_ref();
                 let law = contact.and_then(|contact| contact.law.as_ref());
                 let kinks = law.map_or(Vec::new(), LawNumbers::kinks);
-                cut_points(
-                    edges,
-                    &[&|places: &[f64]| {
-                        let offset = |values: &[f64], kink: f64| -> Vec<f64> {
-                            let at = |&q: &f64| {
-                                let (e, x) = edge_and_place(q, edges);
-                                let [a, b] = [0, 1].map(|end| values[trace.facet(e)[end] as usize]);
-                                a + x * (b - a) - shift(e, x) - kink
-                            };
-                            places.iter().map(at).collect()
-                        };
-                        let each = |values: &&[f64]| -> Vec<Vec<f64>> {
-                            kinks.iter().map(|&kink| offset(values, kink)).collect()
-                        };
-                        traces.iter().flat_map(each).collect()
-                    }],
-                )
+                let offset = |values: &[f64], q: f64, kink: f64| {
+                    let (e, x) = edge_and_place(q, edges);
+                    let [a, b] = [0, 1].map(|end| values[trace.facet(e)[end] as usize]);
+                    a + x * (b - a) - shift(e, x) - kink
+                };
+                let pairs: Vec<(&[f64], f64)> =
+                    traces.iter().flat_map(|at| kinks.iter().map(|&kink| (*at, kink))).collect();
+                let crossings = |places: &[f64]| -> Vec<Vec<f64>> {
+                    let row = |&(values, kink): &(&[f64], f64)| {
+                        places.iter().map(|&q| offset(values, q, kink)).collect()
+                    };
+                    pairs.iter().map(row).collect()
+                };
+                cut_points(edges, &[&crossings])
             }
         }
     }

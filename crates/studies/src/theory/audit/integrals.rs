@@ -101,15 +101,12 @@ pub(crate) fn over_cells(
     for (p, (x, (&c, &weight))) in points.enumerate() {
         let c = c as usize;
         let strain = values.strain[p];
-        let theta = material.remembered(&values.history[p]);
-        let psi = material.coupled(&strain, &theta, kappa);
+        let [theta, psi, sigma] = material.tensors(&strain, &values.history[p], kappa);
         place.at(c, x);
         let strain_h = place.tensor(&discrete.strain);
         let strain_v = place.tensor(v.strain);
         let theta_h = place.tensor(&discrete.theta);
         let psi_h = material.coupled(&strain_h, &theta_h, discrete.kappa);
-        let applied = material.operator(&strain);
-        let sigma = [applied[0] + psi[0], applied[1] + psi[1], applied[2] + psi[2]];
         let to_h = minus(&strain_h, &strain);
         let to_v = minus(&strain_v, &strain);
         let tensors = Tensors { strain, strain_v, to_h, to_v, theta, theta_h, psi, psi_h };
@@ -171,10 +168,7 @@ pub(crate) fn tractions(
 ) -> [Sum; 2] {
     let mut sums = [Sum::default(); 2];
     for sample in edges {
-        let theta = material.remembered(&sample.history);
-        let psi = material.coupled(&sample.strain, &theta, kappa);
-        let applied = material.operator(&sample.strain);
-        let s: [f64; 3] = std::array::from_fn(|i| applied[i] + psi[i]);
+        let [_, _, s] = material.tensors(&sample.strain, &sample.history, kappa);
         let shear = s[2] * std::f64::consts::FRAC_1_SQRT_2;
         let [x, y] = sample.normal;
         let traction = [s[0] * x + shear * y, shear * x + s[1] * y];

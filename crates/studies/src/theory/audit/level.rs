@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::contact::{ContactIntegrals, Traces, over_contact, scheme_terms};
-use super::discrete::{Past, primed_weights, strains};
+use super::discrete::{DiscreteLevel, Past, kernel_weights, primed_weights, strains};
 use super::fields::{CellValues, Fields};
 use super::integrals::{Cells, NodalField, Sum, over_cells, tractions};
 use super::law::ClarkeLaw;
@@ -159,11 +159,7 @@ impl<'a> Levels<'a> {
             return accumulated;
         }
         self.remembered.push(now.strain);
-        let factors: Vec<f64> = weights
-            .iter()
-            .enumerate()
-            .map(|(j, w)| w * self.material.kernel(self.grid.time(n) - self.grid.time(j)))
-            .collect();
+        let factors = kernel_weights(&self.material, &self.grid, weights);
         let mut square = 0.0;
         for (p, weight) in now.at.weights.iter().enumerate() {
             let history: Plane = std::array::from_fn(|i| {
@@ -180,7 +176,7 @@ impl<'a> Levels<'a> {
 fn scheme_stress(
     space: &Discretization,
     material: &PlainMaterial,
-    discrete: &super::discrete::DiscreteLevel,
+    discrete: &DiscreteLevel,
     v: &[Plane],
 ) -> Sum {
     let mut sum = Sum::default();

@@ -3,7 +3,6 @@
 use super::constants::AuditConstants;
 use super::integrals::Sum;
 use super::level::LevelIntegrals;
-use serde::Serialize;
 
 /// Rounding of a sum, relative to the sum of its absolute terms: up to 10⁶ terms round to 1e-13 of it
 /// at worst, and the solver's residual, 16 units of rounding of its forces, is of that size too.
@@ -16,18 +15,17 @@ const NATURAL: f64 = 1e-14;
 const QUADRATURE: f64 = 2.0;
 
 /// How the two sides are related.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Relation {
     /// left ≤ right.
-    #[serde(rename = "<=")]
+    #[default]
     AtMost,
     /// left = right.
-    #[serde(rename = "=")]
     Equal,
 }
 
 impl Relation {
-    /// Its sign in tables.
+    /// Its sign in files.
     pub(super) fn sign(self) -> &'static str {
         match self {
             Self::AtMost => "<=",
@@ -36,42 +34,26 @@ impl Relation {
     }
 }
 
-/// How a line stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(into = "Flags")]
+/// How a line stands; over several levels or runs the last of these outweighs the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LineStanding {
     /// It holds to its accuracy.
     Holds,
-    /// It does not, or a side is no number.
-    Violated,
     /// Its bound is infinite: the constant in it is not defined, so it says nothing.
     Undefined,
-}
-
-/// [`LineStanding`] as JSON.
-#[derive(Serialize)]
-struct Flags {
-    holds: bool,
-    defined: bool,
-}
-
-impl From<LineStanding> for Flags {
-    fn from(standing: LineStanding) -> Self {
-        Self {
-            holds: standing == LineStanding::Holds,
-            defined: standing != LineStanding::Undefined,
-        }
-    }
+    /// It does not, or a side is no number.
+    Violated,
 }
 
 /// A line of a proof.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Statement {
     /// Its number in the paper, with a word where one number has several.
-    #[serde(rename = "line")]
     pub name: &'static str,
     /// What it says.
     pub says: &'static str,
+    /// How the sides are related.
+    pub relation: Relation,
 }
 
 /// A line at one level.
@@ -79,8 +61,6 @@ pub struct Statement {
 pub struct Line {
     /// The line of the proof.
     pub statement: Statement,
-    /// How the sides are related.
-    pub relation: Relation,
     /// Left side.
     pub left: f64,
     /// Right side.
@@ -94,7 +74,7 @@ pub struct Line {
 impl Line {
     /// Whether the line holds to its accuracy; never with a NaN, nor because its bound is infinite.
     pub fn standing(&self) -> LineStanding {
-        if self.relation == Relation::AtMost && self.right == f64::INFINITY {
+        if self.statement.relation == Relation::AtMost && self.right == f64::INFINITY {
             return LineStanding::Undefined;
         }
         if self.excess() <= self.accuracy { LineStanding::Holds } else { LineStanding::Violated }
@@ -102,7 +82,7 @@ impl Line {
 
     /// By how much its sides fail it.
     pub(super) fn excess(&self) -> f64 {
-        match self.relation {
+        match self.statement.relation {
             Relation::AtMost => self.left - self.right,
             Relation::Equal => (self.left - self.right).abs(),
         }
@@ -112,7 +92,7 @@ impl Line {
     /// difference over the accuracy. `None` as of `ratio` for an inequality; where nothing may differ and nothing
     /// does.
     pub fn tightness(&self) -> Option<f64> {
-        match self.relation {
+        match self.statement.relation {
             Relation::AtMost => self.ratio(),
             Relation::Equal => {
                 let share = self.excess() / self.accuracy;
@@ -122,14 +102,17 @@ impl Line {
         }
     }
 
-    /// left/right; `None` where both sides are below the accuracy and the ratio would be noise, and where the bound is not
-    /// defined.
+    /// left/right of an inequality, of an identity the difference over the larger side; `None` where both sides are below
+    /// the accuracy and the ratio would be noise, and where the bound is not defined.
     pub(crate) fn ratio(&self) -> Option<f64> {
-        if self.standing() == LineStanding::Undefined {
-            return None;
-        }
-        let seen = self.left.abs().max(self.right.abs()) > self.accuracy;
-        (seen || self.left.is_nan() || self.right.is_nan()).then_some(self.left / self.right)
+        let larger_side = self.left.abs().max(self.right.abs());
+        let seen = larger_side > self.accuracy || self.left.is_nan() || self.right.is_nan();
+        (seen && self.standing() != LineStanding::Undefined).then(|| {
+            match self.statement.relation {
+                Relation::AtMost => self.left / self.right,
+                Relation::Equal => self.excess() / larger_side,
+            }
+        })
     }
 }
 
@@ -165,8 +148,7 @@ impl Sheet<'_> {
     ) {
         let rounding = ROUNDING * (left.size + right.size) + NATURAL * self.level.cells.natural;
         self.lines.push(Line {
-            statement: Statement { name, says },
-            relation,
+            statement: Statement { name, says, relation },
             left: left.value,
             right: right.value,
             accuracy: rounding + QUADRATURE * quadrature,

@@ -78,6 +78,13 @@ impl PlainMaterial {
         std::array::from_fn(|i| theta[i] - self.mu * projected[i])
     }
 
+    /// θ of a remembered strain, ψ and σ = Aε + ψ.
+    pub(crate) fn tensors(&self, strain: &Plane, history: &Plane, kappa: f64) -> [Plane; 3] {
+        let theta = self.remembered(history);
+        let (psi, applied) = (self.coupled(strain, &theta, kappa), self.operator(strain));
+        [theta, psi, std::array::from_fn(|i| applied[i] + psi[i])]
+    }
+
     /// κ(ζ), infinite without projection.
     pub(crate) fn kappa(&self, zeta: f64) -> f64 {
         let at = EvaluationPoint { zeta, ..EvaluationPoint::default() };

@@ -12,7 +12,6 @@ use fem::space::Element;
 use judge::fit::{Sample, power_law};
 use scene::setup::{MeshData, Setup, SetupError};
 use scene::{Extension, TimeRule};
-use serde::Serialize;
 
 /// An audited scene.
 #[derive(Debug, Clone)]
@@ -32,13 +31,10 @@ pub struct SceneAudit {
 }
 
 /// A line over all runs of a scene.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct SceneLine {
     /// The line of the proof.
-    #[serde(flatten)]
     pub statement: Statement,
-    /// How its sides are related.
-    pub relation: Relation,
     /// Largest |left| and |right| of the finest run.
     pub left: f64,
     /// Largest |right| of the finest run.
@@ -46,20 +42,12 @@ pub struct SceneLine {
     /// The worst ratio of all runs, as in [`CaseLine::ratio`].
     pub ratio: Option<f64>,
     /// The line where it is tightest, over all levels and runs.
-    #[serde(skip)]
     pub tightest: Option<Line>,
-    /// The tightness: left/right, of an identity the difference over the accuracy.
-    pub tightness: Option<f64>,
-    /// left - right there, of an identity its magnitude.
-    pub difference: Option<f64>,
-    /// The accuracy there: by how much the line may fail.
-    pub accuracy: Option<f64>,
     /// Powers of h with which left and right fall, at the smallest k; none below the accuracy.
     pub power_h: [Option<f64>; 2],
     /// Powers of k, at the smallest h.
     pub power_k: [Option<f64>; 2],
     /// Over all runs.
-    #[serde(flatten)]
     pub standing: LineStanding,
 }
 
@@ -116,7 +104,7 @@ impl SceneAudit {
         let all: Vec<(&CaseAudit, &CaseLine)> =
             of_case.filter_map(|(case, row)| Some((case, row?))).collect();
         // What stands on the right of an identity has no volume integral in it.
-        let floors: [fn(&CaseLine) -> f64; 2] = match row.relation {
+        let floors: [fn(&CaseLine) -> f64; 2] = match row.statement.relation {
             Relation::Equal => [|row| row.accuracy, |row| row.rounding],
             Relation::AtMost => [|row| row.accuracy; 2],
         };
@@ -135,25 +123,16 @@ impl SceneAudit {
                 .collect();
             power_law(&samples).ok().map(|law| law.order)
         };
-        let known = all.iter().filter_map(|(_, row)| Some(row.tightest?.1));
-        let tightest = known.reduce(|a, b| if is_tighter(&b, &a) { b } else { a });
+        let known = all.iter().filter_map(|(_, row)| row.tightest);
         SceneLine {
-            tightest,
-            tightness: tightest.and_then(|at| at.tightness()),
-            difference: tightest.map(|at| at.excess()),
-            accuracy: tightest.map(|at| at.accuracy),
+            tightest: known.reduce(|a, b| if is_tighter(&b, &a) { b } else { a }),
             statement: row.statement,
-            relation: row.relation,
             left: row.left,
             right: row.right,
             ratio: all.iter().filter_map(|(_, row)| row.ratio).reduce(larger),
             power_h: [power(true, 0), power(true, 1)],
             power_k: [power(false, 0), power(false, 1)],
-            standing: match () {
-                () if all.iter().any(|(_, row)| row.violation.is_some()) => LineStanding::Violated,
-                () if all.iter().any(|(_, row)| row.undefined) => LineStanding::Undefined,
-                () => LineStanding::Holds,
-            },
+            standing: all.iter().map(|(_, row)| row.standing()).fold(LineStanding::Holds, Ord::max),
         }
     }
 }

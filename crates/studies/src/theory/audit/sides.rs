@@ -1,5 +1,7 @@
 //! A side of Γ2 or Γ3 with the formulas of the truth on it.
 
+use std::sync::Arc;
+
 use super::edges::{
     ContactSample, EdgeSample, between, cut_points, edge_and_place, number, padded, shape,
 };
@@ -7,10 +9,11 @@ use super::fields::sort_interior;
 use exact::{BoundaryFormulas, Exact, LawNumbers};
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
-use fem::space::Element;
 use formula::{Node, Program};
 
 pub(crate) struct SideEdges {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
     normal: [f64; 2],
     edges: Vec<[u32; 3]>,
     lengths: Vec<f64>,
@@ -35,8 +38,8 @@ struct ContactSide {
 impl SideEdges {
     /// All sides of Γ2 and Γ3, by their numbers in the mesh.
     pub(crate) fn all(
-        exact: &Exact,
-        space: &Discretization,
+        exact: &Arc<Exact>,
+        space: &Arc<Discretization>,
         traction: &[u32],
         contact: &[u32],
     ) -> Vec<Self> {
@@ -58,15 +61,14 @@ impl SideEdges {
 
     /// The plane part of a side with the given normal and facets.
     fn new(
-        exact: &Exact,
-        space: &Discretization,
+        exact: &Arc<Exact>,
+        space: &Arc<Discretization>,
         normal: [f64; 2],
         facets: Vec<usize>,
         touches: bool,
     ) -> Self {
         let horizon = exact.data.horizon;
-        let graph = exact.data.graph.clone();
-        let guards = graph.guards(&exact.stress);
+        let graph = &exact.data.graph;
         let ends = |&f: &usize| padded(space.nodes.on_facet(f));
         let contact = touches.then(|| {
             let formulas = exact.boundary(&normal);
@@ -91,65 +93,63 @@ impl SideEdges {
                 formulas,
             }
         });
-        let edges: Vec<[u32; 3]> = facets.iter().map(ends).collect();
         let length = |f: &usize| fem::contact::facet_measure(&space.mesh, *f);
         Self {
+            exact: exact.clone(),
+            space: space.clone(),
             normal,
             lengths: facets.iter().map(length).collect(),
-            edges,
-            guards: Program::compile(&graph, &guards, horizon),
+            edges: facets.iter().map(ends).collect(),
+            guards: Program::compile(graph, &graph.guards(&exact.stress), horizon),
             contact,
         }
     }
 
-    fn points(&self, space: &Discretization, places: &[f64]) -> Vec<[f64; 3]> {
-        let at = |&q: &f64| {
-            let (edge, x) = edge_and_place(q, self.edges.len());
-            space.mesh.point(&self.edges[edge][..2], &[1.0 - x, x])
-        };
-        places.iter().map(at).collect()
+    fn point(&self, (edge, x): (usize, f64)) -> [f64; 3] {
+        self.space.mesh.point(&self.edges[edge][..2], &[1.0 - x, x])
+    }
+
+    fn points(&self, places: &[f64]) -> Vec<[f64; 3]> {
+        places.iter().map(|&q| self.point(edge_and_place(q, self.edges.len()))).collect()
     }
 
     /// The points of the side at t, cut for the truth and for `traces`.
-    pub(crate) fn samples(
-        &self,
-        exact: &Exact,
-        space: &Discretization,
-        t: f64,
-        zeta: f64,
-        traces: &[&[f64]],
-    ) -> Vec<EdgeSample> {
+    pub(crate) fn samples(&self, t: f64, zeta: f64, traces: &[&[f64]]) -> Vec<EdgeSample> {
         let values = |program: &Program, places: &[f64], t: f64| {
-            program.values(&self.points(space, places), t, zeta)
+            program.values(&self.points(places), t, zeta)
         };
         let stress = |places: &[f64]| values(&self.guards, places, t);
         let Some(contact) = &self.contact else {
-            let points = cut_points(self.edges.len(), &[&stress]);
-            return self.at(exact, space, t, &points);
+            return self.at(t, &cut_points(self.edges.len(), &[&stress]));
         };
         let guards = |time: f64| move |places: &[f64]| values(&contact.guards, places, time);
         let (now, first) = (guards(t), guards(0.0));
         let crossings = |places: &[f64]| {
-            let exact_values = values(&contact.formulas.program, places, t);
-            let points = self.points(space, places).into_iter();
-            let shifts: Vec<f64> = points.map(|x| number(exact, contact.shift, x)).collect();
-            contact.crossings(space.element, places, &exact_values[0], &shifts, traces)
+            let normal = values(&contact.formulas.program, places, t).swap_remove(0);
+            let trace = |values: &&[f64]| self.along(contact, places, values);
+            let fields: Vec<Vec<f64>> =
+                std::iter::once(normal).chain(traces.iter().map(trace)).collect();
+            let points = self.points(places).into_iter();
+            let shift = |x| number(&self.exact, contact.shift, x);
+            let shifts: Vec<f64> = points.map(shift).collect();
+            contact.crossings(&fields, &shifts)
         };
-        let points = cut_points(self.edges.len(), &[&stress, &now, &first, &crossings]);
-        self.at(exact, space, t, &points)
+        self.at(t, &cut_points(self.edges.len(), &[&stress, &now, &first, &crossings]))
     }
 
-    fn at(
-        &self,
-        exact: &Exact,
-        space: &Discretization,
-        t: f64,
-        points: &[(usize, f64, f64)],
-    ) -> Vec<EdgeSample> {
-        let coordinates: Vec<[f64; 3]> = points
-            .iter()
-            .map(|&(edge, x, _)| space.mesh.point(&self.edges[edge][..2], &[1.0 - x, x]))
-            .collect();
+    /// A trace at these places.
+    fn along(&self, contact: &ContactSide, places: &[f64], values: &[f64]) -> Vec<f64> {
+        let at = |&q: &f64| {
+            let (edge, x) = edge_and_place(q, self.edges.len());
+            between(contact.trace[edge], &shape(self.space.element, x), values)
+        };
+        places.iter().map(at).collect()
+    }
+
+    fn at(&self, t: f64, points: &[(usize, f64, f64)]) -> Vec<EdgeSample> {
+        let exact = &*self.exact;
+        let coordinates: Vec<[f64; 3]> =
+            points.iter().map(|&(edge, x, _)| self.point((edge, x))).collect();
         let (u, strain, history) = sort_interior(&exact.interior.values(&coordinates, t, 0.0));
         let contact = self
             .contact
@@ -157,7 +157,7 @@ impl SideEdges {
             .map(|contact| (contact, contact.formulas.program.values(&coordinates, t, 0.0)));
         let sample = |(p, &(edge, x, weight)): (usize, &(usize, f64, f64))| EdgeSample {
             vertices: self.edges[edge],
-            shape: shape(space.element, x),
+            shape: shape(self.space.element, x),
             weight: weight * self.lengths[edge],
             normal: self.normal,
             u: u[p],
@@ -178,26 +178,10 @@ impl SideEdges {
 }
 
 impl ContactSide {
-    /// Distances from the kinks of the law, of u_ν and of each trace; differences between them.
-    fn crossings(
-        &self,
-        element: Element,
-        places: &[f64],
-        normal: &[f64],
-        shifts: &[f64],
-        traces: &[&[f64]],
-    ) -> Vec<Vec<f64>> {
-        let trace = |values: &&[f64]| -> Vec<f64> {
-            let at = |&q: &f64| {
-                let (edge, x) = edge_and_place(q, self.trace.len());
-                between(self.trace[edge], &shape(element, x), values)
-            };
-            places.iter().map(at).collect()
-        };
-        let mut fields = vec![normal.to_vec()];
-        fields.extend(traces.iter().map(trace));
+    /// Distances of u_ν and of each trace from the kinks of the law; differences between them.
+    fn crossings(&self, fields: &[Vec<f64>], shifts: &[f64]) -> Vec<Vec<f64>> {
         let mut rows = Vec::new();
-        for field in &fields {
+        for field in fields {
             for kink in &self.kinks {
                 rows.push(field.iter().zip(shifts).map(|(u, s)| u - s - kink).collect());
             }

@@ -135,8 +135,7 @@ impl Fields for SmoothFields {
         zeta: f64,
         traces: &[&[f64]],
     ) -> Result<Vec<EdgeSample>, LoadError> {
-        let samples = |side: &SideEdges| side.samples(&self.exact, &self.space, t, zeta, traces);
-        Ok(self.sides.iter().flat_map(samples).collect())
+        Ok(self.sides.iter().flat_map(|side| side.samples(t, zeta, traces)).collect())
     }
 
     fn interpolant(&mut self, t: f64) -> Result<Vec<f64>, LoadError> {

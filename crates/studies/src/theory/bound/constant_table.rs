@@ -21,17 +21,6 @@ pub enum Obtained {
     Declared,
 }
 
-impl Obtained {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Proved => "proved",
-            Self::Computed => "computed",
-            Self::Extrapolated => "extrapolated",
-            Self::Declared => "declared",
-        }
-    }
-}
-
 /// A constant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Constant {
@@ -171,10 +160,8 @@ const MASSES: [&str; 2] = ["consistent mass", "vertex rule"];
 
 fn trace_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
     let mut rows = Vec::new();
-    let tangential = traces
-        .tangential
-        .as_ref()
-        .map(|pair| ("c_tau^2", pair, "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it"));
+    let korn = "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it";
+    let tangential = traces.tangential.as_ref().map(|pair| ("c_tau^2", pair, korn));
     let normal = [
         ("c_j^2", &traces.strain, "sup |v_nu|^2/|eps(v)|^2"),
         ("energy constant", &traces.energy, "sup |v_nu|^2/(A eps(v), eps(v))"),

@@ -20,11 +20,7 @@ impl BoundStudy {
             None => crossing(self.study.thresholds.radius),
         });
         document.words(self.answer());
-        document.table(
-            "The bound in four numbers, k below each.",
-            &["number", ">k"],
-            self.numbers(),
-        );
+        document.records("The bound in four numbers, k below each.", self.numbers());
         let violated = self.violations.iter().map(|v| {
             let at = v.k.map_or_else(String::new, |k| format!("k = {}: ", digits(k, 7)));
             format!("{at}{}: {}", v.what, sides(v.left, v.right))
@@ -39,15 +35,13 @@ impl BoundStudy {
             digits(worst.t, 5)
         ));
         self.ladder(&mut document);
-        document.table(
+        document.records(
             "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
-            &["constant", ">value", ">±", "how", "note"],
-            self.constants.iter().map(constant).collect(),
+            self.constants.iter().map(constant),
         );
-        document.table(
+        document.records(
             "Declared constants, and what samples need of them.",
-            &["constant", ">declared", ">needed", ">samples", ""],
-            self.samples.iter().map(sampled).collect(),
+            self.samples.iter().map(sampled),
         );
         document.figure(
             "bound",
@@ -96,38 +90,25 @@ impl BoundStudy {
             study.starts.distinct,
             study.starts.failed
         ));
-        document.table(
+        document.records(
             "The contraction factor of Λ at that level, on this and other meshes.",
-            &[">n", ">k", ">‖DΛ‖", ">spectral radius", ">sharpened"],
-            study.meshes.iter().map(on_mesh).collect(),
+            study.meshes.iter().map(on_mesh),
         );
         if let Some(reason) = &study.not_followed {
             document.words(format!(
                 "A last step of size k after the same past: not followed: {reason}."
             ));
         }
-        document.table(
+        document.records(
             "Contraction factor of Λ for a last step of size k after the same past, bounds, what solves the step, and other solutions from random starts.",
-            &[
-                ">k",
-                ">spectral radius",
-                ">‖DΛ‖",
-                ">finite",
-                ">random",
-                ">sharpened",
-                ">(3.15)",
-                ">paper's norm",
-                "Newton",
-                "Λ",
-                ">others",
-            ],
-            study.rungs.iter().map(rung).collect(),
+            study.rungs.iter().map(rung),
         );
     }
 
-    fn numbers(&self) -> Vec<Vec<Run>> {
+    fn numbers(&self) -> Vec<Row<2>> {
         let (limits, study, found) = (&self.limits, &self.study, &self.study.thresholds);
-        let row = |what: &str, value: String| vec![Run::plain(what), Run::plain(value)];
+        let row =
+            |what: &str, value: String| [("number", Run::plain(what)), (">k", Run::plain(value))];
         let limit = |k: f64| match k {
             k if k.is_infinite() => "every k".into(),
             k if k > 0.0 => digits(k, 9),
@@ -191,49 +172,58 @@ fn crossing(found: Option<Crossing>) -> String {
     }
 }
 
-fn on_mesh(at: &FactorAtLevel) -> Vec<Run> {
-    let mesh = at.mesh.map_or_else(|| "–".into(), |n| n.to_string());
-    let factors = [at.norm, at.radius, at.sharpened].map(|factor| precise(factor, 11));
-    [Run::plain(mesh), precise(at.k, 6)].into_iter().chain(factors).collect()
+/// A row of a table.
+type Row<const N: usize> = [(&'static str, Run); N];
+
+fn on_mesh(at: &FactorAtLevel) -> Row<5> {
+    [
+        (">n", Run::plain(at.mesh.map_or_else(|| "–".into(), |n| n.to_string()))),
+        (">k", precise(at.k, 6)),
+        (">‖DΛ‖", precise(at.norm, 11)),
+        (">spectral radius", precise(at.radius, 11)),
+        (">sharpened", precise(at.sharpened, 11)),
+    ]
 }
 
-fn rung(rung: &StepRung) -> Vec<Run> {
+fn rung(rung: &StepRung) -> Row<11> {
     let solved = |outcome: &StepOutcome| match outcome {
         Ok(iterations) => Run::plain(format!("{iterations} it.")),
         Err(_) => Run::plain("fails"),
     };
-    vec![
-        precise(rung.k, 5),
-        precise(rung.radius, 5),
-        precise(rung.norm, 5),
-        precise(rung.finite_worst, 5),
-        precise(rung.finite_random, 5),
-        precise(rung.sharpened, 5),
-        precise(rung.theorem, 5),
-        precise(rung.paper, 5),
-        solved(&rung.newton),
-        solved(&rung.fixed_point),
-        Run::plain(rung.distinct.to_string()),
+    [
+        (">k", precise(rung.k, 5)),
+        (">spectral radius", precise(rung.radius, 5)),
+        (">‖DΛ‖", precise(rung.norm, 5)),
+        (">finite", precise(rung.finite_worst, 5)),
+        (">random", precise(rung.finite_random, 5)),
+        (">sharpened", precise(rung.sharpened, 5)),
+        (">(3.15)", precise(rung.theorem, 5)),
+        (">paper's norm", precise(rung.paper, 5)),
+        ("Newton", solved(&rung.newton)),
+        ("Λ", solved(&rung.fixed_point)),
+        (">others", Run::plain(rung.distinct.to_string())),
     ]
 }
 
-fn constant(constant: &Constant) -> Vec<Run> {
+fn constant(constant: &Constant) -> Row<5> {
+    let off = constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"));
+    let how = format!("{:?}", constant.how).to_lowercase();
     let side = if constant.safe { "safe side" } else { "no bound" };
-    vec![
-        Run::formula(&constant.name),
-        precise(constant.value, 11),
-        Run::plain(constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"))),
-        Run::plain(format!("{}, {side}", constant.how.name())),
-        Run::formula(&constant.note),
+    [
+        ("constant", Run::formula(&constant.name)),
+        (">value", precise(constant.value, 11)),
+        (">±", Run::plain(off)),
+        ("how", Run::plain(format!("{how}, {side}"))),
+        ("note", Run::formula(&constant.note)),
     ]
 }
 
-fn sampled(sample: &Sampled) -> Vec<Run> {
-    vec![
-        Run::formula(&sample.what),
-        precise(sample.declared, 9),
-        precise(sample.needed, 9),
-        number(f64::from(sample.samples)),
-        held(sample.holds),
+fn sampled(sample: &Sampled) -> Row<5> {
+    [
+        ("constant", Run::formula(&sample.what)),
+        (">declared", precise(sample.declared, 9)),
+        (">needed", precise(sample.needed, 9)),
+        (">samples", number(f64::from(sample.samples))),
+        ("", held(sample.holds)),
     ]
 }

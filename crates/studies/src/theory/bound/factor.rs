@@ -137,10 +137,8 @@ pub(crate) fn random_finite_factor<L: FrozenDerivative>(
     state: &StepState,
     count: u64,
 ) -> Result<f64, StepError> {
-    let mut worst = 0f64;
-    for seed in 0..count {
+    (0..count).try_fold(0.0, |worst, seed| {
         let factor = finite_factor(level, eta, state, &start(eta.len(), 100 + seed))?;
-        worst = larger(worst, factor);
-    }
-    Ok(worst)
+        Ok(larger(worst, factor))
+    })
 }

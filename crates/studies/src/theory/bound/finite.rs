@@ -45,12 +45,12 @@ impl BoundStudy {
 /// The constants of an abstract problem with how each was obtained.
 fn table(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
     // Eigenvalues are exact to rounding.
-    let row = |name: &str, value: f64, sampled: bool, note: &str| match sampled {
-        true => {
-            let note = format!("{note}; slopes sampled on [-10, 10]");
-            Constant { safe: false, ..Constant::new(name, value, Obtained::Declared, note) }
-        }
-        false => Constant { safe: true, ..Constant::new(name, value, Obtained::Computed, note) },
+    let row = |name: &str, value: f64, sampled: bool, note: &str| {
+        let (how, by) = match sampled {
+            true => (Obtained::Declared, "; slopes sampled on [-10, 10]"),
+            false => (Obtained::Computed, ""),
+        };
+        Constant { safe: !sampled, ..Constant::new(name, value, how, format!("{note}{by}")) }
     };
     let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
     let mut rows = vec![

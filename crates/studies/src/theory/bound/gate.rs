@@ -1,6 +1,7 @@
 //! The order of things: measured factors ≤ sharpened ≤ (3.15) at every k, thresholds the other way.
 
 use super::branch::Branch;
+use super::crossing::Crossing;
 use super::ladder::StepRung;
 use vhi::StepBounds;
 
@@ -41,71 +42,63 @@ pub fn violations(
     rungs: &[StepRung],
     thresholds: &Branch,
 ) -> Vec<BoundViolation> {
-    let mut found = Vec::new();
-    for rung in rungs {
-        of_rung(bounds, rung, &mut found);
-    }
-    of_thresholds(bounds, thresholds, &mut found);
-    found
+    let of_rungs = rungs.iter().flat_map(|rung| of_rung(bounds, rung));
+    of_rungs.chain(of_thresholds(bounds, thresholds)).collect()
 }
 
-/// Notes left ≤ right unless it holds; a NaN does not.
-pub(super) fn demand(
-    found: &mut Vec<BoundViolation>,
-    k: Option<f64>,
-    what: &str,
-    left: f64,
-    right: f64,
-) {
-    if left.is_nan() || right.is_nan() || left > right {
-        found.push(BoundViolation { k, ..BoundViolation::new(what, left, right) });
-    }
+/// left ≤ right, unless it holds; a NaN does not.
+pub(super) fn broken(k: Option<f64>, what: &str, left: f64, right: f64) -> Option<BoundViolation> {
+    let holds = left <= right;
+    (!holds).then(|| BoundViolation { k, ..BoundViolation::new(what, left, right) })
 }
 
-fn of_rung(bounds: &StepBounds, rung: &StepRung, found: &mut Vec<BoundViolation>) {
-    let k = Some(rung.k);
+fn of_rung(bounds: &StepBounds, rung: &StepRung) -> Vec<BoundViolation> {
     let sharp = rung.sharpened;
-    demand(found, k, "|DLambda| <= sharpened factor", rung.norm, sharp * (1.0 + NORM));
-    demand(found, k, "spectral radius <= |DLambda|", rung.radius, rung.norm * (1.0 + FINITE));
     let finite = sharp * (1.0 + FINITE) + FINITE * f64::from(u8::from(sharp == 0.0));
-    demand(found, k, "finite factor, worst direction <= sharpened", rung.finite_worst, finite);
-    demand(found, k, "finite factor, random directions <= sharpened", rung.finite_random, finite);
     let off = (rung.finite_worst - rung.norm).abs();
-    demand(found, k, "|finite - derivative|, worst direction", off, DERIVATIVE * rung.norm);
-    demand(found, k, "sharpened factor <= (3.15)", sharp, rung.theorem * (1.0 + NORM));
-    demand(found, k, "(3.15) <= (3.15) in the paper's norm", rung.theorem, rung.paper);
+    let mut demands = vec![
+        ("|DLambda| <= sharpened factor", rung.norm, sharp * (1.0 + NORM)),
+        ("spectral radius <= |DLambda|", rung.radius, rung.norm * (1.0 + FINITE)),
+        ("finite factor, worst direction <= sharpened", rung.finite_worst, finite),
+        ("finite factor, random directions <= sharpened", rung.finite_random, finite),
+        ("|finite - derivative|, worst direction", off, DERIVATIVE * rung.norm),
+        ("sharpened factor <= (3.15)", sharp, rung.theorem * (1.0 + NORM)),
+        ("(3.15) <= (3.15) in the paper's norm", rung.theorem, rung.paper),
+    ];
+    let one = |solved: bool| f64::from(u8::from(solved));
     if rung.k < bounds.solvable_limit() {
-        let solved = f64::from(u8::from(rung.newton.is_ok()));
-        demand(found, k, "1 <= Newton finds the guaranteed solution", 1.0, solved);
         let others = f64::from(rung.distinct);
-        demand(found, k, "solutions beside the one guaranteed <= 0", others, 0.0);
+        demands.extend([
+            ("1 <= Newton finds the guaranteed solution", 1.0, one(rung.newton.is_ok())),
+            ("solutions beside the one guaranteed <= 0", others, 0.0),
+        ]);
     }
     if sharp < SURE {
-        let solved = f64::from(u8::from(rung.fixed_point.is_ok()));
-        demand(found, k, "1 <= Lambda converges where it must contract", 1.0, solved);
+        let solved = one(rung.fixed_point.is_ok());
+        demands.push(("1 <= Lambda converges where it must contract", 1.0, solved));
     }
+    let broken = |(what, left, right)| broken(Some(rung.k), what, left, right);
+    demands.into_iter().filter_map(broken).collect()
 }
 
-fn of_thresholds(bounds: &StepBounds, thresholds: &Branch, found: &mut Vec<BoundViolation>) {
-    let slack = 1.0 + THRESHOLD;
-    let mut ordered = |what: &str, left: f64, right: f64| {
-        demand(found, None, what, left, right * slack);
+fn of_thresholds(bounds: &StepBounds, found: &Branch) -> impl Iterator<Item = BoundViolation> {
+    let (norm, radius) = (found.norm, found.radius);
+    let lost = found.loss.as_ref().map(|loss| loss.bracket.1);
+    let [paper, proved] = [bounds.paper_limit(), bounds.limit()].map(Some);
+    let [sharpened, solvable] = [bounds.sharpened_limit(), bounds.solvable_limit()].map(Some);
+    let [lower, upper] = [0, 1].map(|end: usize| move |crossing: Crossing| crossing[end]);
+    let ordered = [
+        ("k of (3.4), the paper's norm <= k of (3.4)", paper, proved),
+        ("k of (3.4) <= sharpened k", proved, sharpened),
+        ("sharpened k <= solvable k", sharpened, solvable),
+        ("sharpened k <= k with |DLambda| = 1", sharpened, norm.map(upper)),
+        ("k with |DLambda| = 1 <= k with spectral radius 1", norm.map(lower), radius.map(upper)),
+        ("solvable k <= k that loses solvability", solvable, lost),
+        ("k with spectral radius 1 <= k that loses solvability", radius.map(lower), lost),
+    ];
+    // What was not found is in no order.
+    let broken = |(what, left, right): (&str, Option<f64>, Option<f64>)| {
+        broken(None, what, left?, right? * (1.0 + THRESHOLD))
     };
-    ordered("k of (3.4), the paper's norm <= k of (3.4)", bounds.paper_limit(), bounds.limit());
-    ordered("k of (3.4) <= sharpened k", bounds.limit(), bounds.sharpened_limit());
-    ordered("sharpened k <= solvable k", bounds.sharpened_limit(), bounds.solvable_limit());
-    if let Some(norm) = thresholds.norm {
-        ordered("sharpened k <= k with |DLambda| = 1", bounds.sharpened_limit(), norm[1]);
-    }
-    if let (Some(norm), Some(radius)) = (thresholds.norm, thresholds.radius) {
-        let what = "k with |DLambda| = 1 <= k with spectral radius 1";
-        ordered(what, norm[0], radius[1]);
-    }
-    if let Some(loss) = &thresholds.loss {
-        let lost = loss.bracket.1;
-        ordered("solvable k <= k that loses solvability", bounds.solvable_limit(), lost);
-        if let Some(radius) = thresholds.radius {
-            ordered("k with spectral radius 1 <= k that loses solvability", radius[0], lost);
-        }
-    }
+    ordered.into_iter().filter_map(broken)
 }

@@ -84,13 +84,6 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
         Ok(info.iterations)
     }
 
-    /// η: the solution at k where there is one; and Λη.
-    fn state(&mut self) -> Result<StepState, StepError> {
-        let mut state = self.followed.clone();
-        solve(self.level, Some(&self.followed.u), &mut state)?;
-        Ok(state)
-    }
-
     /// Measures at one step size.
     ///
     /// # Errors
@@ -98,8 +91,9 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     pub fn rung(&mut self, k: f64) -> Result<StepRung, BoundError> {
         let newton = self.follow(k);
         let at = |source: StepError| BoundError::Frozen { k, source };
-        let eta = self.followed.u.clone();
-        let state = self.state().map_err(at)?;
+        // η: the solution at k where there is one; and Λη.
+        let (eta, mut state) = (self.followed.u.clone(), self.followed.clone());
+        solve(self.level, Some(&eta), &mut state).map_err(at)?;
         let found = contraction(self.level, &eta, &state)
             .map_err(|source| BoundError::Factor { k, source })?;
         let finite_worst = match found.norm {

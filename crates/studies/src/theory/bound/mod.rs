@@ -115,7 +115,7 @@ impl BoundStudy {
         if k < limits.solvable_limit() {
             let others = f64::from(study.starts.distinct);
             let what = "other solutions from random starts <= 0";
-            gate::demand(&mut violations, Some(k), what, others, 0.0);
+            violations.extend(gate::broken(Some(k), what, others, 0.0));
         }
         // 0 < m0: everything that the bound says rests on it.
         if limits.m0.is_nan() || limits.m0 <= 0.0 {

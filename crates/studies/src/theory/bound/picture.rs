@@ -29,15 +29,14 @@ impl BoundStudy {
             Part::Hollow(norms(false)),
         ];
         if !norms(false).is_empty() {
-            chart
-                .keys
-                .push((Part::Hollow(Vec::new()), "no solution found: at the last one".into()));
+            let key = "no solution found: at the last one";
+            chart.keys.push((Part::Hollow(Vec::new()), key.into()));
         }
         chart.series = vec![
             Series::new("measured: ‖DΛ‖, worst direction", norm),
             Series::new(
                 "measured: spectral radius of DΛ",
-                vec![Part::Line(points(|rung| rung.radius))],
+                vec![Part::Line(points(|at| at.radius))],
             ),
             Series::new("sharpened bound", vec![Part::Dashed(points(|rung| rung.sharpened))]),
             Series::new("(3.15), operator norm", vec![Part::Dotted(points(|rung| rung.theorem))]),
@@ -58,14 +57,9 @@ impl BoundStudy {
             mark(self.limits.paper_limit(), "(3.4), the paper's norm"),
             mark(self.limits.sharpened_limit(), "sharpened"),
         ];
-        if let Some([low, _]) =
-            thresholds.radius.filter(|[low, high]| *low > 0.0 && high.is_finite())
-        {
-            marks.push(mark(low, "Λ stops converging"));
-        }
-        if let Some(loss) = &thresholds.loss {
-            marks.push(mark(loss.bracket.1, "the solution ends"));
-        }
+        let stops = thresholds.radius.filter(|[low, high]| *low > 0.0 && high.is_finite());
+        marks.extend(stops.map(|[low, _]| mark(low, "Λ stops converging")));
+        marks.extend(thresholds.loss.iter().map(|loss| mark(loss.bracket.1, "the solution ends")));
         marks
     }
 }

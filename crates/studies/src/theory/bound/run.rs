@@ -8,7 +8,7 @@ use vhi::history::TimeGrid;
 use vhi::{FailedStep, FrozenDerivative, StepBounds, StepState};
 
 /// The factor of Λ at a level of the run, with the step size of the run.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct FactorAtLevel {
     /// Cells per unit length; none without a mesh.
     pub mesh: Option<u32>,
@@ -27,7 +27,7 @@ pub struct FactorAtLevel {
 }
 
 /// What the study found.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, Default, serde::Serialize)]
 pub struct ContractionStudy {
     /// Every level of the run.
     pub levels: Vec<FactorAtLevel>,
@@ -68,16 +68,8 @@ impl ContractionStudy {
             if next.norm > best.norm { *next } else { best }
         };
         let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
-        Ok(Self {
-            worst: levels.iter().fold(first, worse),
-            levels,
-            meshes: Vec::new(),
-            starts: starts::Starts::default(),
-            rungs: Vec::new(),
-            thresholds: Branch::default(),
-            not_followed: None,
-            linear: None,
-        })
+        let worst = levels.iter().fold(first, worse);
+        Ok(Self { worst, levels, ..Self::default() })
     }
 
     /// Starts, thresholds and ladder at the open `level` whose solution is `state`; neither thresholds nor rungs where
@@ -128,14 +120,11 @@ fn step_sizes(bounds: &StepBounds, exact: f64) -> Vec<f64> {
 ///
 /// # Errors
 /// The run's, or a factor that is not found.
-pub(crate) fn all_levels<L: FrozenDerivative>(
+pub(crate) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
     level: &mut L,
     bounds: &StepBounds,
     mesh: Option<u32>,
-) -> Result<Vec<FactorAtLevel>, BoundError>
-where
-    BoundError: From<L::Error>,
-{
+) -> Result<Vec<FactorAtLevel>, BoundError> {
     let grid: TimeGrid = level.grid().clone();
     let mut found = Vec::new();
     run_seen(level, grid.steps(), |level, number, state| {
@@ -155,7 +144,7 @@ where
             sharpened: bounds.sharpened_factor(k),
         });
         // Once more with the last slot implicit, which commit records.
-        solve(level, state, number, t)
+        solve(level, state, number)
     })?;
     Ok(found)
 }
@@ -164,34 +153,27 @@ where
 ///
 /// # Errors
 /// The run's.
-pub(crate) fn run_to<L: FrozenDerivative>(
+pub(crate) fn run_to<L: FrozenDerivative<Error: Into<BoundError>>>(
     level: &mut L,
     number: usize,
-) -> Result<StepState, BoundError>
-where
-    BoundError: From<L::Error>,
-{
+) -> Result<StepState, BoundError> {
     run_seen(level, number, |_, _, _| Ok(()))
 }
 
 /// Runs to level `last`, which stays open; `see` gets each level with its number and its solution.
-fn run_seen<L: FrozenDerivative>(
+fn run_seen<L: FrozenDerivative<Error: Into<BoundError>>>(
     level: &mut L,
     last: usize,
     mut see: impl FnMut(&mut L, usize, &mut StepState) -> Result<(), BoundError>,
-) -> Result<StepState, BoundError>
-where
-    BoundError: From<L::Error>,
-{
+) -> Result<StepState, BoundError> {
     let graphs = level.graph().coordinates.len();
     let mut state = StepState { u: vec![0.0; level.dofs()], pressure: vec![0.0; graphs] };
     for number in 0..=last {
         if number > 0 {
             level.commit(&state);
         }
-        level.open()?;
-        let t = level.grid().time(number);
-        solve(level, &mut state, number, t)?;
+        level.open().map_err(Into::into)?;
+        solve(level, &mut state, number)?;
         see(level, number, &mut state)?;
     }
     Ok(state)
@@ -201,8 +183,8 @@ fn solve<L: FrozenDerivative>(
     level: &mut L,
     state: &mut StepState,
     n: usize,
-    t: f64,
 ) -> Result<(), BoundError> {
+    let t = level.grid().time(n);
     factor::solve(level, None, state).map_err(|source| FailedStep { n, t, source })?;
     Ok(())
 }

@@ -5,7 +5,7 @@ use algebra::in_dimension;
 use serde::Serialize;
 
 use super::ladder::BoundError;
-use crate::theory::dual_norm::DualNorm;
+use crate::theory::norms::{DualNorm, remembered, stress_norm};
 use algebra::linalg::{FactorError, larger, signed_unit};
 use algebra::tensor::contract;
 use fem::contact::{Boundary, Discretization, MemoryTerm, strain_norm, stress_force};
@@ -53,31 +53,17 @@ pub fn sample(
     constants: &Constants,
     space: &Discretization,
 ) -> Result<Vec<Sampled>, BoundError> {
-    in_dimension!(space.mesh.dimension, D, S => sample_in::<D, S>(setup, constants, space))
-}
-
-fn sample_in<const D: usize, const S: usize>(
-    setup: &Setup,
-    constants: &Constants,
-    space: &Discretization,
-) -> Result<Vec<Sampled>, BoundError> {
-    let model = &setup.model;
     let mut rows = Vec::new();
-    if let Some(boundary) = &model.boundary {
+    if let Some(boundary) = &setup.model.boundary {
         rows.extend(law(&*boundary.potential));
         if boundary.scale.is_some() {
             rows.push(scaled(boundary, space, constants.alpha_nu));
         }
     }
-    let mut fields =
-        RandomStates::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
-    rows.extend(fields.elasticity(&model.elasticity, constants));
-    rows.extend(fields.phi(&model.projection, setup.projection_mu(), constants));
-    if let Some(limit) = model.projection.limit() {
-        rows.push(lipschitz_kappa(limit, constants.lipschitz_kappa, setup.scene.time.horizon));
-    }
-    let lipschitz = 1.0 + constants.memory.operator;
-    rows.push(fields.history(&model.memory, setup.scene.time.horizon, lipschitz));
+    in_dimension!(space.mesh.dimension, D, S => {
+        let fields = RandomStates::<D, S>::new(space);
+        fields.map_err(|e| BoundError::Constant(e.into()))?.add(setup, constants, &mut rows);
+    });
     Ok(rows)
 }
 
@@ -199,6 +185,15 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
         self.dual.of(&force[..space.dofs()])
     }
 
+    fn add(&mut self, setup: &Setup, constants: &Constants, rows: &mut Vec<Sampled>) {
+        let (model, horizon) = (&setup.model, setup.scene.time.horizon);
+        rows.extend(self.elasticity(&model.elasticity, constants));
+        rows.extend(self.phi(&model.projection, setup.projection_mu(), constants));
+        let limit = model.projection.limit();
+        rows.extend(limit.map(|kappa| lipschitz_kappa(kappa, constants.lipschitz_kappa, horizon)));
+        rows.push(self.history(&model.memory, horizon, 1.0 + constants.memory.operator));
+    }
+
     /// m_A and L_A of A = 𝒜 + μ, which is linear.
     fn elasticity(&mut self, elastic: &TensorField, constants: &Constants) -> [Sampled; 2] {
         let (mut least, mut most) = (f64::INFINITY, 0f64);
@@ -228,13 +223,8 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
 
     /// (2.7b) and (4.1) of φ(y, u, v) = (θ - μ P_{M(κ(r))} ε(u), ε(v)), y = (r, θ): the left side of
     /// (2.7b) is (τ1 - τ2, ε(v2 - v1)) with τ = θ - μPε(u), largest at the Riesz representative.
-    pub(crate) fn phi(
-        &mut self,
-        p: &Option<AnyProjection>,
-        mu: f64,
-        constants: &Constants,
-    ) -> Vec<Sampled> {
-        let (alpha, beta) = (constants.alpha_phi, constants.beta_phi);
+    fn phi(&mut self, p: &Option<AnyProjection>, mu: f64, c: &Constants) -> [Sampled; 4] {
+        let (alpha, beta) = (c.alpha_phi, c.beta_phi);
         let (mut of_u, mut of_y, mut of_both, mut convex) = (0f64, 0f64, 0f64, 0f64);
         for sample in 0..SAMPLES {
             let (u1, mut u2) = (self.displacement(), self.displacement());
@@ -264,7 +254,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             let bend = at1 + at2 - 2.0 * self.product(&tau, &half);
             convex = larger(convex, bend.abs() / (at1.abs() + at2.abs()));
         }
-        vec![
+        [
             Sampled::new("(2.7b): alpha_phi, same y", alpha, of_u, SAMPLES),
             Sampled::new("(2.7b): beta_phi, same u", beta, of_y, SAMPLES),
             Sampled::new("(2.7b): left / right", 1.0, of_both, SAMPLES),
@@ -273,12 +263,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     }
 
     /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the history sums of the solver.
-    pub(crate) fn history(
-        &mut self,
-        memory: &[MemoryTerm],
-        horizon: f64,
-        declared: f64,
-    ) -> Sampled {
+    fn history(&mut self, memory: &[MemoryTerm], horizon: f64, declared: f64) -> Sampled {
         let mut needed = 0f64;
         let samples = 40;
         for sample in 0..samples {
@@ -289,12 +274,12 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     }
 
     fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
-        let dofs = self.space.dofs();
+        let length = self.space.nodes.len();
         let mut zeta = [Accumulated::default(), Accumulated::default()];
-        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, dofs));
+        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, length));
         let mut past: Vec<Memory> = each.collect();
         let mut distance = Accumulated::default();
-        let (mut history, mut needed) = (vec![0.0; self.space.nodes.len()], 0f64);
+        let mut needed = 0f64;
         let (fixed, direction) = (self.displacement(), self.displacement());
         for n in 0..=grid.steps() {
             // The same pair at all times adds up without cancelling, random ones do not.
@@ -307,25 +292,12 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             zeta[0].commit(grid, strain_norm(self.space, &u));
             zeta[1].commit(grid, strain_norm(self.space, &other));
             distance.commit(grid, strain_norm(self.space, &d));
-            let last = if n == 0 { 0.0 } else { 0.5 * grid.step(n) };
-            let mut stress: Tensors<S> = vec![[0.0; S]; self.space.geometry.points()];
-            for (past, term) in past.iter_mut().zip(memory) {
-                past.past(&*term.kernel, &Trapezoid, grid, &mut history[..dofs]);
-                past.commit(grid, &d[..dofs]);
-                let last_weight = last * term.kernel.value(0.0);
-                algebra::linalg::axpy(last_weight, &d[..dofs], &mut history[..dofs]);
-                for (at, stress) in self.space.points().zip(&mut stress) {
-                    let strain = at.strain::<S>(&history);
-                    let part = term.tensor.on(self.space.region(at.cell)).apply(&strain);
-                    stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
-                }
-            }
-            let remembered = self.size(&stress);
+            let sums = remembered(memory, &mut past, &Trapezoid, (grid, n), &d);
             if n > 0 {
-                let left = (zeta[0].value(&Trapezoid, grid) - zeta[1].value(&Trapezoid, grid))
-                    .abs()
-                    + remembered;
-                needed = larger(needed, left / distance.value(&Trapezoid, grid));
+                let value = |sum: &Accumulated| sum.value(&Trapezoid, grid);
+                let left = (value(&zeta[0]) - value(&zeta[1])).abs()
+                    + stress_norm(self.space, memory, &sums);
+                needed = larger(needed, left / value(&distance));
             }
         }
         needed

@@ -34,17 +34,15 @@ pub(crate) fn random_starts<L: FrozenDerivative>(
         let scale = size * (1.0 + (number % 3) as f64) / level.norm(&u);
         u.iter_mut().for_each(|value| *value *= scale);
         let mut state = StepState { u, pressure: vec![0.0; known.pressure.len()] };
-        if solve(level, None, &mut state).is_err() {
-            starts.failed += 1;
-            continue;
-        }
+        let solved = solve(level, None, &mut state).is_ok();
         let off: Vec<f64> = state.u.iter().zip(&known.u).map(|(a, b)| a - b).collect();
-        // Written so that a NaN is not the same.
-        if level.norm(&off) <= SAME * size {
-            starts.same += 1;
-        } else {
-            starts.distinct += 1;
-        }
+        // A NaN is not the same.
+        let end = match level.norm(&off) <= SAME * size {
+            _ if !solved => &mut starts.failed,
+            true => &mut starts.same,
+            false => &mut starts.distinct,
+        };
+        *end += 1;
     }
     starts
 }

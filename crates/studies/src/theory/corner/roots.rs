@@ -49,15 +49,10 @@ fn close_in([x0, x1, y0, y1]: [f64; 4], f: Function<'_>, found: &mut Vec<Complex
     }
     // Off the middle, so that no division runs through the roots of symmetric wedges.
     let cut = 0.481_966_011_250_105;
+    let (x, y) = (x0 + cut * width, y0 + cut * height);
     let halves = match width > height {
-        true => {
-            let x = x0 + cut * width;
-            [[x0, x, y0, y1], [x, x1, y0, y1]]
-        }
-        false => {
-            let y = y0 + cut * height;
-            [[x0, x1, y0, y], [x0, x1, y, y1]]
-        }
+        true => [[x0, x, y0, y1], [x, x1, y0, y1]],
+        false => [[x0, x1, y0, y], [x0, x1, y, y1]],
     };
     for half in halves {
         close_in(half, f, found);
@@ -66,13 +61,8 @@ fn close_in([x0, x1, y0, y1]: [f64; 4], f: Function<'_>, found: &mut Vec<Complex
 
 /// The number of roots inside, with multiplicity: how often f turns around 0 along the boundary.
 fn winding([x0, x1, y0, y1]: [f64; 4], f: Function<'_>) -> i64 {
-    let corners = [
-        Complex::new(x0, y0),
-        Complex::new(x1, y0),
-        Complex::new(x1, y1),
-        Complex::new(x0, y1),
-        Complex::new(x0, y0),
-    ];
+    let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
+    let corners = corners.map(|[x, y]| Complex::new(x, y));
     let values = corners.map(f);
     let turn: f64 = (0..4)
         .map(|i| turned([corners[i], corners[i + 1]], [values[i], values[i + 1]], f, 0))

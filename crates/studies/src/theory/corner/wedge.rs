@@ -56,22 +56,15 @@ impl Wedge {
     /// σ_θθ = s(s+1) r^{s-1} f, σ_rθ = -s r^{s-1} f'. Rows are divided by their powers of r and s; the factor s - 1 of
     /// the column d, whose function vanishes at s = 1, stays.
     pub(crate) fn determinant(&self, s: Complex<f64>) -> Complex<f64> {
-        let mut rows = Matrix4::<Complex<f64>>::zeros();
-        for (side, theta) in [0.0, self.angle].into_iter().enumerate() {
-            for (row, condition) in self.conditions(self.sides[side], s, theta).iter().enumerate() {
-                for (column, value) in condition.iter().enumerate() {
-                    rows[(2 * side + row, column)] = *value;
-                }
-            }
-        }
-        rows.determinant()
+        let [first, second] = self.sides;
+        let rows = [self.conditions(first, s, 0.0), self.conditions(second, s, self.angle)];
+        Matrix4::from_row_slice(rows.as_flattened().as_flattened()).determinant()
     }
 
     fn conditions(&self, side: WedgeSide, s: Complex<f64>, theta: f64) -> [[Complex<f64>; 4]; 2] {
-        let one = Complex::new(1.0, 0.0);
-        let (p, q) = (s + one, s - one);
-        let ([cp, sp], [cq, sq]) =
-            ([(p * theta).cos(), (p * theta).sin()], [(q * theta).cos(), (q * theta).sin()]);
+        let (p, q) = (s + 1.0, s - 1.0);
+        let [[cp, sp], [cq, sq]] =
+            [p, q].map(|factor| [(factor * theta).cos(), (factor * theta).sin()]);
         let f = [cp, sp, cq, sq];
         let slope = [-p * sp, p * cp, -q * sq, q * cq];
         let zero = Complex::new(0.0, 0.0);
@@ -91,8 +84,7 @@ impl Wedge {
     /// the corner costs no order.
     pub(crate) fn exponents(&self) -> Vec<Complex<f64>> {
         let top = IMAGINARY / self.angle;
-        let mut roots =
-            roots_in(STRIP, top, &|s| self.determinant(s) / (s * (s - Complex::new(1.0, 0.0))));
+        let mut roots = roots_in(STRIP, top, &|s| self.determinant(s) / (s * (s - 1.0)));
         roots.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
         roots
     }

@@ -97,12 +97,12 @@ impl GronwallConstants {
         if !yielding.is_finite() {
             return Err(GronwallError::NotLipschitz { scene: name() });
         }
-        let plain = weights.beside_plain(scene.time.horizon) * found.memory.operator;
-        let (beta, memory) = (found.beta_phi, plain + found.singular.1.operator);
+        let accumulated = weights.beside_plain(scene.time.horizon);
+        let memory = accumulated * found.memory.operator + found.singular.1.operator;
         if yielding == 0.0 && memory == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
-        let accumulated = weights.beside_plain(scene.time.horizon);
+        let beta = found.beta_phi;
         Ok(Self { m0, trace_bound, beta, yielding, memory, accumulated, weights })
     }
 
@@ -120,10 +120,6 @@ impl GronwallConstants {
         self.yielding > 0.0
     }
 
-    pub(crate) fn has_memory(&self) -> bool {
-        self.memory > 0.0
-    }
-
     /// An estimate with these constants on a grid, before anything is measured.
     pub(crate) fn blank(&self, setup: &Setup, grid: &TimeGrid) -> Estimate {
         let parts = self.parts(setup, grid);
@@ -139,7 +135,7 @@ impl GronwallConstants {
             let supremum = self.accumulated;
             parts.push(HistoryPart { coefficient: self.yielding, norms, supremum });
         }
-        if self.has_memory() {
+        if self.memory > 0.0 {
             let (terms, d) = (&setup.model.memory, setup.scene.dimension);
             let kernels: Vec<Convolution<'_>> =
                 terms.iter().map(|term| Convolution(&*term.kernel)).collect();

@@ -1,8 +1,9 @@
 //! A study of Gronwall's inequality in words and tables.
 
+use super::estimate::Effectivity;
 use super::horizon::HorizonRow;
 use super::stability::Perturbation;
-use super::study::{Effectivity, StudiedGrid, Study};
+use super::study::{StudiedGrid, Study};
 use report::{Chapter, Run, StudyDocument, digits, number, precise, sides};
 
 impl Study {
@@ -17,43 +18,25 @@ impl Study {
         }
         let mesh = self.n.map_or_else(String::new, |n| format!("n = {n}; "));
         document.words(format!("{mesh}the truth is: {}.", self.truth));
-        document.table(
+        document.records(
             "Bound over error at t = T for N steps; e and g at T.",
-            &[
-                ">N",
-                ">C₂k",
-                ">e_N",
-                ">g_N",
-                ">weighted",
-                ">primed",
-                ">closed",
-                ">k → 0",
-                ">printed",
-                ">(3.24)",
-            ],
-            self.grids.iter().map(grid).collect(),
+            self.grids.iter().map(grid),
         );
         if let Some(horizons) = &self.horizons {
-            document.table(
+            document.records(
                 format!(
                     "Long times at k = {}; maxima over [0, T]; the truth is: {}. Growth is d(log error)/dT, to compare with C₂.",
                     digits(horizons.k, 5),
                     horizons.truth
                 ),
-                &[
-                    ">T", ">error", ">weighted", ">primed", ">closed", ">(3.24)", ">growth", ">C₂",
-                ],
-                horizons.rows.iter().map(|row| horizon(row, horizons.k)).collect(),
+                horizons.rows.iter().map(|row| horizon(row, horizons.k)),
             );
         }
-        document.table(
+        document.records(
             "Two loads f and f + δf at the largest N; growth is m0 max‖u − v‖/max‖δf‖, then the least bound over difference, and the largest primed bound over the largest difference.",
-            &[
-                "shape", ">size", ">max ‖δf‖", ">max ‖u − v‖", ">growth", ">least", ">primed",
-            ],
-            self.perturbations.iter().map(perturbed).collect(),
+            self.perturbations.iter().map(perturbed),
         );
-        document.table("Constants of the inequality.", &["constant", ">value"], self.constants());
+        document.records("Constants of the inequality.", self.constants());
         for (stem, shows, chart) in self.pictures() {
             document.figure(stem, shows, chart.svg());
         }
@@ -66,7 +49,10 @@ impl Study {
             let sides = sides(v.left, v.right);
             format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
         });
-        let all = match self.grids.first().is_none_or(|grid| grid.judged.run.estimate.is_printed())
+        let all = match self
+            .grids
+            .first()
+            .is_none_or(|grid| grid.judged.estimate.weights.are_the_papers())
         {
             true => {
                 "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run."
@@ -79,7 +65,7 @@ impl Study {
         document.verdict(holds, all, failures.collect());
     }
 
-    fn constants(&self) -> Vec<Vec<Run>> {
+    fn constants(&self) -> impl Iterator<Item = Row<2>> {
         let c = &self.constants;
         let named = [
             ("C₁", c.c1),
@@ -89,8 +75,10 @@ impl Study {
             ("Lipschitz constant of S", c.lipschitz),
         ];
         let details = c.details.iter().map(|(name, value)| (written(name), *value));
-        let row = |(name, value): (&str, f64)| vec![Run::formula(name), precise(value, 7)];
-        named.into_iter().chain(details).map(row).collect()
+        let row = |(name, value): (&str, f64)| {
+            [("constant", Run::formula(name)), (">value", precise(value, 7))]
+        };
+        named.into_iter().chain(details).map(row)
     }
 }
 
@@ -115,47 +103,61 @@ fn answer(finest: &StudiedGrid) -> String {
         "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with {} {} times, its closed form {} times.",
         finest.steps,
         times(&e.weighted),
-        if finest.judged.run.estimate.is_printed() { "halved ends" } else { "one β_φ for all" },
+        if finest.judged.estimate.weights.are_the_papers() {
+            "halved ends"
+        } else {
+            "one β_φ for all"
+        },
         times(&e.primed),
         times(&e.closed)
     )
 }
 
-fn grid(grid: &StudiedGrid) -> Vec<Run> {
+fn grid(grid: &StudiedGrid) -> Row<10> {
     let e = &grid.effectivity;
     let at_end = |ratio: &Effectivity| precise(ratio.at_end, 7);
     let missing = if grid.c2_k < 1.0 { "–" } else { "C₂k ≥ 1" };
     let printed =
         |ratio: &Option<Effectivity>| ratio.as_ref().map_or_else(|| Run::plain(missing), at_end);
-    vec![
-        Run::plain(grid.steps.to_string()),
-        precise(grid.c2_k, 6),
-        number(grid.error_end),
-        number(grid.truncation_end),
-        at_end(&e.weighted),
-        at_end(&e.primed),
-        at_end(&e.closed),
-        at_end(&e.limit),
-        printed(&e.printed),
-        printed(&e.printed_closed),
+    [
+        (">N", Run::plain(grid.steps.to_string())),
+        (">C₂k", precise(grid.c2_k, 6)),
+        (">e_N", number(grid.error_end)),
+        (">g_N", number(grid.truncation_end)),
+        (">weighted", at_end(&e.weighted)),
+        (">primed", at_end(&e.primed)),
+        (">closed", at_end(&e.closed)),
+        (">k → 0", at_end(&e.limit)),
+        (">printed", printed(&e.printed)),
+        (">(3.24)", printed(&e.printed_closed)),
     ]
 }
 
-fn horizon(row: &HorizonRow, k: f64) -> Vec<Run> {
-    let b = &row.bounds;
-    let bounds = [row.error, b.weighted, b.primed, b.closed].map(number);
+fn horizon(row: &HorizonRow, k: f64) -> Row<8> {
     let missing = if row.c2 * k < 1.0 { "–" } else { "C₂k ≥ 1" };
-    let printed = b.printed_closed.map_or_else(|| Run::plain(missing), number);
-    let ends = [printed, number(row.growth), number(row.c2)];
-    [number(row.horizon)].into_iter().chain(bounds).chain(ends).collect()
+    [
+        (">T", number(row.horizon)),
+        (">error", number(row.error)),
+        (">weighted", number(row.bounds.weighted)),
+        (">primed", number(row.bounds.primed)),
+        (">closed", number(row.bounds.closed)),
+        (">(3.24)", row.bounds.printed_closed.map_or_else(|| Run::plain(missing), number)),
+        (">growth", number(row.growth)),
+        (">C₂", number(row.c2)),
+    ]
 }
 
-fn perturbed(perturbation: &Perturbation) -> Vec<Run> {
-    let cells = [perturbation.load, perturbation.difference, perturbation.growth].map(number);
-    let ratios = [
-        number(perturbation.least_effectivity),
-        number(perturbation.primed / perturbation.difference),
-    ];
-    let first = [Run::plain(perturbation.shape.name()), number(perturbation.size)];
-    first.into_iter().chain(cells).chain(ratios).collect()
+fn perturbed(perturbation: &Perturbation) -> Row<7> {
+    [
+        ("shape", Run::plain(perturbation.shape.name())),
+        (">size", number(perturbation.size)),
+        (">max ‖δf‖", number(perturbation.load)),
+        (">max ‖u − v‖", number(perturbation.difference)),
+        (">growth", number(perturbation.growth)),
+        (">least", number(perturbation.least_effectivity)),
+        (">primed", number(perturbation.primed / perturbation.difference)),
+    ]
 }
+
+/// A row of a table.
+type Row<const N: usize> = [(&'static str, Run); N];

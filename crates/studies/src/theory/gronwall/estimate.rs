@@ -1,9 +1,12 @@
 //! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
 //! mesh, fills an [`Estimate`] and has its [`Envelopes`].
 
+use super::GronwallError;
 use super::bounds::Bounds;
 use super::recurrence::{HistoryPart, StepTooLarge, unprimed, unprimed_closed, weighted};
 use super::rule::Weights;
+use algebra::linalg::largest;
+use serde::Serialize;
 use vhi::history::TimeGrid;
 
 /// A difference e_n on a time grid and the data of its bounds,
@@ -35,6 +38,10 @@ pub struct Estimate {
     pub parts: Vec<HistoryPart>,
     /// What solver and rounding leave in one u_n, in the norm of e_n.
     pub floor: f64,
+    /// g_n in its parts, none of the difference of two loads: |∫_0^{t_n} ‖ε(u)‖ - Σ' ‖ε(u_j)‖|, zero where ζ is no part of
+    /// the history, and ‖∫_0^{t_n} ℬ(t_n - s) ε(u) - Σ' ℬ(t_n - t_j) ε(u_j)‖_ℋ (a stress times √|Ω|), zero without memory;
+    /// of an abstract scene zero and ‖S_n u - S_n^k u‖_{X*}.
+    pub truncation: [Vec<f64>; 2],
 }
 
 impl Estimate {
@@ -46,38 +53,23 @@ impl Estimate {
         beta: f64,
         parts: Vec<HistoryPart>,
     ) -> Self {
-        let (error, weighted_source, source) = Default::default();
         Self {
             grid: grid.clone(),
             weights,
-            error,
-            weighted_source,
-            source,
             m0,
             beta,
             parts,
+            error: Vec::new(),
+            weighted_source: Vec::new(),
+            source: Vec::new(),
             floor: 0.0,
+            truncation: [Vec::new(), Vec::new()],
         }
     }
 
-    /// ‖R‖‖q‖, or the Lipschitz constant of S: Σ_p sup κ_p.
-    pub(crate) fn lipschitz(&self) -> f64 {
-        self.parts.iter().map(|part| part.supremum).sum()
-    }
-
-    /// C1 = β_φ/m0.
-    pub(crate) fn c1(&self) -> f64 {
-        self.beta / self.m0
-    }
-
-    /// C2 = β_φ ‖S‖/m0.
+    /// C2 = β_φ ‖S‖/m0, ‖S‖ being ‖R‖‖q‖ or the Lipschitz constant of S: Σ_p sup κ_p.
     pub(crate) fn c2(&self) -> f64 {
-        self.c1() * self.lipschitz()
-    }
-
-    /// Whether (3.24) has its printed sum: its weights bound those of the trapezoidal rule.
-    pub(crate) fn is_printed(&self) -> bool {
-        self.weights.are_the_papers()
+        self.beta / self.m0 * self.parts.iter().map(|part| part.supremum).sum::<f64>()
     }
 
     /// The estimate up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
@@ -94,6 +86,7 @@ impl Estimate {
             weighted_source: kept(&self.weighted_source),
             source: kept(&self.source),
             parts: self.parts.iter().map(part).collect(),
+            truncation: self.truncation.each_ref().map(|part| kept(part)),
             ..*self
         }
     }
@@ -105,7 +98,8 @@ impl Estimate {
     pub fn envelopes(&self) -> Result<Envelopes, StepTooLarge> {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
         let (grid, c2, weights) = (&self.grid, self.c2(), self.weights);
-        let as_printed = self.is_printed();
+        // (3.24) has its printed sum where its weights bound those of the trapezoidal rule.
+        let as_printed = weights.are_the_papers();
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
@@ -127,7 +121,7 @@ impl Estimate {
 pub type Envelopes = Bounds<Vec<f64>>;
 
 /// A link of the chain that does not hold.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LinkViolation {
     /// Which inequality, such as "e <= weighted envelope".
     pub link: &'static str,
@@ -188,8 +182,45 @@ impl Envelopes {
     }
 }
 
-/// bound/measured, for steps n ≥ 1 whose e_n is above 20 floors; `None` elsewhere.
-pub(crate) fn effectivities(bound: &[f64], estimate: &Estimate) -> Vec<Option<f64>> {
-    let serves = |n: usize| n > 0 && estimate.error[n] > 20.0 * estimate.floor;
-    (0..bound.len()).map(|n| serves(n).then(|| bound[n] / estimate.error[n])).collect()
+/// A run with its envelopes and the links of the chain that do not hold; the table of all levels holds its curves.
+pub struct Judged {
+    pub estimate: Estimate,
+    pub envelopes: Envelopes,
+    pub violations: Vec<LinkViolation>,
+}
+
+impl Judged {
+    /// # Errors
+    /// [`GronwallError::Step`].
+    pub(super) fn new(estimate: Estimate) -> Result<Self, GronwallError> {
+        let steps = estimate.grid.steps() as u32;
+        let envelopes =
+            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        let violations = envelopes.violations(&estimate);
+        Ok(Self { estimate, envelopes, violations })
+    }
+}
+
+/// bound/e of one grid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Effectivity {
+    /// At t_N = T; absent if e_N is at its floor.
+    pub at_end: Option<f64>,
+    /// max_n bound/max_n e.
+    pub of_maxima: f64,
+    /// The least over n ≥ 1: how close the bound comes to being attained.
+    pub least: Option<f64>,
+}
+
+impl Effectivity {
+    pub(crate) fn new(bound: &[f64], estimate: &Estimate) -> Self {
+        // Where e_n is not above 20 floors there is none.
+        let serves = |n: usize| n > 0 && estimate.error[n] > 20.0 * estimate.floor;
+        let ratio = |n: usize| serves(n).then(|| bound[n] / estimate.error[n]);
+        Self {
+            at_end: bound.len().checked_sub(1).and_then(ratio),
+            of_maxima: largest(bound) / largest(&estimate.error),
+            least: (0..bound.len()).filter_map(ratio).reduce(f64::min),
+        }
+    }
 }

@@ -9,7 +9,6 @@ use super::GronwallError;
 use super::constants::InequalityConstants;
 use super::estimate::Estimate;
 use super::in_time::{InTime, Levels};
-use super::measure::TemporalRun;
 use super::recurrence::KernelNorms;
 use super::rule::Weights;
 use scene::setup::{AbstractLoad, AbstractSetup};
@@ -76,7 +75,7 @@ impl<'a> FiniteInTime<'a> {
         &self,
         model: &FiniteModel,
         steps: u32,
-    ) -> Result<TemporalRun, GronwallError> {
+    ) -> Result<Estimate, GronwallError> {
         let setup = self.setup;
         let grid = setup.grid(steps);
         let (mut error, mut size) = (Vec::new(), 0f64);
@@ -89,13 +88,14 @@ impl<'a> FiniteInTime<'a> {
         .map_err(|source| GronwallError::FiniteCase { steps, source })?;
         let truncation = self.truncation(&grid);
         let source: Vec<f64> = truncation.iter().map(|g| self.constants.beta * g).collect();
-        let mut estimate = self.blank(&grid);
-        estimate.error = error;
-        estimate.weighted_source = source.clone();
-        estimate.source = source;
-        estimate.floor = info.floor + EXACT * size;
-        let truncation_zeta = vec![0.0; truncation.len()];
-        Ok(TemporalRun { steps, truncation_zeta, truncation_memory: truncation, estimate })
+        Ok(Estimate {
+            error,
+            weighted_source: source.clone(),
+            source,
+            floor: info.floor + EXACT * size,
+            truncation: [vec![0.0; truncation.len()], truncation],
+            ..self.blank(&grid)
+        })
     }
 
     /// ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ_j w_nj q_l(t_n, t_j) u_j + a_S).
@@ -157,7 +157,7 @@ impl InTime for FiniteInTime<'_> {
         self.setup.grid(steps)
     }
 
-    fn measure(&self, steps: u32) -> Result<TemporalRun, GronwallError> {
+    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError> {
         self.measure_model(&self.setup.model, steps)
     }
 

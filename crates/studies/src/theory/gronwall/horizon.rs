@@ -3,8 +3,7 @@
 
 use super::GronwallError;
 use super::bounds::Bounds;
-use super::judged::Judged;
-use super::measure::TemporalRun;
+use super::estimate::Judged;
 use super::prepare::prepare;
 use algebra::linalg::largest;
 use scene::setup::Subject;
@@ -74,9 +73,8 @@ pub(crate) fn horizons(
     let mut rows: Vec<HorizonRow> = Vec::new();
     let mut violations = Vec::new();
     for (&horizon, &steps) in sorted.iter().zip(&steps) {
-        let estimate = run.estimate.up_to(steps as usize);
-        let judged = Judged::new(TemporalRun::without_truncation(estimate))?;
-        let estimate = &judged.run.estimate;
+        let judged = Judged::new(run.up_to(steps as usize))?;
+        let estimate = &judged.estimate;
         let error = largest(&estimate.error);
         let before = rows.last();
         rows.push(HorizonRow {

@@ -3,7 +3,6 @@
 use super::GronwallError;
 use super::constants::InequalityConstants;
 use super::estimate::Estimate;
-use super::measure::TemporalRun;
 use vhi::history::TimeGrid;
 
 /// A scene with its truth in time, ready to run on any of the grids it was prepared for. Vectors are
@@ -22,7 +21,7 @@ pub trait InTime {
     ///
     /// # Errors
     /// The run or the truth fails.
-    fn measure(&self, steps: u32) -> Result<TemporalRun, GronwallError>;
+    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError>;
 
     /// f_0, …, f_N.
     ///

@@ -1,6 +1,6 @@
 //! Every level of a study as a table.
 
-use super::judged::Judged;
+use super::estimate::Judged;
 use super::study::Study;
 use crate::table;
 
@@ -14,8 +14,12 @@ impl Study {
     }
 }
 
-fn levels(part: &str, Judged { run, envelopes, .. }: &Judged) -> Vec<[(&'static str, String); 15]> {
-    let (estimate, grid) = (&run.estimate, &run.estimate.grid);
+fn levels(
+    part: &str,
+    Judged { estimate, envelopes, .. }: &Judged,
+) -> Vec<[(&'static str, String); 15]> {
+    let grid = &estimate.grid;
+    let [zeta, memory] = &estimate.truncation;
     let number = |value: f64| format!("{value:e}");
     let level = |n: usize| {
         let at_n = |values: &[f64]| values.get(n).map_or_else(String::new, |value| number(*value));
@@ -27,8 +31,8 @@ fn levels(part: &str, Judged { run, envelopes, .. }: &Judged) -> Vec<[(&'static 
             ("n", n.to_string()),
             ("t", number(grid.time(n))),
             ("error", at_n(&estimate.error)),
-            ("g_zeta", at_n(&run.truncation_zeta)),
-            ("g_memory", at_n(&run.truncation_memory)),
+            ("g_zeta", at_n(zeta)),
+            ("g_memory", at_n(memory)),
             ("source", at_n(&estimate.source)),
             ("weighted", bounds.weighted),
             ("primed", bounds.primed),

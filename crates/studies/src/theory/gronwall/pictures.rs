@@ -4,8 +4,9 @@
 
 use super::HorizonRow;
 use super::bounds::Bounds;
+use super::estimate::Effectivity;
 use super::horizon::Horizons;
-use super::study::{Effectivity, StudiedGrid, Study};
+use super::study::{StudiedGrid, Study};
 use report::{Axis, Chart, Datum, Part, Scale, Series};
 
 /// A picture: the stem of its file name, what it shows, and the chart, which may have nothing to show.
@@ -38,7 +39,7 @@ impl Study {
             grid.steps,
             self.mesh()
         );
-        let (estimate, envelopes) = (&grid.judged.run.estimate, &grid.judged.envelopes);
+        let (estimate, envelopes) = (&grid.judged.estimate, &grid.judged.envelopes);
         let data = |values: &[f64]| -> Vec<Datum> {
             estimate.grid.times().iter().copied().zip(values.iter().copied()).skip(1).collect()
         };

@@ -23,6 +23,9 @@ pub struct StepTooLarge {
     pub weight: f64,
 }
 
+/// E_n, or a bound of it, at every n; none where the lemma's hypothesis fails.
+pub type Solved = Result<Vec<f64>, StepTooLarge>;
+
 pub(super) fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTooLarge> {
     let remaining = 1.0 - factor * weight;
     // NaN is refused as well.
@@ -33,11 +36,7 @@ pub(super) fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTo
 ///
 /// # Errors
 /// C2 a_nn ≥ 1.
-pub(super) fn solved(
-    source: &[f64],
-    c2: f64,
-    row: impl Fn(usize) -> Vec<f64>,
-) -> Result<Vec<f64>, StepTooLarge> {
+pub(super) fn solved(source: &[f64], c2: f64, row: impl Fn(usize) -> Vec<f64>) -> Solved {
     let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
     for (n, s) in source.iter().enumerate() {
         let row = row(n);
@@ -64,11 +63,7 @@ pub(super) fn amplified(source: &[f64], factors: impl IntoIterator<Item = f64>) 
 ///
 /// # Errors
 /// C2 k_n/2 ≥ 1.
-pub(crate) fn primed_closed(
-    grid: &TimeGrid,
-    source: &[f64],
-    c2: f64,
-) -> Result<Vec<f64>, StepTooLarge> {
+pub(crate) fn primed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
     let mut amplification = 1.0;
     let from_rest = source.first().is_none_or(|s| *s == 0.0);
     let factor = |n: usize| {
@@ -93,7 +88,7 @@ pub(crate) fn closed_limit(grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64>
 ///
 /// # Errors
 /// C2 k ≥ 1.
-pub(crate) fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+pub(crate) fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
     let k = grid.largest_step();
     solved(source, c2, |n| vec![k; n + 1])
 }
@@ -103,11 +98,7 @@ pub(crate) fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f
 ///
 /// # Errors
 /// C2 k ≥ 1.
-pub(crate) fn unprimed_closed(
-    grid: &TimeGrid,
-    source: &[f64],
-    c2: f64,
-) -> Result<Vec<f64>, StepTooLarge> {
+pub(crate) fn unprimed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
     let k = grid.largest_step();
     let remaining = solvable(0, c2, k)?;
     let factor = |n: usize| (c2 * k * n as f64 / remaining).exp() / remaining;
@@ -124,7 +115,7 @@ pub(crate) fn weighted(
     source: &[f64],
     m0: f64,
     parts: &[HistoryPart],
-) -> Result<Vec<f64>, StepTooLarge> {
+) -> Solved {
     let scaled: Vec<f64> = source.iter().map(|s| s / m0).collect();
     let entry = |n: usize, j: usize| {
         let weight = rule.weight(grid, n, j);

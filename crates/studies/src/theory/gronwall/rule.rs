@@ -1,7 +1,7 @@
 //! Gronwall's inequality with the weights of a rule: the recurrence on any grid, and a closed form of it.
 
 use super::mittag_leffler::mittag_leffler;
-use super::recurrence::{StepTooLarge, amplified, closed_limit, primed_closed, solvable, solved};
+use super::recurrence::{Solved, amplified, closed_limit, primed_closed, solvable, solved};
 use statrs::function::gamma::gamma;
 use vhi::history::{ClosedForm, TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
@@ -59,11 +59,7 @@ impl Weights {
 
     /// w_n0, …, w_nn.
     pub fn row(self, grid: &TimeGrid, n: usize) -> Vec<f64> {
-        let rule = self.rule();
-        match self.are_the_papers() {
-            true => (0..=n).map(|j| rule.weight(grid, n, j)).collect(),
-            false => rule.kernel_row(&Power(self.power), grid, n),
-        }
+        self.rule().kernel_row(&Power(self.power), grid, n)
     }
 
     /// What C2 stands beside on a step k: k, or k^{1-a}.
@@ -81,12 +77,7 @@ impl Weights {
     ///
     /// # Errors
     /// C2 w_nn ≥ 1.
-    pub fn envelope(
-        self,
-        grid: &TimeGrid,
-        source: &[f64],
-        c2: f64,
-    ) -> Result<Vec<f64>, StepTooLarge> {
+    pub fn envelope(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
         solved(source, c2, |n| self.row(grid, n))
     }
 
@@ -101,12 +92,7 @@ impl Weights {
     ///
     /// # Errors
     /// θ ≥ 1, or c > 1 by Gregory's rules.
-    pub fn closed(
-        self,
-        grid: &TimeGrid,
-        source: &[f64],
-        c2: f64,
-    ) -> Result<Vec<f64>, StepTooLarge> {
+    pub fn closed(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
         let (share, beyond, most) = match self.form {
             ClosedForm::Paper => return primed_closed(grid, source, c2),
             ClosedForm::Corrected { share, beyond, most } => (share, beyond, most),

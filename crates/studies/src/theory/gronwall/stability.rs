@@ -8,10 +8,8 @@
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
 use super::GronwallError;
-use super::estimate::{Estimate, effectivities};
+use super::estimate::{Effectivity, Estimate, Judged};
 use super::in_time::InTime;
-use super::judged::Judged;
-use super::measure::TemporalRun;
 use algebra::linalg::{largest, signed_unit};
 use serde::Serialize;
 use vhi::history::TimeGrid;
@@ -27,11 +25,8 @@ pub enum LoadShape {
 }
 
 impl LoadShape {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Smooth => "smooth",
-            Self::Random => "random",
-        }
+    pub(crate) fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
     }
 }
 
@@ -65,10 +60,9 @@ pub struct Perturbation {
 
 impl Perturbation {
     fn new((shape, size): (LoadShape, f64), estimate: Estimate) -> Result<Self, GronwallError> {
-        let judged = Judged::new(TemporalRun::without_truncation(estimate))?;
-        let (estimate, envelopes) = (&judged.run.estimate, &judged.envelopes);
+        let judged = Judged::new(estimate)?;
+        let (estimate, envelopes) = (&judged.estimate, &judged.envelopes);
         let (load, difference) = (largest(&estimate.source), largest(&estimate.error));
-        let ratios = effectivities(&envelopes.weighted, estimate);
         Ok(Self {
             shape,
             size,
@@ -78,7 +72,7 @@ impl Perturbation {
             growth: estimate.m0 * difference / load,
             weighted: largest(&envelopes.weighted),
             primed: largest(&envelopes.primed),
-            least_effectivity: ratios.into_iter().flatten().reduce(f64::min),
+            least_effectivity: Effectivity::new(&envelopes.weighted, estimate).least,
             judged,
         })
     }

@@ -3,10 +3,8 @@
 use super::GronwallError;
 use super::bounds::Bounds;
 use super::constants::InequalityConstants;
-use super::estimate::{Estimate, LinkViolation, effectivities};
+use super::estimate::{Effectivity, Estimate, Judged, LinkViolation};
 use super::horizon::{Horizons, horizons};
-use super::judged::Judged;
-use super::measure::TemporalRun;
 use super::prepare::prepare;
 use super::stability::{Perturbation, perturbations};
 use algebra::linalg::largest;
@@ -76,36 +74,16 @@ pub struct FailedLink {
     pub violation: LinkViolation,
 }
 
-/// bound/e of one grid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Effectivity {
-    /// At t_N = T; absent if e_N is at its floor.
-    pub at_end: Option<f64>,
-    /// max_n bound/max_n e.
-    pub of_maxima: f64,
-    /// The least over n ≥ 1: how close the bound comes to being attained.
-    pub least: Option<f64>,
-}
-
-impl Effectivity {
-    pub(crate) fn new(bound: &[f64], estimate: &Estimate) -> Self {
-        let ratios = effectivities(bound, estimate);
-        Self {
-            at_end: ratios.last().copied().flatten(),
-            of_maxima: largest(bound) / largest(&estimate.error),
-            least: ratios.into_iter().flatten().reduce(f64::min),
-        }
-    }
-}
-
 impl StudiedGrid {
-    fn new(run: TemporalRun) -> Result<Self, GronwallError> {
-        let judged = Judged::new(run)?;
-        let (estimate, truncation) = (&judged.run.estimate, judged.run.truncation());
+    fn new(estimate: Estimate) -> Result<Self, GronwallError> {
+        let judged = Judged::new(estimate)?;
+        let estimate = &judged.estimate;
+        let [zeta, memory] = &estimate.truncation;
+        let truncation: Vec<f64> = zeta.iter().zip(memory).map(|(z, b)| z + b).collect();
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
         let k = estimate.grid.largest_step();
         Ok(Self {
-            steps: judged.run.steps,
+            steps: estimate.grid.steps() as u32,
             k,
             c2_k: estimate.c2() * estimate.weights.of_step(k),
             error_end: last(&estimate.error),
@@ -161,24 +139,24 @@ impl Study {
 
     /// All runs, each with its name in the table of levels and in words.
     pub(super) fn judged(&self) -> impl Iterator<Item = (String, String, &Judged)> {
-        let grid = |grid: &'_ StudiedGrid| ("time".to_owned(), format!("N = {}", grid.steps));
-        let grids = self.grids.iter().map(move |of| (grid(of), &of.judged));
-        let words = |h: &Horizons| ("horizon".to_owned(), format!("horizons, k = {}", h.k));
-        let horizons = self.horizons.iter().map(move |h| (words(h), &h.judged));
+        let grids = self.grids.iter();
+        let grids = grids.map(|g| ("time".into(), format!("N = {}", g.steps), &g.judged));
+        let horizons = self.horizons.iter();
+        let horizons =
+            horizons.map(|h| ("horizon".into(), format!("horizons, k = {}", h.k), &h.judged));
         let perturbations = self.perturbations.iter().map(|p| {
             let (shape, size) = (p.shape.name(), p.size);
-            let words = format!("{shape} perturbation {size:e}");
-            ((format!("{shape}-{size:e}"), words), &p.judged)
+            (format!("{shape}-{size:e}"), format!("{shape} perturbation {size:e}"), &p.judged)
         });
-        let all = grids.chain(horizons).chain(perturbations);
-        all.map(|((name, words), judged)| (name, words, judged))
+        grids.chain(horizons).chain(perturbations)
     }
 
     fn failed_links(&self) -> Vec<FailedLink> {
-        let failed = |(_, part, judged): (String, String, &Judged)| {
-            let of = |v: &LinkViolation| FailedLink { part: part.clone(), violation: v.clone() };
-            judged.violations.iter().map(of).collect::<Vec<_>>()
-        };
-        self.judged().flat_map(failed).collect()
+        let failed = self.judged().flat_map(|(_, part, judged)| {
+            let of =
+                move |v: &LinkViolation| FailedLink { part: part.clone(), violation: v.clone() };
+            judged.violations.iter().map(of)
+        });
+        failed.collect()
     }
 }

@@ -47,8 +47,7 @@ pub struct ReferenceLevels {
     /// max_n ‖ε(u_ref - u)‖ by Richardson from a run with half the steps; it is a part of every
     /// measured e_n, and none of the inequalities.
     pub own_error: f64,
-    /// Every `stride`-th level.
-    stride: u32,
+    /// Every [`REFERENCE_STEPS`]-th level.
     levels: Vec<TruthAtLevel>,
 }
 
@@ -98,11 +97,8 @@ impl TemporalTruth {
 
     /// What formulas and quadrature leave in u(t), relative to its size.
     pub(crate) fn accuracy(&self) -> f64 {
-        match self {
-            // ζ and the memory integrals of the exact side.
-            Self::Exact(_) => 1e-12,
-            Self::Reference(_) => 0.0,
-        }
+        // ζ and the memory integrals of the exact side.
+        if matches!(self, Self::Exact(_)) { 1e-12 } else { 0.0 }
     }
 }
 
@@ -112,10 +108,8 @@ fn exact_level(
     t: f64,
 ) -> Result<TruthAtLevel, LoadError> {
     let (u, memory) = exact.displacements(t)?;
-    let zeta = match &setup.body.material.projection {
-        Some(_) => exact.zeta(t)?,
-        None => f64::NAN,
-    };
+    let yields = setup.body.material.projection.is_some();
+    let zeta = if yields { exact.zeta(t)? } else { f64::NAN };
     Ok(TruthAtLevel { t, u, memory, zeta })
 }
 
@@ -177,20 +171,18 @@ fn pressures(
 impl ReferenceLevels {
     fn run(setup: &Setup, data: &MeshData, steps: &[u32]) -> Result<Self, GronwallError> {
         let common = steps.iter().copied().fold(1, lowest_common_multiple);
-        let total = REFERENCE_STEPS * common;
-        // The finest grid that contains all others keeps every stride-th level.
-        let stride = total / common;
-        let levels = kept(setup, data, total, stride)?;
-        let half = kept(setup, data, total / 2, stride / 2)?;
+        // The levels of the coarsest grid that contains all others.
+        let levels = kept(setup, data, common, REFERENCE_STEPS)?;
+        let half = kept(setup, data, common, REFERENCE_STEPS / 2)?;
         let distance =
             |(a, b): (&TruthAtLevel, &TruthAtLevel)| strain_distance(&data.space, &a.u, &b.u);
         let apart = levels.iter().zip(&half).map(distance).fold(0.0, f64::max);
-        Ok(Self { steps: total, own_error: apart / 3.0, stride, levels })
+        Ok(Self { steps: REFERENCE_STEPS * common, own_error: apart / 3.0, levels })
     }
 
     fn at(&self, grid: &TimeGrid, steps: u32) -> Result<Vec<TruthAtLevel>, GronwallError> {
         let refused = || GronwallError::NotNested { steps, reference: self.steps };
-        let every = self.steps / self.stride;
+        let every = self.steps / REFERENCE_STEPS;
         if !every.is_multiple_of(steps) {
             return Err(refused());
         }
@@ -204,14 +196,14 @@ impl ReferenceLevels {
     }
 }
 
-/// Every `stride`-th level of a run.
+/// Every `stride`-th level of a run, `count` of them beside the first.
 fn kept(
     setup: &Setup,
     data: &MeshData,
-    steps: u32,
+    count: u32,
     stride: u32,
 ) -> Result<Vec<TruthAtLevel>, GronwallError> {
-    let mut levels = Vec::new();
+    let (steps, mut levels) = (stride * count, Vec::new());
     data.march(setup, steps, &Newton::default(), &mut |view| {
         if view.n % stride as usize == 0 {
             let memory = view.history.to_vec();

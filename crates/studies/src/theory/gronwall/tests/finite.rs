@@ -13,8 +13,8 @@ fn abstract_setup(name: &str) -> AbstractSetup {
     }
 }
 
-fn violations(run: &TemporalRun) -> Vec<LinkViolation> {
-    run.estimate.envelopes().unwrap().violations(&run.estimate)
+fn violations(run: &Estimate) -> Vec<LinkViolation> {
+    run.envelopes().unwrap().violations(run)
 }
 
 /// Uniform, graded and random steps, convolutions and general kernels, contact events.
@@ -27,10 +27,10 @@ fn the_chain_holds_on_uniform_graded_and_random_grids() {
             let run = scene.measure(steps).unwrap();
             assert_eq!(violations(&run), [], "{name} {steps}");
             let last = steps as usize;
-            assert!(run.estimate.error[last] > 1e3 * run.estimate.floor, "{name} {steps}");
+            assert!(run.error[last] > 1e3 * run.floor, "{name} {steps}");
             // Truncation is of order 2: k² times a constant that the scenes keep below 1.
-            let k = run.estimate.grid.largest_step();
-            assert!(run.truncation_memory[last] < k * k, "{name} {steps}");
+            let k = run.grid.largest_step();
+            assert!(run.truncation[1][last] < k * k, "{name} {steps}");
         }
     }
 }
@@ -72,13 +72,13 @@ fn constants_are_those_of_the_step_bound() {
     let setup = abstract_setup("abstract-contact");
     let scene = FiniteInTime::new(&setup).unwrap();
     let run = scene.measure(64).unwrap();
-    let c2 = run.estimate.c2();
+    let c2 = run.c2();
     assert!(
         (c2 * setup.constants.step_bounds(setup.model.time_rule.as_ref()).limit() - 1.0).abs()
             < 1e-12,
         "{c2}"
     );
-    let part = &run.estimate.parts[0];
+    let part = &run.parts[0];
     assert!((part.norms.maximum(64).expect("norms") / part.supremum - 1.0).abs() < 1e-12);
 }
 

@@ -6,13 +6,10 @@ use scene::setup::MeshData;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 
 /// The run of a scene, and the constants.
-fn measured(name: &str, n: u32, steps: u32) -> (TemporalRun, GronwallConstants) {
+fn measured(name: &str, n: u32, steps: u32) -> (Estimate, GronwallConstants) {
     let setup = setup(name);
-    let data = MeshData::new(&setup, n, None).unwrap();
-    let truth = TemporalTruth::new(&setup, &data, &[steps]).unwrap();
-    let constants = GronwallConstants::new(&setup).unwrap();
-    let run = TemporalRun::measure(&setup, &setup.model, &data, &truth, &constants, steps).unwrap();
-    (run, constants)
+    let scene = ContactInTime::new(&setup, n, &[steps]).unwrap();
+    (scene.measure(steps).unwrap(), scene.constants)
 }
 
 /// ∫_0^{t_n} f minus its trapezoidal sum, from an antiderivative.
@@ -28,14 +25,14 @@ fn defect(grid: &TimeGrid, n: usize, f: fn(f64) -> f64, integral: fn(f64) -> f64
 fn truncation_and_error_of_a_linear_scene_are_those_of_a_scalar_recurrence() {
     let (run, constants) = measured("long-growing", 4, 32);
     assert_eq!((constants.m0, constants.beta, constants.summary().lipschitz), (2.0, 1.0, 0.5));
-    let grid = &run.estimate.grid;
+    let grid = &run.grid;
     let size = |p: f64, q: f64| (0.5 * p * p + q * q).sqrt();
     let (mut p, mut q): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     for n in 0..=32 {
         let b = defect(grid, n, |t| 0.3 * (2.0 * t).sin(), |t| -0.15 * (2.0 * t).cos());
         let a = defect(grid, n, |t| 0.05 * (1.0 - t.cos()), |t| 0.05 * (t - t.sin()));
         // Rounding of sums of 33 terms of size 0.3 times k = 1/8: 1e-15; so below.
-        assert!((run.truncation_memory[n] - 0.5 * size(b, a)).abs() < 1e-13);
+        assert!((run.truncation[1][n] - 0.5 * size(b, a)).abs() < 1e-13);
         let next = |defect: f64, known: &[f64]| {
             let past: f64 =
                 known.iter().enumerate().map(|(j, e)| Trapezoid.weight(grid, n, j) * e).sum();
@@ -44,10 +41,10 @@ fn truncation_and_error_of_a_linear_scene_are_those_of_a_scalar_recurrence() {
         let (x, y) = (next(b, &p), next(a, &q));
         p.push(x);
         q.push(y);
-        assert!((run.estimate.error[n] - size(x, y)).abs() < 1e-12, "{n}");
+        assert!((run.error[n] - size(x, y)).abs() < 1e-12, "{n}");
     }
-    assert!(run.truncation_zeta.iter().all(|g| *g == 0.0));
-    assert!(run.estimate.error[32] > 1e-5);
+    assert!(run.truncation[0].iter().all(|g| *g == 0.0));
+    assert!(run.error[32] > 1e-5);
 }
 
 /// affine: ∫e^{-(t-s)}b = 0.3 (sin 2t - 2cos 2t + 2e^{-t})/5 and ∫e^{-(t-s)}a = 0.08[2(t-1+e^{-t}) -
@@ -58,7 +55,7 @@ fn truncation_of_a_fading_memory_is_that_of_the_closed_form() {
     assert_eq!((constants.m0, constants.trace_bound), (1.5, Some(1.0)));
     assert!((constants.yielding - 0.05).abs() < 1e-15);
     assert!((constants.summary().c2 - 4.0 / 3.0).abs() < 1e-12);
-    let grid = &run.estimate.grid;
+    let grid = &run.grid;
     for n in 0..=16 {
         let t = grid.time(n);
         let fade = (-t).exp();
@@ -75,7 +72,7 @@ fn truncation_of_a_fading_memory_is_that_of_the_closed_form() {
         let a = a_exact - sum(|s| 0.08 * s * (2.0 - s));
         // ε_xy = -b/2, ε_yy = a: stress 0.25 a, 0.75 a on the diagonal, -0.25 b off it.
         let stress = (0.0625 * a * a + 0.5625 * a * a + 2.0 * 0.0625 * b * b).sqrt();
-        assert!((run.truncation_memory[n] - stress).abs() < 1e-12, "{n}");
+        assert!((run.truncation[1][n] - stress).abs() < 1e-12, "{n}");
     }
 }
 
@@ -93,7 +90,7 @@ fn a_reference_knows_its_own_error() {
     assert!((coarse / fine - 4.0).abs() < 0.2, "{coarse} {fine}");
     let (run, _) = measured("linear-punch", 8, 8);
     // An 8 times finer run of order 2 leaves 1/64.
-    assert!(coarse < run.estimate.error[8] / 32.0);
+    assert!(coarse < run.error[8] / 32.0);
 }
 
 /// A field that is not in V^h is not taken for an exact state.

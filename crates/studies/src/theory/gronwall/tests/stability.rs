@@ -5,7 +5,7 @@ use super::super::finite_scene::FiniteInTime;
 use super::super::stability::perturbations;
 use super::super::*;
 use super::{setup, subject};
-use crate::theory::dual_norm::DualNorm;
+use crate::theory::norms::DualNorm;
 use fem::contact::{strain_norm, stress_force};
 use fem::space::strain_of;
 use scene::setup::{MeshData, Subject};

@@ -1,0 +1,68 @@
+//! The dual norm of V^h, and that of the stresses which the rule in time remembers.
+
+use algebra::in_dimension;
+use algebra::linalg::{FactorError, axpy, dot};
+use algebra::tensor::contract;
+use fem::contact::{Discretization, MemoryTerm, StiffnessInverse};
+use fem::space::StrainPoint;
+use vhi::history::{Memory, TimeGrid, TimeRule};
+use vhi::law::{Convolution, TensorField};
+
+/// ‖F‖_* = sup F(v)/‖ε(v)‖ over V^h, by one solve with the strain stiffness.
+pub(crate) struct DualNorm<'a> {
+    gram: StiffnessInverse<'a>,
+}
+
+impl<'a> DualNorm<'a> {
+    /// Factorizes (ε(u), ε(v)).
+    ///
+    /// # Errors
+    /// The factorization's.
+    pub(crate) fn new(space: &'a Discretization) -> Result<Self, FactorError> {
+        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
+        Ok(Self { gram })
+    }
+
+    /// ‖F‖_* of a vector over the unknowns.
+    pub(crate) fn of(&mut self, load: &[f64]) -> f64 {
+        let mut riesz = load.to_vec();
+        self.gram.solve(&mut riesz);
+        dot(load, &riesz).max(0.0).sqrt()
+    }
+}
+
+/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory, with their jumps where functions have them.
+pub(crate) fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
+    fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
+        let square = |at: StrainPoint<'_>| {
+            let mut stress = [0.0; S];
+            for (term, v) in terms.iter().zip(v) {
+                let part = term.tensor.on(space.region(at.cell)).apply(&at.strain::<S>(v));
+                stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
+            }
+            at.weight * contract(&stress, &stress)
+        };
+        space.points().map(square).sum()
+    }
+    let jumps = terms.iter().zip(v).map(|(term, v)| (&term.tensor, &v[..]));
+    let cells = in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, terms, v));
+    (cells + space.jump_stress_square(jumps)).sqrt()
+}
+
+/// Σ_{j ≤ n} W_nj v_j by the kernel of each term; `histories` have v_0, …, v_{n-1} and take v_n = `v`.
+pub(crate) fn remembered(
+    terms: &[MemoryTerm],
+    histories: &mut [Memory],
+    rule: &dyn TimeRule,
+    (grid, n): (&TimeGrid, usize),
+    v: &[f64],
+) -> Vec<Vec<f64>> {
+    let sum = |(term, history): (&MemoryTerm, &mut Memory)| {
+        let (kernel, mut sum) = (&*term.kernel, vec![0.0; v.len()]);
+        history.past(kernel, rule, grid, &mut sum);
+        history.commit(grid, v);
+        axpy(rule.kernel_weight(&Convolution(kernel), grid, n, n), v, &mut sum);
+        sum
+    };
+    terms.iter().zip(histories).map(sum).collect()
+}
