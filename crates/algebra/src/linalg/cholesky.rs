@@ -133,7 +133,7 @@ impl Analysis {
         let supernode = |s: usize| {
             let rows = raw.col_ptr_for_row_idx();
             let width = raw.supernode_end()[s] - raw.supernode_begin()[s];
-            let height = width + (rows[s + 1] - rows[s]) as u32;
+            let height = width + rows[s + 1] - rows[s];
             (0..width).map(|j| f64::from(height - j).powi(2)).sum::<f64>()
         };
         (0..raw.n_supernodes()).map(supernode).sum()
