@@ -6,6 +6,7 @@ use super::super::gmres::Preconditioned;
 use super::super::jacobian::Jacobian;
 use super::super::multigrid_sequence::MultigridSequence;
 use super::super::signed_unit;
+use super::super::tangent_solver::TangentSolver;
 use super::*;
 
 const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
