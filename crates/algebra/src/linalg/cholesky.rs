@@ -1,14 +1,11 @@
 //! Sparse Cholesky factorization (faer, supernodal): one symbolic analysis per pattern. It runs on one thread, so that
 //! results are bit-identical under any machine load.
 
-use std::ops::{Add, AddAssign, Div, DivAssign, Mul, Sub, SubAssign};
-
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -70,33 +67,16 @@ pub struct Analysis {
 }
 
 /// Number type of a factor: f64, or f32 for a preconditioner.
-pub trait Real:
-    faer::traits::RealField
-    + Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + AddAssign
-    + SubAssign
-    + DivAssign
-{
+pub trait Real: faer::traits::RealField + nalgebra::RealField + Copy {
     const ZERO: Self;
-    fn finite(self) -> bool;
 }
 
 impl Real for f64 {
     const ZERO: Self = 0.0;
-    fn finite(self) -> bool {
-        self.is_finite()
-    }
 }
 
 impl Real for f32 {
     const ZERO: Self = 0.0;
-    fn finite(self) -> bool {
-        self.is_finite()
-    }
 }
 
 /// Values of a factorization L Lᵀ.
@@ -149,21 +129,14 @@ impl Analysis {
 
     /// Multiplications of one factorization: Σ over columns of their length squared.
     pub fn multiplications(&self) -> f64 {
-        let columns = |begin: usize, end: usize, below: usize| -> f64 {
-            (0..end - begin).map(|j| ((end - begin - j + below) as f64).powi(2)).sum()
+        let Some(raw) = self.supernodes() else { return 0.0 };
+        let supernode = |s: usize| {
+            let rows = raw.col_ptr_for_row_idx();
+            let width = raw.supernode_end()[s] - raw.supernode_begin()[s];
+            let height = width + rows[s + 1] - rows[s];
+            (0..width).map(|j| f64::from(height - j).powi(2)).sum::<f64>()
         };
-        match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Supernodal(raw) => (0..raw.n_supernodes())
-                .map(|s| {
-                    let rows = raw.col_ptr_for_row_idx();
-                    let [begin, end] = [raw.supernode_begin()[s], raw.supernode_end()[s]];
-                    columns(begin as usize, end as usize, (rows[s + 1] - rows[s]) as usize)
-                })
-                .sum(),
-            SymbolicCholeskyRaw::Simplicial(raw) => {
-                raw.col_ptr().windows(2).map(|c| f64::from(c[1] - c[0]).powi(2)).sum()
-            }
-        }
+        (0..raw.n_supernodes()).map(supernode).sum()
     }
 
     /// An empty factor of this pattern.
@@ -201,7 +174,7 @@ impl Analysis {
         );
         match outcome {
             Ok(_) => Ok(()),
-            Err(_) if values.iter().any(|v| !v.finite()) => Err(FactorError::NotFinite),
+            Err(_) if values.iter().any(|v| !v.is_finite()) => Err(FactorError::NotFinite),
             Err(LltError::NonPositivePivot { index }) => {
                 // The index is in the permuted order of the supernodal factorization.
                 let dof = match self.symbolic.perm() {

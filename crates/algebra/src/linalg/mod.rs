@@ -1,6 +1,5 @@
 //! Sparse symmetric matrices over node blocks, their assembly, Cholesky factorization and multigrid.
 
-mod ahead;
 mod cholesky;
 mod complement;
 mod conjugate_gradient;

@@ -11,6 +11,8 @@ mod galerkin;
 mod gauss_seidel;
 mod transfer;
 
+use crate::in_dimension;
+
 use super::cholesky::{Analysis, Factor, FactorError, Workspace};
 use super::nested_dissection;
 use super::pattern::BlockPattern;
@@ -50,8 +52,10 @@ impl Levels {
             let pattern = patterns.last().unwrap_or(fine);
             let (transfer, coarse_nodes) = Transfer::new(parents, &nodes, pattern.nodes());
             let coarse = transfer.coarse_pattern(pattern);
-            coordinates = transfer.twins.iter().flat_map(|&t| at(&coordinates, d, t)).collect();
-            (nodes, transfers) = (coarse_nodes, with(transfers, transfer));
+            let twins = transfer.twins.iter().map(|&twin| d * twin as usize);
+            coordinates = twins.flat_map(|at| coordinates[at..at + d].to_vec()).collect();
+            nodes = coarse_nodes;
+            transfers.push(transfer);
             patterns.push(coarse);
         }
         let Some(last) = patterns.last() else { return Ok(None) };
@@ -73,27 +77,15 @@ impl Levels {
     }
 }
 
-fn at(coordinates: &[f64], d: usize, node: u32) -> Vec<f64> {
-    coordinates[d * node as usize..d * (node as usize + 1)].to_vec()
-}
-
-fn with(mut list: Vec<Transfer>, last: Transfer) -> Vec<Transfer> {
-    list.push(last);
-    list
-}
-
-/// The parts of a cycle.
+/// The parts of a cycle that make it symmetric.
 pub(super) trait Parts {
-    /// Pre-smoothing from zero; `rest` ← `right` - A `x`.
-    fn before(&self, sweeps: &Sweeps, pattern: &BlockPattern, vectors: &mut Vectors) {
-        sweeps.forward(pattern, &vectors.right, &mut vectors.solution, &mut vectors.rest);
-    }
     /// `coarse` ← Pᵀ `rest`.
-    fn restrict(&self, transfer: &Transfer, turns: &Turns, rest: &[f32], coarse: &mut [f32]) {
-        transfer.restrict(turns, rest, coarse);
+    fn restrict<const D: usize>(&self, by: (&Transfer, &Turns), rest: &[f32], coarse: &mut [f32]) {
+        by.0.restrict::<D>(by.1, rest, coarse);
     }
-    fn after(&self, sweeps: &Sweeps, pattern: &BlockPattern, vectors: &mut Vectors) {
-        sweeps.backward(pattern, &vectors.right, &mut vectors.solution, &mut vectors.rest);
+    /// Post-smoothing.
+    fn after<const D: usize>(&self, by: (&Sweeps, &BlockPattern), vectors: &mut Vectors) {
+        by.0.backward::<D>(by.1, &vectors.right, &mut vectors.solution, &mut vectors.rest);
     }
 }
 
@@ -159,25 +151,32 @@ impl<'a, C: Parts> Multigrid<'a, C> {
     /// [`FactorError::NotPositiveDefinite`] if the block of a node on any level, or the coarsest matrix, is
     /// not; it names the fine unknown at the same vertex.
     pub(super) fn set(&mut self, values: &[f64], held: &[usize]) -> Result<(), FactorError> {
-        let d = self.fine.dimension();
+        in_dimension!(self.fine.dimension(), D => self.set_in::<D>(values, held))
+    }
+
+    fn set_in<const D: usize>(
+        &mut self,
+        values: &[f64],
+        held: &[usize],
+    ) -> Result<(), FactorError> {
         let diagonal = |dof: usize| values[self.fine.diagonal(dof)].abs();
         self.scale = (0..self.fine.order()).map(diagonal).fold(f64::MIN_POSITIVE, f64::max);
         if !self.scale.is_finite() {
             return Err(FactorError::NotFinite);
         }
-        self.turns.set(d, self.fine.nodes(), &self.levels.frames, held);
+        self.turns.set(D, self.fine.nodes(), &self.levels.frames, held);
         for level in 0..self.levels.patterns.len() {
             let (done, rest) = self.values.split_at_mut(level);
             let (pattern, finer) = match done.last() {
                 Some(coarse) => (&self.levels.patterns[level - 1], coarse.as_slice()),
                 None => (self.fine, values),
             };
-            let indefinite = |dof| self.levels.indefinite(level, d, dof);
-            self.sweeps[level].set(pattern, finer, self.scale).map_err(indefinite)?;
+            let indefinite = |dof| self.levels.indefinite(level, D, dof);
+            self.sweeps[level].set::<D>(pattern, finer, self.scale).map_err(indefinite)?;
             let none = Turns::default();
             let turns = if level == 0 { &self.turns } else { &none };
             let coarse = &self.levels.patterns[level];
-            galerkin(
+            galerkin::<D>(
                 (pattern, finer),
                 &self.levels.transfers[level],
                 turns,
@@ -190,7 +189,7 @@ impl<'a, C: Parts> Multigrid<'a, C> {
         self.levels.coarsest.factorize(last, values, &mut self.factor, &mut self.workspace).map_err(
             |error| match error {
                 FactorError::NotPositiveDefinite { dof } => {
-                    self.levels.indefinite(self.levels.patterns.len(), d, dof)
+                    self.levels.indefinite(self.levels.patterns.len(), D, dof)
                 }
                 other => other,
             },
@@ -206,25 +205,26 @@ impl<'a, C: Parts> Multigrid<'a, C> {
         for (right, value) in self.vectors[0].right.iter_mut().zip(&*x) {
             *right = (value / size) as f32;
         }
-        self.descend(0);
+        in_dimension!(self.fine.dimension(), D => self.descend::<D>(0));
         for (value, solution) in x.iter_mut().zip(&self.vectors[0].solution) {
             *value = f64::from(*solution) * (size / self.scale);
         }
     }
 
-    fn descend(&mut self, level: usize) {
+    fn descend<const D: usize>(&mut self, level: usize) {
         let Some(sweeps) = self.sweeps.get(level) else { return self.solve_coarsest() };
         let pattern = if level == 0 { self.fine } else { &self.levels.patterns[level - 1] };
         let (finer, coarser) = self.vectors.split_at_mut(level + 1);
-        self.parts.before(sweeps, pattern, &mut finer[level]);
+        let Vectors { right, solution, rest } = &mut finer[level];
+        sweeps.forward::<D>(pattern, right, solution, rest);
         let (transfer, none) = (&self.levels.transfers[level], Turns::default());
         let turns = if level == 0 { &self.turns } else { &none };
-        self.parts.restrict(transfer, turns, &finer[level].rest, &mut coarser[0].right);
-        self.descend(level + 1);
+        self.parts.restrict::<D>((transfer, turns), rest, &mut coarser[0].right);
+        self.descend::<D>(level + 1);
         let (finer, coarser) = self.vectors.split_at_mut(level + 1);
         let turns = if level == 0 { &self.turns } else { &none };
-        transfer.add_interpolated(turns, &coarser[0].solution, &mut finer[level].solution);
-        self.parts.after(&self.sweeps[level], pattern, &mut finer[level]);
+        transfer.add_interpolated::<D>(turns, &coarser[0].solution, &mut finer[level].solution);
+        self.parts.after::<D>((&self.sweeps[level], pattern), &mut finer[level]);
     }
 
     fn solve_coarsest(&mut self) {

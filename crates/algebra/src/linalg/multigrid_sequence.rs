@@ -10,6 +10,7 @@ use super::jacobian::{Jacobian, RankOne};
 use super::multigrid::{Levels, Multigrid, Symmetric};
 use super::pattern::BlockPattern;
 use super::sequence::LinearWork;
+use super::tangent_solver::TangentSolver;
 use super::{axpy, dot, norm};
 
 /// Iterations after which a solve is given up: 5 are usual for four digits, and 58 with λ/μ_L = 1000.
@@ -19,7 +20,7 @@ const LIMIT: u32 = 600;
 const ROUNDS: usize = 4;
 /// First relative residual of K⁻¹a: enough for the sign of 1 + bᵀK⁻¹a.
 const ROUGHLY: f64 = 1e-2;
-/// Residual of [`MultigridSequence::solve_again`], whose result is multiplied by safety factors.
+/// Residual of [`TangentSolver::solve_with_last_factor`], whose result is multiplied by safety factors.
 const ESTIMATE: f64 = 1e-3;
 
 /// Solver for a sequence of Jacobians.
@@ -69,44 +70,6 @@ impl<'a> MultigridSequence<'a> {
             vectors: Directions::default(),
             work: LinearWork::default(),
         }
-    }
-
-    /// Takes the Jacobian of the next solves; `unchanged` says that K is the last one.
-    ///
-    /// # Errors
-    /// A matrix found not to be positive definite.
-    pub fn prepare(&mut self, jacobian: &Jacobian, unchanged: bool) -> Result<(), FactorError> {
-        if unchanged && self.ready {
-            return Ok(());
-        }
-        let start = Instant::now();
-        self.ready = false;
-        let outcome = self.cycle.set(&jacobian.values, &jacobian.held);
-        self.work.factorizations += 1;
-        self.work.seconds_factor += start.elapsed().as_secs_f64();
-        self.ready = outcome.is_ok();
-        outcome
-    }
-
-    /// Solves with the Jacobian of [`Self::prepare`] in place, to a residual of at most `forcing` times the right side.
-    ///
-    /// # Errors
-    /// A matrix that is not positive definite, a rank-one part that makes the Jacobian singular, no
-    /// convergence.
-    pub fn solve(
-        &mut self,
-        jacobian: &Jacobian,
-        rhs: &mut [f64],
-        forcing: f64,
-    ) -> Result<(), FactorError> {
-        let start = Instant::now();
-        let target = forcing * norm(rhs);
-        let outcome = match &jacobian.rank_one {
-            None => self.solve_matrix(jacobian, rhs, target),
-            Some(rank_one) => self.solve_with(jacobian, rank_one, rhs, target),
-        };
-        self.work.seconds_solve += start.elapsed().as_secs_f64();
-        outcome
     }
 
     /// x = K⁻¹r - c y with y = K⁻¹a, c = bᵀK⁻¹r/(1 + bᵀy): the residual is that of the first solve minus c times that
@@ -209,9 +172,39 @@ impl<'a> MultigridSequence<'a> {
         }
         Ok(())
     }
+}
 
-    /// An estimate of K⁻¹ r with the present K; NaN on failure, no operation before the first K.
-    pub fn solve_again(&mut self, jacobian: &Jacobian, rhs: &mut [f64]) {
+impl TangentSolver for MultigridSequence<'_> {
+    fn prepare(&mut self, jacobian: &Jacobian, unchanged: bool) -> Result<(), FactorError> {
+        if unchanged && self.ready {
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.ready = false;
+        let outcome = self.cycle.set(&jacobian.values, &jacobian.held);
+        self.work.factorizations += 1;
+        self.work.seconds_factor += start.elapsed().as_secs_f64();
+        self.ready = outcome.is_ok();
+        outcome
+    }
+
+    fn solve(
+        &mut self,
+        jacobian: &Jacobian,
+        rhs: &mut [f64],
+        forcing: f64,
+    ) -> Result<(), FactorError> {
+        let start = Instant::now();
+        let target = forcing * norm(rhs);
+        let outcome = match &jacobian.rank_one {
+            None => self.solve_matrix(jacobian, rhs, target),
+            Some(rank_one) => self.solve_with(jacobian, rank_one, rhs, target),
+        };
+        self.work.seconds_solve += start.elapsed().as_secs_f64();
+        outcome
+    }
+
+    fn solve_with_last_factor(&mut self, jacobian: &Jacobian, rhs: &mut [f64]) {
         if !self.ready {
             return;
         }
@@ -219,5 +212,9 @@ impl<'a> MultigridSequence<'a> {
         if self.solve_matrix(jacobian, rhs, target).is_err() {
             rhs.fill(f64::NAN);
         }
+    }
+
+    fn work(&self) -> LinearWork {
+        self.work
     }
 }

@@ -12,6 +12,7 @@ use super::gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 use super::jacobian::Jacobian;
 use super::pattern::BlockPattern;
 use super::substitution::Front;
+use super::tangent_solver::TangentSolver;
 use super::{axpy, dot};
 
 /// Counters and times.
@@ -98,31 +99,6 @@ impl<'a> SequenceSolver<'a> {
     #[must_use]
     pub fn in_precision(self, precision: Option<Precision>) -> Self {
         Self { precision, ..self }
-    }
-
-    /// Takes the Jacobian of the next solves. `unchanged` says that K is the factorized one and there is no rank-one part.
-    ///
-    /// # Errors
-    /// The factorization fails.
-    pub(super) fn prepare(
-        &mut self,
-        jacobian: &Jacobian,
-        unchanged: bool,
-    ) -> Result<(), FactorError> {
-        if unchanged && self.stored.is_some() {
-            return Ok(());
-        }
-        self.exact = false;
-        // An old factor is used until its extra iterations cost as much as a new one, so at most twice the optimal cost
-        // is spent.
-        if self.stored.is_some() && self.extra < self.worth {
-            return Ok(());
-        }
-        let by_order = match self.pattern.order() {
-            SINGLE_FROM.. => Precision::Single,
-            _ => Precision::Double,
-        };
-        self.factorize(jacobian, self.precision.unwrap_or(by_order) == Precision::Single)
     }
 
     fn factorize(&mut self, jacobian: &Jacobian, single: bool) -> Result<(), FactorError> {
@@ -224,11 +200,41 @@ impl<'a> SequenceSolver<'a> {
         }
     }
 
-    /// Solves with the Jacobian of [`Self::prepare`] in place, to a residual of at most `forcing` times the right side.
-    ///
-    /// # Errors
-    /// A new factorization was needed and failed.
-    pub(super) fn solve(
+    /// GMRES with the stored factor.
+    fn iterate(
+        &mut self,
+        jacobian: &Jacobian,
+        rhs: &mut [f64],
+        tolerance: f64,
+        limit: usize,
+    ) -> KrylovInfo {
+        let mut krylov = std::mem::take(&mut self.krylov);
+        let mut operator = Factorized { jacobian, solver: self };
+        let info = gmres(&mut operator, rhs, tolerance, limit, &mut krylov);
+        self.krylov = krylov;
+        info
+    }
+}
+
+impl TangentSolver for SequenceSolver<'_> {
+    fn prepare(&mut self, jacobian: &Jacobian, unchanged: bool) -> Result<(), FactorError> {
+        if unchanged && self.stored.is_some() {
+            return Ok(());
+        }
+        self.exact = false;
+        // An old factor is used until its extra iterations cost as much as a new one, so at most twice the optimal cost
+        // is spent.
+        if self.stored.is_some() && self.extra < self.worth {
+            return Ok(());
+        }
+        let by_order = match self.pattern.order() {
+            SINGLE_FROM.. => Precision::Single,
+            _ => Precision::Double,
+        };
+        self.factorize(jacobian, self.precision.unwrap_or(by_order) == Precision::Single)
+    }
+
+    fn solve(
         &mut self,
         jacobian: &Jacobian,
         rhs: &mut [f64],
@@ -262,24 +268,12 @@ impl<'a> SequenceSolver<'a> {
         }
     }
 
-    /// GMRES with the stored factor.
-    fn iterate(
-        &mut self,
-        jacobian: &Jacobian,
-        rhs: &mut [f64],
-        tolerance: f64,
-        limit: usize,
-    ) -> KrylovInfo {
-        let mut krylov = std::mem::take(&mut self.krylov);
-        let mut operator = Factorized { jacobian, solver: self };
-        let info = gmres(&mut operator, rhs, tolerance, limit, &mut krylov);
-        self.krylov = krylov;
-        info
+    fn solve_with_last_factor(&mut self, _: &Jacobian, rhs: &mut [f64]) {
+        self.apply_factor(rhs);
     }
 
-    /// Applies the stored factor, whatever Jacobian it belongs to; no operation before the first.
-    pub(super) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
-        self.apply_factor(rhs);
+    fn work(&self) -> LinearWork {
+        self.work
     }
 }
 

@@ -165,7 +165,6 @@ fn eliminate<T: Real, X: Sides<T>>(
     let columns = width.min(cut - start);
     let mut j = 0;
     while j + COLUMNS <= columns {
-        node.reads_forward(j, COLUMNS);
         let (head, rest) = rows[j..].split_at_mut(COLUMNS);
         for a in 0..COLUMNS {
             let column = node.column(j + a, j + a);
@@ -179,7 +178,6 @@ fn eliminate<T: Real, X: Sides<T>>(
         j += COLUMNS;
     }
     while j < columns {
-        node.reads_forward(j, 1);
         let column = node.column(j, j);
         let (head, rest) = rows[j..].split_at_mut(1);
         head[0] = head[0].over(column[0]);
@@ -209,14 +207,12 @@ fn substitute<T: Real, X: Sides<T>>(
     let mut j = columns;
     while !j.is_multiple_of(COLUMNS) {
         j -= 1;
-        node.reads_backward(j, 1);
         let column = node.column(j, j);
         let (head, rest) = rows[j..].split_at_mut(1);
         head[0] = head[0].minus(X::product(&column[1..], rest)).over(column[0]);
     }
     while j > 0 {
         j -= COLUMNS;
-        node.reads_backward(j, COLUMNS);
         let (head, rest) = rows[j..].split_at_mut(COLUMNS);
         let sums = X::products(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), rest);
         for a in (0..COLUMNS).rev() {

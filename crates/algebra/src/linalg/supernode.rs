@@ -2,7 +2,6 @@
 
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
-use super::ahead::{prefetch_before, prefetch_behind};
 use super::cholesky::{Factor, Real};
 
 pub(super) const COLUMNS: usize = 4;
@@ -31,18 +30,6 @@ impl<T: Real> Supernode<'_, T> {
     #[inline(always)]
     pub(super) fn column(&self, j: usize, from: usize) -> &[T] {
         &self.values[self.begin(j) + from..self.begin(j + 1)]
-    }
-
-    /// To be called before a forward pass reads columns j..j + count: prefetches what follows them.
-    #[inline(always)]
-    pub(super) fn reads_forward(&self, j: usize, count: usize) {
-        prefetch_behind(self.values, self.begin(j)..self.begin(j + count));
-    }
-
-    /// Prefetches what a backward pass reads next.
-    #[inline(always)]
-    pub(super) fn reads_backward(&self, j: usize, count: usize) {
-        prefetch_before(self.values, self.begin(j)..self.begin(j + count));
     }
 }
 

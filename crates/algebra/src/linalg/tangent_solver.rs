@@ -2,56 +2,31 @@
 
 use super::cholesky::FactorError;
 use super::jacobian::Jacobian;
-use super::multigrid_sequence::MultigridSequence;
-use super::sequence::{LinearWork, SequenceSolver};
+use super::sequence::LinearWork;
 
-/// Methods are those of [`SequenceSolver`].
-pub enum TangentSolver<'a> {
-    Direct(Box<SequenceSolver<'a>>),
-    Multigrid(Box<MultigridSequence<'a>>),
-}
-
-impl TangentSolver<'_> {
+/// Takes Jacobians one after the other, and solves with the last one.
+pub trait TangentSolver {
     /// Takes the Jacobian of the next solves. `unchanged` says that K is that of the last one, without a rank-one part.
     ///
     /// # Errors
     /// A matrix that is not positive definite.
-    pub fn prepare(&mut self, jacobian: &Jacobian, unchanged: bool) -> Result<(), FactorError> {
-        match self {
-            Self::Direct(solver) => solver.prepare(jacobian, unchanged),
-            Self::Multigrid(solver) => solver.prepare(jacobian, unchanged),
-        }
-    }
+    fn prepare(&mut self, jacobian: &Jacobian, unchanged: bool) -> Result<(), FactorError>;
 
-    /// Solves in place, to a residual of at most `forcing` times the right side.
+    /// Solves with the Jacobian of [`Self::prepare`] in place, to a residual of at most `forcing` times the right side.
     ///
     /// # Errors
-    /// As [`Self::prepare`]; a rank-one part that makes the Jacobian singular.
-    pub fn solve(
+    /// As [`Self::prepare`]; a rank-one part that makes the Jacobian singular; no convergence.
+    fn solve(
         &mut self,
         jacobian: &Jacobian,
         rhs: &mut [f64],
         forcing: f64,
-    ) -> Result<(), FactorError> {
-        match self {
-            Self::Direct(solver) => solver.solve(jacobian, rhs, forcing),
-            Self::Multigrid(solver) => solver.solve(jacobian, rhs, forcing),
-        }
-    }
+    ) -> Result<(), FactorError>;
 
-    /// K⁻¹ r with the last factor, or an estimate of it; no operation before the first K.
-    pub fn solve_with_last_factor(&mut self, jacobian: &Jacobian, rhs: &mut [f64]) {
-        match self {
-            Self::Direct(solver) => solver.solve_with_last_factor(rhs),
-            Self::Multigrid(solver) => solver.solve_again(jacobian, rhs),
-        }
-    }
+    /// K⁻¹ r with the last factor, whatever Jacobian it belongs to, or an estimate of it, NaN on failure; no operation before
+    /// the first K.
+    fn solve_with_last_factor(&mut self, jacobian: &Jacobian, rhs: &mut [f64]);
 
     /// Counters and times.
-    pub fn work(&self) -> LinearWork {
-        match self {
-            Self::Direct(solver) => solver.work,
-            Self::Multigrid(solver) => solver.work,
-        }
-    }
+    fn work(&self) -> LinearWork;
 }

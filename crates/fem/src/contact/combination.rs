@@ -12,6 +12,7 @@ use super::kkt::internal_force;
 use super::model::Model;
 use super::nodal_norms::strain_norm;
 use super::shown::Shown;
+use algebra::in_dimension;
 use algebra::linalg::{axpy, is_sound_sum, larger, largest};
 use algebra::tensor::contract;
 
@@ -124,8 +125,5 @@ fn strain_product(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
         space.points().map(|at| at.weight * contract(&at.strain::<S>(v), &at.strain(w))).sum()
     }
-    match space.mesh.dimension {
-        2 => sum::<3>(space, v, w),
-        _ => sum::<6>(space, v, w),
-    }
+    in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, v, w))
 }

@@ -8,6 +8,7 @@
 //! is integrated on facets, and the graphs hold the bound alone.
 
 use super::compliance::FacetCompliance;
+use super::last_slot::TangentOf;
 use super::{Discretization, Model};
 use algebra::linalg::{DenseCholesky, FactorError, axpy, norm, root_of_squares};
 use vhi::{BoundaryGraph, StepInequality, StepState};
@@ -24,10 +25,8 @@ pub(crate) struct CondensedLevel<'a> {
     /// f.
     pub load: Vec<f64>,
     tangent: DenseCholesky,
-    /// What the factorized tangent was made of: s, slopes, pinned coordinates.
-    factorized: Option<f64>,
-    slopes: Vec<f64>,
-    pinned: Vec<bool>,
+    /// What the factorized tangent was made of, with s for the last slot.
+    last: TangentOf<f64>,
     diagonal: Vec<f64>,
     /// Prescribed increments, and what p makes of them on the right side.
     increments: Vec<f64>,
@@ -54,9 +53,7 @@ impl<'a> CondensedLevel<'a> {
             scale: 1.0,
             load: vec![0.0; size],
             tangent: DenseCholesky::new(size),
-            factorized: None,
-            slopes: Vec::new(),
-            pinned: Vec::new(),
+            last: TangentOf::default(),
             diagonal: vec![0.0; size],
             increments: vec![0.0; size],
             lifted: vec![0.0; size],
@@ -75,7 +72,7 @@ impl<'a> CondensedLevel<'a> {
                 axpy(column[j], &column[k..], &mut self.schur[size * j + k..size * (j + 1)]);
             }
         }
-        self.factorized = None;
+        self.last.made = None;
     }
 
     /// The unknowns of Γ3 in the volume.
@@ -106,7 +103,7 @@ impl<'a> CondensedLevel<'a> {
     fn factorize(&mut self) -> Result<(), FactorError> {
         let size = self.dofs.len();
         let (schur, scale) = (&self.schur, self.scale);
-        let (graph, slopes, pinned) = (&self.graph, &self.slopes, &self.pinned);
+        let (graph, TangentOf { slopes, prescribed, .. }) = (&self.graph, &self.last);
         let (compliance, unknowns) = (&self.compliance, &self.unknowns);
         let (increments, lifted) = (&self.increments, &mut self.lifted);
         let diagonal = &mut self.diagonal;
@@ -124,7 +121,7 @@ impl<'a> CondensedLevel<'a> {
                     }
                 });
             }
-            for ((at, slope), pinned) in graph.coordinates.iter().zip(slopes).zip(pinned) {
+            for ((at, slope), pinned) in graph.coordinates.iter().zip(slopes).zip(prescribed) {
                 let i = at.dof as usize;
                 values[size * i + i] += slope;
                 if *pinned {
@@ -177,22 +174,10 @@ impl StepInequality for CondensedLevel<'_> {
         for (at, increment) in self.graph.coordinates.iter().zip(prescribed) {
             self.increments[at.dof as usize] = increment.unwrap_or(0.0);
         }
-        let pins = prescribed.iter().map(Option::is_some);
-        let same = self.factorized == Some(self.scale)
-            && self.compliance.is_none()
-            && self.slopes == slopes
-            && self.pinned.iter().copied().eq(pins.clone());
-        if same {
+        if !self.last.replace(&self.scale, slopes, prescribed) && self.compliance.is_none() {
             return Ok(());
         }
-        self.slopes.clear();
-        self.slopes.extend_from_slice(slopes);
-        self.pinned.clear();
-        self.pinned.extend(pins);
-        self.factorized = None;
-        self.factorize()?;
-        self.factorized = Some(self.scale);
-        Ok(())
+        self.factorize().inspect_err(|_| self.last.made = None)
     }
 
     fn solve(&mut self, rhs: &mut [f64], _: f64) -> Result<(), FactorError> {
@@ -201,7 +186,7 @@ impl StepInequality for CondensedLevel<'_> {
             axpy(-self.scale * increment, &self.schur[size * j..size * (j + 1)], rhs);
         }
         axpy(-1.0, &self.lifted, rhs);
-        let coordinates = self.graph.coordinates.iter().zip(&self.pinned);
+        let coordinates = self.graph.coordinates.iter().zip(&self.last.prescribed);
         for (at, _) in coordinates.filter(|(_, pinned)| **pinned) {
             let i = at.dof as usize;
             rhs[i] = self.diagonal[i] * self.increments[i];

@@ -107,9 +107,14 @@ impl Discretization {
 
     /// The analysis of the pattern with the unknowns `last` behind all others.
     fn analysis_with_last(&self, last: &[u32]) -> Result<Analysis, FactorError> {
-        let free = self.nodes.vertex[..self.nodes.free].iter();
-        let coordinates: Vec<f64> = free.flat_map(|&v| self.mesh.vertex(v).to_vec()).collect();
+        let coordinates = self.coordinates();
         Analysis::new(&self.pattern, &nested_dissection(&self.pattern, &coordinates, last))
+    }
+
+    /// Those of the free nodes.
+    fn coordinates(&self) -> Vec<f64> {
+        let free = self.nodes.vertex[..self.nodes.free].iter();
+        free.flat_map(|&v| self.mesh.vertex(v)).copied().collect()
     }
 
     /// Entries of a factor in the order of [`Self::analysis`], and multiplications that it takes; infinite where the
@@ -190,14 +195,12 @@ impl Discretization {
     pub(crate) fn tangent_solver(
         &self,
         solver: LinearSolver,
-    ) -> Result<TangentSolver<'_>, FactorError> {
+    ) -> Result<Box<dyn TangentSolver + '_>, FactorError> {
         Ok(match self.levels_of(solver) {
-            Some(levels) => {
-                TangentSolver::Multigrid(MultigridSequence::new(levels, &self.pattern).into())
-            }
+            Some(levels) => Box::new(MultigridSequence::new(levels, &self.pattern)),
             None => {
                 let solver = SequenceSolver::new(self.analysis()?, &self.pattern);
-                TangentSolver::Direct(solver.in_precision(self.precision).into())
+                Box::new(solver.in_precision(self.precision))
             }
         })
     }
@@ -228,9 +231,7 @@ impl Discretization {
             parents.push(next);
             nesting = coarser;
         }
-        let free = &self.nodes.vertex[..self.nodes.free];
-        let coordinates: Vec<f64> =
-            free.iter().flat_map(|&v| self.mesh.vertex(v).to_vec()).collect();
+        let coordinates = self.coordinates();
         let frames = self.frames.rows();
         let frames = frames.map(|(node, rows)| NodeFrame { node, rows }).collect();
         let levels =

@@ -81,9 +81,7 @@ fn evaluate<const D: usize, const S: usize>(
     internal_force_in::<D, S>(space, model, view, balance);
     let mut scale = largest(balance).max(largest(load));
     add_contact_forces(space, model, view, balance);
-    for (force, load) in balance.iter_mut().zip(load) {
-        *force -= load;
-    }
+    axpy(-1.0, load, balance);
     let unbalanced = largest(&balance[..space.dofs()]);
     let mut worst = 0.0f64;
     if let Some(boundary) = &model.boundary {

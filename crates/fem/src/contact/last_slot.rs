@@ -21,31 +21,28 @@ impl Clone for LastSlot {
     }
 }
 
-/// Last slot, slopes and prescribed coordinates: all of a tangent without projection and compliance on facets.
+/// Last slot or its factor K, slopes and prescribed coordinates: all of a tangent without projection and compliance on
+/// facets.
 #[derive(Debug, Default)]
-pub(crate) struct TangentOf {
-    made: bool,
-    slot: LastSlot,
-    slopes: Vec<f64>,
-    prescribed: Vec<bool>,
+pub(crate) struct TangentOf<K> {
+    /// None before the first tangent, and where the last one failed.
+    pub made: Option<K>,
+    pub slopes: Vec<f64>,
+    pub prescribed: Vec<bool>,
 }
 
-impl TangentOf {
+impl<K: Clone + PartialEq> TangentOf<K> {
     /// Stores these; true if they differ from those of the tangent before, or there was none.
-    pub(crate) fn replace(
-        &mut self,
-        slot: &LastSlot,
-        slopes: &[f64],
-        prescribed: &[Option<f64>],
-    ) -> bool {
+    pub(crate) fn replace(&mut self, slot: &K, slopes: &[f64], prescribed: &[Option<f64>]) -> bool {
         let flags = prescribed.iter().map(Option::is_some);
-        let same = self.made
-            && self.slot == *slot
+        let same = self.made.as_ref() == Some(slot)
             && self.slopes == slopes
             && self.prescribed.iter().copied().eq(flags.clone());
         if !same {
-            self.made = true;
-            self.slot.clone_from(slot);
+            match &mut self.made {
+                Some(known) => known.clone_from(slot),
+                none => *none = Some(slot.clone()),
+            }
             self.slopes.clear();
             self.slopes.extend_from_slice(slopes);
             self.prescribed.clear();

@@ -2,6 +2,7 @@
 
 use super::nodal_norms::{l2_norm, strain_norm, trace_norm};
 use super::{Discretization, Floors, Model, StepView};
+use algebra::in_dimension;
 
 /// What a solution of one time level is measured by.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -14,24 +15,15 @@ pub struct LevelFields {
     pub pressure: Vec<f64>,
 }
 
-fn stresses<const S: usize>(
-    space: &Discretization,
-    model: &Model,
-    view: &StepView<'_>,
-) -> Vec<f64> {
-    space.points().flat_map(|at| view.stress_at::<S>(space, model, &at)).collect()
-}
-
 impl LevelFields {
     /// The fields that `view` shows.
     pub fn of(space: &Discretization, model: &Model, view: &StepView<'_>) -> Self {
         let sum = view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda);
         Self {
             u: view.u.to_vec(),
-            stress: match space.mesh.dimension {
-                2 => stresses::<3>(space, model, view),
-                _ => stresses::<6>(space, model, view),
-            },
+            stress: in_dimension!(space.mesh.dimension, D, S => {
+                space.points().flat_map(|at| view.stress_at::<S>(space, model, &at)).collect()
+            }),
             pressure: sum.collect(),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::Discretization;
 use crate::space::{Simplex, StrainPoint};
+use algebra::in_dimension;
 use algebra::linalg::{is_sound_sum, root_of_squares};
 use algebra::tensor::contract;
 
@@ -14,10 +15,7 @@ pub fn strain_norm(space: &Discretization, v: &[f64]) -> f64 {
         };
         space.points().map(square).sum()
     }
-    root_of_squares(|scale| match space.mesh.dimension {
-        2 => sum::<3>(space, v, scale),
-        _ => sum::<6>(space, v, scale),
-    })
+    root_of_squares(|scale| in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, v, scale)))
 }
 
 /// ‖ε(v)‖ from its square, or anew where squares of these strains leave the range of doubles.
@@ -60,8 +58,5 @@ pub fn strain_distance(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
         true => 0.0,
         false => space.jump_square(&v.iter().zip(w).map(|(v, w)| v - w).collect::<Vec<f64>>()),
     };
-    match space.mesh.dimension {
-        2 => (sum::<3>(space, v, w) + jumps).sqrt(),
-        _ => (sum::<6>(space, v, w) + jumps).sqrt(),
-    }
+    (in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, v, w)) + jumps).sqrt()
 }

@@ -37,10 +37,10 @@ pub struct ContactProblem<'a> {
     /// 𝒜, as full as the terms of the memory: to it they are added in the memory that is there.
     elasticity: TensorField,
     linear: Vec<f64>,
-    solver: TangentSolver<'a>,
+    solver: Box<dyn TangentSolver + 'a>,
     pub(super) jacobian: Jacobian,
     /// What the last tangent was made of.
-    last: TangentOf,
+    last: TangentOf<LastSlot>,
     /// Load minus memory of the past.
     load: Vec<f64>,
     /// The unknowns padded to all nodes; the displacements, where they differ; forces on all nodes.
@@ -122,9 +122,7 @@ impl<'a> ContactProblem<'a> {
         for (past, memory) in past.iter().zip(&self.memory) {
             let force = &mut self.nodal_force[..load.len()];
             self.space.pattern.multiply(memory, past, force);
-            for (target, value) in self.load.iter_mut().zip(force) {
-                *target -= *value;
-            }
+            axpy(-1.0, force, &mut self.load);
         }
         self.past_zeta = past_zeta;
         let changed = slot.memory != self.slot.memory;
@@ -142,9 +140,7 @@ impl<'a> ContactProblem<'a> {
         let terms = self.model.memory.iter().zip(&self.memory).zip(&self.slot.memory);
         for ((term, stiffness), &scale) in terms {
             self.linear_law.add(scale, &term.tensor, d);
-            for (target, b) in self.linear.iter_mut().zip(stiffness) {
-                *target += scale * b;
-            }
+            axpy(scale, stiffness, &mut self.linear);
         }
     }
 
@@ -340,9 +336,7 @@ impl StepInequality for ContactProblem<'_> {
         if let Some(compliance) = &self.compliance {
             compliance.add_force(&self.unknowns, out);
         }
-        for (target, load) in out.iter_mut().zip(&self.load) {
-            *target -= load;
-        }
+        axpy(-1.0, &self.load, out);
         self.work.residuals += 1;
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
     }

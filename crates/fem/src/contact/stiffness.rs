@@ -19,10 +19,7 @@ impl StiffnessFactor {
         work: &mut Work,
     ) -> Result<Self, FactorError> {
         let start = Instant::now();
-        let analysis = match unknowns {
-            Unknowns::Displacements => space.analysis()?,
-            Unknowns::ContactLast => space.condensing()?,
-        };
+        let analysis = space.analysis_of(unknowns)?;
         let values = space.stiffness_of(unknowns, tensor);
         work.seconds_assemble += start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -36,6 +33,13 @@ impl StiffnessFactor {
 }
 
 impl Discretization {
+    pub(super) fn analysis_of(&self, unknowns: Unknowns) -> Result<&Analysis, FactorError> {
+        match unknowns {
+            Unknowns::Displacements => self.analysis(),
+            Unknowns::ContactLast => self.condensing(),
+        }
+    }
+
     /// Lower-triangle values of the stiffness matrix of `tensor`.
     pub(super) fn stiffness_of(&self, unknowns: Unknowns, tensor: &TensorField) -> Vec<f64> {
         match unknowns {
@@ -96,8 +100,8 @@ impl<'a> StiffnessInverse<'a> {
     pub(crate) fn held(
         space: &'a Discretization,
         tensor: &TensorField,
-        work: &mut Work,
     ) -> Result<Self, FactorError> {
+        let work = &mut Work::default();
         let kept = space.stiffness_factor(tensor, Unknowns::Displacements, work)?;
         Ok(Self { space, analysis: space.analysis()?, kept, front: Front::default() })
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Frames;
 use crate::mesh::Mesh;
+use crate::mesh::geometry::{minus, norm};
 use crate::space::{Element, Nodes};
 use algebra::linalg::complement;
 
@@ -73,7 +74,7 @@ impl ContactTrace {
             let measure = facet_measure(mesh, f);
             for (&vertex, weight) in nodes.on_facet(f).iter().zip(&weights) {
                 let here = known.entry(vertex).or_default();
-                let same = |&at: &usize| distance(&trace.points[at].normal, &normal) < SAME_NORMAL;
+                let same = |&at: &usize| norm(minus(trace.points[at].normal, normal)) < SAME_NORMAL;
                 let at = here.iter().copied().find(same).unwrap_or_else(|| {
                     trace.points.push(TracePoint::new(vertex, normal, nodes, d));
                     here.push(trace.points.len() - 1);
@@ -211,10 +212,6 @@ impl TracePoint {
 fn axis_of(normal: &[f64; 3]) -> Option<usize> {
     let axis = (0..3).find(|&i| normal[i].abs() == 1.0)?;
     (0..3).all(|i| i == axis || normal[i] == 0.0).then_some(axis)
-}
-
-fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Length of an edge or area of a triangle.

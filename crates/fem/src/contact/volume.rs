@@ -7,7 +7,9 @@ use std::time::Instant;
 use super::floor::Accepted;
 use super::way::{Way, accepted_residual, size_of_forces};
 use super::{Discretization, Floors, LinearSolver, Model, Unknowns, Work};
-use algebra::linalg::{FactorError, Front, Jacobian, MultigridSequence, SIDES, axpy, norm};
+use algebra::linalg::{
+    FactorError, Front, Jacobian, MultigridSequence, SIDES, TangentSolver, axpy, norm,
+};
 use vhi::law::TensorField;
 
 /// Matrix and solver. Right sides of a pass over a factor are in its order, entry after entry, `width` of each.
@@ -56,10 +58,7 @@ impl<'a> Volume<'a> {
         equal_steps: bool,
     ) -> Result<Self, FactorError> {
         let (beta, mut work) = (model.memory_multiple(), Work::default());
-        let analysis = match unknowns {
-            Unknowns::Displacements => space.analysis()?,
-            Unknowns::ContactLast => space.condensing()?,
-        };
+        let analysis = space.analysis_of(unknowns)?;
         let stiffness = |tensor: &TensorField| space.stiffness_of(unknowns, tensor);
         let levels = space.levels_of(solver);
         let kept = match (levels, beta) {

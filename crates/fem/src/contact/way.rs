@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Discretization;
 use algebra::linalg::{
     Analysis, Factor, FactorError, Front, Jacobian, MultigridSequence, RightSides, SIDES,
-    Workspace, axpy, norm, root_of_squares,
+    TangentSolver, Workspace, axpy, norm, root_of_squares,
 };
 use vhi::Newton;
 
@@ -87,7 +87,9 @@ impl Way<'_> {
     pub(super) fn estimate(&mut self, x: &mut [f64]) {
         match self {
             Self::Factor { analysis, factor, front, .. } => analysis.solve(factor, x, front),
-            Self::Multigrid { sequence, jacobian, .. } => sequence.solve_again(jacobian, x),
+            Self::Multigrid { sequence, jacobian, .. } => {
+                sequence.solve_with_last_factor(jacobian, x)
+            }
         }
     }
 }

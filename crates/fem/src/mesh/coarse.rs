@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use super::WHOLE;
-use super::geometry::{cross, dot, extent, minus, norm};
+use super::geometry::{cross, dot, extent, longest_edge, minus, norm};
 
 /// A facet of the boundary: an edge with the domain on its left, or a triangle seen counter-clockwise from outside.
 #[derive(Debug, Clone, PartialEq)]
@@ -348,11 +348,6 @@ impl CoarseMesh {
     pub fn pieces(&self) -> Vec<Piece> {
         self.facets.iter().map(|facet| self.piece(facet)).collect()
     }
-}
-
-fn longest_edge(corners: &[[f64; 3]]) -> f64 {
-    let pairs = (0..corners.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
-    pairs.map(|(a, b)| norm(minus(corners[a], corners[b]))).fold(0.0, f64::max)
 }
 
 /// The facets of a cell, seen from outside where it is positively oriented.

@@ -1,6 +1,6 @@
 //! Vectors of space.
 
-pub(super) fn minus(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+pub(crate) fn minus(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
@@ -12,8 +12,13 @@ pub(super) fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }
 
-pub(super) fn norm(p: [f64; 3]) -> f64 {
+pub(crate) fn norm(p: [f64; 3]) -> f64 {
     dot(p, p).sqrt()
+}
+
+pub(super) fn longest_edge(corners: &[[f64; 3]]) -> f64 {
+    let pairs = (0..corners.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    pairs.map(|(a, b)| norm(minus(corners[a], corners[b]))).fold(0.0, f64::max)
 }
 
 /// Length of an edge or area of a triangle of these corners.

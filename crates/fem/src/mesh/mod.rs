@@ -3,7 +3,7 @@
 mod coarse;
 mod edgewise;
 mod family;
-mod geometry;
+pub(crate) mod geometry;
 mod gmsh;
 mod grading;
 mod hierarchy;

@@ -1,7 +1,7 @@
 //! How well shaped the cells of a mesh are.
 
 use super::Mesh;
-use super::geometry::{cross, dot, minus, norm};
+use super::geometry::{cross, dot, longest_edge, minus, norm};
 
 /// Extremes over the cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,9 +38,8 @@ impl Mesh {
     }
 
     fn longest_edge(&self, c: usize) -> f64 {
-        let corners = 0..=self.dimension;
-        let pairs = corners.clone().flat_map(|a| (0..a).map(move |b| (a, b)));
-        pairs.map(|(a, b)| norm(minus(self.corner(c, a), self.corner(c, b)))).fold(0.0, f64::max)
+        let corners: Vec<[f64; 3]> = (0..=self.dimension).map(|a| self.corner(c, a)).collect();
+        longest_edge(&corners)
     }
 
     /// Gradients of the barycentric coordinates times d! |K|: inward normals of the facets, as long as

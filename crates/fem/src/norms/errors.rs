@@ -85,10 +85,7 @@ pub fn strain_error(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
             |at: StrainPoint<'_>| at.weight * squared_distance(&at.strain(v), &exact[at.index]);
         space.points().map(square).sum()
     }
-    let cells = match space.mesh.dimension {
-        2 => squares::<3>(space, v, truth),
-        _ => squares::<6>(space, v, truth),
-    };
+    let cells = in_dimension!(space.mesh.dimension, D, S => squares::<S>(space, v, truth));
     (cells + truth.strain.rest).sqrt()
 }
 

@@ -3,10 +3,14 @@
 //! contact and projection do, without most of the interpolation error.
 
 use super::Moments;
-use crate::contact::{Discretization, StiffnessInverse, Work, stress_force};
+use crate::contact::{Discretization, StiffnessInverse, stress_force};
 use algebra::in_dimension;
 use algebra::linalg::FactorError;
 use vhi::law::TensorField;
+
+fn operator(space: &Discretization, elasticity: &TensorField, mu: f64) -> TensorField {
+    elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension)
+}
 
 /// A on one mesh, factorized.
 pub struct ElasticProjection<'a> {
@@ -25,7 +29,8 @@ impl<'a> ElasticProjection<'a> {
         elasticity: &TensorField,
         mu: f64,
     ) -> Result<Self, FactorError> {
-        Self::by(space, elasticity, mu, StiffnessInverse::passing)
+        let operator = operator(space, elasticity, mu);
+        Ok(Self { inverse: StiffnessInverse::passing(space, &operator)?, space, operator })
     }
 
     /// The projection by a factor that `space` holds from then on: runs on other grids in time ask for it again.
@@ -37,23 +42,8 @@ impl<'a> ElasticProjection<'a> {
         elasticity: &TensorField,
         mu: f64,
     ) -> Result<Self, FactorError> {
-        Self::by(space, elasticity, mu, |space, operator| {
-            StiffnessInverse::held(space, operator, &mut Work::default())
-        })
-    }
-
-    fn by(
-        space: &'a Discretization,
-        elasticity: &TensorField,
-        mu: f64,
-        inverse: impl FnOnce(
-            &'a Discretization,
-            &TensorField,
-        ) -> Result<StiffnessInverse<'a>, FactorError>,
-    ) -> Result<Self, FactorError> {
-        let operator = elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension);
-        let inverse = inverse(space, &operator)?;
-        Ok(Self { space, operator, inverse })
+        let operator = operator(space, elasticity, mu);
+        Ok(Self { inverse: StiffnessInverse::held(space, &operator)?, space, operator })
     }
 
     /// A⁻¹F for a force over the unknowns, as a nodal vector: one solve.

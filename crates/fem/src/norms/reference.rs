@@ -6,6 +6,7 @@ use super::moments::Moments;
 use super::nested::{Pieces, onto_strains};
 use super::refinement::{ReferenceError, Refinement};
 use crate::contact::{Discretization, LevelFields, Model, StepView};
+use algebra::in_dimension;
 
 /// Displacements of a run at selected times, as nodal vectors.
 #[derive(Debug, Clone, Default)]
@@ -84,10 +85,9 @@ impl ReferenceRun {
     ) -> Result<Moments, ReferenceError> {
         let close = |level: &&Level| (level.t - t).abs() <= 1e-9 * t.abs().max(1e-300);
         let level = self.levels.iter().find(close).ok_or(ReferenceError::NoSuchTime { t })?;
-        let strain = match self.space.mesh.dimension {
-            2 => self.strains::<3>(level),
-            _ => self.strains::<6>(level),
-        };
+        let strain: Vec<f64> = in_dimension!(self.space.mesh.dimension, D, S => {
+            self.space.points().flat_map(|at| at.strain::<S>(&level.u)).collect()
+        });
         let tensors = |field: &[f64]| onto_strains(&self.space, coarse, &refinement.cells, field);
         let (fine, d) = (&self.space, self.space.mesh.dimension);
         let cells = Pieces::new(
@@ -115,9 +115,5 @@ impl ReferenceRun {
             pressure: on_trace(&level.pressure),
             locked: refinement.sample_members.iter().map(locked).collect(),
         })
-    }
-
-    fn strains<const S: usize>(&self, level: &Level) -> Vec<f64> {
-        self.space.points().flat_map(|at| at.strain::<S>(&level.u)).collect()
     }
 }

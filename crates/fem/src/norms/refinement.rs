@@ -5,6 +5,7 @@ use rustc_hash::FxHashMap;
 use super::moments::facet_samples;
 use crate::contact::Discretization;
 use crate::mesh::Mesh;
+use crate::mesh::geometry::{minus, norm};
 
 /// Why a reference cannot serve.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -129,7 +130,7 @@ impl Simplices {
             .collect();
         let dual = corners.iter().map(|corners| dual(corners)).collect();
         let longest = |corners: &Vec<[f64; 3]>| {
-            corners[1..].iter().map(|x| distance(x, &corners[0])).fold(0.0, f64::max)
+            corners[1..].iter().map(|x| norm(minus(*x, corners[0]))).fold(0.0, f64::max)
         };
         let width = corners.iter().map(longest).fold(f64::MIN_POSITIVE, f64::max);
         let mut boxes: FxHashMap<[i64; 3], Vec<u32>> = FxHashMap::default();
@@ -170,7 +171,7 @@ impl Simplices {
             for (corner, b) in self.corners[s as usize].iter().zip(&b) {
                 off.iter_mut().zip(corner).for_each(|(off, c)| *off -= b * c);
             }
-            let away = distance(&off, &[0.0; 3]) / self.width;
+            let away = norm(off) / self.width;
             let corners = self.corners[s as usize].len();
             let depth = b[..corners].iter().copied().fold(f64::INFINITY, f64::min) - away;
             (depth, s, b)
@@ -201,10 +202,6 @@ fn dual(corners: &[[f64; 3]]) -> Vec<[f64; 3]> {
         .unwrap_or_else(|| nalgebra::DMatrix::zeros(edges.nrows(), edges.nrows()));
     let dual = inverse * edges;
     (0..dual.nrows()).map(|a| [0, 1, 2].map(|i| dual[(a, i)])).collect()
-}
-
-fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

@@ -112,20 +112,28 @@ impl<'a> FiniteEvolution<'a> {
 
     /// Cᵀ ∂N/∂y (last slot) C at the last evaluated u: the dependence of F on the last slot.
     pub(super) fn force_by_history(&self) -> DMatrix<f64> {
+        self.coordinates.tr_mul(&self.by_history(&self.history())) * &self.coordinates
+    }
+
+    /// ∂N/∂y (last slot) at y and the last evaluated u.
+    fn by_history(&self, y: &DVector<f64>) -> DMatrix<f64> {
         let mut slope = self.last_slot.clone();
-        let y = self.history();
         for (i, law) in self.model.force.iter().enumerate() {
             let scale = law.by_y(y[i], self.u[i]);
             slope.row_mut(i).iter_mut().for_each(|value| *value *= scale);
         }
-        self.coordinates.tr_mul(&slope) * &self.coordinates
+        slope
     }
 
     /// S_n u at the last evaluated u.
     pub(crate) fn history(&self) -> DVector<f64> {
+        self.history_of(&self.u)
+    }
+
+    fn history_of(&self, u: &DVector<f64>) -> DVector<f64> {
         let mut y = self.y_past.clone();
         if self.implicit {
-            y += &self.last_slot * &self.u;
+            y += &self.last_slot * u;
         }
         y
     }
@@ -199,20 +207,11 @@ impl StepInequality for FiniteEvolution<'_> {
         for (i, g) in model.nonlinear.iter().enumerate() {
             tangent[(i, i)] += g.by_r(0.0, self.u[i]);
         }
-        if model.force.is_empty() {
-            if self.implicit {
-                tangent += &self.last_slot;
-            }
-        } else {
-            for (i, law) in model.force.iter().enumerate() {
-                tangent[(i, i)] += law.by_r(y[i], self.u[i]);
-                if self.implicit {
-                    let slope = law.by_y(y[i], self.u[i]);
-                    let row = self.last_slot.row(i) * slope;
-                    let sum = tangent.row(i) + row;
-                    tangent.set_row(i, &sum);
-                }
-            }
+        for (i, law) in model.force.iter().enumerate() {
+            tangent[(i, i)] += law.by_r(y[i], self.u[i]);
+        }
+        if self.implicit {
+            tangent += self.by_history(&y);
         }
         self.jacobian = self.coordinates.tr_mul(&tangent) * &self.coordinates;
         for (i, slope) in slopes.iter().enumerate() {
@@ -248,10 +247,7 @@ impl StepInequality for FiniteEvolution<'_> {
 
     fn force_scale(&self, w: &[f64]) -> f64 {
         let (model, u) = (self.model, self.displacement(w));
-        let mut y = self.y_past.clone();
-        if self.implicit {
-            y += &self.last_slot * &u;
-        }
+        let y = self.history_of(&u);
         let force = model.matrix.abs() * u.abs()
             + (model.operator(&u) - &model.matrix * &u).abs()
             + model.force_of(&y, &u).abs()

@@ -81,9 +81,6 @@ impl FastConvolution {
 
     fn with_nodes(nodes: usize, grid: &TimeGrid, dofs: usize) -> Self {
         let leaf = LEAF * nodes;
-        let leaves = grid.steps() / leaf + 1;
-        // A size with at most three clusters has no separated pair but (0, 2).
-        let count = (0..).take_while(|&l| (leaves - 1) >> l >= 2).count();
         let empty = || vec![0.0; nodes * dofs];
         let size = || Size { moments: std::array::from_fn(|_| empty()), acting: empty() };
         Self {
@@ -91,7 +88,7 @@ impl FastConvolution {
             steps: grid.steps(),
             nodes,
             leaf,
-            sizes: (0..count).map(|_| size()).collect(),
+            sizes: (0..sizes(grid.steps(), nodes)).map(|_| size()).collect(),
             near: vec![vec![0.0; dofs]; 2 * leaf],
             committed: 0,
             prepared: 0,
@@ -127,9 +124,7 @@ impl FastConvolution {
 
     /// Vectors held over N steps with so many nodes per cluster.
     pub(crate) fn vectors(steps: usize, nodes: usize) -> usize {
-        let leaves = steps / (LEAF * nodes) + 1;
-        let count = (0..).take_while(|&l| (leaves - 1) >> l >= 2).count();
-        count * (HELD + 1) * nodes + 2 * LEAF * nodes
+        sizes(steps, nodes) * (HELD + 1) * nodes + 2 * LEAF * nodes
     }
 
     pub(crate) fn numbers(&self) -> usize {
@@ -290,6 +285,11 @@ impl FastConvolution {
             }
         }
     }
+}
+
+/// Sizes of clusters over N steps. A size with at most three clusters has no separated pair but (0, 2).
+fn sizes(steps: usize, nodes: usize) -> usize {
+    (0..).take_while(|&l| (steps / (LEAF * nodes)) >> l >= 2).count()
 }
 
 /// Candidate numbers of nodes for a tolerance.

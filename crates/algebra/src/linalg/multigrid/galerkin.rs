@@ -1,7 +1,6 @@
 //! Coarse matrices PᵀAP, block by block.
 
 use super::transfer::{Transfer, Turns};
-use crate::in_dimension;
 use crate::linalg::BlockPattern;
 
 /// A row-major block with rows of three, also in the plane.
@@ -9,16 +8,7 @@ type Block = [f64; 9];
 
 /// `coarse` ← PᵀAP of the matrix `fine` (pattern and lower-triangle values). A coarse unknown that no free fine one
 /// depends on gets the diagonal entry 1.
-pub(super) fn galerkin(
-    fine: (&BlockPattern, &[f64]),
-    transfer: &Transfer,
-    turns: &Turns,
-    coarse: (&BlockPattern, &mut [f64]),
-) {
-    in_dimension!(fine.0.dimension(), D => galerkin_in::<D>(fine, transfer, turns, coarse))
-}
-
-fn galerkin_in<const D: usize>(
+pub(super) fn galerkin<const D: usize>(
     (fine, values): (&BlockPattern, &[f64]),
     transfer: &Transfer,
     turns: &Turns,

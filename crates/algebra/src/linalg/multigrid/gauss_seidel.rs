@@ -4,7 +4,6 @@
 //! Ax): transposes of each other. Only blocks below the diagonal are stored.
 
 use super::galerkin::{below, diagonal};
-use crate::in_dimension;
 use crate::linalg::BlockPattern;
 
 /// Blocks of one matrix over its largest diagonal entry, and inverse diagonal blocks.
@@ -21,16 +20,7 @@ impl Sweeps {
     }
 
     /// Takes the matrix; fails with the unknown whose diagonal block is not positive definite.
-    pub(super) fn set(
-        &mut self,
-        pattern: &BlockPattern,
-        values: &[f64],
-        scale: f64,
-    ) -> Result<(), usize> {
-        in_dimension!(pattern.dimension(), D => self.set_in::<D>(pattern, values, scale))
-    }
-
-    fn set_in<const D: usize>(
+    pub(super) fn set<const D: usize>(
         &mut self,
         pattern: &BlockPattern,
         values: &[f64],
@@ -55,17 +45,7 @@ impl Sweeps {
     }
 
     /// `x` ← (L + D)⁻¹ `right`, `rest` ← `right` - A `x`.
-    pub(super) fn forward(
-        &self,
-        pattern: &BlockPattern,
-        right: &[f32],
-        x: &mut [f32],
-        rest: &mut [f32],
-    ) {
-        in_dimension!(pattern.dimension(), D => self.forward_in::<D>(pattern, right, x, rest))
-    }
-
-    fn forward_in<const D: usize>(
+    pub(super) fn forward<const D: usize>(
         &self,
         pattern: &BlockPattern,
         right: &[f32],
@@ -93,17 +73,7 @@ impl Sweeps {
     }
 
     /// `x` ← `x` + (D + Lᵀ)⁻¹(`right` - A `x`).
-    pub(super) fn backward(
-        &self,
-        pattern: &BlockPattern,
-        right: &[f32],
-        x: &mut [f32],
-        rest: &mut [f32],
-    ) {
-        in_dimension!(pattern.dimension(), D => self.backward_in::<D>(pattern, right, x, rest))
-    }
-
-    fn backward_in<const D: usize>(
+    pub(super) fn backward<const D: usize>(
         &self,
         pattern: &BlockPattern,
         right: &[f32],

@@ -6,6 +6,7 @@ use super::super::gmres::Preconditioned;
 use super::super::jacobian::Jacobian;
 use super::super::multigrid_sequence::MultigridSequence;
 use super::super::signed_unit;
+use super::super::tangent_solver::TangentSolver;
 use super::*;
 
 const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
@@ -192,15 +193,15 @@ fn axes_that_do_not_divide_stay() {
 struct OneSided;
 
 impl Parts for OneSided {
-    fn after(&self, _: &Sweeps, _: &BlockPattern, _: &mut Vectors) {}
+    fn after<const D: usize>(&self, _: (&Sweeps, &BlockPattern), _: &mut Vectors) {}
 }
 
 /// Injection in place of Pᵀ.
 struct Injected;
 
 impl Parts for Injected {
-    fn restrict(&self, transfer: &Transfer, _: &Turns, rest: &[f32], coarse: &mut [f32]) {
-        for (out, &twin) in coarse.chunks_exact_mut(3).zip(&transfer.twins) {
+    fn restrict<const D: usize>(&self, by: (&Transfer, &Turns), rest: &[f32], coarse: &mut [f32]) {
+        for (out, &twin) in coarse.chunks_exact_mut(3).zip(&by.0.twins) {
             out.copy_from_slice(&rest[3 * twin as usize..3 * twin as usize + 3]);
         }
     }

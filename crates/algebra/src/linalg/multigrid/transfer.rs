@@ -1,6 +1,5 @@
 //! Interpolation between two meshes.
 
-use crate::in_dimension;
 use crate::linalg::BlockPattern;
 
 /// The unknowns w = N u of a node with rotated coordinates.
@@ -75,13 +74,7 @@ impl Transfer {
     }
 
     /// `out` ← Pᵀ v.
-    pub(super) fn restrict(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
-        in_dimension!(
-            v.len() / self.parents.len().max(1), D => self.restrict_by::<D>(turns, v, out)
-        )
-    }
-
-    fn restrict_by<const D: usize>(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
+    pub(super) fn restrict<const D: usize>(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
         out.fill(0.0);
         for (node, values) in v.as_chunks::<D>().0.iter().enumerate() {
             let mut values = *values;
@@ -99,13 +92,12 @@ impl Transfer {
     }
 
     /// `out` ← `out` + P v.
-    pub(super) fn add_interpolated(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
-        in_dimension!(
-            out.len() / self.parents.len().max(1), D => self.interpolate_by::<D>(turns, v, out)
-        )
-    }
-
-    fn interpolate_by<const D: usize>(&self, turns: &Turns, v: &[f32], out: &mut [f32]) {
+    pub(super) fn add_interpolated<const D: usize>(
+        &self,
+        turns: &Turns,
+        v: &[f32],
+        out: &mut [f32],
+    ) {
         let (values, out) = (v.as_chunks::<D>().0, out.as_chunks_mut::<D>().0);
         for (node, out) in out.iter_mut().enumerate() {
             let (parents, weight) = self.parents(node);

@@ -34,6 +34,14 @@ pub(super) struct Sections {
     groups: BTreeMap<(u64, i64), Option<i64>>,
 }
 
+/// The parts that are read, with their ends.
+const PARTS: [(&str, &str); 4] = [
+    ("PhysicalNames", "$EndPhysicalNames"),
+    ("Entities", "$EndEntities"),
+    ("Nodes", "$EndNodes"),
+    ("Elements", "$EndElements"),
+];
+
 #[derive(Clone, Copy, PartialEq)]
 enum Version {
     Two,
@@ -47,12 +55,11 @@ impl Sections {
         let mut sections = Self::default();
         let mut seen: Vec<&'static str> = Vec::new();
         while let Some((span, word)) = tokens.word() {
-            let known = ["PhysicalNames", "Entities", "Nodes", "Elements"];
             let Some(name) = word.strip_prefix('$') else {
                 let found = short(word);
                 return Err(tokens.at(span, Fault::Unexpected { found, wanted: "a $part" }));
             };
-            let Some(part) = known.into_iter().find(|part| *part == name) else {
+            let Some((part, end)) = PARTS.into_iter().find(|(part, _)| *part == name) else {
                 tokens.skip_to(&format!("$End{name}"))?;
                 continue;
             };
@@ -60,7 +67,15 @@ impl Sections {
                 return Err(tokens.at(span, Fault::Twice { part }));
             }
             seen.push(part);
-            sections.part(tokens, part, version, span)?;
+            match (part, version) {
+                ("PhysicalNames", _) => sections.physical_names(tokens)?,
+                ("Entities", _) => sections.entities(tokens)?,
+                ("Nodes", Version::Two) => sections.nodes_2(tokens)?,
+                ("Nodes", Version::Four) => sections.nodes_4(tokens)?,
+                (_, Version::Two) => sections.elements_2(tokens, span)?,
+                (_, Version::Four) => sections.elements_4(tokens, span)?,
+            }
+            tokens.expect(end)?;
         }
         let needed: &[&'static str] = match version {
             Version::Two => &["Nodes", "Elements"],
@@ -69,40 +84,6 @@ impl Sections {
         match needed.iter().find(|part| !seen.contains(part)) {
             Some(part) => Err(tokens.at(0..0, Fault::Missing { part })),
             None => Ok(sections),
-        }
-    }
-
-    fn part(
-        &mut self,
-        tokens: &mut Tokens<'_>,
-        part: &'static str,
-        version: Version,
-        span: Range<usize>,
-    ) -> Result<(), GmshError> {
-        match (part, version) {
-            ("PhysicalNames", _) => {
-                self.physical_names(tokens)?;
-                tokens.expect("$EndPhysicalNames")
-            }
-            ("Entities", _) => {
-                self.entities(tokens)?;
-                tokens.expect("$EndEntities")
-            }
-            ("Nodes", _) => {
-                match version {
-                    Version::Two => self.nodes_2(tokens)?,
-                    Version::Four => self.nodes_4(tokens)?,
-                }
-                tokens.expect("$EndNodes")
-            }
-            _ => {
-                self.elements_at = span;
-                match version {
-                    Version::Two => self.elements_2(tokens)?,
-                    Version::Four => self.elements_4(tokens)?,
-                }
-                tokens.expect("$EndElements")
-            }
         }
     }
 
@@ -129,10 +110,7 @@ impl Sections {
         }
         for (dimension, count) in counts.into_iter().enumerate() {
             for _ in 0..count {
-                let (span, word) = tokens.some("the tag of an entity")?;
-                let wanted = "the tag of an entity";
-                let unexpected = || Fault::Unexpected { found: short(word), wanted };
-                let tag: i64 = word.parse().map_err(|_| tokens.at(span.clone(), unexpected()))?;
+                let (span, tag) = tokens.placed::<i64>("the tag of an entity")?;
                 tokens.pass(if dimension == 0 { 3 } else { 6 }, "a coordinate")?;
                 let groups: u64 = tokens.number("the number of physical groups")?;
                 let mut group = None;
@@ -165,7 +143,7 @@ impl Sections {
     fn nodes_2(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
         let count: u64 = tokens.number("the number of nodes")?;
         for _ in 0..count {
-            let (span, tag) = tag(tokens, "the tag of a node")?;
+            let (span, tag) = tokens.placed("the tag of a node")?;
             let at = coordinates(tokens)?;
             self.nodes.push(Node { tag, at, span });
         }
@@ -182,7 +160,7 @@ impl Sections {
             let count: u64 = tokens.number("the number of nodes in a block")?;
             let mut tags = Vec::new();
             for _ in 0..count {
-                tags.push(tag(tokens, "the tag of a node")?);
+                tags.push(tokens.placed("the tag of a node")?);
             }
             for (span, tag) in tags {
                 let at = coordinates(tokens)?;
@@ -195,11 +173,12 @@ impl Sections {
         Ok(())
     }
 
-    fn elements_2(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+    fn elements_2(&mut self, tokens: &mut Tokens<'_>, at: Range<usize>) -> Result<(), GmshError> {
+        self.elements_at = at;
         let count: u64 = tokens.number("the number of elements")?;
         for _ in 0..count {
-            let (span, _) = tag(tokens, "the tag of an element")?;
-            let (at, kind) = tag(tokens, "the type of an element")?;
+            let (span, _) = tokens.placed::<u64>("the tag of an element")?;
+            let (at, kind) = tokens.placed("the type of an element")?;
             let (dimension, corners) = shape(tokens, at, kind)?;
             let tags: u64 = tokens.number("the number of tags")?;
             let mut group = None;
@@ -214,7 +193,8 @@ impl Sections {
         Ok(())
     }
 
-    fn elements_4(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+    fn elements_4(&mut self, tokens: &mut Tokens<'_>, at: Range<usize>) -> Result<(), GmshError> {
+        self.elements_at = at;
         let blocks: u64 = tokens.number("the number of blocks")?;
         tokens.pass(3, "the number of elements and their range")?;
         for _ in 0..blocks {
@@ -226,11 +206,11 @@ impl Sections {
                 let tag = entity.unwrap_or(0).unsigned_abs();
                 return Err(tokens.at(span, Fault::Unknown { what: "entity", tag }));
             };
-            let (at, kind) = tag(tokens, "the type of the elements")?;
+            let (at, kind) = tokens.placed("the type of the elements")?;
             let (dimension, corners) = shape(tokens, at, kind)?;
             let count: u64 = tokens.number("the number of elements in a block")?;
             for _ in 0..count {
-                let (span, _) = tag(tokens, "the tag of an element")?;
+                let (span, _) = tokens.placed::<u64>("the tag of an element")?;
                 self.element(tokens, span, dimension, corners, group)?;
             }
         }
@@ -248,7 +228,7 @@ impl Sections {
         let mut nodes = Vec::with_capacity(corners);
         let mut end = span.end;
         for _ in 0..corners {
-            let (at, node) = tag(tokens, "a node of an element")?;
+            let (at, node) = tokens.placed("a node of an element")?;
             end = at.end;
             nodes.push(node);
         }
@@ -275,14 +255,6 @@ fn version(tokens: &mut Tokens<'_>) -> Result<Version, GmshError> {
     tokens.pass(1, "the size of a number")?;
     tokens.expect("$EndMeshFormat")?;
     Ok(version)
-}
-
-fn tag(tokens: &mut Tokens<'_>, wanted: &'static str) -> Result<(Range<usize>, u64), GmshError> {
-    let (span, word) = tokens.some(wanted)?;
-    match word.parse() {
-        Ok(tag) => Ok((span, tag)),
-        Err(_) => Err(tokens.at(span, Fault::Unexpected { found: short(word), wanted })),
-    }
 }
 
 fn coordinates(tokens: &mut Tokens<'_>) -> Result<[f64; 3], GmshError> {

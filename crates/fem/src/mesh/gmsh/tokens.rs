@@ -47,20 +47,36 @@ impl<'t> Tokens<'t> {
         self.word().ok_or_else(|| self.at(end..end, Fault::Ends { wanted }))
     }
 
+    /// The next word as `read` takes it, with its place.
+    fn taken<N>(
+        &mut self,
+        wanted: &'static str,
+        read: impl FnOnce(&str) -> Option<N>,
+    ) -> Result<(Range<usize>, N), GmshError> {
+        let (span, word) = self.some(wanted)?;
+        match read(word) {
+            Some(value) => Ok((span, value)),
+            None => Err(self.at(span, Fault::Unexpected { found: short(word), wanted })),
+        }
+    }
+
+    /// The next word as a number with its place.
+    pub(crate) fn placed<N: FromStr>(
+        &mut self,
+        wanted: &'static str,
+    ) -> Result<(Range<usize>, N), GmshError> {
+        self.taken(wanted, |word| word.parse().ok())
+    }
+
     /// The next word as a number.
     pub(crate) fn number<N: FromStr>(&mut self, wanted: &'static str) -> Result<N, GmshError> {
-        let (span, word) = self.some(wanted)?;
-        let unexpected = || Fault::Unexpected { found: short(word), wanted };
-        word.parse().map_err(|_| self.at(span, unexpected()))
+        self.placed(wanted).map(|(_, value)| value)
     }
 
     /// The next word as a finite number.
     pub(crate) fn finite(&mut self, wanted: &'static str) -> Result<f64, GmshError> {
-        let (span, word) = self.some(wanted)?;
-        match word.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.at(span, Fault::Unexpected { found: short(word), wanted })),
-        }
+        let finite = |word: &str| word.parse().ok().filter(|value: &f64| value.is_finite());
+        self.taken(wanted, finite).map(|(_, value)| value)
     }
 
     /// Passes over `count` numbers.
@@ -70,11 +86,7 @@ impl<'t> Tokens<'t> {
 
     /// The next word must be this one.
     pub(crate) fn expect(&mut self, wanted: &'static str) -> Result<(), GmshError> {
-        let (span, word) = self.some(wanted)?;
-        if word == wanted {
-            return Ok(());
-        }
-        Err(self.at(span, Fault::Unexpected { found: short(word), wanted }))
+        self.taken(wanted, |word| (word == wanted).then_some(())).map(|_| ())
     }
 
     /// Passes over everything up to the end of an unknown part.
