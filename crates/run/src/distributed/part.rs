@@ -121,6 +121,6 @@ pub fn failed_in_words(records: &[CaseRecord]) -> Option<String> {
     let number = counted(failed.len(), "case");
     Some(format!(
         "{number} failed and recorded as such, the first: {}: {}",
-        first.scene, first.reason
+        first.key.scene, first.reason
     ))
 }
