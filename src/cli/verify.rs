@@ -15,7 +15,7 @@ use super::machine::Allowance;
 use super::swept::Swept;
 use super::{CliError, Scenes, TABLE_WIDTH, no_case, print_json, print_text, verdict_table, width};
 use files::shortened;
-use judge::record::CaseRecord;
+use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
 use report::write_junit;
 use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
@@ -127,11 +127,13 @@ impl Verify {
     fn print_failures(&self, judged: &Swept) {
         let failed = failures(&judged.records);
         let named = |reason: &str| judged.verdicts.iter().any(|v| v.reason.contains(reason));
-        for Failure { n, steps, reason, .. } in failed.iter().filter(|f| !named(&f.reason)) {
+        for Failure { key: Key { n, steps, .. }, reason } in
+            failed.iter().filter(|f| !named(&f.reason))
+        {
             let n = n.map_or(String::new(), |n| format!("n = {n}, "));
             print_text(&format!("{n}N = {steps}: {reason}"));
         }
-        let log = |Failure { scene, n, steps, .. }: &Failure| {
+        let log = |Failure { key: Key { scene, n, steps }, .. }: &Failure| {
             let log = case_dir(&self.out.join("cases"), scene, (*n)?, *steps).join(LOG);
             let lines = last_lines(&log);
             // Output already quoted in a reason is omitted.

@@ -6,6 +6,7 @@
 //! follows a guard.
 //! No guard names a time at which ε vanishes everywhere: the kink of ‖ε‖ there costs about 1e-9 of its slope.
 
+use std::convert::Infallible;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::running_integral::RunningIntegral;
@@ -58,12 +59,9 @@ impl AccumulatedStrain {
         let integral = self.integral.get_or_init(|| {
             RunningIntegral::new(self.horizon).scaled_to(integrand.left_out(self.horizon))
         });
-        let value: Result<f64, std::convert::Infallible> =
-            integral.at(t, |from, to| integrand.events(from, to), |s| Ok(integrand.norm(s)));
-        match value {
-            Ok(value) => value,
-            Err(never) => match never {},
-        }
+        let events = |from, to| integrand.events(from, to);
+        let Ok(value) = integral.at::<Infallible>(t, events, |s| Ok(integrand.norm(s)));
+        value
     }
 
     /// ‖ε(u(t))‖; NaN if declared as not needed.

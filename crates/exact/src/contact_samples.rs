@@ -6,7 +6,6 @@ use super::shared_program::SharedProgram;
 use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
 use fem::space::Simplex;
-use formula::EvaluationPoint;
 
 /// Relative distance within which r counts as the place of a jump: formulas round.
 const AT_JUMP_WITHIN: f64 = 1e-9;
@@ -50,9 +49,8 @@ impl StatePoints {
                     places.iter().map(|b| mesh.point(facet, b)).collect::<Vec<_>>()
                 })
                 .collect();
-            let at =
-                |&[x, y, z]: &[f64; 3]| EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
-            let value = |x: &[f64; 3]| shift.map_or(0.0, |s| exact.data.graph.evaluate(s, &at(x)));
+            let graph = &exact.data.graph;
+            let value = |x: &[f64; 3]| shift.map_or(0.0, |s| graph.evaluate(s, &(*x).into()));
             let bound = exact.boundary(&part.normal[..2]).program.bind(&points);
             let shift = points.iter().map(value).collect();
             sides.push(PartOfTrace { facets, shift, bound: bound.into() });

@@ -3,19 +3,12 @@
 //! Only means and remainders for errors are corrected. Loads keep the rule attributed to the scheme, whose error is
 //! measured separately.
 
-use super::constitutive::{Tensor, mandel, stress};
+use super::constitutive::{mandel, stress};
 use super::cuts::{Cut, Cuts};
 use super::onto::Onto;
 use super::parts::Parts;
 use fem::norms::Moments;
 use fem::space::quadrature::Rule;
-
-/// The fields of one cell at the points of a rule.
-struct Fields<const D: usize, const N: usize> {
-    strain: Vec<[f64; N]>,
-    stress: Vec<[f64; N]>,
-    displacement: Vec<[f64; D]>,
-}
 
 /// Projections of the fields on one cell onto the element, and the mean squares of the remainders of ε, σ and u.
 #[derive(Default)]
@@ -26,52 +19,37 @@ struct CellMoments<const D: usize, const N: usize> {
     rest: [f64; 3],
 }
 
-/// Recomputes the moments of cut cells by `rule` on their pieces; returns the previous means of σ. A cell with new
-/// non-finite values is left as it is.
-pub(super) fn correct<const D: usize>(
-    cuts: &Cuts,
-    parts: &Parts<'_>,
-    rule: &Rule,
-    moments: &mut Moments,
-) -> Vec<(usize, Vec<f64>)> {
-    match D {
-        2 => Correction::<D, 3> { parts, rule, moments }.all(cuts),
-        _ => Correction::<D, 6> { parts, rule, moments }.all(cuts),
-    }
-}
-
-/// For tensors of N numbers.
-struct Correction<'a, const D: usize, const N: usize> {
-    parts: &'a Parts<'a>,
-    rule: &'a Rule,
-    moments: &'a mut Moments,
-}
-
-impl<const D: usize, const N: usize> Correction<'_, D, N> {
-    fn all(mut self, cuts: &Cuts) -> Vec<(usize, Vec<f64>)> {
-        let whole = self.rule;
-        let cut = cuts.rules(&self.parts.space.mesh, whole, self.parts.t);
+impl Parts<'_> {
+    /// Recomputes the moments of cut cells by the rule of `whole` cells on their pieces. A cell with new non-finite
+    /// values is left as it is.
+    pub(super) fn correct<const D: usize, const N: usize>(
+        &self,
+        cuts: &Cuts,
+        whole: &Rule,
+        moments: &mut Moments,
+    ) {
+        let cut = cuts.rules(&self.space.mesh, whole, self.t);
         let rules =
             cut.iter().flat_map(|Cut { simplex, rule }| [whole, rule].map(|rule| (*simplex, rule)));
-        let points = cuts.points(&self.parts.space.mesh, rules);
-        let values = self.parts.exact.interior.values(&points, self.parts.t, 0.0);
-        let onto = Onto::new(self.parts.space.element, whole);
-        let (mut first, mut before) = (0, Vec::new());
+        let points = cuts.points(&self.space.mesh, rules);
+        let values = self.exact.interior.values(&points, self.t, 0.0);
+        let onto = Onto::new(self.space.element, whole);
+        let mut first = 0;
         for Cut { simplex, rule } in &cut {
             let [whole, pieces] = [(&onto, whole), (&onto.by(rule), rule)].map(|(onto, rule)| {
-                let moments = self.of_cell(*simplex, onto, &rule.weights, &values, first);
+                let of_cell = self.of_cell::<D, N>(*simplex, onto, &rule.weights, &values, first);
                 first += rule.weights.len();
-                moments
+                of_cell
             });
             if whole.rest.iter().chain(&pieces.rest).all(|rest| rest.is_finite()) {
-                before.push(self.replace(*simplex, &whole, &pieces));
+                let measure = self.space.geometry.measure[*simplex];
+                replace(moments, (*simplex, measure), &whole.rest, &pieces);
             }
         }
-        before
     }
 
     /// The moments of cell c by a rule whose values begin at `first`.
-    fn of_cell(
+    fn of_cell<const D: usize, const N: usize>(
         &self,
         c: usize,
         onto: &Onto,
@@ -79,53 +57,47 @@ impl<const D: usize, const N: usize> Correction<'_, D, N> {
         values: &[Vec<f64>],
         first: usize,
     ) -> CellMoments<D, N> {
-        let exact = self.parts.exact;
-        let material = exact.material_in(self.parts.regions[c]);
-        let mut fields =
-            Fields { strain: Vec::new(), stress: Vec::new(), displacement: Vec::new() };
-        let mut memory: Vec<Tensor<D>> = Vec::new();
+        let material = self.exact.material_in(self.regions[c]);
+        let (mut strains, mut stresses, mut memory) = (Vec::new(), Vec::new(), Vec::new());
+        let mut displacements: Vec<[f64; D]> = Vec::new();
         for p in first..first + weights.len() {
-            let strain = exact.tensors(|k| values[k][p], &mut memory);
-            let sigma = stress(material, &strain, &memory, self.parts.kappa);
-            fields.strain.push(mandel(&strain));
-            fields.stress.push(mandel(&sigma));
-            fields.displacement.push(std::array::from_fn(|i| values[i][p]));
+            let strain = self.exact.tensors::<D, f64>(|k| values[k][p], &mut memory);
+            strains.push(mandel::<D, N, f64>(&strain));
+            stresses.push(mandel(&stress(material, &strain, &memory, self.kappa)));
+            displacements.push(std::array::from_fn(|i| values[i][p]));
         }
         let mut moments = CellMoments::default();
-        onto.strains.split(&mut fields.strain, &mut moments.strain);
-        onto.strains.split(&mut fields.stress, &mut moments.stress);
-        onto.functions.split(&mut fields.displacement, &mut moments.displacement);
+        onto.strains.split(&mut strains, &mut moments.strain);
+        onto.strains.split(&mut stresses, &mut moments.stress);
+        onto.functions.split(&mut displacements, &mut moments.displacement);
         moments.rest = [
-            mean_square(&fields.strain, weights),
-            mean_square(&fields.stress, weights),
-            mean_square(&fields.displacement, weights),
+            mean_square(&strains, weights),
+            mean_square(&stresses, weights),
+            mean_square(&displacements, weights),
         ];
         moments
     }
+}
 
-    /// Replaces the moments of the whole cell c by those of its pieces; returns the previous σ.
-    fn replace(
-        &mut self,
-        c: usize,
-        whole: &CellMoments<D, N>,
-        pieces: &CellMoments<D, N>,
-    ) -> (usize, Vec<f64>) {
-        let measure = self.parts.space.geometry.measure[c];
-        let Moments { strain, stress, displacement, .. } = &mut *self.moments;
-        let rests = [&mut strain.rest, &mut stress.rest, &mut displacement.rest];
-        for (rest, (pieces, whole)) in rests.into_iter().zip(pieces.rest.iter().zip(&whole.rest)) {
-            // If all cells are cut, the rest may be rounding of either sign.
-            *rest = (*rest + measure * (pieces - whole)).max(0.0);
-        }
-        let numbers = N * pieces.strain.len();
-        let range = numbers * c..numbers * (c + 1);
-        let before = stress.at[range.clone()].to_vec();
-        strain.at[range.clone()].copy_from_slice(pieces.strain.as_flattened());
-        stress.at[range].copy_from_slice(pieces.stress.as_flattened());
-        let numbers = D * pieces.displacement.len();
-        let target = &mut displacement.node[numbers * c..numbers * (c + 1)];
-        target.copy_from_slice(pieces.displacement.as_flattened());
-        (c, before)
+/// Replaces the moments of the whole cell c, and its mean squares, by those of its pieces.
+fn replace<const D: usize, const N: usize>(
+    Moments { strain, stress, displacement, .. }: &mut Moments,
+    (c, measure): (usize, f64),
+    whole: &[f64; 3],
+    pieces: &CellMoments<D, N>,
+) {
+    let rests = [&mut strain.rest, &mut stress.rest, &mut displacement.rest];
+    for (rest, (pieces, whole)) in rests.into_iter().zip(pieces.rest.iter().zip(whole)) {
+        // If all cells are cut, the rest may be rounding of either sign.
+        *rest = (*rest + measure * (pieces - whole)).max(0.0);
+    }
+    let of_cell = |numbers: &[f64]| numbers.len() * c..numbers.len() * (c + 1);
+    for (all, numbers) in [
+        (&mut strain.at, pieces.strain.as_flattened()),
+        (&mut stress.at, pieces.stress.as_flattened()),
+        (&mut displacement.node, pieces.displacement.as_flattened()),
+    ] {
+        all[of_cell(numbers)].copy_from_slice(numbers);
     }
 }
 

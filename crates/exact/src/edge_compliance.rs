@@ -66,15 +66,15 @@ impl LawNumbers {
 }
 
 /// Means over one edge of c p(u_ν - s) times the two hat functions; `normal` are the end values of u_ν, `shift` is s
-/// and `scale` is c by the place in [0, 1]. None for the vertex rule, which is not a facet integral.
+/// and `scale` is c by barycentric coordinates. None for the vertex rule, which is not a facet integral.
 pub(crate) fn edge_moments(
     law: &LawNumbers,
     rule: ComplianceRule,
     normal: [f64; 2],
-    shift: impl Fn(f64) -> f64,
-    scale: impl Fn(f64) -> f64,
+    shift: impl Fn(&[f64]) -> f64,
+    scale: impl Fn(&[f64]) -> f64,
 ) -> [f64; 2] {
-    let argument = |x: f64| normal[0] + x * (normal[1] - normal[0]) - shift(x);
+    let argument = |x: f64| normal[0] + x * (normal[1] - normal[0]) - shift(&[1.0 - x, x]);
     let mut cuts = vec![0.0, 1.0];
     if rule == ComplianceRule::Exact {
         cuts.extend(sign_changes(0.0, 1.0, WATCHES, |places| {
@@ -96,7 +96,8 @@ pub(crate) fn edge_moments(
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         for &(x, weight) in gauss_legendre(count) {
             let place = middle + half * x;
-            let value = half * weight * scale(place) * law.pressure(argument(place));
+            let value =
+                half * weight * scale(&[1.0 - place, place]) * law.pressure(argument(place));
             moments[0] += value * (1.0 - place);
             moments[1] += value * place;
         }
@@ -150,13 +151,13 @@ mod tests {
             LawNumbers { points: vec![[0.0, 0.0]], slope_before: 0.0, slope_after: 0.0, curve };
         let primitive = |r: f64| 0.0016 * (1.0 + (r / 0.04).powi(2)).ln();
         let expected = (primitive(0.17) - primitive(0.01)) / 0.16;
-        let moments = |scale: fn(f64) -> f64| {
+        let moments = |scale: fn(&[f64]) -> f64| {
             edge_moments(&law, ComplianceRule::Exact, [0.01, 0.17], |_| 0.0, scale)
         };
         let [a, b] = moments(|_| 1.0);
         assert!((a + b - expected).abs() < 1e-15, "{:e}", a + b - expected);
         // A factor x turns the sum into the second moment.
-        let [c, d] = moments(|x| x);
+        let [c, d] = moments(|b| b[1]);
         assert!((c + d - b).abs() < 1e-15);
     }
 
@@ -172,8 +173,13 @@ mod tests {
     #[test]
     fn a_curved_shift_is_resolved() {
         // u_ν - s = 0.08 x², which crosses 0.04 at 1/√2.
-        let found =
-            edge_moments(&law(), ComplianceRule::Exact, [0.0, 0.0], |x| -0.08 * x * x, |_| 1.0);
+        let found = edge_moments(
+            &law(),
+            ComplianceRule::Exact,
+            [0.0, 0.0],
+            |b| -0.08 * b[1] * b[1],
+            |_| 1.0,
+        );
         let c = 0.5f64.sqrt();
         let exact =
             0.16 * c.powi(4) / 4.0 + 0.1 * (1.0 - c * c) / 2.0 - 0.04 * (1.0 - c.powi(4)) / 4.0;

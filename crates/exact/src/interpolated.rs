@@ -184,16 +184,12 @@ impl InterpolatedOnMesh {
                     .collect();
                 let vertices: Vec<u32> =
                     corners.iter().map(|&i| self.space.trace.points[i as usize].vertex).collect();
+                let at = |node: Option<Node>, b: &[f64]| Some(self.on_facet(node?, &vertices, b));
+                let shift = |b: &[f64]| at(contact.and_then(|c| c.shift), b).unwrap_or(0.0);
+                let scale = |b: &[f64]| at(contact.and_then(|c| c.scale), b).unwrap_or(1.0);
                 let moments = match normal[..] {
-                    [a, b] => {
-                        let shift = |x: f64| self.shift(&vertices, &[1.0 - x, x]);
-                        let scale = |x: f64| self.scale(&vertices, &[1.0 - x, x]);
-                        edge_moments(law, self.rule, [a, b], shift, scale).to_vec()
-                    }
-                    _ => {
-                        let shift = |b: &[f64]| self.shift(&vertices, b);
-                        triangle_moments(law, &normal, shift, |b| self.scale(&vertices, b))
-                    }
+                    [a, b] => edge_moments(law, self.rule, [a, b], shift, scale).to_vec(),
+                    _ => triangle_moments(law, &normal, shift, scale),
                 };
                 let size = facet_measure(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
                 for (&i, moment) in corners.iter().zip(moments) {
@@ -203,26 +199,10 @@ impl InterpolatedOnMesh {
         }
     }
 
-    /// s at a point of a facet.
-    fn shift(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
-        let contact = self.exact.data.contact.as_ref();
-        let shift = contact.and_then(|contact| contact.shift);
-        shift.map_or(0.0, |shift| self.on_facet(shift, vertices, barycentric))
-    }
-
-    /// c at a point of a facet.
-    fn scale(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
-        let contact = self.exact.data.contact.as_ref();
-        let scale = contact.and_then(|contact| contact.scale);
-        scale.map_or(1.0, |scale| self.on_facet(scale, vertices, barycentric))
-    }
-
+    /// A formula in space at a point of a facet.
     fn on_facet(&self, node: Node, vertices: &[u32], barycentric: &[f64]) -> f64 {
-        let [x, y, z] = self.space.mesh.point(vertices, barycentric);
-        self.exact
-            .data
-            .graph
-            .evaluate(node, &EvaluationPoint { x, y, z, ..EvaluationPoint::default() })
+        let place = self.space.mesh.point(vertices, barycentric);
+        self.exact.data.graph.evaluate(node, &place.into())
     }
 
     /// ξ + λ at the points of the trace.

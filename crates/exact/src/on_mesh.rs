@@ -4,13 +4,11 @@
 mod contact;
 
 use fem::mesh::in_dimension;
-use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use self::contact::ContactMoments;
 use super::consistency::around;
 use super::contact_samples::StatePoints;
-use super::cut_cells;
 use super::cuts::Cuts;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
@@ -57,23 +55,8 @@ pub struct ExactOnMesh {
 
 struct KnownMoments {
     moments: Arc<Moments>,
-    /// The means of σ by the rule of loads, for cells where a kink changes them.
-    of_loads: Vec<(usize, Vec<f64>)>,
-}
-
-impl KnownMoments {
-    fn means_of_loads(&self) -> Cow<'_, [f64]> {
-        let means = &self.moments.stress.at;
-        if self.of_loads.is_empty() {
-            return Cow::Borrowed(means);
-        }
-        let mut means = means.clone();
-        for (c, means_of_cell) in &self.of_loads {
-            means[means_of_cell.len() * c..means_of_cell.len() * (c + 1)]
-                .copy_from_slice(means_of_cell);
-        }
-        Cow::Owned(means)
-    }
+    /// The means of σ by the rule of loads, where a kink changes them in some cell.
+    of_loads: Option<Vec<f64>>,
 }
 
 impl ExactOnMesh {
@@ -168,10 +151,13 @@ impl ExactOnMesh {
     }
 
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
-    fn volume_forces<const D: usize>(&self, parts: &Parts<'_>) -> Result<Vec<Vec<f64>>, LoadError> {
+    fn volume_forces<const D: usize, const N: usize>(
+        &self,
+        parts: &Parts<'_>,
+    ) -> Result<Vec<Vec<f64>>, LoadError> {
         if self.form == LoadForm::Weak {
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
-            let mut forces = parts.stress_forces::<D>(points)?;
+            let mut forces = parts.stress_forces::<D, N>(points)?;
             if let Some(points) = &self.facet_points {
                 parts.subtract_consistency::<D>(points, &mut forces)?;
             }
@@ -185,7 +171,7 @@ impl ExactOnMesh {
     }
 
     /// As above from the parts; None if there are none, or a number is not finite.
-    fn volume_from_parts<const D: usize>(&self, t: f64) -> Option<Vec<f64>> {
+    fn volume_from_parts<const D: usize, const N: usize>(&self, t: f64) -> Option<Vec<f64>> {
         let separation = self.separation()?;
         let parts = self.load_parts.get_or_init(|| {
             let parts = self.parts(separation);
@@ -195,7 +181,7 @@ impl ExactOnMesh {
                     let means = known.as_ref()?.stress_means().iter();
                     means.map(|means| force_of_means::<D>(&self.space, means)).collect()
                 }
-                None => self.volume_forces::<D>(&parts).ok()?,
+                None => self.volume_forces::<D, N>(&parts).ok()?,
             };
             forget_zeros(&mut forces);
             Some(forces)
@@ -205,54 +191,66 @@ impl ExactOnMesh {
         force.iter().all(|value| value.is_finite()).then_some(force)
     }
 
-    fn compute_load<const D: usize>(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+    fn compute_load<const D: usize, const N: usize>(
+        &self,
+        t: f64,
+    ) -> Result<Arc<Vec<f64>>, LoadError> {
         let with = |mut force: Vec<f64>, pressure: &[f64]| {
             self.add_contact_pressure(pressure, &mut force);
             force.truncate(self.space.dofs());
             force
         };
-        if let Some(force) = self.volume_from_parts::<D>(t) {
+        if let Some(force) = self.volume_from_parts::<D, N>(t) {
             let pressure = self.contact_forces.get_or(t, || self.contact_pressure(t))?;
             return Ok(Arc::new(with(force, &pressure)));
         }
         self.loads.get_or(t, || {
             let force = match self.moments.known(t).filter(|_| self.is_shared()) {
-                Some(known) => force_of_means::<D>(&self.space, &known.means_of_loads()),
-                None => self.volume_forces::<D>(&self.at(t))?.swap_remove(0),
+                Some(known) => {
+                    let means = known.of_loads.as_ref().unwrap_or(&known.moments.stress.at);
+                    force_of_means::<D>(&self.space, means)
+                }
+                None => self.volume_forces::<D, N>(&self.at(t))?.swap_remove(0),
             };
             Ok(with(force, &self.contact_pressure(t)?))
         })
     }
 
     /// Moments in the cells from the parts; None if there are none, or a number is not finite.
-    fn moments_from_parts<const D: usize>(&self, t: f64) -> Option<Moments> {
+    fn moments_from_parts<const D: usize, const N: usize>(&self, t: f64) -> Option<Moments> {
         let separation = self.separation()?;
         let parts = self.moment_parts.get_or_init(|| {
-            Some(self.parts(separation).moments::<D>(&self.error_points).ok()?.without_zeros())
+            Some(self.parts(separation).moments::<D, N>(&self.error_points).ok()?.without_zeros())
         });
         parts.as_ref()?.at(&separation.factors.at(t), &separation.of_stress().at(t))
     }
 
-    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+    fn compute_moments<const D: usize, const N: usize>(
+        &self,
+        t: f64,
+    ) -> Result<Arc<Moments>, LoadError> {
         let with = |cells: Moments, on_contact: ContactMoments| {
             let ContactMoments { normal, pressure, locked } = on_contact;
             Moments { normal, pressure, locked, ..cells }
         };
         let on_contact = || self.contact_moments.get_or(t, || self.compute_contact::<D>(t));
         if self.cuts.is_none()
-            && let Some(cells) = self.moments_from_parts::<D>(t)
+            && let Some(cells) = self.moments_from_parts::<D, N>(t)
         {
             return Ok(Arc::new(with(cells, (*on_contact()?).clone())));
         }
         let known = self.moments.get_or(t, || {
             let at = self.at(t);
-            let mut cells = match self.moments_from_parts::<D>(t) {
+            let mut cells = match self.moments_from_parts::<D, N>(t) {
                 Some(cells) => cells,
-                None => at.moments::<D>(&self.error_points)?.single(),
+                None => at.moments::<D, N>(&self.error_points)?.single(),
             };
-            let rule = &self.error_points.rule;
-            let correct = |cuts| cut_cells::correct::<D>(cuts, &at, rule, &mut cells);
-            let of_loads = self.cuts.as_ref().map_or(Vec::new(), correct);
+            let mut of_loads = None;
+            if let Some(cuts) = &self.cuts {
+                let before = cells.stress.at.clone();
+                at.correct::<D, N>(cuts, &self.error_points.rule, &mut cells);
+                of_loads = Some(before).filter(|at| self.is_shared() && *at != cells.stress.at);
+            }
             let moments = Arc::new(with(cells, (*on_contact()?).clone()));
             Ok(KnownMoments { moments, of_loads })
         })?;
@@ -262,11 +260,11 @@ impl ExactOnMesh {
 
 impl Truth for ExactOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        in_dimension!(self.space.mesh.dimension, D => self.compute_load::<D>(t))
+        in_dimension!(self.space.mesh.dimension, D, S => self.compute_load::<D, S>(t))
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        in_dimension!(self.space.mesh.dimension, D => self.compute_moments::<D>(t))
+        in_dimension!(self.space.mesh.dimension, D, S => self.compute_moments::<D, S>(t))
     }
 
     fn expect(&self, times: &[f64]) -> Result<(), LoadError> {

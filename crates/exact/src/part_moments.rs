@@ -14,7 +14,7 @@ use fem::norms::{AtPoints, Moments, Piecewise};
 use fem::space::quadrature::Rule;
 
 impl Parts<'_> {
-    pub(crate) fn moments<const D: usize>(
+    pub(crate) fn moments<const D: usize, const N: usize>(
         &self,
         points: &Sampled,
     ) -> Result<PartMoments, LoadError> {
@@ -23,18 +23,6 @@ impl Parts<'_> {
         let [strain, stress, displacement] = [lengths[0], lengths[0], lengths[1]]
             .map(|numbers| PartFamily::with_room(self.count, numbers));
         let mut sums = PartMoments { strain, stress, displacement, lengths };
-        match D {
-            2 => self.add_moments::<D, 3>(points, &mut sums)?,
-            _ => self.add_moments::<D, 6>(points, &mut sums)?,
-        }
-        Ok(sums)
-    }
-
-    fn add_moments<const D: usize, const N: usize>(
-        &self,
-        points: &Sampled,
-        sums: &mut PartMoments,
-    ) -> Result<(), LoadError> {
         let (mesh, mut room) = (&self.space.mesh, Remainders::<D, N>::new(self.count));
         let (program, names) = self.inside();
         let (at, onto) = ((self.t, 0.0), &Onto::new(self.space.element, &points.rule));
@@ -45,10 +33,11 @@ impl Parts<'_> {
                 rule: &points.rule,
                 cells,
                 values,
-                sums,
+                sums: &mut sums,
                 room: &mut room,
             });
-        })
+        })?;
+        Ok(sums)
     }
 }
 

@@ -78,7 +78,7 @@ impl Parts<'_> {
     }
 
     /// ∫ σ:ε(v) of each part, over all nodes.
-    pub(crate) fn stress_forces<const D: usize>(
+    pub(crate) fn stress_forces<const D: usize, const N: usize>(
         &self,
         points: &Sampled,
     ) -> Result<Vec<Vec<f64>>, LoadError> {
@@ -89,17 +89,9 @@ impl Parts<'_> {
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
         points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
-            let (parts, cells, means) = (self, &cells, &mut means[..]);
-            match D {
-                2 => {
-                    let means_in_plane = Means::<D, 3> { parts, rule, onto, cells, values, means };
-                    pulp::Arch::new().dispatch(means_in_plane)
-                }
-                _ => {
-                    let means_in_space = Means::<D, 6> { parts, rule, onto, cells, values, means };
-                    pulp::Arch::new().dispatch(means_in_space)
-                }
-            }
+            let (parts, cells, room) = (self, &cells, &mut means[..]);
+            let means_of_cells = Means::<D, N> { parts, rule, onto, cells, values, means: room };
+            pulp::Arch::new().dispatch(means_of_cells);
             for (mean, force) in means.iter().zip(&mut forces) {
                 add_means::<D>((space, &work), cells.clone(), mean, force);
             }

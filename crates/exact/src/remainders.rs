@@ -7,17 +7,12 @@ impl Exact {
     /// Adds the estimates to the solution; None if that changes no field at these points and times.
     pub fn with_remainders(&self, points: &[[f64; 3]], times: &[f64]) -> Option<Self> {
         let mut data = self.data.clone();
-        let friction = |c: &ContactFormulas| -> Vec<Node> {
-            c.friction
-                .iter()
-                .flat_map(|friction_formulas| {
-                    friction_formulas.multiplier.clone().unwrap_or_default()
-                })
-                .collect()
+        let of_contact = |c: &ContactFormulas| -> Vec<Node> {
+            let friction = c.friction.iter().filter_map(|friction| friction.multiplier.clone());
+            let friction = friction.flatten();
+            [c.multiplier, c.selection].into_iter().flatten().chain(friction).collect()
         };
-        let contact = data.contact.iter();
-        let contact = contact
-            .flat_map(|c| [c.multiplier, c.selection].into_iter().flatten().chain(friction(c)));
+        let contact = data.contact.iter().flat_map(of_contact);
         let fields = [&data.u, &self.strain, &self.memory, &self.body_force];
         let all: Vec<Node> = fields.into_iter().flatten().copied().chain(contact).collect();
         if !all.iter().any(|&node| data.graph.remembers(node)) {

@@ -1,6 +1,7 @@
 //! The reference solution of a case, with its values cached by time.
 
 use std::collections::HashMap;
+use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use fem::contact::LoadError;
@@ -74,18 +75,15 @@ impl<T> ByTime<T> {
         if let Some(value) = self.known(t) {
             return Ok(value);
         }
-        let value = compute()?;
-        Ok(self.always(t, || value))
+        // Computed outside the lock: two threads may both do it, with identical results.
+        let value = Arc::new(compute()?);
+        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(values.entry(t.to_bits()).or_insert(value).clone())
     }
 
     /// The value at t, computed if necessary; for infallible computations.
     pub fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
-        if let Some(value) = self.known(t) {
-            return value;
-        }
-        // Computed outside the lock: two threads may both do it, with identical results.
-        let value = Arc::new(compute());
-        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
-        values.entry(t.to_bits()).or_insert(value).clone()
+        let Ok(value) = self.get_or(t, || Ok::<T, Infallible>(compute()));
+        value
     }
 }

@@ -48,15 +48,6 @@ enum Output {
 }
 
 impl BoundProgram {
-    pub(super) fn new(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
-        Self::of(plan, points, true)
-    }
-
-    /// As [`Self::new`], but without interpolation of integrals.
-    pub(super) fn one_by_one(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
-        Self::of(plan, points, false)
-    }
-
     /// The integrals of a group at all points, which differ along its only axis.
     pub(super) fn integrals(&mut self, group: usize, t: f64, zeta: f64) -> Vec<f64> {
         self.take_zeta(zeta);
@@ -64,7 +55,8 @@ impl BoundProgram {
         self.values.clone()
     }
 
-    fn of(plan: Arc<EvaluationPlan>, points: &[[f64; 3]], interpolates: bool) -> Self {
+    /// A plan at points; integrals are interpolated if it `interpolates` and they are many.
+    pub(super) fn new(plan: Arc<EvaluationPlan>, points: &[[f64; 3]], interpolates: bool) -> Self {
         let (masks, pairs) = plan.stages();
         let stages = Stages::new(points, &masks, &pairs);
         // Only outputs read slots of the last stage.

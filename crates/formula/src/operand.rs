@@ -203,7 +203,7 @@ impl Parser<'_> {
     }
 
     fn relaxation(&mut self, [c, f]: [Parsed; 2], span: &Range<usize>) -> Result<Node, ParseError> {
-        if !self.allows_time() {
+        if !self.scope.allows(Variable::T) {
             return Err(ParseError::new(
                 span.clone(),
                 "`relax` integrates over time, which is not allowed here",

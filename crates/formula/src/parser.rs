@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::error::ParseError;
-use super::graph::{Graph, Node, Variable};
+use super::graph::{Graph, Node};
 use super::lexer::{Spanned, Token, tokens};
 use super::meaning::{Condition, Meaning, Parsed, condition, number};
 use super::scope::Scope;
@@ -187,10 +187,6 @@ impl<'a> Parser<'a> {
             _ => not(Condition::Less(a, b)),
         };
         Ok((meaning, span))
-    }
-
-    pub(super) fn allows_time(&self) -> bool {
-        self.scope.allows(Variable::T)
     }
 }
 

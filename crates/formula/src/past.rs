@@ -191,7 +191,7 @@ impl Past {
         out.resize(members * self.tuples, 0.0);
         let bind = |places: &[f64]| {
             let points: Vec<[f64; 3]> = places.iter().map(|&x| abscissae.point(x)).collect();
-            BoundProgram::one_by_one(Arc::clone(all.plan), &points)
+            BoundProgram::new(Arc::clone(all.plan), &points, false)
         };
         let sample = |bound: &mut BoundProgram| bound.integrals(self.group, t, all.zeta);
         abscissae.interpolate(members, &mut self.nodes, bind, sample, out)

@@ -106,7 +106,7 @@ impl Program {
 
     /// Binds the program to points; fixed values are computed here.
     pub fn bind(&self, points: &[[f64; 3]]) -> BoundProgram {
-        BoundProgram::new(Arc::clone(&self.plan), points)
+        BoundProgram::new(Arc::clone(&self.plan), points, true)
     }
 
     /// All outputs at these points at t alone.

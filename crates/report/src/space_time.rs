@@ -50,19 +50,12 @@ const COMPLIANT: Colour = Colour(134, 190, 226);
 const LOCKED: Colour = Colour(20, 74, 122);
 
 impl Zone {
-    fn colour(self) -> Colour {
+    /// Its colour and its words in the legend.
+    fn shown(self) -> (Colour, &'static str) {
         match self {
-            Self::Open => PAPER,
-            Self::Compliant => COMPLIANT,
-            Self::Locked => LOCKED,
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Self::Open => "open: no pressure",
-            Self::Compliant => "compliant: pressure, u_ν < g",
-            Self::Locked => "locked: u_ν = g",
+            Self::Open => (PAPER, "open: no pressure"),
+            Self::Compliant => (COMPLIANT, "compliant: pressure, u_ν < g"),
+            Self::Locked => (LOCKED, "locked: u_ν = g"),
         }
     }
 }
@@ -86,8 +79,8 @@ impl SpaceTime {
             let room = [left, TOP, left + width, BOTTOM];
             draw(&mut canvas, panel, &Frame { x, y, room, unit: 1.0 });
         }
-        let zones = [Zone::Open, Zone::Compliant, Zone::Locked];
-        canvas.swatches((LEFT, LEGEND), zones.map(|zone| ((zone.colour(), false), zone.words())));
+        let zones = [Zone::Open, Zone::Compliant, Zone::Locked].map(Zone::shown);
+        canvas.swatches((LEFT, LEGEND), zones.map(|(colour, words)| ((colour, false), words)));
         (!ends.is_empty()).then(|| canvas.finish())
     }
 }
@@ -111,7 +104,7 @@ fn draw(canvas: &mut Canvas, panel: &Panel, frame: &Frame) {
             // Without the overlap viewers show the seam.
             let (start, end) = (frame.across(run[0].0), frame.across(run[run.len() - 1].1));
             let sides = [start, frame.up(to) - SEAM, end, frame.up(from)];
-            canvas.fill_box(sides, run[0].2.colour(), 1.0);
+            canvas.fill_box(sides, run[0].2.shown().0, 1.0);
         }
     }
     canvas.line_box(all, INK, 3);

@@ -43,27 +43,17 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
         return Vec::new();
     }
     let mut extremes = Extremes { penetration: f64::NEG_INFINITY, ..Extremes::default() };
-    if let Some(polytope) = &exact.data.polytope {
-        for piece in polytope::contact_pieces(polytope) {
-            match exact.dimension() {
-                2 => {
-                    let points = polytope::points_of(&piece, ALONG);
-                    sample::<2>(exact, &points, piece.normal, &mut extremes);
-                }
-                _ => {
-                    let points = polytope::points_of(&piece, ON_TRIANGLE);
-                    sample::<3>(exact, &points, piece.normal, &mut extremes);
-                }
-            }
-        }
+    let (d, size, mut parts) = (exact.dimension(), &exact.data.size, Vec::new());
+    for piece in exact.data.polytope.iter().flat_map(polytope::contact_pieces) {
+        let count = if d == 2 { ALONG } else { ON_TRIANGLE };
+        parts.push((polytope::points_of(&piece, count), piece.normal));
     }
     for side in sides.iter().filter(|side| side.contact) {
-        let (size, count) =
-            (&exact.data.size, if exact.dimension() == 2 { ALONG } else { ON_FACE });
-        let points = side.points(size, |axis| places(size[axis], count));
-        in_dimension!(
-            exact.dimension(), D => sample::<D>(exact, &points, side.normal, &mut extremes)
-        )
+        let count = if d == 2 { ALONG } else { ON_FACE };
+        parts.push((side.points(size, |axis| places(size[axis], count)), side.normal));
+    }
+    for (points, normal) in parts {
+        in_dimension!(d, D => sample::<D>(exact, &points, normal, &mut extremes));
     }
     let Extremes {
         penetration, lengths, tension, complementarity, pressure, sourced, stress, ..
@@ -167,26 +157,21 @@ impl Extremes {
     fn states_in_words(&self, contact: Option<&ContactFormulas>) -> String {
         let has_law = contact.is_some_and(|contact| contact.law.is_some());
         let has_gap = contact.is_some_and(|contact| contact.gap.is_some());
-        let possible: &[(usize, &str)] = match (has_law, has_gap) {
-            (true, true) => &[
-                (OPEN, "open"),
-                (COMPLIANT, "compliant"),
-                (GRAZING, "grazing"),
-                (LOCKED, "locked"),
-            ],
-            (true, false) => &[(OPEN, "open"), (COMPLIANT, "compliant")],
-            (false, true) => &[(OPEN, "open"), (GRAZING, "grazing"), (LOCKED, "locked")],
-            (false, false) => return "no law and no gap: Gamma3 is free".into(),
-        };
-        let shares: Vec<String> = possible
-            .iter()
-            .map(|&(state, name)| format!("{name} {:.0} %", self.share(state)))
-            .collect();
         let absent = match (has_law, has_gap) {
-            (false, _) => " (no law)",
-            (_, false) => " (no gap)",
-            _ => "",
+            (false, false) => return "no law and no gap: Gamma3 is free".into(),
+            (false, true) => " (no law)",
+            (true, false) => " (no gap)",
+            (true, true) => "",
         };
+        let states = [
+            (OPEN, "open", true),
+            (COMPLIANT, "compliant", has_law),
+            (GRAZING, "grazing", has_gap),
+            (LOCKED, "locked", has_gap),
+        ];
+        let possible = states.into_iter().filter(|(.., possible)| *possible);
+        let share = |(state, name, _)| format!("{name} {:.0} %", self.share(state));
+        let shares: Vec<String> = possible.map(share).collect();
         format!("of Gamma3 x [0,T]: {}{absent}", shares.join(", "))
     }
 }

@@ -90,18 +90,21 @@ impl SideOfBox {
     pub(crate) fn points(&self, size: &[f64], places: impl Fn(usize) -> Vec<f64>) -> Vec<[f64; 3]> {
         let mut start = [0.0; 3];
         start[self.axis()] = self.level(size);
-        self.along(size).into_iter().fold(vec![start], |points, axis| {
-            let places = places(axis);
-            let with = |point: [f64; 3]| {
-                places.iter().map(move |&place| {
-                    let mut point = point;
-                    point[axis] = place;
-                    point
-                })
-            };
-            points.into_iter().flat_map(with).collect()
-        })
+        let along = self.along(size).into_iter();
+        along.fold(vec![start], |points, axis| spread(points, axis, &places(axis)))
     }
+}
+
+/// Each point at all places of an axis, which vary fastest.
+fn spread(points: Vec<[f64; 3]>, axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
+    let at_places = |point: [f64; 3]| {
+        places.iter().map(move |&place| {
+            let mut point = point;
+            point[axis] = place;
+            point
+        })
+    };
+    points.into_iter().flat_map(at_places).collect()
 }
 
 /// `count` + 1 equidistant places of [0, length], ends included.

@@ -1,8 +1,10 @@
 //! The regularity that (5.26) requires, measured by differences under refinement: the quotient converges if and only if
 //! the derivative is bounded.
 
-use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_difference, worst};
-use super::{Finding, SideOfBox, polytope, times};
+use super::smoothness::{
+    FINE, STRIDES, judge, largest, rounding, second_difference, second_quotients, worst,
+};
+use super::{Finding, SideOfBox, places, polytope, spread, times};
 use crate::Exact;
 use crate::symbolic::components;
 use formula::{EvaluationPoint, Program};
@@ -194,12 +196,28 @@ pub(super) type OnContact = (Vec<[f64; 3]>, f64, f64);
 /// ‖second difference of u_ν‖/δ² in L² along families of lines on a part of Γ3.
 pub(super) fn normal_trace(exact: &Exact, normal: [f64; 3], families: Vec<OnContact>) -> Finding {
     let program = exact.boundary(&normal[..exact.dimension()]).program;
-    let mut bends = TraceBends::default();
+    // The largest over directions and times.
+    let (mut quotients, mut floor) = ([0.0f64; 4], 0.0f64);
     for (points, length, measure) in families {
-        bends.add(exact, &program, &points, length, measure);
+        let (mut bound, mut extent) = (program.bind(&points), 0.0f64);
+        let (lines, step) = (points.len() / (FINE + 1), length / FINE as f64);
+        for t in times(exact) {
+            let out = bound.values_at(t, 0.0);
+            extent = worst(extent, largest(&out[0]));
+            for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
+                let delta = length * stride as f64 / FINE as f64;
+                let squares = |u_nu: &[f64]| {
+                    second_quotients(u_nu, stride, delta).map(|second| second.powi(2)).sum::<f64>()
+                };
+                let sum = out[0].chunks(FINE + 1).fold(0.0, |sum, u_nu| sum + squares(u_nu));
+                let mean = measure / (FINE * lines) as f64;
+                *quotient = worst(*quotient, (mean * sum).sqrt());
+            }
+        }
+        floor = floor.max(rounding(extent, measure.sqrt(), step.powi(2)));
     }
     let (subject, what) = ("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2");
-    judge(subject, what, &bends.quotients, bends.floor)
+    judge(subject, what, &quotients, floor)
 }
 
 /// The lines along each direction of a side of a box.
@@ -210,66 +228,17 @@ fn on_side(exact: &Exact, side: &SideOfBox) -> Vec<OnContact> {
             true => vec![0.0],
             false => (0..ON_FACE).map(|i| size[other] * middle(i, ON_FACE)).collect(),
         };
-        let along = |start: [f64; 3]| {
-            (0..=FINE).map(move |i| {
-                let mut point = start;
-                point[axis] = i as f64 / FINE as f64 * size[axis];
-                point
-            })
-        };
-        let points = side.points(size, lines).into_iter().flat_map(along).collect();
+        let points = spread(side.points(size, lines), axis, &places(size[axis], FINE));
         (points, size[axis], side.measure(size))
     };
     side.along(size).into_iter().map(of_axis).collect()
 }
 
-/// Second difference quotients of u_ν, the largest over directions and times.
-#[derive(Default)]
-struct TraceBends {
-    quotients: [f64; 4],
-    floor: f64,
-}
-
-impl TraceBends {
-    /// Adds lines of [`FINE`] intervals each, of the given length, on a part of Γ3 of the given measure.
-    fn add(
-        &mut self,
-        exact: &Exact,
-        program: &Program,
-        points: &[[f64; 3]],
-        length: f64,
-        measure: f64,
-    ) {
-        let mut bound = program.bind(points);
-        let mut extent = 0.0f64;
-        let lines = points.len() / (FINE + 1);
-        for t in times(exact) {
-            let out = bound.values_at(t, 0.0);
-            extent = worst(extent, largest(&out[0]));
-            for (quotient, stride) in self.quotients.iter_mut().zip(STRIDES) {
-                let delta = length * stride as f64 / FINE as f64;
-                let mut sum = 0.0;
-                for u_nu in out[0].chunks(FINE + 1) {
-                    let second = |i: usize| {
-                        (u_nu[i - stride] - 2.0 * u_nu[i] + u_nu[i + stride]) / delta.powi(2)
-                    };
-                    sum += (stride..=FINE - stride).map(|i| second(i).powi(2)).sum::<f64>();
-                }
-                let mean = measure / (FINE * lines) as f64;
-                *quotient = worst(*quotient, (mean * sum).sqrt());
-            }
-        }
-        let step = length / FINE as f64;
-        self.floor = self.floor.max(rounding(extent, measure.sqrt(), step.powi(2)));
-    }
-}
-
 /// max |b''| by second differences, of each term of the memory.
 fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
     exact.data.kernels.iter().map(|&node| {
-        let value = |t: f64| {
-            exact.data.graph.evaluate(node, &EvaluationPoint { t, ..EvaluationPoint::default() })
-        };
+        let at = |t: f64| EvaluationPoint { t, ..EvaluationPoint::default() };
+        let value = |t: f64| exact.data.graph.evaluate(node, &at(t));
         second_difference("B in C2[0,T]", "the kernel", exact.data.horizon, value)
     })
 }
@@ -296,17 +265,12 @@ fn gathered(exact: &Exact, direction: usize) -> Lines {
         };
         crossings = crossings.into_iter().flat_map(strip).collect();
     }
-    let (mut points, mut lines) = (Vec::new(), Vec::new());
-    for (crossing, share) in crossings {
-        let weight = size.iter().fold(share, |weight, length| weight * length) / FINE as f64;
-        lines.push((weight, size[direction]));
-        points.extend((0..FINE).map(|i| {
-            let mut point = crossing;
-            point[direction] = size[direction] * (i as f64 + 0.5) / FINE as f64;
-            point
-        }));
-    }
-    Lines { points, lines }
+    let weight = |share| size.iter().fold(share, |weight, length| weight * length) / FINE as f64;
+    let lines = crossings.iter().map(|(_, share)| (weight(*share), size[direction])).collect();
+    let starts = crossings.into_iter().map(|(point, _)| point).collect();
+    let middles: Vec<f64> =
+        (0..FINE).map(|i| size[direction] * (i as f64 + 0.5) / FINE as f64).collect();
+    Lines { points: spread(starts, direction, &middles), lines }
 }
 
 fn middle(i: usize, n: usize) -> f64 {
@@ -316,19 +280,11 @@ fn middle(i: usize, n: usize) -> f64 {
 /// Midpoints of equal cells of the domain, many of them along x.
 fn grid(exact: &Exact) -> Vec<[f64; 3]> {
     let size = &exact.data.size;
-    let mut points = vec![[0.0; 3]];
-    for (axis, length) in size.iter().enumerate() {
+    size.iter().enumerate().fold(vec![[0.0; 3]], |points, (axis, length)| {
         let count = if axis == 0 { ACROSS_ZONES } else { LINES / 2 };
-        let with = |point: [f64; 3]| {
-            (0..count).map(move |i| {
-                let mut point = point;
-                point[axis] = length * middle(i, count);
-                point
-            })
-        };
-        points = points.into_iter().flat_map(with).collect();
-    }
-    points
+        let middles: Vec<f64> = (0..count).map(|i| length * middle(i, count)).collect();
+        spread(points, axis, &middles)
+    })
 }
 
 #[cfg(test)]

@@ -48,6 +48,16 @@ pub(super) fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.into_iter().fold(0.0, |known, value| worst(known, *value))
 }
 
+/// (f(x - δ) - 2f(x) + f(x + δ))/δ² of values at the ends of [`FINE`] intervals, δ being `stride` of them.
+pub(super) fn second_quotients(
+    values: &[f64],
+    stride: usize,
+    delta: f64,
+) -> impl Iterator<Item = f64> {
+    (stride..=FINE - stride)
+        .map(move |i| (values[i - stride] - 2.0 * values[i] + values[i + stride]) / delta.powi(2))
+}
+
 /// max |f''| on [0, length] by second differences.
 pub fn second_difference(
     subject: &str,
@@ -59,9 +69,7 @@ pub fn second_difference(
     let values: Vec<f64> = (0..=FINE).map(|n| f(step * n as f64)).collect();
     let quotients = STRIDES.map(|stride| {
         let delta = step * stride as f64;
-        let second =
-            |i: usize| (values[i - stride] - 2.0 * values[i] + values[i + stride]) / delta.powi(2);
-        (stride..=FINE - stride).map(second).fold(0.0, worst)
+        second_quotients(&values, stride, delta).fold(0.0, worst)
     });
     let floor = rounding(largest(&values), 1.0, step.powi(2));
     judge(subject, &format!("the second difference quotient of {name}"), &quotients, floor)

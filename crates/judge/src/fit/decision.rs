@@ -16,11 +16,7 @@ pub enum Decision {
 impl Decision {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::Fail => "fail",
-            Self::Unresolved => "unresolved",
-        }
+        ["pass", "fail", "unresolved"][self as usize]
     }
 
     /// Verdict on two claims that both have to hold: fail if either fails, pass if both pass.

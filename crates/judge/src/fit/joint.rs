@@ -34,7 +34,7 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
     let usable = usable(points);
     let shape = Shape { orders: true, floor: with_floor, bends: false };
     check_levels(&usable, shape.parameters(), LEVELS)?;
-    let mut fits: Vec<GridFit> = [ErrorCombination::Sum, ErrorCombination::RootSumSquare]
+    let mut fits: Vec<GridFit> = ErrorCombination::BOTH
         .into_iter()
         .filter_map(|model| GridFit::of(&usable, model, shape, None))
         .collect();
@@ -68,10 +68,7 @@ pub fn fit_constants(
     }
     let fit = |model| GridFit::of(&usable, model, shape, Some(orders));
     let full = fit(model).ok_or(FitError::Singular { points: found })?;
-    let rival = match model {
-        ErrorCombination::Sum => fit(ErrorCombination::RootSumSquare),
-        ErrorCombination::RootSumSquare => fit(ErrorCombination::Sum),
-    };
+    let rival = ErrorCombination::BOTH.into_iter().find(|other| *other != model).and_then(fit);
     let mut logs = widened(&full, rival.as_slice(), &usable);
     if let Some(bent) = full.bent(&usable) {
         let rival = rival.and_then(|rival| rival.bent(&usable));

@@ -31,34 +31,22 @@ impl Direction {
 
     /// Name of its step.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Space => "h",
-            Self::Time => "k",
-        }
+        ["h", "k"][self as usize]
     }
 
     /// Name of the constant of its term.
     pub fn constant(self) -> &'static str {
-        match self {
-            Self::Space => "C_h",
-            Self::Time => "C_k",
-        }
+        ["C_h", "C_k"][self as usize]
     }
 
     /// The direction that is not refined.
     #[must_use]
     pub fn other(self) -> Self {
-        match self {
-            Self::Space => Self::Time,
-            Self::Time => Self::Space,
-        }
+        Self::BOTH[1 - self as usize]
     }
 
     /// The step of a point in this direction.
     pub fn step(self, point: &Point) -> f64 {
-        match self {
-            Self::Space => point.h,
-            Self::Time => point.k,
-        }
+        [point.h, point.k][self as usize]
     }
 }

@@ -12,6 +12,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use files::counted;
+use serde::{Deserialize, Serialize};
 
 pub use columns::COLUMNS;
 pub use journal::{CaseTable, Journal, read, read_finished, read_table, write_sorted};
@@ -22,7 +23,7 @@ pub use norm::{
 };
 
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Key {
     pub scene: String,
     /// Mesh cells per unit length, or level of red refinement of an imported mesh.

@@ -10,11 +10,10 @@ use crate::record::{CaseRecord, Key, Status};
 use files::{read_file, replace_file};
 
 /// A case that did not converge, with the solver's reason, for which `cases.csv` has no column.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Failure {
-    pub scene: String,
-    pub n: Option<u32>,
-    pub steps: u32,
+    #[serde(flatten)]
+    pub key: Key,
     pub reason: String,
 }
 
@@ -63,15 +62,13 @@ pub struct Earlier {
 
 /// Failed cases, sorted by key.
 pub fn failures(records: &[CaseRecord]) -> Vec<Failure> {
-    let reason = |record: &CaseRecord| match &record.status {
-        Status::Failed { reason } => Some(reason.clone()),
+    let failure = |record: &CaseRecord| match &record.status {
+        Status::Failed { reason } => Some(Failure { key: record.key(), reason: reason.clone() }),
         _ => None,
     };
-    let mut failed: Vec<(Key, String)> =
-        records.iter().filter_map(|record| Some((record.key(), reason(record)?))).collect();
+    let mut failed: Vec<Failure> = records.iter().filter_map(failure).collect();
     failed.sort();
-    let plain = |(Key { scene, n, steps }, reason)| Failure { scene, n, steps, reason };
-    failed.into_iter().map(plain).collect()
+    failed
 }
 
 /// The content of `verdict.json`. Non-finite numbers become null.
@@ -121,12 +118,9 @@ pub fn read_earlier(path: &Path) -> Result<Earlier, DocumentError> {
 pub fn restore_reasons(records: &mut [CaseRecord], failures: &[Failure]) {
     for record in records {
         let key = record.key();
-        let same = |failure: &&Failure| {
-            failure.scene == key.scene && failure.n == key.n && failure.steps == key.steps
-        };
         if let Status::Failed { reason } = &mut record.status
             && reason.is_empty()
-            && let Some(failure) = failures.iter().find(same)
+            && let Some(failure) = failures.iter().find(|failure| failure.key == key)
         {
             reason.clone_from(&failure.reason);
         }

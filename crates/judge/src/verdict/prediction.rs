@@ -21,12 +21,7 @@ pub enum Variable {
 impl Variable {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::H => "h",
-            Self::K => "k",
-            Self::Joint => "joint",
-            Self::Path => "path",
-        }
+        ["h", "k", "joint", "path"][self as usize]
     }
 
     /// The direction of a line; none for a grid.

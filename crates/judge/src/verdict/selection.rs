@@ -71,13 +71,13 @@ impl<'a> Cases<'a> {
         let line = self.line(prediction);
         let mut selection = Selection::default();
         for &(place, record) in &self.cases {
-            let served = line.holds(place);
+            let served = line(place);
             match found(record, norm) {
-                Found::Gap(gap) => selection.gaps.push(format!("{place} {gap}")),
-                Found::NotMeasured if served => {
+                Err(gap) => selection.gaps.push(format!("{place} {gap}")),
+                Ok(None) if served => {
                     selection.gaps.push(format!("{place} has no row for {norm}"));
                 }
-                Found::Point(point) if served => {
+                Ok(Some(point)) if served => {
                     let reason = exclusion(place, &point, prediction);
                     let side = match &reason {
                         Some(_) => &mut selection.left_out,
@@ -85,7 +85,7 @@ impl<'a> Cases<'a> {
                     };
                     side.push(JudgedPoint { point, place, reason });
                 }
-                Found::NotMeasured | Found::Point(_) => {}
+                Ok(_) => {}
             }
         }
         if self.cases.is_empty() {
@@ -95,22 +95,24 @@ impl<'a> Cases<'a> {
     }
 
     /// The line of a prediction. A mesh or time grid with the norm in one case needs it in all.
-    fn line(&self, prediction: &Prediction) -> Line {
+    fn line(&self, prediction: &Prediction) -> Box<dyn Fn(MeshAndSteps) -> bool> {
         let places = || self.cases.iter().map(|&(place, _)| place);
         match prediction.variable {
             Variable::H => {
                 let measured = self.measured(&prediction.norm, |place| place.steps);
                 let allowed = |s: &u32| inside(Some(*s), prediction.window_steps);
                 let steps = places().map(|place| place.steps).filter(|s| measured.contains(s));
-                most_frequent(steps.filter(allowed)).map_or(Line::None, Line::Steps)
+                let steps = most_frequent(steps.filter(allowed));
+                Box::new(move |place| Some(place.steps) == steps)
             }
             Variable::K => {
                 let measured = self.measured(&prediction.norm, |place| place.n);
                 let allowed = |n: &Option<u32>| inside(*n, prediction.window_n);
                 let cells = places().map(|place| place.n).filter(|n| measured.contains(n));
-                most_frequent(cells.filter(allowed)).map_or(Line::None, Line::Mesh)
+                let cells = most_frequent(cells.filter(allowed));
+                Box::new(move |place| Some(place.n) == cells)
             }
-            Variable::Joint | Variable::Path => Line::All,
+            Variable::Joint | Variable::Path => Box::new(|_| true),
         }
     }
 
@@ -124,24 +126,6 @@ impl<'a> Cases<'a> {
     }
 }
 
-enum Line {
-    None,
-    Steps(u32),
-    Mesh(Option<u32>),
-    All,
-}
-
-impl Line {
-    fn holds(&self, place: MeshAndSteps) -> bool {
-        match self {
-            Self::None => false,
-            Self::Steps(steps) => place.steps == *steps,
-            Self::Mesh(n) => place.n == *n,
-            Self::All => true,
-        }
-    }
-}
-
 /// The most frequent value; of ties the largest.
 fn most_frequent<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: BTreeMap<T, usize> = BTreeMap::new();
@@ -149,32 +133,22 @@ fn most_frequent<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(value, _)| value)
 }
 
-enum Found {
-    Point(Point),
-    NotMeasured,
-    Gap(String),
-}
-
-fn found(record: Option<&CaseRecord>, norm: &str) -> Found {
-    let Some(record) = record else {
-        return Found::Gap("is missing".to_owned());
-    };
+/// The point of a case, none if it was not measured, or what is wrong with the case.
+fn found(record: Option<&CaseRecord>, norm: &str) -> Result<Option<Point>, String> {
+    let record = record.ok_or("is missing")?;
     match &record.status {
-        Status::Failed { reason } if reason.is_empty() => Found::Gap("failed".to_owned()),
-        Status::Failed { reason } => Found::Gap(format!("failed: {reason}")),
-        Status::Skipped => Found::Gap("was skipped".to_owned()),
-        Status::Converged => match point(record, norm) {
-            None => Found::NotMeasured,
-            Some(_) if record.norm(norm).is_some_and(|entry| entry.error.is_none()) => {
-                Found::Gap(format!("has no error in {norm}"))
-            }
-            Some(point) => match screen(&point) {
-                Err(exclusion) if exclusion.is_broken() => {
-                    Found::Gap(format!("in {norm}: {exclusion}"))
-                }
-                _ => Found::Point(point),
-            },
-        },
+        Status::Failed { reason } if reason.is_empty() => return Err("failed".into()),
+        Status::Failed { reason } => return Err(format!("failed: {reason}")),
+        Status::Skipped => return Err("was skipped".into()),
+        Status::Converged => {}
+    }
+    let Some(point) = point(record, norm) else { return Ok(None) };
+    if record.norm(norm).is_some_and(|entry| entry.error.is_none()) {
+        return Err(format!("has no error in {norm}"));
+    }
+    match screen(&point) {
+        Err(exclusion) if exclusion.is_broken() => Err(format!("in {norm}: {exclusion}")),
+        _ => Ok(Some(point)),
     }
 }
 

@@ -119,6 +119,6 @@ pub fn failed_in_words(records: &[CaseRecord]) -> Option<String> {
     let failed = failures(records);
     let first = failed.first()?;
     let number = counted(failed.len(), "case");
-    let (scene, reason) = (&first.scene, &first.reason);
+    let (scene, reason) = (&first.key.scene, &first.reason);
     Some(format!("{number} failed and recorded as such, the first: {scene}: {reason}"))
 }

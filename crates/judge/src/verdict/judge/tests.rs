@@ -1,6 +1,6 @@
 use super::*;
 use crate::fit::{Claim, Correction, Level, Point, infer};
-use crate::record::{NormError, Status, V_MAX};
+use crate::record::{Key, NormError, Status, V_MAX};
 use crate::verdict::{
     Failure, ForeseenConstant, LeadingPoint, MeshAndSteps, cell_texts, exit_code, failures,
     read_earlier, restore_reasons, write_json,
@@ -288,9 +288,7 @@ fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
         records[at].status = Status::Failed { reason: reason.into() };
     }
     let failure = |n, steps, reason: &str| Failure {
-        scene: "block".into(),
-        n: Some(n),
-        steps,
+        key: Key { scene: "block".into(), n: Some(n), steps },
         reason: reason.into(),
     };
     let listed = [failure(8, 4, "a"), failure(8, 8, "b"), failure(16, 8, "c")];
@@ -302,9 +300,11 @@ fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
             reason.clear();
         }
     }
-    let others = listed.iter().map(|failure| Failure { scene: "other".into(), ..failure.clone() });
-    let others: Vec<Failure> =
-        others.map(|failure| Failure { reason: "x".into(), ..failure }).collect();
+    let of_other = |Failure { key, .. }: &Failure| Failure {
+        key: Key { scene: "other".into(), ..key.clone() },
+        reason: "x".into(),
+    };
+    let others: Vec<Failure> = listed.iter().map(of_other).collect();
     restore_reasons(&mut read, &[&others[..], &listed].concat());
     assert_eq!(read, records);
 }
