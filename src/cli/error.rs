@@ -16,6 +16,8 @@ pub enum CliError {
     #[error("{0}")]
     Setup(#[from] SetupError),
     #[error("error: {0}")]
+    File(#[from] files::FileError),
+    #[error("error: {0}")]
     Sweep(#[from] ::run::sweep::SweepError),
     #[error("error: {0}")]
     Output(#[from] ::run::sweep::OutputError),

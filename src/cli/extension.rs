@@ -29,7 +29,7 @@ pub(crate) fn extended(
 
 /// The provenance of the records in `out`, if there are any.
 pub(crate) fn earlier(out: &Path) -> Result<Option<Provenance>, CliError> {
-    Provenance::read(out).map_err(|(path, reason)| CliError::about(path.display(), reason))
+    Ok(Provenance::read(out)?)
 }
 
 /// Adds the earlier extensions of the records in `out` to the plans.

@@ -22,7 +22,7 @@ use self::window::Window;
 use self::wording::Part;
 use super::output::write_user_file;
 use super::{CliError, print_json, print_text};
-use files::{read_at_most, up_to};
+use files::{FileError, read_at_most, up_to};
 use judge::fit::{Claim, Direction, Point, TOLERANCE, path};
 use judge::table::{Group, Quantity, Reading, Tables, read};
 use judge::verdict::Decision;
@@ -163,23 +163,20 @@ impl Fit {
 
     fn tables(&self) -> Result<Tables, CliError> {
         let bytes = match self.file.as_os_str() == "-" {
-            true => up_to(std::io::stdin(), LARGEST),
+            true => {
+                up_to(std::io::stdin(), LARGEST).map_err(FileError::at("standard input".as_ref()))
+            }
             false => read_at_most(&self.file, LARGEST),
         };
-        tables(&self.name(), bytes, &Reading { dimension: self.dimension })
+        tables(&self.name(), &bytes?, &Reading { dimension: self.dimension })
     }
 }
 
 /// Largest table, 256 MiB: a million rows of a sweep.
 const LARGEST: u64 = 256 << 20;
 
-fn tables(
-    name: &str,
-    bytes: std::io::Result<Vec<u8>>,
-    reading: &Reading,
-) -> Result<Tables, CliError> {
-    let bytes = bytes.map_err(|error| CliError::about(name, error))?;
-    read(&bytes, reading).map_err(|error| CliError::other(format!("{name}:{error}")))
+fn tables(name: &str, bytes: &[u8], reading: &Reading) -> Result<Tables, CliError> {
+    read(bytes, reading).map_err(|error| CliError::other(format!("{name}:{error}")))
 }
 
 /// The result of `sweep fit` for a file.
@@ -199,7 +196,7 @@ pub struct Fitted {
 /// A file that is not a table, or has nothing to fit.
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
     let name = file.display().to_string();
-    let tables = tables(&name, read_at_most(file, LARGEST), &Reading::default())?;
+    let tables = tables(&name, &read_at_most(file, LARGEST)?, &Reading::default())?;
     let claim = Claim::new(1.0).map_err(CliError::other)?;
     judged(&name, &tables, |_| Asked { p, q, claim, noise: None }, &[])
 }

@@ -91,23 +91,22 @@ const WIDEST: u16 = 180;
 
 /// Creates a directory and its parents; removes unfinished files of a killed process.
 pub(crate) fn create_dir(dir: &Path) -> Result<(), CliError> {
-    make_directory(dir).map_err(|error| CliError::about(dir.display(), error))
+    Ok(make_directory(dir)?)
 }
 
 /// Writes a file of a directory atomically.
 pub(crate) fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-    replace_file(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
+    Ok(replace_file(path, bytes.as_ref())?)
 }
 
 /// Writes to a path of the user, through links and into pipes.
 pub(crate) fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-    write_named(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
+    Ok(write_named(path, bytes.as_ref())?)
 }
 
 /// Copies a written file to a path of the user, through links and into pipes.
 pub(crate) fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
-    let bytes = read_file(from).map_err(|error| CliError::about(from.display(), error))?;
-    write_named(to, &bytes).map_err(|error| CliError::about(to.display(), error))
+    Ok(write_named(to, &read_file(from)?)?)
 }
 
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), CliError> {

@@ -167,7 +167,7 @@ impl What {
         on_interrupt(&self.out, &resuming)?;
         // Records are kept whatever stopped the writing.
         let stopped = |error: SweepError| match error {
-            SweepError::Record(error @ RecordError::Io { .. }) => CliError::Other(format!(
+            SweepError::Record(error @ RecordError::Io(_)) => CliError::Other(format!(
                 "{error}\nfinished cases are kept in {}\ngo on with: {resuming}",
                 self.out.display()
             )),

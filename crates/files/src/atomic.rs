@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::fnv_1a;
+use super::{FileError, fnv_1a, if_there};
 
 /// A file written beside its target and renamed over it when finished; dropped unfinished, it is removed.
 #[derive(Debug)]
@@ -77,29 +77,27 @@ impl Drop for Replacement {
 ///
 /// # Errors
 /// The file system refuses; the old file is then still there.
-pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    finished(Replacement::create(path)?, bytes)
+pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    finished(Replacement::create(path), bytes).map_err(FileError::at(path))
 }
 
 /// Writes `bytes` to a path named by a user, as `Replacement::named`.
 ///
 /// # Errors
 /// The file system refuses; an old file is then still there.
-pub fn write_named(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    finished(Replacement::named(path)?, bytes)
+pub fn write_named(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    finished(Replacement::named(path), bytes).map_err(FileError::at(path))
 }
 
-fn finished(mut file: Replacement, bytes: &[u8]) -> io::Result<()> {
+fn finished(file: io::Result<Replacement>, bytes: &[u8]) -> io::Result<()> {
+    let mut file = file?;
     file.write_all(bytes)?;
     file.finish()
 }
 
 /// Removes a file, or a link but not its target, if it exists.
-pub fn remove_if_there(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        other => other,
-    }
+pub fn remove_if_there(path: &Path) -> Result<(), FileError> {
+    if_there(fs::remove_file(path).map_err(FileError::at(path))).map(|_| ())
 }
 
 /// Ending of unfinished files, after the number of the writing process.
@@ -126,10 +124,11 @@ fn partial_name(name: &OsStr) -> OsString {
 ///
 /// # Errors
 /// The file system refuses the directory. An unfinished file that cannot be removed stays.
-pub fn make_directory(path: &Path) -> io::Result<()> {
-    fs::create_dir_all(path)?;
-    for entry in fs::read_dir(path)? {
-        let entry = entry?;
+pub fn make_directory(path: &Path) -> Result<(), FileError> {
+    let refused = FileError::at(path);
+    fs::create_dir_all(path).map_err(&refused)?;
+    for entry in fs::read_dir(path).map_err(&refused)? {
+        let entry = entry.map_err(&refused)?;
         if is_left_over(&entry) {
             // Another process may have removed it.
             let _ = fs::remove_file(entry.path());

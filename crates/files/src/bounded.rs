@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use super::FileError;
+
 /// Size limit of files in a directory of records: 4 GiB, a table of ten million rows.
 const MOST: u64 = 1 << 32;
 
@@ -27,7 +29,7 @@ pub fn open_file(path: &Path) -> io::Result<File> {
 }
 
 /// The bytes of a file of at most 4 GiB.
-pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
     read_file_up_to(path, MOST)
 }
 
@@ -35,25 +37,25 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// As [`open_file`], and [`io::ErrorKind::FileTooLarge`].
-pub fn read_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    up_to(open_file(path)?, most)
+pub fn read_file_up_to(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
+    open_file(path).and_then(|file| up_to(file, most)).map_err(FileError::at(path))
 }
 
 /// The text of a file of at most 4 GiB.
 ///
 /// # Errors
 /// As [`read_file`], and [`io::ErrorKind::InvalidData`] if it is not UTF-8.
-pub fn read_text(path: &Path) -> io::Result<String> {
+pub fn read_text(path: &Path) -> Result<String, FileError> {
     let not_text = |error| io::Error::new(io::ErrorKind::InvalidData, error);
-    String::from_utf8(read_file(path)?).map_err(not_text)
+    String::from_utf8(read_file(path)?).map_err(not_text).map_err(FileError::at(path))
 }
 
 /// At most `most` bytes of a file or pipe named by a user.
 ///
 /// # Errors
 /// The file system refuses; [`io::ErrorKind::FileTooLarge`].
-pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    up_to(File::open(path)?, most)
+pub fn read_at_most(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
+    File::open(path).and_then(|file| up_to(file, most)).map_err(FileError::at(path))
 }
 
 /// The bytes of a source, at most `most`.
@@ -107,14 +109,17 @@ mod tests {
     fn what_has_no_end_is_refused() {
         let zero = Path::new("/dev/zero");
         if zero.exists() {
-            assert_eq!(read_file(zero).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+            assert_eq!(read_file(zero).unwrap_err().source.kind(), io::ErrorKind::InvalidInput);
             let error = read_at_most(zero, 1 << 20).unwrap_err();
-            assert_eq!(error.to_string(), "more than 1 MiB");
+            assert_eq!(error.source.to_string(), "more than 1 MiB");
         }
         assert!(
             read_text(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/bounded.rs"))
                 .is_ok_and(|text| text.contains("comes to an end"))
         );
-        assert_eq!(read_file(Path::new("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert_eq!(
+            read_file(Path::new("none")).unwrap_err().source.kind(),
+            io::ErrorKind::NotFound
+        );
     }
 }

@@ -23,7 +23,7 @@ pub fn write_junit(
 ) -> Result<(), ReportError> {
     let text = junit_xml(verdicts, &origin(provenance), baseline)
         .map_err(|source| ReportError::Xml { source })?;
-    write_named(path, text.as_bytes()).map_err(ReportError::io(path))
+    Ok(write_named(path, text.as_bytes())?)
 }
 
 /// Program version and circumstances of the run, as far as known.

@@ -33,7 +33,6 @@ mod ticks;
 mod written;
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::{Path, PathBuf};
 
 pub use body::{Arrow, Cell as BodyCell, Deformed};
@@ -60,7 +59,7 @@ pub use written::remove_earlier;
 use document::{
     DATA, Drawn, Figure, Report, TEMPLATE, data, document, group, markdown, page, tables,
 };
-use files::make_directory;
+use files::{FileError, make_directory};
 use judge::fit::Direction;
 use judge::record::{CaseRecord, RecordError, write_sorted};
 use judge::verdict::{Comparison, DocumentError, Verdict, write_json};
@@ -103,8 +102,8 @@ pub struct StepLimits {
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Io(#[from] FileError),
     #[error(transparent)]
     Record(#[from] RecordError),
     #[error(transparent)]
@@ -135,13 +134,6 @@ pub enum ReportError {
     },
 }
 
-impl ReportError {
-    /// What becomes of an error at a path.
-    fn io(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
-        |source| Self::Io { path: path.to_owned(), source }
-    }
-}
-
 /// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`,
 /// `SCENE-scene.svg`, `SCENE-errors.svg` and `forest.svg` into `dir`, which is created if necessary. Pages are
 /// index.html, report.md, tables.tex, and report.typ with report.json. Obsolete files of an earlier report are removed,
@@ -157,7 +149,7 @@ pub fn write_all(
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
-    make_directory(dir).map_err(ReportError::io(dir))?;
+    make_directory(dir)?;
     let drawn: Vec<Drawn> = stems(scenes)?
         .into_iter()
         .zip(scenes)

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::ReportError;
 use super::document::Figure;
-use files::read_text;
+use files::{FileError, read_text};
 
 /// Endings of file names, and what the files show.
 const ENDINGS: [(&str, &str); 2] = [
@@ -16,8 +16,8 @@ const ENDINGS: [(&str, &str); 2] = [
 /// The names of the files in a directory, sorted.
 pub(super) fn names(dir: &Path) -> Result<Vec<String>, ReportError> {
     let mut names: Vec<String> = Vec::new();
-    for entry in fs::read_dir(dir).map_err(ReportError::io(dir))? {
-        let name = entry.map_err(ReportError::io(dir))?.file_name();
+    for entry in fs::read_dir(dir).map_err(FileError::at(dir))? {
+        let name = entry.map_err(FileError::at(dir))?.file_name();
         names.extend(name.into_string().ok());
     }
     names.sort();
@@ -31,8 +31,7 @@ pub(super) fn of_cases(dir: &Path) -> Result<Vec<Figure>, ReportError> {
     for (ending, shows) in ENDINGS {
         for name in &names {
             let Some(case) = name.strip_suffix(ending) else { continue };
-            let path = dir.join(name);
-            let svg = read_text(&path).map_err(ReportError::io(&path))?;
+            let svg = read_text(&dir.join(name))?;
             // Foreign files with such a name are ignored.
             if svg.trim_start().starts_with("<svg") {
                 let case = if case.is_empty() { String::new() } else { format!("{case}: ") };

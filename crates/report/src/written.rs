@@ -1,21 +1,17 @@
 //! List of the files that a report wrote; only these are removed when obsolete.
 
 use std::collections::BTreeSet;
-use std::io;
 use std::path::{Component, Path};
 
 use super::ReportError;
-use files::{read_text, remove_if_there, replace_file};
+use files::{if_there, read_text, remove_if_there, replace_file};
 
 const LIST: &str = "files.json";
 
 /// The names listed in a directory; empty without a list.
 fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
     let path = dir.join(LIST);
-    let text = match read_text(&path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeSet::new()),
-        other => other.map_err(ReportError::io(&path))?,
-    };
+    let Some(text) = if_there(read_text(&path))? else { return Ok(BTreeSet::new()) };
     let names: BTreeSet<String> = serde_json::from_str(&text)
         .map_err(|error| ReportError::List { path: path.clone(), reason: error.to_string() })?;
     // A list that points out of its directory is not ours: nothing may be removed by it.
@@ -33,14 +29,12 @@ fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
 }
 
 fn write_list(dir: &Path, names: &BTreeSet<String>) -> Result<(), ReportError> {
-    let path = dir.join(LIST);
     let text = serde_json::json!(names).to_string() + "\n";
-    replace_file(&path, text.as_bytes()).map_err(ReportError::io(&path))
+    Ok(replace_file(&dir.join(LIST), text.as_bytes())?)
 }
 
 fn remove(dir: &Path, name: &str) -> Result<(), ReportError> {
-    let path = dir.join(name);
-    remove_if_there(&path).map_err(ReportError::io(&path))
+    Ok(remove_if_there(&dir.join(name))?)
 }
 
 /// Writes the files, lists them, and removes obsolete ones of an earlier list. If killed at any point, the list
@@ -50,8 +44,7 @@ pub(super) fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), R
     let now: BTreeSet<String> = files.iter().map(|(name, _)| name.clone()).collect();
     write_list(dir, &earlier.union(&now).cloned().collect())?;
     for (name, text) in files {
-        let path = dir.join(name);
-        replace_file(&path, text.as_bytes()).map_err(ReportError::io(&path))?;
+        replace_file(&dir.join(name), text.as_bytes())?;
     }
     earlier.difference(&now).try_for_each(|name| remove(dir, name))?;
     write_list(dir, &now)
@@ -69,7 +62,7 @@ pub fn remove_earlier(dir: &Path) -> Result<(), ReportError> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
+    use std::{fs, io};
 
     use super::*;
 

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::SceneError;
-use files::{fnv_1a, read_file_up_to};
+use files::{FileError, fnv_1a, read_file_up_to};
 
 const LARGEST_FILE: u64 = 1 << 20;
 
@@ -43,10 +43,13 @@ impl Source {
     /// # Errors
     /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
     pub(crate) fn read(path: &Path) -> Result<Source, SceneError> {
-        let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| match error.kind() {
-            ErrorKind::FileTooLarge => SceneError::TooLarge { path: path.to_path_buf() },
-            _ => SceneError::Unreadable { path: path.to_path_buf(), reason: error.to_string() },
-        })?;
+        let bytes =
+            read_file_up_to(path, LARGEST_FILE).map_err(
+                |FileError { path, source }| match source.kind() {
+                    ErrorKind::FileTooLarge => SceneError::TooLarge { path },
+                    _ => SceneError::Unreadable { path, reason: source.to_string() },
+                },
+            )?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Source::from_text(path, text)),
             Err(error) => Err(not_utf8(path, &error)),

@@ -8,6 +8,3 @@ pub mod solution;
 mod table;
 pub mod theory;
 pub mod trade;
-mod written;
-
-pub use written::FileError;

@@ -10,7 +10,7 @@ use csv::StringRecord;
 
 use super::row::{self, Row};
 use super::{COLUMNS, CaseRecord, Key, RecordError, norm_rank};
-use files::{read_file, replace_file};
+use files::{FileError, if_there, read_file, replace_file};
 
 /// The table of cases, open for appending.
 #[derive(Debug)]
@@ -25,19 +25,16 @@ impl Journal {
     /// # Errors
     /// [`RecordError::Header`] if the file is something else (it is left untouched), and those of [`read`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let io_error = RecordError::io(path);
-        let bytes = match read_file(path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            other => other.map_err(&io_error)?,
-        };
+        let refused = FileError::at(path);
+        let bytes = if_there(read_file(path))?.unwrap_or_default();
         let Scan { intact, width, .. } = scan(path, &bytes)?;
         // Rows of two lengths would make the table unreadable.
         check_header(path, &bytes, intact == 0 || width == COLUMNS.len())?;
-        let file = OpenOptions::new().create(true).append(true).open(path).map_err(&io_error)?;
-        file.set_len(intact).map_err(&io_error)?;
+        let file = OpenOptions::new().create(true).append(true).open(path).map_err(&refused)?;
+        file.set_len(intact).map_err(&refused)?;
         let mut journal = Self { path: path.to_owned(), file };
         if intact == 0 {
-            journal.write(&lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(&io_error)?)?;
+            journal.write(&lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(&refused)?)?;
         }
         Ok(journal)
     }
@@ -54,7 +51,7 @@ impl Journal {
 
     /// Whether the table is still the one at its path: writes into a removed file are lost silently.
     pub fn in_place(&self) -> Result<(), RecordError> {
-        let opened = self.file.metadata().map_err(RecordError::io(&self.path))?;
+        let opened = self.file.metadata().map_err(FileError::at(&self.path))?;
         match fs::metadata(&self.path) {
             Ok(there) if same_file(&opened, &there) => Ok(()),
             _ => Err(RecordError::Gone { path: self.path.clone() }),
@@ -63,7 +60,7 @@ impl Journal {
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), RecordError> {
         let written = self.file.write_all(bytes).and_then(|()| self.file.flush());
-        written.map_err(RecordError::io(&self.path))
+        Ok(written.map_err(FileError::at(&self.path))?)
     }
 }
 
@@ -141,7 +138,7 @@ pub fn read_finished(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
 
 /// A table with every entry of a case.
 fn every_entry(path: &Path) -> Result<CaseTable, RecordError> {
-    let bytes = read_file(path).map_err(RecordError::io(path))?;
+    let bytes = read_file(path)?;
     let Scan { rows, intact, width } = scan(path, &bytes)?;
     let (sound, changed): (Vec<Line>, Vec<Line>) = rows
         .into_iter()
@@ -177,15 +174,14 @@ fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
 /// # Errors
 /// [`RecordError::Name`], [`RecordError::Io`].
 pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError> {
-    let io_error = RecordError::io(path);
     let mut sorted: BTreeMap<Key, CaseRecord> =
         cases.iter().map(|case| (case.key(), case.clone())).collect();
-    let mut bytes = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(&io_error)?;
+    let mut bytes = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(FileError::at(path))?;
     for case in sorted.values_mut() {
         case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
         bytes.extend(case_lines(case, path)?);
     }
-    replace_file(path, &bytes).map_err(io_error)
+    Ok(replace_file(path, &bytes)?)
 }
 
 fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
@@ -194,7 +190,7 @@ fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
             return Err(RecordError::Name { name: name.to_owned() });
         }
     }
-    lines(&row::encode(case)).map_err(RecordError::io(path))
+    Ok(lines(&row::encode(case)).map_err(FileError::at(path))?)
 }
 
 fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
@@ -244,7 +240,7 @@ fn parse_lines(path: &Path, bytes: &[u8]) -> Result<(Vec<Line>, Vec<u64>), Recor
     let mut rows = Vec::new();
     let mut places = Vec::new();
     for record in reader.byte_records() {
-        let record = record.map_err(io::Error::from).map_err(RecordError::io(path))?;
+        let record = record.map_err(io::Error::from).map_err(FileError::at(path))?;
         let (line, byte) = record.position().map_or((0, 0), |at| (at.line(), at.byte()));
         rows.push((line, StringRecord::from_byte_record_lossy(record)));
         places.push(byte);

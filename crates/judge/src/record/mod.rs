@@ -8,10 +8,9 @@ mod journal;
 mod norm;
 mod row;
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use files::counted;
+use files::{FileError, counted};
 use serde::{Deserialize, Serialize};
 
 pub use columns::COLUMNS;
@@ -140,18 +139,11 @@ impl CaseRecord {
     }
 }
 
-impl RecordError {
-    /// What becomes of an error at a path.
-    pub(crate) fn io(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
-        |source| Self::Io { path: path.to_owned(), source }
-    }
-}
-
 /// Why records could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Io(#[from] FileError),
     /// The file exists and is something else; it is left untouched.
     #[error("{}: not a table of cases (its header is {found:?})", path.display())]
     Header {

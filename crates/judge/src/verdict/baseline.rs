@@ -18,7 +18,7 @@ pub use owed::{Owed, Owing};
 
 use super::MeshAndSteps;
 use crate::record::{CaseRecord, Key, NormError};
-use files::{read_at_most, write_named};
+use files::{FileError, if_there, read_at_most, write_named};
 
 /// Size limit of a baseline, 256 MiB; a case takes a few hundred bytes.
 const LARGEST: u64 = 256 << 20;
@@ -32,8 +32,8 @@ const JUMPING: [&str; 2] = [crate::record::CONTACT_SET_MAX, crate::record::CONTA
 /// Why a baseline could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: std::io::Error },
+    #[error(transparent)]
+    Io(#[from] FileError),
     #[error("{}: {source}; `sweep baseline` writes it anew", path.display())]
     Json { path: PathBuf, source: serde_json::Error },
 }
@@ -110,12 +110,8 @@ impl Baseline {
 
     /// Reads a baseline; none if there is no file.
     pub fn read(path: &Path) -> Result<Option<Self>, BaselineError> {
-        let bytes = match read_at_most(path, LARGEST) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(source) => return Err(BaselineError::Io { path: path.to_owned(), source }),
-        };
-        Self::parse(path, &bytes).map(Some)
+        let bytes = if_there(read_at_most(path, LARGEST))?;
+        bytes.map(|bytes| Self::parse(path, &bytes)).transpose()
     }
 
     /// Parses a baseline; `path` is for messages.
@@ -147,8 +143,7 @@ impl Baseline {
             scenes.push(format!("{heading}\n{lines}\n]}}"));
         }
         let text = format!("{{\"scenes\": {{\n{}\n}}}}\n", scenes.join(",\n"));
-        write_named(path, text.as_bytes())
-            .map_err(|source| BaselineError::Io { path: path.to_owned(), source })
+        Ok(write_named(path, text.as_bytes())?)
     }
 }
 

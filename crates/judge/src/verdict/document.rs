@@ -1,13 +1,12 @@
 //! `verdict.json`: verdicts, provenance and reasons of failed cases.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::{Comparison, Foreseen, ForeseenConstant, Variable, Verdict};
 use crate::record::{CaseRecord, Key, Status};
-use files::{read_file, replace_file};
+use files::{FileError, if_there, read_file, replace_file};
 
 /// A case that did not converge, with the solver's reason, for which `cases.csv` has no column.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -20,8 +19,8 @@ pub struct Failure {
 /// Why verdicts could not be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Io(#[from] FileError),
     #[error("{}: {source}", path.display())]
     Json { path: PathBuf, source: serde_json::Error },
 }
@@ -97,15 +96,12 @@ pub fn write_json(
     let mut bytes = serde_json::to_vec_pretty(&document)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     bytes.push(b'\n');
-    replace_file(path, &bytes).map_err(|source| DocumentError::Io { path: path.to_owned(), source })
+    Ok(replace_file(path, &bytes)?)
 }
 
 /// Reads an earlier `verdict.json`, if there is one.
 pub fn read_earlier(path: &Path) -> Result<Earlier, DocumentError> {
-    let bytes = match read_file(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Earlier::default()),
-        read => read.map_err(|source| DocumentError::Io { path: path.to_owned(), source })?,
-    };
+    let Some(bytes) = if_there(read_file(path))? else { return Ok(Earlier::default()) };
     let Written { failures, verdicts } = serde_json::from_slice(&bytes)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     let with = |Judged { scene, norm, variable, foreseen }: Judged| {

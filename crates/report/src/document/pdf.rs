@@ -52,7 +52,7 @@ struct Sheets {
 
 impl Sheets {
     fn read(dir: &Path, date: Option<&str>) -> Result<Self, ReportError> {
-        let text = |path: &Path| read_text(path).map_err(|error| about(path, error));
+        let text = |path: &Path| read_text(path).map_err(|error| about(path, error.source));
         let path = VirtualPath::new(MAIN).map_err(|_| about(Path::new(MAIN), "no path"))?;
         let main = RootedPath::new(VirtualRoot::Project, path).intern();
         let of_pictures = [dejavu::sans::regular(), dejavu::sans::bold()];
@@ -96,7 +96,7 @@ impl World for Sheets {
             return Ok(self.data.clone());
         }
         let path = self.dir.join(name);
-        let svg = read_text(&path).map_err(|error| FileError::from_io(error, &path))?;
+        let svg = read_text(&path).map_err(|error| FileError::from_io(error.source, &path))?;
         Ok(Bytes::from_string(sheet::without(&svg).replace("font-family=\"sans-serif\"", FACE)))
     }
 

@@ -1,6 +1,5 @@
 //! The document of a study: text of its command, a file beside its numbers, and a section of a report.
 
-use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -177,17 +176,14 @@ impl StudyDocument {
 
     /// Writes the document and its pictures into a directory.
     pub fn write(&self, dir: &Path) -> Result<(), ReportError> {
-        let put = |name: String, text: &str| {
-            let path = dir.join(name);
-            replace_file(&path, text.as_bytes()).map_err(ReportError::io(&path))
-        };
+        let put = |name: String, text: &str| replace_file(&dir.join(name), text.as_bytes());
         for block in &self.blocks {
             if let Block::Figure(figure) = block {
                 put(figure.file.clone(), &figure.svg)?;
             }
         }
         let text = serde_json::json!(self);
-        put(format!("{}{ENDING}", self.stem()), &format!("{text:#}\n"))
+        Ok(put(format!("{}{ENDING}", self.stem()), &format!("{text:#}\n"))?)
     }
 
     /// The studies in a directory, in the order of file names.
@@ -200,7 +196,7 @@ impl StudyDocument {
         for (name, chapter) in names.iter().filter_map(|name| Some((name, Chapter::of_file(name)?)))
         {
             let path = dir.join(name);
-            let text = read_text(&path).map_err(ReportError::io(&path))?;
+            let text = read_text(&path)?;
             let refused = |line: usize, reason: String| ReportError::Study {
                 path: path.clone(),
                 line,
@@ -230,8 +226,7 @@ impl Figure {
         // Only names within the directory are followed.
         let is_plain_name =
             Path::new(&self.file).file_name().is_some_and(|name| name == &*self.file);
-        let svg: io::Result<String> = read_text(&dir.join(&self.file));
-        self.svg = svg.unwrap_or_default();
+        self.svg = read_text(&dir.join(&self.file)).unwrap_or_default();
         is_plain_name && self.svg.trim_start().starts_with("<svg")
     }
 }

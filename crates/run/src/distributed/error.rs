@@ -1,8 +1,8 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::names::{CASES, PLAN};
 use crate::sweep::{OutputError, Refused, SweepError};
-use files::counted;
+use files::{FileError, counted};
 use judge::record::RecordError;
 use judge::verdict::DocumentError;
 use scene::SceneError;
@@ -48,6 +48,8 @@ pub enum DistributedError {
     #[error("{0}")]
     Setup(#[from] Box<SetupError>),
     #[error(transparent)]
+    Io(#[from] FileError),
+    #[error(transparent)]
     Output(#[from] OutputError),
     #[error(transparent)]
     Sweep(#[from] SweepError),
@@ -57,15 +59,4 @@ pub enum DistributedError {
     Document(#[from] DocumentError),
     #[error("{0}")]
     Other(String),
-}
-
-impl DistributedError {
-    /// What becomes of an error at a path.
-    pub(super) fn at<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Self + '_ {
-        |error| Self::File { path: path.to_owned(), reason: error.to_string() }
-    }
-
-    pub(super) fn of_file((path, reason): (PathBuf, String)) -> Self {
-        Self::File { path, reason }
-    }
 }

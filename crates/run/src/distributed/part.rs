@@ -11,7 +11,7 @@ use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, Progress, Provenance, Refused, Resumed, ScenePlan,
     replace_records, resume, run_sweep,
 };
-use files::counted;
+use files::{FileError, counted};
 use judge::record::{CaseRecord, write_sorted};
 use judge::verdict::{failures, write_json};
 use scene::setup::Subject;
@@ -96,7 +96,7 @@ pub fn run_part(
     let records = run_sweep(&plans, &held, &machine, resumable, progress)?;
     publish(out, &records, &Provenance::of_run(&plans, &machine))?;
     drop(held);
-    fs::remove_dir_all(&unfinished).map_err(DistributedError::at(&unfinished))?;
+    fs::remove_dir_all(&unfinished).map_err(FileError::at(&unfinished))?;
     Ok(PartRun { records, known: false })
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::error::DistributedError;
 use super::plan::{SweepPlan, id};
 use crate::sweep::{AddedCase, Provenance};
+use files::FileError;
 use judge::record::{CaseRecord, Key, Status, read_finished};
 use judge::verdict::{read_earlier, restore_reasons};
 use scene::Scene;
@@ -44,8 +45,7 @@ impl Parts {
 
     fn take(&mut self, dir: PathBuf, plan: Option<&SweepPlan>) -> Result<(), DistributedError> {
         let different = |what: String| DistributedError::Different { dir: dir.clone(), what };
-        let part = Provenance::read(&dir)
-            .map_err(DistributedError::of_file)?
+        let part = Provenance::read(&dir)?
             .ok_or_else(|| different("records without provenance.json".into()))?;
         self.fits(&part, plan).map_err(different)?;
         for record in records(&dir)? {
@@ -185,7 +185,7 @@ fn with_records(dir: &Path) -> Result<Vec<PathBuf>, DistributedError> {
     if is_part(dir) {
         return Ok(vec![dir.to_owned()]);
     }
-    let unreadable = DistributedError::at(dir);
+    let unreadable = FileError::at(dir);
     let mut found = Vec::new();
     for entry in std::fs::read_dir(dir).map_err(&unreadable)? {
         let entry = entry.map_err(&unreadable)?;

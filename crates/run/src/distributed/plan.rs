@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::error::DistributedError;
 use super::names::{CASES, JOBS, PLAN};
 use crate::sweep::Overrides;
-use files::{Replacement, open_file, read_text, replace_file};
+use files::{FileError, Replacement, open_file, read_text, replace_file};
 use judge::record::Key;
 use scene::{Scene, Source};
 
@@ -146,7 +146,7 @@ impl SweepPlan {
     /// [`DistributedError`]; a plan of another version is refused.
     pub fn read(dir: &Path) -> Result<Self, DistributedError> {
         let path = dir.join(PLAN);
-        let text = read_text(&path).map_err(DistributedError::at(&path))?;
+        let text = read_text(&path)?;
         let plan: Self = serde_json::from_str(&text).map_err(malformed(&path))?;
         let running = env!("CARGO_PKG_VERSION");
         if plan.version != running {
@@ -167,7 +167,7 @@ impl SweepPlan {
         table(&dir.join(JOBS), jobs)?;
         let path = dir.join(PLAN);
         let text = serde_json::to_vec_pretty(self).map_err(malformed(&path))?;
-        replace_file(&path, &text).map_err(DistributedError::at(&path))
+        Ok(replace_file(&path, &text)?)
     }
 
     pub(crate) fn planned(&self, name: &str) -> Option<&PlannedScene> {
@@ -185,7 +185,7 @@ impl SweepPlan {
         jobs: &[usize],
     ) -> Result<Vec<CaseRow>, DistributedError> {
         let path = dir.join(CASES);
-        let file = open_file(&path).map_err(DistributedError::at(&path))?;
+        let file = open_file(&path).map_err(FileError::at(&path))?;
         let mut ids: BTreeSet<&str> = ids.iter().map(String::as_str).collect();
         let mut left: BTreeSet<usize> = jobs.iter().copied().collect();
         let mut found = Vec::new();
@@ -219,5 +219,5 @@ fn table<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), DistributedError> 
         }
         table.into_inner().map_err(|error| error.into_error())?.finish()
     };
-    write().map_err(DistributedError::at(path))
+    Ok(write().map_err(FileError::at(path))?)
 }

@@ -82,20 +82,16 @@ impl Planning {
 
     /// Writes the plan for an engine into `dir`. Repeating it with the same plan changes only the engine's files.
     pub fn write(&self, dir: &Path, engine: Engine) -> Result<(), DistributedError> {
-        make_directory(dir).map_err(DistributedError::at(dir))?;
+        make_directory(dir)?;
         if dir.join(PLAN).exists() && SweepPlan::read(dir)? != self.plan {
             return Err(DistributedError::OtherPlan { path: dir.join(PLAN) });
         }
-        let put = |name: &str, text: &str| -> Result<(), DistributedError> {
-            let path = dir.join(name);
-            replace_file(&path, text.as_bytes()).map_err(DistributedError::at(&path))
-        };
+        let put = |name: &str, text: &str| replace_file(&dir.join(name), text.as_bytes());
         match engine {
             Engine::Snakemake => put("Snakefile", include_str!("workflow/Snakefile"))?,
             Engine::Slurm => {
                 let arrays = slurm::arrays(&self.jobs);
-                let folder = dir.join("arrays");
-                make_directory(&folder).map_err(DistributedError::at(&folder))?;
+                make_directory(&dir.join("arrays"))?;
                 for array in &arrays {
                     let lines: String = array.jobs.iter().map(|job| format!("{job}\n")).collect();
                     put(&array.file, &lines)?;

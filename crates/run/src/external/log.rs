@@ -27,7 +27,7 @@ impl Log {
     /// The file system refuses.
     pub(crate) fn new(dir: &Path) -> io::Result<Self> {
         let path = dir.join(LOG);
-        remove_if_there(&path)?;
+        remove_if_there(&path).map_err(|error| error.source)?;
         // Appends stay valid when the file is cut.
         let file = File::options().append(true).create_new(true).open(&path)?;
         Ok(Self { path, file })

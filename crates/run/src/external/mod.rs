@@ -105,7 +105,7 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
     let named = [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION, PRESSURE].map(|name| dir.join(name));
     let numbered = numbered(dir).map_err(said)?;
     for path in named.into_iter().chain(numbered.into_iter().map(|(_, path)| path)) {
-        remove_if_there(&path).map_err(|error| said(format!("{}: {error}", path.display())))?;
+        remove_if_there(&path).map_err(said)?;
     }
     Ok(())
 }

@@ -4,13 +4,13 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use files::make_directory;
+use files::{FileError, make_directory};
 
 /// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    #[error("{}: {source}; choose another directory with --out", path.display())]
-    Io { path: PathBuf, source: io::Error },
+    #[error("{0}; choose another directory with --out")]
+    Io(#[from] FileError),
     #[error(
         "{}: {holder} writes here; wait for its end, or choose another directory with --out",
         path.display()
@@ -34,21 +34,21 @@ impl OutputDirectory {
     /// # Errors
     /// [`OutputError`]. A file system without locks is accepted.
     pub fn take(path: &Path) -> Result<Self, OutputError> {
-        let refused = |source| OutputError::Io { path: path.to_owned(), source };
-        make_directory(path).map_err(refused)?;
+        let refused = FileError::at(path);
+        make_directory(path)?;
         let file = path.join(LOCK);
         // The target of a link is not ours.
         if fs::symlink_metadata(&file).is_ok_and(|known| known.is_symlink()) {
-            fs::remove_file(&file).map_err(refused)?;
+            fs::remove_file(&file).map_err(&refused)?;
         }
         let open =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(file);
-        let mut lock = open.map_err(refused)?;
+        let mut lock = open.map_err(&refused)?;
         match lock.try_lock() {
             Ok(()) => {
                 let number = format!("process {}", std::process::id());
                 let written = lock.set_len(0).and_then(|()| lock.write_all(number.as_bytes()));
-                written.map_err(refused)?;
+                written.map_err(&refused)?;
             }
             Err(TryLockError::WouldBlock) => {
                 let mut holder = String::new();
@@ -58,7 +58,7 @@ impl OutputDirectory {
                 return Err(OutputError::Held { path: path.to_owned(), holder });
             }
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
-            Err(TryLockError::Error(error)) => return Err(refused(error)),
+            Err(TryLockError::Error(error)) => return Err(refused(error).into()),
         }
         Ok(Self { path: path.to_owned(), _lock: lock })
     }
@@ -85,7 +85,7 @@ mod tests {
         // A file in its place.
         let file = path.join("file");
         fs::write(&file, "").unwrap();
-        assert!(matches!(OutputDirectory::take(&file), Err(OutputError::Io { .. })));
+        assert!(matches!(OutputDirectory::take(&file), Err(OutputError::Io(_))));
         fs::remove_dir_all(&path).unwrap();
     }
 }

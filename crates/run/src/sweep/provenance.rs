@@ -1,12 +1,13 @@
 //! Provenance of records: program, machine, and scenes with their texts and hashes.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::{AddedCase, Block, Circumstances, Machine, ScenePlan, blocks};
-use files::{read_text, replace_file};
+use files::{FileError, if_there, read_text, replace_file};
 use scene::{Scene, SceneError, Source};
 
 /// Provenance of a directory of records. No dates: equal runs give equal files.
@@ -112,21 +113,17 @@ impl Provenance {
     ///
     /// # Errors
     /// Those of the file system, or an invalid file.
-    pub fn read(dir: &Path) -> Result<Option<Self>, (PathBuf, String)> {
+    pub fn read(dir: &Path) -> Result<Option<Self>, FileError> {
         let path = dir.join(FILE);
-        match read_text(&path) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err((path, error.to_string())),
-            Ok(text) => {
-                serde_json::from_str(&text).map(Some).map_err(|error| (path, error.to_string()))
-            }
-        }
+        let Some(text) = if_there(read_text(&path))? else { return Ok(None) };
+        let known = serde_json::from_str(&text).map_err(io::Error::from);
+        known.map(Some).map_err(FileError::at(&path))
     }
 
     /// Writes the provenance into a directory.
-    pub fn write(&self, dir: &Path) -> Result<(), (PathBuf, String)> {
+    pub fn write(&self, dir: &Path) -> Result<(), FileError> {
         let path = dir.join(FILE);
-        let text = serde_json::to_string_pretty(self).map_err(|e| (path.clone(), e.to_string()))?;
-        replace_file(&path, text.as_bytes()).map_err(|error| (path, error.to_string()))
+        let text = serde_json::to_string_pretty(self).map_err(io::Error::from);
+        replace_file(&path, text.map_err(FileError::at(&path))?.as_bytes())
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{Provenance, ScenePlan, is_complete};
+use files::FileError;
 use judge::record::{CaseRecord, CaseTable, RecordError, read_table};
 
 /// Why a directory cannot be resumed.
@@ -10,8 +11,8 @@ use judge::record::{CaseRecord, CaseTable, RecordError, read_table};
 pub enum ResumeError {
     #[error(transparent)]
     Record(#[from] RecordError),
-    #[error("{}: {reason}", path.display())]
-    Provenance { path: PathBuf, reason: String },
+    #[error(transparent)]
+    Io(#[from] FileError),
     /// The records belong to something else.
     #[error("{}: {what}; run without --resume to start anew, or choose another --out", dir.display())]
     Different { dir: PathBuf, what: String },
@@ -39,8 +40,7 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
         return Ok(Resumed::default());
     }
     let different = |what: String| ResumeError::Different { dir: dir.to_owned(), what };
-    let known = Provenance::read(dir)
-        .map_err(|(path, reason)| ResumeError::Provenance { path, reason })?
+    let known = Provenance::read(dir)?
         .ok_or_else(|| different("records without provenance.json".into()))?;
     let current = Provenance::new(plans.iter().map(|plan| plan.scene()));
     if known.version != current.version {

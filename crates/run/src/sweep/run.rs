@@ -1,7 +1,7 @@
 //! Runs the cases of many scenes in parallel, longest first and within memory, and records each as it ends.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::Build;
@@ -13,7 +13,7 @@ use super::shared::Shared;
 use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
 use rayon::prelude::*;
 
-use files::{counted, make_directory, remove_if_there};
+use files::{FileError, counted, make_directory, remove_if_there};
 use judge::record::{CaseRecord, Journal, Key, RecordError};
 use report::{ReportError, remove_earlier};
 use scene::setup::Subject;
@@ -25,8 +25,8 @@ pub enum SweepError {
     Record(#[from] RecordError),
     #[error(transparent)]
     Resume(#[from] ResumeError),
-    #[error("{}: {reason}", path.display())]
-    Directory { path: PathBuf, reason: String },
+    #[error(transparent)]
+    Io(#[from] FileError),
     /// Files of an earlier report cannot be removed.
     #[error(transparent)]
     Report(#[from] ReportError),
@@ -158,16 +158,13 @@ pub fn run_more(
 /// have no table without its provenance, and no mixture of old and new files: pages, pictures, verdicts and the old table
 /// are removed first, but not a table that is `kept` until it is replaced.
 pub fn replace_records(out: &Path, provenance: &Provenance, kept: bool) -> Result<(), SweepError> {
-    let refused = |(path, reason)| SweepError::Directory { path, reason };
-    let failed = |error: std::io::Error| refused((out.to_owned(), error.to_string()));
-    make_directory(out).map_err(failed)?;
+    make_directory(out)?;
     remove_earlier(out)?;
     let removed = if kept { &["verdict.json"][..] } else { &["verdict.json", "cases.csv"] };
     for name in removed {
-        let path = out.join(name);
-        remove_if_there(&path).map_err(|error| refused((path, error.to_string())))?;
+        remove_if_there(&out.join(name))?;
     }
-    provenance.write(out).map_err(refused)
+    Ok(provenance.write(out)?)
 }
 
 struct Sweep<'a> {

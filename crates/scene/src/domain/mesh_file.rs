@@ -59,7 +59,7 @@ pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMes
 }
 
 fn text(path: &Path) -> Result<String, String> {
-    let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| error.to_string())?;
+    let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| error.source.to_string())?;
     String::from_utf8(bytes).map_err(|error| {
         let byte = error.utf8_error().valid_up_to();
         format!("byte {byte} is not text: export as ASCII")

@@ -4,9 +4,8 @@ use algebra::in_dimension;
 use std::path::{Path, PathBuf};
 
 use super::vtu::{Field, VtuGrid, write_pvd, write_vtu};
-use crate::FileError;
 use fem::contact::{Discretization, Model, StepView};
-use files::make_directory;
+use files::{FileError, make_directory};
 
 /// Files `SCENE_0000.vtu`, … and `SCENE.pvd` in one directory.
 pub struct VtuSeries {
@@ -21,7 +20,7 @@ impl VtuSeries {
     /// # Errors
     /// The file system's.
     pub fn new(dir: &Path, name: &str) -> Result<Self, FileError> {
-        make_directory(dir).map_err(FileError::at(dir))?;
+        make_directory(dir)?;
         Ok(Self { dir: dir.to_owned(), name: name.to_owned(), steps: Vec::new() })
     }
 

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use crate::written::{FileError, replace};
+use files::{FileError, replace_file};
 use report::escaped;
 
 /// Numbers at points or in cells, `components` each.
@@ -65,7 +65,7 @@ pub fn write_vtu(
          </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_"
     );
     let end = b"\n  </AppendedData>\n</VTKFile>\n";
-    replace(path, &[head.as_bytes(), &arrays.bytes, end].concat())
+    replace_file(path, &[head.as_bytes(), &arrays.bytes, end].concat())
 }
 
 /// Writes the index of a time series: for each step its time and the `.vtu` file, relative to the
@@ -83,7 +83,7 @@ pub fn write_pvd(path: &Path, steps: &[(f64, String)]) -> Result<(), FileError> 
         text += &format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
     }
     text += "  </Collection>\n</VTKFile>\n";
-    replace(path, text.as_bytes())
+    replace_file(path, text.as_bytes())
 }
 
 /// The XML declarations of the arrays, and the bytes that they point to.

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use super::pareto::{TIE, front};
 use super::{Knob, Price};
 use crate::table;
-use crate::written::{FileError, replace};
+use files::{FileError, replace_file};
 
 /// What one run cost and how wrong it is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -134,7 +134,7 @@ impl Table {
         let rows = trials.iter().map(|trial| row(&self.scene, &self.norm, trial));
         let bytes =
             table::csv(rows, true).map_err(io::Error::from).map_err(FileError::at(&self.path));
-        replace(&self.path, &bytes?)
+        replace_file(&self.path, &bytes?)
     }
 }
 

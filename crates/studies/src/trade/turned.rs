@@ -3,7 +3,7 @@
 use super::measure::{Bench, Case, Timed};
 use super::rounds::Rounds;
 use super::{Knob, Price, Trial, Variant};
-use crate::FileError;
+use files::FileError;
 
 /// Adds a row to the others and to the table.
 type Keep<'a> = dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), FileError> + 'a;
