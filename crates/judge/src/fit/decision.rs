@@ -16,7 +16,11 @@ pub enum Decision {
 impl Decision {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
-        ["pass", "fail", "unresolved"][self as usize]
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+            Self::Unresolved => "unresolved",
+        }
     }
 
     /// Verdict on two claims that both have to hold: fail if either fails, pass if both pass.

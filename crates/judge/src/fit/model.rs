@@ -14,12 +14,18 @@ impl ErrorCombination {
     pub(super) const BOTH: [Self; 2] = [Self::Sum, Self::RootSumSquare];
 
     pub fn name(self) -> &'static str {
-        ["sum", "root-sum-square"][self as usize]
+        match self {
+            Self::Sum => "sum",
+            Self::RootSumSquare => "root-sum-square",
+        }
     }
 
     /// m.
     pub fn exponent(self) -> f64 {
-        [1.0, 2.0][self as usize]
+        match self {
+            Self::Sum => 1.0,
+            Self::RootSumSquare => 2.0,
+        }
     }
 
     /// log E and its weights ∂ log E / ∂ log A, … for terms given by logarithms; a local slope is the mean of the

@@ -31,22 +31,34 @@ impl Direction {
 
     /// Name of its step.
     pub fn name(self) -> &'static str {
-        ["h", "k"][self as usize]
+        match self {
+            Self::Space => "h",
+            Self::Time => "k",
+        }
     }
 
     /// Name of the constant of its term.
     pub fn constant(self) -> &'static str {
-        ["C_h", "C_k"][self as usize]
+        match self {
+            Self::Space => "C_h",
+            Self::Time => "C_k",
+        }
     }
 
     /// The direction that is not refined.
     #[must_use]
     pub fn other(self) -> Self {
-        Self::BOTH[1 - self as usize]
+        match self {
+            Self::Space => Self::Time,
+            Self::Time => Self::Space,
+        }
     }
 
     /// The step of a point in this direction.
     pub fn step(self, point: &Point) -> f64 {
-        [point.h, point.k][self as usize]
+        match self {
+            Self::Space => point.h,
+            Self::Time => point.k,
+        }
     }
 }

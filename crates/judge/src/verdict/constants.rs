@@ -68,7 +68,10 @@ pub(super) fn compare_constant(
     for point in &line.points {
         let place = MeshAndSteps { n: point.n, steps: point.steps };
         let Some(used) = used.iter().find(|used| used.place == place) else { continue };
-        let step = [point.h.unwrap_or(f64::NAN), point.k][direction as usize];
+        let step = match direction {
+            Direction::Space => point.h.unwrap_or(f64::NAN),
+            Direction::Time => point.k,
+        };
         let under = |error: f64, step: f64| error / step.powf(order);
         let measured = under(used.point.error, direction.step(&used.point));
         let leading = under(point.error, step);

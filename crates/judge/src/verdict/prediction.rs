@@ -21,7 +21,12 @@ pub enum Variable {
 impl Variable {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
-        ["h", "k", "joint", "path"][self as usize]
+        match self {
+            Self::H => "h",
+            Self::K => "k",
+            Self::Joint => "joint",
+            Self::Path => "path",
+        }
     }
 
     /// The direction of a line; none for a grid.
