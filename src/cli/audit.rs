@@ -90,13 +90,10 @@ impl Audit {
     fn grids(&self, setup: &Setup) -> Result<(Vec<u32>, Vec<u32>), CliError> {
         let scene = &setup.scene;
         Overrides { n: self.n.clone(), steps: self.steps.clone() }.check(scene)?;
-        let listed_in_scene = |list: fn(&scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
-            scene.sweep.as_ref().map_or(Vec::new(), |s| list(s).iter().map(|&v| v as u32).collect())
-        };
-        let ns = self.n.clone().unwrap_or_else(|| {
-            listed_in_scene(|sweep| &sweep.n).into_iter().filter(|n| *n <= FINEST).collect()
-        });
-        let steps = self.steps.clone().unwrap_or_else(|| listed_in_scene(|sweep| &sweep.steps));
+        let mut own = scene.sweep.clone().unwrap_or_default();
+        own.n.retain(|n| *n <= FINEST);
+        let ns = self.n.clone().unwrap_or(own.n);
+        let steps = self.steps.clone().unwrap_or(own.steps);
         if ns.is_empty() || steps.is_empty() {
             return Err(no_case(scene, "audit"));
         }

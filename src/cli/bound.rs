@@ -46,7 +46,7 @@ impl BoundCommand {
         let singular = "it puts sup |q| beside k, not k^(1-a)";
         scene.without(&[Extension::SingularKernel], "sweep bound", singular)?;
         let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
-        let steps = self.steps.unwrap_or(fewest.unwrap_or(8) as u32);
+        let steps = self.steps.or(fewest).unwrap_or(8);
         let bound = match &subject {
             Subject::Contact(setup) => {
                 let n = self.n.unwrap_or(MESH);

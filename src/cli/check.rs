@@ -98,7 +98,7 @@ fn alpha_nu_from(setup: &Setup) -> &'static str {
 /// Shape of the cells on the coarsest mesh of the sweep.
 fn mesh_quality(setup: &Setup) -> Finding {
     let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(4);
-    let q = setup.body.domain.mesh(n as u32).quality();
+    let q = setup.body.domain.mesh(n).quality();
     let text = format!(
         "n = {n}: smallest angle {:.1} degrees, longest edge over altitude at most {:.2}, h_max = {:.4}, h_max/h_min = {:.2}",
         q.smallest_angle,
@@ -117,7 +117,7 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
     }
     let (mut fit, mut cut) = (Vec::new(), None);
     for &n in &sweep.n {
-        match setup.check_regions(n as u32) {
+        match setup.check_regions(n) {
             Ok(()) => fit.push(n.to_string()),
             Err(error) => cut = cut.or(Some(error)),
         }

@@ -56,9 +56,8 @@ impl Explain {
         let algorithm = of_meshes(&plan, &costs, |cost| algorithm(&plan.subject, cost.plan));
         let rows = plan.cases.iter().zip(&costs.cases);
         let cases: Vec<_> = rows.map(|(case, cost)| case_json(&plan, case, cost)).collect();
-        let reference = plan.reference.zip(costs.reference).map(|(reference, cost)| {
-            run_json(Some(reference.n as u32), reference.steps as u32, &cost)
-        });
+        let reference = plan.reference.zip(costs.reference);
+        let reference = reference.map(|(run, cost)| run_json(Some(run.n), run.steps, &cost));
         let Asked { regions, corners, history } = &asked;
         let scene = plan.scene();
         if self.json {
@@ -188,7 +187,7 @@ fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
 /// A property common to all runs, or the meshes with each value of it.
 fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'static str) -> String {
     let mesh_sizes = plan.cases.iter().map(|case| case.n.unwrap_or_default());
-    let ns = mesh_sizes.chain(plan.reference.map(|reference| reference.n as u32));
+    let ns = mesh_sizes.chain(plan.reference.map(|reference| reference.n));
     let mut found: Vec<(&'static str, BTreeSet<u32>)> = Vec::new();
     for (n, cost) in ns.zip(costs.cases.iter().chain(&costs.reference)) {
         let name = words(cost);

@@ -67,14 +67,10 @@ impl Gronwall {
 
     fn plan(&self, scene: &Scene) -> Result<StudyRuns, CliError> {
         let sweep = scene.sweep.as_ref();
-        let converted = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<u32>>();
-        let n = self.n.or_else(|| sweep.and_then(|sweep| converted(&sweep.n).first().copied()));
-        let listed = |list: &[usize]| {
-            let mut list = converted(list);
-            list.retain(|&steps| steps <= MOST_STEPS);
-            list
-        };
-        let steps = self.steps.clone().or_else(|| sweep.map(|sweep| listed(&sweep.steps)));
+        let n = self.n.or_else(|| sweep.and_then(|sweep| sweep.n.first().copied()));
+        let admitted =
+            |list: &Vec<u32>| list.iter().copied().filter(|&steps| steps <= MOST_STEPS).collect();
+        let steps = self.steps.clone().or_else(|| sweep.map(|sweep| admitted(&sweep.steps)));
         let Some(mut steps) = steps.filter(|steps| !steps.is_empty()) else {
             return Err(CliError::other("no numbers of steps: give --steps 16,32,64"));
         };

@@ -41,8 +41,8 @@ pub struct Scene {
     pub expect: Expectation,
     /// Runs only on request.
     pub long: bool,
-    pub window_n: Option<[usize; 2]>,
-    pub window_steps: Option<[usize; 2]>,
+    pub window_n: Option<[u32; 2]>,
+    pub window_steps: Option<[u32; 2]>,
     pub violates: Vec<Hypothesis>,
     pub source: Source,
     pub spans: Spans,

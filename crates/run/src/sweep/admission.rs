@@ -71,8 +71,7 @@ pub fn admit_plan(
     beside: impl Fn(&[(&CasePlan, &Cost)]) -> f64,
 ) -> Result<(), Refused> {
     let name = &plan.scene().name;
-    let reference =
-        plan.reference.map(|reference| (Some(reference.n as u32), reference.steps as u32));
+    let reference = plan.reference.map(|reference| (Some(reference.n), reference.steps));
     let runs = plan.runs().into_iter().map(|(n, steps)| (Some(n), steps));
     early(|n, steps| plan.least_bytes(n, steps), name, runs.chain(reference).collect(), limit)?;
     // The case that makes the mesh reports its errors.

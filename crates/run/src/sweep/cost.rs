@@ -185,11 +185,11 @@ fn reference_cost(
     reference: Reference,
     kept_steps: u32,
 ) -> Result<Cost, SetupError> {
-    let space = setup.space(reference.n as u32)?;
-    let run = march(setup, &space, reference.steps as u32);
+    let space = setup.space(reference.n)?;
+    let run = march(setup, &space, reference.steps);
     // u and σ of the levels that cases use.
     let tensors = truth::tensor_numbers(&space) * space.mesh.cell_count();
-    let kept = f64::from(kept_steps.min(reference.steps as u32)) + 1.0;
+    let kept = f64::from(kept_steps.min(reference.steps)) + 1.0;
     let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
     let kept_bytes = levels + SPACE * space.pattern.entries() as f64;
     Ok(Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, kept_bytes, ..run })

@@ -90,8 +90,8 @@ pub fn contact_floors(
 ) -> Result<Vec<FloorRow>, SetupError> {
     let reference = scene_reference(setup);
     let run = |reference: Reference| {
-        let every = (reference.steps as u32 / steps).max(1);
-        reference_run(setup, reference.n as u32, reference.steps as u32, every).map(Arc::new)
+        let every = (reference.steps / steps).max(1);
+        reference_run(setup, reference.n, reference.steps, every).map(Arc::new)
     };
     let truth = reference.map(run).transpose()?;
     let data = MeshData::new(setup, n, truth.clone())?;
@@ -161,8 +161,8 @@ pub fn floors_beside(dimension: usize, cases: &[(&CasePlan, &Cost)]) -> f64 {
 /// A reference of half the cells and steps, if still finer than the case.
 fn halved(reference: Reference, n: u32, steps: u32) -> Option<Reference> {
     let half = Reference { n: reference.n / 2, steps: reference.steps / 2 };
-    let finer = |half: usize, whole: usize, of_case: u32| {
-        2 * half == whole && half.is_multiple_of(of_case as usize) && half > of_case as usize
+    let finer = |half: u32, whole: u32, of_case: u32| {
+        2 * half == whole && half.is_multiple_of(of_case) && half > of_case
     };
     let serves = finer(half.n, reference.n, n) && finer(half.steps, reference.steps, steps);
     serves.then_some(half)

@@ -26,17 +26,16 @@ const LEAST: [u32; 2] = [2, 2];
 /// The scene cannot be set up.
 pub fn scene_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
     let scene = &plain.setup.scene;
-    let sweep = scene.sweep.as_ref();
-    let list = |pick: fn(&scene::Sweep) -> &Vec<usize>, default: [usize; 3]| {
-        let listed = sweep.map_or_else(|| default.to_vec(), |sweep| pick(sweep).clone());
-        listed.into_iter().map(|value| value as u32).collect::<Vec<u32>>()
+    let (listed_n, listed_steps) = match &scene.sweep {
+        Some(sweep) => (sweep.n.clone(), sweep.steps.clone()),
+        None => (vec![8, 16, 32], vec![4, 8, 16]),
     };
     let finest = finest(&plain.setup).unwrap_or([u32::MAX; 2]);
     let candidates = Candidates::new(&plain.setup, true)?;
     let cells = |n: u32| n <= finest[0] && (candidates.cells)(n);
     let steps = |steps: u32| steps <= finest[1] && (candidates.steps)(steps);
-    let mut ns = completed(list(|sweep| &sweep.n, [8, 16, 32]), LEAST[0], &cells);
-    let mut numbers = completed(list(|sweep| &sweep.steps, [4, 8, 16]), LEAST[1], &steps);
+    let mut ns = completed(listed_n, LEAST[0], &cells);
+    let mut numbers = completed(listed_steps, LEAST[1], &steps);
     ns.truncate(MOST[0]);
     numbers.truncate(MOST[1]);
     loop {

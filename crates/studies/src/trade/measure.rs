@@ -57,8 +57,8 @@ impl Bench {
     /// A reference run that fails.
     pub fn new(plain: Variant, norm: Norm, repeats: u32) -> Result<Self, SetupError> {
         let setup = &plain.setup;
-        let reference = scene_reference(setup)
-            .map(|wanted| reference_run(setup, wanted.n as u32, wanted.steps as u32, 1));
+        let reference =
+            scene_reference(setup).map(|wanted| reference_run(setup, wanted.n, wanted.steps, 1));
         let reference = reference.transpose()?.map(Arc::new);
         let (judges, trajectories) = (HashMap::new(), HashMap::new());
         Ok(Self { plain, norm, repeats, reference, judges, trajectories, size: 0.0 })
