@@ -1,6 +1,6 @@
 //! Memory checks of commands other than a sweep, before any of their runs.
 
-use super::cost::{Cost, PROGRAM, PlanCost, kept_by_mesh, run_cost};
+use super::cost::{Cost, PROGRAM, PlanCost, kept_by_meshes, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::needs::{constants_bytes, least_bytes_of_mesh};
 use super::plan::{CasePlan, ScenePlan};
@@ -88,8 +88,8 @@ fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
     let mut working: Vec<f64> =
         cases.iter().map(|(_, cost)| cost.memory_bytes - PROGRAM - cost.kept_bytes).collect();
     working.sort_by(|a, b| b.total_cmp(a));
-    let kept = kept_by_mesh(cases.iter().map(|(case, cost)| (case.n, *cost)));
-    working.iter().take(jobs).sum::<f64>() + kept.values().sum::<f64>()
+    let kept = kept_by_meshes(cases.iter().map(|(case, cost)| (case.n, *cost)));
+    working.iter().take(jobs).sum::<f64>() + kept
 }
 
 /// Refuses a scene whose trace constants do not fit, before it is set up: they enter (2.9) and the step bound if the

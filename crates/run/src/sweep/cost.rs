@@ -89,16 +89,14 @@ impl PlanCost {
     }
 }
 
-/// Bytes that each mesh keeps when its last case runs.
-pub(super) fn kept_by_mesh<'a, K: Ord>(
-    cases: impl Iterator<Item = (K, &'a Cost)>,
-) -> BTreeMap<K, f64> {
+/// Bytes that all meshes keep when the last case of each runs.
+pub fn kept_by_meshes<'a, K: Ord>(cases: impl Iterator<Item = (K, &'a Cost)>) -> f64 {
     let mut kept = BTreeMap::new();
     for (mesh, cost) in cases {
         let known: &mut f64 = kept.entry(mesh).or_default();
         *known = known.max(cost.kept_bytes + cost.left_bytes);
     }
-    kept
+    kept.into_values().sum()
 }
 
 /// Predicts cases of a body; one mesh at a time is made and analysed, nothing is solved. Every `kept_steps`-th part of

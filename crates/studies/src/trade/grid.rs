@@ -1,13 +1,12 @@
 //! Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
 //! orders and exponents have something to rest on, and no more than the budget bears.
 
-use std::collections::HashMap;
-
 use super::candidates::finest;
 use super::{Candidates, Variant};
 use fem::space::Element;
 use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, PlanCost, Refused, ScenePlan, admit_plan,
+    kept_by_meshes,
 };
 use scene::Scene;
 use scene::setup::{SetupError, Subject};
@@ -76,14 +75,10 @@ pub fn admit_trade(plan: &ScenePlan, beside: f64, limit: &MemoryLimit) -> Result
 
 /// Bytes of truth and displacements that a bench holds at the end of the cases of a plan.
 pub fn held(plan: &ScenePlan) -> f64 {
-    let Ok(PlanCost { cases, .. }) = plan.costs() else { return 0.0 };
-    let mut meshes: HashMap<Option<u32>, f64> = HashMap::new();
-    for (case, cost) in plan.cases.iter().zip(&cases) {
-        let kept = meshes.entry(case.n).or_default();
-        *kept = kept.max(cost.kept_bytes + cost.left_bytes);
-    }
-    meshes.values().sum::<f64>()
-        + plan.cases.iter().zip(&cases).map(|c| displacements(&c)).sum::<f64>()
+    let Ok(PlanCost { cases: costs, .. }) = plan.costs() else { return 0.0 };
+    let cases = || plan.cases.iter().zip(&costs);
+    kept_by_meshes(cases().map(|(case, cost)| (case.n, cost)))
+        + cases().map(|case| displacements(&case)).sum::<f64>()
 }
 
 fn displacements((case, cost): &(&CasePlan, &Cost)) -> f64 {
