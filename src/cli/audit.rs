@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::machine::{Allowance, processors};
+use super::machine::{Common, processors};
 use super::study::deliver;
 use super::{CliError, Scenes, create_dir, no_case, write_file};
 use fem::contact::BoundaryRule;
@@ -43,10 +43,7 @@ pub(crate) struct Audit {
     #[arg(long, value_parser = ["vertex", "gauss", "exact"])]
     rule: Option<String>,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Write SCENE-audit.csv and SCENE-audit.json into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -64,11 +61,11 @@ impl Audit {
             return self.ledger(scenes);
         };
         let scene = scenes.scene(scene)?;
-        admit_constants(&scene, true, &self.allowance.limit())?;
+        admit_constants(&scene, true, &self.common.allowance.limit())?;
         let mut setup = Setup::new(scene)?;
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
-        audit_runs(&setup, &ns, &steps, processors()).admit(&self.allowance.limit())?;
+        audit_runs(&setup, &ns, &steps, processors()).admit(&self.common.allowance.limit())?;
         let audit = SceneAudit::new(&setup, &ns, &steps).map_err(CliError::other)?;
         if let Some(dir) = &self.out {
             create_dir(dir)?;
@@ -76,14 +73,14 @@ impl Audit {
             write_file(&dir.join(format!("{}-audit.csv", audit.scene)), rows)?;
         }
         let json = audit.json().map_err(CliError::other)?;
-        deliver(&json, &audit.document(), self.out.as_deref(), self.json)?;
+        deliver(&json, &audit.document(), self.out.as_deref(), self.common.json)?;
         Ok(u8::from(!audit.holds()))
     }
 
     fn ledger(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let found =
             ledger(|name| -> Result<Setup, CliError> { Ok(Setup::new(scenes.scene(name)?)?) })?;
-        deliver(&found, &document(&found), self.out.as_deref(), self.json)?;
+        deliver(&found, &document(&found), self.out.as_deref(), self.common.json)?;
         Ok(u8::from(!found.iter().all(|entry| entry.confirmed)))
     }
 

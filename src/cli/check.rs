@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::abstract_problem::fact;
 use super::explain::under_loads;
-use super::machine::Allowance;
+use super::machine::Common;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_beside, print_json};
 use exact::{Finding, Status, check};
 use run::sweep::admit_constants;
@@ -19,16 +19,13 @@ pub(crate) struct Check {
     /// Name of a scene, or path of a TOML file
     scene: String,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
 }
 
 impl Check {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let limit = self.allowance.limit();
+        let limit = self.common.allowance.limit();
         admit_constants(&scene, true, &limit)?;
         let subject = Subject::new(scene)?;
         let mut findings = Vec::new();
@@ -48,7 +45,7 @@ impl Check {
             Subject::Abstract(setup) => findings.extend(abstract_problem::findings(setup)),
         }
         let failed = findings.iter().any(|finding| finding.status == Status::Failed);
-        if self.json {
+        if self.common.json {
             let rows: Vec<_> = findings.iter().map(row).collect();
             print_json(&serde_json::json!({ "scene": subject.scene().name, "findings": rows }))?;
         } else {

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
-use super::machine::Allowance;
+use super::machine::Common;
 use super::{
     CliError, Scenes, TABLE_WIDTH, meshes_fit, print_beside, print_json, print_text, width,
 };
@@ -27,15 +27,12 @@ pub(crate) struct Explain {
     /// Name of a scene, or path of a TOML file
     scene: String,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
 }
 
 impl Explain {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let limit = self.allowance.limit();
+        let limit = self.common.allowance.limit();
         let plan = ScenePlan::new(scenes.subject(&self.scene, &limit)?, &Overrides::default());
         let asked = match &plan.subject {
             Subject::Contact(setup) => {
@@ -60,7 +57,7 @@ impl Explain {
         let reference = reference.map(|(run, cost)| run_json(Some(run.n), run.steps, &cost));
         let Asked { regions, corners, history } = &asked;
         let scene = plan.scene();
-        if self.json {
+        if self.common.json {
             print_json(&serde_json::json!({
                 "scene": scene.name,
                 "terms": terms(scene),

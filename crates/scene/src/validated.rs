@@ -89,7 +89,7 @@ impl ContactScene {
     pub fn is_monotone(&self) -> bool {
         let friction = self.friction();
         self.law().is_none_or(|law| law.alpha() <= 0.0)
-            && friction.is_none_or(|bound| bound.alpha() <= 0.0 && bound.coefficient() <= 0.0)
+            && friction.is_none_or(|law| law.alpha() <= 0.0 && law.bound.coefficient() <= 0.0)
     }
 }
 

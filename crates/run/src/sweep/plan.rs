@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::extend::AddedCase;
-use super::floors::{FloorError, FloorRow, abstract_floors, contact_floors, direct_history};
+use super::floors::{FloorRow, abstract_floors, contact_floors, direct_history};
 use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
@@ -185,12 +185,12 @@ impl ScenePlan {
     ///
     /// # Errors
     /// A run that fails.
-    pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
+    pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, SetupError> {
         match &self.subject {
             Subject::Contact(setup) => {
                 let direct = direct_history(Setup::new(setup.scene.clone())?);
                 let (n, steps) = (case.n.unwrap_or_default(), case.steps);
-                Ok(contact_floors(setup, direct.as_ref(), n, steps, &case.norms)?)
+                contact_floors(setup, direct.as_ref(), n, steps, &case.norms)
             }
             Subject::Abstract(setup) => Ok(abstract_floors(setup, case.steps)?),
         }

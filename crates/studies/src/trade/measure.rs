@@ -17,10 +17,6 @@ use run::sweep::{as_floors, floor_in, run_cost, scene_reference};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
 
-/// The norms in which a trade can be measured: those of levels that have a truth at every time.
-pub const NORMS: [Norm; 5] =
-    [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
-
 /// Measures runs of one scene.
 pub struct Bench {
     /// The scene as written.
