@@ -107,19 +107,15 @@ impl Audit {
             Some("gauss") => BoundaryRule::Gauss,
             _ => BoundaryRule::Exact,
         };
-        if element != Element::P1 && boundary.rule != BoundaryRule::Vertex {
-            let message = format!(
-                "{} has its law at the nodes of Γ3, and --rule asks for facet integrals",
-                element.name()
-            );
-            let hint = "leave --rule out, or say --rule vertex";
-            return Err(setup.scene.error("discretization.element", message, hint).into());
-        }
-        if jumps && boundary.rule != BoundaryRule::Vertex {
-            let message = "the law has a jump, and --rule asks for facet integrals";
-            let hint = "leave --rule out, or say --rule vertex: one pressure per vertex";
-            return Err(setup.scene.error("contact.law", message, hint).into());
-        }
-        Ok(())
+        let integrated = boundary.rule != BoundaryRule::Vertex;
+        let message = format!(
+            "{} has its law at the nodes of Γ3, and --rule asks for facet integrals",
+            element.name()
+        );
+        let (key, hint) = ("discretization.element", "leave --rule out, or say --rule vertex");
+        setup.scene.refuse_if(element != Element::P1 && integrated, key, message, hint)?;
+        let message = "the law has a jump, and --rule asks for facet integrals";
+        let hint = "leave --rule out, or say --rule vertex: one pressure per vertex";
+        Ok(setup.scene.refuse_if(jumps && integrated, "contact.law", message, hint)?)
     }
 }

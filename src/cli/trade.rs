@@ -206,20 +206,17 @@ impl TradeCommand {
 
 /// The scene as written, if errors can be measured in it.
 fn as_written(scene: &Scene) -> Result<Variant, CliError> {
-    if scene.as_contact().is_none() {
-        let message = "an abstract problem has one step and no mesh to trade against";
-        let hint = "sweep run measures its errors over k";
-        return Err(scene.error("scene.kind", message, hint).into());
-    }
+    let message = "an abstract problem has one step and no mesh to trade against";
+    let hint = "sweep run measures its errors over k";
+    scene.refuse_if(scene.as_contact().is_none(), "scene.kind", message, hint)?;
     let plain = Variant::new(scene, Knob::AsWritten)?;
     let reference = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
-    if plain.setup.exact.is_some() || reference {
-        return Ok(plain);
-    }
+    let unmeasured = plain.setup.exact.is_none() && !reference;
     let message =
         "the scene has neither an exact solution nor a reference run: no error can be measured";
     let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
-    Err(scene.error("scene.name", message, hint).into())
+    scene.refuse_if(unmeasured, "scene.name", message, hint)?;
+    Ok(plain)
 }
 
 /// Prints a finished run on stderr.

@@ -170,7 +170,10 @@ impl Scene {
     }
 
     /// Refuses what [`Self::error`] underlines if it is at fault.
-    pub(crate) fn refuse_if(
+    ///
+    /// # Errors
+    /// [`Self::error`].
+    pub fn refuse_if(
         &self,
         fault: bool,
         key: &str,
