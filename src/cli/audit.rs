@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::machine::{Allowance, processors};
+use super::machine::{Common, processors};
 use super::study::deliver;
 use super::{CliError, Scenes, create_dir, no_case, write_file};
 use fem::contact::BoundaryRule;
@@ -43,10 +43,7 @@ pub(crate) struct Audit {
     #[arg(long, value_parser = ["vertex", "gauss", "exact"])]
     rule: Option<String>,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Write SCENE-audit.csv and SCENE-audit.json into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -64,11 +61,11 @@ impl Audit {
             return self.ledger(scenes);
         };
         let scene = scenes.scene(scene)?;
-        admit_constants(&scene, true, &self.allowance.limit())?;
+        admit_constants(&scene, true, &self.common.allowance.limit())?;
         let mut setup = Setup::new(scene)?;
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
-        audit_runs(&setup, &ns, &steps, processors()).admit(&self.allowance.limit())?;
+        audit_runs(&setup, &ns, &steps, processors()).admit(&self.common.allowance.limit())?;
         let audit = SceneAudit::new(&setup, &ns, &steps).map_err(CliError::other)?;
         if let Some(dir) = &self.out {
             create_dir(dir)?;
@@ -76,27 +73,24 @@ impl Audit {
             write_file(&dir.join(format!("{}-audit.csv", audit.scene)), rows)?;
         }
         let json = audit.json().map_err(CliError::other)?;
-        deliver(&json, &audit.document(), self.out.as_deref(), self.json)?;
+        deliver(&json, &audit.document(), self.out.as_deref(), self.common.json)?;
         Ok(u8::from(!audit.holds()))
     }
 
     fn ledger(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let found =
             ledger(|name| -> Result<Setup, CliError> { Ok(Setup::new(scenes.scene(name)?)?) })?;
-        deliver(&found, &document(&found), self.out.as_deref(), self.json)?;
+        deliver(&found, &document(&found), self.out.as_deref(), self.common.json)?;
         Ok(u8::from(!found.iter().all(|entry| entry.confirmed)))
     }
 
     fn grids(&self, setup: &Setup) -> Result<(Vec<u32>, Vec<u32>), CliError> {
         let scene = &setup.scene;
         Overrides { n: self.n.clone(), steps: self.steps.clone() }.check(scene)?;
-        let listed_in_scene = |list: fn(&scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
-            scene.sweep.as_ref().map_or(Vec::new(), |s| list(s).iter().map(|&v| v as u32).collect())
-        };
-        let ns = self.n.clone().unwrap_or_else(|| {
-            listed_in_scene(|sweep| &sweep.n).into_iter().filter(|n| *n <= FINEST).collect()
-        });
-        let steps = self.steps.clone().unwrap_or_else(|| listed_in_scene(|sweep| &sweep.steps));
+        let mut own = scene.sweep.clone().unwrap_or_default();
+        own.n.retain(|n| *n <= FINEST);
+        let ns = self.n.clone().unwrap_or(own.n);
+        let steps = self.steps.clone().unwrap_or(own.steps);
         if ns.is_empty() || steps.is_empty() {
             return Err(no_case(scene, "audit"));
         }
@@ -113,19 +107,15 @@ impl Audit {
             Some("gauss") => BoundaryRule::Gauss,
             _ => BoundaryRule::Exact,
         };
-        if element != Element::P1 && boundary.rule != BoundaryRule::Vertex {
-            let message = format!(
-                "{} has its law at the nodes of Γ3, and --rule asks for facet integrals",
-                element.name()
-            );
-            let hint = "leave --rule out, or say --rule vertex";
-            return Err(setup.scene.error("discretization.element", message, hint).into());
-        }
-        if jumps && boundary.rule != BoundaryRule::Vertex {
-            let message = "the law has a jump, and --rule asks for facet integrals";
-            let hint = "leave --rule out, or say --rule vertex: one pressure per vertex";
-            return Err(setup.scene.error("contact.law", message, hint).into());
-        }
-        Ok(())
+        let integrated = boundary.rule != BoundaryRule::Vertex;
+        let message = format!(
+            "{} has its law at the nodes of Γ3, and --rule asks for facet integrals",
+            element.name()
+        );
+        let (key, hint) = ("discretization.element", "leave --rule out, or say --rule vertex");
+        setup.scene.refuse_if(element != Element::P1 && integrated, key, message, hint)?;
+        let message = "the law has a jump, and --rule asks for facet integrals";
+        let hint = "leave --rule out, or say --rule vertex: one pressure per vertex";
+        Ok(setup.scene.refuse_if(jumps && integrated, "contact.law", message, hint)?)
     }
 }

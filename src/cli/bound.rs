@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::machine::Allowance;
+use super::machine::Common;
 use super::{CliError, Scenes, study};
 use clap::Args;
 use scene::Extension;
@@ -25,10 +25,7 @@ pub(crate) struct BoundCommand {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<u32>,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Write SCENE-bound.json and SCENE-bound.svg into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -39,19 +36,19 @@ const MESH: u32 = 16;
 
 impl BoundCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let subject = scenes.subject(&self.scene, &self.allowance.limit())?;
+        let subject = scenes.subject(&self.scene, &self.common.allowance.limit())?;
         let scene = subject.scene();
         let jumps = "its norm ‖ε(v)‖ leaves out the penalty of jumps, without which it is none";
         scene.without(&[Extension::Nonconforming], "sweep bound", jumps)?;
         let singular = "it puts sup |q| beside k, not k^(1-a)";
         scene.without(&[Extension::SingularKernel], "sweep bound", singular)?;
         let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
-        let steps = self.steps.unwrap_or(fewest.unwrap_or(8) as u32);
+        let steps = self.steps.or(fewest).unwrap_or(8);
         let bound = match &subject {
             Subject::Contact(setup) => {
                 let n = self.n.unwrap_or(MESH);
                 scene.check_cells(n)?;
-                study_runs(setup, n, steps).admit(&self.allowance.limit())?;
+                study_runs(setup, n, steps).admit(&self.common.allowance.limit())?;
                 BoundStudy::new(setup, n, steps)
             }
             // An abstract problem keeps a few numbers per level.
@@ -61,7 +58,7 @@ impl BoundCommand {
             }
         }
         .map_err(|error| CliError::about(&scene.name, error))?;
-        study::deliver(&bound, &bound.document(), self.out.as_deref(), self.json)?;
+        study::deliver(&bound, &bound.document(), self.out.as_deref(), self.common.json)?;
         Ok(u8::from(!bound.holds()))
     }
 }

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::abstract_problem::fact;
 use super::explain::under_loads;
-use super::machine::Allowance;
+use super::machine::Common;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_beside, print_json};
 use exact::{Finding, Status, check};
 use run::sweep::admit_constants;
@@ -19,16 +19,13 @@ pub(crate) struct Check {
     /// Name of a scene, or path of a TOML file
     scene: String,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
 }
 
 impl Check {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let limit = self.allowance.limit();
+        let limit = self.common.allowance.limit();
         admit_constants(&scene, true, &limit)?;
         let subject = Subject::new(scene)?;
         let mut findings = Vec::new();
@@ -48,7 +45,7 @@ impl Check {
             Subject::Abstract(setup) => findings.extend(abstract_problem::findings(setup)),
         }
         let failed = findings.iter().any(|finding| finding.status == Status::Failed);
-        if self.json {
+        if self.common.json {
             let rows: Vec<_> = findings.iter().map(row).collect();
             print_json(&serde_json::json!({ "scene": subject.scene().name, "findings": rows }))?;
         } else {
@@ -98,7 +95,7 @@ fn alpha_nu_from(setup: &Setup) -> &'static str {
 /// Shape of the cells on the coarsest mesh of the sweep.
 fn mesh_quality(setup: &Setup) -> Finding {
     let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(4);
-    let q = setup.body.domain.mesh(n as u32).quality();
+    let q = setup.body.domain.mesh(n).quality();
     let text = format!(
         "n = {n}: smallest angle {:.1} degrees, longest edge over altitude at most {:.2}, h_max = {:.4}, h_max/h_min = {:.2}",
         q.smallest_angle,
@@ -117,7 +114,7 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
     }
     let (mut fit, mut cut) = (Vec::new(), None);
     for &n in &sweep.n {
-        match setup.check_regions(n as u32) {
+        match setup.check_regions(n) {
             Ok(()) => fit.push(n.to_string()),
             Err(error) => cut = cut.or(Some(error)),
         }

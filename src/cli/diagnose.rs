@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::machine::{Allowance, processors};
+use super::machine::{Common, processors};
 use super::{CliError, Scenes, print_json, print_text, verdict_table, width};
 use files::counted;
 use studies::diagnose::{
@@ -23,23 +23,20 @@ pub(crate) struct DiagnoseCommand {
     #[arg(long)]
     always: bool,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
 }
 
 impl DiagnoseCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        admit_diagnosis(&scene, processors(), &self.allowance.limit())?;
+        admit_diagnosis(&scene, processors(), &self.common.allowance.limit())?;
         let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
         super::progress::note(&format!(
             "running {} of the scene, then its variants",
             counted(cases, "case")
         ));
         let diagnosis = diagnose(&scene, &|setup| setup, self.always)?;
-        if self.json {
+        if self.common.json {
             print_json(&document(&diagnosis))?;
         } else {
             if !diagnosis.verdicts.is_empty() {

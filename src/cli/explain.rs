@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
-use super::machine::Allowance;
+use super::machine::Common;
 use super::{
     CliError, Scenes, TABLE_WIDTH, meshes_fit, print_beside, print_json, print_text, width,
 };
@@ -27,15 +27,12 @@ pub(crate) struct Explain {
     /// Name of a scene, or path of a TOML file
     scene: String,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
 }
 
 impl Explain {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let limit = self.allowance.limit();
+        let limit = self.common.allowance.limit();
         let plan = ScenePlan::new(scenes.subject(&self.scene, &limit)?, &Overrides::default());
         let asked = match &plan.subject {
             Subject::Contact(setup) => {
@@ -56,12 +53,11 @@ impl Explain {
         let algorithm = of_meshes(&plan, &costs, |cost| algorithm(&plan.subject, cost.plan));
         let rows = plan.cases.iter().zip(&costs.cases);
         let cases: Vec<_> = rows.map(|(case, cost)| case_json(&plan, case, cost)).collect();
-        let reference = plan.reference.zip(costs.reference).map(|(reference, cost)| {
-            run_json(Some(reference.n as u32), reference.steps as u32, &cost)
-        });
+        let reference = plan.reference.zip(costs.reference);
+        let reference = reference.map(|(run, cost)| run_json(Some(run.n), run.steps, &cost));
         let Asked { regions, corners, history } = &asked;
         let scene = plan.scene();
-        if self.json {
+        if self.common.json {
             print_json(&serde_json::json!({
                 "scene": scene.name,
                 "terms": terms(scene),
@@ -188,7 +184,7 @@ fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
 /// A property common to all runs, or the meshes with each value of it.
 fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'static str) -> String {
     let mesh_sizes = plan.cases.iter().map(|case| case.n.unwrap_or_default());
-    let ns = mesh_sizes.chain(plan.reference.map(|reference| reference.n as u32));
+    let ns = mesh_sizes.chain(plan.reference.map(|reference| reference.n));
     let mut found: Vec<(&'static str, BTreeSet<u32>)> = Vec::new();
     for (n, cost) in ns.zip(costs.cases.iter().chain(&costs.reference)) {
         let name = words(cost);

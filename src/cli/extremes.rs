@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::machine::Allowance;
+use super::machine::Common;
 use super::study::deliver;
 use super::{CliError, create_dir, print_text, width, write_file};
 use files::counted;
@@ -27,10 +27,7 @@ pub(crate) struct Extremes {
     #[arg(long)]
     list: bool,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Directory for extremes.csv, extremes.json and extremes.svg
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -44,7 +41,7 @@ impl Extremes {
             return Ok(0);
         }
         let under_test = UnderTest::default();
-        let limit = self.allowance.limit();
+        let limit = self.common.allowance.limit();
         for ladder in &ladders {
             ladder.rungs.iter().try_for_each(|rung| admit(ladder, rung, &under_test, &limit))?;
         }
@@ -59,7 +56,7 @@ impl Extremes {
             }
         }
         let climbed = Climbed { ladders, rungs: rows };
-        deliver(&climbed, &climbed.document(), self.out.as_deref(), self.json)?;
+        deliver(&climbed, &climbed.document(), self.out.as_deref(), self.common.json)?;
         Ok(u8::from(!climbed.holds()))
     }
 

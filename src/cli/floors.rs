@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::chosen::Grid;
-use super::machine::Allowance;
+use super::machine::Common;
 use super::{
     CliError, Scenes, TABLE_WIDTH, create_dir, no_case, print_json, print_text, subject, width,
     write_json,
@@ -24,10 +24,7 @@ pub(crate) struct FloorsCommand {
     #[command(flatten)]
     grid: Grid,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Directory for floors.json
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -40,7 +37,7 @@ impl FloorsCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         self.grid.check(&scene)?;
-        let limit = self.allowance.limit();
+        let limit = self.common.allowance.limit();
         let mut plan = ScenePlan::new(subject(scene, &limit)?, &self.grid.overrides());
         if plan.cases.is_empty() {
             return Err(no_case(plan.scene(), "run"));
@@ -54,7 +51,7 @@ impl FloorsCommand {
             create_dir(out)?;
             write_json(&out.join("floors.json"), &document)?;
         }
-        if self.json {
+        if self.common.json {
             print_json(&document)?;
         } else {
             print_text(&table(&measured));
@@ -89,7 +86,7 @@ fn document(scene: &str, measured: &[Measured<'_>]) -> serde_json::Value {
             "n": case.n,
             "steps": case.steps,
             "norm": row.norm.name(),
-            "part": row.part.name(),
+            "part": row.part,
             "error": row.error,
             "measured": row.measured,
             "estimated": row.estimated,
@@ -102,7 +99,7 @@ fn document(scene: &str, measured: &[Measured<'_>]) -> serde_json::Value {
 fn table(measured: &[Measured<'_>]) -> String {
     let rows = measured.iter().map(|(case, row)| {
         let n = case.n.map_or("-".into(), |n| n.to_string());
-        let words = [n, case.steps.to_string(), row.norm.name().into(), row.part.name().into()];
+        let words = [n, case.steps.to_string(), row.norm.name().into(), row.part.into()];
         let numbers = [row.error, row.measured, row.estimated, row.estimated / row.measured];
         words.into_iter().chain(numbers.map(|value| format!("{value:.1e}"))).collect()
     });

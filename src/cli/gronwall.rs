@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::machine::Allowance;
+use super::machine::Common;
 use super::study::deliver;
 use super::{CliError, Scenes, create_dir, write_file};
 use run::sweep::admit_constants;
@@ -30,10 +30,7 @@ pub(crate) struct Gronwall {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     horizons: Vec<f64>,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json and the pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -49,11 +46,11 @@ impl Gronwall {
         if let Some(n) = plan.n.filter(|_| scene.as_contact().is_some()) {
             scene.check_cells(n)?;
         }
-        admit_constants(&scene, true, &self.allowance.limit())?;
+        admit_constants(&scene, true, &self.common.allowance.limit())?;
         let subject = Subject::new(scene)?;
         // An abstract problem keeps a few numbers per level.
         if let (Subject::Contact(setup), Some(n)) = (&subject, plan.n) {
-            study_runs(setup, n, &plan).admit(&self.allowance.limit())?;
+            study_runs(setup, n, &plan).admit(&self.common.allowance.limit())?;
         }
         let study = Study::run(&subject, plan).map_err(CliError::other)?;
         if let Some(dir) = &self.out {
@@ -61,20 +58,16 @@ impl Gronwall {
             let levels = study.csv().map_err(CliError::other)?;
             write_file(&dir.join(format!("{}-gronwall.csv", study.scene)), levels)?;
         }
-        deliver(&study, &study.document(), self.out.as_deref(), self.json)?;
+        deliver(&study, &study.document(), self.out.as_deref(), self.common.json)?;
         Ok(u8::from(!study.violations.is_empty()))
     }
 
     fn plan(&self, scene: &Scene) -> Result<StudyRuns, CliError> {
         let sweep = scene.sweep.as_ref();
-        let converted = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<u32>>();
-        let n = self.n.or_else(|| sweep.and_then(|sweep| converted(&sweep.n).first().copied()));
-        let listed = |list: &[usize]| {
-            let mut list = converted(list);
-            list.retain(|&steps| steps <= MOST_STEPS);
-            list
-        };
-        let steps = self.steps.clone().or_else(|| sweep.map(|sweep| listed(&sweep.steps)));
+        let n = self.n.or_else(|| sweep.and_then(|sweep| sweep.n.first().copied()));
+        let admitted =
+            |list: &Vec<u32>| list.iter().copied().filter(|&steps| steps <= MOST_STEPS).collect();
+        let steps = self.steps.clone().or_else(|| sweep.map(|sweep| admitted(&sweep.steps)));
         let Some(mut steps) = steps.filter(|steps| !steps.is_empty()) else {
             return Err(CliError::other("no numbers of steps: give --steps 16,32,64"));
         };

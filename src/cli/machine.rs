@@ -13,6 +13,16 @@ pub(super) struct Allowance {
     memory_limit: Option<MemoryLimit>,
 }
 
+/// What most commands take.
+#[derive(Args)]
+pub(super) struct Common {
+    #[command(flatten)]
+    pub(super) allowance: Allowance,
+    /// Print JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
 impl Allowance {
     pub(super) fn limit(&self) -> MemoryLimit {
         self.memory_limit.unwrap_or_else(MemoryLimit::of_machine)

@@ -73,8 +73,9 @@ pub(super) fn subject(scene: Scene, limit: &MemoryLimit) -> Result<Subject, CliE
 /// Refuses a scene whose meshes do not fit into memory, before any is made.
 pub(super) fn meshes_fit(setup: &Setup, limit: &MemoryLimit) -> Result<(), CliError> {
     let sweep = setup.scene.sweep.iter();
-    let ns = sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
-    ns.map(|n| n as u32).try_for_each(|n| {
+    let mut ns =
+        sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
+    ns.try_for_each(|n| {
         admit_run(setup, None, (n, 1), limit)
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     })

@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
-use super::machine::Allowance;
+use super::machine::Common;
 use super::target::Wanted;
 use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
@@ -50,10 +50,7 @@ pub(crate) struct Solve {
     #[arg(long, value_parser = linear_solvers())]
     linear_solver: Option<LinearSolver>,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Estimate the error of this run in h and k from coarser companions (2h, 4h and 2k, 4k), for
     /// scenes without an exact solution; n and N must be multiples of 4. Convex problems in the plane have a
     /// guaranteed bound of the error in space beside it
@@ -108,7 +105,7 @@ impl Solver {
 impl Solve {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let subject = subject(scene, &self.allowance.limit())?;
+        let subject = subject(scene, &self.common.allowance.limit())?;
         if let Some(remark) = scene::setup::check_step_sizes(&subject, &[self.steps])? {
             super::progress::remark(&subject.scene().name, &remark);
         }
@@ -136,7 +133,7 @@ impl Solve {
                 let (steps, solver) = (self.steps, self.solver.of_levels());
                 let bound = self.decomposes().then(|| abstract_decomposition_bound(&setup, steps));
                 self.remark_on(&setup.scene.name, bound);
-                abstract_problem::solve(&setup, steps, &*solver, bound, self.json)
+                abstract_problem::solve(&setup, steps, &*solver, bound, self.common.json)
             }
             (Subject::Contact(setup), None) => {
                 let hint = "give --n, the number of mesh cells per unit length";
@@ -147,10 +144,10 @@ impl Solve {
 
     /// Estimates the error and recommends n and N; invalid arguments are refused before any run.
     fn estimated(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
-        let limit = self.allowance.limit();
+        let limit = self.common.allowance.limit();
         let wanted = Wanted::read(setup, &self.norm, self.target.as_deref())?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
-        super::estimate::execute(setup, [n, self.steps], wanted, limit, self.json)
+        super::estimate::execute(setup, [n, self.steps], wanted, limit, self.common.json)
     }
 
     fn decomposes(&self) -> bool {
@@ -197,7 +194,7 @@ impl Solve {
         if let (Some(all), Value::Object(of_run)) = (document.as_object_mut(), of_run) {
             all.extend(of_run);
         }
-        if self.json {
+        if self.common.json {
             print_json(&document)?;
             return Ok(0);
         }
@@ -267,7 +264,7 @@ impl Solve {
 
     /// Refuses a run that does not fit into memory, if possible before the mesh is made.
     fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
-        admit_run(setup, space, (n, self.steps), &self.allowance.limit())
+        admit_run(setup, space, (n, self.steps), &self.common.allowance.limit())
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::machine::Allowance;
+use super::machine::Common;
 use super::study::write;
 use super::target::Wanted;
 use super::{CliError, Scenes, create_dir, print_json, print_text, subject, width};
@@ -51,10 +51,7 @@ pub(crate) struct TradeCommand {
     #[arg(long, requires = "target")]
     confirm: bool,
     #[command(flatten)]
-    allowance: Allowance,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
+    common: Common,
     /// Directory for table, JSON and picture
     #[arg(long, value_name = "DIR", default_value = "reports/latest/trade")]
     out: PathBuf,
@@ -80,7 +77,7 @@ impl TradeCommand {
         let norm = wanted.norm;
         let mut plan = self.plan(&plain)?;
         let scene_plan = self.cases(&scene, [&plan.n, &plan.steps])?;
-        admit_trade(&scene_plan, 0.0, &self.allowance.limit())?;
+        admit_trade(&scene_plan, 0.0, &self.common.allowance.limit())?;
         self.elements(&mut plan, &plain, &scene_plan)?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
         create_dir(&self.out)?;
@@ -93,7 +90,7 @@ impl TradeCommand {
         // Measurements are on disk before a target can be refused.
         write(&found, &document, Some(&self.out))?;
         let say = |text: &str| {
-            if !self.json {
+            if !self.common.json {
                 print_text(text);
             }
         };
@@ -105,7 +102,7 @@ impl TradeCommand {
             (found.answer, found.confirmed) = (Some(answer), confirmed);
             write(&found, &document, Some(&self.out))?;
         }
-        if self.json {
+        if self.common.json {
             print_json(&found)?;
         }
         say(&format!("table: {}", self.at(&scene).display()));
@@ -122,7 +119,7 @@ impl TradeCommand {
         study: &Study,
         document: &mut StudyDocument,
     ) -> Result<(Answered, Option<Confirmed>), CliError> {
-        let answer = Answered::new(bench, study, plan, target, &self.allowance.limit())
+        let answer = Answered::new(bench, study, plan, target, &self.common.allowance.limit())
             .map_err(|none| CliError::other(format!("no answer: {none}")))?;
         *document = study.document(Some(&answer));
         document.answer(answer.words(study));
@@ -135,7 +132,7 @@ impl TradeCommand {
             _ => scenes.scene(&self.scene)?,
         };
         let scene_plan = self.cases(&scene, [&[answer.choice.n], &[answer.choice.steps]])?;
-        admit_trade(&scene_plan, 0.0, &self.allowance.limit())?;
+        admit_trade(&scene_plan, 0.0, &self.common.allowance.limit())?;
         let real = Confirmed::run(&answer, bench, scenes, &self.scene)?;
         document.below_answer(real.words());
         Ok((answer, Some(real)))
@@ -143,7 +140,7 @@ impl TradeCommand {
 
     fn cases(&self, scene: &Scene, [n, steps]: [&[u32]; 2]) -> Result<ScenePlan, CliError> {
         let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
-        Ok(ScenePlan::new(subject(scene.clone(), &self.allowance.limit())?, &overrides))
+        Ok(ScenePlan::new(subject(scene.clone(), &self.common.allowance.limit())?, &overrides))
     }
 
     /// Adds the other elements of the scene to the plan, with separate meshes; one that does not fit into memory beside
@@ -169,7 +166,7 @@ impl TradeCommand {
             let both = [&n[..], &plan.n[..]].concat();
             let scene = plain.setup.scene.with_element(element)?;
             let cases = self.cases(&scene, [&both, &plan.steps])?;
-            match admit_trade(&cases, held(written), &self.allowance.limit()) {
+            match admit_trade(&cases, held(written), &self.common.allowance.limit()) {
                 Ok(()) => plan.elements.push((element, n)),
                 Err(refused) => left_out(&refused.to_string()),
             }
@@ -209,20 +206,17 @@ impl TradeCommand {
 
 /// The scene as written, if errors can be measured in it.
 fn as_written(scene: &Scene) -> Result<Variant, CliError> {
-    if scene.as_contact().is_none() {
-        let message = "an abstract problem has one step and no mesh to trade against";
-        let hint = "sweep run measures its errors over k";
-        return Err(scene.error("scene.kind", message, hint).into());
-    }
+    let message = "an abstract problem has one step and no mesh to trade against";
+    let hint = "sweep run measures its errors over k";
+    scene.refuse_if(scene.as_contact().is_none(), "scene.kind", message, hint)?;
     let plain = Variant::new(scene, Knob::AsWritten)?;
     let reference = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
-    if plain.setup.exact.is_some() || reference {
-        return Ok(plain);
-    }
+    let unmeasured = plain.setup.exact.is_none() && !reference;
     let message =
         "the scene has neither an exact solution nor a reference run: no error can be measured";
     let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
-    Err(scene.error("scene.name", message, hint).into())
+    scene.refuse_if(unmeasured, "scene.name", message, hint)?;
+    Ok(plain)
 }
 
 /// Prints a finished run on stderr.

@@ -14,7 +14,7 @@ pub fn stress<const D: usize, T: Number>(
     material: &MaterialNumbers,
     strain: &Tensor<D, T>,
     memory: &[Tensor<D, T>],
-    kappa: f64,
+    kappa: impl Into<T>,
 ) -> Tensor<D, T> {
     let trace_strain = trace(strain);
     let mut out = match &material.full {
@@ -30,7 +30,7 @@ pub fn stress<const D: usize, T: Number>(
         }
     }
     if let Some(mu) = material.projection {
-        let excess = projected_excess(strain, trace_strain, kappa);
+        let excess = projected_excess(strain, trace_strain, kappa.into());
         for i in 0..D {
             for j in 0..D {
                 out[i][j] += T::from(mu) * excess[i][j];
@@ -102,7 +102,7 @@ fn contracted<const D: usize, T: Number>(
 fn projected_excess<const D: usize, T: Number>(
     strain: &Tensor<D, T>,
     trace: T,
-    kappa: f64,
+    kappa: T,
 ) -> Tensor<D, T> {
     let mut deviator = *strain;
     let mut squares = T::from(0.0);
@@ -118,7 +118,7 @@ fn projected_excess<const D: usize, T: Number>(
     let length = squares.sqrt();
     for row in &mut deviator {
         for entry in row {
-            let outside = *entry - T::from(kappa) * *entry / length;
+            let outside = *entry - kappa * *entry / length;
             *entry = length.at_most(kappa, T::from(0.0), outside);
         }
     }
@@ -162,11 +162,11 @@ const fn off_diagonal(d: usize) -> &'static [(usize, usize)] {
 
 /// The symmetric tensor of its numbers in the notation of moments.
 #[inline]
-pub fn from_mandel<const D: usize>(numbers: &[f64]) -> Tensor<D> {
-    let mut tensor = [[0.0; D]; D];
+pub fn from_mandel<const D: usize, T: Number>(numbers: &[T]) -> Tensor<D, T> {
+    let mut tensor = [[T::from(0.0); D]; D];
     (0..D).for_each(|i| tensor[i][i] = numbers[i]);
     for (&(i, j), number) in off_diagonal(D).iter().zip(&numbers[D..]) {
-        tensor[i][j] = std::f64::consts::FRAC_1_SQRT_2 * number;
+        tensor[i][j] = T::from(std::f64::consts::FRAC_1_SQRT_2) * *number;
         tensor[j][i] = tensor[i][j];
     }
     tensor

@@ -2,10 +2,12 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub, SubAssign};
 
+use num_dual::{Dual64, DualNum};
+
 /// Cells in parallel: a register of most processors.
 pub const WIDTH: usize = 4;
 
-/// A real number, or several on which each operation acts and rounds separately.
+/// A real number; several on which each operation acts and rounds separately; or one with its derivative.
 pub trait Number:
     Copy
     + Add<Output = Self>
@@ -19,7 +21,7 @@ pub trait Number:
     fn sqrt(self) -> Self;
 
     /// `then` if at most `limit`, else `otherwise`.
-    fn at_most(self, limit: f64, then: Self, otherwise: Self) -> Self;
+    fn at_most(self, limit: Self, then: Self, otherwise: Self) -> Self;
 }
 
 impl Number for f64 {
@@ -29,8 +31,18 @@ impl Number for f64 {
     }
 
     #[inline(always)]
-    fn at_most(self, limit: f64, then: Self, otherwise: Self) -> Self {
+    fn at_most(self, limit: Self, then: Self, otherwise: Self) -> Self {
         if self <= limit { then } else { otherwise }
+    }
+}
+
+impl Number for Dual64 {
+    fn sqrt(self) -> Self {
+        DualNum::sqrt(&self)
+    }
+
+    fn at_most(self, limit: Self, then: Self, otherwise: Self) -> Self {
+        if self.re <= limit.re { then } else { otherwise }
     }
 }
 
@@ -61,8 +73,9 @@ impl Number for Lanes {
     }
 
     #[inline(always)]
-    fn at_most(self, limit: f64, then: Self, otherwise: Self) -> Self {
-        Self(std::array::from_fn(|l| self.0[l].at_most(limit, then.0[l], otherwise.0[l])))
+    fn at_most(self, limit: Self, then: Self, otherwise: Self) -> Self {
+        let of = |l: usize| self.0[l].at_most(limit.0[l], then.0[l], otherwise.0[l]);
+        Self(std::array::from_fn(of))
     }
 }
 

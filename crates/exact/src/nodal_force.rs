@@ -61,7 +61,7 @@ pub(super) fn add_means<const D: usize>(
     let (numbers, points) = (D * (D + 1) / 2, work.points());
     let (at, mut stress) = ((&space.mesh, work), [[[0.0; D]; D]; MOST_STRAINS]);
     for (c, cell_means) in cells.zip(means.chunks_exact(numbers * points)) {
-        let tensors = cell_means.chunks_exact(numbers).map(from_mandel::<D>);
+        let tensors = cell_means.chunks_exact(numbers).map(from_mandel::<D, f64>);
         stress.iter_mut().zip(tensors).for_each(|(stress, tensor)| *stress = tensor);
         add_stress(at, c, space.cell_nodes(c), &stress[..points], force);
     }

@@ -197,18 +197,13 @@ pub fn plan_for(
     overrides.check(&scene)?;
     let tells = |norm: Norm| pressures || !norm.wants_pressure();
     scene.predicts.retain(|prediction| tells(prediction.norm));
-    let refused = |scene: &Scene, what, hint| Err(scene.error("scene.name", what, hint).into());
-    if scene.as_contact().is_none() {
-        let what = "an abstract scene, in R^m, has no mesh that could be given to a solver";
-        let hint = "verify a scene of a body; the library's traits take solvers of both kinds";
-        return refused(&scene, what, hint);
-    }
+    let what = "an abstract scene, in R^m, has no mesh that could be given to a solver";
+    let hint = "verify a scene of a body; the library's traits take solvers of both kinds";
+    scene.refuse_if(scene.as_contact().is_none(), "scene.name", what, hint)?;
     let setup = Setup { scheme, ..Setup::new(scene)? };
-    if setup.exact.is_none() {
-        let what = "the scene has no exact solution: a solver would be judged by its own finer run";
-        let hint = "verify a scene with [exact]; `sweep list` names them";
-        return refused(&setup.scene, what, hint);
-    }
+    let what = "the scene has no exact solution: a solver would be judged by its own finer run";
+    let hint = "verify a scene with [exact]; `sweep list` names them";
+    setup.scene.refuse_if(setup.exact.is_none(), "scene.name", what, hint)?;
     let mut plan = ScenePlan::new(Subject::Contact(Box::new(setup)), overrides);
     plan.cases.iter_mut().for_each(|case| case.norms.retain(|&norm| tells(norm)));
     Ok(plan)

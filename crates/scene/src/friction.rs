@@ -51,11 +51,6 @@ impl Friction {
         self.graph_and_factor().0.alpha()
     }
 
-    /// μ_f of a bound that follows the normal law, 0 for others.
-    pub fn coefficient(&self) -> f64 {
-        self.bound.coefficient()
-    }
-
     /// For the solver: r ↦ S_0(|r|) sign r as a law, S_0 = 1 where the bound does not depend on the slip, and the formula of
     /// c(x, t) where S = c S_0.
     pub(crate) fn graph_and_factor(&self) -> (Law, Option<Node>) {

@@ -117,8 +117,8 @@ pub struct Prediction {
     pub constant_within: Option<f64>,
     /// The theorem or equation that promises it.
     pub why: String,
-    pub window_n: Option<[usize; 2]>,
-    pub window_steps: Option<[usize; 2]>,
+    pub window_n: Option<[u32; 2]>,
+    pub window_steps: Option<[u32; 2]>,
 }
 
 impl Prediction {

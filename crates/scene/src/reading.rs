@@ -123,10 +123,10 @@ impl<'a> Reading<'a> {
     }
 
     /// A whole number from 1 to 2³¹ - 1.
-    pub(crate) fn count(&self, key: &str) -> Result<usize, SceneError> {
+    pub(crate) fn count(&self, key: &str) -> Result<u32, SceneError> {
         let value: i64 = self.required(key)?;
         let count = i32::try_from(value).ok().filter(|&count| count >= 1);
-        count.map(|count| count.unsigned_abs() as usize).ok_or_else(|| {
+        count.map(i32::unsigned_abs).ok_or_else(|| {
             let message = format!("{value} is not a whole number from 1 to 2147483647");
             self.error(key, message, "give a positive whole number")
         })
@@ -140,7 +140,7 @@ impl<'a> Reading<'a> {
     }
 
     /// An increasing pair of counts, if it is there: the window of an order.
-    pub(crate) fn window(&self, key: &str) -> Result<Option<[usize; 2]>, SceneError> {
+    pub(crate) fn window(&self, key: &str) -> Result<Option<[u32; 2]>, SceneError> {
         match self.optional::<Vec<i64>>(key)?.as_deref() {
             None => Ok(None),
             Some([first, last]) if first <= last => {

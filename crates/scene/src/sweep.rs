@@ -13,8 +13,8 @@ use files::counted;
 /// The reference run of a scene without exact solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reference {
-    pub n: usize,
-    pub steps: usize,
+    pub n: u32,
+    pub steps: u32,
 }
 
 /// Every n with every number of steps; or the pairs of a path.
@@ -22,13 +22,13 @@ pub struct Reference {
 pub struct Sweep {
     /// Mesh cells per unit length, h = 1/n; each divides the sides of a rectangle into whole cells. Empty for abstract
     /// scenes.
-    pub n: Vec<usize>,
+    pub n: Vec<u32>,
     /// Numbers N of time steps.
-    pub steps: Vec<usize>,
+    pub steps: Vec<u32>,
     /// Its n is a multiple of every n, its steps of every number of steps.
     pub reference: Option<Reference>,
     /// The cases [n, N] of a path in place of the grid; `n` and `steps` then list the occurring values.
-    pub pairs: Option<Vec<[usize; 2]>>,
+    pub pairs: Option<Vec<[u32; 2]>>,
     /// Norms to measure; None leaves the choice to the sweep.
     pub norms: Option<Vec<Norm>>,
     /// Also measures errors split by contact state.
@@ -74,7 +74,7 @@ impl Sweep {
 
 impl Reference {
     /// What does not serve these cases, and why: they are compared with it at common vertices and times.
-    fn no_multiple(self, n: &[usize], steps: &[usize]) -> Option<(&'static str, String)> {
+    fn no_multiple(self, n: &[u32], steps: &[u32]) -> Option<(&'static str, String)> {
         [("n", self.n, n), ("steps", self.steps, steps)].into_iter().find_map(
             |(name, own, cases)| {
                 let case = cases.iter().find(|&&case| !own.is_multiple_of(case))?;
@@ -89,8 +89,8 @@ impl Reference {
     fn validate(
         reading: &Reading,
         domain: &Domain,
-        n: &[usize],
-        steps: &[usize],
+        n: &[u32],
+        steps: &[u32],
     ) -> Result<Reference, SceneError> {
         let reference = Reference {
             n: reading.count("sweep.reference.n")?,
@@ -112,11 +112,11 @@ impl Reference {
 }
 
 /// The pairs [n, N] of a path: at least three, with increasing n and nondecreasing N.
-fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneError> {
+fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[u32; 2]>, SceneError> {
     let both = reading.has("sweep.n") || reading.has("sweep.steps");
     let hint = "keep pairs, or the lists n and steps of a grid";
     reading.refuse_if(both, "sweep.pairs", "both pairs and a grid of n and steps", hint)?;
-    let mut path: Vec<[usize; 2]> = Vec::new();
+    let mut path: Vec<[u32; 2]> = Vec::new();
     for index in reading.entries("sweep.pairs")? {
         let key = format!("sweep.pairs.{index}");
         let first = format!("{key}.0");
@@ -135,19 +135,19 @@ fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[usize; 2]>, SceneErro
     reading.refuse_if(path.len() < 3, "sweep.pairs", message, hint).map(|()| path)
 }
 
-fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
-    let mut values: Vec<usize> = values.collect();
+fn distinct(values: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut values: Vec<u32> = values.collect();
     values.dedup();
     values
 }
 
-fn step_count(reading: &Reading, key: &str) -> Result<usize, SceneError> {
+fn step_count(reading: &Reading, key: &str) -> Result<u32, SceneError> {
     let count = reading.count(key)?;
     let message = format!("{count} time steps are more than {MOST_STEPS}");
     reading.refuse_if(count > MOST_STEPS, key, message, "choose fewer steps").map(|()| count)
 }
 
-fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
+fn counts(reading: &Reading, key: &str) -> Result<Vec<u32>, SceneError> {
     let entries = 0..reading.required::<Vec<IgnoredAny>>(key)?.len();
     let hint = "give at least one: [8, 16, 32]";
     reading.refuse_if(entries.is_empty(), key, "the list is empty", hint)?;
@@ -168,30 +168,30 @@ fn counts(reading: &Reading, key: &str) -> Result<Vec<usize>, SceneError> {
 /// Numbers of cells and vertices have to fit 32 bits.
 const MOST_CELLS: f64 = 1e9;
 /// More steps are taken for a slip; `--steps` has the same limit.
-const MOST_STEPS: usize = 10_000_000;
+const MOST_STEPS: u32 = 10_000_000;
 
 /// Why a mesh n cannot be, and the way out: n cells per unit length must cut every side of a rectangle or box into a whole
 /// number of cells, and not too many.
-fn unfit(n: usize, domain: &Domain) -> Option<(String, &'static str)> {
-    let cells = domain.cells(u32::try_from(n).unwrap_or(u32::MAX));
+fn unfit(n: u32, domain: &Domain) -> Option<(String, &'static str)> {
+    let cells = domain.cells(n);
     if cells.is_nan() || cells > MOST_CELLS {
         let message =
             format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most");
         return Some((message, "choose a smaller n"));
     }
     let odd = |length: &&f64| {
-        let cells = n as f64 * **length;
+        let cells = f64::from(n) * **length;
         cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
     };
     let length = domain.size.iter().find(odd).filter(|_| domain.shape == Shape::Box)?;
     let message = format!(
         "n = {n} does not divide side {length} into whole cells: {n} cells per unit length make {}",
-        n as f64 * length
+        f64::from(n) * length
     );
     Some((message, "choose n so that n times each side is a whole number"))
 }
 
-fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
+fn whole_cells(reading: &Reading, key: &str, n: u32, domain: &Domain) -> Result<(), SceneError> {
     unfit(n, domain).map_or(Ok(()), |(message, hint)| Err(reading.error(key, message, hint)))
 }
 
@@ -201,7 +201,7 @@ impl Scene {
     /// # Errors
     /// An n that does not.
     pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
-        let fault = self.as_contact().and_then(|body| unfit(n as usize, &body.domain));
+        let fault = self.as_contact().and_then(|body| unfit(n, &body.domain));
         fault.map_or(Ok(()), |(message, hint)| Err(self.error("domain.size", message, hint)))
     }
 
@@ -224,13 +224,9 @@ impl Scene {
     /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
     pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         n.iter().try_for_each(|&n| self.check_cells(n))?;
-        let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
-            return Ok(());
-        };
-        let [n, steps] = [n, steps].map(|list| list.iter().map(|&count| count as usize).collect());
-        let (n, steps): (Vec<usize>, Vec<usize>) = (n, steps);
+        let reference = self.sweep.as_ref().and_then(|sweep| sweep.reference);
         let hint = "choose divisors of the reference's, or change the reference";
-        let fault = reference.no_multiple(&n, &steps);
+        let fault = reference.and_then(|reference| reference.no_multiple(n, steps));
         fault.map_or(Ok(()), |(_, message)| Err(self.error("sweep.reference", message, hint)))
     }
 }

@@ -41,8 +41,8 @@ pub struct Scene {
     pub expect: Expectation,
     /// Runs only on request.
     pub long: bool,
-    pub window_n: Option<[usize; 2]>,
-    pub window_steps: Option<[usize; 2]>,
+    pub window_n: Option<[u32; 2]>,
+    pub window_steps: Option<[u32; 2]>,
     pub violates: Vec<Hypothesis>,
     pub source: Source,
     pub spans: Spans,
@@ -89,7 +89,7 @@ impl ContactScene {
     pub fn is_monotone(&self) -> bool {
         let friction = self.friction();
         self.law().is_none_or(|law| law.alpha() <= 0.0)
-            && friction.is_none_or(|bound| bound.alpha() <= 0.0 && bound.coefficient() <= 0.0)
+            && friction.is_none_or(|law| law.alpha() <= 0.0 && law.bound.coefficient() <= 0.0)
     }
 }
 
@@ -170,7 +170,10 @@ impl Scene {
     }
 
     /// Refuses what [`Self::error`] underlines if it is at fault.
-    pub(crate) fn refuse_if(
+    ///
+    /// # Errors
+    /// [`Self::error`].
+    pub fn refuse_if(
         &self,
         fault: bool,
         key: &str,

@@ -1,8 +1,9 @@
 //! Bundles cases into jobs, long enough to amortise the start of a process.
 
-use std::collections::BTreeMap;
-
-use crate::sweep::PlanCost;
+use super::plan::PlannedScene;
+use crate::sweep::{PlanCost, ScenePlan, kept_by_meshes};
+use judge::record::Key;
+use scene::setup::SetupError;
 
 /// Every job with cases of a scene repeats its reference run. A job may take this many times its seconds, so that
 /// repetition stays below a tenth of the work.
@@ -11,11 +12,23 @@ const REFERENCE_RUNS: f64 = 10.0;
 /// and moments of all their times for each other.
 const MOST_BYTES: f64 = 1_073_741_824.0;
 
-pub(crate) struct SceneCosts {
-    /// n of each case, none in an abstract scene, and its number of steps.
-    pub cases: Vec<(Option<u32>, u32)>,
+/// A scene of a plan, and what its cases take.
+pub struct PlannedCases {
+    pub(super) scene: PlannedScene,
+    pub(super) cases: Vec<Key>,
     /// What they take, in the same order.
-    pub costs: PlanCost,
+    pub(super) costs: PlanCost,
+}
+
+impl PlannedCases {
+    /// Predicts the cases of a scene; its meshes are made and analysed.
+    ///
+    /// # Errors
+    /// A cell that the boundary of a region cuts.
+    pub fn new(plan: &ScenePlan) -> Result<Self, SetupError> {
+        let scene = PlannedScene::new(plan.scene());
+        Ok(Self { scene, cases: plan.keys(), costs: plan.costs()? })
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -30,62 +43,50 @@ pub(crate) struct Job {
 
 /// Jobs of about `seconds` predicted CPU seconds, longest first. Cases of a mesh stay together if possible; a longer
 /// case is a job by itself. Deterministic.
-pub(crate) fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
-    let of = |&(s, c): &(usize, usize)| &scenes[s].costs.cases[c];
+pub(crate) fn bundle(scenes: &[PlannedCases], seconds: f64) -> Vec<Job> {
     let mut jobs: Vec<Job> = Vec::new();
-    let mut open = Open::default();
+    let mut open = Job::default();
     for (s, scene) in scenes.iter().enumerate() {
         let reference = scene.costs.reference_seconds();
         let target = seconds.max(REFERENCE_RUNS * reference);
         let mut order: Vec<usize> = (0..scene.cases.len()).collect();
-        order.sort_by_key(|&c| std::cmp::Reverse(scene.cases[c]));
+        order.sort_by_key(|&c| std::cmp::Reverse(&scene.cases[c]));
         let all: f64 = order.iter().map(|&c| scene.costs.cases[c].seconds).sum();
-        if reference > 0.0 && open.job.seconds + reference + all > seconds {
-            jobs.push(std::mem::take(&mut open).job);
+        if reference > 0.0 && open.seconds + reference + all > seconds {
+            jobs.push(std::mem::take(&mut open));
         }
         for c in order {
-            let mut with = open.clone();
-            with.add(scene, s, c);
-            if (with.job.seconds > target || with.job.bytes > MOST_BYTES)
-                && !open.job.cases.is_empty()
-            {
-                jobs.push(open.job);
-                with = Open::default();
-                with.add(scene, s, c);
+            let with = Job::of(scenes, [&open.cases[..], &[(s, c)]].concat());
+            let full = with.seconds > target || with.bytes > MOST_BYTES;
+            if full && !open.cases.is_empty() {
+                jobs.push(std::mem::replace(&mut open, Job::of(scenes, vec![(s, c)])));
+            } else {
+                open = with;
             }
-            open = with;
         }
     }
-    jobs.push(open.job);
+    jobs.push(open);
     jobs.retain(|job| !job.cases.is_empty());
+    let of = |&(s, c): &(usize, usize)| scenes[s].costs.cases[c].seconds;
     for job in &mut jobs {
-        job.cases.sort_by(|a, b| of(b).seconds.total_cmp(&of(a).seconds));
+        job.cases.sort_by(|a, b| of(b).total_cmp(&of(a)));
     }
     jobs.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
     jobs
 }
 
-/// A job to which cases are added, mesh by mesh.
-#[derive(Clone, Default)]
-struct Open {
-    job: Job,
-    /// Bytes of the largest case beyond what it keeps, and what each mesh keeps.
-    largest: f64,
-    kept: BTreeMap<(usize, Option<u32>), f64>,
-}
-
-impl Open {
-    fn add(&mut self, scene: &SceneCosts, s: usize, c: usize) {
-        let cost = &scene.costs.cases[c];
-        if self.job.cases.last().is_none_or(|(last, _)| *last != s) {
-            self.job.seconds += scene.costs.reference_seconds();
+impl Job {
+    /// The job of cases, those of a scene one after the other.
+    fn of(scenes: &[PlannedCases], cases: Vec<(usize, usize)>) -> Self {
+        let of = |&(s, c): &(usize, usize)| &scenes[s].costs.cases[c];
+        let mut seconds = 0.0;
+        for of_scene in cases.chunk_by(|a, b| a.0 == b.0) {
+            seconds += scenes[of_scene[0].0].costs.reference_seconds();
+            of_scene.iter().for_each(|case| seconds += of(case).seconds);
         }
-        self.job.seconds += cost.seconds;
-        self.largest = self.largest.max(cost.memory_bytes - cost.kept_bytes);
-        let kept = self.kept.entry((s, scene.cases[c].0)).or_default();
-        *kept = kept.max(cost.kept_bytes + cost.left_bytes);
-        self.job.bytes = self.largest + self.kept.values().sum::<f64>();
-        self.job.cases.push((s, c));
+        let beyond = cases.iter().map(|case| of(case).memory_bytes - of(case).kept_bytes);
+        let meshes = cases.iter().map(|case| ((case.0, scenes[case.0].cases[case.1].n), of(case)));
+        Self { seconds, bytes: beyond.fold(0.0, f64::max) + kept_by_meshes(meshes), cases }
     }
 }
 
@@ -98,11 +99,14 @@ mod tests {
         Cost { seconds, memory_bytes, kept_bytes, ..Cost::UNKNOWN }
     }
 
-    fn scene(reference_seconds: f64, cases: &[(u32, u32, f64)]) -> SceneCosts {
+    fn scene(reference_seconds: f64, cases: &[(u32, u32, f64)]) -> PlannedCases {
         let one = |&(_, _, seconds): &(u32, u32, f64)| cost(seconds, 100.0, 10.0);
         let reference = (reference_seconds > 0.0).then(|| cost(reference_seconds, 0.0, 0.0));
-        SceneCosts {
-            cases: cases.iter().map(|&(n, steps, _)| (Some(n), steps)).collect(),
+        let key =
+            |&(n, steps, _): &(u32, u32, f64)| Key { scene: String::new(), n: Some(n), steps };
+        PlannedCases {
+            scene: PlannedScene::default(),
+            cases: cases.iter().map(key).collect(),
             costs: PlanCost { reference, cases: cases.iter().map(one).collect() },
         }
     }

@@ -12,10 +12,11 @@ mod plan;
 mod planning;
 mod slurm;
 
+pub use bundle::PlannedCases;
 pub use error::DistributedError;
 pub use merge::{Merged, merge};
 pub use missing::unfinished_in_words;
 pub use part::{PartRun, failed_in_words, run_part};
 pub use parts::Parts;
 pub use plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
-pub use planning::{Engine, PlannedCases, Planning};
+pub use planning::{Engine, Planning};

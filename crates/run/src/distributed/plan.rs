@@ -15,7 +15,7 @@ use judge::record::Key;
 use scene::{Scene, Source};
 
 /// A scene as planned.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct PlannedScene {
     pub name: String,
     /// Hash of its text, including its mesh file.

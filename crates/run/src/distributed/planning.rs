@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
-use super::bundle::{Job, SceneCosts, bundle};
+use super::bundle::{Job, PlannedCases, bundle};
 use super::error::DistributedError;
 use super::names::PLAN;
-use super::plan::{CaseRow, JobRow, PlannedScene, SweepPlan, id};
+use super::plan::{CaseRow, JobRow, SweepPlan, id};
 use super::slurm;
-use crate::sweep::{Overrides, ScenePlan};
+use crate::sweep::Overrides;
 use files::{make_directory, replace_file};
-use judge::record::Key;
-use scene::setup::SetupError;
 
 /// What runs the jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,24 +19,6 @@ pub enum Engine {
     Slurm,
     /// Any other reader of the tables.
     Tables,
-}
-
-/// A scene of a plan, and what its cases take.
-pub struct PlannedCases {
-    scene: PlannedScene,
-    costs: SceneCosts,
-}
-
-impl PlannedCases {
-    /// Predicts the cases of a scene; its meshes are made and analysed.
-    ///
-    /// # Errors
-    /// A cell that the boundary of a region cuts.
-    pub fn new(plan: &ScenePlan) -> Result<Self, SetupError> {
-        let cases = plan.cases.iter().map(|case| (case.n, case.steps)).collect();
-        let costs = SceneCosts { cases, costs: plan.costs()? };
-        Ok(Self { scene: PlannedScene::new(plan.scene()), costs })
-    }
 }
 
 /// The jobs of a plan, and the plan itself.
@@ -53,17 +33,20 @@ pub struct Planning {
 impl Planning {
     /// Bundles the cases of `scenes` into jobs of about `seconds`.
     pub fn new(scenes: Vec<PlannedCases>, overrides: Overrides, seconds: f64) -> Self {
-        let (scenes, costs): (Vec<PlannedScene>, Vec<SceneCosts>) =
-            scenes.into_iter().map(|scene| (scene.scene, scene.costs)).unzip();
-        let bundles = bundle(&costs, seconds);
+        let bundles = bundle(&scenes, seconds);
         let jobs: Vec<JobRow> =
             bundles.iter().enumerate().map(|(number, job)| request(number, job)).collect();
         let row = |job: usize, (s, c): (usize, usize)| {
-            let SceneCosts { cases, costs } = &costs[s];
-            let (scene, (n, steps)) = (scenes[s].name.clone(), cases[c]);
-            let id = id(&Key { scene: scene.clone(), n, steps });
-            let (seconds, bytes) = (costs.cases[c].seconds, costs.cases[c].memory_bytes);
-            CaseRow { id, scene, n, steps, seconds, bytes, job }
+            let (key, cost) = (&scenes[s].cases[c], &scenes[s].costs.cases[c]);
+            CaseRow {
+                id: id(key),
+                scene: key.scene.clone(),
+                n: key.n,
+                steps: key.steps,
+                seconds: cost.seconds,
+                bytes: cost.memory_bytes,
+                job,
+            }
         };
         let of_job = |(number, job): (usize, &Job)| {
             job.cases.iter().map(|&case| row(number, case)).collect::<Vec<CaseRow>>()
@@ -75,7 +58,7 @@ impl Planning {
             bundle_seconds: seconds,
             cases: cases.len(),
             jobs: jobs.len(),
-            scenes,
+            scenes: scenes.into_iter().map(|planned| planned.scene).collect(),
         };
         Self { plan, jobs, cases }
     }

@@ -10,7 +10,7 @@ use super::low_rank::{self, RankOne};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
 use super::sums::{Kernel, Sums};
-use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
+use super::tangent::{stress_along, stress_of};
 use super::time::Weights;
 use algebra::linalg::axpy;
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, Sliding};
@@ -270,19 +270,20 @@ impl<const S: usize> InSpace<S> {
             state.memory.iter().map(|term| (term.exact[at.index], term.discrete[at.index])).unzip();
         let before = stress_of(material, strain, &exact, exact_kappa);
         let after = stress_of(material, strain, &discrete, scheme_kappa);
-        let mut tangent = by_strain(material, strain, scheme_kappa);
-        let mut remembered = [0.0; S];
-        for (term, &(lambda, mu)) in state.memory.iter().zip(&material.memory) {
-            let part = isotropic(lambda, mu, &term.error[at.index]);
-            (0..S).for_each(|i| remembered[i] += part[i]);
-            for (i, line) in tangent.iter_mut().enumerate() {
-                let memory = isotropic(lambda, mu, &unit::<S>(i));
-                (0..S).for_each(|j| line[j] += term.weight * memory[j]);
-            }
-        }
-        let by_zeta = by_kappa(material, strain, scheme_kappa).map(|value| slope * value);
-        let of_zeta = by_zeta.map(|by_zeta| by_zeta * state.zeta_error);
-        let source = std::array::from_fn(|i| before[i] - after[i] - remembered[i] - of_zeta[i]);
+        let along = |by_strain, by_memory: &dyn Fn(&Remembered<S>) -> Mandel<S>, by_kappa| {
+            let pair = |term: &Remembered<S>| [term.discrete[at.index], by_memory(term)];
+            let memory: Vec<_> = state.memory.iter().map(pair).collect();
+            stress_along(material, [*strain, by_strain], &memory, [scheme_kappa, by_kappa])
+        };
+        let zero = [0.0; S];
+        // Symmetric: the columns are the rows.
+        let tangent = std::array::from_fn(|i| {
+            let unit: Mandel<S> = std::array::from_fn(|j| f64::from(u8::from(i == j)));
+            along(unit, &|term| unit.map(|e| term.weight * e), 0.0)
+        });
+        let by_zeta = along(zero, &|_| zero, slope);
+        let past = along(zero, &|term| term.error[at.index], slope * state.zeta_error);
+        let source = std::array::from_fn(|i| before[i] - after[i] - past[i]);
         Response { tangent, source, by_zeta }
     }
 }

@@ -1,6 +1,6 @@
 //! Memory checks of commands other than a sweep, before any of their runs.
 
-use super::cost::{Cost, PROGRAM, PlanCost, kept_by_mesh, run_cost};
+use super::cost::{Cost, PROGRAM, PlanCost, kept_by_meshes, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::needs::{constants_bytes, least_bytes_of_mesh};
 use super::plan::{CasePlan, ScenePlan};
@@ -71,8 +71,7 @@ pub fn admit_plan(
     beside: impl Fn(&[(&CasePlan, &Cost)]) -> f64,
 ) -> Result<(), Refused> {
     let name = &plan.scene().name;
-    let reference =
-        plan.reference.map(|reference| (Some(reference.n as u32), reference.steps as u32));
+    let reference = plan.reference.map(|reference| (Some(reference.n), reference.steps));
     let runs = plan.runs().into_iter().map(|(n, steps)| (Some(n), steps));
     early(|n, steps| plan.least_bytes(n, steps), name, runs.chain(reference).collect(), limit)?;
     // The case that makes the mesh reports its errors.
@@ -89,8 +88,8 @@ fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
     let mut working: Vec<f64> =
         cases.iter().map(|(_, cost)| cost.memory_bytes - PROGRAM - cost.kept_bytes).collect();
     working.sort_by(|a, b| b.total_cmp(a));
-    let kept = kept_by_mesh(cases.iter().map(|(case, cost)| (case.n, *cost)));
-    working.iter().take(jobs).sum::<f64>() + kept.values().sum::<f64>()
+    let kept = kept_by_meshes(cases.iter().map(|(case, cost)| (case.n, *cost)));
+    working.iter().take(jobs).sum::<f64>() + kept
 }
 
 /// Refuses a scene whose trace constants do not fit, before it is set up: they enter (2.9) and the step bound if the

@@ -206,7 +206,7 @@ const REFERENCE_ORDER: f64 = 0.5;
 /// k_ref²). What both have in common (equal n, or equal N) does not show in e.
 pub(super) fn reference_share(reference: Reference, n: u32, steps: u32) -> f64 {
     let (cells, times) =
-        (reference.n as f64 / f64::from(n), reference.steps as f64 / f64::from(steps));
+        (f64::from(reference.n) / f64::from(n), f64::from(reference.steps) / f64::from(steps));
     let in_space = match cells > 1.0 {
         true => (1.0 + 1.0 / (cells.powf(2.0 * REFERENCE_ORDER) - 1.0)).sqrt() - 1.0,
         false => 0.0,

@@ -89,16 +89,14 @@ impl PlanCost {
     }
 }
 
-/// Bytes that each mesh keeps when its last case runs.
-pub(super) fn kept_by_mesh<'a, K: Ord>(
-    cases: impl Iterator<Item = (K, &'a Cost)>,
-) -> BTreeMap<K, f64> {
+/// Bytes that all meshes keep when the last case of each runs.
+pub fn kept_by_meshes<'a, K: Ord>(cases: impl Iterator<Item = (K, &'a Cost)>) -> f64 {
     let mut kept = BTreeMap::new();
     for (mesh, cost) in cases {
         let known: &mut f64 = kept.entry(mesh).or_default();
         *known = known.max(cost.kept_bytes + cost.left_bytes);
     }
-    kept
+    kept.into_values().sum()
 }
 
 /// Predicts cases of a body; one mesh at a time is made and analysed, nothing is solved. Every `kept_steps`-th part of
@@ -185,11 +183,11 @@ fn reference_cost(
     reference: Reference,
     kept_steps: u32,
 ) -> Result<Cost, SetupError> {
-    let space = setup.space(reference.n as u32)?;
-    let run = march(setup, &space, reference.steps as u32);
+    let space = setup.space(reference.n)?;
+    let run = march(setup, &space, reference.steps);
     // u and σ of the levels that cases use.
     let tensors = truth::tensor_numbers(&space) * space.mesh.cell_count();
-    let kept = f64::from(kept_steps.min(reference.steps as u32)) + 1.0;
+    let kept = f64::from(kept_steps.min(reference.steps)) + 1.0;
     let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
     let kept_bytes = levels + SPACE * space.pattern.entries() as f64;
     Ok(Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, kept_bytes, ..run })

@@ -19,36 +19,13 @@ use scene::{Norm, Reference};
 use vhi::finite::{FiniteError, march};
 use vhi::{Newton, Polished, StepSolver};
 
-/// The source of a floor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FloorPart {
-    /// The accepted residual of the solver.
-    Solver,
-    /// The recursion of the history against the direct sum.
-    History,
-    Load,
-    Error,
-    Reference,
-}
-
-impl FloorPart {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Solver => "solver",
-            Self::History => "history",
-            Self::Load => "load quadrature",
-            Self::Error => "error quadrature",
-            Self::Reference => "reference",
-        }
-    }
-}
-
 /// One part of the floor of one norm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorRow {
     pub norm: Norm,
-    pub part: FloorPart,
+    /// Its source: the accepted residual of the `solver`, the recursion of the `history` against the direct sum, `load
+    /// quadrature`, `error quadrature`, or the `reference`.
+    pub part: &'static str,
     /// The error of the case in this norm.
     pub error: f64,
     pub measured: f64,
@@ -57,8 +34,13 @@ pub struct FloorRow {
     pub estimated: f64,
 }
 
-/// Norms whose floors are distances of two discrete solutions or of two errors.
-const NORMS: [Norm; 5] =
+/// Quadratures among the parts.
+const LOAD: &str = "load quadrature";
+const ERROR: &str = "error quadrature";
+
+/// Norms whose floors are distances of two discrete solutions or of two errors: those of levels that have a truth at
+/// every time.
+pub const NORMS: [Norm; 5] =
     [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
 
 /// The scene with the direct sum in place of a recursion; None without a recursion.
@@ -66,14 +48,6 @@ pub fn direct_history(setup: Setup) -> Option<Setup> {
     let trapezoidal = setup.model.time_rule.is_trapezoidal();
     let recursive = setup.model.memory.iter().any(|term| term.kernel.exponentials().is_some());
     (trapezoidal && recursive).then(|| setup.with_history(None))
-}
-
-/// Why no floor was measured.
-#[derive(Debug, thiserror::Error)]
-#[error(transparent)]
-pub enum FloorError {
-    Setup(#[from] SetupError),
-    Finite(#[from] FiniteError),
 }
 
 /// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of [`direct_history`], `norms`
@@ -90,8 +64,8 @@ pub fn contact_floors(
 ) -> Result<Vec<FloorRow>, SetupError> {
     let reference = scene_reference(setup);
     let run = |reference: Reference| {
-        let every = (reference.steps as u32 / steps).max(1);
-        reference_run(setup, reference.n as u32, reference.steps as u32, every).map(Arc::new)
+        let every = (reference.steps / steps).max(1);
+        reference_run(setup, reference.n, reference.steps, every).map(Arc::new)
     };
     let truth = reference.map(run).transpose()?;
     let data = MeshData::new(setup, n, truth.clone())?;
@@ -110,22 +84,22 @@ pub fn contact_floors(
     let quadrature = load.plus(measured.at_times.times(ERROR_RULE));
     let reloaded = measure_errors(setup, &stronger, &data, steps)?;
     let mut parts = vec![
-        (FloorPart::Solver, apart(&measured.levels), solver),
-        (FloorPart::Load, reloaded.by_other.minus(measured.errors), quadrature),
-        (FloorPart::Error, measured.moved, quadrature),
+        ("solver", apart(&measured.levels), solver),
+        (LOAD, reloaded.by_other.minus(measured.errors), quadrature),
+        (ERROR, measured.moved, quadrature),
     ];
     if let Some(direct) = direct {
-        parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
+        parts.insert(1, ("history", apart(&levels(direct, &data, steps)?), solver));
     }
     if setup.body.data.is_interpolated() {
         // Nothing is integrated: the fields are in V^h.
-        parts.retain(|(part, ..)| !matches!(part, FloorPart::Load | FloorPart::Error));
+        parts.retain(|(part, ..)| ![LOAD, ERROR].contains(part));
     }
     if let Some(half) = reference.and_then(|reference| halved(reference, n, steps)) {
         let coarser = MeshData::new(setup, n, Some(run(half)?))?;
         let errors = measure_errors(setup, &coarser, &coarser, steps)?.errors;
         let share = reference_share(half, n, steps);
-        parts.push((FloorPart::Reference, errors.minus(measured.errors), errors.times(share)));
+        parts.push(("reference", errors.minus(measured.errors), errors.times(share)));
     }
     let mut rows: Vec<FloorRow> = parts
         .iter()
@@ -133,7 +107,7 @@ pub fn contact_floors(
             let kept = NORMS.into_iter().filter(|norm| norms.contains(norm));
             kept.map(|norm| FloorRow {
                 norm,
-                part: *part,
+                part,
                 error: floor_in(&measured.errors, norm),
                 measured: floor_in(measured_floors, norm),
                 estimated: floor_in(estimated, norm),
@@ -161,8 +135,8 @@ pub fn floors_beside(dimension: usize, cases: &[(&CasePlan, &Cost)]) -> f64 {
 /// A reference of half the cells and steps, if still finer than the case.
 fn halved(reference: Reference, n: u32, steps: u32) -> Option<Reference> {
     let half = Reference { n: reference.n / 2, steps: reference.steps / 2 };
-    let finer = |half: usize, whole: usize, of_case: u32| {
-        2 * half == whole && half.is_multiple_of(of_case as usize) && half > of_case as usize
+    let finer = |half: u32, whole: u32, of_case: u32| {
+        2 * half == whole && half.is_multiple_of(of_case) && half > of_case
     };
     let serves = finer(half.n, reference.n, n) && finer(half.steps, reference.steps, steps);
     serves.then_some(half)
@@ -235,7 +209,7 @@ fn time_reference(
     let pairs = finer.displacements.iter().zip(&finest.displacements);
     let measured = pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
     let estimated = time_reference_floor(error);
-    Ok(FloorRow { norm: Norm::VTimeMax, part: FloorPart::Reference, error, measured, estimated })
+    Ok(FloorRow { norm: Norm::VTimeMax, part: "reference", error, measured, estimated })
 }
 
 /// The floor of a case of an abstract scene: its histories are direct sums and its solution is exact.
@@ -247,7 +221,7 @@ pub fn abstract_floors(setup: &AbstractSetup, steps: u32) -> Result<Vec<FloorRow
     let (polished, ..) = abstract_levels(setup, steps, &Polished::default())?;
     let apart = standard.iter().zip(&polished).map(|(a, b)| setup.model.norm(&(a - b)));
     let measured = apart.fold(0.0, f64::max);
-    let (norm, part) = (Norm::VMax, FloorPart::Solver);
+    let (norm, part) = (Norm::VMax, "solver");
     Ok(vec![FloorRow { norm, part, error, measured, estimated }])
 }
 

@@ -131,7 +131,6 @@ fn floor_source(scene: &Scene) -> FloorSource {
 }
 
 fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
-    let pair = |window: Option<[usize; 2]>| window.map(|w| w.map(|v| v as u32));
     verdict::Prediction {
         norm: written.norm.name().into(),
         variable: written.variable,
@@ -140,8 +139,8 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
         at_least: written.at_least,
         exact: written.exact,
         why: written.why.clone(),
-        window_n: pair(written.window_n.or(scene.window_n)),
-        window_steps: pair(written.window_steps.or(scene.window_steps)),
+        window_n: written.window_n.or(scene.window_n),
+        window_steps: written.window_steps.or(scene.window_steps),
         floor: floor_source(scene),
         unique: ![Hypothesis::Smallness, Hypothesis::StepSize]
             .iter()

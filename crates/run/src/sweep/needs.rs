@@ -25,8 +25,7 @@ const SURELY: f64 = 0.5;
 pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -> Needs {
     // A mesh that would not fit is not made.
     let early = |n: Option<u32>, steps: u32| limit.admit(plan.least_bytes(n, steps), true);
-    let too_large =
-        plan.reference.and_then(|run| early(Some(run.n as u32), run.steps as u32).err());
+    let too_large = plan.reference.and_then(|run| early(Some(run.n), run.steps).err());
     if let Some(reason) = too_large {
         return (None, vec![Err(reason); cases.len()]);
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::extend::AddedCase;
-use super::floors::{FloorError, FloorRow, abstract_floors, contact_floors, direct_history};
+use super::floors::{FloorRow, abstract_floors, contact_floors, direct_history};
 use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
@@ -185,12 +185,12 @@ impl ScenePlan {
     ///
     /// # Errors
     /// A run that fails.
-    pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
+    pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, SetupError> {
         match &self.subject {
             Subject::Contact(setup) => {
                 let direct = direct_history(Setup::new(setup.scene.clone())?);
                 let (n, steps) = (case.n.unwrap_or_default(), case.steps);
-                Ok(contact_floors(setup, direct.as_ref(), n, steps, &case.norms)?)
+                contact_floors(setup, direct.as_ref(), n, steps, &case.norms)
             }
             Subject::Abstract(setup) => Ok(abstract_floors(setup, case.steps)?),
         }
@@ -205,16 +205,15 @@ impl ScenePlan {
 /// The cases of a scene; `overrides` replace its grids.
 pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan> {
     let own = scene.sweep.clone().unwrap_or_default();
-    let listed = |list: Vec<usize>| list.into_iter().map(|v| v as u32).collect();
-    let ns = overrides.n.clone().unwrap_or_else(|| listed(own.n));
-    let steps: Vec<u32> = overrides.steps.clone().unwrap_or_else(|| listed(own.steps));
+    let ns = overrides.n.clone().unwrap_or(own.n);
+    let steps = overrides.steps.clone().unwrap_or(own.steps);
     let ns: Vec<Option<u32>> = match scene.as_contact() {
         Some(_) => ns.into_iter().map(Some).collect(),
         None => vec![None],
     };
     let path = own.pairs.filter(|_| *overrides == Overrides::default());
     let places: Vec<(Option<u32>, u32)> = match &path {
-        Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n as u32), steps as u32)).collect(),
+        Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n), steps)).collect(),
         None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
     };
     let case = |(n, steps)| CasePlan { n, steps, norms: norms(scene, n) };
@@ -263,5 +262,5 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
 /// Whether a prediction uses mesh n.
 fn serves(scene: &Scene, prediction: &Prediction, n: Option<u32>) -> bool {
     let window = prediction.window_n.or(scene.window_n);
-    window.zip(n).is_none_or(|([first, last], n)| (first..=last).contains(&(n as usize)))
+    window.zip(n).is_none_or(|([first, last], n)| (first..=last).contains(&n))
 }

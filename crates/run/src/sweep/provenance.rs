@@ -91,12 +91,10 @@ impl Provenance {
             source = source.with_mesh(mesh.clone());
         }
         let scene = Scene::from_source(source)?;
-        if scene.name != name || self.scenes.get(name) != Some(&scene.source.hash) {
-            let message = "the text kept here is not the one that the records were made with";
-            let hint = "run the scene again, or name the folder of its text with --scenes";
-            return Err(scene.error("scene.name", message, hint));
-        }
-        Ok(Some(scene))
+        let other = scene.name != name || self.scenes.get(name) != Some(&scene.source.hash);
+        let message = "the text kept here is not the one that the records were made with";
+        let hint = "run the scene again, or name the folder of its text with --scenes";
+        scene.refuse_if(other, "scene.name", message, hint).map(|()| Some(scene))
     }
 
     /// As JSON without the texts, for `verdict.json`.

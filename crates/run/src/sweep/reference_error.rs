@@ -12,7 +12,7 @@ pub fn reference_error(plan: &ScenePlan, records: &[CaseRecord]) -> Option<Again
     let on_line = |record: &&CaseRecord| {
         record.scene == plan.scene().name
             && record.steps == steps
-            && record.n.is_some_and(|n| (n as usize) < reference.n)
+            && record.n.is_some_and(|n| n < reference.n)
     };
     let mut points: Vec<(f64, f64)> = records
         .iter()
@@ -24,7 +24,7 @@ pub fn reference_error(plan: &ScenePlan, records: &[CaseRecord]) -> Option<Again
         .collect();
     points.sort_by(|a, b| b.0.total_cmp(&a.0));
     let last = points.last_chunk::<3>()?;
-    against_reference(*last, 1.0 / reference.n as f64)
+    against_reference(*last, 1.0 / f64::from(reference.n))
 }
 
 /// One line for the terminal.

@@ -40,10 +40,9 @@ impl<'a> Shared<'a> {
             let Some(reference) = self.plan.reference else {
                 return Err("the scene has neither an exact solution nor a reference".into());
             };
-            let (n, steps) = (reference.n as u32, reference.steps as u32);
-            let every = (steps / self.plan.kept_steps()).max(1);
+            let every = (reference.steps / self.plan.kept_steps()).max(1);
             without_panic(|| {
-                reference_run(setup, n, steps, every)
+                reference_run(setup, reference.n, reference.steps, every)
                     .map(Arc::new)
                     .map_err(|error| error.to_string())
             })

@@ -255,7 +255,7 @@ fn alpha_nu(setup: &Setup) -> f64 {
 }
 
 fn coulomb(setup: &Setup) -> Option<Coulomb> {
-    let coefficient = setup.body.friction()?.coefficient();
+    let coefficient = setup.body.friction()?.bound.coefficient();
     let rise = setup.body.law()?.steepest_rise();
     (coefficient > 0.0).then_some(Coulomb { coefficient, rise })
 }

@@ -23,7 +23,7 @@ pub(super) fn potential(law: Option<&crate::Law>) -> Arc<dyn Potential> {
 pub(super) fn friction(written: &crate::Friction, formulas: &Arc<Graph>) -> Friction {
     let (graph, given) = written.graph_and_factor();
     let graph = potential(Some(&graph));
-    let coefficient = written.coefficient();
+    let coefficient = written.bound.coefficient();
     let follows_pressure = coefficient > 0.0;
     let factor = match follows_pressure {
         true => Box::new(move |_, _| coefficient),

@@ -49,6 +49,7 @@ use fem::contact::{
     Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
 };
 use fem::space::Element;
+use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
 use vhi::law::{AnyProjection, Summed, VonMises};
 
@@ -62,6 +63,9 @@ pub enum SetupError {
     Constant { n: u32, source: EigenError },
     #[error("reference run: {0}")]
     Reference(#[from] CaseError),
+    /// A level of an abstract problem failed.
+    #[error(transparent)]
+    Finite(#[from] FiniteError),
     /// There is nothing to measure errors against.
     #[error("scene `{scene}` has neither an exact solution nor a reference run")]
     NoTruth { scene: String },

@@ -46,7 +46,7 @@ impl RuleCheck {
 pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
     let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
     let most = if cells <= FEW { TIMES_ON_FEW } else { TIMES };
-    let parts = steps.map_or(most, |&steps| most.min(steps as u32));
+    let parts = steps.map_or(most, |&steps| most.min(steps));
     (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect()
 }
 

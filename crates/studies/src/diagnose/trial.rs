@@ -34,17 +34,17 @@ pub(crate) struct Trial {
 
 /// Numbers of steps of an order in k: from the coarsest at which contact events are told apart to one
 /// at which an error of 1e-5 of the solution that does not fall outweighs one that falls like k².
-const STEPS: [usize; 5] = [16, 32, 64, 128, 256];
+const STEPS: [u32; 5] = [16, 32, 64, 128, 256];
 /// The finest mesh of an order in h: one more costs as much as all others together.
-const FINEST: usize = 64;
+const FINEST: u32 = 64;
 /// Steps of a trial in h: the time error of the shipped scenes is then below 5 % of that in space.
-const STEPS_IN_SPACE: usize = 8;
+const STEPS_IN_SPACE: u32 = 8;
 
 struct Design<'a> {
     scene: &'a Scene,
     body: &'a ContactScene,
     terms: SceneTerms,
-    n: usize,
+    n: u32,
     trials: Vec<Trial>,
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
     let terms = SceneTerms::of(body);
     let listed = scene.sweep.as_ref().map_or(Vec::new(), |sweep| sweep.n.clone());
-    let mut n: Vec<usize> = listed.into_iter().filter(|&n| n <= FINEST).collect();
+    let mut n: Vec<u32> = listed.into_iter().filter(|&n| n <= FINEST).collect();
     n.sort_unstable();
     let promised = predicted(scene, Direction::H);
     let order = promised.map_or(1.0, |prediction| prediction.order);
@@ -182,7 +182,7 @@ impl Design<'_> {
 
     /// Exactness needs no fine grid; four levels see every kind of weight, and the scene's coarsest
     /// step is known to be solvable.
-    fn coarse_steps(&self) -> usize {
+    fn coarse_steps(&self) -> u32 {
         let coarsest =
             self.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
         coarsest.unwrap_or(4).max(4)
@@ -190,7 +190,7 @@ impl Design<'_> {
 }
 
 /// The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
-fn coarse_mesh(scene: &Scene) -> usize {
+fn coarse_mesh(scene: &Scene) -> u32 {
     let coarsest =
         scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(8);
     if coarsest > 8 && scene.check_cells(8).is_ok() { 8 } else { coarsest }

@@ -196,8 +196,8 @@ fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, points: &[EvaluationPoin
 pub(super) fn asked(
     mut scene: Scene,
     name: &str,
-    n: &[usize],
-    steps: &[usize],
+    n: &[u32],
+    steps: &[u32],
     question: Option<Prediction>,
 ) -> Scene {
     scene.name = name.to_owned();

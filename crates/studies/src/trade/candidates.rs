@@ -12,7 +12,7 @@ pub(crate) const MOST: [u32; 2] = [4096, 100_000];
 
 /// Finest n and N whose errors show: half of those of the scene's reference run, which has no error against itself.
 pub(super) fn finest(setup: &Setup) -> Option<[u32; 2]> {
-    scene_reference(setup).map(|r| [r.n as u32 / 2, r.steps as u32 / 2])
+    scene_reference(setup).map(|r| [r.n / 2, r.steps / 2])
 }
 
 /// The whole numbers n and N that suit a scene.

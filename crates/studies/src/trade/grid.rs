@@ -1,13 +1,12 @@
 //! Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
 //! orders and exponents have something to rest on, and no more than the budget bears.
 
-use std::collections::HashMap;
-
 use super::candidates::finest;
 use super::{Candidates, Variant};
 use fem::space::Element;
 use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, PlanCost, Refused, ScenePlan, admit_plan,
+    kept_by_meshes,
 };
 use scene::Scene;
 use scene::setup::{SetupError, Subject};
@@ -26,17 +25,16 @@ const LEAST: [u32; 2] = [2, 2];
 /// The scene cannot be set up.
 pub fn scene_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
     let scene = &plain.setup.scene;
-    let sweep = scene.sweep.as_ref();
-    let list = |pick: fn(&scene::Sweep) -> &Vec<usize>, default: [usize; 3]| {
-        let listed = sweep.map_or_else(|| default.to_vec(), |sweep| pick(sweep).clone());
-        listed.into_iter().map(|value| value as u32).collect::<Vec<u32>>()
+    let (listed_n, listed_steps) = match &scene.sweep {
+        Some(sweep) => (sweep.n.clone(), sweep.steps.clone()),
+        None => (vec![8, 16, 32], vec![4, 8, 16]),
     };
     let finest = finest(&plain.setup).unwrap_or([u32::MAX; 2]);
     let candidates = Candidates::new(&plain.setup, true)?;
     let cells = |n: u32| n <= finest[0] && (candidates.cells)(n);
     let steps = |steps: u32| steps <= finest[1] && (candidates.steps)(steps);
-    let mut ns = completed(list(|sweep| &sweep.n, [8, 16, 32]), LEAST[0], &cells);
-    let mut numbers = completed(list(|sweep| &sweep.steps, [4, 8, 16]), LEAST[1], &steps);
+    let mut ns = completed(listed_n, LEAST[0], &cells);
+    let mut numbers = completed(listed_steps, LEAST[1], &steps);
     ns.truncate(MOST[0]);
     numbers.truncate(MOST[1]);
     loop {
@@ -77,14 +75,10 @@ pub fn admit_trade(plan: &ScenePlan, beside: f64, limit: &MemoryLimit) -> Result
 
 /// Bytes of truth and displacements that a bench holds at the end of the cases of a plan.
 pub fn held(plan: &ScenePlan) -> f64 {
-    let Ok(PlanCost { cases, .. }) = plan.costs() else { return 0.0 };
-    let mut meshes: HashMap<Option<u32>, f64> = HashMap::new();
-    for (case, cost) in plan.cases.iter().zip(&cases) {
-        let kept = meshes.entry(case.n).or_default();
-        *kept = kept.max(cost.kept_bytes + cost.left_bytes);
-    }
-    meshes.values().sum::<f64>()
-        + plan.cases.iter().zip(&cases).map(|c| displacements(&c)).sum::<f64>()
+    let Ok(PlanCost { cases: costs, .. }) = plan.costs() else { return 0.0 };
+    let cases = || plan.cases.iter().zip(&costs);
+    kept_by_meshes(cases().map(|(case, cost)| (case.n, cost)))
+        + cases().map(|case| displacements(&case)).sum::<f64>()
 }
 
 fn displacements((case, cost): &(&CasePlan, &Cost)) -> f64 {

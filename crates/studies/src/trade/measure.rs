@@ -17,10 +17,6 @@ use run::sweep::{as_floors, floor_in, run_cost, scene_reference};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
 
-/// The norms in which a trade can be measured: those of levels that have a truth at every time.
-pub const NORMS: [Norm; 5] =
-    [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
-
 /// Measures runs of one scene.
 pub struct Bench {
     /// The scene as written.
@@ -57,8 +53,8 @@ impl Bench {
     /// A reference run that fails.
     pub fn new(plain: Variant, norm: Norm, repeats: u32) -> Result<Self, SetupError> {
         let setup = &plain.setup;
-        let reference = scene_reference(setup)
-            .map(|wanted| reference_run(setup, wanted.n as u32, wanted.steps as u32, 1));
+        let reference =
+            scene_reference(setup).map(|wanted| reference_run(setup, wanted.n, wanted.steps, 1));
         let reference = reference.transpose()?.map(Arc::new);
         let (judges, trajectories) = (HashMap::new(), HashMap::new());
         Ok(Self { plain, norm, repeats, reference, judges, trajectories, size: 0.0 })

@@ -29,7 +29,7 @@ fn cases_are_predicted_as_if_alone() {
     assert_eq!((short.dofs, together.reference), (544, None));
     // The longer case begins first; two of the times for 3 steps are not among its times.
     assert_eq!([short.left_bytes, long.left_bytes], [long.kept_bytes - short.kept_bytes, 0.0]);
-    let kept = |plan: &PlanCost| kept_by_mesh(plan.cases.iter().map(|cost| (16, cost)))[&16];
+    let kept = |plan: &PlanCost| kept_by_meshes(plan.cases.iter().map(|cost| (16, cost)));
     assert_eq!(kept(&together), long.kept_bytes);
     let apart = costs(&plan("pure-mild", 16, &[3, 16]));
     let more = 8.0 * (512.0 * 12.0 + 544.0);

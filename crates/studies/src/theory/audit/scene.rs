@@ -150,17 +150,14 @@ fn covered(setup: &Setup) -> Result<(), SetupError> {
     for (extension, why) in others {
         setup.scene.without(&[extension], "sweep audit", why)?;
     }
-    if setup.scene.time.rule != TimeRule::Trapezoid {
-        let message = "`sweep audit` knows the sums of the trapezoidal rule alone, which is that of the theorems";
-        return Err(setup.scene.error("time.rule", message, "remove `rule`").into());
-    }
-    let interpolated = setup.body.data.is_interpolated();
-    if interpolated && setup.body.element != Element::P1 {
-        let message = "`sweep audit` knows interpolants of u as linear functions alone";
-        let hint = "remove `interpolated`, or take P1";
-        return Err(setup.scene.error("discretization.element", message, hint).into());
-    }
-    Ok(())
+    let message =
+        "`sweep audit` knows the sums of the trapezoidal rule alone, which is that of the theorems";
+    let other = setup.scene.time.rule != TimeRule::Trapezoid;
+    setup.scene.refuse_if(other, "time.rule", message, "remove `rule`")?;
+    let quadratic = setup.body.data.is_interpolated() && setup.body.element != Element::P1;
+    let message = "`sweep audit` knows interpolants of u as linear functions alone";
+    let hint = "remove `interpolated`, or take P1";
+    Ok(setup.scene.refuse_if(quadratic, "discretization.element", message, hint)?)
 }
 
 /// A side counts in a fitted power if it is above so many times its accuracy.

@@ -80,7 +80,7 @@ impl GronwallConstants {
             return Err(GronwallError::OwnWeights { scene: name() });
         };
         let friction = setup.body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-        if friction.is_some_and(|law| law.alpha() > 0.0 || law.coefficient() > 0.0) {
+        if friction.is_some_and(|law| law.alpha() > 0.0 || law.bound.coefficient() > 0.0) {
             return Err(GronwallError::NoTangentialBound { scene: name() });
         }
         // The bound is that of V: functions that jump may be larger on Γ3.
