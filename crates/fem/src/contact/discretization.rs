@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::mesh::{Mesh, Nesting};
-use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, StrainPoints, jumps};
+use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, jumps};
 use algebra::linalg::{
     Analysis, BlockPattern, FactorError, Levels, MultigridSequence, NodeFrame, Precision,
     SequenceSolver, TangentSolver, nested_dissection,
@@ -179,13 +179,22 @@ impl Discretization {
 
     /// The points where strain, stress and projection live.
     #[inline]
-    pub fn points(&self) -> StrainPoints<'_> {
-        StrainPoints::new(&self.geometry, &self.nodes)
+    pub fn points(&self) -> impl Iterator<Item = StrainPoint<'_>> {
+        (0..self.geometry.measure.len()).flat_map(|c| self.points_of(c))
     }
 
     /// The strain points of cell c.
+    #[inline]
     pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
-        StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
+        let (geometry, nodes) = (&self.geometry, self.nodes.of_cell(c));
+        let first = geometry.shares.len() * c;
+        geometry.shares.iter().enumerate().map(move |(local, share)| StrainPoint {
+            index: first + local,
+            cell: c,
+            weight: geometry.measure[c] * share,
+            gradients: geometry.gradients(first + local),
+            nodes,
+        })
     }
 
     /// A solver of Jacobians of runs by `solver`: factors where the mesh has no levels.
