@@ -180,21 +180,30 @@ impl Discretization {
     /// The points where strain, stress and projection live.
     #[inline]
     pub fn points(&self) -> impl Iterator<Item = StrainPoint<'_>> {
-        (0..self.geometry.measure.len()).flat_map(|c| self.points_of(c))
+        (0..self.geometry.points()).map(|index| self.point(index))
     }
 
     /// The strain points of cell c.
-    #[inline]
     pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
-        let (geometry, nodes) = (&self.geometry, self.nodes.of_cell(c));
-        let first = geometry.shares.len() * c;
-        geometry.shares.iter().enumerate().map(move |(local, share)| StrainPoint {
-            index: first + local,
-            cell: c,
-            weight: geometry.measure[c] * share,
-            gradients: geometry.gradients(first + local),
-            nodes,
-        })
+        let count = self.geometry.shares.len();
+        (count * c..count * (c + 1)).map(|index| self.point(index))
+    }
+
+    #[inline]
+    fn point(&self, index: usize) -> StrainPoint<'_> {
+        let Geometry { measure, shares, .. } = &self.geometry;
+        // Most elements have one point a cell, and no division.
+        let (cell, local) = match shares.len() {
+            1 => (index, 0),
+            count => (index / count, index % count),
+        };
+        StrainPoint {
+            index,
+            cell,
+            weight: measure[cell] * shares[local],
+            gradients: self.geometry.gradients(index),
+            nodes: self.nodes.of_cell(cell),
+        }
     }
 
     /// A solver of Jacobians of runs by `solver`: factors where the mesh has no levels.
