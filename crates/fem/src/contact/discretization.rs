@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::mesh::{Mesh, Nesting};
-use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, jumps};
+use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, StrainPoints, jumps};
 use algebra::linalg::{
     Analysis, BlockPattern, FactorError, Levels, MultigridSequence, NodeFrame, Precision,
     SequenceSolver, TangentSolver, nested_dissection,
@@ -179,31 +179,13 @@ impl Discretization {
 
     /// The points where strain, stress and projection live.
     #[inline]
-    pub fn points(&self) -> impl Iterator<Item = StrainPoint<'_>> {
-        (0..self.geometry.points()).map(|index| self.point(index))
+    pub fn points(&self) -> StrainPoints<'_> {
+        StrainPoints::new(&self.geometry, &self.nodes)
     }
 
     /// The strain points of cell c.
     pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
-        let count = self.geometry.shares.len();
-        (count * c..count * (c + 1)).map(|index| self.point(index))
-    }
-
-    #[inline]
-    fn point(&self, index: usize) -> StrainPoint<'_> {
-        let Geometry { measure, shares, .. } = &self.geometry;
-        // Most elements have one point a cell, and no division.
-        let (cell, local) = match shares.len() {
-            1 => (index, 0),
-            count => (index / count, index % count),
-        };
-        StrainPoint {
-            index,
-            cell,
-            weight: measure[cell] * shares[local],
-            gradients: self.geometry.gradients(index),
-            nodes: self.nodes.of_cell(cell),
-        }
+        StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
 
     /// A solver of Jacobians of runs by `solver`: factors where the mesh has no levels.

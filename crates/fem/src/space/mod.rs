@@ -18,6 +18,6 @@ pub use jumps::Jump;
 pub(crate) use jumps::jumps;
 pub use mean_square::MeanSquare;
 pub use nodes::Nodes;
-pub use points::StrainPoint;
+pub use points::{StrainPoint, StrainPoints};
 pub use shape::{Geometry, strain_of};
 pub use strain_shapes::StrainShapes;
