@@ -137,7 +137,7 @@ fn full(setup: &mut Setup) {
     for (row, numbers) in matrix.iter_mut().zip(isotropic) {
         row[..3].copy_from_slice(&numbers);
     }
-    setup.model.memory[0].tensor = FourthOrder::Full(Box::new(matrix)).into();
+    setup.model.memory[0].tensor = FourthOrder::Full(matrix).into();
 }
 
 fn two_terms(setup: &mut Setup) {

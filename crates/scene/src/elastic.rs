@@ -67,7 +67,7 @@ fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, S
     } else {
         (orthotropic(reading, key, dimension)?, key.to_string())
     };
-    let tensor = FourthOrder::Full(Box::new(matrix));
+    let tensor = FourthOrder::Full(matrix);
     let (smallest, _) = tensor.eigenvalues(dimension);
     let message = format!(
         "the elasticity tensor is not positive definite: its smallest eigenvalue m_A is {smallest:.6}"

@@ -43,7 +43,7 @@ fn shear_of(field: &TensorField, region: usize) -> f64 {
 }
 
 fn swapped(field: &TensorField) -> TensorField {
-    TensorField::new(field.on(1).clone(), [field.on(0).clone()])
+    TensorField::new(*field.on(1), [*field.on(0)])
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn wrong_materials_fail() {
             s.model.elasticity = s.model.elasticity.map(|law| Isotropic { mu, ..law });
         }),
         ("layered", "no regions", |s| {
-            s.model.elasticity = s.model.elasticity.on(0).clone().into();
+            s.model.elasticity = (*s.model.elasticity.on(0)).into();
         }),
         ("layered", "Lamé numbers exchanged", |s| {
             s.model.elasticity = s.model.elasticity.map(exchanged);
@@ -85,12 +85,12 @@ fn wrong_materials_fail() {
             std::mem::swap(&mut lower.kernel, &mut upper.kernel);
         }),
         ("orthotropic", "one coupling of shear dropped", |s| {
-            let FourthOrder::Full(mut matrix) = s.model.elasticity.on(0).clone() else { return };
+            let FourthOrder::Full(mut matrix) = *s.model.elasticity.on(0) else { return };
             (matrix[0][2], matrix[2][0]) = (0.0, 0.0);
             s.model.elasticity = FourthOrder::Full(matrix).into();
         }),
         ("orthotropic", "shear entry without the 2 of Mandel's notation", |s| {
-            let FourthOrder::Full(mut matrix) = s.model.elasticity.on(0).clone() else { return };
+            let FourthOrder::Full(mut matrix) = *s.model.elasticity.on(0) else { return };
             matrix[2][2] *= 0.5;
             s.model.elasticity = FourthOrder::Full(matrix).into();
         }),

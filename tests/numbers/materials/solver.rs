@@ -32,9 +32,9 @@ const SOFT: Isotropic = Isotropic { lambda: 0.4, mu: 0.7 };
 /// A symmetric positive definite matrix without zeros: the identity times 3, and a smooth rest.
 fn anisotropic() -> FourthOrder {
     let rest = |i: usize, j: usize| 0.3 * (1.0 + (i * j) as f64).cos();
-    FourthOrder::Full(Box::new(std::array::from_fn(|i| {
+    FourthOrder::Full(std::array::from_fn(|i| {
         std::array::from_fn(|j| rest(i, j) + if i == j { 3.0 } else { 0.0 })
-    })))
+    }))
 }
 
 /// Two halves of a body, one above y = ½.
@@ -134,7 +134,7 @@ fn disguises_of_one_material_agree() {
         let plain = || vec![term(-1.0, memory.into())];
         let base = marched(space, SOFT.into(), plain());
         let full = |more: f64| {
-            let zero = FourthOrder::Full(Box::new([[0.0; 6]; 6]));
+            let zero = FourthOrder::Full([[0.0; 6]; 6]);
             let mut sum = zero.plus(1.0, &SOFT.into(), d);
             if let FourthOrder::Full(matrix) = &mut sum {
                 matrix[d][d] *= 1.0 + more;

@@ -1,7 +1,7 @@
 //! The histories of a run, one per term of its memory.
 
 use super::path::Paths;
-use super::taken::of_storage;
+use super::taken::of_memory;
 use super::{Discretization, Model};
 use algebra::linalg::axpy;
 use vhi::history::{Memory, TimeGrid};
@@ -36,7 +36,7 @@ impl<'a> Histories<'a> {
     pub(super) fn paths(&self) -> Paths {
         let mut paths = Paths::default();
         for memory in &self.memory {
-            paths.insert(of_storage(memory.storage(), self.grid));
+            paths.insert(of_memory(memory, self.grid));
         }
         paths
     }

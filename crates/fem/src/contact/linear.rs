@@ -7,7 +7,7 @@ use super::case::{CaseError, CaseInfo, KKT_ALLOWED, Observer, failed};
 use super::combination::Combination;
 use super::kkt::kkt_residual_in;
 use super::shown::Shown;
-use super::taken::of_storage;
+use super::taken::of_memory;
 use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
 use algebra::linalg::{FactorError, axpy, norm};
@@ -34,7 +34,7 @@ pub fn march(
     let [mut factors, mut coefficients, mut past] = [(); 3].map(|()| vec![0.0; few]);
     let mut memory = Remembered::new(model, volume.beta.unwrap_or(0.0), grid, few);
     if let Some(remembered) = &memory {
-        info.paths.insert(of_storage(remembered.memory.storage(), grid));
+        info.paths.insert(of_memory(&remembered.memory, grid));
     }
     let (mut force, mut shown) = (vec![0.0; space.dofs()], Shown::new(space, model));
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];

@@ -3,7 +3,7 @@
 use super::path::by_grid;
 use super::plan::Plan;
 use super::{Discretization, LinearSolver, Model, Path, Paths, StepView};
-use vhi::history::{Storage, TimeGrid};
+use vhi::history::{Memory, TimeGrid};
 
 /// What is known of a run before its first level.
 pub(super) fn foreseen(
@@ -35,11 +35,11 @@ pub(super) fn foreseen(
 }
 
 /// How a memory is kept.
-pub(super) fn of_storage(storage: Storage, grid: &TimeGrid) -> Path {
-    let pair = match storage {
-        Storage::Recursive => [Path::Recursive, Path::RecursiveGraded],
-        Storage::Direct => [Path::Summed, Path::SummedGraded],
-        Storage::Fast => [Path::Interpolated, Path::InterpolatedGraded],
+pub(super) fn of_memory(memory: &Memory, grid: &TimeGrid) -> Path {
+    let pair = match memory {
+        Memory::Recursive { .. } => [Path::Recursive, Path::RecursiveGraded],
+        Memory::Direct { .. } => [Path::Summed, Path::SummedGraded],
+        Memory::Fast(_) => [Path::Interpolated, Path::InterpolatedGraded],
     };
     by_grid(grid.is_uniform(), pair)
 }

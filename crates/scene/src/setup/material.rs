@@ -12,8 +12,8 @@ use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, Singular, T
 
 /// 𝒜.
 pub fn elasticity(material: &Material) -> TensorField {
-    let others = material.regions.iter().map(|region| region.elastic.clone());
-    TensorField::new(material.elastic.clone(), others)
+    let others = material.regions.iter().map(|region| region.elastic);
+    TensorField::new(material.elastic, others)
 }
 
 /// ℬ_i of a term of the memory.
@@ -49,7 +49,7 @@ pub(super) fn numbers(
     let of = |elastic: &FourthOrder, memory: Vec<(f64, f64)>| {
         let (lambda, mu_l, full) = match elastic {
             FourthOrder::Isotropic(law) => (law.lambda, law.mu, None),
-            FourthOrder::Full(matrix) => (0.0, 0.0, Some(**matrix)),
+            FourthOrder::Full(matrix) => (0.0, 0.0, Some(*matrix)),
         };
         MaterialNumbers { lambda, mu_l, full, memory, projection: projection.map(|p| p.mu) }
     };

@@ -58,7 +58,7 @@ fn all_are_there_and_valid() {
 fn the_punch_is_the_common_benchmark() {
     let scene = shipped("punch");
     let memory = scene.as_contact().unwrap().material.memory[0].clone();
-    let elastic = scene.as_contact().unwrap().material.elastic.clone();
+    let elastic = scene.as_contact().unwrap().material.elastic;
     assert_eq!(elastic, Isotropic { lambda: 1.0, mu: 1.0 }.into());
     assert_eq!((memory.lambda, memory.mu), (0.25, 0.25));
     assert_eq!(memory.exponentials, Some(vec![(-1.0, 1.0)]));

@@ -28,14 +28,6 @@ pub enum Memory {
     Fast(Box<FastConvolution>),
 }
 
-/// How a [`Memory`] keeps the past.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Storage {
-    Direct,
-    Recursive,
-    Fast,
-}
-
 impl Memory {
     /// For the trapezoidal rule: recursion for sums of exponentials, interpolation for other kernels on long grids if
     /// it meets their tolerance. Otherwise the direct sum.
@@ -68,15 +60,6 @@ impl Memory {
     /// The direct sum, for any kernel and rule.
     pub fn direct() -> Self {
         Self::Direct { past: Vec::new() }
-    }
-
-    /// How it keeps the past.
-    pub fn storage(&self) -> Storage {
-        match self {
-            Self::Direct { .. } => Storage::Direct,
-            Self::Recursive { .. } => Storage::Recursive,
-            Self::Fast(_) => Storage::Fast,
-        }
     }
 
     /// The index n of the next step.

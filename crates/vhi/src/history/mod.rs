@@ -15,5 +15,5 @@ pub use fast::FastConvolution;
 pub use gregory::{Gregory, GregoryOrder};
 pub use grid::{ClosedForm, TimeGrid, TimeRule, Trapezoid};
 pub use left::Left;
-pub use memory::{Memory, Storage};
+pub use memory::Memory;
 pub use rules::{CorrectedEnd, ProductIntegration};

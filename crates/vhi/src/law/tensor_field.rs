@@ -6,28 +6,12 @@ use super::Isotropic;
 use algebra::tensor::Symmetric;
 
 /// A symmetric fourth-order tensor on S^d (a stress).
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a body has few, and copies need no memory")]
 pub enum FourthOrder {
     Isotropic(Isotropic),
     /// By its symmetric S×S matrix in Mandel notation, the leading block of this one.
-    Full(Box<[[f64; 6]; 6]>),
-}
-
-impl Clone for FourthOrder {
-    fn clone(&self) -> Self {
-        match self {
-            Self::Isotropic(law) => Self::Isotropic(*law),
-            Self::Full(matrix) => Self::Full(matrix.clone()),
-        }
-    }
-
-    /// Reuses memory, as [`TensorField`] does.
-    fn clone_from(&mut self, other: &Self) {
-        match (self, other) {
-            (Self::Full(target), Self::Full(other)) => target.clone_from(other),
-            (target, other) => *target = other.clone(),
-        }
-    }
+    Full([[f64; 6]; 6]),
 }
 
 impl FourthOrder {
@@ -54,7 +38,7 @@ impl FourthOrder {
     fn block(&self, d: usize) -> [[f64; 6]; 6] {
         let mut block = [[0.0; 6]; 6];
         match (self, d) {
-            (Self::Full(matrix), _) => block = **matrix,
+            (Self::Full(matrix), _) => block = *matrix,
             (Self::Isotropic(law), 2) => {
                 for (row, values) in block.iter_mut().zip(law.matrix::<3>()) {
                     row[..3].copy_from_slice(&values);
@@ -115,9 +99,7 @@ impl FourthOrder {
                 let (lambda, mu) = (factor * law.lambda, factor * law.mu);
                 Self::Isotropic(Isotropic { lambda, mu })
             }
-            Self::Full(matrix) => {
-                Self::Full(Box::new(matrix.map(|row| row.map(|entry| factor * entry))))
-            }
+            Self::Full(matrix) => Self::Full(matrix.map(|row| row.map(|entry| factor * entry))),
         }
     }
 
@@ -127,12 +109,12 @@ impl FourthOrder {
             let (lambda, mu) = (a.lambda + scale * b.lambda, a.mu + scale * b.mu);
             return Self::Isotropic(Isotropic { lambda, mu });
         }
-        let mut sum = Self::Full(Box::new(self.block(d)));
+        let mut sum = Self::Full(self.block(d));
         sum.add(scale, other, d);
         sum
     }
 
-    /// `self` ← self + scale·other on S^d; a full tensor keeps its memory.
+    /// `self` ← self + scale·other on S^d; one that is full stays so.
     fn add(&mut self, scale: f64, other: &Self, d: usize) {
         let Self::Full(matrix) = self else {
             *self = self.plus(scale, other, d);
@@ -279,7 +261,7 @@ impl TensorField {
     pub fn map(&self, change: impl Fn(Isotropic) -> Isotropic) -> Self {
         let each = self.regions.iter().map(|tensor| match tensor {
             FourthOrder::Isotropic(law) => FourthOrder::Isotropic(change(*law)),
-            full => full.clone(),
+            full => *full,
         });
         Self { regions: each.collect() }
     }

@@ -3,7 +3,7 @@ use super::*;
 const LAW: Isotropic = Isotropic { lambda: 1.3, mu: 0.7 };
 
 fn full(d: usize) -> FourthOrder {
-    FourthOrder::Full(Box::new(FourthOrder::from(LAW).block(d)))
+    FourthOrder::Full(FourthOrder::from(LAW).block(d))
 }
 
 /// An isotropic tensor equals its full matrix, in both dimensions.
@@ -72,11 +72,11 @@ fn eigenvalues_of_a_full_matrix() {
     let mut matrix = [[0.0; 6]; 6];
     (matrix[0][0], matrix[1][1], matrix[2][2]) = (2.0, 2.0, 5.0);
     (matrix[0][1], matrix[1][0]) = (1.0, 1.0);
-    let (low, high) = FourthOrder::Full(Box::new(matrix)).eigenvalues(2);
+    let (low, high) = FourthOrder::Full(matrix).eigenvalues(2);
     assert!((low - 1.0).abs() < 1e-14 && (high - 5.0).abs() < 1e-14);
     matrix[0][2] = 3.0;
     matrix[2][0] = 3.0;
-    assert!(FourthOrder::Full(Box::new(matrix)).eigenvalues(2).0 < 0.0);
+    assert!(FourthOrder::Full(matrix).eigenvalues(2).0 < 0.0);
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn a_multiple_is_one_on_every_region() {
     assert_eq!(of_large(&large(seven)), Some(seven));
     assert_ne!((seven * 0.3) / 0.3, seven);
     let next = large(1.000_001 * seven);
-    assert_eq!(of_large(&TensorField::new(large(seven).on(0).clone(), [next.on(1).clone()])), None);
+    assert_eq!(of_large(&TensorField::new(*large(seven).on(0), [*next.on(1)])), None);
     let other = TensorField::new(twice(LAW).into(), [soft.into()]);
     assert_eq!(other.multiple_of(&field), None);
     assert_eq!(TensorField::from(LAW).multiple_of(&full(2).into()), None);
