@@ -8,7 +8,7 @@ use crate::shipped::edited;
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{
     Baseline, ComparedRun, Comparison, Decision, DeviationKind, FittedConstant, Prediction,
-    Variable, Verdict, compare_owed, compare_with_baseline, judge,
+    Variable, Verdict, judge,
 };
 use scene::setup::{NewtonMarch, Scheme};
 
@@ -108,7 +108,7 @@ fn deviating(floor: f64, factor: f64) -> Vec<DeviationKind> {
         planned: vec![now.key()],
         own_grids: true,
     };
-    let found = compare_with_baseline(&baseline, &[run], &[now]);
+    let found = baseline.compare(&[run], &[now], &[]);
     found.deviations.iter().map(|deviation| deviation.kind).collect()
 }
 
@@ -282,9 +282,7 @@ fn owing(scenes: &[&str], verdicts: &[Verdict]) -> Comparison {
         own_grids: true,
     };
     let runs: Vec<ComparedRun> = scenes.iter().map(run).collect();
-    let mut comparison = compare_with_baseline(&baseline, &runs, &[]);
-    compare_owed(&baseline, &runs, verdicts, &mut comparison);
-    comparison
+    baseline.compare(&runs, &[], verdicts)
 }
 
 #[test]

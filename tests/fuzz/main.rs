@@ -18,7 +18,7 @@ use formula::{EvaluationPoint, Graph, Program, Scope, Variable};
 use gronwall::cli::fitted;
 use judge::fit::Direction;
 use judge::record::{CaseRecord, Key, read};
-use judge::verdict::{Baseline, ComparedRun, compare_with_baseline, read_earlier};
+use judge::verdict::{Baseline, ComparedRun, read_earlier};
 use program::{Folder, code, stderr, sweep};
 use report::{convergence_svg, split_svg};
 use run::external::{Wanted, decode, encode, read_displacements};
@@ -209,7 +209,7 @@ fn no_baseline_breaks_the_comparison() {
     fuzz("baseline", &[text], 5_000, |text| {
         swept.with("baseline.json", text, |path| {
             let Ok(Some(baseline)) = Baseline::read(path) else { return false };
-            let comparison = compare_with_baseline(&baseline, std::slice::from_ref(&run), &records);
+            let comparison = baseline.compare(std::slice::from_ref(&run), &records, &[]);
             let changes = baseline.changes(&sound);
             // Both are printed.
             comparison.lines().len() + changes.len() < 1_000_000

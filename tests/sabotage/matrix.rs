@@ -1,9 +1,7 @@
 //! Every defect against every gate.
 
 use judge::record::{CaseRecord, Status};
-use judge::verdict::{
-    Baseline, Comparison, Decision, Verdict, compare_owed, compare_with_baseline,
-};
+use judge::verdict::{Baseline, Decision, Verdict};
 
 use crate::catalogue::{Defect, Term};
 use crate::suite::{Outcome, Trial};
@@ -328,7 +326,7 @@ fn first_difference(found: &CaseRecord, sound: &CaseRecord) -> Option<String> {
 fn off_baseline(trial: &Trial, found: &[CaseRecord], sound: &[CaseRecord]) -> Option<String> {
     let run = trial.as_run();
     let baseline = Baseline::of(sound, &[(&run.scene, &run.hash)]);
-    let comparison = compare_with_baseline(&baseline, std::slice::from_ref(&run), found);
+    let comparison = baseline.compare(std::slice::from_ref(&run), found, &[]);
     comparison.deviations.first().map(|deviation| deviation.reason.clone())
 }
 
@@ -336,12 +334,11 @@ fn off_baseline(trial: &Trial, found: &[CaseRecord], sound: &[CaseRecord]) -> Op
 fn left_owing(trial: &Trial, found: &[Verdict], sound: &[Verdict]) -> Option<String> {
     let run = trial.as_run();
     let baseline = Baseline::of(&[], &[(&run.scene, &run.hash)]).owing(sound);
-    let mut comparison = Comparison::default();
     // A case that is missing is caught as such; its verdict has no constant.
-    let complete = found.iter().all(|verdict| verdict.complete);
-    if complete {
-        compare_owed(&baseline, std::slice::from_ref(&run), found, &mut comparison);
+    if !found.iter().all(|verdict| verdict.complete) {
+        return None;
     }
+    let comparison = baseline.compare(std::slice::from_ref(&run), &[], found);
     comparison.deviations.first().map(|deviation| deviation.reason.clone())
 }
 

@@ -25,7 +25,7 @@ pub fn stress<const D: usize, T: Number>(
         let part = isotropic(lambda, mu, history, trace(history));
         for i in 0..D {
             for j in 0..D {
-                out[i][j] += part[i][j];
+                out[i][j] = out[i][j] + part[i][j];
             }
         }
     }
@@ -33,7 +33,7 @@ pub fn stress<const D: usize, T: Number>(
         let excess = projected_excess(strain, trace_strain, kappa.into());
         for i in 0..D {
             for j in 0..D {
-                out[i][j] += T::from(mu) * excess[i][j];
+                out[i][j] = out[i][j] + T::from(mu) * excess[i][j];
             }
         }
     }
@@ -44,7 +44,7 @@ pub fn stress<const D: usize, T: Number>(
 fn trace<const D: usize, T: Number>(tensor: &Tensor<D, T>) -> T {
     let mut sum = tensor[0][0];
     for i in 1..D {
-        sum += tensor[i][i];
+        sum = sum + tensor[i][i];
     }
     sum
 }
@@ -61,7 +61,7 @@ fn isotropic<const D: usize, T: Number>(
         for entry in row.iter_mut() {
             *entry = T::from(2.0 * mu) * *entry;
         }
-        row[i] += T::from(lambda) * trace;
+        row[i] = row[i] + T::from(lambda) * trace;
     }
     out
 }
@@ -89,7 +89,7 @@ fn contracted<const D: usize, T: Number>(
         for (j, value) in row.iter_mut().enumerate() {
             for (k, line) in strain.iter().enumerate() {
                 for (l, entry) in line.iter().enumerate() {
-                    *value += T::from(component(mandel, D, [i, j, k, l])) * *entry;
+                    *value = *value + T::from(component(mandel, D, [i, j, k, l])) * *entry;
                 }
             }
         }
@@ -107,13 +107,13 @@ fn projected_excess<const D: usize, T: Number>(
     let mut deviator = *strain;
     let mut squares = T::from(0.0);
     for i in 0..D {
-        deviator[i][i] -= trace / T::from(D as f64);
+        deviator[i][i] = deviator[i][i] - trace / T::from(D as f64);
         let row = &deviator[i];
         let mut of_row = row[0] * row[0];
         for entry in &row[1..] {
-            of_row += *entry * *entry;
+            of_row = of_row + *entry * *entry;
         }
-        squares += of_row;
+        squares = squares + of_row;
     }
     let length = squares.sqrt();
     for row in &mut deviator {

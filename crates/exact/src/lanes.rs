@@ -1,6 +1,6 @@
 //! Several cells in parallel, on vector registers.
 
-use std::ops::{Add, AddAssign, Div, Mul, Sub, SubAssign};
+use std::ops::{Add, Div, Mul, Sub};
 
 use num_dual::{Dual64, DualNum};
 
@@ -14,8 +14,6 @@ pub trait Number:
     + Sub<Output = Self>
     + Mul<Output = Self>
     + Div<Output = Self>
-    + AddAssign
-    + SubAssign
     + From<f64>
 {
     fn sqrt(self) -> Self;
@@ -119,20 +117,6 @@ impl Div for Lanes {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         self.zip(other, |a, b| a / b)
-    }
-}
-
-impl AddAssign for Lanes {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl SubAssign for Lanes {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
     }
 }
 

@@ -96,7 +96,7 @@ impl Projector {
             for (value, weight) in values.iter().zip(dual) {
                 let weight = T::from(*weight);
                 for i in 0..N {
-                    sum[i] += weight * value[i];
+                    sum[i] = sum[i] + weight * value[i];
                 }
             }
             out.push(sum);
@@ -115,7 +115,7 @@ impl Projector {
             for (coefficient, s) in out.iter().zip(shape) {
                 let s = T::from(*s);
                 for i in 0..N {
-                    value[i] -= coefficient[i] * s;
+                    value[i] = value[i] - coefficient[i] * s;
                 }
             }
         }

@@ -150,9 +150,9 @@ impl PartFamily {
                 for ((a, b), weight) in remainders[m].iter().zip(&remainders[l]).zip(weights) {
                     let mut product = a[0] * b[0];
                     for i in 1..N {
-                        product += a[i] * b[i];
+                        product = product + a[i] * b[i];
                     }
-                    sum += Lanes::from(*weight) * product;
+                    sum = sum + Lanes::from(*weight) * product;
                 }
                 let product = &mut self.products[parts * m + l];
                 measures.iter().zip(sum.0).for_each(|(measure, sum)| *product += measure * sum);

@@ -1,6 +1,5 @@
 //! Error against h, and against k: one curve per norm, with prediction and fit.
 
-use std::collections::BTreeMap;
 use std::mem::discriminant;
 
 use super::SceneSummary;
@@ -9,7 +8,7 @@ use super::curve::{Curve, curves, is_path};
 use super::ruler::Scale;
 use judge::fit::Direction;
 use judge::record::{CaseRecord, is_by_state, norm_label, norm_label_in_time};
-use judge::verdict::{Verdict, cell_texts};
+use judge::verdict::{Verdict, cell_texts, most_frequent};
 
 /// The picture of one scene in one direction; None if no norm has two points.
 pub fn convergence_svg(
@@ -77,12 +76,6 @@ fn step_name<'a>(
         Direction::Space => "mesh size h, the longest edge",
         Direction::Time => "time step k = T/N",
     }
-}
-
-fn most_frequent(levels: impl Iterator<Item = u32>) -> Option<u32> {
-    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
-    levels.for_each(|level| *counts.entry(level).or_default() += 1);
-    counts.into_iter().max_by_key(|(_, count)| *count).map(|(level, _)| level)
 }
 
 fn series(curve: &Curve<'_>, label: &str, level: Option<String>, floor: Vec<Datum>) -> Series {

@@ -4,9 +4,7 @@ use std::fs;
 
 use super::*;
 use judge::record::{Key, NormError, Status};
-use judge::verdict::{
-    Baseline, ComparedRun, Decision, Prediction, Variable, compare_with_baseline, judge,
-};
+use judge::verdict::{Baseline, ComparedRun, Decision, Prediction, Variable, judge};
 
 /// Three norms on a grid of 5 meshes and 6 time grids; the trace error meets its floor.
 fn example(name: &str) -> Vec<CaseRecord> {
@@ -194,7 +192,7 @@ fn junit_carries_deviations_from_the_baseline() {
         own_grids: true,
     };
     let runs = [run("s", "now"), run("t", "same")];
-    let comparison = compare_with_baseline(&baseline, &runs, &records);
+    let comparison = baseline.compare(&runs, &records, &[]);
     let path = std::env::temp_dir().join(format!("gronwall-junit-{}.xml", std::process::id()));
     write_junit(&path, &[], &serde_json::Value::Null, Some(&comparison)).unwrap();
     let junit = fs::read_to_string(&path).unwrap();

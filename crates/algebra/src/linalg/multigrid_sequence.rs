@@ -9,8 +9,7 @@ use super::gmres::Preconditioned;
 use super::jacobian::{Jacobian, RankOne};
 use super::multigrid::{Levels, Multigrid, Symmetric};
 use super::pattern::BlockPattern;
-use super::sequence::LinearWork;
-use super::tangent_solver::TangentSolver;
+use super::tangent_solver::{LinearWork, TangentSolver};
 use super::{axpy, dot, norm};
 
 /// Iterations after which a solve is given up: 5 are usual for four digits, and 58 with λ/μ_L = 1000.

@@ -12,21 +12,8 @@ use super::gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 use super::jacobian::Jacobian;
 use super::pattern::BlockPattern;
 use super::substitution::Front;
-use super::tangent_solver::TangentSolver;
+use super::tangent_solver::{LinearWork, TangentSolver};
 use super::{axpy, dot};
-
-/// Counters and times.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct LinearWork {
-    /// Numerical factorizations, in either precision.
-    pub factorizations: u32,
-    /// Passes over a factor, or solves without one.
-    pub solves: u32,
-    /// Iterations of solves without a factor.
-    pub iterations: u32,
-    pub seconds_factor: f64,
-    pub seconds_solve: f64,
-}
 
 /// Number type of factors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,19 @@
 
 use super::cholesky::FactorError;
 use super::jacobian::Jacobian;
-use super::sequence::LinearWork;
+
+/// Counters and times.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LinearWork {
+    /// Numerical factorizations, in either precision.
+    pub factorizations: u32,
+    /// Passes over a factor, or solves without one.
+    pub solves: u32,
+    /// Iterations of solves without a factor.
+    pub iterations: u32,
+    pub seconds_factor: f64,
+    pub seconds_solve: f64,
+}
 
 /// Takes Jacobians one after the other, and solves with the last one.
 pub trait TangentSolver {

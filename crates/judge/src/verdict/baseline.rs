@@ -12,8 +12,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-pub use compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_with_baseline};
-pub use left_owing::compare_owed;
+pub use compare::{ComparedRun, Comparison, Deviation, DeviationKind};
 pub use owed::{Owed, Owing};
 
 use super::MeshAndSteps;

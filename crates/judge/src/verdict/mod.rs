@@ -18,7 +18,7 @@ mod table;
 pub use crate::fit::Decision;
 pub use baseline::{
     Baseline, BaselineError, ComparedRun, Comparison, Deviation, DeviationKind, Owed, Owing,
-    Recorded, RecordedCase, compare_owed, compare_with_baseline,
+    Recorded, RecordedCase,
 };
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
@@ -29,5 +29,5 @@ pub use judge::{judge, judge_foreseen};
 pub use judged::{Verdict, exit_code};
 pub use mesh_and_steps::MeshAndSteps;
 pub use prediction::{FloorSource, Prediction, Variable};
-pub use selection::{JudgedPoint, line_keys, line_points};
+pub use selection::{JudgedPoint, line_keys, line_points, most_frequent};
 pub use table::cell_texts;

@@ -127,7 +127,7 @@ impl<'a> Cases<'a> {
 }
 
 /// The most frequent value; of ties the largest.
-fn most_frequent<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
+pub fn most_frequent<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: BTreeMap<T, usize> = BTreeMap::new();
     values.for_each(|value| *counts.entry(value).or_default() += 1);
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(value, _)| value)

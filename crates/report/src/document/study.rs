@@ -115,16 +115,7 @@ impl StudyDocument {
         self.blocks.insert(1.min(self.blocks.len()), Block::Text(vec![Run::plain(text)]));
     }
 
-    /// A table; omitted without rows. Heads of numeric columns begin with `>`.
-    pub fn table(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
-        if !rows.is_empty() {
-            let evidence = rows.len() > MOST_ROWS;
-            let table = Table { evidence, ..Table::new(caption, heads, rows) };
-            self.blocks.push(Block::Table(table));
-        }
-    }
-
-    /// A table of rows of named cells, the names being the heads of [`Self::table`].
+    /// A table of rows of named cells; omitted without rows. Names of numeric columns begin with `>`.
     pub fn records<'a, const N: usize>(
         &mut self,
         caption: impl Into<String>,
@@ -135,8 +126,12 @@ impl StudyDocument {
             heads = row.each_ref().map(|(head, _)| *head);
             row.map(|(_, cell)| cell).into()
         };
-        let rows = rows.into_iter().map(row).collect();
-        self.table(caption, &heads, rows);
+        let rows: Vec<Vec<Run>> = rows.into_iter().map(row).collect();
+        if !rows.is_empty() {
+            let evidence = rows.len() > MOST_ROWS;
+            let table = Table { evidence, ..Table::new(caption, &heads, rows) };
+            self.blocks.push(Block::Table(table));
+        }
     }
 
     /// A picture, if any; `rest` is its file name without `SCENE-` and ending.

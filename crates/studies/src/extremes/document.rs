@@ -31,45 +31,54 @@ impl Climbed {
         });
         let all = format!("{}, every one as expected.", counted(self.rungs.len(), "rung"));
         document.verdict(self.holds(), &all, failures.collect());
-        document.table(
+        document.records(
             "Ladders: what is turned, what is measured, why it is expected, and how many rungs were as expected, refused as expected, or not as expected.",
-            &["ladder", "parameter", "measured", "because", ">as expected", ">refused", ">not"],
-            self.ladders.iter().map(|ladder| self.ladder(ladder)).collect(),
+            self.ladders.iter().map(|ladder| self.ladder(ladder)),
         );
-        document.table(
+        document.records(
             "Rungs: what was expected and measured, the decimal digits that rounding took, Newton iterations per level, the largest KKT residual.",
-            &[
-                "ladder", "at", "expected", ">measured", ">digits lost", ">iterations", ">KKT", "is",
-                "note",
-            ],
-            self.rungs.iter().map(rung).collect(),
+            self.rungs.iter().map(rung),
         );
         let shows = "every rung of the ladders against its expectation (sweep extremes).";
         document.figure("extremes", shows, Some(map(&self.ladders, &self.rungs)));
         document
     }
 
-    fn ladder(&self, ladder: &Ladder) -> Vec<Run> {
+    fn ladder(&self, ladder: &Ladder) -> [(&'static str, Run); 7] {
         let of_ladder = || self.rungs.iter().filter(|rung| rung.ladder == ladder.name);
         let count =
             |standing: Standing| of_ladder().filter(|rung| rung.standing == standing).count();
         let [good, refused] = [Standing::AsExpected, Standing::RefusedAsExpected].map(count);
         let wrong = of_ladder().count() - good - refused;
-        let tone = if wrong == 0 { Tone::Plain } else { Tone::Miss };
-        let words = [ladder.name, ladder.parameter, ladder.quantity, ladder.why].map(Run::plain);
-        let counts = [good, refused].map(|count| Run::plain(count.to_string()));
-        words.into_iter().chain(counts).chain([Run::of(wrong.to_string(), tone)]).collect()
+        [
+            ("ladder", Run::plain(ladder.name)),
+            ("parameter", Run::plain(ladder.parameter)),
+            ("measured", Run::plain(ladder.quantity)),
+            ("because", Run::plain(ladder.why)),
+            (">as expected", Run::plain(good.to_string())),
+            (">refused", Run::plain(refused.to_string())),
+            (">not", Run::of(wrong.to_string(), tone(wrong == 0))),
+        ]
     }
 }
 
-fn rung(rung: &RungRow) -> Vec<Run> {
-    let tone = if rung.standing.as_expected() { Tone::Plain } else { Tone::Miss };
-    let short = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1e}"));
-    let digit = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.1}"));
-    let words = [rung.ladder, &rung.at, &rung.expected].map(Run::plain);
-    let [measured, kkt] = [rung.measured, rung.kkt].map(|value| Run::plain(short(value)));
-    let [lost, iterations] = [rung.digits_lost, rung.iterations].map(|v| Run::plain(digit(v)));
-    let standing = Run::of(rung.standing.words(), tone);
-    let rest = [measured, lost, iterations, kkt, standing, Run::plain(&*rung.note)];
-    words.into_iter().chain(rest).collect()
+fn rung(rung: &RungRow) -> [(&'static str, Run); 9] {
+    let dash = || "–".into();
+    let short = |value: Option<f64>| Run::plain(value.map_or_else(dash, |v| format!("{v:.1e}")));
+    let digit = |value: Option<f64>| Run::plain(value.map_or_else(dash, |v| format!("{v:.1}")));
+    [
+        ("ladder", Run::plain(rung.ladder)),
+        ("at", Run::plain(&*rung.at)),
+        ("expected", Run::plain(&*rung.expected)),
+        (">measured", short(rung.measured)),
+        (">digits lost", digit(rung.digits_lost)),
+        (">iterations", digit(rung.iterations)),
+        (">KKT", short(rung.kkt)),
+        ("is", Run::of(rung.standing.words(), tone(rung.standing.as_expected()))),
+        ("note", Run::plain(&*rung.note)),
+    ]
+}
+
+fn tone(as_expected: bool) -> Tone {
+    if as_expected { Tone::Plain } else { Tone::Miss }
 }

@@ -29,7 +29,7 @@ pub fn csv(rows: &[RungRow]) -> Result<Vec<u8>, csv::Error> {
             ("seconds", digits(Some(row.seconds), 3)),
         ]
     };
-    table::csv(rows.iter().map(row), true)
+    table::csv(rows.iter().map(row))
 }
 
 /// The map of all rows: one line a ladder, one cell a rung, shaded by how far the measured number is within

@@ -2,7 +2,7 @@
 
 use super::extrapolation::{Extrapolated, LastOrder};
 use super::picture::AGAINST;
-use super::{Answer, Answered, Equal, Price, Rival, Study, Term, Trial};
+use super::{Answer, Answered, Equal, Outcome, Price, Rival, Study, Term, Trial};
 use files::megabytes;
 use judge::fit::Interval;
 use report::{Chapter, Run, StudyDocument, Tone, digits};
@@ -19,34 +19,26 @@ impl Study {
             digits(self.size, 5)
         ));
         self.models(&mut document);
-        document.table(
+        let price = |price: &Price| [("what a knob changes", Run::plain(&*price.words))];
+        document.records(
             "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
-            &["what a knob changes"],
-            self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
+            self.prices.iter().map(price),
         );
         let cost = |value: Option<f64>| {
             Run::plain(value.map_or("unknown".into(), |value| format!("E^-{value:.2}")))
         };
-        document.table(
+        document.records(
             "What an error E costs along k ~ h^s: by the models, and between the ends of the grid.",
-            &[">s", ">models", ">measured"],
-            self.paths
-                .iter()
-                .map(|path| {
-                    let s = Run::plain(format!("{:.2}", path.exponent));
-                    vec![s, cost(path.modelled), cost(path.measured)]
-                })
-                .collect(),
+            self.paths.iter().map(|path| {
+                let s = Run::plain(format!("{:.2}", path.exponent));
+                [(">s", s), (">models", cost(path.modelled)), (">measured", cost(path.measured))]
+            }),
         );
         self.elements.iter().for_each(|rival| at_equal_error(&mut document, rival));
         self.extrapolated.iter().for_each(|found| extrapolated(&mut document, found));
-        document.table(
+        document.records(
             "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
-            &[
-                "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
-                "status",
-            ],
-            self.trials.iter().map(trial).collect(),
+            self.trials.iter().map(trial),
         );
         for against in &AGAINST {
             let caption = format!("{}, with the Pareto front (sweep trade).", against.shows);
@@ -114,33 +106,31 @@ fn bracketed(interval: Interval) -> String {
     }
 }
 
-fn trial(trial: &Trial) -> Vec<Run> {
-    let [n, steps] = [trial.n, trial.steps].map(|count| count.to_string());
-    let mut cells: Vec<Run> = [trial.knob.name(), n, steps].map(Run::plain).into();
-    match &trial.outcome {
-        Ok(run) => cells.extend(
-            [
-                format!("{:.4e}", run.error),
-                format!("{:.4}", run.seconds),
-                format!("+{:.0} %", 100.0 * (run.slowest / run.seconds - 1.0)),
-                format!("{:.0} %", 100.0 * run.load_share),
-                megabytes(run.bytes),
-                match (trial.front, trial.front_memory, trial.tie) {
-                    (true, ..) => "on it".into(),
-                    (_, true, _) => "memory".into(),
-                    (.., true) => "tie".into(),
-                    _ => String::new(),
-                },
-                "converged".into(),
-            ]
-            .map(Run::plain),
-        ),
-        Err(reason) => {
-            cells.extend((0..6).map(|_| Run::plain("–")));
-            cells.push(Run::of(format!("failed: {reason}"), Tone::Miss));
-        }
-    }
-    cells
+fn trial(trial: &Trial) -> [(&'static str, Run); 10] {
+    let of_run = |cell: fn(&Outcome) -> String| Run::plain(trial.done().map_or("–".into(), cell));
+    let front = match (&trial.outcome, trial.front, trial.front_memory, trial.tie) {
+        (Err(_), ..) => "–",
+        (_, true, ..) => "on it",
+        (_, _, true, _) => "memory",
+        (.., true) => "tie",
+        _ => "",
+    };
+    let status = match &trial.outcome {
+        Ok(_) => Run::plain("converged"),
+        Err(reason) => Run::of(format!("failed: {reason}"), Tone::Miss),
+    };
+    [
+        ("knob", Run::plain(trial.knob.name())),
+        (">n", Run::plain(trial.n.to_string())),
+        (">N", Run::plain(trial.steps.to_string())),
+        (">error", of_run(|run| format!("{:.4e}", run.error))),
+        (">CPU s", of_run(|run| format!("{:.4}", run.seconds))),
+        (">spread", of_run(|run| format!("+{:.0} %", 100.0 * (run.slowest / run.seconds - 1.0)))),
+        (">in loads", of_run(|run| format!("{:.0} %", 100.0 * run.load_share))),
+        (">memory", of_run(|run| megabytes(run.bytes))),
+        ("front", Run::plain(front)),
+        ("status", status),
+    ]
 }
 
 fn at_equal_error(document: &mut StudyDocument, rival: &Rival) {
@@ -149,26 +139,24 @@ fn at_equal_error(document: &mut StudyDocument, rival: &Rival) {
         let sign = if beyond { "*" } else { "" };
         format!("n = {}, N = {}, {:.2e} s{sign}", answer.n, answer.steps, answer.seconds)
     };
+    let knob = rival.knob.name();
+    let head = format!(">{knob}");
     let row = |at: &Equal| {
         let [plain, other] = at.extrapolates;
-        let cells = [
-            format!("{:.2e}", at.error),
-            run(&at.as_written, plain),
-            run(&at.rival, other),
-            match at.speed >= 1.0 {
-                true => format!("{}, {:.1} times", rival.knob.name(), at.speed),
-                false => format!("as written, {:.1} times", 1.0 / at.speed),
-            },
-        ];
-        cells.map(Run::plain).into()
+        let faster = match at.speed >= 1.0 {
+            true => format!("{knob}, {:.1} times", at.speed),
+            false => format!("as written, {:.1} times", 1.0 / at.speed),
+        };
+        [
+            (">error", Run::plain(format!("{:.2e}", at.error))),
+            (">as written", Run::plain(run(&at.as_written, plain))),
+            (head.as_str(), Run::plain(run(&at.rival, other))),
+            ("faster", Run::plain(faster)),
+        ]
     };
-    document.table(
-        format!(
-            "{} at equal error: the cheapest runs by the models of error and cost; * finer than what was run.",
-            rival.knob.name()
-        ),
-        &[">error", ">as written", &format!(">{}", rival.knob.name()), "faster"],
-        rival.equal_error.iter().map(row).collect(),
+    document.records(
+        format!("{knob} at equal error: the cheapest runs by the models of error and cost; * finer than what was run."),
+        rival.equal_error.iter().map(row),
     );
 }
 
@@ -178,14 +166,17 @@ fn extrapolated(document: &mut StudyDocument, found: &Extrapolated) {
         Some(LastOrder { last, interval: None }) => format!("{last:.2}"),
         None => "unknown".into(),
     });
+    let head = format!(">{}", found.step);
     let row = |(step, plain, better): &(f64, f64, Option<f64>)| {
         let better = better.map_or_else(|| "–".into(), |error| format!("{error:.3e}"));
-        [format!("{step:.6}"), format!("{plain:.3e}"), better].map(Run::plain).into()
+        [
+            (head.as_str(), Run::plain(format!("{step:.6}"))),
+            (">error", Run::plain(format!("{plain:.3e}"))),
+            (">extrapolated", Run::plain(better)),
+        ]
     };
-    let step = format!(">{}", found.step);
-    document.table(
+    document.records(
         format!("Extrapolated: {}; last order {plain}, extrapolated {better}.", found.what),
-        &[&step, ">error", ">extrapolated"],
-        found.rows.iter().map(row).collect(),
+        found.rows.iter().map(row),
     );
 }

@@ -132,8 +132,7 @@ impl Table {
     /// The file system's.
     pub(crate) fn write(&self, trials: &[Trial]) -> Result<(), FileError> {
         let rows = trials.iter().map(|trial| row(&self.scene, &self.norm, trial));
-        let bytes =
-            table::csv(rows, true).map_err(io::Error::from).map_err(FileError::at(&self.path));
+        let bytes = table::csv(rows).map_err(io::Error::from).map_err(FileError::at(&self.path));
         replace_file(&self.path, &bytes?)
     }
 }

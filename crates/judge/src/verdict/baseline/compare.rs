@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::tolerance::{REPEATED_WITHIN, in_percent};
 use super::{Baseline, Owing, RecordedCase};
 use crate::record::{CaseRecord, Key, Status};
-use crate::verdict::{Decision, Variable};
+use crate::verdict::{Decision, Variable, Verdict};
 
 /// Share or number by which work may grow: an iteration more in a few steps is rounding.
 const WORK_SHARE: f64 = 0.10;
@@ -110,39 +110,47 @@ impl Comparison {
     }
 }
 
-/// Compares the records of `runs` with a baseline.
-pub fn compare_with_baseline(
-    baseline: &Baseline,
-    runs: &[ComparedRun],
-    records: &[CaseRecord],
-) -> Comparison {
-    let mut comparison = Comparison::default();
-    for run in runs {
-        let Some(recorded) = baseline.scenes.get(&run.scene) else {
-            comparison.not_recorded.push(run.scene.clone());
-            continue;
-        };
-        comparison.scenes.push(run.scene.clone());
-        if recorded.hash != run.hash {
-            let reason = format!(
-                "{}: the scene file changed after it was recorded: nothing to compare",
-                run.scene
-            );
-            comparison.deviations.push(Deviation::of(DeviationKind::Stale, &run.scene, reason));
-            continue;
-        }
-        let of_scene = || records.iter().rev().filter(|record| record.scene == run.scene);
-        for case in &recorded.cases {
-            let planned = run.planned.iter().any(|key| case.is_case(key.n, key.steps));
-            if planned || run.own_grids {
-                let found = of_scene().find(|record| case.is_case(record.n, record.steps));
-                let converged = found.is_some_and(CaseRecord::converged);
-                comparison.compared += if converged { case.errors.len() } else { 0 };
-                comparison.deviations.extend(compare_case(&run.scene, case, found));
+impl Baseline {
+    /// Compares runs of scenes with their records: errors and work, and what the verdicts leave owing. Scenes on other
+    /// than their default grids, or left out of the comparison, owe nothing.
+    pub fn compare(
+        &self,
+        runs: &[ComparedRun],
+        records: &[CaseRecord],
+        verdicts: &[Verdict],
+    ) -> Comparison {
+        let (mut comparison, mut left_owing) = (Comparison::default(), Vec::new());
+        for run in runs {
+            let Some(recorded) = self.scenes.get(&run.scene) else {
+                comparison.not_recorded.push(run.scene.clone());
+                continue;
+            };
+            comparison.scenes.push(run.scene.clone());
+            if recorded.hash != run.hash {
+                let reason = format!(
+                    "{}: the scene file changed after it was recorded: nothing to compare",
+                    run.scene
+                );
+                comparison.deviations.push(Deviation::of(DeviationKind::Stale, &run.scene, reason));
+                continue;
+            }
+            let of_scene = || records.iter().rev().filter(|record| record.scene == run.scene);
+            for case in &recorded.cases {
+                let planned = run.planned.iter().any(|key| case.is_case(key.n, key.steps));
+                if planned || run.own_grids {
+                    let found = of_scene().find(|record| case.is_case(record.n, record.steps));
+                    let converged = found.is_some_and(CaseRecord::converged);
+                    comparison.compared += if converged { case.errors.len() } else { 0 };
+                    comparison.deviations.extend(compare_case(&run.scene, case, found));
+                }
+            }
+            if run.own_grids {
+                left_owing.extend(comparison.owe(&run.scene, recorded, verdicts));
             }
         }
+        comparison.deviations.extend(left_owing);
+        comparison
     }
-    comparison
 }
 
 impl Deviation {

@@ -1,8 +1,7 @@
 //! Compares what a run settled with what its scenes owe, so that a gate which judges less than before fails.
 
-use super::compare::{ComparedRun, Comparison, Deviation, DeviationKind, compare_with_baseline};
-use super::{Baseline, Owed};
-use crate::record::CaseRecord;
+use super::compare::{Comparison, Deviation, DeviationKind};
+use super::{Baseline, Owed, Recorded};
 use crate::verdict::Verdict;
 use files::counted;
 
@@ -14,42 +13,6 @@ impl Baseline {
             recorded.owes = Some(Owed::of_scene(scene, verdicts));
         }
         self
-    }
-
-    /// Compares runs of scenes with their records: errors and work, and what the verdicts leave owing.
-    pub fn compare(
-        &self,
-        runs: &[ComparedRun],
-        records: &[CaseRecord],
-        verdicts: &[Verdict],
-    ) -> Comparison {
-        let mut comparison = compare_with_baseline(self, runs, records);
-        compare_owed(self, runs, verdicts, &mut comparison);
-        comparison
-    }
-}
-
-/// Adds what `runs` still owe to a comparison. Scenes on other than their default grids, or left out of the comparison,
-/// owe nothing.
-pub fn compare_owed(
-    baseline: &Baseline,
-    runs: &[ComparedRun],
-    verdicts: &[Verdict],
-    comparison: &mut Comparison,
-) {
-    for run in runs.iter().filter(|run| run.own_grids) {
-        let recorded = baseline.scenes.get(&run.scene);
-        let Some(recorded) = recorded.filter(|recorded| recorded.hash == run.hash) else {
-            continue;
-        };
-        let Some(owes) = &recorded.owes else {
-            comparison.owed_not_said.push(run.scene.clone());
-            continue;
-        };
-        comparison.owed.verdicts += owes.len();
-        comparison.owed.constants += owes.iter().map(|owed| owed.constants.len()).sum::<usize>();
-        let settled = Owed::of_scene(&run.scene, verdicts);
-        comparison.deviations.extend(left_owing(&run.scene, owes, settled));
     }
 }
 
@@ -83,6 +46,22 @@ fn deviation(scene: &str, owed: &Owed, what: &str) -> Deviation {
 }
 
 impl Comparison {
+    /// Counts what a scene owes on its default grids, and says what the verdicts leave of it.
+    pub(super) fn owe(
+        &mut self,
+        scene: &str,
+        recorded: &Recorded,
+        verdicts: &[Verdict],
+    ) -> Vec<Deviation> {
+        let Some(owes) = &recorded.owes else {
+            self.owed_not_said.push(scene.to_owned());
+            return Vec::new();
+        };
+        self.owed.verdicts += owes.len();
+        self.owed.constants += owes.iter().map(|owed| owed.constants.len()).sum::<usize>();
+        left_owing(scene, owes, Owed::of_scene(scene, verdicts))
+    }
+
     /// What was owed, and whether the baseline recorded it.
     pub(super) fn owed_in_words(&self) -> Vec<String> {
         let mut lines = Vec::new();

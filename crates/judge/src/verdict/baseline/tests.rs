@@ -28,7 +28,7 @@ fn compared(records: &[CaseRecord], hash: &str, own_grids: bool) -> Comparison {
     let key = |steps| Key { scene: "block".into(), n: Some(8), steps };
     let planned = if own_grids { vec![key(4), key(8)] } else { vec![key(4)] };
     let run = ComparedRun { scene: "block".into(), hash: hash.into(), planned, own_grids };
-    compare_with_baseline(&baseline(), &[run], records)
+    baseline().compare(&[run], records, &[])
 }
 
 #[track_caller]
@@ -110,7 +110,7 @@ fn a_baseline_without_the_newer_counters_is_read() {
     let restless = CaseRecord { active_set_changes: 999, ..record(4, 1.23456789e-2) };
     let (scene, hash) = ("block".into(), "hash".into());
     let run = ComparedRun { scene, hash, planned: vec![restless.key()], own_grids: true };
-    assert!(compare_with_baseline(&old, &[run], &[restless]).deviations.is_empty());
+    assert!(old.compare(&[run], &[restless], &[]).deviations.is_empty());
     assert!(
         old.changes(&Baseline::of(&[record(4, 1.23456789e-2)], &[("block", "hash")])).is_empty()
     );
@@ -127,7 +127,7 @@ fn work_may_grow_a_little() {
             own_grids: true,
         };
         let baseline = Baseline::of(&[counted(recorded)], &[("block", "hash")]);
-        let found = compare_with_baseline(&baseline, &[run], &[counted(now)]);
+        let found = baseline.compare(&[run], &[counted(now)], &[]);
         !found.deviations.is_empty()
     };
     assert!(!grown(2, 4) && grown(2, 5));
@@ -165,7 +165,7 @@ fn a_scene_that_is_not_recorded_is_said() {
         planned: Vec::new(),
         own_grids: true,
     };
-    let comparison = compare_with_baseline(&baseline(), &[run], &records());
+    let comparison = baseline().compare(&[run], &records(), &[]);
     assert_eq!((comparison.not_recorded.len(), comparison.exit_code()), (1, 0));
     assert!(comparison.lines()[0].contains("not recorded, hence not compared: new"));
 }

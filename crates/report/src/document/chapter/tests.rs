@@ -30,9 +30,10 @@ fn study(chapter: Chapter, holds: bool) -> StudyDocument {
         study = study.of_scene("s", "now");
     }
     study.verdict(holds, &format!("All of {name} holds."), vec![format!("{name}: 2 against 1")]);
-    let rows = vec![vec![Run::plain("x"), Run::of("0.5", Tone::Code)], vec![Run::plain("y"); 2]];
-    study.table(format!("Numbers of {name}."), &["what", ">value"], rows);
-    study.table(format!("Other numbers of {name}."), &[">k"], vec![vec![Run::plain("0.25")]]);
+    let row = |what: &str, value: Run| [("what", Run::plain(what)), (">value", value)];
+    let rows = [row("x", Run::of("0.5", Tone::Code)), row("y", Run::plain("y"))];
+    study.records(format!("Numbers of {name}."), rows);
+    study.records(format!("Other numbers of {name}."), [[(">k", Run::plain("0.25"))]]);
     study.figure(&name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
     study
 }

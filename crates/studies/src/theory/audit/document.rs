@@ -133,7 +133,7 @@ impl SceneAudit {
             ]
         };
         let rows = self.cases.iter().flat_map(|case| case.rows.iter().map(move |r| (case, r)));
-        table::csv(rows.map(|(case, line)| row(case, line)), true)
+        table::csv(rows.map(|(case, line)| row(case, line)))
     }
 
     /// The audit as a document.

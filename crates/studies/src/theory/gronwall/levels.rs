@@ -10,7 +10,7 @@ impl Study {
     /// # Errors
     /// The writer's.
     pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
-        table::csv(self.judged().flat_map(|(name, _, judged)| levels(&name, judged)), true)
+        table::csv(self.judged().flat_map(|(name, _, judged)| levels(&name, judged)))
     }
 }
 
