@@ -105,7 +105,7 @@ fn long_no_shipped_scene_violates_the_chain() {
         if scene.sweep.is_none() {
             continue;
         }
-        let n = scene.sweep.as_ref().and_then(|sweep| sweep.n.first()).map(|&n| n as u32);
+        let n = scene.sweep.as_ref().and_then(|sweep| sweep.n.first()).copied();
         // Where m0 is 0 by construction and 1e-16 by rounding, the recurrence is what refuses.
         let without_bound = scene.violates.contains(&Hypothesis::Smallness);
         let subject = Subject::new(scene).unwrap_or_else(|error| panic!("{error}"));

@@ -221,7 +221,7 @@ fn integrated() -> impl Iterator<Item = (Setup, Arc<Exact>, Arc<Discretization>)
     bodies().filter(move |setup| !interpolated(setup)).filter_map(|setup| {
         let exact = setup.exact.clone()?;
         let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
-        let space = setup.space(n.unwrap_or(4) as u32).unwrap_or_else(|error| panic!("{error}"));
+        let space = setup.space(n.unwrap_or(4)).unwrap_or_else(|error| panic!("{error}"));
         Some((setup, exact, space))
     })
 }

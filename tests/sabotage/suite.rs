@@ -158,7 +158,7 @@ impl Trial {
         let body = match plan.subject {
             Subject::Contact(sound) => {
                 let reference = plan.reference.map(|reference| {
-                    let (n, steps) = (reference.n as u32, reference.steps as u32);
+                    let (n, steps) = (reference.n, reference.steps);
                     let run = reference_run(&sound, n, steps, 1);
                     Arc::new(run.unwrap_or_else(|e| panic!("{e}")))
                 });

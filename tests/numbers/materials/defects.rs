@@ -15,9 +15,9 @@ fn judged(setup: Setup) -> (Decision, String) {
     let norm = setup.scene.predicts[0].norm;
     let mut records = Vec::new();
     for &n in &sweep.n {
-        let data = on_mesh(&setup, n as u32);
+        let data = on_mesh(&setup, n);
         for &steps in &sweep.steps {
-            let case = CasePlan { n: Some(n as u32), steps: steps as u32, norms: vec![norm] };
+            let case = CasePlan { n: Some(n), steps, norms: vec![norm] };
             records.push(run_contact_case(&setup, &data, &case));
         }
     }
