@@ -9,12 +9,7 @@ pub const WIDTH: usize = 4;
 
 /// A real number; several on which each operation acts and rounds separately; or one with its derivative.
 pub trait Number:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + From<f64>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + From<f64>
 {
     fn sqrt(self) -> Self;
 
