@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 
-use super::row::{self, Row};
-use super::{COLUMNS, CaseRecord, Key, RecordError, norm_rank};
+use super::row::{self, HEADER, Row, WIDTH};
+use super::{CaseRecord, Key, RecordError, norm_rank};
 use files::{read_file, replace_file};
 
 /// The table of cases, open for appending.
@@ -32,12 +32,12 @@ impl Journal {
         };
         let Scan { intact, width, .. } = scan(path, &bytes)?;
         // Rows of two lengths would make the table unreadable.
-        check_header(path, &bytes, intact == 0 || width == COLUMNS.len())?;
+        check_header(path, &bytes, intact == 0 || width == WIDTH)?;
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(&io_error)?;
         file.set_len(intact).map_err(&io_error)?;
         let mut journal = Self { path: path.to_owned(), file };
         if intact == 0 {
-            journal.write(&lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(&io_error)?)?;
+            journal.write(format!("{HEADER}\n").as_bytes())?;
         }
         Ok(journal)
     }
@@ -150,7 +150,7 @@ fn every_entry(path: &Path) -> Result<CaseTable, RecordError> {
         cases: cases(path, &sound)?,
         changed: changed.into_iter().map(|(line, _)| line).collect(),
         torn: intact < bytes.len() as u64,
-        checked: width == COLUMNS.len(),
+        checked: width == WIDTH,
     })
 }
 
@@ -180,7 +180,7 @@ pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError
     let io_error = RecordError::io(path);
     let mut sorted: BTreeMap<Key, CaseRecord> =
         cases.iter().map(|case| (case.key(), case.clone())).collect();
-    let mut bytes = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(&io_error)?;
+    let mut bytes = format!("{HEADER}\n").into_bytes();
     for case in sorted.values_mut() {
         case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
         bytes.extend(case_lines(case, path)?);
@@ -217,13 +217,13 @@ struct Scan {
 fn scan(path: &Path, bytes: &[u8]) -> Result<Scan, RecordError> {
     let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     if whole == 0 {
-        return check_header(path, bytes, COLUMNS.join(",").as_bytes().starts_with(bytes))
-            .map(|()| Scan { rows: Vec::new(), intact: 0, width: COLUMNS.len() });
+        check_header(path, bytes, HEADER.as_bytes().starts_with(bytes))?;
+        return Ok(Scan { rows: Vec::new(), intact: 0, width: WIDTH });
     }
     let (mut rows, mut places) = parse_lines(path, &bytes[..whole])?;
     let width = rows.first().and_then(|(_, first)| row::width(first));
     check_header(path, bytes, width.is_some())?;
-    let width = width.unwrap_or(COLUMNS.len());
+    let width = width.unwrap_or(WIDTH);
     rows.remove(0);
     let mut intact = whole as u64;
     if rows.last().is_some_and(|(_, last)| last.len() != width) {

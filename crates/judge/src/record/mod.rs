@@ -3,7 +3,6 @@
 //! A case is one solve of a scene on one mesh (`n`) with one time grid (`steps`). It has one error per norm, and in
 //! `cases.csv` one row per error.
 
-mod columns;
 mod journal;
 mod norm;
 mod row;
@@ -14,7 +13,6 @@ use std::path::{Path, PathBuf};
 use files::counted;
 use serde::{Deserialize, Serialize};
 
-pub use columns::COLUMNS;
 pub use journal::{CaseTable, Journal, read, read_finished, read_table, write_sorted};
 pub use norm::{
     CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
@@ -169,7 +167,7 @@ pub enum RecordError {
     #[error("{}: the table was removed or replaced while the sweep wrote it: its records are lost; run the sweep again", path.display())]
     Gone { path: PathBuf },
     /// A line in the middle has the wrong number of fields.
-    #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), COLUMNS.len())]
+    #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), row::WIDTH)]
     Fields { path: PathBuf, line: u64, found: usize },
     /// A field does not parse as its column's type.
     #[error("{}:{line}: {value:?} is no value of the column {column}", path.display())]
