@@ -7,12 +7,7 @@ pub const WIDTH: usize = 4;
 
 /// A real number, or several on which each operation acts and rounds separately.
 pub trait Number:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + From<f64>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + From<f64>
 {
     fn sqrt(self) -> Self;
 
