@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 
-use super::row::{self, HEADER, Row, WIDTH};
-use super::{CaseRecord, Key, RecordError, norm_rank};
+use super::row::{self, Row};
+use super::{CaseRecord, HEADER, Key, RecordError, WIDTH, norm_rank};
 use files::{read_file, replace_file};
 
 /// The table of cases, open for appending.

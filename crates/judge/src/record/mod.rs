@@ -20,6 +20,13 @@ pub use norm::{
     norm_rank,
 };
 
+/// The first line of `cases.csv`, a contract: extend, do not rename.
+const HEADER: &str = "scene,dimension,n,steps,h,k,dofs,elements,norm,error,floor,status,\
+    newton_iterations,active_set_changes,factorizations,seconds_load,seconds_assemble,\
+    seconds_factor,seconds_solve,seconds_total,peak_history_bytes,checksum";
+/// Fields of a row.
+const WIDTH: usize = 22;
+
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Key {
@@ -167,7 +174,7 @@ pub enum RecordError {
     #[error("{}: the table was removed or replaced while the sweep wrote it: its records are lost; run the sweep again", path.display())]
     Gone { path: PathBuf },
     /// A line in the middle has the wrong number of fields.
-    #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), row::WIDTH)]
+    #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), WIDTH)]
     Fields { path: PathBuf, line: u64, found: usize },
     /// A field does not parse as its column's type.
     #[error("{}:{line}: {value:?} is no value of the column {column}", path.display())]

@@ -5,21 +5,15 @@ use std::str::FromStr;
 
 use csv::StringRecord;
 
-use super::{CaseRecord, NormError, RecordError, Status};
+use super::{CaseRecord, HEADER, NormError, RecordError, Status, WIDTH};
 use files::fnv_1a;
 
-/// The first line of `cases.csv`, a contract: extend, do not rename.
-pub(super) const HEADER: &str = "scene,dimension,n,steps,h,k,dofs,elements,norm,error,floor,status,\
-    newton_iterations,active_set_changes,factorizations,seconds_load,seconds_assemble,\
-    seconds_factor,seconds_solve,seconds_total,peak_history_bytes,checksum";
 /// Columns of the norm; the others belong to the case.
 const NORM_COLUMNS: std::ops::Range<usize> = 8..11;
 /// Columns that may differ between equal runs.
 const SECONDS: std::ops::Range<usize> = 15..20;
 /// Checksum of all other columns but `seconds_*`.
-const CHECKSUM: usize = 21;
-/// Fields of a row.
-pub(super) const WIDTH: usize = CHECKSUM + 1;
+const CHECKSUM: usize = WIDTH - 1;
 
 /// Number of fields under this header; none if it is not that of a table of cases. Foreign tables may lack checksums.
 pub(super) fn width(header: &StringRecord) -> Option<usize> {
