@@ -87,7 +87,7 @@ impl Separation {
         let factors = times(&factors);
         let remembered_alone = (0..parts.len()).map(|m| m >= present).collect();
         let [interior, forces] =
-            [inside, forces].map(|all| Program::compile_once(&graph, &all, data.horizon));
+            [inside, forces].map(|all| Program::compile(&graph, &all, data.horizon));
         Some(Self { factors, of_stress, interior, forces, remembered_alone })
     }
 

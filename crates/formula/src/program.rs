@@ -53,18 +53,8 @@ impl Program {
     /// Prepares the outputs for times from 0 to about `horizon`. Later times are allowed; the panels of hereditary
     /// integrals are horizon/16 wide, narrower for fast relaxation.
     pub fn compile(graph: &Graph, outputs: &[Node], horizon: f64) -> Self {
-        Self::of(graph, outputs, horizon, false)
-    }
-
-    /// Compiles for one time at any points: nothing is precomputed at binding.
-    pub fn compile_once(graph: &Graph, outputs: &[Node], horizon: f64) -> Self {
-        Self::of(graph, outputs, horizon, true)
-    }
-
-    fn of(graph: &Graph, outputs: &[Node], horizon: f64, once: bool) -> Self {
         let histories = HistoryPlan::groups(graph, outputs, horizon);
-        // Integrals read precomputed values.
-        let mut compiler = Compiler::new(graph, &histories, outputs, once && histories.is_empty());
+        let mut compiler = Compiler::new(graph, &histories, outputs);
         let outputs = compiler.places_of_outputs(outputs);
         compiler.choose_slots(&outputs);
         let (mut plan, slots) = compiler.plan(&outputs);
@@ -125,18 +115,17 @@ type Stage = (u8, bool);
 struct Compiler<'a> {
     graph: &'a Graph,
     histories: &'a [HistoryPlan],
-    once: bool,
     costs: Vec<u32>,
     slots: Slots,
     stored: Vec<Place>,
 }
 
 impl<'a> Compiler<'a> {
-    fn new(graph: &'a Graph, histories: &'a [HistoryPlan], outputs: &[Node], once: bool) -> Self {
+    fn new(graph: &'a Graph, histories: &'a [HistoryPlan], outputs: &[Node]) -> Self {
         // Guards are separate from what they guard.
         let inner = histories.iter().flat_map(HistoryPlan::roots);
         let costs = graph.costs(&outputs.iter().copied().chain(inner).collect::<Vec<Node>>());
-        Self { graph, histories, once, costs, slots: Slots::new(), stored: Vec::new() }
+        Self { graph, histories, costs, slots: Slots::new(), stored: Vec::new() }
     }
 
     fn space(&self, n: Node) -> u8 {
@@ -144,7 +133,7 @@ impl<'a> Compiler<'a> {
     }
 
     fn is_fixed(&self, n: Node) -> bool {
-        !self.once && self.graph.dependence(n).is_static()
+        self.graph.dependence(n).is_static()
     }
 
     /// Whether a node is recomputed wherever it is needed.
@@ -315,7 +304,5 @@ mod tests {
         // (1 - y²) sin(x) and y + 1 are fixed.
         assert_eq!(computed(&plan), [vec![0b01, both, both], vec![0, both]]);
         assert_eq!(plan.coordinates.len(), 3);
-        let plan = Program::compile_once(&graph, &outputs, 1.0).plan;
-        assert_eq!(computed(&plan), [vec![], vec![0, 0b01, both, both]]);
     }
 }

@@ -62,26 +62,6 @@ fn tapes_agree_with_plain_evaluation() {
     }
 }
 
-/// Programs for one time and for all times agree bit for bit; integrals are kept in both.
-#[test]
-fn values_for_one_time_are_those_for_all() {
-    let (mut graph, mut outputs, points) = setup();
-    let scope = everything();
-    let cheap = ["(1 - y^2)*(1 + 0.2*x*z)*sin(x)", "(x + z)*exp(z)*t", "x - z", "t*y", "7"];
-    outputs.extend(cheap.map(|text| node(&mut graph, &scope, text)));
-    let with_integrals = outputs.clone();
-    outputs.retain(|&f| !graph.dependence(f).on_history());
-    assert!(outputs.len() > cheap.len() && outputs.len() < with_integrals.len());
-    for all in [outputs, with_integrals] {
-        let mut kept = Program::compile(&graph, &all, 1.0).bind(&points);
-        let mut once = Program::compile_once(&graph, &all, 1.0).bind(&points);
-        for (t, zeta) in [(0.83, 0.3), (0.0, -1.0)] {
-            let [kept, once] = [&mut kept, &mut once].map(|bound| run(bound, all.len(), t, zeta));
-            assert_eq!(bits(&kept), bits(&once), "at {t}");
-        }
-    }
-}
-
 #[test]
 fn values_do_not_depend_on_what_was_evaluated_before() {
     let (graph, outputs, points) = setup();
