@@ -86,7 +86,7 @@ fn pruned(mut plan: ScenePlan) -> ScenePlan {
     let most = plan.cases.iter().map(|case| case.steps).max();
     let enough = plan.cases.iter().map(|case| case.steps).filter(|&steps| steps >= ENOUGH).min();
     let finest = plan.cases.iter().filter_map(|case| case.n).max();
-    let judged = window.map_or(finest, |window| Some(window[0] as u32));
+    let judged = window.map_or(finest, |window| Some(window[0]));
     let line = enough.or(most);
     let in_time = plan.scene().predicts.iter().any(|p| p.variable != Direction::H);
     plan.cases.retain(|case| Some(case.steps) == line || (in_time && case.n == judged));

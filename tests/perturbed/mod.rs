@@ -20,7 +20,7 @@ fn largest_amplitude(levels: usize) -> f64 {
 const LARGEST_SHIFT: f64 = 1.25;
 
 /// Coarser levels than this are not shifted: rounding would change their ratios by more than a tenth.
-const COARSEST_SHIFTED: usize = 4;
+const COARSEST_SHIFTED: u32 = 4;
 
 /// What a scene's prediction needs of its time grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl Draws {
 /// Levels of the prediction in h that has the fewest.
 fn levels_in_h(scene: &Scene) -> usize {
     let Some(sweep) = &scene.sweep else { return 0 };
-    let counted = |window: Option<[usize; 2]>| match window {
+    let counted = |window: Option<[u32; 2]>| match window {
         Some([first, last]) => sweep.n.iter().filter(|&&n| first <= n && n <= last).count(),
         None => sweep.n.len(),
     };
@@ -159,9 +159,9 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     // Of levels 3, 4 and 6 a shifted copy has other ratios.
     let own_levels = own_mesh || sweep.n.first().is_some_and(|&n| n < COARSEST_SHIFTED);
     let n = if own_levels { sweep.n.clone() } else { shifted(&mut draws, &sweep.n) };
-    let moved = |[first, last]: [usize; 2]| {
+    let moved = |[first, last]: [u32; 2]| {
         // A window of levels means the same levels, shifted.
-        let at = |value: usize| {
+        let at = |value: u32| {
             let levels = sweep.n.iter().zip(&n);
             levels
                 .min_by_key(|(level, _)| level.abs_diff(value))
@@ -181,8 +181,11 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
 }
 
 /// `levels` times a common factor: ratios stay, to rounding, and doubled levels are doubled exactly.
-fn shifted(draws: &mut Draws, levels: &[usize]) -> Vec<usize> {
+fn shifted(draws: &mut Draws, levels: &[u32]) -> Vec<u32> {
     let Some(&first) = levels.first() else { return Vec::new() };
-    let coarsest = (first as f64 * draws.between(1.0, LARGEST_SHIFT)).round();
-    levels.iter().map(|&level| (coarsest * level as f64 / first as f64).round() as usize).collect()
+    let coarsest = (f64::from(first) * draws.between(1.0, LARGEST_SHIFT)).round();
+    levels
+        .iter()
+        .map(|&level| (coarsest * f64::from(level) / f64::from(first)).round() as u32)
+        .collect()
 }
