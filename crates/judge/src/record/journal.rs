@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use csv::StringRecord;
 
 use super::row::{self, Row};
-use super::{CaseRecord, HEADER, Key, RecordError, WIDTH, norm_rank};
+use super::{COLUMNS, CaseRecord, Key, RecordError, norm_rank};
 use files::{FileError, if_there, read_file, replace_file};
 
 /// The table of cases, open for appending.
@@ -29,12 +29,12 @@ impl Journal {
         let bytes = if_there(read_file(path))?.unwrap_or_default();
         let Scan { intact, width, .. } = scan(path, &bytes)?;
         // Rows of two lengths would make the table unreadable.
-        check_header(path, &bytes, intact == 0 || width == WIDTH)?;
+        check_header(path, &bytes, intact == 0 || width == COLUMNS.len())?;
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(&refused)?;
         file.set_len(intact).map_err(&refused)?;
         let mut journal = Self { path: path.to_owned(), file };
         if intact == 0 {
-            journal.write(format!("{HEADER}\n").as_bytes())?;
+            journal.write(header().as_bytes())?;
         }
         Ok(journal)
     }
@@ -147,7 +147,7 @@ fn every_entry(path: &Path) -> Result<CaseTable, RecordError> {
         cases: cases(path, &sound)?,
         changed: changed.into_iter().map(|(line, _)| line).collect(),
         torn: intact < bytes.len() as u64,
-        checked: width == WIDTH,
+        checked: width == COLUMNS.len(),
     })
 }
 
@@ -176,7 +176,7 @@ fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
 pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError> {
     let mut sorted: BTreeMap<Key, CaseRecord> =
         cases.iter().map(|case| (case.key(), case.clone())).collect();
-    let mut bytes = format!("{HEADER}\n").into_bytes();
+    let mut bytes = header().into_bytes();
     for case in sorted.values_mut() {
         case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
         bytes.extend(case_lines(case, path)?);
@@ -191,6 +191,11 @@ fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
         }
     }
     Ok(lines(&row::encode(case)).map_err(FileError::at(path))?)
+}
+
+/// The first line.
+fn header() -> String {
+    COLUMNS.join(",") + "\n"
 }
 
 fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
@@ -213,13 +218,13 @@ struct Scan {
 fn scan(path: &Path, bytes: &[u8]) -> Result<Scan, RecordError> {
     let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     if whole == 0 {
-        check_header(path, bytes, HEADER.as_bytes().starts_with(bytes))?;
-        return Ok(Scan { rows: Vec::new(), intact: 0, width: WIDTH });
+        check_header(path, bytes, header().as_bytes().starts_with(bytes))?;
+        return Ok(Scan { rows: Vec::new(), intact: 0, width: COLUMNS.len() });
     }
     let (mut rows, mut places) = parse_lines(path, &bytes[..whole])?;
     let width = rows.first().and_then(|(_, first)| row::width(first));
     check_header(path, bytes, width.is_some())?;
-    let width = width.unwrap_or(WIDTH);
+    let width = width.unwrap_or(COLUMNS.len());
     rows.remove(0);
     let mut intact = whole as u64;
     if rows.last().is_some_and(|(_, last)| last.len() != width) {

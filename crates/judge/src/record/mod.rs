@@ -3,6 +3,7 @@
 //! A case is one solve of a scene on one mesh (`n`) with one time grid (`steps`). It has one error per norm, and in
 //! `cases.csv` one row per error.
 
+mod columns;
 mod journal;
 mod norm;
 mod row;
@@ -12,19 +13,13 @@ use std::path::PathBuf;
 use files::{FileError, counted};
 use serde::{Deserialize, Serialize};
 
+pub use columns::COLUMNS;
 pub use journal::{CaseTable, Journal, read, read_finished, read_table, write_sorted};
 pub use norm::{
     CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
     TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
     norm_rank,
 };
-
-/// The first line of `cases.csv`, a contract: extend, do not rename.
-const HEADER: &str = "scene,dimension,n,steps,h,k,dofs,elements,norm,error,floor,status,\
-    newton_iterations,active_set_changes,factorizations,seconds_load,seconds_assemble,\
-    seconds_factor,seconds_solve,seconds_total,peak_history_bytes,checksum";
-/// Fields of a row.
-const WIDTH: usize = 22;
 
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -166,7 +161,7 @@ pub enum RecordError {
     #[error("{}: the table was removed or replaced while the sweep wrote it: its records are lost; run the sweep again", path.display())]
     Gone { path: PathBuf },
     /// A line in the middle has the wrong number of fields.
-    #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), WIDTH)]
+    #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), COLUMNS.len())]
     Fields { path: PathBuf, line: u64, found: usize },
     /// A field does not parse as its column's type.
     #[error("{}:{line}: {value:?} is no value of the column {column}", path.display())]

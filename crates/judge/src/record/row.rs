@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use csv::StringRecord;
 
-use super::{CaseRecord, HEADER, NormError, RecordError, Status, WIDTH};
+use super::{COLUMNS, CaseRecord, NormError, RecordError, Status};
 use files::fnv_1a;
 
 /// Columns of the norm; the others belong to the case.
@@ -13,12 +13,11 @@ const NORM_COLUMNS: std::ops::Range<usize> = 8..11;
 /// Columns that may differ between equal runs.
 const SECONDS: std::ops::Range<usize> = 15..20;
 /// Checksum of all other columns but `seconds_*`.
-const CHECKSUM: usize = WIDTH - 1;
+const CHECKSUM: usize = COLUMNS.len() - 1;
 
 /// Number of fields under this header; none if it is not that of a table of cases. Foreign tables may lack checksums.
 pub(super) fn width(header: &StringRecord) -> Option<usize> {
-    let ours = |width: &usize| header.iter().eq(HEADER.split(',').take(*width));
-    [WIDTH, CHECKSUM].into_iter().find(ours)
+    [COLUMNS.len(), CHECKSUM].into_iter().find(|&width| *header == COLUMNS[..width])
 }
 
 /// Hash of the fields without `seconds_*`: equal runs have equal rows.
@@ -153,7 +152,7 @@ impl Row<'_> {
         RecordError::Value {
             path: self.path.to_owned(),
             line: self.line,
-            column: HEADER.split(',').nth(column).unwrap_or_default(),
+            column: COLUMNS[column],
             value: self.text(column).to_owned(),
         }
     }

@@ -21,6 +21,15 @@ pub enum Agreement {
     Slack,
 }
 
+impl Agreement {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sharp => "sharp",
+            Self::Slack => "slack",
+        }
+    }
+}
+
 /// An entry.
 #[derive(Debug, Clone, Serialize)]
 pub struct Entry {
@@ -249,7 +258,7 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
     document.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
     let row = |(index, entry): (usize, &Entry)| {
         let question = entry.question;
-        let claimed = format!("{:?}", question.claimed).to_lowercase();
+        let claimed = question.claimed.name();
         let used = entry.used.map_or_else(|| "–".into(), |used| format!("{:.2} %", 100.0 * used));
         let found = match entry.confirmed {
             true => Run::of(claimed, Tone::Pass),

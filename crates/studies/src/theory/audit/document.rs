@@ -7,12 +7,17 @@ use super::constants::{AuditConstants, c_j_source};
 use super::lines::{LineStanding, Relation};
 use super::scene::{SceneAudit, SceneLine};
 use crate::table;
+use fem::contact::BoundaryRule;
 use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
 
 impl SceneAudit {
     /// The rule's word in scene files.
-    pub(crate) fn rule_name(&self) -> String {
-        format!("{:?}", self.rule).to_lowercase()
+    pub(crate) fn rule_name(&self) -> &'static str {
+        match self.rule {
+            BoundaryRule::Vertex => "vertex",
+            BoundaryRule::Gauss => "gauss",
+            BoundaryRule::Exact => "exact",
+        }
     }
 
     /// The theorems whose lines are audited.
@@ -115,7 +120,7 @@ impl SceneAudit {
             let right = Some(row.right).filter(|_| standing != LineStanding::Undefined);
             [
                 ("scene", self.scene.clone()),
-                ("rule", self.rule_name()),
+                ("rule", self.rule_name().to_owned()),
                 ("n", case.n.to_string()),
                 ("steps", case.steps.to_string()),
                 ("h", case.h.to_string()),

@@ -21,6 +21,17 @@ pub enum Obtained {
     Declared,
 }
 
+impl Obtained {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Proved => "proved",
+            Self::Computed => "computed",
+            Self::Extrapolated => "extrapolated",
+            Self::Declared => "declared",
+        }
+    }
+}
+
 /// A constant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Constant {

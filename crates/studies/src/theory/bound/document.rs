@@ -207,7 +207,7 @@ fn rung(rung: &StepRung) -> Row<11> {
 
 fn constant(constant: &Constant) -> Row<5> {
     let off = constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"));
-    let how = format!("{:?}", constant.how).to_lowercase();
+    let how = constant.how.name();
     let side = if constant.safe { "safe side" } else { "no bound" };
     [
         ("constant", Run::formula(&constant.name)),

@@ -25,8 +25,11 @@ pub enum LoadShape {
 }
 
 impl LoadShape {
-    pub(crate) fn name(self) -> String {
-        format!("{self:?}").to_lowercase()
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::Random => "random",
+        }
     }
 }
 
