@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::machine::{Common, processors};
 use super::study::deliver;
@@ -40,8 +40,8 @@ pub(crate) struct Audit {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<Vec<u32>>,
     /// Boundary rule of the runs
-    #[arg(long, value_parser = ["vertex", "gauss", "exact"])]
-    rule: Option<String>,
+    #[arg(long, value_enum)]
+    rule: Option<Rule>,
     #[command(flatten)]
     common: Common,
     /// Write SCENE-audit.csv and SCENE-audit.json into this directory
@@ -53,6 +53,13 @@ impl From<AuditError> for CliError {
     fn from(error: AuditError) -> Self {
         Self::Other(error.to_string())
     }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Rule {
+    Vertex,
+    Gauss,
+    Exact,
 }
 
 impl Audit {
@@ -101,11 +108,11 @@ impl Audit {
         let Some(boundary) = &mut setup.model.boundary else { return Ok(()) };
         let jumps = !boundary.potential.jumps().is_empty();
         let element = setup.body.element;
-        boundary.rule = match self.rule.as_deref() {
+        boundary.rule = match self.rule {
             None if jumps || element != Element::P1 => BoundaryRule::Vertex,
-            Some("vertex") => BoundaryRule::Vertex,
-            Some("gauss") => BoundaryRule::Gauss,
-            _ => BoundaryRule::Exact,
+            None | Some(Rule::Exact) => BoundaryRule::Exact,
+            Some(Rule::Gauss) => BoundaryRule::Gauss,
+            Some(Rule::Vertex) => BoundaryRule::Vertex,
         };
         let integrated = boundary.rule != BoundaryRule::Vertex;
         let message = format!(

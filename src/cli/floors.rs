@@ -86,7 +86,7 @@ fn document(scene: &str, measured: &[Measured<'_>]) -> serde_json::Value {
             "n": case.n,
             "steps": case.steps,
             "norm": row.norm.name(),
-            "part": row.part,
+            "part": row.part.name(),
             "error": row.error,
             "measured": row.measured,
             "estimated": row.estimated,
@@ -99,7 +99,7 @@ fn document(scene: &str, measured: &[Measured<'_>]) -> serde_json::Value {
 fn table(measured: &[Measured<'_>]) -> String {
     let rows = measured.iter().map(|(case, row)| {
         let n = case.n.map_or("-".into(), |n| n.to_string());
-        let words = [n, case.steps.to_string(), row.norm.name().into(), row.part.into()];
+        let words = [n, case.steps.to_string(), row.norm.name().into(), row.part.name().into()];
         let numbers = [row.error, row.measured, row.estimated, row.estimated / row.measured];
         words.into_iter().chain(numbers.map(|value| format!("{value:.1e}"))).collect()
     });

@@ -10,7 +10,9 @@ use std::sync::Arc;
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, setup, setup_of, text};
 use fem::contact::{CaseError, CaseInfo, Observer, StepView};
-use run::sweep::{FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history};
+use run::sweep::{
+    FloorPart, FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history,
+};
 use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 use scene::{Hypothesis, Norm, Registry};
 use vhi::law::MemoryKernel;
@@ -54,7 +56,7 @@ fn long_estimates_cover_what_is_measured_in_every_judged_scene() {
             }
             (Subject::Contact(_), None) => panic!("{name} has no mesh"),
         };
-        assert!(rows.iter().any(|row| row.part == "solver"), "{name}: no solver part");
+        assert!(rows.iter().any(|row| row.part == FloorPart::Solver), "{name}: no solver part");
         let loose = plan.scene().violates.contains(&Hypothesis::Smallness);
         for row in uncovered(&rows) {
             // Without (2.9) nothing bounds how rounding grows through the history. It stays far below the error.
@@ -71,8 +73,8 @@ fn long_estimates_cover_what_is_measured_in_every_judged_scene() {
 /// there is one.
 #[test]
 fn every_part_is_measured_where_it_exists() {
-    let parts = |rows: &[FloorRow]| -> Vec<&'static str> {
-        let mut parts: Vec<&'static str> = Vec::new();
+    let parts = |rows: &[FloorRow]| -> Vec<FloorPart> {
+        let mut parts: Vec<FloorPart> = Vec::new();
         for row in rows {
             if !parts.contains(&row.part) {
                 parts.push(row.part);
@@ -80,21 +82,19 @@ fn every_part_is_measured_where_it_exists() {
         }
         parts
     };
+    use FloorPart::{Error, History, Load, Reference, Solver};
     let mild = floors_of("pure-mild", 8, 4, &[Norm::VMax, Norm::VTimeMax]);
-    assert_eq!(
-        parts(&mild),
-        ["solver", "history", "load quadrature", "error quadrature", "reference"]
-    );
+    assert_eq!(parts(&mild), [Solver, History, Load, Error, Reference]);
     assert!(mild.iter().all(|row| row.measured > 0.0) && uncovered(&mild).is_empty(), "{mild:#?}");
     // u in V^h: nothing is integrated. No memory: no recursion.
-    assert_eq!(parts(&floors_of("in-space", 8, 4, &[Norm::VMax])), ["solver", "history"]);
-    assert_eq!(parts(&floors_of("compliance", 8, 4, &[Norm::VMax]))[0], "solver");
+    assert_eq!(parts(&floors_of("in-space", 8, 4, &[Norm::VMax])), [Solver, History]);
+    assert_eq!(parts(&floors_of("compliance", 8, 4, &[Norm::VMax]))[0], Solver);
     // A reference of half the cells and steps takes away what its floor allows.
     let small = edited(&text("linear-punch"), "n = [8, 16, 32]", "n = [4]");
     let small = edited(&small, "steps = [8, 16, 32]", "steps = [4]");
     let small = edited(&small, "n = 128, steps = 64", "n = 32, steps = 32");
     let rows = contact_floors(&setup_of(small), None, 4, 4, &[Norm::VMax, Norm::L2Max]).unwrap();
-    assert!(parts(&rows).contains(&"reference"), "{rows:#?}");
+    assert!(parts(&rows).contains(&Reference), "{rows:#?}");
     assert!(uncovered(&rows).is_empty(), "{rows:#?}");
 }
 
@@ -141,7 +141,7 @@ fn a_solution_off_by_1e_9_and_floors_left_at_zero_are_seen() {
         let setup = Setup { scheme, ..setup("signorini") };
         contact_floors(&setup, None, 8, 4, &[Norm::VMax]).unwrap()
     };
-    let solver = |rows: &[FloorRow]| uncovered(rows).iter().any(|r| r.part == "solver");
+    let solver = |rows: &[FloorRow]| uncovered(rows).iter().any(|r| r.part == FloorPart::Solver);
     assert!(!solver(&with(Arc::new(NewtonMarch))));
     assert!(solver(&with(Arc::new(Moved { share: 1e-9 }))));
     assert!(solver(&with(Arc::new(Silent))));
@@ -169,8 +169,8 @@ fn a_recursion_of_another_kernel_is_seen() {
     };
     let direct = direct_history(seeded());
     let rows = contact_floors(&seeded(), direct.as_ref(), 8, 4, &[Norm::VMax]).unwrap();
-    let seen: Vec<&'static str> = uncovered(&rows).iter().map(|row| row.part).collect();
-    assert_eq!(seen, ["history"]);
+    let seen: Vec<FloorPart> = uncovered(&rows).iter().map(|row| row.part).collect();
+    assert_eq!(seen, [FloorPart::History]);
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn the_command_prints_what_was_measured_beside_its_estimate() {
 /// Twice as much measured as estimated is a finding: the check above can fail.
 #[test]
 fn an_estimate_below_its_measurement_is_no_cover() {
-    let (norm, part, error) = (Norm::VMax, "load quadrature", 1.0);
+    let (norm, part, error) = (Norm::VMax, FloorPart::Load, 1.0);
     let row = |measured, estimated| FloorRow { norm, part, error, measured, estimated };
     assert_eq!(uncovered(&[row(1e-3, 2e-3), row(0.0, 0.0)]), []);
     assert_eq!(uncovered(&[row(2e-3, 1e-3), row(f64::NAN, 1.0), row(1.0, f64::NAN)]).len(), 3);

@@ -32,7 +32,7 @@ pub(super) use markdown::{markdown, verdict_rows};
 pub use number::{digits, held, number, precise, sides};
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
-pub use study::{Chapter, StudyDocument};
+pub use study::{Chapter, Row, StudyDocument};
 pub(super) use typst::{DATA, TEMPLATE, data};
 pub(super) use verdicts::outcome;
 pub use verdicts::verdict_table;

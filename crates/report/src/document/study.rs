@@ -72,6 +72,9 @@ pub struct StudyDocument {
     pub(crate) blocks: Vec<Block>,
 }
 
+/// A row of a table: each cell with the head of its column, which begins with `>` where the column holds numbers.
+pub type Row<'a, const N: usize> = [(&'a str, Run); N];
+
 impl StudyDocument {
     /// A study that has said nothing yet.
     pub fn new(chapter: Chapter, title: impl Into<String>) -> Self {
@@ -115,14 +118,14 @@ impl StudyDocument {
         self.blocks.insert(1.min(self.blocks.len()), Block::Text(vec![Run::plain(text)]));
     }
 
-    /// A table of rows of named cells; omitted without rows. Names of numeric columns begin with `>`.
-    pub fn records<'a, const N: usize>(
+    /// A table; omitted without rows.
+    pub fn table<'a, const N: usize>(
         &mut self,
         caption: impl Into<String>,
-        rows: impl IntoIterator<Item = [(&'a str, Run); N]>,
+        rows: impl IntoIterator<Item = Row<'a, N>>,
     ) {
         let mut heads = [""; N];
-        let row = |row: [(&'a str, Run); N]| {
+        let row = |row: Row<'a, N>| {
             heads = row.each_ref().map(|(head, _)| *head);
             row.map(|(_, cell)| cell).into()
         };

@@ -19,13 +19,36 @@ use scene::{Norm, Reference};
 use vhi::finite::{FiniteError, march};
 use vhi::{Newton, Polished, StepSolver};
 
+/// The source of a floor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FloorPart {
+    /// The accepted residual of the solver.
+    Solver,
+    /// The recursion of the history against the direct sum.
+    History,
+    Load,
+    Error,
+    Reference,
+}
+
+impl FloorPart {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solver => "solver",
+            Self::History => "history",
+            Self::Load => "load quadrature",
+            Self::Error => "error quadrature",
+            Self::Reference => "reference",
+        }
+    }
+}
+
 /// One part of the floor of one norm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorRow {
     pub norm: Norm,
-    /// Its source: the accepted residual of the `solver`, the recursion of the `history` against the direct sum, `load
-    /// quadrature`, `error quadrature`, or the `reference`.
-    pub part: &'static str,
+    pub part: FloorPart,
     /// The error of the case in this norm.
     pub error: f64,
     pub measured: f64,
@@ -33,10 +56,6 @@ pub struct FloorRow {
     /// two quadratures.
     pub estimated: f64,
 }
-
-/// Quadratures among the parts.
-const LOAD: &str = "load quadrature";
-const ERROR: &str = "error quadrature";
 
 /// Norms whose floors are distances of two discrete solutions or of two errors: those of levels that have a truth at
 /// every time.
@@ -84,22 +103,22 @@ pub fn contact_floors(
     let quadrature = load.plus(measured.at_times.times(ERROR_RULE));
     let reloaded = measure_errors(setup, &stronger, &data, steps)?;
     let mut parts = vec![
-        ("solver", apart(&measured.levels), solver),
-        (LOAD, reloaded.by_other.minus(measured.errors), quadrature),
-        (ERROR, measured.moved, quadrature),
+        (FloorPart::Solver, apart(&measured.levels), solver),
+        (FloorPart::Load, reloaded.by_other.minus(measured.errors), quadrature),
+        (FloorPart::Error, measured.moved, quadrature),
     ];
     if let Some(direct) = direct {
-        parts.insert(1, ("history", apart(&levels(direct, &data, steps)?), solver));
+        parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
     }
     if setup.body.data.is_interpolated() {
         // Nothing is integrated: the fields are in V^h.
-        parts.retain(|(part, ..)| ![LOAD, ERROR].contains(part));
+        parts.retain(|(part, ..)| !matches!(part, FloorPart::Load | FloorPart::Error));
     }
     if let Some(half) = reference.and_then(|reference| halved(reference, n, steps)) {
         let coarser = MeshData::new(setup, n, Some(run(half)?))?;
         let errors = measure_errors(setup, &coarser, &coarser, steps)?.errors;
         let share = reference_share(half, n, steps);
-        parts.push(("reference", errors.minus(measured.errors), errors.times(share)));
+        parts.push((FloorPart::Reference, errors.minus(measured.errors), errors.times(share)));
     }
     let mut rows: Vec<FloorRow> = parts
         .iter()
@@ -107,7 +126,7 @@ pub fn contact_floors(
             let kept = NORMS.into_iter().filter(|norm| norms.contains(norm));
             kept.map(|norm| FloorRow {
                 norm,
-                part,
+                part: *part,
                 error: floor_in(&measured.errors, norm),
                 measured: floor_in(measured_floors, norm),
                 estimated: floor_in(estimated, norm),
@@ -209,7 +228,7 @@ fn time_reference(
     let pairs = finer.displacements.iter().zip(&finest.displacements);
     let measured = pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
     let estimated = time_reference_floor(error);
-    Ok(FloorRow { norm: Norm::VTimeMax, part: "reference", error, measured, estimated })
+    Ok(FloorRow { norm: Norm::VTimeMax, part: FloorPart::Reference, error, measured, estimated })
 }
 
 /// The floor of a case of an abstract scene: its histories are direct sums and its solution is exact.
@@ -221,7 +240,7 @@ pub fn abstract_floors(setup: &AbstractSetup, steps: u32) -> Result<Vec<FloorRow
     let (polished, ..) = abstract_levels(setup, steps, &Polished::default())?;
     let apart = standard.iter().zip(&polished).map(|(a, b)| setup.model.norm(&(a - b)));
     let measured = apart.fold(0.0, f64::max);
-    let (norm, part) = (Norm::VMax, "solver");
+    let (norm, part) = (Norm::VMax, FloorPart::Solver);
     Ok(vec![FloorRow { norm, part, error, measured, estimated }])
 }
 

@@ -29,7 +29,9 @@ pub use case::{as_floors, floor_in, run_contact_case, scene_reference};
 pub use circumstances::{Build, Circumstances};
 pub use cost::{Cost, PlanCost, RunCost, kept_by_meshes, run_cost};
 pub use extend::{AddedCase, ROUNDS, Step, extend};
-pub use floors::{FloorRow, NORMS, abstract_floors, contact_floors, direct_history, floors_beside};
+pub use floors::{
+    FloorPart, FloorRow, NORMS, abstract_floors, contact_floors, direct_history, floors_beside,
+};
 pub use judging::{foresee, foresee_plan, judge_plan, judge_scene};
 pub use memory_limit::{MemoryLimit, TooLarge};
 pub use needs::admit_run;

@@ -4,7 +4,7 @@ use super::judge::{RungRow, Standing};
 use super::rung::Ladder;
 use super::table::map;
 use files::counted;
-use report::{Chapter, Run, StudyDocument, Tone};
+use report::{Chapter, Row, Run, StudyDocument, Tone};
 use serde::Serialize;
 
 /// Ladders with their rungs, judged.
@@ -31,11 +31,11 @@ impl Climbed {
         });
         let all = format!("{}, every one as expected.", counted(self.rungs.len(), "rung"));
         document.verdict(self.holds(), &all, failures.collect());
-        document.records(
+        document.table(
             "Ladders: what is turned, what is measured, why it is expected, and how many rungs were as expected, refused as expected, or not as expected.",
             self.ladders.iter().map(|ladder| self.ladder(ladder)),
         );
-        document.records(
+        document.table(
             "Rungs: what was expected and measured, the decimal digits that rounding took, Newton iterations per level, the largest KKT residual.",
             self.rungs.iter().map(rung),
         );
@@ -44,7 +44,7 @@ impl Climbed {
         document
     }
 
-    fn ladder(&self, ladder: &Ladder) -> [(&'static str, Run); 7] {
+    fn ladder(&self, ladder: &Ladder) -> Row<'static, 7> {
         let of_ladder = || self.rungs.iter().filter(|rung| rung.ladder == ladder.name);
         let count =
             |standing: Standing| of_ladder().filter(|rung| rung.standing == standing).count();
@@ -62,7 +62,7 @@ impl Climbed {
     }
 }
 
-fn rung(rung: &RungRow) -> [(&'static str, Run); 9] {
+fn rung(rung: &RungRow) -> Row<'static, 9> {
     let dash = || "–".into();
     let short = |value: Option<f64>| Run::plain(value.map_or_else(dash, |v| format!("{v:.1e}")));
     let digit = |value: Option<f64>| Run::plain(value.map_or_else(dash, |v| format!("{v:.1}")));

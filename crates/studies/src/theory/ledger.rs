@@ -275,7 +275,7 @@ pub fn document(entries: &[Entry]) -> StudyDocument {
             ("is", found),
         ]
     };
-    document.records(
+    document.table(
         "Claims on the proofs, each with what a run observes.",
         entries.iter().enumerate().map(row),
     );

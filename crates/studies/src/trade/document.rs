@@ -5,7 +5,7 @@ use super::picture::AGAINST;
 use super::{Answer, Answered, Equal, Outcome, Price, Rival, Study, Term, Trial};
 use files::megabytes;
 use judge::fit::Interval;
-use report::{Chapter, Run, StudyDocument, Tone, digits};
+use report::{Chapter, Row, Run, StudyDocument, Tone, digits};
 
 impl Study {
     /// The trade as a document; its pictures mark the answer, where a target was named.
@@ -20,14 +20,14 @@ impl Study {
         ));
         self.models(&mut document);
         let price = |price: &Price| [("what a knob changes", Run::plain(&*price.words))];
-        document.records(
+        document.table(
             "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
             self.prices.iter().map(price),
         );
         let cost = |value: Option<f64>| {
             Run::plain(value.map_or("unknown".into(), |value| format!("E^-{value:.2}")))
         };
-        document.records(
+        document.table(
             "What an error E costs along k ~ h^s: by the models, and between the ends of the grid.",
             self.paths.iter().map(|path| {
                 let s = Run::plain(format!("{:.2}", path.exponent));
@@ -36,7 +36,7 @@ impl Study {
         );
         self.elements.iter().for_each(|rival| at_equal_error(&mut document, rival));
         self.extrapolated.iter().for_each(|found| extrapolated(&mut document, found));
-        document.records(
+        document.table(
             "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
             self.trials.iter().map(trial),
         );
@@ -106,7 +106,7 @@ fn bracketed(interval: Interval) -> String {
     }
 }
 
-fn trial(trial: &Trial) -> [(&'static str, Run); 10] {
+fn trial(trial: &Trial) -> Row<'static, 10> {
     let of_run = |cell: fn(&Outcome) -> String| Run::plain(trial.done().map_or("–".into(), cell));
     let front = match (&trial.outcome, trial.front, trial.front_memory, trial.tie) {
         (Err(_), ..) => "–",
@@ -154,7 +154,7 @@ fn at_equal_error(document: &mut StudyDocument, rival: &Rival) {
             ("faster", Run::plain(faster)),
         ]
     };
-    document.records(
+    document.table(
         format!("{knob} at equal error: the cheapest runs by the models of error and cost; * finer than what was run."),
         rival.equal_error.iter().map(row),
     );
@@ -175,7 +175,7 @@ fn extrapolated(document: &mut StudyDocument, found: &Extrapolated) {
             (">extrapolated", Run::plain(better)),
         ]
     };
-    document.records(
+    document.table(
         format!("Extrapolated: {}; last order {plain}, extrapolated {better}.", found.what),
         found.rows.iter().map(row),
     );

@@ -32,8 +32,8 @@ fn study(chapter: Chapter, holds: bool) -> StudyDocument {
     study.verdict(holds, &format!("All of {name} holds."), vec![format!("{name}: 2 against 1")]);
     let row = |what: &str, value: Run| [("what", Run::plain(what)), (">value", value)];
     let rows = [row("x", Run::of("0.5", Tone::Code)), row("y", Run::plain("y"))];
-    study.records(format!("Numbers of {name}."), rows);
-    study.records(format!("Other numbers of {name}."), [[(">k", Run::plain("0.25"))]]);
+    study.table(format!("Numbers of {name}."), rows);
+    study.table(format!("Other numbers of {name}."), [[(">k", Run::plain("0.25"))]]);
     study.figure(&name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
     study
 }

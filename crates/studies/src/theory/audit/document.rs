@@ -8,7 +8,7 @@ use super::lines::{LineStanding, Relation};
 use super::scene::{SceneAudit, SceneLine};
 use crate::table;
 use fem::contact::BoundaryRule;
-use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
+use report::{Chapter, Row, Run, StudyDocument, Tone, digits, held, number, precise};
 
 impl SceneAudit {
     /// The rule's word in scene files.
@@ -169,13 +169,13 @@ impl SceneAudit {
             grid(|case| case.n),
             grid(|case| case.steps)
         ));
-        document.records(
+        document.table(
             "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
              identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
              accuracy; the powers of h and k with which the sides fall.",
             by_tightness(&lines).into_iter().map(line),
         );
-        document.records("Constants of the bounds.", self.constants.rows());
+        document.table("Constants of the bounds.", self.constants.rows());
         document
     }
 }
@@ -199,7 +199,7 @@ impl SceneLine {
 }
 
 impl AuditConstants {
-    fn rows(&self) -> [[(&'static str, Run); 2]; 11] {
+    fn rows(&self) -> [Row<'static, 2>; 11] {
         let c = self;
         let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
         let named = [
@@ -225,7 +225,7 @@ fn in_signs(says: &str) -> String {
     signs.iter().fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-fn line(line: &SceneLine) -> [(&'static str, Run); 11] {
+fn line(line: &SceneLine) -> Row<'static, 11> {
     let sign = if line.statement.relation == Relation::Equal { "=" } else { "≤" };
     let short = |value: Option<f64>| Run::plain(value.map_or_else(|| "–".into(), |v| digits(v, 3)));
     let powers = |[left, right]: [Option<f64>; 2]| {

@@ -7,7 +7,7 @@ use super::crossing::Crossing;
 use super::ladder::{StepOutcome, StepRung};
 use super::run::FactorAtLevel;
 use super::sampled::Sampled;
-use report::{Chapter, Run, StudyDocument, digits, held, number, precise, sides};
+use report::{Chapter, Row, Run, StudyDocument, digits, held, number, precise, sides};
 
 impl BoundStudy {
     /// The study as a document.
@@ -20,7 +20,7 @@ impl BoundStudy {
             None => crossing(self.study.thresholds.radius),
         });
         document.words(self.answer());
-        document.records("The bound in four numbers, k below each.", self.numbers());
+        document.table("The bound in four numbers, k below each.", self.numbers());
         let violated = self.violations.iter().map(|v| {
             let at = v.k.map_or_else(String::new, |k| format!("k = {}: ", digits(k, 7)));
             format!("{at}{}: {}", v.what, sides(v.left, v.right))
@@ -35,11 +35,11 @@ impl BoundStudy {
             digits(worst.t, 5)
         ));
         self.ladder(&mut document);
-        document.records(
+        document.table(
             "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
             self.constants.iter().map(constant),
         );
-        document.records(
+        document.table(
             "Declared constants, and what samples need of them.",
             self.samples.iter().map(sampled),
         );
@@ -90,7 +90,7 @@ impl BoundStudy {
             study.starts.distinct,
             study.starts.failed
         ));
-        document.records(
+        document.table(
             "The contraction factor of Λ at that level, on this and other meshes.",
             study.meshes.iter().map(on_mesh),
         );
@@ -99,13 +99,13 @@ impl BoundStudy {
                 "A last step of size k after the same past: not followed: {reason}."
             ));
         }
-        document.records(
+        document.table(
             "Contraction factor of Λ for a last step of size k after the same past, bounds, what solves the step, and other solutions from random starts.",
             study.rungs.iter().map(rung),
         );
     }
 
-    fn numbers(&self) -> Vec<Row<2>> {
+    fn numbers(&self) -> Vec<Row<'static, 2>> {
         let (limits, study, found) = (&self.limits, &self.study, &self.study.thresholds);
         let row =
             |what: &str, value: String| [("number", Run::plain(what)), (">k", Run::plain(value))];
@@ -172,10 +172,7 @@ fn crossing(found: Option<Crossing>) -> String {
     }
 }
 
-/// A row of a table.
-type Row<const N: usize> = [(&'static str, Run); N];
-
-fn on_mesh(at: &FactorAtLevel) -> Row<5> {
+fn on_mesh(at: &FactorAtLevel) -> Row<'static, 5> {
     [
         (">n", Run::plain(at.mesh.map_or_else(|| "–".into(), |n| n.to_string()))),
         (">k", precise(at.k, 6)),
@@ -185,7 +182,7 @@ fn on_mesh(at: &FactorAtLevel) -> Row<5> {
     ]
 }
 
-fn rung(rung: &StepRung) -> Row<11> {
+fn rung(rung: &StepRung) -> Row<'static, 11> {
     let solved = |outcome: &StepOutcome| match outcome {
         Ok(iterations) => Run::plain(format!("{iterations} it.")),
         Err(_) => Run::plain("fails"),
@@ -205,7 +202,7 @@ fn rung(rung: &StepRung) -> Row<11> {
     ]
 }
 
-fn constant(constant: &Constant) -> Row<5> {
+fn constant(constant: &Constant) -> Row<'static, 5> {
     let off = constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"));
     let how = constant.how.name();
     let side = if constant.safe { "safe side" } else { "no bound" };
@@ -218,7 +215,7 @@ fn constant(constant: &Constant) -> Row<5> {
     ]
 }
 
-fn sampled(sample: &Sampled) -> Row<5> {
+fn sampled(sample: &Sampled) -> Row<'static, 5> {
     [
         ("constant", Run::formula(&sample.what)),
         (">declared", precise(sample.declared, 9)),

@@ -4,7 +4,7 @@ use super::estimate::Effectivity;
 use super::horizon::HorizonRow;
 use super::stability::Perturbation;
 use super::study::{StudiedGrid, Study};
-use report::{Chapter, Run, StudyDocument, digits, number, precise, sides};
+use report::{Chapter, Row, Run, StudyDocument, digits, number, precise, sides};
 
 impl Study {
     /// The study as a document.
@@ -18,12 +18,12 @@ impl Study {
         }
         let mesh = self.n.map_or_else(String::new, |n| format!("n = {n}; "));
         document.words(format!("{mesh}the truth is: {}.", self.truth));
-        document.records(
+        document.table(
             "Bound over error at t = T for N steps; e and g at T.",
             self.grids.iter().map(grid),
         );
         if let Some(horizons) = &self.horizons {
-            document.records(
+            document.table(
                 format!(
                     "Long times at k = {}; maxima over [0, T]; the truth is: {}. Growth is d(log error)/dT, to compare with C₂.",
                     digits(horizons.k, 5),
@@ -32,11 +32,11 @@ impl Study {
                 horizons.rows.iter().map(|row| horizon(row, horizons.k)),
             );
         }
-        document.records(
+        document.table(
             "Two loads f and f + δf at the largest N; growth is m0 max‖u − v‖/max‖δf‖, then the least bound over difference, and the largest primed bound over the largest difference.",
             self.perturbations.iter().map(perturbed),
         );
-        document.records("Constants of the inequality.", self.constants());
+        document.table("Constants of the inequality.", self.constants());
         for (stem, shows, chart) in self.pictures() {
             document.figure(stem, shows, chart.svg());
         }
@@ -65,7 +65,7 @@ impl Study {
         document.verdict(holds, all, failures.collect());
     }
 
-    fn constants(&self) -> impl Iterator<Item = Row<2>> {
+    fn constants(&self) -> impl Iterator<Item = Row<'static, 2>> {
         let c = &self.constants;
         let named = [
             ("C₁", c.c1),
@@ -113,7 +113,7 @@ fn answer(finest: &StudiedGrid) -> String {
     )
 }
 
-fn grid(grid: &StudiedGrid) -> Row<10> {
+fn grid(grid: &StudiedGrid) -> Row<'static, 10> {
     let e = &grid.effectivity;
     let at_end = |ratio: &Effectivity| precise(ratio.at_end, 7);
     let missing = if grid.c2_k < 1.0 { "–" } else { "C₂k ≥ 1" };
@@ -133,7 +133,7 @@ fn grid(grid: &StudiedGrid) -> Row<10> {
     ]
 }
 
-fn horizon(row: &HorizonRow, k: f64) -> Row<8> {
+fn horizon(row: &HorizonRow, k: f64) -> Row<'static, 8> {
     let missing = if row.c2 * k < 1.0 { "–" } else { "C₂k ≥ 1" };
     [
         (">T", number(row.horizon)),
@@ -147,7 +147,7 @@ fn horizon(row: &HorizonRow, k: f64) -> Row<8> {
     ]
 }
 
-fn perturbed(perturbation: &Perturbation) -> Row<7> {
+fn perturbed(perturbation: &Perturbation) -> Row<'static, 7> {
     [
         ("shape", Run::plain(perturbation.shape.name())),
         (">size", number(perturbation.size)),
@@ -158,6 +158,3 @@ fn perturbed(perturbation: &Perturbation) -> Row<7> {
         (">primed", number(perturbation.primed / perturbation.difference)),
     ]
 }
-
-/// A row of a table.
-type Row<const N: usize> = [(&'static str, Run); N];
