@@ -43,17 +43,18 @@ impl Source {
     /// # Errors
     /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
     pub(crate) fn read(path: &Path) -> Result<Source, SceneError> {
-        let bytes =
-            read_file_up_to(path, LARGEST_FILE).map_err(
-                |FileError { path, source }| match source.kind() {
-                    ErrorKind::FileTooLarge => SceneError::TooLarge { path },
-                    _ => SceneError::Unreadable { path, reason: source.to_string() },
-                },
-            )?;
+        let bytes = read_file_up_to(path, LARGEST_FILE).map_err(unread)?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Source::from_text(path, text)),
             Err(error) => Err(not_utf8(path, &error)),
         }
+    }
+}
+
+fn unread(FileError { path, source }: FileError) -> SceneError {
+    match source.kind() {
+        ErrorKind::FileTooLarge => SceneError::TooLarge { path },
+        _ => SceneError::Unreadable { path, reason: source.to_string() },
     }
 }
 

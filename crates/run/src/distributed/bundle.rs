@@ -1,7 +1,9 @@
 //! Bundles cases into jobs, long enough to amortise the start of a process.
 
+use std::collections::BTreeMap;
+
 use super::plan::PlannedScene;
-use crate::sweep::{PlanCost, ScenePlan, kept_by_meshes};
+use crate::sweep::{PlanCost, ScenePlan};
 use judge::record::Key;
 use scene::setup::SetupError;
 
@@ -45,27 +47,29 @@ pub(crate) struct Job {
 /// case is a job by itself. Deterministic.
 pub(crate) fn bundle(scenes: &[PlannedCases], seconds: f64) -> Vec<Job> {
     let mut jobs: Vec<Job> = Vec::new();
-    let mut open = Job::default();
+    let (mut cases, mut needs) = (Vec::new(), Needs::default());
     for (s, scene) in scenes.iter().enumerate() {
         let reference = scene.costs.reference_seconds();
         let target = seconds.max(REFERENCE_RUNS * reference);
         let mut order: Vec<usize> = (0..scene.cases.len()).collect();
         order.sort_by_key(|&c| std::cmp::Reverse(&scene.cases[c]));
         let all: f64 = order.iter().map(|&c| scene.costs.cases[c].seconds).sum();
-        if reference > 0.0 && open.seconds + reference + all > seconds {
-            jobs.push(std::mem::take(&mut open));
+        if reference > 0.0 && needs.seconds + reference + all > seconds {
+            jobs.push(std::mem::take(&mut needs).job(std::mem::take(&mut cases)));
         }
         for c in order {
-            let with = Job::of(scenes, [&open.cases[..], &[(s, c)]].concat());
-            let full = with.seconds > target || with.bytes > MOST_BYTES;
-            if full && !open.cases.is_empty() {
-                jobs.push(std::mem::replace(&mut open, Job::of(scenes, vec![(s, c)])));
-            } else {
-                open = with;
+            let mut with = needs.clone();
+            with.add(scene, s, c);
+            if (with.seconds > target || with.bytes > MOST_BYTES) && !cases.is_empty() {
+                jobs.push(needs.job(std::mem::take(&mut cases)));
+                with = Needs::default();
+                with.add(scene, s, c);
             }
+            needs = with;
+            cases.push((s, c));
         }
     }
-    jobs.push(open);
+    jobs.push(needs.job(cases));
     jobs.retain(|job| !job.cases.is_empty());
     let of = |&(s, c): &(usize, usize)| scenes[s].costs.cases[c].seconds;
     for job in &mut jobs {
@@ -75,18 +79,33 @@ pub(crate) fn bundle(scenes: &[PlannedCases], seconds: f64) -> Vec<Job> {
     jobs
 }
 
-impl Job {
-    /// The job of cases, those of a scene one after the other.
-    fn of(scenes: &[PlannedCases], cases: Vec<(usize, usize)>) -> Self {
-        let of = |&(s, c): &(usize, usize)| &scenes[s].costs.cases[c];
-        let mut seconds = 0.0;
-        for of_scene in cases.chunk_by(|a, b| a.0 == b.0) {
-            seconds += scenes[of_scene[0].0].costs.reference_seconds();
-            of_scene.iter().for_each(|case| seconds += of(case).seconds);
+/// What a job needs, to which cases are added mesh by mesh.
+#[derive(Clone, Default)]
+struct Needs {
+    seconds: f64,
+    bytes: f64,
+    /// The scene of the last case.
+    scene: Option<usize>,
+    /// Bytes of the largest case beyond what it keeps, and what each mesh keeps.
+    largest: f64,
+    kept: BTreeMap<(usize, Option<u32>), f64>,
+}
+
+impl Needs {
+    fn add(&mut self, scene: &PlannedCases, s: usize, c: usize) {
+        let cost = &scene.costs.cases[c];
+        if self.scene.replace(s) != Some(s) {
+            self.seconds += scene.costs.reference_seconds();
         }
-        let beyond = cases.iter().map(|case| of(case).memory_bytes - of(case).kept_bytes);
-        let meshes = cases.iter().map(|case| ((case.0, scenes[case.0].cases[case.1].n), of(case)));
-        Self { seconds, bytes: beyond.fold(0.0, f64::max) + kept_by_meshes(meshes), cases }
+        self.seconds += cost.seconds;
+        self.largest = self.largest.max(cost.memory_bytes - cost.kept_bytes);
+        let kept = self.kept.entry((s, scene.cases[c].n)).or_default();
+        *kept = kept.max(cost.kept_bytes + cost.left_bytes);
+        self.bytes = self.largest + self.kept.values().sum::<f64>();
+    }
+
+    fn job(self, cases: Vec<(usize, usize)>) -> Job {
+        Job { cases, seconds: self.seconds, bytes: self.bytes }
     }
 }
 

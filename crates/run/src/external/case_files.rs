@@ -94,8 +94,7 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     let (space, given) = (&*data.space, Given::new(setup, data, steps)?);
     std::fs::create_dir_all(dir).map_err(|error| outside(dir, error))?;
     let file = |name: &str, bytes: &[u8]| {
-        let path = dir.join(name);
-        replace_file(&path, bytes).map_err(|error| outside(&path, error.source))
+        replace_file(&dir.join(name), bytes).map_err(|error| CaseError::Outside(error.to_string()))
     };
     let written = |name: &str, rows: Result<Vec<u8>, csv::Error>| {
         file(name, &rows.map_err(|error| outside(&dir.join(name), error))?)

@@ -272,8 +272,8 @@ impl<const S: usize> InSpace<S> {
         let after = stress_of(material, strain, &discrete, scheme_kappa);
         let along = |by_strain, by_memory: &dyn Fn(&Remembered<S>) -> Mandel<S>, by_kappa| {
             let pair = |term: &Remembered<S>| [term.discrete[at.index], by_memory(term)];
-            let memory: Vec<_> = state.memory.iter().map(pair).collect();
-            stress_along(material, [*strain, by_strain], &memory, [scheme_kappa, by_kappa])
+            let memory = state.memory.iter().map(pair);
+            stress_along(material, [*strain, by_strain], memory, [scheme_kappa, by_kappa])
         };
         let zero = [0.0; S];
         // Symmetric: the columns are the rows.
@@ -281,7 +281,7 @@ impl<const S: usize> InSpace<S> {
             let unit: Mandel<S> = std::array::from_fn(|j| f64::from(u8::from(i == j)));
             along(unit, &|term| unit.map(|e| term.weight * e), 0.0)
         });
-        let by_zeta = along(zero, &|_| zero, slope);
+        let by_zeta = if slope == 0.0 { zero } else { along(zero, &|_| zero, slope) };
         let past = along(zero, &|term| term.error[at.index], slope * state.zeta_error);
         let source = std::array::from_fn(|i| before[i] - after[i] - past[i]);
         Response { tangent, source, by_zeta }

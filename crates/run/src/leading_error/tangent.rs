@@ -25,13 +25,13 @@ pub(super) fn stress_of<const S: usize, T: Number>(
 pub(super) fn stress_along<const S: usize>(
     material: &MaterialNumbers,
     strain: [Mandel<S>; 2],
-    memory: &[[Mandel<S>; 2]],
+    memory: impl Iterator<Item = [Mandel<S>; 2]>,
     kappa: [f64; 2],
 ) -> Mandel<S> {
     let dual = |[at, along]: [Mandel<S>; 2]| -> [Dual64; S] {
         std::array::from_fn(|i| Dual64::new(at[i], along[i]))
     };
-    let memory: Vec<_> = memory.iter().map(|term| dual(*term)).collect();
+    let memory: Vec<_> = memory.map(dual).collect();
     stress_of(material, &dual(strain), &memory, Dual64::new(kappa[0], kappa[1])).map(|s| s.eps)
 }
 
@@ -65,7 +65,7 @@ mod tests {
                 let (up, down) = (at(1e-6), at(-1e-6));
                 let memory = [[memory, by_memory]];
                 let kappa = [kappa, by_kappa];
-                let slope = stress_along(&material, [strain, by_strain], &memory, kappa);
+                let slope = stress_along(&material, [strain, by_strain], memory.into_iter(), kappa);
                 for i in 0..S {
                     // Truncation (1e-6/0.1)², rounding 1e-16/1e-6.
                     assert!(((up[i] - down[i]) / 2e-6 - slope[i]).abs() < 1e-8, "{direction:?}");

@@ -118,21 +118,21 @@ impl AbstractSetup {
             let (r, xi, lambda) = (state.traces[i], state.selection[i], state.multiplier[i]);
             let slack = ROUNDING * sizes[i][0];
             let (lower, upper) = (trace.lower, trace.upper);
-            let message = format!("a_{i}·u = {r:.6} leaves [{lower}, {upper}], t = {t:.4}");
+            let message = format_args!("a_{i}·u = {r:.6} leaves [{lower}, {upper}], t = {t:.4}");
             let outside = r > upper + slack || r < lower - slack;
             let hint = "keep u in K, or widen the bounds";
             self.scene.refuse_if(outside, "exact.u", message, hint)?;
             let (above, below) = (r >= upper - slack, r <= lower + slack);
             let odd = (lambda > 0.0 && !above) || (lambda < 0.0 && !below) || lambda.is_nan();
             let message =
-                format!("the multiplier is {lambda:.3e} where a_{i}·u = {r:.6}, t = {t:.4}");
+                format_args!("the multiplier is {lambda:.3e} where a_{i}·u = {r:.6}, t = {t:.4}");
             let hint = "λ > 0 on the upper bound, λ < 0 on the lower one, 0 between";
             self.scene.refuse_if(odd, &format!("exact.multiplier.{i}"), message, hint)?;
             let (lo, hi) = self.model.functionals[i].potential.subdifferential(r);
             let slack = ROUNDING * lo.abs().max(hi.abs()).max(sizes[i][1]);
             let within = xi >= lo - slack && xi <= hi + slack;
             let message =
-                format!("xi = {xi:.6} is not in [{lo:.6}, {hi:.6}] = ∂j({r:.6}), t = {t:.4}");
+                format_args!("xi = {xi:.6} is not in [{lo:.6}, {hi:.6}] = ∂j({r:.6}), t = {t:.4}");
             let hint = "state exact.selection within the interval of the law";
             self.scene.refuse_if(!within, &format!("exact.selection.{i}"), message, hint)?;
         }
