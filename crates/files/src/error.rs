@@ -26,3 +26,19 @@ pub fn if_there<T>(read: Result<T, FileError>) -> Result<Option<T>, FileError> {
         other => other.map(Some),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read_file;
+
+    #[test]
+    fn only_what_is_not_there_is_none() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+        assert!(if_there(read_file(&folder.join("none"))).unwrap().is_none());
+        assert!(if_there(read_file(&folder.join("Cargo.toml"))).unwrap().is_some());
+        let error = if_there(read_file(folder)).unwrap_err();
+        let expected = format!("{}: it is a directory, where a file is wanted", folder.display());
+        assert_eq!(error.to_string(), expected);
+    }
+}
