@@ -10,7 +10,7 @@
 //!
 //! a viscoelastic body in frictionless contact with a nonmonotone layer over a rigid one. P1 elements
 //! in space and the trapezoidal rule in time give errors of order h + k² (5.26). Beyond the paper there are friction,
-//! quadratic and nonconforming elements, other rules in time and singular kernels. Equation numbers are
+//! quadratic elements, other rules in time and singular kernels. Equation numbers are
 //! those of W. Xu, Z. Huang, W. Han, W. Chen, C. Wang, J. Comput. Appl. Math. (2019),
 //! doi 10.1016/j.cam.2018.08.046.
 //!

@@ -34,8 +34,6 @@ beside scikit-fem "$solver" prony
 beside scikit-fem "$solver" viscoelastic
 beside scikit-fem "$solver" signorini --pressure
 beside scikit-fem "$solver" quadratic-elastic
-beside scikit-fem "$solver" nonconforming-elastic
-beside scikit-fem "$solver" nonconforming-signorini --n 8,16,32
 beside scikit-fem "$solver" tests/independent/quadratic-signorini.toml --pressure
 if command -v FreeFem++ >/dev/null; then
     # Debian keeps plugins and include files where its FreeFem++ does not look.
@@ -71,5 +69,3 @@ done
 
 echo "quadratic elements by scikit-fem: the values that the tests compare with"
 "$python" tests/independent/quadratic.py 4 6 tests/fixtures/quadratic.json
-"$python" tests/independent/nonconforming.py 6 5 tests/fixtures/nonconforming.json
-"$python" tests/independent/nonconforming_space.py 2 4 tests/fixtures/nonconforming-space.json

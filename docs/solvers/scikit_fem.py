@@ -1,5 +1,5 @@
 """One case of `sweep verify` with scikit-fem: linear viscoelasticity, with or without an obstacle, by linear or quadratic
-elements, or by those of Crouzeix and Raviart.
+elements.
 
     python scikit_fem.py [--rule trapezoid|rectangle] DIRECTORY
 
@@ -15,19 +15,8 @@ from pathlib import Path
 
 import numpy as np
 from scipy.sparse.linalg import splu
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementTriCR,
-    ElementTriP1,
-    ElementTriP2,
-    ElementVector,
-    FacetBasis,
-    InteriorFacetBasis,
-    MeshTri,
-    asm,
-)
-from skfem.helpers import ddot, dot, sym_grad, trace
+from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementVector, MeshTri
+from skfem.helpers import ddot, sym_grad, trace
 
 MOST_CHANGES = 100
 
@@ -43,44 +32,23 @@ def stiffness(basis, law):
     return product.assemble(basis).tocsc()
 
 
-def penalty(edges, clamped, law):
-    """The integral of 2 μ/h [u]·[v] over edges between cells, seen from both sides, and over those of the clamped side."""
-    matrix = 0
-    for i, one in enumerate(edges):
-        for j, other in enumerate(edges):
-            sign = 1 if i == j else -1
-            jump = BilinearForm(lambda u, v, w: sign * 2 * law["mu"] * dot(u, v) / w.h)
-            matrix = matrix + asm(jump, one, other)
-    jump = BilinearForm(lambda u, v, w: 2 * law["mu"] * dot(u, v) / w.h)
-    return (matrix + jump.assemble(clamped)).tocsc()
+ELEMENTS = {"P1": ElementTriP1, "P2": ElementTriP2}
 
 
-ELEMENTS = {"P1": ElementTriP1, "P2": ElementTriP2, "CR": ElementTriCR}
-
-
-def basis_and_unknowns(name, points, cells, clamped):
-    """The basis of an element on cells by corners and midpoints, its unknown of each component of each row of vertices.csv,
-    and the edges at which functions of CR jump."""
+def basis_and_unknowns(name, points, cells):
+    """The basis of an element on cells by corners and midpoints, and its unknown of each component of each row of vertices.csv."""
     corners, midpoints = cells[:3], cells[3:]
     mesh = MeshTri(points[:, : corners.max() + 1], corners)
-    element = ElementVector(ELEMENTS[name]())
-    basis = Basis(mesh, element)
+    basis = Basis(mesh, ElementVector(ELEMENTS[name]()))
     if not len(midpoints):
-        return basis, basis.nodal_dofs.T.ravel(), None
+        return basis, basis.nodal_dofs.T.ravel()
     # Midpoints are known by the ends of their edges, which the mesh numbers in an order of its own.
     ends = np.sort(corners[[[0, 1], [1, 2], [2, 0]]], axis=1)
     midpoint = {(a, b): m for edge, row in zip(ends, midpoints) for a, b, m in zip(*edge, row)}
-    rows = [midpoint[a, b] for a, b in mesh.facets.T]
     unknowns = np.empty((points.shape[1], 2), int)
-    unknowns[rows] = basis.facet_dofs.T
-    if name != "CR":
-        unknowns[: mesh.p.shape[1]] = basis.nodal_dofs.T
-        return basis, unknowns.ravel(), None
-    # Corners are rows without an unknown: they count as clamped, so that any will do.
-    unknowns[: mesh.p.shape[1]] = 0
-    edges = [InteriorFacetBasis(mesh, element, side=side, intorder=2) for side in (0, 1)]
-    on_clamped = np.intersect1d(mesh.boundary_facets(), np.flatnonzero(clamped[rows]))
-    return basis, unknowns.ravel(), (edges, FacetBasis(mesh, element, facets=on_clamped, intorder=2))
+    unknowns[[midpoint[a, b] for a, b in mesh.facets.T]] = basis.facet_dofs.T
+    unknowns[: mesh.p.shape[1]] = basis.nodal_dofs.T
+    return basis, unknowns.ravel()
 
 
 def table(path):
@@ -95,11 +63,10 @@ class Case:
         vertices, cells = table(directory / "vertices.csv"), table(directory / "cells.csv")
         points = np.stack([vertices["x"], vertices["y"]])
         nodes = [name for name in cells.dtype.names if name.startswith("v")]
-        cells, clamped = np.stack([cells[name] for name in nodes]), vertices["clamped"]
-        basis, unknowns, jumps = basis_and_unknowns(self.case["element"], points, cells, clamped)
-        with_jumps = lambda law: stiffness(basis, law) + (penalty(*jumps, law) if jumps else 0)
+        cells = np.stack([cells[name] for name in nodes])
+        basis, unknowns = basis_and_unknowns(self.case["element"], points, cells)
         # From here on component c of row i of vertices.csv is unknown 2 i + c.
-        matrix = lambda law: with_jumps(law)[unknowns][:, unknowns]
+        matrix = lambda law: stiffness(basis, law)[unknowns][:, unknowns]
         self.elastic = matrix(self.case["elasticity"][0])
         self.memory = [matrix(term[0]) for term in self.case["memory"]]
         self.free = np.flatnonzero(np.repeat(vertices["clamped"] == 0, 2))

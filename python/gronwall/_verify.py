@@ -35,16 +35,13 @@ class Case:
     data : dict
         Sizes, ``elasticity``, ``memory``, ``projection``, ``contact``, and ``as_written``, the scene with all its keys.
     points : ndarray, (vertices, d)
-        Of quadratic elements (``data["element"] == "P2"``) and of those of Crouzeix and Raviart (``"CR"``) the last
-        ``data["midpoints"]`` are midpoints of edges, of ``"CR"`` of facets. Of ``"CR"`` corners have no unknown: what an
-        answer has there counts nothing.
+        Of quadratic elements (``data["element"] == "P2"``) the last ``data["midpoints"]`` are midpoints of edges.
     cells : ndarray of int, (cells, d + 1)
-        Where there are midpoints corners, then the midpoints of edges 01, 12, 20 and in space 03, 13, 23, or of ``"CR"`` of
-        the facets 012, 123, 230, 301.
+        Where there are midpoints corners, then the midpoints of edges 01, 12, 20 and in space 03, 13, 23.
     regions : ndarray of int, (cells,)
         Indices into ``elasticity`` and ``memory``.
     clamped : ndarray of bool, (vertices,)
-        Where the displacement is zero, and corners without an unknown.
+        Where the displacement is zero.
     facets : ndarray of int, (facets, d)
         Those of the boundary, with midpoints as in ``cells``.
     sides : list of str

@@ -28,11 +28,11 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     doubles("points", &[vertices, d], &points)?;
     let clamped = |v: usize| u32::from(Given::clamped(space, v));
     indices("clamped", &[vertices], &mut (0..vertices).map(clamped))?;
-    let [a_cell, a_facet] = [Given::of_cell(space, 0).len(), Given::of_facet(space, 0).len()];
+    let (a_cell, a_facet) = (space.nodes.a_cell, space.nodes.a_facet);
     indices("cells", &[cells, a_cell], &mut (0..cells).flat_map(|c| Given::of_cell(space, c)))?;
     let region = |c: usize| space.regions.get(c).map_or(0, |&region| region as u32);
     indices("regions", &[cells], &mut (0..cells).map(region))?;
-    let of_facet = |f: usize| Given::of_facet(space, f);
+    let of_facet = |f: usize| space.nodes.on_facet(f).iter().copied();
     indices("facets", &[facets, a_facet], &mut (0..facets).flat_map(of_facet))?;
     indices("facet_sides", &[facets], &mut mesh.facet_side.iter().copied())?;
     case.set_item("sides", mesh.sides.clone())?;

@@ -68,22 +68,6 @@ def test_midpoints_of_quadratic_elements_and_bounds_of_friction_are_there():
     assert case.friction.all() and abs(case.contact["weight"].sum() - 1) < 1e-14
 
 
-def test_corners_without_unknowns_keep_their_rows():
-    seen = []
-
-    def solve(case):
-        seen.append(case)
-        return numpy.zeros_like(case.loads)
-
-    gronwall.verify("nonconforming-signorini", solve, n=[4], steps=[5])
-    case = seen[0]
-    assert case.data["element"] == "CR" and case.data["midpoints"] == 56
-    assert case.points.shape == (81, 2) and case.cells.shape == (32, 6) and case.loads.shape == (6, 81, 2)
-    assert case.clamped[:25].all() and not case.loads[:, :25].any() and case.facets.shape == (16, 3)
-    assert (case.points[25:][case.clamped[25:], 1] == 1).all() and case.clamped[25:].sum() == 4
-    assert (case.contact["vertex"] >= 25).all() and abs(case.contact["weight"].sum() - 1) < 1e-14
-
-
 def rows(path):
     with open(path, newline="") as file:
         table = list(csv.DictReader(file))

@@ -38,8 +38,6 @@ impl BoundCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let subject = scenes.subject(&self.scene, &self.common.allowance.limit())?;
         let scene = subject.scene();
-        let jumps = "its norm ‖ε(v)‖ leaves out the penalty of jumps, without which it is none";
-        scene.without(&[Extension::Nonconforming], "sweep bound", jumps)?;
         let singular = "it puts sup |q| beside k, not k^(1-a)";
         scene.without(&[Extension::SingularKernel], "sweep bound", singular)?;
         let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());

@@ -162,10 +162,6 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
 /// Constants of the paper, with their origin.
 fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let mut findings = vec![mesh_quality(setup)];
-    if !setup.body.element.is_conforming() {
-        let text = "functions jump: Theorems 6 to 11 do not apply as they stand, orders are those of `why`; the constants below are those of V";
-        findings.push(Finding::new("V^h in V", Status::Weak, f64::NAN, text.into()));
-    }
     // Of all of φ, including friction that follows the normal law.
     let alpha_phi = match c.coulomb {
         None => "proved: mu",

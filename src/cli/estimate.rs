@@ -26,8 +26,6 @@ pub(super) fn execute(
     as_json: bool,
 ) -> Result<u8, CliError> {
     let command = "sweep solve --estimate";
-    let jumps = "it compares a run with coarser ones, whose functions are none of V^h if they jump";
-    setup.scene.without(&[Extension::Nonconforming], command, jumps)?;
     let singular = "its extrapolation takes the order of the time rule for granted";
     setup.scene.without(&[Extension::SingularKernel], command, singular)?;
     let (found, bound) = companions_and_bound(setup, n, steps).map_err(CliError::other)?;

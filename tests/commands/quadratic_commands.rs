@@ -1,6 +1,6 @@
 //! Source: the contracts of `solve --estimate`, `bound` and `audit`.
 //! Goal: they take quadratic elements; what an audit cannot have with these is refused at its key, exit code 2.
-//! Data: quadratic-elastic, quadratic-front, quadratic-memory, nonconforming-elastic.
+//! Data: quadratic-elastic, quadratic-front, quadratic-memory.
 
 use crate::program::{code, json, stderr, sweep};
 
@@ -42,12 +42,6 @@ fn what_is_left_out_is_refused_with_its_reason() {
     for (arguments, reason) in [
         (&["audit", "quadratic-memory"][..], "trapezoidal rule alone"),
         (&["audit", "quadratic-front", "--rule", "exact"], "its law at the nodes"),
-        (&["audit", "nonconforming-elastic"], "does not treat CR elements"),
-        (&["bound", "nonconforming-elastic"], "does not treat CR elements"),
-        (
-            &["solve", "nonconforming-elastic", "--n", "4", "--steps", "4", "--estimate"],
-            "does not treat CR elements",
-        ),
     ] {
         let output = sweep(arguments);
         assert_eq!(code(&output), 2, "{arguments:?}");

@@ -35,8 +35,6 @@ mod loads;
 mod materials;
 mod multigrid;
 mod newton;
-mod nonconforming;
-mod nonconforming_space;
 mod oblique;
 mod orders;
 mod paths;

@@ -177,25 +177,6 @@ fn by_both_rules(setup: &Setup, n: u32, steps: u32) -> [f64; 2] {
     worst
 }
 
-/// Functions that jump, beside continuous ones on the same scene: errors are those of runs on their elements.
-#[test]
-fn functions_that_jump_are_traded() {
-    let written = text("nonconforming-elastic");
-    let linear = edited(&written, "element = \"CR\"", "element = \"P1\"");
-    let folder = Folder::new("trade-jumps");
-    let out = folder.argument("out");
-    let grid = ["--n", "4,8,16", "--steps", "2,4,8", "--repeats", "1", "--out", &out, "--json"];
-    let output = sweep(&[&["trade", "nonconforming-elastic"][..], &grid].concat());
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let document = json(&output);
-    let trials = document["trials"].as_array().expect("trials");
-    for (knob, scene) in [("as written", &written), ("element P1", &linear)] {
-        let same_run = |row: &&Value| row["knob"] == knob && row["n"] == 8 && row["steps"] == 4;
-        let row = trials.iter().find(same_run).unwrap_or_else(|| panic!("{knob}"));
-        assert_eq!(number(&row["error"]), v_error(&setup_of(scene.clone()), 8, 4), "{knob}");
-    }
-}
-
 /// The other element has the errors of the scene that names it, on meshes with as many nodes, and P2 reaches the error of
 /// P1 with a fraction of the unknowns: on a smooth body, and under a law with kinks that move.
 #[test]

@@ -122,8 +122,6 @@ const ROWS: [Row; 40] = [
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
     ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
     ("quadratic-compliance", &[], &[4, 8, 16], &[16]),
-    ("nonconforming-elastic", &[], &[4, 8, 16], &[4]),
-    ("nonconforming-memory", &[], &[4, 8, 16], &[16]),
     ("left-rule", &[], &[2], &[32, 64, 128]),
     ("gregory-three", &[], &[2], &[16, 32, 64, 128]),
     ("gregory-four", &[], &[2], &[8, 16, 32, 64]),

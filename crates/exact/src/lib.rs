@@ -11,7 +11,6 @@
 
 mod accumulated;
 mod check;
-mod consistency;
 pub mod constitutive;
 mod contact_samples;
 mod curve;

@@ -7,7 +7,6 @@ use fem::mesh::in_dimension;
 use std::sync::{Arc, OnceLock};
 
 use self::contact::ContactMoments;
-use super::consistency::around;
 use super::contact_samples::StatePoints;
 use super::cuts::Cuts;
 use super::exact::{Exact, LoadForm};
@@ -31,7 +30,6 @@ pub struct ExactOnMesh {
     error_points: Sampled,
     stress_points: Option<Sampled>,
     /// Points on the facets of cells, in the weak form for discontinuous elements.
-    facet_points: Option<Sampled>,
     /// Points of the strong form in the cells.
     force_points: Sampled,
     /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
@@ -78,11 +76,9 @@ impl ExactOnMesh {
         let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
         let graph = &exact.data.graph;
         let cuts = Cuts::new(graph, &fields, exact.data.horizon, &space.mesh, cells);
-        let jumps = form == LoadForm::Weak && !space.element.is_conforming();
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
-            facet_points: jumps.then(|| cell_points(&around(&rules.side))),
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
             regions,
@@ -147,7 +143,7 @@ impl ExactOnMesh {
 
     /// Whether loads use the moments of σ: both are then bit-identical, whichever comes first.
     fn is_shared(&self) -> bool {
-        self.form == LoadForm::Weak && self.stress_points.is_none() && self.facet_points.is_none()
+        self.form == LoadForm::Weak && self.stress_points.is_none()
     }
 
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
@@ -157,11 +153,7 @@ impl ExactOnMesh {
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         if self.form == LoadForm::Weak {
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
-            let mut forces = parts.stress_forces::<D, N>(points)?;
-            if let Some(points) = &self.facet_points {
-                parts.subtract_consistency::<D>(points, &mut forces)?;
-            }
-            return Ok(forces);
+            return parts.stress_forces::<D, N>(points);
         }
         let mut forces = parts.body_forces::<D>(&self.force_points)?;
         for group in self.traction.iter().chain(&self.contact) {

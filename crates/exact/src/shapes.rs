@@ -24,9 +24,9 @@ impl Shapes {
         Self::through(&element.nodes(Simplex::cell(dimension)), element.degree())
     }
 
-    /// Those of a facet; where there are few nodes they count by their means.
+    /// Those of a facet.
     pub fn of_facet(element: Element, dimension: usize) -> Self {
-        Self::through(&element.nodes(Simplex::facet(dimension)), element.facet_degree())
+        Self::through(&element.nodes(Simplex::facet(dimension)), element.degree())
     }
 
     /// Of strains, at the strain points of a cell.

@@ -4,7 +4,6 @@ use fem::space::Element;
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
-use super::sweep::Sweep;
 use super::validated::{Body, ContactScene, Scene};
 use crate::ContactQuadrature;
 
@@ -17,46 +16,28 @@ pub(super) const KEY: &str = "discretization.element";
 pub(super) fn element(
     reading: &Reading,
     body: &ContactScene,
-    sweep: Option<&Sweep>,
 ) -> Result<Element, SceneError> {
     let known = Element::ALL.map(|known| (known.name(), known));
     let element = reading.choice_or(KEY, &known, Element::P1)?;
-    match refusal(element, body, sweep) {
+    match refusal(element, body) {
         Some([message, hint]) => Err(reading.error(KEY, message, hint)),
         None => Ok(element),
     }
 }
 
-/// Why a body with this sweep cannot have an element, and the way out.
-fn refusal(
-    element: Element,
-    body: &ContactScene,
-    sweep: Option<&Sweep>,
-) -> Option<[&'static str; 2]> {
+/// Why a body cannot have an element, and the way out.
+fn refusal(element: Element, body: &ContactScene) -> Option<[&'static str; 2]> {
     if element == Element::P1 {
         return None;
     }
     let quadrature = body.contact.as_ref().map(|contact| contact.quadrature);
     if quadrature.is_some_and(|rule| rule != ContactQuadrature::Vertex) {
-        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles; CR by barycentres of facets";
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
     }
     if body.domain.dimension() == 3 && body.friction().is_some() {
         let message = "friction on facets in space is known for P1 alone";
         return Some([message, "remove [contact.friction], or take P1"]);
-    }
-    if element.is_conforming() {
-        return None;
-    }
-    if body.data.is_interpolated() {
-        let message =
-            "interpolated = true takes an interpolant of u in V, and V^h of CR is not in V";
-        return Some([message, "remove `interpolated`, or take P1 or P2"]);
-    }
-    if sweep.is_some_and(|sweep| sweep.reference.is_some() || sweep.by_state) {
-        let message =
-            "a finer run, and errors by contact state, are known for continuous functions alone";
-        return Some([message, "remove `reference` and `by_state`, or take P1"]);
     }
     None
 }
@@ -69,7 +50,7 @@ impl Scene {
     pub fn with_element(&self, element: Element) -> Result<Self, SceneError> {
         let mut scene = self.clone();
         if let Body::Contact(body) = &mut scene.body {
-            if let Some([message, hint]) = refusal(element, body, self.sweep.as_ref()) {
+            if let Some([message, hint]) = refusal(element, body) {
                 return Err(self.error(KEY, message, hint));
             }
             body.element = element;

@@ -1,23 +1,20 @@
 //! What a scene may have beyond the setting of the paper, and commands that leave it out of account.
 
 use super::diagnostic::SceneError;
-use super::discretization;
 use super::validated::{Body, Scene};
 
-/// Beyond the paper's linear elements, kernels without a pole and contact without friction.
+/// Beyond the paper's kernels without a pole and contact without friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extension {
     /// `[contact.friction]`.
     Friction,
-    /// An element whose functions jump: V^h is not in V.
-    Nonconforming,
     /// Kernels that are infinite at s = t.
     SingularKernel,
 }
 
 impl Extension {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Friction, Self::Nonconforming, Self::SingularKernel];
+    pub const ALL: [Self; 2] = [Self::Friction, Self::SingularKernel];
 
     /// The key that asks for it in a scene, its name, and the way out; none where the scene does without.
     fn asked_by(self, scene: &Scene) -> Option<(String, String, &'static str)> {
@@ -26,12 +23,6 @@ impl Extension {
             Self::Friction => {
                 let way_out = "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]";
                 body?.friction().map(|_| ("contact.friction".into(), "friction".into(), way_out))
-            }
-            Self::Nonconforming => {
-                let element = body?.element;
-                let name = format!("{} elements", element.name());
-                let way_out = "list, check, explain, run, gate, verify, solve, trade and gronwall do; for this command take P1 or P2";
-                (!element.is_conforming()).then(|| (discretization::KEY.into(), name, way_out))
             }
             Self::SingularKernel => {
                 let key = match &scene.body {

@@ -223,7 +223,7 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     states_are_known(reading, known, sweep.as_ref(), &predicts)?;
     has_truth(reading, judge, &data, sweep.as_ref())?;
     let mut body = ContactScene { domain, material, contact, data, element: Element::P1 };
-    body.element = element(reading, &body, sweep.as_ref())?;
+    body.element = element(reading, &body)?;
     Ok(Content { time, body: Body::Contact(Box::new(body)), predicts, sweep })
 }
 

@@ -1,4 +1,4 @@
-//! Cases of quadratic elements and of those that jump, of friction and of kernels that are infinite at lag zero.
+//! Cases of quadratic elements, of friction and of kernels that are infinite at lag zero.
 
 use crate::program::{Folder, code, json, sweep};
 use crate::shipped::{midpoints_between_corners, on_mesh, run, setup, setup_of, text};
@@ -17,8 +17,6 @@ fn answers_on_quadratic_elements_with_friction_and_singular_kernels_come_back() 
         ("friction-box", 2),
         ("singular-contact", 2),
         ("quadratic-box", 2),
-        ("nonconforming-memory", 4),
-        ("nonconforming-signorini", 4),
     ] {
         comes_back(&setup(name), n);
     }
@@ -119,89 +117,24 @@ fn bounds_of_friction_and_factors_of_kernels_are_those_of_the_scene() {
     assert!((kernels.numbers[4 * 3] + (-1f64).exp()).abs() < 1e-15);
 }
 
-#[test]
-fn corners_without_unknowns_keep_their_rows() {
-    let files = Files::of(&setup("nonconforming-signorini"), 4, 1);
-    let case = std::fs::read_to_string(files.folder.at("case/case.json")).expect("a text");
-    let case: serde_json::Value = serde_json::from_str(&case).expect("JSON");
-    // 16 squares: 25 vertices, 40 edges along the axes and 16 diagonals.
-    assert_eq!((&case["element"], &case["vertices"]), (&"CR".into(), &81.into()));
-    assert_eq!(case["midpoints"], 56);
-    let points = files.numbers("vertices.csv");
-    assert_eq!(points.len(), 81);
-    for row in &points {
-        // On the top, and at corners, whose numbers come first.
-        assert_eq!(row[3] == 1.0, row[0] < 25.0 || row[2] == 1.0, "{row:?}");
-    }
-    let between = |row: &[f64], corners: usize| {
-        let at = |node: f64, i: usize| points[node as usize][i];
-        for (m, [a, b]) in row[corners..].iter().zip(EDGES) {
-            let middle = |i| at(*m, i) - 0.5 * (at(row[a], i) + at(row[b], i));
-            assert!((1..3).all(|i| middle(i).abs() < 1e-15));
-        }
-        row[..corners].iter().all(|corner| *corner < 25.0)
-    };
-    for (table, [wide, corners]) in [("cells.csv", [8, 3]), ("facets.csv", [5, 2])] {
-        for row in files.numbers(table) {
-            assert_eq!(row.len(), wide);
-            assert!(between(&row[1..wide - 1], corners));
-        }
-    }
-    let loads = files.array("loads.npy");
-    assert_eq!(loads.shape, [2, 81, 2]);
-    let [corners, midpoints] = [0..50, 50..162].map(|range| &loads.numbers[162..][range]);
-    assert!(corners.iter().all(|f| *f == 0.0) && midpoints.iter().any(|f| *f != 0.0));
-    // One midpoint an edge of the bottom, with its length.
-    let rows = files.numbers("contact.csv");
-    assert_eq!(rows.len(), 4);
-    assert!(rows.iter().all(|row| row[1] >= 25.0 && (row[4] - 0.25).abs() < 1e-15));
-}
-
-/// Cells by corners and the barycentres of their faces 012, 123, 230, 301, faces by corners and their own.
-#[test]
-fn barycentres_of_faces_are_rows_behind_the_corners() {
-    let files = Files::of(&setup("nonconforming-box"), 2, 1);
-    let points = files.numbers("vertices.csv");
-    // 27 corners of 8 cubes; of 48 tetrahedra and 48 faces on the boundary there are 120 faces.
-    assert_eq!(points.len(), 27 + 120);
-    let at_mean = |row: &[f64], node: f64, corners: &[usize]| {
-        let at = |node: f64, i: usize| points[node as usize][i];
-        let off = |i| at(node, i) - corners.iter().map(|c| at(row[*c], i) / 3.0).sum::<f64>();
-        node >= 27.0 && (1..4).all(|i| off(i).abs() < 1e-15)
-    };
-    let of_cell = [[0, 1, 2], [1, 2, 3], [2, 3, 0], [3, 0, 1]];
-    for row in files.numbers("cells.csv") {
-        let row = &row[1..9];
-        assert!(of_cell.iter().zip(&row[4..]).all(|(face, &node)| at_mean(row, node, face)));
-    }
-    for row in files.numbers("facets.csv") {
-        assert!(at_mean(&row[1..4], row[4], &[0, 1, 2]));
-    }
-    let rows = files.numbers("contact.csv");
-    assert_eq!(rows.len(), 8);
-    assert!(rows.iter().all(|row| row[1] >= 27.0 && (row[5] - 0.125).abs() < 1e-15), "{rows:?}");
-}
-
 /// A solver in this process: the same displacements have the same errors.
 #[test]
 fn midpoints_come_back_within_the_process() {
     struct Found;
     impl Solve for Found {
         fn solve(&self, given: &Given, data: &MeshData) -> Result<Answer, String> {
-            let (setup, steps) = (setup("nonconforming-memory"), given.times.len() as u32 - 1);
+            let (setup, steps) = (setup("quadratic-memory"), given.times.len() as u32 - 1);
             let mut displacement = Vec::new();
             run(&setup, &setup.model, data, steps, |view| {
-                let of_vertex = |&node: &u32| match view.u.get(2 * node as usize..) {
-                    Some(at_node) => [at_node[0], at_node[1]],
-                    None => [0.0; 2],
-                };
+                let of_vertex =
+                    |&node: &u32| [view.u[2 * node as usize], view.u[2 * node as usize + 1]];
                 displacement.extend(data.space.nodes.of_vertex.iter().flat_map(of_vertex));
             })
             .map_err(|error| error.to_string())?;
             Ok(Answer { displacement, pressure: None })
         }
     }
-    let setup = setup("nonconforming-memory");
+    let setup = setup("quadratic-memory");
     let data = on_mesh(&setup, 4);
     let [built_in, found] = [&NewtonMarch as &dyn Scheme, &InProcess(Found)]
         .map(|scheme| errors(scheme, &setup, &data, 4));
@@ -213,21 +146,14 @@ fn midpoints_come_back_within_the_process() {
 
 /// What `sweep verify quadratic-elastic` says of answers that are changed level by level.
 fn judged(change: impl Fn(&MeshData, &[f64]) -> Vec<f64>) -> (i32, String) {
-    judged_on("quadratic-elastic", change)
-}
-
-/// What `sweep verify` says of a plane scene with four steps.
-fn judged_on(name: &str, change: impl Fn(&MeshData, &[f64]) -> Vec<f64>) -> (i32, String) {
+    let name = "quadratic-elastic";
     let (folder, setup) = (Folder::new("external-midpoints"), setup(name));
     for n in [4, 8, 16] {
         let (data, mut answer) = (on_mesh(&setup, n), Vec::new());
         let nodes = &data.space.nodes;
         run(&setup, &setup.model, &data, 4, |view| {
             let u = change(&data, view.u);
-            let of = |&node: &u32| match u.get(2 * node as usize..) {
-                Some(at_node) => [at_node[0], at_node[1]],
-                None => [0.0; 2],
-            };
+            let of = |&node: &u32| [u[2 * node as usize], u[2 * node as usize + 1]];
             answer.extend(nodes.of_vertex.iter().flat_map(of));
         })
         .unwrap_or_else(|error| panic!("{error}"));
@@ -261,20 +187,4 @@ fn midpoints_without_values_of_their_own_are_caught() {
         u
     });
     assert!(status == 1 && said.contains("\"fail\""), "{said}");
-}
-
-/// Values in their rows, and in each other's.
-#[test]
-fn midpoints_of_functions_that_jump_are_judged() {
-    let name = "nonconforming-elastic";
-    let (status, said) = judged_on(name, |_, u| u.to_vec());
-    assert_eq!(status, 0, "{said}");
-    let (status, said) = judged_on(name, |data, u| {
-        let (mut u, nodes) = (u.to_vec(), &data.space.nodes);
-        for pair in 0..nodes.free / 2 {
-            (0..2).for_each(|i| u.swap(4 * pair + i, 4 * pair + 2 + i));
-        }
-        u
-    });
-    assert!(status == 1 && said.contains("look at the solver first"), "{said}");
 }

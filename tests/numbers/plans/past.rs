@@ -106,7 +106,6 @@ fn long_all_sums_over_the_past_have_the_same_solution() {
         "gregory-three",
         "left-rule",
         "left-rule-graded",
-        "nonconforming-memory",
         "product-integrated",
         "product-integrated-graded",
         "quadratic-compliance",

@@ -1,4 +1,4 @@
-//! Wrong quadratic elements: weights on Γ3, points and weights of strains, nodes at midpoints. Wrong penalties of jumps.
+//! Wrong quadratic elements: weights on Γ3, points and weights of strains, nodes at midpoints.
 
 use fem::contact::{Discretization, StepView};
 use fem::space::Element;
@@ -14,11 +14,6 @@ fn quadratic(setup: Setup, march: March) -> Setup {
     if setup.body.element == Element::P2 { marched(setup, march) } else { setup }
 }
 
-/// Another march, where functions jump.
-fn jumping(setup: Setup, march: March) -> Setup {
-    if setup.body.element.is_conforming() { setup } else { marched(setup, march) }
-}
-
 macro_rules! on {
     ($name:literal, $change:expr) => {
         Defect::of(Term::Element, $name, |setup| {
@@ -28,22 +23,6 @@ macro_rules! on {
             })
         })
     };
-}
-
-macro_rules! on_jumps {
-    ($name:literal, $change:expr) => {
-        Defect::of(Term::Element, $name, |setup| {
-            jumping(setup, |setup, data, steps, observe| {
-                let change: Change = $change;
-                rebuilt(setup, data, steps, observe, |space, _| change(space))
-            })
-        })
-    };
-}
-
-/// What the values at the nodes of a jump count.
-fn count_jumps(space: &mut Discretization, change: impl Fn([f64; 6]) -> [f64; 6]) {
-    space.jumps.iter_mut().for_each(|jump| jump.signs = change(jump.signs));
 }
 
 /// Gradients are linear on a cell: those at points nearer to the centroid are nearer to their mean.
@@ -82,21 +61,5 @@ pub fn defects() -> Vec<Defect> {
             vec![0.5, 0.25, 0.25]),
         on!("strain points 10 % nearer to the centroid", nearer),
         Defect::of(Term::Element, "midpoints shown between their corners", linear),
-        on_jumps!("jumps without a penalty", |s| count_jumps(s, |_| [0.0; 6])),
-        on_jumps!("the penalty of jumps weighed 1e-3", |s| count_jumps(s, |signs| signs
-            .map(|sign| 1e-3f64.sqrt() * sign))),
-        on_jumps!("jumps without orientation: sums of both sides", |s| count_jumps(s, |signs| {
-            signs.map(f64::abs)
-        })),
-        on_jumps!("jumps of other cells than those of the edge", |s| {
-            let d = s.mesh.dimension;
-            let nodes: Vec<[u32; 6]> = s.jumps.iter().map(|jump| jump.nodes).collect();
-            let next = nodes.iter().cycle().skip(1);
-            // Those on one side: the matrix has entries for them where the cells are neighbours.
-            s.jumps
-                .iter_mut()
-                .zip(next)
-                .for_each(|(jump, next)| jump.nodes[d..2 * d].copy_from_slice(&next[d..2 * d]));
-        }),
     ]
 }

@@ -28,18 +28,7 @@ impl BlockPattern {
     /// Pattern for `free` nodes with `dimension` components coupled by `cells` (`stride` node numbers each; numbers
     /// from `free` on are clamped and left out).
     pub fn new(cells: &[u32], stride: usize, dimension: usize, free: usize) -> Self {
-        Self::coupled(cells, stride, dimension, free, std::iter::empty())
-    }
-
-    /// As [`Self::new`], also coupling the nodes of each of `others`; [`Self::add`] reaches their entries.
-    pub fn coupled<'a>(
-        cells: &'a [u32],
-        stride: usize,
-        dimension: usize,
-        free: usize,
-        others: impl Iterator<Item = &'a [u32]>,
-    ) -> Self {
-        let (first, neighbours) = larger_neighbours(cells.chunks_exact(stride).chain(others), free);
+        let (first, neighbours) = larger_neighbours(cells.chunks_exact(stride), free);
         let (columns, rows) = columns(dimension, &first, &neighbours);
         let mut slots = Vec::with_capacity(cells.len() * (stride - 1) / 2);
         for cell in cells.chunks_exact(stride) {

@@ -97,7 +97,7 @@ pub fn stiffness_of<const D: usize, const S: usize>(
 }
 
 impl Discretization {
-    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components, with the penalty of jumps.
+    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.
     pub fn stiffness(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &Frames::default())
     }
@@ -112,7 +112,6 @@ impl Discretization {
         in_dimension!(
             self.mesh.dimension, D, S => stiffness_of::<D, S>(self, frames, law, &mut values)
         );
-        self.add_jump_stiffness(frames, law, &mut values);
         values
     }
 }

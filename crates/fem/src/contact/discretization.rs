@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::mesh::{Mesh, Nesting};
-use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, StrainPoints, jumps};
+use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
 use algebra::linalg::{
     Analysis, BlockPattern, FactorError, Levels, MultigridSequence, NodeFrame, Precision,
     SequenceSolver, TangentSolver, nested_dissection,
@@ -29,8 +29,6 @@ pub struct Discretization {
     pub nodes: Nodes,
     /// Shape gradients at the points of strains, and measures.
     pub geometry: Geometry,
-    /// Where functions jump; empty for continuous elements.
-    pub jumps: Vec<Jump>,
     /// Pattern of the tangent.
     pub pattern: BlockPattern,
     /// Γ3.
@@ -61,17 +59,13 @@ impl Discretization {
     pub fn of(element: Element, mut mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Self {
         let nodes = Nodes::new(&mut mesh, element, clamped);
         let geometry = Geometry::new(&mesh, element);
-        let jumps = jumps(&mesh, element, &nodes);
-        let (d, free) = (mesh.dimension, nodes.free);
-        let beside = jumps.iter().map(|jump| jump.nodes(d));
-        let pattern = BlockPattern::coupled(&nodes.cells, nodes.a_cell, d, free, beside);
+        let pattern = BlockPattern::new(&nodes.cells, nodes.a_cell, mesh.dimension, nodes.free);
         let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact);
         Self {
             element,
             mesh,
             nodes,
             geometry,
-            jumps,
             pattern,
             trace,
             frames,
@@ -148,33 +142,11 @@ impl Discretization {
         self.nodes.of_cell(c)
     }
 
-    /// The values of a nodal vector at the vertices of the mesh, d numbers each: at a vertex without a node the mean of those
-    /// that the cells around it have there.
+    /// The values of a nodal vector at the vertices of the mesh, d numbers each.
     pub fn at_vertices(&self, v: &[f64]) -> Vec<f64> {
-        let (d, mesh) = (self.mesh.dimension, &self.mesh);
-        let (mut values, mut count) = (vec![0.0; d * mesh.vertices()], vec![0.0; mesh.vertices()]);
-        for (vertex, &node) in self.nodes.of_vertex.iter().enumerate() {
-            if node != Nodes::NONE {
-                let at_node = &v[d * node as usize..d * (node as usize + 1)];
-                values[d * vertex..d * (vertex + 1)].copy_from_slice(at_node);
-            }
-        }
-        let bare = |vertex: usize| self.nodes.of_vertex[vertex] == Nodes::NONE;
-        for (c, corner) in (0..mesh.cell_count()).flat_map(|c| (0..=d).map(move |a| (c, a))) {
-            let vertex = mesh.cell(c)[corner] as usize;
-            if !bare(vertex) {
-                continue;
-            }
-            let b: Vec<f64> = (0..=d).map(|a| f64::from(u8::from(a == corner))).collect();
-            count[vertex] += 1.0;
-            for (&node, shape) in self.cell_nodes(c).iter().zip(self.element.values(&b)) {
-                (0..d).for_each(|i| values[d * vertex + i] += shape * v[d * node as usize + i]);
-            }
-        }
-        for vertex in (0..mesh.vertices()).filter(|&vertex| bare(vertex)) {
-            (0..d).for_each(|i| values[d * vertex + i] /= count[vertex]);
-        }
-        values
+        let d = self.mesh.dimension;
+        let of_node = |&node: &u32| &v[d * node as usize..d * (node as usize + 1)];
+        self.nodes.of_vertex.iter().flat_map(of_node).copied().collect()
     }
 
     /// The points where strain, stress and projection live.

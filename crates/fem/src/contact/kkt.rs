@@ -40,7 +40,7 @@ pub(super) fn kkt_residual_in(
     in_dimension!(space.mesh.dimension, D, S => evaluate::<D, S>(space, model, view, load, room))
 }
 
-/// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows, with the penalty of jumps.
+/// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows.
 pub(super) fn internal_force(
     space: &Discretization,
     model: &Model,
@@ -64,10 +64,6 @@ fn internal_force_in<const D: usize, const S: usize>(
     for at in space.points() {
         let stress = view.stress_at::<S>(space, model, &at).map(|s| s * at.weight);
         stress_force::<D, S>(at.gradients, at.nodes, &stress, force);
-    }
-    space.add_jump_force(&model.elasticity, view.u, force);
-    for (memory, history) in model.memory.iter().zip(view.history) {
-        space.add_jump_force(&memory.tensor, history, force);
     }
 }
 

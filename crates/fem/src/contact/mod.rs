@@ -16,7 +16,6 @@ mod friction_graph;
 mod friction_law;
 mod held_factors;
 mod histories;
-mod jumps;
 mod kkt;
 mod kkt_compliance;
 mod last_slot;

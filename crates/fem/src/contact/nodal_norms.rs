@@ -54,9 +54,5 @@ pub fn strain_distance(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
         }
         sum
     }
-    let jumps = match space.jumps.is_empty() {
-        true => 0.0,
-        false => space.jump_square(&v.iter().zip(w).map(|(v, w)| v - w).collect::<Vec<f64>>()),
-    };
-    (in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, v, w)) + jumps).sqrt()
+    in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, v, w)).sqrt()
 }

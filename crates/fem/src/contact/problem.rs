@@ -182,8 +182,6 @@ impl<'a> ContactProblem<'a> {
                 self.projected_force::<D, S>(limit.value(self.zeta()));
             }
         }
-        let u = if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian };
-        self.space.add_jump_force(&self.linear_law, u, &mut self.nodal_force);
         self.space.frames.force_on_unknowns(&mut self.nodal_force);
         out.copy_from_slice(&self.nodal_force[..out.len()]);
     }

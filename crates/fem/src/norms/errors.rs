@@ -52,7 +52,6 @@ fn cells<const D: usize, const S: usize>(
     truth: &Moments,
 ) -> StepErrors {
     let (mut v, mut stress) = (truth.strain.rest, truth.stress.rest);
-    v += space.jump_square(view.u);
     let mut l2 = truth.displacement.rest;
     let (strains, stresses) =
         (truth.strain.at.as_chunks::<S>().0, truth.stress.at.as_chunks::<S>().0);

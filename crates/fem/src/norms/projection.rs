@@ -1,5 +1,5 @@
 //! The A-projection of a field: P_h u ∈ V^h with (A ε(P_h u), ε(v)) = (A ε(u), ε(v)) for all v,
-//! A = 𝒜 + μ as in the paper's operator, with the penalty of jumps that belongs to it where functions of V^h jump. The distance u_h - P_h u shows the time error, and what
+//! A = 𝒜 + μ as in the paper's operator. The distance u_h - P_h u shows the time error, and what
 //! contact and projection do, without most of the interpolation error.
 
 use super::Moments;
@@ -75,10 +75,6 @@ impl<'a> ElasticProjection<'a> {
             let stress = self.operator.on(space.region(at.cell)).apply(&difference);
             let stress = stress.map(|s| at.weight * s);
             stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
-        }
-        if !space.jumps.is_empty() {
-            let opposite: Vec<f64> = u_h.iter().map(|u| -u).collect();
-            space.add_jump_force(&self.operator, &opposite, &mut force);
         }
         let unknowns = &mut force[..space.dofs()];
         self.inverse.solve(unknowns);

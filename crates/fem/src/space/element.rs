@@ -1,6 +1,5 @@
 //! What an element is: nodes, shape functions, and the points where strain, stress and projection live. All that the
-//! program needs of one besides is derived from these here, but for the jumps of functions that are not continuous
-//! (`jumps`).
+//! program needs of one besides is derived from these here.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -25,8 +24,7 @@ pub trait FiniteElement: fmt::Debug + Send + Sync {
     /// The degree p of its polynomials.
     fn degree(&self) -> usize;
 
-    /// Nodes of a cell or of a facet in the order of the shape functions; if there are some at corners, all of these
-    /// come first.
+    /// Nodes of a cell or of a facet in the order of the shape functions, those at corners first.
     fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>>;
 
     /// Values of the shape functions of a simplex at `b`.
@@ -42,16 +40,6 @@ pub trait FiniteElement: fmt::Debug + Send + Sync {
     /// Weights of the nodes of a facet, and their sum: the means of the shape functions. Nodes of weight zero carry no law
     /// on Γ3.
     fn facet_weights(&self, dimension: usize) -> (Vec<f64>, f64);
-
-    /// The degree of its functions on a facet, as far as they are determined by the nodes there.
-    fn facet_degree(&self) -> usize {
-        self.degree()
-    }
-
-    /// Whether V^h is a part of V. If not, functions are linear, and continuous at the barycentres of facets.
-    fn is_conforming(&self) -> bool {
-        true
-    }
 }
 
 /// An element of the program or of its user; two are equal if they have one name.
@@ -143,8 +131,6 @@ impl Simplex {
 pub(crate) struct Places {
     pub cells: Vec<u32>,
     pub facets: Vec<u32>,
-    /// The first point of the mesh with a node: those before it have none.
-    pub first: u32,
 }
 
 impl Element {
@@ -195,10 +181,8 @@ impl Element {
         let (d, mut known) = (mesh.dimension, HashMap::new());
         let (cells, facets) = (mesh.cells.clone(), mesh.facets.clone());
         if self == Self::P1 {
-            return Places { cells, facets, first: 0 };
+            return Places { cells, facets };
         }
-        let at_corner = self.nodes(Simplex::cell(d))[0].contains(&1.0);
-        let first = if at_corner { 0 } else { mesh.vertices() as u32 };
         let mut nodes = |all: &[u32], simplex: Simplex| {
             let places = self.nodes(simplex);
             let mut out = Vec::with_capacity(all.len() / simplex.corners * places.len());
@@ -212,7 +196,7 @@ impl Element {
         };
         let cells = nodes(&cells, Simplex::cell(d));
         let facets = nodes(&facets, Simplex::facet(d));
-        Places { cells, facets, first }
+        Places { cells, facets }
     }
 }
 
@@ -267,17 +251,6 @@ mod tests {
                 assert!((found - 3.0 * square).abs() < 2e-14, "{element:?} {simplex:?}");
             }
         }
-    }
-
-    #[test]
-    fn each_facet_has_one_barycentre() {
-        let mut mesh = lattice([1.0; 3], 2, Family::Structured);
-        let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());
-        let places = Element::CR.places(&mut mesh);
-        // Each facet belongs to two cells, but for those on the boundary.
-        assert_eq!(mesh.vertices() - vertices, (4 * cells + facets) / 2);
-        assert_eq!((places.cells.len(), places.facets.len()), (4 * cells, facets));
-        assert_eq!(places.first as usize, vertices);
     }
 
     #[test]

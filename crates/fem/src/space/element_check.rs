@@ -18,9 +18,6 @@ pub enum ElementFault {
     /// Shortcuts for an element know it by its name.
     #[error("an element of the program has this name")]
     Name,
-    /// Jumps are penalised for linear functions that are continuous at barycentres of facets.
-    #[error("not conforming, and its node at {place:?} is no barycentre of a facet")]
-    NotConforming { place: Vec<f64> },
     #[error("{found} {what}, where polynomials of degree {degree} need {wanted}")]
     Count { what: &'static str, degree: usize, found: usize, wanted: usize },
     #[error("barycentric coordinates of a point sum up to {sum}")]
@@ -76,13 +73,8 @@ fn check(element: Element, d: usize) -> Result<(), ElementFault> {
     let (cell, facet) = (Simplex::cell(d), Simplex::facet(d));
     let (degree, strains) = (element.degree(), element.degree().saturating_sub(1));
     functions(element, cell, degree)?;
-    functions(element, facet, element.facet_degree())?;
+    functions(element, facet, degree)?;
     nodes_of_facets(element, d)?;
-    let barycentres = Element::CR.nodes(cell);
-    let mut others = element.nodes(cell).into_iter().filter(|node| !barycentres.contains(node));
-    if let (false, Some(place)) = (element.is_conforming(), others.next()) {
-        return Err(ElementFault::NotConforming { place });
-    }
     slopes(element, d)?;
     let rule = element.strain_rule(d);
     counted("strain points", strains, rule.points.len(), d)?;
@@ -189,7 +181,7 @@ fn slopes(element: Element, d: usize) -> Result<(), ElementFault> {
 fn facet_weights(element: Element, d: usize) -> Result<(), ElementFault> {
     let (facet, rule) = (Simplex::facet(d), element.square_rule(d));
     let (weights, sum) = element.facet_weights(d);
-    counted("facet weights", element.facet_degree(), weights.len(), d - 1)?;
+    counted("facet weights", element.degree(), weights.len(), d - 1)?;
     let mut means = vec![0.0; weights.len()];
     for (b, weight) in rule.points.iter().zip(&rule.weights) {
         let values = element.values_on(facet, b);
@@ -239,14 +231,8 @@ mod tests {
         fn name(&self) -> &'static str {
             if self.0 == "name" { "P1" } else { "P2 damaged" }
         }
-        fn is_conforming(&self) -> bool {
-            self.0 != "conformity"
-        }
         fn degree(&self) -> usize {
             if self.0 == "degree" { 3 } else { 2 }
-        }
-        fn facet_degree(&self) -> usize {
-            2
         }
         fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>> {
             let mut nodes = Element::P2.nodes(simplex);
@@ -306,7 +292,6 @@ mod tests {
         assert!(matches!(fault("degree"), F::Count { found: 6, wanted: 10, .. }));
         assert_eq!(fault("place"), F::Place { sum: 1.5 });
         assert_eq!(fault("name"), F::Name);
-        assert_eq!(fault("conformity"), F::NotConforming { place: vec![1.0, 0.0, 0.0] });
         assert!(matches!(fault("nodes"), F::Values { off, .. } if off > 0.01));
         assert_eq!(fault("facet"), F::OnFacet { place: vec![0.75, 0.25, 0.0] });
         assert!(matches!(fault("slopes"), F::Slopes { function: 3, off, .. } if off > 0.1));

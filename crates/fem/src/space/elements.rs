@@ -1,6 +1,5 @@
 //! The elements that scenes can name, a file each.
 
-mod crouzeix_raviart;
 mod linear;
 mod quadratic;
 
@@ -11,8 +10,6 @@ impl Element {
     pub const P1: Self = Self::new(&linear::Linear);
     /// Quadratic: nodes at the vertices and at the midpoints of edges, linear strains.
     pub const P2: Self = Self::new(&quadratic::Quadratic);
-    /// Linear, continuous at the barycentres of facets alone.
-    pub const CR: Self = Self::new(&crouzeix_raviart::CrouzeixRaviart);
     /// Those that scenes can name.
-    pub const ALL: [Self; 3] = [Self::P1, Self::P2, Self::CR];
+    pub const ALL: [Self; 2] = [Self::P1, Self::P2];
 }

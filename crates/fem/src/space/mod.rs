@@ -3,7 +3,6 @@
 mod element;
 mod element_check;
 mod elements;
-mod jumps;
 mod mean_square;
 mod nodes;
 mod points;
@@ -14,8 +13,6 @@ mod strain_shapes;
 
 pub use element::{Element, FiniteElement, Simplex};
 pub use element_check::{ElementError, ElementFault};
-pub use jumps::Jump;
-pub(crate) use jumps::jumps;
 pub use mean_square::MeanSquare;
 pub use nodes::Nodes;
 pub use points::{StrainPoint, StrainPoints};

@@ -4,15 +4,14 @@
 use super::element::{Element, Places, Simplex};
 use crate::mesh::Mesh;
 
-/// Node numbers of the points of a mesh: its vertices, and midpoints of edges or barycentres of facets where the element has
-/// nodes there.
+/// Node numbers of the points of a mesh: its vertices, and midpoints of edges where the element has nodes there.
 #[derive(Debug, Clone)]
 pub struct Nodes {
     /// Components per node: the space dimension d.
     pub dimension: usize,
     /// Number of nodes that are not clamped.
     pub free: usize,
-    /// Node of a vertex; [`Nodes::NONE`] where the element has none.
+    /// Node of a vertex.
     pub of_vertex: Vec<u32>,
     /// Vertex of a node.
     pub vertex: Vec<u32>,
@@ -27,12 +26,9 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// The node of a vertex without one.
-    pub const NONE: u32 = u32::MAX;
-
     /// Numbers the points of `mesh` at which the element has nodes; those of a facet on a side in `clamped` come last.
     pub fn new(mesh: &mut Mesh, element: Element, clamped: &[u32]) -> Self {
-        let Places { cells, facets, first } = element.places(mesh);
+        let Places { cells, facets } = element.places(mesh);
         let simplices = [Simplex::cell(mesh.dimension), Simplex::facet(mesh.dimension)];
         let [a_cell, a_facet] = simplices.map(|simplex| element.nodes_on(simplex));
         let mut is_clamped = vec![false; mesh.vertices()];
@@ -41,11 +37,11 @@ impl Nodes {
                 is_clamped[v as usize] = true;
             }
         }
-        let vertices = first..mesh.vertices() as u32;
+        let vertices = 0..mesh.vertices() as u32;
         let mut vertex: Vec<u32> = vertices.clone().filter(|&v| !is_clamped[v as usize]).collect();
         let free = vertex.len();
         vertex.extend(vertices.filter(|&v| is_clamped[v as usize]));
-        let mut of_vertex = vec![Self::NONE; mesh.vertices()];
+        let mut of_vertex = vec![0; mesh.vertices()];
         for (node, &v) in vertex.iter().enumerate() {
             of_vertex[v as usize] = node as u32;
         }

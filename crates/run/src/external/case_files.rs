@@ -6,7 +6,6 @@ use serde_json::{Value, json};
 
 use super::npy::{Array, encode};
 use fem::contact::{CaseError, Discretization};
-use fem::space::Nodes;
 use files::replace_file;
 use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
@@ -62,7 +61,7 @@ impl Given {
         })
     }
 
-    /// Whether a vertex of the mesh has no unknowns: it is clamped, or the element has no node there.
+    /// Whether a vertex of the mesh has no unknowns.
     pub fn clamped(space: &Discretization, vertex: usize) -> bool {
         space.nodes.of_vertex[vertex] as usize >= space.nodes.free
     }
@@ -70,20 +69,8 @@ impl Given {
     /// The vertices of cell c: corners, then the further nodes.
     pub fn of_cell(space: &Discretization, c: usize) -> Vec<u32> {
         let nodes = &space.nodes;
-        let further = nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize]);
-        corners(space, space.mesh.cell(c)).chain(further).collect()
+        nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize]).collect()
     }
-
-    /// The vertices of boundary facet f, likewise.
-    pub fn of_facet(space: &Discretization, f: usize) -> Vec<u32> {
-        corners(space, space.mesh.facet(f)).chain(space.nodes.on_facet(f).iter().copied()).collect()
-    }
-}
-
-/// Corners that are none of the nodes.
-fn corners(space: &Discretization, corners: &[u32]) -> impl Iterator<Item = u32> {
-    let has_node = |&corner: &u32| space.nodes.of_vertex[corner as usize] != Nodes::NONE;
-    corners.iter().copied().filter(move |corner| !has_node(corner))
 }
 
 /// Writes the files of a case into `dir`, which is created.
@@ -215,10 +202,10 @@ fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
 fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let mesh = &space.mesh;
     let row = |(f, &side): (usize, &u32)| {
-        let nodes_of_facet = Given::of_facet(space, f).into_iter().map(|v| v.to_string());
+        let nodes_of_facet = space.nodes.on_facet(f).iter().map(|v| v.to_string());
         between(&f.to_string(), nodes_of_facet, &[&mesh.sides[side as usize]])
     };
-    let names = numbered(Given::of_facet(space, 0).len());
+    let names = numbered(space.nodes.a_facet);
     table(between("facet", names, &["side"]), mesh.facet_side.iter().enumerate().map(row))
 }
 

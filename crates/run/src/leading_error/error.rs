@@ -22,11 +22,6 @@ pub enum NoConstant {
         "{element} has no predicted constant in h: interpolants of a degree above 2 are not superclose"
     )]
     Degree { element: &'static str },
-    /// Interpolants in nonconforming spaces are not superclose.
-    #[error(
-        "{element} functions jump: consistency error and jumps are of the order of the interpolation error, and no constant of their sum is derived"
-    )]
-    Nonconforming { element: &'static str },
     /// I_h u is not superclose on this mesh.
     #[error("the mesh is no grid of translated simplices, so the interpolant is not superclose")]
     Mesh,

@@ -89,10 +89,6 @@ pub fn leading_errors(
 ) -> Result<LeadingLine, NoConstant> {
     match subject {
         Subject::Abstract(setup) => of_abstract(setup, cases),
-        // Jumps, and their effect on the load, are of the order of the interpolation error itself.
-        Subject::Contact(setup) if !setup.body.element.is_conforming() => {
-            Err(NoConstant::Nonconforming { element: setup.body.element.name() })
-        }
         Subject::Contact(setup) => match measured.variable {
             Direction::H => in_space_direction(setup, measured, cases),
             Direction::K => in_time_direction(setup, measured, cases, known),

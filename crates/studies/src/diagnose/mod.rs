@@ -60,8 +60,6 @@ pub fn diagnose(
         "sweep diagnose",
         "its variants change the stresses on the contact side, and so what friction must be there",
     )?;
-    let jumps = "its variants have an interpolant in V as their solution, and constants that are predicted for continuous functions";
-    scene.without(&[Extension::Nonconforming], "sweep diagnose", jumps)?;
     has_exact_solution(scene)?;
     let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
     let mut found = Diagnosis {

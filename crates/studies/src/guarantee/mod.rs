@@ -35,8 +35,7 @@ use algebra::tensor::contract;
 use exact::{Status, check};
 use fem::contact::{Discretization, Model, StepView};
 use fem::space::{StrainPoint, StrainShapes};
-use scene::Extension;
-use scene::setup::{MeshData, Setup, SetupError, side_numbers, sides};
+use scene::setup::{MeshData, Setup, side_numbers, sides};
 use vhi::Newton;
 use vhi::history::TimeGrid;
 use vhi::law::TensorField;
@@ -136,9 +135,6 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 /// The hypotheses of the theorem that a scene can fail before it is solved.
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     let scene = &setup.scene;
-    let jumps = "the theorem puts u^h into the inequality of u, so that V^h must be a part of V";
-    let command = "the guaranteed bound";
-    scene.without(&[Extension::Nonconforming], command, jumps).map_err(SetupError::from)?;
     let model = &setup.model;
     let falls = model.boundary.as_ref().is_some_and(|b| b.potential.alpha() > 0.0);
     let beyond = [

@@ -31,7 +31,7 @@ impl<'a> DualNorm<'a> {
     }
 }
 
-/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory, with their jumps where functions have them.
+/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory.
 pub(crate) fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
         let square = |at: StrainPoint<'_>| {
@@ -44,9 +44,7 @@ pub(crate) fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec
         };
         space.points().map(square).sum()
     }
-    let jumps = terms.iter().zip(v).map(|(term, v)| (&term.tensor, &v[..]));
-    let cells = in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, terms, v));
-    (cells + space.jump_stress_square(jumps)).sqrt()
+    in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, terms, v)).sqrt()
 }
 
 /// Σ_{j ≤ n} W_nj v_j by the kernel of each term; `histories` have v_0, …, v_{n-1} and take v_n = `v`.

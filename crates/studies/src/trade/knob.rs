@@ -120,7 +120,6 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
         }
     }
     let others = Element::ALL.into_iter().filter(|&other| other != element);
-    let others = others.filter(|other| other.is_conforming());
     let admitted = others.filter(|&other| setup.scene.with_element(other).is_ok());
     found.extend(admitted.map(Knob::Element));
     found

@@ -64,20 +64,6 @@ impl FourthOrder {
         })
     }
 
-    /// The mean on deviators, 2μ if isotropic: the shear stiffness, linear in the tensor.
-    pub fn shear(&self, d: usize) -> f64 {
-        let matrix = match self {
-            Self::Isotropic(law) => return 2.0 * law.mu,
-            Self::Full(matrix) => matrix,
-        };
-        let order = d * (d + 1) / 2;
-        // Differences of normal strains, pair by pair: the spherical part cancels in each.
-        let pairs = (0..d).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let pair = |(i, j): (usize, usize)| matrix[i][i] + matrix[j][j] - 2.0 * matrix[i][j];
-        let normal: f64 = pairs.map(pair).sum::<f64>() / d as f64;
-        (normal + (d..order).map(|m| matrix[m][m]).sum::<f64>()) / (order - 1) as f64
-    }
-
     /// Σ |E_ijkl| over all d⁴ entries: a Mandel entry stands for 1, 2 or 4 of them, divided by 1, √2, 2.
     pub(crate) fn entry_sum(&self, d: usize) -> f64 {
         let matrix = match self {

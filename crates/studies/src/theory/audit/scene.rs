@@ -141,10 +141,6 @@ impl SceneAudit {
 fn covered(setup: &Setup) -> Result<(), SetupError> {
     let others = [
         (Extension::Friction, "its lines are those of the normal law alone"),
-        (
-            Extension::Nonconforming,
-            "its lines put u^h into the inequality of u, so that V^h must be a part of V",
-        ),
         (Extension::SingularKernel, "its sums are those of kernels with a value at s = t"),
     ];
     for (extension, why) in others {

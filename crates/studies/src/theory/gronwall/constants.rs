@@ -83,9 +83,8 @@ impl GronwallConstants {
         if friction.is_some_and(|law| law.alpha() > 0.0 || law.bound.coefficient() > 0.0) {
             return Err(GronwallError::NoTangentialBound { scene: name() });
         }
-        // The bound is that of V: functions that jump may be larger on Γ3.
-        let in_v = found.alpha_nu > 0.0 && setup.body.element.is_conforming();
-        let trace_bound = in_v.then_some(found.c_j_squared_bound).flatten();
+        let asked = found.alpha_nu > 0.0;
+        let trace_bound = asked.then_some(found.c_j_squared_bound).flatten();
         if found.alpha_nu > 0.0 && trace_bound.is_none() {
             return Err(GronwallError::NoTraceBound { scene: name() });
         }
