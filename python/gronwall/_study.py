@@ -163,7 +163,7 @@ def study(
 
 
 def _settled(verdict: Verdict, before: Verdict | None) -> bool:
-    """Whether no further level is needed, by the rule of ``sweep run --until-resolved``."""
+    """Whether no further level is needed, by the judge's rule for tables that grow."""
     # A level near its floor is none, and confirms nothing.
     earlier = before.decision if before and before.levels < verdict.levels else None
     return _native.settles(verdict.levels, verdict.decision, verdict.probability, earlier)

@@ -15,7 +15,6 @@ mod diagnose;
 mod error;
 mod estimate;
 mod explain;
-mod extension;
 mod extremes;
 mod fit;
 mod floors;
@@ -39,7 +38,6 @@ mod swept;
 mod target;
 mod trade;
 mod typesetter;
-mod until_resolved;
 mod verify;
 
 use std::ffi::OsString;

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::extension::earlier;
 use super::typesetter::Typesetter;
 use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
 use judge::record::{CaseRecord, CaseTable, Key, read_table};
@@ -48,7 +47,7 @@ impl Report {
         let Earlier { failures, mut foreseen } =
             read_earlier(&self.dir.join("verdict.json")).map_err(CliError::other)?;
         restore_reasons(&mut records, &failures);
-        let known = earlier(&self.dir)?;
+        let known = Provenance::read(&self.dir)?;
         let of_records: Vec<Scene> = self
             .names(&records, known.as_ref())?
             .iter()

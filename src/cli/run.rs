@@ -6,20 +6,19 @@ use clap::Args;
 use rayon::prelude::*;
 
 use super::chosen::Chosen;
-use super::extension::restore_added;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
-use super::machine::{Allowance, processors, seconds};
+use super::machine::{Allowance, processors};
 use super::output::copy_named;
 use super::swept::Swept;
-use super::{CliError, Scenes, print_json, print_text, until_resolved};
+use super::{CliError, Scenes, print_json, print_text};
 use files::quoted;
-use judge::record::{CaseRecord, Key, RecordError};
+use judge::record::RecordError;
 use judge::verdict::{Baseline, Verdict, write_json};
 use report::write_junit;
 use run::sweep::{
-    Machine, NotRun, OutputDirectory, Provenance, ScenePlan, Stepwise, SweepError, judge_plan,
-    reference_error, run_more, run_sweep,
+    Machine, OutputDirectory, Provenance, ScenePlan, SweepError, judge_plan, reference_error,
+    run_sweep,
 };
 
 pub(super) const LATEST: &str = "reports/latest";
@@ -29,7 +28,7 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 /// `sweep run`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error). With --until-resolved, not_run: scene, cases (n, steps), seconds (as predicted)."
+    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error)."
 )]
 pub(crate) struct Run {
     #[command(flatten)]
@@ -72,29 +71,12 @@ pub(super) struct What {
     // A case above the limit is recorded as failed; others wait until they fit.
     #[command(flatten)]
     pub(super) allowance: Allowance,
-    /// Begin with the three cheapest cases of every claim, and run a further one only where a claim is not settled: a
-    /// pass by four levels, or by three with the predicted constant, a failure by five
-    #[arg(long)]
-    pub(super) until_resolved: bool,
-    /// Run the cases that unresolved verdicts name as well, for three rounds at most
-    #[arg(long)]
-    pub(super) extend: bool,
-    /// CPU seconds that the added cases may take, as predicted
-    #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, requires = "extend", value_parser = seconds)]
-    pub(super) budget: f64,
     /// Compare errors and work with this baseline [default: reports/baseline.json for scenes of the
     /// default folder or of the program itself, where the file exists; else the program's own for its own scenes;
     /// `sweep baseline` writes it]
     #[arg(long, value_name = "FILE")]
     pub(super) baseline: Option<PathBuf>,
 }
-
-fn judged(plan: &ScenePlan, records: &[CaseRecord]) -> Vec<Verdict> {
-    judge_plan(plan, records, true)
-}
-
-/// Default of --budget: as much as the main job.
-const BUDGET: f64 = 60.0;
 
 impl Run {
     /// The main job: all scenes at gate size into reports/latest.
@@ -152,7 +134,7 @@ impl What {
     pub(super) fn sweep(
         &self,
         scenes: &Scenes,
-        mut plans: Vec<ScenePlan>,
+        plans: Vec<ScenePlan>,
         resume: bool,
         compared: bool,
     ) -> Result<Swept, CliError> {
@@ -174,56 +156,22 @@ impl What {
             error => error.into(),
         };
         let progress = super::progress::Display::new();
-        if resume {
-            restore_added(&mut plans, &self.out)?;
-        }
-        let resumed = resume.then_some(&*self.out);
-        let held = self.until_resolved.then(|| until_resolved::hold(&mut plans, resumed));
-        let mut stepwise = held.transpose()?;
-        let mut records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
-        if let Some(stepwise) = stepwise.as_mut().filter(|_| resume) {
-            stepwise.replay(&mut plans, &records, judged);
-        }
+        let records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
         // Predicted constants are integrals of the exact solution: on many scenes they take seconds.
-        let mut verdicts: Vec<Vec<Verdict>> =
-            plans.par_iter().map(|plan| judged(plan, &records)).collect();
-        while let Some(changed) = self.more(&mut plans, &verdicts.concat(), stepwise.as_mut())? {
-            let progress = super::progress::Display::new();
-            records = run_more(&plans, records, &out, &machine, &progress).map_err(stopped)?;
-            let judging = plans.iter().zip(&mut verdicts).zip(changed);
-            for ((plan, of_plan), _) in judging.filter(|(_, changed)| *changed) {
-                *of_plan = judged(plan, &records);
-            }
-        }
+        let verdicts: Vec<Vec<Verdict>> =
+            plans.par_iter().map(|plan| judge_plan(plan, &records, true)).collect();
         let verdicts = verdicts.concat();
-        let not_run = stepwise.map_or(Ok(Vec::new()), |stepwise| stepwise.not_run(&plans))?;
         let provenance = Provenance::of_run(&plans, &machine).json();
         let comparison = baseline.map(|baseline| {
-            let held: Vec<Key> = not_run.iter().flat_map(NotRun::keys).collect();
-            let own_grids = self.chosen.grid.is_own() && !self.extend;
+            let own_grids = self.chosen.grid.is_own();
             let runs: Vec<_> = plans.iter().map(|plan| plan.compared(own_grids)).collect();
-            baseline.without(&held).compare(&runs, &records, &verdicts)
+            baseline.compare(&runs, &records, &verdicts)
         });
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();
         let _out = Some(out);
-        Ok(Swept { plans, records, verdicts, provenance, comparison, references, not_run, _out })
-    }
-
-    /// Adds the cases that open claims need; returns which plans changed, or None.
-    fn more(
-        &self,
-        plans: &mut [ScenePlan],
-        verdicts: &[Verdict],
-        stepwise: Option<&mut Stepwise>,
-    ) -> Result<Option<Vec<bool>>, CliError> {
-        let asked = stepwise.map(|stepwise| stepwise.go_on(plans, verdicts));
-        if let Some(changed) = asked.filter(|changed| changed.contains(&true)) {
-            return Ok(Some(changed));
-        }
-        let extended = self.extend && super::extension::extended(plans, verdicts, self.budget)?;
-        Ok(extended.then(|| vec![true; plans.len()]))
+        Ok(Swept { plans, records, verdicts, provenance, comparison, references, _out })
     }
 
     /// The baseline of this run. That of the default folder applies to its scenes only; scenes inside the program use
@@ -270,15 +218,9 @@ impl What {
             ("--steps", grid.steps.as_deref().map(list)),
             ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
             ("--memory-limit", self.allowance.given().map(|limit| limit.bytes().to_string())),
-            ("--budget", self.extend.then(|| self.budget.to_string())),
         ];
         let given = options.into_iter().filter_map(|(name, value)| Some([name.into(), value?]));
-        let flags = [
-            ("--all", self.chosen.all),
-            ("--until-resolved", self.until_resolved),
-            ("--extend", self.extend),
-            ("--resume", resume),
-        ];
+        let flags = [("--all", self.chosen.all), ("--resume", resume)];
         let set = flags.into_iter().filter(|(_, set)| *set).map(|(name, _)| name.into());
         given.flatten().chain(set).collect()
     }

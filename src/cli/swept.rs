@@ -10,7 +10,7 @@ use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
 use judge::verdict::{Comparison, Verdict, document, exit_code, failures};
 use report::{SceneSummary, write_all};
-use run::sweep::{NotRun, OutputDirectory, ScenePlan, reference_in_words, scene_summary};
+use run::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
 
 /// Records of all cases of the plans, and their verdicts.
 #[derive(Default)]
@@ -22,8 +22,6 @@ pub(super) struct Swept {
     pub(super) comparison: Option<Comparison>,
     /// Scenes with given loads, and the errors of their reference runs.
     pub(super) references: Vec<(String, AgainstReference)>,
-    /// Cases skipped by --until-resolved.
-    pub(super) not_run: Vec<NotRun>,
     /// Kept locked until the report is written.
     pub(super) _out: Option<OutputDirectory>,
 }
@@ -51,9 +49,6 @@ impl Swept {
         if !self.references.is_empty() {
             document["references"] = json!(self.references);
         }
-        if !self.not_run.is_empty() {
-            document["not_run"] = json!(self.not_run);
-        }
         document
     }
 
@@ -71,9 +66,6 @@ impl Swept {
         };
         let cases = counted(self.records.len(), "case");
         print_text(&format!("{cases}, {failed} failed{judged}"));
-        if !self.not_run.is_empty() {
-            print_text(&super::until_resolved::in_words(&self.not_run, self.records.len()));
-        }
         if let Some(comparison) = &self.comparison {
             print_text(&comparison.lines().join("\n"));
         }

@@ -3,7 +3,7 @@
 //!   along the path one line shows both orders, which k = h does not; a path is what its scene says.
 //! Data: tables by hand; viscoelastic on pairs.
 
-use crate::program::{Folder, code, command, stderr, stdout, sweep};
+use crate::program::{Folder, code, command, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{
@@ -11,8 +11,6 @@ use judge::verdict::{
     Verdict, judge, judge_foreseen,
 };
 use report::{AnnotationPlace, annotations, step_summary};
-use run::sweep::{AddedCase, Overrides, ScenePlan, Step, extend};
-use scene::setup::Subject;
 use scene::{Scene, Source};
 
 fn case(n: u32, steps: u32, error: f64, floor: f64) -> CaseRecord {
@@ -180,39 +178,99 @@ fn a_scene_runs_its_pairs_and_no_grid() {
     assert!(error.to_string().contains("a path needs pairs"), "{error}");
 }
 
-/// What is added is what was asked for, once, in the rounds there are, and as far as the budget reaches.
+/// viscoelastic on two meshes: no order has an interval there.
+fn short(folder: &Folder, n: &str, order: &str) -> String {
+    let scene = edited(&text("viscoelastic"), "n = [8, 16, 32, 64]", n);
+    let scene = edited(&scene, "order = 1.0", order);
+    folder.file("viscoelastic.toml", &edited(&scene, "steps = [16]", "steps = [4]"))
+}
+
+/// The first verdict of a run that is not as expected.
+fn first_open(folder: &Folder, scene: &str) -> serde_json::Value {
+    let output = sweep(&["run", scene, "--json", "--out", &folder.argument("out")]);
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    json(&output)["verdicts"][0].clone()
+}
+
 #[test]
-fn an_extension_keeps_to_verdicts_rounds_and_budget() {
-    let plan = || {
-        let text = text("viscoelastic").replace("name = \"viscoelastic\"", "name = \"block\"");
-        let scene = Scene::from_source(Source::from_text("block.toml", text)).expect("a scene");
-        ScenePlan::new(Subject::new(scene).expect("a setup"), &Overrides::default())
-    };
-    let open = judged(&table(&[(16, 16), (32, 16)], 0.0, |h, _| h), &predict(Variable::H, 1.0));
-    let asks = |n: u32| Verdict { next: vec![next(n, 16)], ..open.clone() };
-    let added = |plans: &[ScenePlan]| plans[0].added.iter().map(|a| a.case).collect::<Vec<_>>();
-    let mut plans = [plan()];
-    let steps = extend(&mut plans, &[asks(96), asks(96)], 60.0).expect("costs");
-    assert_eq!(added(&plans), [next(96, 16)]);
-    assert!(matches!(&steps[..], [Step::Add { seconds, .. }] if *seconds > 0.0), "{steps:?}");
-    // A verdict that is as expected, or decided, asks for nothing.
-    let mut plans = [plan()];
-    let expected = Verdict { expect: Decision::Unresolved, ..asks(96) };
-    let decided = Verdict { decision: Decision::Fail, ..asks(96) };
-    assert_eq!(extend(&mut plans, &[expected, decided], 60.0).expect("costs"), []);
-    assert!(added(&plans).is_empty());
-    // What was added before counts against the budget and as a round.
-    let before = |round| AddedCase { case: next(128, 16), round, why: String::new() };
-    let mut plans = [plan()];
-    plans[0].add(before(1));
-    let cost = |plans: &mut [ScenePlan], budget| extend(plans, &[asks(96)], budget).expect("costs");
-    assert!(matches!(cost(&mut plans, 0.01)[..], [Step::Leave { .. }]) && added(&plans).len() == 1);
+fn the_case_that_an_open_verdict_names_decides_it() {
+    let folder = Folder::new("next");
+    let scene = short(&folder, "n = [4, 8]", "order = 1.0");
+    let open = first_open(&folder, &scene);
+    assert_eq!(open["verdict"], "unresolved", "{open:#}");
+    let next = &open["next"][0];
+    assert_eq!(next["steps"], 4, "{open:#}");
+    let n = format!("4,8,{}", next["n"]);
+    let output = sweep(&["run", &scene, "--n", &n, "--json", "--out", &folder.argument("out")]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(json(&output)["verdicts"][0].get("next").is_none(), "a pass asks for nothing");
+}
+
+/// No finer mesh lowers an order that is settled above its prediction: the way out is another one.
+#[test]
+fn an_order_that_is_settled_too_high_asks_for_no_mesh() {
+    let folder = Folder::new("next-too-high");
+    let open = first_open(&folder, &short(&folder, "n = [4, 8, 16, 32]", "order = 0.6"));
     assert!(
-        matches!(cost(&mut plans, 60.0)[..], [Step::Add { .. }]) && plans[0].added[1].round == 2
+        open["reason"].as_str().is_some_and(|r| r.contains("state the higher order")),
+        "{open:#}"
     );
-    let mut plans = [plan()];
-    plans[0].add(before(3));
-    assert!(matches!(cost(&mut plans, 60.0)[..], [Step::Leave { .. }]) && added(&plans).len() == 1);
+    assert_eq!(open["next"].as_array().map_or(0, Vec::len), 0, "{open:#}");
+}
+
+/// An elastic block whose displacement is in V^h: every error is rounding.
+const ROUNDING: &str = r#"
+[scene]
+name = "rounding"
+question = "What is the order of an error that is rounding?"
+dimension = 2
+[domain]
+shape = "rectangle"
+size = [1.0, 1.0]
+clamped = ["top"]
+traction = ["left", "right", "bottom"]
+[time]
+horizon = 1.0
+[material]
+lambda = 1.0
+mu_L = 1.0
+[exact]
+u = ["0.1*t*(1 - y)", "-0.2*t*(1 - y)"]
+[sweep]
+n = [2, 4, 8]
+steps = [2]
+[[predicts]]
+norm = "V_max"
+variable = "h"
+order = 1.0
+why = "(5.26)"
+"#;
+
+#[test]
+fn an_error_at_its_floor_is_left_as_it_is() {
+    let folder = Folder::new("next-floor");
+    let open = first_open(&folder, &folder.file("rounding.toml", ROUNDING));
+    assert!(open["reason"].as_str().is_some_and(|r| r.contains("lower the floor")), "{open:#}");
+    assert_eq!(open["next"].as_array().map_or(0, Vec::len), 0, "{open:#}");
+}
+
+/// Loads in strong form jump inside cells: it is their quadrature that hides the errors, and not the solver.
+#[test]
+fn errors_below_the_floor_of_strong_loads_name_the_load_quadrature() {
+    let folder = Folder::new("strong-floor");
+    let scene = edited(&text("compliance"), "[exact]", "[exact]\nform = \"strong\"");
+    let scene = edited(&scene, "n = [8, 16, 32, 64]", "n = [4, 8, 16]");
+    let scene = folder.file("compliance.toml", &edited(&scene, "steps = [16]", "steps = [4]"));
+    let found = first_open(&folder, &scene);
+    let reason = found["reason"].as_str().expect("a reason");
+    assert!(reason.contains("load quadrature") && reason.contains("sweep floors"), "{found:#}");
+    assert!(!reason.contains("solver"), "{reason}");
+    // The scene alone knows it: from the records the reason is the same.
+    let report = sweep(&["report", &folder.argument("out")]);
+    assert_eq!(code(&report), 1, "{}", stderr(&report));
+    let document = std::fs::read_to_string(folder.at("out/verdict.json")).expect("a document");
+    let document: serde_json::Value = serde_json::from_str(&document).expect("JSON");
+    assert_eq!(document["verdicts"][0]["reason"], found["reason"]);
 }
 
 #[test]

@@ -13,10 +13,7 @@ pub(super) const KEY: &str = "discretization.element";
 ///
 /// # Errors
 /// An unknown element, or one incompatible with a part of the scene.
-pub(super) fn element(
-    reading: &Reading,
-    body: &ContactScene,
-) -> Result<Element, SceneError> {
+pub(super) fn element(reading: &Reading, body: &ContactScene) -> Result<Element, SceneError> {
     let known = Element::ALL.map(|known| (known.name(), known));
     let element = reading.choice_or(KEY, &known, Element::P1)?;
     match refusal(element, body) {

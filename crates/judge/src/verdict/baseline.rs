@@ -95,18 +95,6 @@ impl Baseline {
         Self { scenes: scenes.collect() }
     }
 
-    /// The baseline without held-back cases.
-    #[must_use]
-    pub fn without(mut self, held: &[Key]) -> Self {
-        for (scene, recorded) in &mut self.scenes {
-            let held = |case: &RecordedCase| {
-                held.iter().any(|key| key.scene == *scene && case.is_case(key.n, key.steps))
-            };
-            recorded.cases.retain(|case| !held(case));
-        }
-        self
-    }
-
     /// Reads a baseline; none if there is no file.
     pub fn read(path: &Path) -> Result<Option<Self>, BaselineError> {
         let bytes = if_there(read_at_most(path, LARGEST))?;

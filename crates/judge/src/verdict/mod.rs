@@ -12,7 +12,6 @@ mod next;
 mod prediction;
 mod ruling;
 mod selection;
-mod stopping;
 mod table;
 
 pub use crate::fit::Decision;

@@ -49,7 +49,7 @@ pub fn merge(
             None => parts.scene(name)?,
         };
         let scene_plan = ScenePlan::new(Subject::new(scene).map_err(Box::new)?, &overrides);
-        provenance.add_plan(&scene_plan, parts.added(name));
+        provenance.add_plan(&scene_plan);
         let mut of_scene: Vec<CaseRecord> = parts.of_scene(name).cloned().collect();
         if plan.is_some() {
             only_planned(&parts, &scene_plan, &of_scene)?;

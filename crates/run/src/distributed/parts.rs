@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::DistributedError;
 use super::plan::{SweepPlan, id};
-use crate::sweep::{AddedCase, Provenance};
+use crate::sweep::Provenance;
 use files::FileError;
 use judge::record::{CaseRecord, Key, Status, read_finished};
 use judge::verdict::{read_earlier, restore_reasons};
@@ -71,9 +71,6 @@ impl Parts {
         for scene in part.scenes.keys() {
             self.first.entry(scene.clone()).or_insert_with(|| dir.clone());
         }
-        for (scene, added) in part.added_cases {
-            self.known.added_cases.entry(scene).or_default().extend(added);
-        }
         self.known.platform = part.platform;
         self.known.scenes.extend(part.scenes);
         self.known.texts.extend(part.texts);
@@ -119,11 +116,6 @@ impl Parts {
 
     pub(super) fn scenes(&self) -> impl Iterator<Item = &String> {
         self.known.scenes.keys()
-    }
-
-    /// Cases of a scene beyond its grid.
-    pub(super) fn added(&self, scene: &str) -> &[AddedCase] {
-        self.known.added_cases.get(scene).map_or(&[], Vec::as_slice)
     }
 
     /// A scene, from the text in its first part.

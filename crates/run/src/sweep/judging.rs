@@ -73,7 +73,7 @@ fn constants(
     scene.predicts.iter().map(one).collect()
 }
 
-pub(super) fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&'a CasePlan> {
+fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&'a CasePlan> {
     let prediction = prediction(plan.scene(), written);
     let inside = |window: Option<[u32; 2]>, value: u32| {
         window.is_none_or(|[first, last]| (first..=last).contains(&value))

@@ -5,7 +5,6 @@ mod admission;
 mod case;
 mod circumstances;
 mod cost;
-mod extend;
 mod floors;
 mod judging;
 mod memory_limit;
@@ -21,14 +20,12 @@ mod resume;
 mod run;
 mod schedule;
 mod shared;
-mod stepwise;
 
 pub use abstract_case::run_abstract_case;
 pub use admission::{Beside, Refused, Runs, admit_constants, admit_plan};
 pub use case::{as_floors, floor_in, run_contact_case, scene_reference};
 pub use circumstances::{Build, Circumstances};
 pub use cost::{Cost, PlanCost, RunCost, kept_by_meshes, run_cost};
-pub use extend::{AddedCase, ROUNDS, Step, extend};
 pub use floors::{
     FloorPart, FloorRow, NORMS, abstract_floors, contact_floors, direct_history, floors_beside,
 };
@@ -46,4 +43,3 @@ pub use reference_error::{reference_error, reference_in_words};
 pub(crate) use resume::first_named;
 pub use resume::{ResumeError, Resumed, resume};
 pub use run::{Machine, Progress, SweepError, replace_records, run_more, run_sweep};
-pub use stepwise::{NotRun, Stepwise};

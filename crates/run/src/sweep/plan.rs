@@ -5,7 +5,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use super::cost::{PlanCost, abstract_costs, contact_costs};
-use super::extend::AddedCase;
 use super::floors::{FloorRow, abstract_floors, contact_floors, direct_history};
 use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
@@ -50,10 +49,8 @@ impl CasePlan {
 /// The cases of one scene.
 pub struct ScenePlan {
     pub subject: Subject,
-    /// By n and steps; added cases come last.
+    /// By n and steps.
     pub cases: Vec<CasePlan>,
-    /// Cases that are not on the scene's default grid.
-    pub added: Vec<AddedCase>,
     /// The finer run used as reference, if the scene has no exact solution.
     pub reference: Option<Reference>,
 }
@@ -67,7 +64,7 @@ impl ScenePlan {
         let cases = scene_cases(subject.scene(), overrides);
         let reference = subject.scene().sweep.as_ref().and_then(|sweep| sweep.reference);
         let reference = reference.filter(|_| !subject.has_exact());
-        Self { cases, added: Vec::new(), reference, subject }
+        Self { cases, reference, subject }
     }
 
     /// The record of a case: that of `run`, or of a failed case with the reason. A panic of a solver is a failed case
@@ -96,25 +93,6 @@ impl ScenePlan {
             errors: norms.iter().map(nothing).collect(),
             ..CaseRecord::without_work(&scene.name, n, steps, k)
         }
-    }
-
-    /// Adds a case, unless it is there.
-    pub fn add(&mut self, added: AddedCase) {
-        let MeshAndSteps { n, steps } = added.case;
-        if !self.has(&added.case) {
-            self.cases.push(CasePlan { n, steps, norms: norms(self.subject.scene(), n) });
-            self.added.push(added);
-        }
-    }
-
-    /// Whether a case is planned.
-    pub(crate) fn has(&self, case: &MeshAndSteps) -> bool {
-        self.cases.iter().any(|planned| planned.place() == *case)
-    }
-
-    pub(crate) fn remove(&mut self, case: &MeshAndSteps) {
-        self.added.retain(|added| added.case != *case);
-        self.cases.retain(|planned| planned.place() != *case);
     }
 
     /// The scene.

@@ -24,17 +24,14 @@ pub struct Block {
 /// A mesh, and the names of its norms unless they are those of the scene.
 type Measured = (Option<u32>, Option<Vec<String>>);
 
-/// The cases of a plan without the added ones; None if they are the scene's default grid.
+/// The cases of a plan; None if they are the scene's default grid.
 pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
-    let added = |case: &CasePlan| plan.added.iter().any(|added| added.case == case.place());
-    let cases: Vec<&CasePlan> = plan.cases.iter().filter(|case| !added(case)).collect();
-    let default_cases = scene_cases(plan.scene(), &Overrides::default());
-    if cases.iter().copied().eq(&default_cases) {
+    if plan.cases == scene_cases(plan.scene(), &Overrides::default()) {
         return None;
     }
     // By mesh; meshes with equal steps and norms together.
     let mut of_mesh: BTreeMap<Measured, Vec<u32>> = BTreeMap::new();
-    for case in cases {
+    for case in &plan.cases {
         let names = || case.norms.iter().map(|norm| norm.name().to_owned()).collect();
         let usual = case.norms == norms(plan.scene(), case.n);
         of_mesh.entry((case.n, (!usual).then(names))).or_default().push(case.steps);
@@ -52,19 +49,12 @@ pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
     Some(blocks)
 }
 
-/// The cases of a scene by its provenance: its default grid or the stored blocks, and the added ones.
+/// The cases of a scene by its provenance: its default grid or the stored blocks.
 pub fn planned(scene: &Scene, known: &Provenance) -> Vec<CasePlan> {
-    let mut cases = match known.cases.get(&scene.name) {
+    match known.cases.get(&scene.name) {
         None => scene_cases(scene, &Overrides::default()),
         Some(blocks) => blocks.iter().flat_map(|block| of_block(scene, block)).collect(),
-    };
-    for added in known.added_cases.get(&scene.name).into_iter().flatten() {
-        let (n, steps) = (added.case.n, added.case.steps);
-        if !cases.iter().any(|case| case.n == n && case.steps == steps) {
-            cases.push(CasePlan { n, steps, norms: norms(scene, n) });
-        }
     }
-    cases
 }
 
 fn of_block(scene: &Scene, block: &Block) -> Vec<CasePlan> {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{AddedCase, Block, Circumstances, Machine, ScenePlan, blocks};
+use super::{Block, Circumstances, Machine, ScenePlan, blocks};
 use files::{FileError, if_there, read_text, replace_file};
 use scene::{Scene, SceneError, Source};
 
@@ -27,9 +27,6 @@ pub struct Provenance {
     /// Remarks on step sizes that (3.4) does not cover.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub step_sizes: BTreeMap<String, String>,
-    /// Cases beyond the grid of a scene, with the verdicts that asked for them.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub added_cases: BTreeMap<String, Vec<AddedCase>>,
     /// Requested cases of scenes that are not on their default grid.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cases: BTreeMap<String, Vec<Block>>,
@@ -60,19 +57,18 @@ impl Provenance {
     }
 
     /// Adds a scene with its cases, and the remark on its step sizes by (3.4).
-    pub(crate) fn add_plan(&mut self, plan: &ScenePlan, added: &[AddedCase]) {
+    pub(crate) fn add_plan(&mut self, plan: &ScenePlan) {
         self.add_scene(plan.scene());
         let name = || plan.scene().name.clone();
         let remark = plan.step_remark().ok().flatten();
         self.step_sizes.extend(remark.map(|remark| (name(), remark.text)));
         self.cases.extend(blocks(plan).map(|asked| (name(), asked)));
-        self.added_cases.extend((!added.is_empty()).then(|| (name(), added.to_vec())));
     }
 
     /// The provenance of a run of `plans`.
     pub fn of_run(plans: &[ScenePlan], machine: &Machine) -> Self {
         let mut provenance = Self::new([]);
-        plans.iter().for_each(|plan| provenance.add_plan(plan, &plan.added));
+        plans.iter().for_each(|plan| provenance.add_plan(plan));
         provenance.run = Some(Circumstances::new(&machine.build, machine.jobs, &machine.options));
         provenance
     }

@@ -49,7 +49,8 @@ impl VtuSeries {
         let pressure: Vec<f64> = xi.iter().zip(&lambda).map(|(a, b)| a + b).collect();
         let vertex = |&node: &u32| space.nodes.vertex[node as usize];
         let cells: Vec<u32> = space.nodes.cells.iter().map(vertex).collect();
-        let grid = VtuGrid { points: &points, cells: &cells, vertices_per_cell: space.nodes.a_cell };
+        let grid =
+            VtuGrid { points: &points, cells: &cells, vertices_per_cell: space.nodes.a_cell };
         let scalar = |name, values| Field { name, components: 1, values };
         let file = format!("{}_{:04}.vtu", self.name, view.n);
         write_vtu(
