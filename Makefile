@@ -72,7 +72,7 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	$(CLEAN)/bin/python -m pytest --quiet -p no:cacheprovider examples/python --gronwall-report $(CURDIR)/target/python-report
 
 SNAKEMAKE := target/snakemake
-beyond: ## a sweep by Snakemake, killed midway and resumed, and by Slurm's arrays: bit for bit that of one process
+beyond: ## a sweep by Snakemake, killed midway and resumed, and by Slurm's array: bit for bit that of one process
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "beyond: Snakemake 9 needs Python 3.11 or later: make beyond PYTHON=python3.12" >&2; exit 2; }
 	test -x $(SNAKEMAKE)/bin/python || $(PYTHON) -m venv $(SNAKEMAKE)

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use super::{
-    audit, baseline, bound, case, check, diagnose, explain, extremes, fit, floors, gronwall, list,
-    merge, plan, report, run, shell, solve, trade, verify,
+    audit, baseline, bound, check, diagnose, explain, extremes, fit, floors, gronwall, list, merge,
+    report, run, shell, solve, trade, verify,
 };
 
 /// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
@@ -66,10 +66,6 @@ pub(super) enum Command {
     Fit(fit::Fit),
     /// Put another program's solver under the same sweep
     Verify(verify::Verify),
-    /// Write a sweep as jobs for many processes or machines, with predicted time and memory
-    Plan(plan::PlanCommand),
-    /// Run cases of a plan in this process, and leave their records in a separate directory
-    Case(case::CaseCommand),
     /// Merge the records of many processes, and judge them as those of one
     Merge(merge::MergeCommand),
     /// Rebuild every output from the records in a directory, without solving

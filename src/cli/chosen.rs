@@ -8,7 +8,7 @@ use run::sweep::{MemoryLimit, Overrides, ScenePlan};
 use scene::{Scene, SceneError};
 
 /// Meshes and numbers of steps (at most `STEPS`) in place of the scene's.
-#[derive(Args, Default)]
+#[derive(Args, Default, Clone)]
 pub(super) struct Grid<const STEPS: i64 = 10_000_000> {
     /// Cells per unit length, h = 1/n, in place of the scene's list
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -35,7 +35,7 @@ impl<const STEPS: i64> Grid<STEPS> {
 }
 
 /// Scenes and grids.
-#[derive(Args, Default)]
+#[derive(Args, Default, Clone)]
 pub(super) struct Chosen {
     /// Names of scenes, or paths of TOML files; none: all that are not marked long
     #[arg(value_name = "SCENE")]

@@ -12,7 +12,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Understand", &["list", "check", "explain", "solve", "diagnose", "floors"]),
     ("Theory", &["audit", "bound", "gronwall"]),
     ("Cost and limits", &["trade", "extremes"]),
-    ("Many machines", &["plan", "case", "merge"]),
+    ("Many machines", &["merge"]),
     ("Shell", &["completions", "man", "help"]),
 ];
 

@@ -1,11 +1,11 @@
-//! Limits of memory, processors and seconds.
+//! Limits of memory and processors.
 
 use clap::Args;
 
 use run::sweep::MemoryLimit;
 
 /// What a command may take of the memory.
-#[derive(Args, Default)]
+#[derive(Args, Default, Clone)]
 pub(super) struct Allowance {
     /// Memory that may be used, as predicted before anything is solved, in bytes or as 512M, 8G. Larger cases are
     /// not started [default: what the machine has available]
@@ -36,11 +36,4 @@ impl Allowance {
 
 pub(super) fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
-}
-
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err(format!("`{text}` is no number of seconds")),
-    }
 }

@@ -9,13 +9,13 @@ use super::{CliError, print_json, print_text};
 use files::counted;
 use judge::record::write_sorted;
 use judge::verdict::{Baseline, write_json};
-use run::distributed::{Merged, Parts, SweepPlan, merge};
+use run::merge::{Merged, Parts, read_keys};
 use run::sweep::{Circumstances, OutputDirectory, replace_records};
 
 /// `sweep merge`.
 #[derive(Args)]
 #[command(
-    after_help = "A DIR is a directory of `sweep case`, `run` or `gate` with cases.csv and provenance.json, or one that has such directories in it. Refused with exit code 2 and both names: records of another version of the program, of another text of a scene or another platform than the rest, a torn or malformed line, two records of one case that differ in more than seconds_*, a case that is not in the plan. Cases that are missing are named, and nothing is written, unless --incomplete says so.\n\nWritten into --out: cases.csv sorted, provenance.json, verdict.json, all as one process would have written them but for seconds_* and the key `run` of the provenance. `sweep report` makes the pages.\n\nWith --baseline, errors and work of the cases that the baseline has are compared as by `sweep gate`; the key `baseline` of verdict.json has what was found.\n\nExit codes: 0 all verdicts as expected, 1 one is not or an error deviates from the baseline, 2 it could not judge, a case failed or is missing.\n\nExamples:\n  sweep merge big/parts --plan big --out big/merged && sweep report big/merged\n  sweep merge monday tuesday --out both"
+    after_help = "A DIR is a directory of `sweep run` or `gate` with cases.csv and provenance.json, or one that has such directories in it. Refused with exit code 2 and both names: records of another version of the program, of another text of a scene or another platform than the rest, a torn or malformed line, two records of one case that differ in more than seconds_*, a case that is not in the list. Cases that are missing are named, and nothing is written, unless --incomplete says so.\n\nWritten into --out: cases.csv sorted, provenance.json, verdict.json, all as one process would have written them but for seconds_* and the key `run` of the provenance. `sweep report` makes the pages.\n\nWith --baseline, errors and work of the cases that the baseline has are compared as by `sweep gate`; the key `baseline` of verdict.json has what was found.\n\nExit codes: 0 all verdicts as expected, 1 one is not or an error deviates from the baseline, 2 it could not judge, a case failed or is missing.\n\nExamples:\n  sweep merge parts --cases cases.txt --out merged && sweep report merged\n  sweep merge monday tuesday --out both"
 )]
 pub(crate) struct MergeCommand {
     /// Directories with records
@@ -24,9 +24,10 @@ pub(crate) struct MergeCommand {
     /// Directory for the merged records
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Directory that `sweep plan` wrote: its cases have to be there [default: those on the grids of the scenes' files]
-    #[arg(long, value_name = "DIR")]
-    plan: Option<PathBuf>,
+    /// The cases that have to be there, as `sweep run --list-cases` prints them [default: those on the grids of the
+    /// scenes' files]
+    #[arg(long, value_name = "FILE")]
+    cases: Option<PathBuf>,
     /// Record missing cases as skipped, and judge: the verdicts of their scenes fail
     #[arg(long)]
     incomplete: bool,
@@ -40,15 +41,13 @@ pub(crate) struct MergeCommand {
 
 impl MergeCommand {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let plan =
-            self.plan.as_deref().map(SweepPlan::read).transpose().map_err(CliError::other)?;
+        let wanted = self.cases.as_deref().map(read_keys).transpose().map_err(CliError::other)?;
         let baseline = self.baseline.as_deref().map(recorded).transpose()?;
-        let parts = Parts::open(&self.parts, plan.as_ref()).map_err(CliError::other)?;
+        let parts = Parts::open(&self.parts).map_err(CliError::other)?;
         let out = OutputDirectory::take(&self.out)?;
         self.apart(&parts)?;
         let count = parts.dirs.len();
-        let plan = plan.as_ref().zip(self.plan.as_deref());
-        let merged = merge(parts, plan, self.incomplete, baseline.as_ref());
+        let merged = parts.merge(wanted.as_deref(), self.incomplete, baseline.as_ref());
         let Merged { records, verdicts, missing, comparison, mut provenance } =
             merged.map_err(CliError::other)?;
         provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
@@ -86,7 +85,7 @@ impl MergeCommand {
 
     fn options(&self) -> String {
         let flags = [
-            (self.plan.is_some(), " --plan"),
+            (self.cases.is_some(), " --cases"),
             (self.incomplete, " --incomplete"),
             (self.baseline.is_some(), " --baseline"),
         ];

@@ -6,7 +6,6 @@ mod audit;
 mod baseline;
 mod bound;
 mod build;
-mod case;
 mod check;
 mod chosen;
 mod colour;
@@ -26,7 +25,6 @@ mod list;
 mod machine;
 mod merge;
 mod output;
-mod plan;
 mod progress;
 mod report;
 mod run;
@@ -93,8 +91,6 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Verify(verify) => verify.execute(&scenes),
-        Command::Plan(plan) => plan.execute(&scenes),
-        Command::Case(case) => case.execute(),
         Command::Merge(merge) => merge.execute(),
         Command::Report(report) => report.execute(&scenes),
         Command::Completions(completions) => completions.execute(&mut Arguments::command()),

@@ -10,7 +10,7 @@ use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
 use judge::record::{CaseRecord, CaseTable, Key, read_table};
 use judge::verdict::{Earlier, exit_code, read_earlier, restore_reasons};
 use report::write_all;
-use run::distributed::unfinished_in_words;
+use run::merge::unfinished_in_words;
 use run::sweep::{
     OutputDirectory, OutputError, Provenance, foresee, judge_scene, missing_cases, planned,
     scene_summary,

@@ -12,9 +12,9 @@ use super::machine::{Allowance, processors};
 use super::output::copy_named;
 use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
-use files::quoted;
-use judge::record::RecordError;
-use judge::verdict::{Baseline, Verdict, write_json};
+use files::{counted, quoted};
+use judge::record::{CaseRecord, Key, RecordError, write_sorted};
+use judge::verdict::{Baseline, Verdict, failures, write_json};
 use report::write_junit;
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, SweepError, judge_plan, reference_error,
@@ -28,7 +28,7 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 /// `sweep run`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error)."
+    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error). With --list-cases: cases with key, scene, n, steps, memory_bytes (as predicted, of a process that runs this case alone).\n\nMany processes: `sweep run … --list-cases > cases.txt`, for some of its lines `sweep run … --only KEY… --out parts/0`, and at the end `sweep merge parts --cases cases.txt --out merged`."
 )]
 pub(crate) struct Run {
     #[command(flatten)]
@@ -36,6 +36,12 @@ pub(crate) struct Run {
     /// Keep the cases that the directory already has, run the others
     #[arg(long)]
     resume: bool,
+    /// Print the keys of the cases, and run none
+    #[arg(long)]
+    list_cases: bool,
+    /// Run these cases alone, and leave their records in --out, unjudged, for `sweep merge`
+    #[arg(long, value_name = "KEY", num_args = 1.., requires = "out", conflicts_with = "list_cases")]
+    only: Vec<Key>,
     /// Print verdict.json to stdout instead of the table
     #[arg(long)]
     json: bool,
@@ -58,7 +64,7 @@ pub(crate) struct Gate {
     github: bool,
 }
 
-#[derive(Args, Default)]
+#[derive(Args, Default, Clone)]
 pub(super) struct What {
     #[command(flatten)]
     pub(super) chosen: Chosen,
@@ -82,10 +88,16 @@ impl Run {
     /// The main job: all scenes at gate size into reports/latest.
     pub(crate) fn main_job() -> Self {
         let what = What { out: PathBuf::from(LATEST), ..What::default() };
-        Self { what, resume: false, json: false }
+        Self { what, resume: false, list_cases: false, only: Vec::new(), json: false }
     }
 
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        if self.list_cases {
+            return self.list(scenes);
+        }
+        if !self.only.is_empty() {
+            return self.record(scenes);
+        }
         // Named scenes are explored; only the main job is compared.
         let compared = !self.what.chosen.named();
         let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume, compared)?;
@@ -97,6 +109,65 @@ impl Run {
             print_text(&format!("report: {}", self.what.out.join("index.html").display()));
         }
         Ok(swept.exit_code())
+    }
+
+    /// The keys of all cases, in the order in which one process would judge them.
+    fn list(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let plans = self.what.plans(scenes)?;
+        if !self.json {
+            let words = plans.iter().flat_map(ScenePlan::keys).map(|key| key.word());
+            print_text(&words.collect::<Vec<String>>().join("\n"));
+            return Ok(0);
+        }
+        let mut cases = Vec::new();
+        for plan in &plans {
+            cases.extend(plan.keys().into_iter().zip(plan.costs()?.cases).map(|(key, cost)| {
+                serde_json::json!({
+                    "key": key.word(), "scene": key.scene, "n": key.n, "steps": key.steps,
+                    "memory_bytes": cost.memory_bytes.round() as u64,
+                })
+            }));
+        }
+        print_json(&serde_json::json!({ "cases": cases }))?;
+        Ok(0)
+    }
+
+    /// Runs the cases of `--only`; a case that fails is a record, which `sweep merge` finds.
+    fn record(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let mut what = self.what.clone();
+        if what.chosen.scenes.is_empty() {
+            let mut names: Vec<String> = self.only.iter().map(|key| key.scene.clone()).collect();
+            names.sort();
+            names.dedup();
+            what.chosen.scenes = names;
+        }
+        let mut plans = what.plans(scenes)?;
+        for key in &self.only {
+            if !plans.iter().any(|plan| plan.keys().contains(key)) {
+                let why = "no such case on these scenes and grids: give SCENE, --n and --steps as to --list-cases";
+                return Err(CliError::about(key.word(), why));
+            }
+        }
+        for plan in &mut plans {
+            let keys = plan.keys();
+            plan.take(keys.iter().filter(|key| self.only.contains(key)));
+        }
+        plans.retain(|plan| !plan.cases.is_empty());
+        let keys: Vec<String> = self.only.iter().map(Key::word).collect();
+        let resuming = format!("{} --only {}", what.resuming(scenes), keys.join(" "));
+        let out = OutputDirectory::take(&what.out)?;
+        let (machine, records) = what.records(&plans, &out, self.resume, &resuming)?;
+        let failed = failures(&records).len();
+        if failed > 0 {
+            // The table has no column for reasons.
+            let provenance = Provenance::of_run(&plans, &machine).json();
+            write_json(&what.out.join("verdict.json"), &provenance, &[], &records, None)
+                .map_err(CliError::other)?;
+        }
+        write_sorted(&what.out.join("cases.csv"), &records).map_err(CliError::other)?;
+        let (cases, out) = (counted(records.len(), "case"), what.out.display());
+        print_text(&format!("{cases} in {out}, {failed} failed"));
+        Ok(0)
     }
 }
 
@@ -140,23 +211,8 @@ impl What {
     ) -> Result<Swept, CliError> {
         // An unreadable baseline is reported before the sweep.
         let baseline = if compared { self.read_baseline(scenes)? } else { None };
-        let jobs = self.jobs.map_or_else(processors, usize::from);
-        let options = self.options(resume).join(" ");
-        let machine =
-            Machine { jobs, memory: self.allowance.limit(), build: super::BUILD, options };
-        let resuming = self.resuming(scenes);
         let out = OutputDirectory::take(&self.out)?;
-        on_interrupt(&self.out, &resuming)?;
-        // Records are kept whatever stopped the writing.
-        let stopped = |error: SweepError| match error {
-            SweepError::Record(error @ RecordError::Io(_)) => CliError::Other(format!(
-                "{error}\nfinished cases are kept in {}\ngo on with: {resuming}",
-                self.out.display()
-            )),
-            error => error.into(),
-        };
-        let progress = super::progress::Display::new();
-        let records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
+        let (machine, records) = self.records(&plans, &out, resume, &self.resuming(scenes))?;
         // Predicted constants are integrals of the exact solution: on many scenes they take seconds.
         let verdicts: Vec<Vec<Verdict>> =
             plans.par_iter().map(|plan| judge_plan(plan, &records, true)).collect();
@@ -172,6 +228,31 @@ impl What {
         let references = plans.iter().filter_map(found).collect();
         let _out = Some(out);
         Ok(Swept { plans, records, verdicts, provenance, comparison, references, _out })
+    }
+
+    /// Runs the cases of the plans; `resuming` is the command that goes on with them.
+    fn records(
+        &self,
+        plans: &[ScenePlan],
+        out: &OutputDirectory,
+        resume: bool,
+        resuming: &str,
+    ) -> Result<(Machine, Vec<CaseRecord>), CliError> {
+        let jobs = self.jobs.map_or_else(processors, usize::from);
+        let options = self.options(resume).join(" ");
+        let machine =
+            Machine { jobs, memory: self.allowance.limit(), build: super::BUILD, options };
+        on_interrupt(&self.out, resuming)?;
+        let progress = super::progress::Display::new();
+        match run_sweep(plans, out, &machine, resume, &progress) {
+            Ok(records) => Ok((machine, records)),
+            // Records are kept whatever stopped the writing.
+            Err(SweepError::Record(error @ RecordError::Io(_))) => Err(CliError::Other(format!(
+                "{error}\nfinished cases are kept in {}\ngo on with: {resuming}",
+                self.out.display()
+            ))),
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// The baseline of this run. That of the default folder applies to its scenes only; scenes inside the program use

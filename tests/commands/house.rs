@@ -24,7 +24,7 @@ const HOUSE: [(&str, &[&str], &[&str]); 11] = [
     (
         "run",
         &["algebra", "exact", "fem", "files", "formula", "judge", "report", "scene", "vhi"],
-        &["external", "leading_error", "sweep", "distributed"],
+        &["external", "leading_error", "sweep", "merge"],
     ),
     (
         "studies",

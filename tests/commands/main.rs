@@ -9,7 +9,6 @@ mod broken_hypotheses;
 mod circles;
 mod cli;
 mod diagnose_command;
-mod distributed;
 mod documents;
 mod equations;
 mod explained;
@@ -19,6 +18,7 @@ mod gronwall_command;
 mod house;
 mod inside;
 mod ladders;
+mod merging;
 mod next_cases;
 mod owed;
 #[path = "../program/mod.rs"]

@@ -66,9 +66,10 @@ fn nothing_is_written_but_under_out() {
     run(&["explain", "affine"]);
     run(&["list"]);
     run(&["fit", "out/run/cases.csv"]);
-    run(&[&["plan", "affine", "--out", "out/plan", "--format", "slurm"], &grid[..]].concat());
-    run(&["case", "--job", "0", "--plan", "out/plan", "--out", "out/part"]);
-    run(&["merge", "out/part", "--plan", "out/plan", "--out", "out/merged"]);
+    let only = ["--out", "out/part", "--only", "affine:n4:N4", "affine:n4:N8"];
+    run(&[&["run", "affine"], &grid[..], &only].concat());
+    let cases = folder.file("out/cases.txt", "affine:n4:N4\naffine:n4:N8\n");
+    run(&["merge", "out/part", "--cases", &cases, "--out", "out/merged"]);
     let after = below(&here);
     assert!(after.len() > before.len() + 5, "nothing was written at all");
     assert_eq!(touched(&before, &after, &out), Vec::<PathBuf>::new());

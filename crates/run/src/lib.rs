@@ -1,9 +1,9 @@
-//! Sweeps of a scene over its grids: cases, threads, records, resume; external solvers; distributed runs.
+//! Sweeps of a scene over its grids: cases, threads, records, resume; external solvers; records of many processes as one.
 
-pub mod distributed;
 pub mod external;
 mod front;
 pub mod leading_error;
+pub mod merge;
 pub mod sweep;
 
 pub use front::{FrontError, Sweep, Swept, plan_for};

@@ -104,7 +104,7 @@ fn levels(points: &[Point], direction: Direction) -> Vec<f64> {
     distinct(points.iter().map(|point| direction.step(point)).collect())
 }
 
-pub(crate) fn distinct(mut steps: Vec<f64>) -> Vec<f64> {
+fn distinct(mut steps: Vec<f64>) -> Vec<f64> {
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup_by(|finer, coarser| same_level(*finer, *coarser));
     steps

@@ -32,7 +32,6 @@ pub use decision::Decision;
 pub use eca_hoekstra::{EcaHoekstra, Expansion, ExpansionFit, eca_hoekstra};
 pub use error::FitError;
 pub use identifiable::NotIdentifiable;
-pub(crate) use identifiable::distinct;
 pub use inference::{
     Claim, ClaimError, FEWEST, GridPosterior, Level, LineReading, Posterior, Ruling, TOLERANCE,
     infer, infer_grid, order,

@@ -39,6 +39,37 @@ impl std::fmt::Display for Key {
     }
 }
 
+impl Key {
+    /// As one word: `SCENE:nN:NSTEPS`, `SCENE:NSTEPS` without a mesh.
+    pub fn word(&self) -> String {
+        let Self { scene, n, steps } = self;
+        n.map_or_else(|| format!("{scene}:N{steps}"), |n| format!("{scene}:n{n}:N{steps}"))
+    }
+}
+
+/// A word that is no key of a case.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no case; pure-mild:n16:N4 and, without a mesh, abstract-smooth:N64 are")]
+pub struct NoKey(String);
+
+impl std::str::FromStr for Key {
+    type Err = NoKey;
+
+    fn from_str(word: &str) -> Result<Self, NoKey> {
+        let number = |part: &str, letter| part.strip_prefix(letter)?.parse::<u32>().ok();
+        let read = || {
+            let (before, steps) = word.rsplit_once(':')?;
+            let steps = number(steps, 'N')?;
+            let (scene, n) = match before.rsplit_once(':') {
+                Some((scene, n)) => (scene, Some(number(n, 'n')?)),
+                None => (before, None),
+            };
+            (!scene.is_empty()).then(|| Self { scene: scene.to_owned(), n, steps })
+        };
+        read().ok_or_else(|| NoKey(word.to_owned()))
+    }
+}
+
 /// How a case ended; only a converged case has errors.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Status {

@@ -16,7 +16,7 @@ pub use compare::{ComparedRun, Comparison, Deviation, DeviationKind};
 pub use owed::{Owed, Owing};
 
 use super::MeshAndSteps;
-use crate::record::{CaseRecord, Key, NormError};
+use crate::record::{CaseRecord, NormError};
 use files::{FileError, if_there, read_at_most, write_named};
 
 /// Size limit of a baseline, 256 MiB; a case takes a few hundred bytes.

@@ -2,8 +2,6 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use serde::{Deserialize, Serialize};
-
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::floors::{FloorRow, abstract_floors, contact_floors, direct_history};
 use super::needs::least_bytes_of_mesh;
@@ -13,7 +11,7 @@ use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overrides {
     pub n: Option<Vec<u32>>,
     pub steps: Option<Vec<u32>>,
@@ -93,6 +91,13 @@ impl ScenePlan {
             errors: norms.iter().map(nothing).collect(),
             ..CaseRecord::without_work(&scene.name, n, steps, k)
         }
+    }
+
+    /// Puts cases of the scene in the place of those of its grid.
+    pub fn take<'a>(&mut self, keys: impl Iterator<Item = &'a Key>) {
+        let scene = self.subject.scene();
+        let case = |key: &Key| CasePlan { n: key.n, steps: key.steps, norms: norms(scene, key.n) };
+        self.cases = keys.map(case).collect();
     }
 
     /// The scene.
