@@ -222,9 +222,7 @@ fn orders_words(estimate: &Estimate) -> String {
 fn source_words(source: CostSource) -> &'static str {
     match source {
         CostSource::Timed => "fitted to the CPU times of this run and its companions",
-        CostSource::Counted => {
-            "by counts, at the rates of another machine: a companion is too short to time"
-        }
+        CostSource::Counted => "by unknowns times steps: a companion is too short to time",
     }
 }
 

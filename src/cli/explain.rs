@@ -21,7 +21,7 @@ use vhi::law::INTERPOLATED_TO;
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, factorizations and solves: of the march, null where the run decides, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, linear_solver, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, history_bytes, norms, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub(crate) struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -85,7 +85,6 @@ fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
         "steps": steps,
         "plan": cost.plan.name(),
         "linear_solver": cost.linear_solver.name(),
-        "seconds_predicted": cost.seconds,
         "memory_bytes_predicted": cost.memory_bytes.round() as u64,
     })
 }
@@ -93,8 +92,6 @@ fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
 fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> serde_json::Value {
     let mut json = run_json(case.n, case.steps, cost);
     json["dofs"] = cost.dofs.into();
-    json["factorizations"] = cost.work.map(|[factorizations, _]| factorizations).into();
-    json["solves"] = cost.work.map(|[_, solves]| solves).into();
     json["history_bytes"] = history_bytes(&plan.subject, case.steps, cost.dofs).into();
     json["norms"] = case.norms.iter().map(|norm| norm.name()).collect();
     json
@@ -110,9 +107,6 @@ fn print_in_words(
     let scene = plan.scene();
     let say = |label: &str, words: &str| print_beside(label, LABEL, words);
     print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
-    let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
-    let all = format!("about {} of CPU time, to the order of magnitude", duration(sum));
-    say("in all", &all);
     say("terms", &terms(scene).join(", "));
     say("truth", truth(scene));
     regions.iter().for_each(|(_, line)| say("region", line));
@@ -121,9 +115,8 @@ fn print_in_words(
     say("rule", &scene.time.rule.in_words());
     say("history", history);
     if let (Some(reference), Some(cost)) = (&plan.reference, &costs.reference) {
-        let [seconds, memory] = predicted(cost);
-        let run = format!("n = {}, N = {}", reference.n, reference.steps);
-        say("reference", &format!("{run}: about {seconds} of CPU time, {memory}"));
+        let (n, steps) = (reference.n, reference.steps);
+        say("reference", &format!("n = {n}, N = {steps}: {}", megabytes(cost)));
     }
     constants.iter().for_each(|line| say("constant", line));
     for corner in corners {
@@ -161,8 +154,8 @@ fn row(corner: &Corner) -> serde_json::Value {
     })
 }
 
-fn predicted(cost: &Cost) -> [String; 2] {
-    [duration(cost.seconds), format!("{:.0} MB", cost.memory_bytes / 1e6)]
+fn megabytes(cost: &Cost) -> String {
+    format!("{:.0} MB", cost.memory_bytes / 1e6)
 }
 
 const LABEL: usize = 11;
@@ -173,11 +166,10 @@ fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
         let history = history_bytes(&plan.subject, case.steps, cost.dofs);
         let n = case.n.map_or_else(|| "-".into(), |n| n.to_string());
         let numbers = [n, case.steps.to_string(), cost.dofs.to_string()];
-        let [seconds, memory] = predicted(cost);
-        numbers.into_iter().chain([seconds, memory, history.to_string()]).collect::<Vec<_>>()
+        numbers.into_iter().chain([megabytes(cost), history.to_string()]).collect::<Vec<_>>()
     };
     let rows: Vec<Vec<String>> = plan.cases.iter().zip(&costs.cases).map(row).collect();
-    let heads = [">n", ">N", ">unknowns", ">CPU time", ">memory", ">bytes of history"];
+    let heads = [">n", ">N", ">unknowns", ">memory", ">bytes of history"];
     report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }
 
@@ -218,10 +210,6 @@ fn history_bytes(subject: &Subject, steps: u32, dofs: usize) -> usize {
         Subject::Abstract(_) => steps as usize + 1,
     };
     vectors * dofs * size_of::<f64>()
-}
-
-pub(super) fn duration(seconds: f64) -> String {
-    if seconds < 1.0 { format!("{:.1} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
 }
 
 fn algorithm(subject: &Subject, plan: Plan) -> &'static str {

@@ -57,13 +57,13 @@ struct State {
     done: usize,
     running: Vec<String>,
     begun: Option<Instant>,
-    /// The done share of the predicted seconds.
+    /// The done share of the work.
     share: f64,
     /// Reason of the last failed case.
     reason: Option<String>,
 }
 
-/// Resolution of the bar, in shares of the predicted work: a case may take a thousand times as long as another.
+/// Resolution of the bar, in shares of the work: a case may take a thousand times as long as another.
 const PARTS: u64 = 1000;
 
 impl State {
@@ -84,7 +84,7 @@ impl State {
     }
 }
 
-/// Seconds left if `share` of the predicted work took `seconds`; unknown at first.
+/// Seconds left if `share` of the work took `seconds`; unknown at first.
 fn left(seconds: f64, share: f64) -> Option<f64> {
     (share > 0.0).then(|| seconds * (1.0 - share.min(1.0)) / share)
 }

@@ -11,7 +11,6 @@ mod cli;
 mod diagnose_command;
 mod documents;
 mod equations;
-mod explained;
 mod external;
 mod fit_tables;
 mod gronwall_command;

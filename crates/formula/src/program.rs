@@ -86,14 +86,6 @@ impl Program {
         slots + numbering + pasts + coordinates
     }
 
-    /// Number of integrals evaluated at one time, at points as in [`Self::bytes`], whose kernels are not exponentials
-    /// and restart from 0 each time.
-    pub fn integrals_from_zero(&self, points: f64, d: usize) -> f64 {
-        let lanes = |mask: u8| points.powf((f64::from(mask.count_ones()) / d as f64).min(1.0));
-        let general = self.plan.histories.iter().filter(|history| history.is_general());
-        general.map(|history| history.members.len() as f64 * lanes(history.mask)).sum()
-    }
-
     /// Binds the program to points; fixed values are computed here.
     pub fn bind(&self, points: &[[f64; 3]]) -> BoundProgram {
         BoundProgram::new(Arc::clone(&self.plan), points, true)

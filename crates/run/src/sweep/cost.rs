@@ -1,6 +1,5 @@
-//! Predicted cost of cases. Bytes are counted from the symbolic factor, the formulas and the number of levels; they
-//! decide what runs in parallel and what is refused. Seconds are coarse: unknowns, cells and levels times rates of one
-//! core. They decide the order of cases, the bundling into jobs, and what fits a budget.
+//! Predicted size of cases. Bytes are counted from the symbolic factor, the formulas and the number of levels; they
+//! decide what runs in parallel and what is refused. Unknowns times steps decide the order of cases.
 
 mod truth;
 
@@ -11,25 +10,7 @@ use truth::{TruthCost, load_bytes, truth};
 use super::plan::{CasePlan, TIME_REFERENCE};
 use fem::contact::{Discretization, LinearSolver, Plan};
 use scene::setup::{AbstractSetup, Setup, SetupError};
-use scene::{Norm, Reference, TimeRule};
-
-/// Newton iterations per level, if solved in the volume.
-const ITERATIONS: f64 = 5.0;
-/// Seconds per cell and iteration in assembly and vectors, and per cell and level in residuals and errors.
-const CELL: f64 = 70e-9;
-/// Cost of the 12 × 12 matrices of a tetrahedron over the 6 × 6 ones of a triangle, in assembly.
-const TETRAHEDRON: f64 = 4.0;
-/// Seconds per entry of the factor in triangular solves, and per entry of the matrix in conjugate gradients with
-/// multigrid.
-const SOLVE: f64 = 2e-9;
-const MULTIGRID: f64 = 100e-9;
-/// Seconds of a factorization per entry of the factor and per multiplication.
-const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
-
-/// Seconds per weight in the direct sum over the past, by values of the kernel and by its integrals; and per unknown of
-/// the vector.
-const WEIGHT: [f64; 2] = [0.2e-6, 1.5e-6];
-const TERM: f64 = 1e-9;
+use scene::{Norm, Reference};
 
 /// Bytes of the program itself with its report.
 pub(super) const PROGRAM: f64 = 16e6;
@@ -49,10 +30,8 @@ pub struct Cost {
     pub plan: Plan,
     /// The solver of the linear systems.
     pub linear_solver: LinearSolver,
-    /// Factorizations and solves of the march; None if unknown in advance.
-    pub work: Option<[u32; 2]>,
-    /// CPU seconds in a separate process, without the reference run.
-    pub seconds: f64,
+    /// Unknowns times steps of its runs on its mesh: what takes longer has more of them.
+    pub work: f64,
     /// Peak memory of a separate process, with its reference run if it has one. In a sweep the cases of a mesh share
     /// mesh and exact solution, and the meshes of a scene are held together.
     pub memory_bytes: f64,
@@ -68,8 +47,7 @@ impl Cost {
         dofs: 0,
         plan: Plan::Newton,
         linear_solver: LinearSolver::Direct,
-        work: None,
-        seconds: 0.0,
+        work: 0.0,
         memory_bytes: 0.0,
         kept_bytes: 0.0,
         left_bytes: 0.0,
@@ -81,12 +59,6 @@ pub struct PlanCost {
     /// One per case, in the plan's order.
     pub cases: Vec<Cost>,
     pub reference: Option<Cost>,
-}
-
-impl PlanCost {
-    pub(crate) fn reference_seconds(&self) -> f64 {
-        self.reference.map_or(0.0, |cost| cost.seconds)
-    }
 }
 
 /// Bytes that all meshes keep when the last case of each runs.
@@ -124,18 +96,14 @@ pub(super) fn contact_costs(
     Ok(PlanCost { cases: costs, reference })
 }
 
-/// Seconds per level of an abstract scene, and per pair of levels and kernel in its direct sums.
-const LEVEL: [f64; 2] = [2e-4, 5e-8];
-
 pub(super) fn abstract_costs(setup: &AbstractSetup, cases: &[CasePlan]) -> PlanCost {
     let dofs = setup.model.dimension();
-    let kernels = setup.problem.kernels.len() as f64;
     let cost = |case: &CasePlan| {
         let levels = f64::from(case.steps) + 1.0;
         Cost {
             dofs,
-            seconds: LEVEL[0] * levels + LEVEL[1] * levels * levels * kernels,
-            // All states are kept; a kernel value is computed for each pair of times.
+            work: dofs as f64 * f64::from(case.steps),
+            // All states are kept.
             memory_bytes: PROGRAM + 8.0 * 4.0 * levels * dofs as f64,
             ..Cost::UNKNOWN
         }
@@ -147,7 +115,7 @@ pub(super) fn abstract_costs(setup: &AbstractSetup, cases: &[CasePlan]) -> PlanC
 /// A case with only time errors keeps more, about as much as it leaves.
 fn leave(setup: &Setup, a_time: f64, of_mesh: &[usize], cases: &[CasePlan], costs: &mut [Cost]) {
     let mut longest_first = of_mesh.to_vec();
-    longest_first.sort_by(|&a, &b| costs[b].seconds.total_cmp(&costs[a].seconds));
+    longest_first.sort_by(|&a, &b| costs[b].work.total_cmp(&costs[a].work));
     let mut known = BTreeSet::new();
     for c in longest_first {
         let grid = setup.grid(cases[c].steps);
@@ -164,14 +132,13 @@ fn case_cost(setup: &Setup, space: &Discretization, truth: &TruthCost, case: &Ca
     if case.norms.contains(&Norm::VTimeMax) {
         let finer = march(setup, space, TIME_REFERENCE * case.steps);
         // The marches are consecutive; displacements and exact loads of the finer one remain.
-        cost.seconds += finer.seconds;
+        cost.work += finer.work;
         cost.memory_bytes = cost.memory_bytes.max(finer.memory_bytes);
         kept += 8.0 * dofs * levels;
         if setup.exact.is_some() {
             kept += truth.a_time.min(8.0 * dofs) * f64::from((TIME_REFERENCE - 1) * case.steps);
         }
     }
-    cost.seconds += truth.seconds(levels);
     cost.memory_bytes += PROGRAM + kept + truth.checked;
     // Including the factor that serves all grids in time.
     cost.kept_bytes += kept + SPACE * space.pattern.entries() as f64;
@@ -198,33 +165,24 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let model = &setup.model;
     let linear_solver = LinearSolver::of(space, model, steps as usize);
     let plan = Plan::of(space, model, steps as usize, true);
-    let newton = plan == Plan::Newton;
-    let levels = f64::from(steps) + 1.0;
-    let matrices = plan.matrices(model, &setup.grid(steps));
-    let parts = setup.load_parts().filter(|_| plan == Plan::Recursion);
-    let solves = parts.map_or(steps + 1, |parts| parts as u32);
-    let factorizations = matrices.map_or(levels, f64::from);
-    let changes = Plan::changes_factor(model);
-    let work = matrices.filter(|_| linear_solver == LinearSolver::Direct);
-    let iterations = if newton { ITERATIONS } else { 1.0 };
-    // Equivalent number of linear cells, which have one point and only corner nodes.
-    let nodes = space.nodes.a_cell as f64 / (space.mesh.dimension + 1) as f64;
-    let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
-    let pattern = space.pattern.entries() as f64;
-    let (factor, solve, factorization, linear_bytes) = match linear_solver {
+    let (dofs, pattern) = (space.dofs(), space.pattern.entries() as f64);
+    let (factor, linear_bytes) = match linear_solver {
         LinearSolver::Direct => {
-            let [factor, multiplications] = space.factor_size();
-            let seconds = FACTOR[0] * factor + FACTOR[1] * multiplications;
-            let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
+            let [factor, _] = space.factor_size();
+            let single = plan == Plan::Newton && dofs >= SINGLE_FROM;
             // The factor, and scratch of half its size.
-            (factor, SOLVE * factor, seconds, 1.5 * number * factor)
+            (factor, 1.5 * if single { 4.0 } else { 8.0 } * factor)
         }
-        LinearSolver::Multigrid => (0.0, MULTIGRID * pattern, 0.0, MULTIGRID_BYTES * pattern),
+        LinearSolver::Multigrid => (0.0, MULTIGRID_BYTES * pattern),
     };
-    let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
+    let changes = Plan::changes_factor(model);
+    let counted = plan.matrices(model, &setup.grid(steps)).is_some();
+    let parts = setup.load_parts().filter(|_| plan == Plan::Recursion);
     // One matrix serves all levels, and eight of them share their passes.
-    let one_factor =
-        work.is_some() && matches!(plan, Plan::Recursion | Plan::Condensed) && !changes;
+    let one_factor = counted
+        && linear_solver == LinearSolver::Direct
+        && matches!(plan, Plan::Recursion | Plan::Condensed)
+        && !changes;
     // Five matrices with their index; some thirty vectors, and two for each level of a pass.
     let together = one_factor && parts.is_none();
     let vectors = if together { 240.0 + 128.0 } else { 240.0 } * dofs as f64;
@@ -232,10 +190,7 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
         dofs,
         plan,
         linear_solver,
-        work: work.map(|matrices| [matrices, solves]),
-        seconds: levels * iterations * (shape * CELL * cells + solve)
-            + factorizations * factorization
-            + past_seconds(setup, dofs, steps),
+        work: dofs as f64 * f64::from(steps),
         memory_bytes: linear_bytes + 52.0 * pattern + vectors + history_bytes(setup, dofs, steps),
         kept_bytes: if one_factor { 8.0 * (factor + pattern) } else { 0.0 },
         left_bytes: 0.0,
@@ -246,19 +201,9 @@ fn history_bytes(setup: &Setup, dofs: usize, steps: u32) -> f64 {
     (setup.history_vectors(steps) * dofs * 8) as f64
 }
 
-/// Direct sums over the past; recursions and interpolated kernels have few vectors.
-fn past_seconds(setup: &Setup, dofs: usize, steps: u32) -> f64 {
-    let levels = f64::from(steps) + 1.0;
-    let sums = (setup.history_vectors(steps) as f64 / levels).floor();
-    let weight = WEIGHT[usize::from(setup.scene.time.rule == TimeRule::ProductIntegration)];
-    sums * 0.5 * levels.powi(2) * (weight + TERM * dofs as f64)
-}
-
-/// The cost of one run without measuring its error.
+/// The bytes of one run without measuring its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunCost {
-    /// CPU seconds of loads and march, without mesh and analysis.
-    pub seconds: f64,
     /// Peak memory of a process with this run alone.
     pub memory_bytes: f64,
     /// Factor, matrices, vectors and history.
@@ -273,7 +218,6 @@ pub fn run_cost(setup: &Setup, space: &Discretization, steps: u32) -> RunCost {
     let run = march(setup, space, steps);
     let load_bytes = load_bytes(setup, space);
     RunCost {
-        seconds: run.seconds + truth(setup, space).load_seconds(f64::from(steps) + 1.0),
         memory_bytes: PROGRAM + run.memory_bytes + load_bytes,
         march_bytes: run.memory_bytes,
         history_bytes: history_bytes(setup, space.dofs(), steps),

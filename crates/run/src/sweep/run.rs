@@ -62,7 +62,7 @@ pub trait Progress: Sync {
     fn doubted(&self, _why: &str) {}
     fn started(&self, _what: &str) {}
     fn finished(&self, _what: &str, _record: Option<&CaseRecord>) {}
-    /// The done share of the predicted seconds of all work.
+    /// The done share of all work, in unknowns times steps.
     fn advanced(&self, _share: f64) {}
     /// Whether no further case shall begin.
     fn stopped(&self) -> bool {
@@ -126,8 +126,8 @@ pub fn run_more(
         .build()
         .map_err(|error| SweepError::Threads { jobs, reason: error.to_string() })?;
     let (work, tasks) = pool.install(|| sweep.work(&machine.memory));
-    let seconds: Vec<f64> = tasks.iter().map(|task| task.seconds).collect();
-    let all: f64 = seconds.iter().sum();
+    let shares: Vec<f64> = tasks.iter().map(|task| task.work).collect();
+    let all: f64 = shares.iter().sum();
     let done = Mutex::new(0.0);
     let schedule = Schedule::new(tasks, machine.memory.bytes());
     pool.scope(|scope| {
@@ -138,7 +138,7 @@ pub fn run_more(
                     start.dropped.into_iter().for_each(|(s, n)| shared[s].let_go(n));
                     sweep.execute(&work[start.task]);
                     let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-                    *done += seconds[start.task];
+                    *done += shares[start.task];
                     progress.advanced(*done / all);
                     drop(done);
                     schedule.end(start.task).into_iter().for_each(|(s, n)| shared[s].let_go(n));
@@ -211,16 +211,16 @@ impl Sweep<'_> {
             let mut shares = Vec::new();
             let after = reference.filter(|_| !cases.is_empty()).map(|need| {
                 shares.push(((s, None), need.kept_bytes));
-                let longest = cases.iter().map(|(_, case)| case.seconds).fold(0.0, f64::max);
+                let longest = cases.iter().map(|(_, case)| case.work).fold(0.0, f64::max);
                 work.push(Job::Reference(s));
-                tasks.push(Task { shares: shares.clone(), ..task(need, need.seconds + longest) });
+                tasks.push(Task { shares: shares.clone(), ..task(need, need.work + longest) });
                 tasks.len() - 1
             });
             for (c, need) in cases {
                 let of_mesh = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept_bytes));
                 let shares = shares.iter().copied().chain(of_mesh).collect();
                 work.push(Job::Case(s, c));
-                tasks.push(Task { after, shares, ..task(need, need.seconds) });
+                tasks.push(Task { after, shares, ..task(need, need.work) });
             }
         }
         (work, tasks)
@@ -272,7 +272,7 @@ impl Sweep<'_> {
 }
 
 fn task(need: Cost, rank: f64) -> Task {
-    Task { rank, seconds: need.seconds, bytes: need.memory_bytes, ..Task::default() }
+    Task { rank, work: need.work, bytes: need.memory_bytes, ..Task::default() }
 }
 
 fn in_words(plan: &ScenePlan, case: &CasePlan) -> String {

@@ -9,10 +9,10 @@ pub(super) type Kept = (usize, Option<u32>);
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Task {
-    /// Predicted seconds, including what waits for it.
+    /// Unknowns times steps, including what waits for it.
     pub(super) rank: f64,
-    /// Predicted seconds of the task alone.
-    pub(super) seconds: f64,
+    /// Those of the task alone.
+    pub(super) work: f64,
     /// Predicted peak bytes while it runs, including what it shares.
     pub(super) bytes: f64,
     /// The task that must have ended before.

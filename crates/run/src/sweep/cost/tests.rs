@@ -23,7 +23,7 @@ fn cases_are_predicted_as_if_alone() {
         [&[4][..], &[4, 16][..]].map(|steps| costs(&plan("pure-mild", 16, steps)));
     assert_eq!(alone.cases[0], Cost { left_bytes: 0.0, ..together.cases[0] });
     let (short, long) = (together.cases[0], together.cases[1]);
-    assert!(long.memory_bytes > short.memory_bytes && long.seconds > 2.0 * short.seconds);
+    assert!(long.memory_bytes > short.memory_bytes && long.work == 4.0 * short.work);
     // Moments (12 numbers of a cell) and the exact loads (544 unknowns) at twelve more times.
     assert_eq!(long.kept_bytes - short.kept_bytes, 12.0 * 8.0 * (512.0 * 12.0 + 544.0));
     assert_eq!((short.dofs, together.reference), (544, None));
@@ -63,7 +63,7 @@ fn a_reference_run_costs_more_than_the_cases_it_serves() {
     let plan = plan("elastic-punch", 8, &[8, 16]);
     let cost = costs(&plan);
     let reference = cost.reference.expect("a reference run");
-    assert!(cost.cases.iter().all(|case| case.seconds < reference.seconds));
+    assert!(cost.cases.iter().all(|case| case.work < reference.work));
     assert!(cost.cases.iter().all(|case| case.memory_bytes > reference.memory_bytes));
 }
 
@@ -75,23 +75,4 @@ fn grids_without_a_common_one_are_predicted() {
     let cost = costs(&plan);
     assert!(cost.cases.iter().all(|case| case.memory_bytes > PROGRAM));
     assert!(cost.reference.is_some_and(|reference| reference.kept_bytes > 0.0));
-}
-
-/// Measured on one core, with the exact solution of n = 2: 0.09 s, 0.11 s, 0.04 s, 0.07 s, and 4 ms by recursion;
-/// predictions hold to the order of magnitude. Sums over the past are quadratic in the steps.
-#[test]
-fn kernels_that_are_no_exponentials_are_dear() {
-    let seconds = |scene: &str, steps: u32| costs(&plan(scene, 2, &[steps])).cases[0].seconds;
-    for (scene, steps, measured) in [
-        ("singular-contact", 256, 0.09),
-        ("product-integrated", 256, 0.11),
-        ("graded-end", 256, 0.04),
-        ("long-interpolated", 2048, 0.07),
-        ("affine", 256, 4e-3),
-    ] {
-        let quotient = seconds(scene, steps) / measured;
-        assert!((0.1..10.0).contains(&quotient), "{scene}: {quotient} of {measured} s");
-    }
-    let product = |steps: u32| seconds("product-integrated", steps);
-    assert!(product(2048) > 3.0 * product(1024), "{}", product(2048) / product(1024));
 }

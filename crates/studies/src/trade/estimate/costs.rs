@@ -1,10 +1,9 @@
 //! What other n and N cost, from a run and its companions.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Companions, RunTime};
 use crate::trade::{Composition, CostSample};
-use run::sweep::run_cost;
 use scene::setup::{Setup, SetupError};
 
 /// Least CPU seconds that can be told from noise: page faults and a cold cache take about a millisecond, a tenth of it.
@@ -16,13 +15,13 @@ pub enum CostSource {
     /// The CPU times of the run and its companions.
     #[serde(rename = "times")]
     Timed,
-    /// Counts of `sweep explain` with the rates of another machine: the runs are too short for a clock.
+    /// Their sum, shared out by unknowns times steps: the runs are too short for a clock.
     #[serde(rename = "counts")]
     Counted,
 }
 
-/// The cost of runs: parts fitted to the CPU times of the companions, or to their counts where one is too short to
-/// time. None where nothing fits.
+/// The cost of runs: parts fitted to the CPU times of the companions, or to unknowns times steps where one is too short
+/// to time. None where nothing fits.
 ///
 /// # Errors
 /// A mesh that cannot be made.
@@ -46,16 +45,19 @@ pub fn costs(
     Ok(fitted.map(|composition| (composition, source)))
 }
 
-/// Counted costs of all pairs of the n and N that were run.
+/// The times of all pairs of the n and N that were run, as if unknowns times steps took equal times.
 fn counted(setup: &Setup, times: &[RunTime]) -> Result<Vec<RunTime>, SetupError> {
     let (meshes, numbers): (BTreeSet<u32>, BTreeSet<u32>) =
         times.iter().map(|run| (run.n, run.steps)).unzip();
-    let mut found = Vec::new();
+    let mut dofs = BTreeMap::new();
     for n in meshes {
-        let space = setup.space(n)?;
-        for &steps in &numbers {
-            found.push(RunTime { n, steps, seconds: run_cost(setup, &space, steps).seconds });
-        }
+        dofs.insert(n, setup.space(n)?.dofs() as f64);
     }
-    Ok(found)
+    let work = |n: u32, steps: u32| dofs[&n] * f64::from(steps);
+    let all: f64 = times.iter().map(|run| work(run.n, run.steps)).sum();
+    // A clock that stands still gives no rate, and any will do.
+    let taken = times.iter().map(|run| run.seconds).sum::<f64>().max(f64::MIN_POSITIVE);
+    let pairs = dofs.keys().flat_map(|&n| numbers.iter().map(move |&steps| (n, steps)));
+    let time = |(n, steps)| RunTime { n, steps, seconds: taken * work(n, steps) / all };
+    Ok(pairs.map(time).collect())
 }
