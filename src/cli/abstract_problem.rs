@@ -1,4 +1,4 @@
-//! What `check`, `explain` and `solve` say of an abstract scene.
+//! What `check` and `solve` say of an abstract scene.
 
 use std::time::Instant;
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use super::{
-    audit, baseline, bound, check, diagnose, explain, extremes, fit, floors, gronwall, list, merge,
-    report, run, shell, solve, trade, verify,
+    audit, baseline, bound, check, diagnose, extremes, fit, gronwall, list, merge, report, run,
+    shell, solve, trade, verify,
 };
 
 /// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
@@ -16,7 +16,7 @@ use super::{
 #[command(
     name = "sweep",
     version,
-    after_help = "Examples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep explain punch                        what a scene requires, and what it costs\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge. Colour is used on a terminal alone, and not with NO_COLOR."
+    after_help = "Examples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep check punch                          what holds of a scene, and what it requires\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge. Colour is used on a terminal alone, and not with NO_COLOR."
 )]
 pub(super) struct Arguments {
     /// Folder of the scenes [default: manufactured, where that folder is; else those inside the program]
@@ -42,10 +42,8 @@ pub(super) enum Command {
     Baseline(baseline::BaselineCommand),
     /// List the scenes with their terms and predicted orders
     List(list::List),
-    /// Verify the manufactured data and the hypotheses of a scene, without solving
+    /// Verify the data and hypotheses of a scene, and say what it requires, without solving
     Check(check::Check),
-    /// Say what a scene requires: terms, algorithms, sizes, predicted cost
-    Explain(explain::Explain),
     /// Check the proofs of Theorems 10 and 11 line by line on real runs
     Audit(audit::Audit),
     /// Name the term at fault: run the scene again with one term removed at a time
@@ -58,8 +56,6 @@ pub(super) enum Command {
     Gronwall(gronwall::Gronwall),
     /// Climb ladders of extreme parameters: units, moduli, steps, meshes, gaps, loads
     Extremes(extremes::Extremes),
-    /// Measure the floors of a scene's errors: solver, history, quadrature, reference
-    Floors(floors::FloorsCommand),
     /// Speed against accuracy: work-precision over the knobs of a scene, cost model, best n and N
     Trade(trade::TradeCommand),
     /// Fit orders to a table with columns h, k, error

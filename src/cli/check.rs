@@ -1,23 +1,45 @@
-//! `sweep check`: verifies the manufactured data and the hypotheses, without a solve.
+//! `sweep check`: verifies the manufactured data and the hypotheses of a scene, and says what it requires, without a solve.
+//! Floors alone are measured by runs, where they are asked for.
+
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
 
 use clap::Args;
 
 use super::abstract_problem::fact;
-use super::explain::under_loads;
+use super::chosen::Grid;
+use super::constants::predicted_constants;
+use super::list::{terms, truth};
 use super::machine::Common;
-use super::{CliError, Scenes, abstract_problem, meshes_fit, print_beside, print_json};
+use super::{
+    CliError, Scenes, TABLE_WIDTH, abstract_problem, meshes_fit, no_case, print_beside, print_json,
+    print_text, width,
+};
 use exact::{Finding, Status, check};
-use run::sweep::admit_constants;
-use scene::Hypothesis;
+use fem::contact::{LinearSolver, Plan};
+use run::sweep::{
+    CasePlan, Cost, FloorRow, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan,
+    floors_beside,
+};
 use scene::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
-use studies::theory::corner::Corner;
+use scene::{Data, Hypothesis, RelaxationTerm};
+use studies::theory::corner::{Corner, corners};
+use vhi::history::FastConvolution;
+use vhi::law::INTERPOLATED_TO;
 
 /// `sweep check`.
 #[derive(Args)]
-#[command(after_help = "JSON keys with --json: scene, findings (subject, status, value, text).")]
+#[command(
+    after_help = "To measure a floor, one thing other than the discretisation is done better: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json: scene, findings (subject, status, value, text), terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, linear_solver, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, history_bytes, norms, memory_bytes_predicted: of a process that runs this case alone), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none). With --floors also floors: n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it), ratio (estimated over measured, null if nothing was measured)."
+)]
 pub(crate) struct Check {
     /// Name of a scene, or path of a TOML file
     scene: String,
+    #[command(flatten)]
+    grid: Grid,
+    /// Measure the part of the errors that is not discretisation: four to six runs of each of two cases
+    #[arg(long)]
+    floors: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -25,36 +47,308 @@ pub(crate) struct Check {
 impl Check {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
+        self.grid.check(&scene)?;
         let limit = self.common.allowance.limit();
         admit_constants(&scene, true, &limit)?;
-        let subject = Subject::new(scene)?;
-        let mut findings = Vec::new();
-        match &subject {
-            Subject::Contact(setup) => {
-                meshes_fit(setup, &limit)?;
-                if let Some(exact) = &setup.exact {
-                    findings.extend(check(exact, &sides(&setup.body)));
-                    if setup.scene.violates.contains(&Hypothesis::RegularInSpace) {
-                        findings.iter_mut().for_each(strong_form_is_no_measure);
-                    }
-                }
-                findings.extend(interfaces(setup));
-                findings.extend(hypotheses(setup, &constants(setup)?));
-                findings.extend(under_loads(setup).iter().map(at_corner));
-            }
-            Subject::Abstract(setup) => findings.extend(abstract_problem::findings(setup)),
-        }
+        let mut plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
+        let findings = findings(&plan, &limit)?;
         let failed = findings.iter().any(|finding| finding.status == Status::Failed);
+        let costs = match plan.costs() {
+            // The finding says it.
+            Err(_) if failed => PlanCost { cases: Vec::new(), reference: None },
+            costs => costs?,
+        };
+        let floors = if self.floors { Some(self.measure(&mut plan, &limit)?) } else { None };
         if self.common.json {
-            let rows: Vec<_> = findings.iter().map(row).collect();
-            print_json(&serde_json::json!({ "scene": subject.scene().name, "findings": rows }))?;
+            print_json(&document(&plan, &findings, &costs, floors.as_deref()))?;
         } else {
-            for finding in &findings {
-                let Finding { subject, status, text, .. } = finding;
-                print_beside(&format!("{subject:<28} {:<9} ", status.name()), 39, text);
+            print_in_words(&plan, &findings, &costs);
+            if let Some(rows) = &floors {
+                print_text(&floor_table(rows));
             }
         }
         Ok(u8::from(failed))
+    }
+
+    /// The floors of two of the scene's cases, or of those on the grid that is given.
+    fn measure(
+        &self,
+        plan: &mut ScenePlan,
+        limit: &MemoryLimit,
+    ) -> Result<Vec<Measured>, CliError> {
+        if plan.cases.is_empty() {
+            return Err(no_case(plan.scene(), "run"));
+        }
+        let largest = plan.cases.iter().max_by_key(|case| (case.n, Reverse(case.steps)));
+        let longest = plan.cases.iter().max_by_key(|case| (case.steps, Reverse(case.n)));
+        let two: Vec<CasePlan> = [largest, longest].into_iter().flatten().cloned().collect();
+        let all = plan.cases.clone();
+        plan.cases.retain(|case| !self.grid.is_own() || two.contains(case));
+        let beside = |cases: &[(&CasePlan, &Cost)]| floors_beside(plan.scene().dimension, cases);
+        admit_plan(plan, 1, limit, beside)?;
+        let mut measured = Vec::new();
+        for case in &plan.cases {
+            let rows = plan.floors(case).map_err(CliError::other)?;
+            measured.extend(rows.into_iter().map(|row| (case.clone(), row)));
+        }
+        plan.cases = all;
+        Ok(measured)
+    }
+}
+
+/// A floor with its case.
+type Measured = (CasePlan, FloorRow);
+
+fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliError> {
+    let setup = match &plan.subject {
+        Subject::Contact(setup) => setup,
+        Subject::Abstract(setup) => return Ok(abstract_problem::findings(setup)),
+    };
+    meshes_fit(setup, limit)?;
+    let mut findings = Vec::new();
+    if let Some(exact) = &setup.exact {
+        findings.extend(check(exact, &sides(&setup.body)));
+        if setup.scene.violates.contains(&Hypothesis::RegularInSpace) {
+            findings.iter_mut().for_each(strong_form_is_no_measure);
+        }
+    }
+    findings.extend(interfaces(setup));
+    findings.extend(hypotheses(setup, &constants(setup)?));
+    // Corners do not matter for an exact solution.
+    if let Data::Loads { .. } = &setup.body.data {
+        findings.extend(corners(&setup.body).iter().map(at_corner));
+    }
+    Ok(findings)
+}
+
+fn document(
+    plan: &ScenePlan,
+    findings: &[Finding],
+    costs: &PlanCost,
+    floors: Option<&[Measured]>,
+) -> serde_json::Value {
+    let scene = plan.scene();
+    let rows = plan.cases.iter().zip(&costs.cases);
+    let reference = plan.reference.zip(costs.reference);
+    let mut document = serde_json::json!({
+        "scene": scene.name,
+        "findings": findings.iter().map(row).collect::<Vec<_>>(),
+        "terms": terms(scene),
+        "truth": truth(scene),
+        "regions": regions(plan).iter().map(|(json, _)| json).collect::<Vec<_>>(),
+        "algorithm": of_meshes(plan, costs, |cost| algorithm(&plan.subject, cost.plan)),
+        "rule": scene.time.rule.in_words(),
+        "history": history(plan),
+        "reference": reference.map(|(run, cost)| run_json(Some(run.n), run.steps, &cost)),
+        "cases": rows.map(|(case, cost)| case_json(plan, case, cost)).collect::<Vec<_>>(),
+        "constants":
+            predicted_constants(plan).into_iter().map(|(_, json)| json).collect::<Vec<_>>(),
+    });
+    if let Some(floors) = floors {
+        document["floors"] = floors.iter().map(floor_json).collect();
+    }
+    document
+}
+
+/// What the scene requires, the findings, the cases.
+fn print_in_words(plan: &ScenePlan, findings: &[Finding], costs: &PlanCost) {
+    let scene = plan.scene();
+    let say = |label: &str, words: &str| print_beside(label, LABEL, words);
+    print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
+    say("terms", &terms(scene).join(", "));
+    say("truth", truth(scene));
+    regions(plan).iter().for_each(|(_, line)| say("region", line));
+    if !costs.cases.is_empty() {
+        say("algorithm", &of_meshes(plan, costs, |cost| algorithm(&plan.subject, cost.plan)));
+        let linear = |cost: &Cost| linear(&plan.subject, cost.linear_solver);
+        say("linear", &of_meshes(plan, costs, linear));
+    }
+    say("rule", &scene.time.rule.in_words());
+    say("history", &history(plan));
+    if let (Some(reference), Some(cost)) = (&plan.reference, &costs.reference) {
+        let (n, steps) = (reference.n, reference.steps);
+        say("reference", &format!("n = {n}, N = {steps}: {}", megabytes(cost)));
+    }
+    predicted_constants(plan).iter().for_each(|(line, _)| say("constant", line));
+    for finding in findings {
+        let Finding { subject, status, text, .. } = finding;
+        print_beside(&format!("{subject:<28} {:<9} ", status.name()), 39, text);
+    }
+    if !costs.cases.is_empty() {
+        print_text(&case_table(plan, costs));
+    }
+}
+
+fn floor_json((case, row): &Measured) -> serde_json::Value {
+    serde_json::json!({
+        "n": case.n,
+        "steps": case.steps,
+        "norm": row.norm.name(),
+        "part": row.part.name(),
+        "error": row.error,
+        "measured": row.measured,
+        "estimated": row.estimated,
+        "ratio": row.estimated / row.measured,
+    })
+}
+
+fn floor_table(measured: &[Measured]) -> String {
+    let rows = measured.iter().map(|(case, row)| {
+        let n = case.n.map_or("-".into(), |n| n.to_string());
+        let words = [n, case.steps.to_string(), row.norm.name().into(), row.part.name().into()];
+        let numbers = [row.error, row.measured, row.estimated, row.estimated / row.measured];
+        words.into_iter().chain(numbers.map(|value| format!("{value:.1e}"))).collect()
+    });
+    let heads = [">n", ">N", "norm", "part", ">error", ">measured", ">estimated", ">ratio"];
+    report::text_table(&heads, &rows.collect::<Vec<Vec<String>>>(), width(TABLE_WIDTH))
+}
+
+fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
+    serde_json::json!({
+        "n": n,
+        "steps": steps,
+        "plan": cost.plan.name(),
+        "linear_solver": cost.linear_solver.name(),
+        "memory_bytes_predicted": cost.memory_bytes.round() as u64,
+    })
+}
+
+fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> serde_json::Value {
+    let mut json = run_json(case.n, case.steps, cost);
+    json["dofs"] = cost.dofs.into();
+    json["history_bytes"] = history_bytes(&plan.subject, case.steps, cost.dofs).into();
+    json["norms"] = case.norms.iter().map(|norm| norm.name()).collect();
+    json
+}
+
+fn megabytes(cost: &Cost) -> String {
+    format!("{:.0} MB", cost.memory_bytes / 1e6)
+}
+
+const LABEL: usize = 11;
+
+/// The cases with their predicted costs.
+fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
+    let row = |(case, cost): (&CasePlan, &Cost)| {
+        let history = history_bytes(&plan.subject, case.steps, cost.dofs);
+        let n = case.n.map_or_else(|| "-".into(), |n| n.to_string());
+        let numbers = [n, case.steps.to_string(), cost.dofs.to_string()];
+        numbers.into_iter().chain([megabytes(cost), history.to_string()]).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<String>> = plan.cases.iter().zip(&costs.cases).map(row).collect();
+    let heads = [">n", ">N", ">unknowns", ">memory", ">bytes of history"];
+    report::text_table(&heads, &rows, width(TABLE_WIDTH))
+}
+
+/// A property common to all runs, or the meshes with each value of it.
+fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'static str) -> String {
+    let mesh_sizes = plan.cases.iter().map(|case| case.n.unwrap_or_default());
+    let ns = mesh_sizes.chain(plan.reference.map(|reference| reference.n));
+    let mut found: Vec<(&'static str, BTreeSet<u32>)> = Vec::new();
+    for (n, cost) in ns.zip(costs.cases.iter().chain(&costs.reference)) {
+        let name = words(cost);
+        match found.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, meshes)) => _ = meshes.insert(n),
+            None => found.push((name, BTreeSet::from([n]))),
+        }
+    }
+    if let [(name, _)] = found[..] {
+        return name.to_string();
+    }
+    let each = found.iter().map(|(name, meshes)| {
+        let list: Vec<String> = meshes.iter().map(u32::to_string).collect();
+        format!("{name} for n = {}", list.join(", "))
+    });
+    each.collect::<Vec<_>>().join("; ")
+}
+
+fn linear(subject: &Subject, solver: LinearSolver) -> &'static str {
+    match (subject, solver) {
+        (Subject::Abstract(_), _) => "dense LU",
+        (_, LinearSolver::Direct) => "Cholesky factors",
+        (_, LinearSolver::Multigrid) => "conjugate gradients with multigrid",
+    }
+}
+
+/// Bytes of the vectors of unknowns in a history.
+fn history_bytes(subject: &Subject, steps: u32, dofs: usize) -> usize {
+    let vectors = match subject {
+        Subject::Contact(setup) => setup.history_vectors(steps),
+        Subject::Abstract(_) => steps as usize + 1,
+    };
+    vectors * dofs * size_of::<f64>()
+}
+
+fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
+    let Subject::Contact(setup) = subject else {
+        return "semismooth Newton with active set, dense LU";
+    };
+    let model = &setup.model;
+    match plan {
+        Plan::Recursion if setup.load_parts().is_some() => {
+            "linear, memory a multiple of the elasticity or absent: one factorization; the load separates in time, its parts are solved once, and a level is a recursion on their coefficients"
+        }
+        Plan::Recursion => {
+            "linear, memory a multiple of the elasticity or absent: one factorization, one solve per level, eight levels together"
+        }
+        Plan::Linear => {
+            "linear: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve per level"
+        }
+        Plan::Condensed if Plan::changes_factor(model) => {
+            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
+        }
+        Plan::Condensed => {
+            "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve per step in the volume"
+        }
+        Plan::Newton if model.projection.is_none() => {
+            "semismooth Newton with active set; the factor is reused while the active set stays, and by GMRES after"
+        }
+        Plan::Newton => {
+            "semismooth Newton with active set, rank-one zeta piece; a factorization serves GMRES until its extra iterations have cost a new one"
+        }
+    }
+}
+
+/// The named regions with the extreme eigenvalues of 𝒜, and the rest of the body.
+fn regions(plan: &ScenePlan) -> Vec<(serde_json::Value, String)> {
+    let Subject::Contact(setup) = &plan.subject else { return Vec::new() };
+    let material = &setup.body.material;
+    if material.regions.is_empty() {
+        return Vec::new();
+    }
+    let named = material.regions.iter().map(|region| (region.name.as_str(), &region.elastic));
+    let all = std::iter::once(("elsewhere", &material.elastic)).chain(named);
+    all.map(|(name, elastic)| {
+        let (low, high) = elastic.eigenvalues(setup.scene.dimension);
+        let line =
+            format!("{name}: eigenvalues of the elasticity tensor from {low:.4} to {high:.4}");
+        (serde_json::json!({ "name": name, "eigenvalues": [low, high] }), line)
+    })
+    .collect()
+}
+
+fn history(plan: &ScenePlan) -> String {
+    let Subject::Contact(setup) = &plan.subject else {
+        return "direct sum, O(n) at step n".into();
+    };
+    let trapezoidal = setup.model.time_rule.is_trapezoidal();
+    let of_term = |memory: &RelaxationTerm| match &memory.exponentials {
+        Some(terms) if trapezoidal => {
+            format!("recursion, {} exponential(s), O(1) per step", terms.len())
+        }
+        None if trapezoidal => format!(
+            "direct trapezoidal sum, O(n) at step n; from {} steps on O(1) per step by interpolation of the kernel to {INTERPOLATED_TO:.0e}, where it is smooth",
+            FastConvolution::foreseen_from(INTERPOLATED_TO)
+        ),
+        _ => "direct sum by the rule's own weights, O(n) at step n".into(),
+    };
+    match &setup.body.material.memory[..] {
+        [] => "none".into(),
+        [memory] => of_term(memory),
+        terms => {
+            let each: Vec<String> = terms.iter().map(of_term).collect();
+            format!("{} terms: {}", terms.len(), each.join("; "))
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The predicted constants of a plan, for `sweep explain`.
+//! The predicted constants of a plan, for `sweep check`.
 
 use files::counted;
 use judge::verdict::{Foreseen, ForeseenConstant, Variable};

@@ -9,7 +9,7 @@ use scene::nearest;
 
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Judge", &["run", "gate", "baseline", "fit", "verify", "report"]),
-    ("Understand", &["list", "check", "explain", "solve", "diagnose", "floors"]),
+    ("Understand", &["list", "check", "solve", "diagnose"]),
     ("Theory", &["audit", "bound", "gronwall"]),
     ("Cost and limits", &["trade", "extremes"]),
     ("Many machines", &["merge"]),
@@ -49,9 +49,8 @@ pub(super) fn hint(said: &clap::Error) -> Option<String> {
     let registry = Scenes::new(None).registry().ok();
     let scenes: Vec<&str> = registry.iter().flat_map(|registry| registry.names()).collect();
     let commands = GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
-    let of_scene = |scene: &str| {
-        format!("`sweep run {scene}` runs it, `sweep explain {scene}` says what it is")
-    };
+    let of_scene =
+        |scene: &str| format!("`sweep run {scene}` runs it, `sweep check {scene}` says what it is");
     if scenes.contains(&word.as_str()) {
         return Some(format!("hint: `{word}` is a scene: {}", of_scene(word)));
     }

@@ -13,10 +13,8 @@ mod constants;
 mod diagnose;
 mod error;
 mod estimate;
-mod explain;
 mod extremes;
 mod fit;
-mod floors;
 mod github;
 mod gronwall;
 mod help;
@@ -80,14 +78,12 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Baseline(baseline) => baseline.execute(&scenes),
         Command::List(list) => list.execute(&scenes),
         Command::Check(check) => check.execute(&scenes),
-        Command::Explain(explain) => explain.execute(&scenes),
         Command::Audit(audit) => audit.execute(&scenes),
         Command::Diagnose(diagnose) => diagnose.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),
         Command::Extremes(extremes) => extremes.execute(),
-        Command::Floors(floors) => floors.execute(&scenes),
         Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Verify(verify) => verify.execute(&scenes),

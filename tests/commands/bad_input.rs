@@ -166,12 +166,11 @@ fn malformed_scenes_are_refused_with_their_place() {
         let line = if at.is_empty() { text.lines().count() } else { line_of(&text, at) };
         let place = format!("{file}:{line}:");
         let (out, vtu) = (folder.argument("out"), folder.argument("vtu"));
-        let commands: [&[&str]; 5] = [
+        let commands: [&[&str]; 4] = [
             &["run", &path, "--out", &out],
             &["gate", &path, "--out", &out],
             &["solve", &path, "--n", "4", "--steps", "4", "--vtu", &vtu],
             &["check", &path],
-            &["explain", &path],
         ];
         for arguments in commands {
             let found = faults(&sweep(arguments), &place, phrases);
@@ -216,7 +215,6 @@ fn files_and_names_that_are_no_scene() {
             vec!["run", "affine", scene, "--out", &out],
             vec!["solve", scene, "--n", "4", "--steps", "4"],
             vec!["check", scene],
-            vec!["explain", scene],
         ] {
             let found = faults(&sweep(&arguments), place, phrases);
             assert!(found.is_empty(), "{arguments:?}: {found:?}");

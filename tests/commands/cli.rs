@@ -215,16 +215,16 @@ fn keys(object: &Value, expected: &[&str]) {
 }
 
 #[test]
-fn list_explain_and_check_have_their_json() {
+fn list_and_check_have_their_json() {
     let list = json(&sweep(&["list", "--json"]));
     let scenes = list.as_array().expect("scenes");
     assert!(scenes.len() >= 13);
     for scene in scenes {
         keys(scene, &["name", "file", "question", "terms", "truth", "predicts", "long", "judge"]);
     }
-    let plan = json(&sweep(&["explain", "affine", "--json"]));
+    let plan = json(&sweep(&["check", "affine", "--json"]));
     let always = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
-    keys(&plan, &[&always[..], &["constants", "corners", "regions", "rule"]].concat());
+    keys(&plan, &[&always[..], &["constants", "findings", "regions", "rule"]].concat());
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
     let predicted = ["memory_bytes_predicted"];
@@ -242,13 +242,11 @@ fn list_explain_and_check_have_their_json() {
         // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
         assert_eq!(case["dofs"], 40);
     }
-    let punch = json(&sweep(&["explain", "punch", "--json"]));
+    let punch = json(&sweep(&["check", "punch", "--json"]));
     let run = ["n", "steps", "plan", "linear_solver"];
     keys(&punch["reference"], &[&run[..], &predicted].concat());
     assert!(plan["reference"].is_null());
-    let check = json(&sweep(&["check", "affine", "--json"]));
-    keys(&check, &["scene", "findings"]);
-    let findings = check["findings"].as_array().expect("findings");
+    let findings = plan["findings"].as_array().expect("findings");
     assert!(findings.len() >= 10);
     for finding in findings {
         keys(finding, &["subject", "status", "value", "text"]);
@@ -368,7 +366,7 @@ fn the_help_documents_the_json_keys() {
     for (command, key) in [
         ("list", "truth"),
         ("check", "findings"),
-        ("explain", "history_bytes"),
+        ("check", "history_bytes"),
         ("fit", "local_slopes"),
     ] {
         assert!(help(&[command, "--help"]).contains(key), "{command} --help lacks {key}");

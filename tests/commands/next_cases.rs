@@ -263,7 +263,10 @@ fn errors_below_the_floor_of_strong_loads_name_the_load_quadrature() {
     let scene = folder.file("compliance.toml", &edited(&scene, "steps = [16]", "steps = [4]"));
     let found = first_open(&folder, &scene);
     let reason = found["reason"].as_str().expect("a reason");
-    assert!(reason.contains("load quadrature") && reason.contains("sweep floors"), "{found:#}");
+    assert!(
+        reason.contains("load quadrature") && reason.contains("sweep check --floors"),
+        "{found:#}"
+    );
     assert!(!reason.contains("solver"), "{reason}");
     // The scene alone knows it: from the records the reason is the same.
     let report = sweep(&["report", &folder.argument("out")]);

@@ -138,7 +138,7 @@ fn the_help_names_every_key() {
         ],
         &["extremes", "one-vertex"],
         &["diagnose", "affine", "--always"],
-        &["floors", "affine", "--n", "4", "--steps", "4"],
+        &["check", "affine", "--floors", "--n", "4", "--steps", "4"],
     ] {
         let output = sweep(&[arguments, &["--json"]].concat());
         assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));

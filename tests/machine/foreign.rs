@@ -58,7 +58,6 @@ fn texts_of_a_scene_do_nothing() {
         (&["list", "--scenes", &scenes][..], &[][..]),
         (&["list", "--markdown", "--scenes", &scenes], &[]),
         (&["list", "--json", "--scenes", &scenes], &[]),
-        (&["explain", &path], &[]),
         (&["check", &path], &[]),
         (&[&gate[..], &["--junit", &junit]].concat(), &[]),
         (

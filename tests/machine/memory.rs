@@ -93,7 +93,7 @@ const SOLVING: [(&[&str], &str); 9] = [
         "affine n = 4, N = 32: about ",
     ),
     (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 8, N = 4: about "),
-    (&["floors", "affine", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
+    (&["check", "affine", "--floors", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
     (
         &["trade", "affine", "--n", "2,4,8", "--steps", "2,4,8", "--repeats", "1"],
         "affine n = 8, N = 8: about ",
@@ -114,8 +114,8 @@ fn every_command_that_solves_refuses_what_does_not_fit() {
     let folder = Folder::new("refused");
     let out = folder.argument("out");
     for (arguments, words) in SOLVING {
-        // What these two write they write in any case.
-        let written = matches!(arguments[0], "diagnose" | "solve");
+        // These have no --out.
+        let written = matches!(arguments[0], "diagnose" | "solve" | "check");
         let options: &[&str] = if written { &[] } else { &["--out", &out] };
         let with = |limit| sweep(&[arguments, options, &["--memory-limit", limit]].concat());
         let (output, start) = (with("1M"), Instant::now());
@@ -141,12 +141,10 @@ fn commands_that_make_meshes_alone_refuse_those_that_do_not_fit() {
     let folder = Folder::new("meshes");
     let scene = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [8, 2048]");
     let scene = folder.file("signorini.toml", &scene);
-    for command in ["check", "explain"] {
-        let output = sweep(&[command, &scene, "--memory-limit", "1G"]);
-        let said = stderr(&output);
-        assert_eq!(code(&output), 2, "{said}");
-        assert!(said.contains("n = 2048: at least ") && said.contains("--memory-limit"), "{said}");
-    }
+    let output = sweep(&["check", &scene, "--memory-limit", "1G"]);
+    let said = stderr(&output);
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("n = 2048: at least ") && said.contains("--memory-limit"), "{said}");
 }
 
 /// A strip under a soft layer that gives way, of unit height: whether it may be solved is decided by a constant of its
@@ -200,10 +198,9 @@ fn constants_of_long_domains_are_computed_within_the_limit() {
     let out = folder.argument("out");
     for command in [
         &["check"][..],
-        &["explain"],
         &["bound"],
         &["gronwall"],
-        &["floors"],
+        &["check", "--floors"],
         &["solve", "--n", "1", "--steps", "2"],
         &["run", "--out", &out],
     ] {
@@ -224,7 +221,7 @@ fn constants_of_long_domains_are_computed_within_the_limit() {
     let falling = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
     let scene = edited(&scene, falling, "points = [[0.0, 0.0], [0.04, 0.08]]");
     let scene = folder.file("rising.toml", &scene);
-    let arguments = ["explain", &scene, "--memory-limit", "1G"];
+    let arguments = ["solve", &scene, "--n", "8", "--steps", "2", "--memory-limit", "1G"];
     let said = stderr(&sweep(&arguments));
     assert!(said.contains("strip n = 8: at least "), "{said}");
     assert!(peak(&arguments) < 16.0 * limit);
@@ -287,7 +284,7 @@ fn predicted_memory_is_what_a_process_takes() {
         let windows = |line: &&str| !line.starts_with("window_");
         let scene: Vec<&str> = scene.lines().filter(windows).collect();
         let path = folder.file(&format!("{name}.toml"), &scene.join("\n"));
-        let plan = json(&sweep(&["explain", &path, "--json"]));
+        let plan = json(&sweep(&["check", &path, "--json"]));
         let predicted = plan["cases"][0]["memory_bytes_predicted"].as_f64().expect("bytes");
         let measured = peak(&["run", &path, "--out", &folder.argument(name), "--jobs", "1"]);
         println!("{name}: predicted {:.0} MB, measured {:.0} MB", predicted / 1e6, measured / 1e6);
@@ -327,14 +324,15 @@ fn long_other_commands_take_what_is_predicted_of_them() {
         ("audit signorini --n 64 --steps 4,8", "signorini --n 64 --steps 8"),
         ("gronwall viscoelastic --n 32 --steps 128", "viscoelastic --n 32 --steps 128"),
         ("bound viscoelastic --n 32 --steps 4", "viscoelastic --n 32 --steps 4"),
-        ("floors pure-mild --n 64 --steps 8", "pure-mild --n 64 --steps 8"),
+        ("check pure-mild --floors --n 64 --steps 8", "pure-mild --n 64 --steps 8"),
         (
             "trade signorini --n 32,64 --steps 8,16 --repeats 1 --memory-limit 100M",
             "signorini --n 64 --steps 16",
         ),
     ];
     for (command, run) in commands {
-        let words = command.split(' ').chain(["--out", out.as_str()]).collect::<Vec<_>>();
+        let writes = (!command.starts_with("check")).then_some(["--out", out.as_str()]);
+        let words = command.split(' ').chain(writes.into_iter().flatten()).collect::<Vec<_>>();
         let (all, measured) = (predicted(&words), peak(&words));
         println!("{command}: predicted {:.0} MB, measured {:.0} MB", all / 1e6, measured / 1e6);
         assert!(honest(all, measured), "{command}: {all} against {measured}");

@@ -63,7 +63,7 @@ fn nothing_is_written_but_under_out() {
     run(&["report", "out/run"]);
     run(&["solve", "affine", "--n", "4", "--steps", "4", "--vtu", "out/vtu"]);
     run(&["check", "affine"]);
-    run(&["explain", "affine"]);
+    run(&["check", "affine", "--floors", "--n", "4", "--steps", "4"]);
     run(&["list"]);
     run(&["fit", "out/run/cases.csv"]);
     let only = ["--out", "out/part", "--only", "affine:n4:N4", "affine:n4:N8"];

@@ -30,7 +30,7 @@ impl Extension {
                     Body::Abstract(problem) => problem.singular_key(),
                 };
                 let name = "kernels that are infinite at s = t".into();
-                let way_out = "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`";
+                let way_out = "list, check, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`";
                 key.map(|key| (key, name, way_out))
             }
         }

@@ -1,5 +1,5 @@
 //! The floor of a case: what the unresolved residual of a step and rounding contribute to each error
-//! norm. An upper estimate; `sweep floors` measures what it stands for.
+//! norm. An upper estimate; `sweep check --floors` measures what it stands for.
 
 use super::Discretization;
 use super::nodal_norms::{l2_norm, strain_norm, trace_norm};
@@ -27,7 +27,7 @@ pub(super) struct Accepted {
 }
 
 /// One residual is one draw of rounding, and history adds up those of all levels: corrections of
-/// single levels, scaled as below, are 0.35 of what `sweep floors` measures at worst.
+/// single levels, scaled as below, are 0.35 of what `sweep check --floors` measures at worst.
 const SAFETY: f64 = 4.0;
 
 impl Accepted {

@@ -62,10 +62,10 @@ impl FloorSource {
             }
             Self::Solver => "lower the floor: it is the solver's, a tighter tolerance",
             Self::Quadrature => {
-                "lower the floor: it is the quadrature of loads and errors, where a kink cuts cells; `sweep floors` measures its parts"
+                "lower the floor: it is the quadrature of loads and errors, where a kink cuts cells; `sweep check --floors` measures its parts"
             }
             Self::LoadQuadrature => {
-                "lower the floor: it is the load quadrature of form = \"strong\", where f0 or a traction jumps inside cells; leave form out for loads in weak form; `sweep floors` measures its parts"
+                "lower the floor: it is the load quadrature of form = \"strong\", where f0 or a traction jumps inside cells; leave form out for loads in weak form; `sweep check --floors` measures its parts"
             }
             Self::Reference => {
                 "lower the floor: it is the error of the reference run, a finer one in [sweep] reference"

@@ -180,7 +180,7 @@ fn reproduction(report: &Report<'_>) -> Section {
     ]);
     let scene = report.scenes.first().map_or("SCENE".into(), |scene| quoted(&scene.name));
     section.blocks.push(Block::Code(format!(
-        "sweep report DIR\nsweep run {scene} --out reports/again\nsweep explain {scene}"
+        "sweep report DIR\nsweep run {scene} --out reports/again\nsweep check {scene}"
     )));
     section.words(
         "Records are the same, bit for bit, for any number of threads, but for the columns of seconds.",

@@ -12,7 +12,7 @@ use fem::space::quadrature::TruthRules;
 use vhi::law::TensorField;
 
 /// Factor of the largest response of A = 𝒜 + μ to a difference of loads, for all times. The response bounds the change
-/// of an error, which is smaller, since errors are nearly orthogonal to V^h (`sweep floors` measures it).
+/// of an error, which is smaller, since errors are nearly orthogonal to V^h (`sweep check --floors` measures it).
 const SAFETY: f64 = 1.5;
 
 /// Parts of [0, T] at whose ends rules are compared: once with moving fronts, once at the end, where some scenes have
