@@ -47,8 +47,9 @@ pub trait FiniteElement: fmt::Debug + Send + Sync {
 pub struct Element(&'static dyn FiniteElement);
 
 impl Element {
-    /// Without a check; [`Element::checked`] takes those of users.
-    pub(super) const fn new(element: &'static dyn FiniteElement) -> Self {
+    /// An element whose name no other has; its parts have to belong together, as the tests of this module ask of those of the
+    /// program.
+    pub const fn new(element: &'static dyn FiniteElement) -> Self {
         Self(element)
     }
 }

@@ -1,7 +1,6 @@
 //! Elements: nodes with the clamped ones last, shape functions, strains at the points where they live, quadrature.
 
 mod element;
-mod element_check;
 mod elements;
 mod mean_square;
 mod nodes;
@@ -10,9 +9,10 @@ mod polynomials;
 pub mod quadrature;
 mod shape;
 mod strain_shapes;
+#[cfg(test)]
+mod tests;
 
 pub use element::{Element, FiniteElement, Simplex};
-pub use element_check::{ElementError, ElementFault};
 pub use mean_square::MeanSquare;
 pub use nodes::Nodes;
 pub use points::{StrainPoint, StrainPoints};
