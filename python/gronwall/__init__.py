@@ -12,6 +12,7 @@ from ._native import __version__
 from ._study import Results, Study, study
 from ._verdict import Verdict
 from ._verify import Case, scenes, verify
+from ._vtu import read_vtu
 
 __all__ = [
     "Case",
@@ -22,6 +23,7 @@ __all__ = [
     "__version__",
     "assert_order",
     "fit",
+    "read_vtu",
     "scenes",
     "study",
     "verify",

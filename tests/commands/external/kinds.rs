@@ -10,7 +10,6 @@ use run::external::{Wanted, read_displacements};
 
 use crate::program::{Folder, code, command, stderr, stdout};
 
-const VERTICES: [[f64; 3]; 2] = [[0.0; 3], [1.0, 0.0, 0.0]];
 /// No assertion about speed: what hangs does so for ever.
 const LONG: Duration = Duration::from_secs(120);
 
@@ -45,7 +44,7 @@ fn said(folder: &Folder) -> String {
     let (tell, told) = channel();
     let dir = folder.at(".");
     std::thread::spawn(move || {
-        let wanted = Wanted { times: &[0.0, 0.5, 1.0], vertices: &VERTICES, dimension: 2 };
+        let wanted = Wanted { levels: 3, vertices: 2, dimension: 2 };
         let outcome = read_displacements(&dir, &wanted);
         // Nobody listens any more where the test has failed.
         let _ = tell.send(outcome.expect_err("no answer").to_string());
@@ -56,26 +55,12 @@ fn said(folder: &Folder) -> String {
 #[test]
 fn an_answer_that_is_no_file_is_refused() {
     for kind in 0..4 {
-        for name in ["displacement.npy", "displacement.csv", "displacement.pvd"] {
+        for name in ["displacement.npy", "displacement.csv"] {
             let folder = Folder::new("kinds");
             let words = make(kind, &folder.argument(name));
             let found = said(&folder);
             assert!(found.contains(words) && found.contains(name), "{found}");
         }
-        // A level of a series, and a file that an index names.
-        let folder = Folder::new("kinds-series");
-        let words = make(kind, &folder.argument("displacement_0.vtu"));
-        for n in 1..3 {
-            folder.file(&format!("displacement_{n}.vtu"), "");
-        }
-        assert!(said(&folder).contains(words), "{}", said(&folder));
-        let entry = |n: usize| {
-            format!("<DataSet timestep=\"{}\" file=\"displacement_{n}.vtu\"/>", n as f64 / 2.0)
-        };
-        let entries: String = (0..3).map(entry).collect();
-        folder
-            .file("displacement.pvd", &format!("<VTKFile type=\"Collection\">{entries}</VTKFile>"));
-        assert!(said(&folder).contains(words), "{}", said(&folder));
     }
 }
 
@@ -91,12 +76,8 @@ fn ended(arguments: &[&str]) -> std::process::Output {
 fn a_solver_that_leaves_a_pipe_makes_a_failed_case() {
     let folder = Folder::new("kinds-solver");
     let out = folder.argument("out");
-    for (name, more) in [("displacement.npy", &[][..]), ("displacement.vtu", &["--pressure"])] {
-        let numbered = name.replace(".vtu", "_0.vtu");
-        let text = format!(
-            "for n in 1 2; do : > \"$1/displacement_$n.vtu\"; done; mkfifo \"$1/{numbered}\"\n"
-        );
-        let solver = format!("sh {}", folder.file("pipe.sh", &text));
+    for (name, more) in [("displacement.npy", &[][..]), ("displacement.csv", &["--pressure"])] {
+        let solver = format!("sh {}", folder.file("pipe.sh", &format!("mkfifo \"$1/{name}\"\n")));
         let arguments =
             ["verify", "signorini", "--n", "4", "--steps", "2", "--out", &out, "--solver", &solver];
         let output = ended(&[&arguments[..], more].concat());

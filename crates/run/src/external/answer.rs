@@ -1,4 +1,4 @@
-//! Output of a solver: displacements of all levels as `.npy`, `.csv` or a series of `.vtu`, and optionally pressures.
+//! Output of a solver: displacements of all levels as `.npy` or `.csv`, and optionally pressures.
 
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -6,43 +6,30 @@ use std::path::{Path, PathBuf};
 use super::bounded::{Timed, Until, most_bytes, open_bounded};
 use super::error::AnswerError;
 use super::npy::{NpyError, head, length, numbers};
-use super::series::{each_level, indexed, numbered, read_levels};
-use super::wanted::{COLLECTION, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted};
+use super::wanted::{DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted};
 
-/// The displacements of all levels, level by level, d numbers per vertex, from the first that exists of array, table,
-/// indexed series and numbered files.
-pub fn read_displacements(dir: &Path, wanted: &Wanted<'_>) -> Result<Vec<f64>, AnswerError> {
+/// The displacements of all levels, level by level, d numbers per vertex, from the array, or else from the table.
+pub fn read_displacements(dir: &Path, wanted: &Wanted) -> Result<Vec<f64>, AnswerError> {
     read_until(dir, wanted, None)
 }
 
 /// [`read_displacements`] under a time limit.
 pub(super) fn read_until(
     dir: &Path,
-    wanted: &Wanted<'_>,
+    wanted: &Wanted,
     until: Until,
 ) -> Result<Vec<f64>, AnswerError> {
-    let shape = [wanted.times.len(), wanted.vertices.len(), wanted.dimension];
-    let [array, table, index] =
-        [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION].map(|name| dir.join(name));
+    let shape = [wanted.levels, wanted.vertices, wanted.dimension];
+    let [array, table] = [DISPLACEMENT, DISPLACEMENT_TABLE].map(|name| dir.join(name));
     if array.exists() {
         return read_array(array, &shape, "levels N + 1, vertices, components", until);
     }
-    if table.exists() {
-        let numbers = read_table(&table, shape, until)?;
-        finite(&table, &numbers, shape[0])?;
-        return Ok(numbers);
+    if !table.exists() {
+        return Err(AnswerError::Missing(dir.to_owned()));
     }
-    let (named, files) = if index.exists() {
-        (&*index, indexed(dir, wanted.times, until))
-    } else {
-        let files = numbered(dir)?;
-        if files.is_empty() {
-            return Err(AnswerError::Missing(dir.to_owned()));
-        }
-        (dir, each_level(files, shape[0]))
-    };
-    let at_fault = |source| AnswerError::Series { path: named.to_owned(), source };
-    read_levels(&files.map_err(at_fault)?, wanted, until)
+    let numbers = read_table(&table, shape, until)?;
+    finite(&table, &numbers, shape[0])?;
+    Ok(numbers)
 }
 
 pub(super) fn read_pressures(

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Component, Path};
+use std::path::Path;
 use std::time::Instant;
 
 use files::open_file;
@@ -63,21 +63,4 @@ pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed
         return Err(format!("{} bytes, where at most {most} can be needed", file.length));
     }
     Ok(file)
-}
-
-/// Reads a regular file of at most `most` bytes.
-pub(crate) fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u8>, String> {
-    let mut bytes = Vec::new();
-    // The file may grow meanwhile.
-    open_bounded(path, most, until)?
-        .take(most)
-        .read_to_end(&mut bytes)
-        .map_err(|error| error.to_string())?;
-    Ok(bytes)
-}
-
-/// Whether a relative name stays below its directory.
-pub(crate) fn is_below(file: &str) -> bool {
-    let within = |part| matches!(part, Component::Normal(_) | Component::CurDir);
-    !file.is_empty() && Path::new(file).components().all(within)
 }

@@ -10,10 +10,7 @@ mod group;
 mod in_process;
 mod log;
 mod npy;
-mod places;
 mod process;
-mod series;
-mod vtu;
 mod wanted;
 
 use std::path::{Path, PathBuf};
@@ -23,15 +20,14 @@ pub use self::advice::solver_first;
 pub use self::answer::read_displacements;
 use self::answer::{read_pressures, read_until};
 pub use self::case_files::{ContactRow, Given, case_dir, write_case};
-pub use self::error::{AnswerError, SeriesError, VtuReadError};
+pub use self::error::AnswerError;
 pub use self::group::end_solvers;
 pub use self::in_process::{Answer, InProcess, Solve};
 pub use self::log::{LOG, last_lines};
 pub use self::npy::{Array, NpyError, decode, encode};
 pub use self::process::ProcessError;
-use self::series::numbered;
 pub use self::wanted::Wanted;
-pub(crate) use self::wanted::{COLLECTION, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE};
+pub(crate) use self::wanted::{DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE};
 use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Model, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};
@@ -80,9 +76,7 @@ impl Scheme for ExternalSolver {
             data.comparing_beside(setup, || process::run(words, &dir, *limit)).map_err(said)?;
         }
         let (levels, d) = (grid.steps() + 1, space.mesh.dimension);
-        let vertices: Vec<[f64; 3]> =
-            (0..space.mesh.vertices() as u32).map(|v| space.mesh.point(&[v], &[1.0])).collect();
-        let wanted = Wanted { times: grid.times(), vertices: &vertices, dimension: d };
+        let wanted = Wanted { levels, vertices: space.mesh.vertices(), dimension: d };
         let u = read_until(&dir, &wanted, until).map_err(said)?;
         let points = space.trace.points.len();
         let pressures = match self.pressures && points > 0 {
@@ -102,12 +96,8 @@ fn said(error: impl std::fmt::Display) -> CaseError {
 
 /// Removes the answer of an earlier run.
 fn forget(dir: &Path) -> Result<(), CaseError> {
-    let named = [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION, PRESSURE].map(|name| dir.join(name));
-    let numbered = numbered(dir).map_err(said)?;
-    for path in named.into_iter().chain(numbered.into_iter().map(|(_, path)| path)) {
-        remove_if_there(&path).map_err(said)?;
-    }
-    Ok(())
+    let named = [DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE];
+    named.iter().try_for_each(|name| remove_if_there(&dir.join(name))).map_err(said)
 }
 
 /// Shows every level to the measurement. Histories follow from the displacements by the scene's time rule, stresses by
