@@ -127,9 +127,9 @@ fn a_mesh_that_refines_nothing_keeps_its_factors() {
     }
 }
 
-/// `multigrid-box` with λ/μ_L = `lambda`.
+/// `yielding-box` with λ/μ_L = `lambda`.
 fn stiff_to_pressure(lambda: &str) -> Setup {
-    setup_of(edited(&text("multigrid-box"), "lambda = 1.0", &format!("lambda = {lambda}")))
+    setup_of(edited(&text("yielding-box"), "lambda = 1.0", &format!("lambda = {lambda}")))
 }
 
 /// M/m = 1 + 3λ/(2μ_L): 7,501 is below the limit of single precision, 150,001 above it, and from 1,000 on factors are

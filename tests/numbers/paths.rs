@@ -13,10 +13,10 @@ use scene::setup::{MeshData, Setup, Subject};
 
 /// Scenes with a case each: n, steps.
 const WALKS: &[(&str, u32, u32)] = &[
-    ("graded-recursion", 2, 16),
-    ("graded-condensed", 2, 16),
-    ("graded-factors", 2, 16),
-    ("graded-sums", 2, 8),
+    ("graded-exponentials", 2, 16),
+    ("graded-beyond", 2, 16),
+    ("graded-contact", 2, 16),
+    ("graded-power", 2, 8),
     ("graded-end", 2, 16),
     ("long-interpolated", 1, 512),
     ("long-interpolated-graded", 1, 512),
@@ -29,8 +29,8 @@ const WALKS: &[(&str, u32, u32)] = &[
     ("strong-scaled", 4, 8),
     ("strong-corner", 4, 4),
     ("frustum-affine", 1, 16),
-    ("multigrid-box", 12, 1),
-    ("loads-apart", 4, 8),
+    ("yielding-box", 12, 1),
+    ("moving-load", 4, 8),
     ("affine", 4, 4),
     ("affine-graded", 4, 16),
     ("l-shape", 2, 1),

@@ -60,7 +60,7 @@ const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 22] = [
     ),
     ("broken-kink", Steps::OwnGrid, "kink at T/3"),
     ("zone-appears-in-time", Steps::Own, "an event at any time: the error scatters between levels"),
-    ("loads-apart", Steps::Own, "its reference run has a multiple of these steps"),
+    ("moving-load", Steps::Own, "its reference run has a multiple of these steps"),
     ("singular-start", Steps::OwnGrid, "the order is that of equal steps"),
     ("singular-graded", Steps::OwnGrid, "asks for the exponent 1/(1 - a)"),
     ("singular-contact", Steps::OwnGrid, "asks for the exponent 1/(1 - a) at least"),

@@ -100,7 +100,7 @@ const MULTIGRID_FROM: usize = 5_000;
 /// proportion to them.
 const UNKNOWNS_A_SOLVE: usize = 7_000;
 /// M/m of the elasticity from which on conjugate gradients take longer than factors at 45,000 unknowns: iterations grow
-/// like its root. `multigrid-box`, n = 24, one step: 88 iterations with λ/μ_L = 1, 303 with 100, 848 with 1,000 (3.7 s
+/// like its root. `yielding-box`, n = 24, one step: 88 iterations with λ/μ_L = 1, 303 with 100, 848 with 1,000 (3.7 s
 /// against 2.8 s with factors), 2,862 with 10⁴.
 const RATIO_OF_SPEED: f64 = 1e3;
 /// M/m up to which sweeps in single precision, with a unit roundoff of 2⁻²⁴, are right to a thousandth. At 60 times this
