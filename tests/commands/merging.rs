@@ -285,7 +285,7 @@ fn keys_are_those_of_the_scenes_and_grids() {
     let out = folder.argument("out");
     let only = |arguments: &[&str]| sweep(&[&["run", "--out", &out], arguments].concat());
     // Scenes by the keys alone, also one that has to be named.
-    let output = only(&["--only", "affine:n2:N8", "abstract-smooth:N64"]);
+    let output = only(&["--only", "affine:n4:N8", "abstract-smooth:N64"]);
     assert_eq!(stdout(&output), format!("2 cases in {out}, 0 failed\n"), "{}", stderr(&output));
     refused(&only(&["--only", "affine:n3:N8"]), &["affine:n3:N8", "no such case", "--n"]);
     refused(&only(&["affine", "--only", "steady:n8:N1"]), &["steady:n8:N1", "no such case"]);
@@ -296,7 +296,7 @@ fn keys_are_those_of_the_scenes_and_grids() {
         refused(&only(&["--only", wrong]), &[&format!("`{wrong}` is no case"), "pure-mild:n16:N4"]);
     }
     // Into a directory of its own, and not that of the main job.
-    refused(&sweep(&["run", "--only", "affine:n2:N8"]), &["--out"]);
+    refused(&sweep(&["run", "--only", "affine:n4:N8"]), &["--out"]);
     // The list, with what each case takes.
     let listed = sweep(&["run", "affine", "--list-cases", "--json"]);
     let cases = json(&listed)["cases"].as_array().expect("a list").clone();

@@ -14,6 +14,7 @@ pub(super) fn monomials(degree: usize, b: &[f64]) -> Vec<f64> {
 }
 
 /// Their means over a simplex with so many corners, in their order: d! Π α_i!/(d + degree)! of Π b_i^α_i, d = corners - 1.
+#[cfg(test)]
 pub(super) fn means(degree: usize, corners: usize) -> Vec<f64> {
     let factorial = |m: usize| (1..=m).map(|i| i as f64).product::<f64>();
     let mean = |powers: Vec<usize>| {
@@ -24,6 +25,7 @@ pub(super) fn means(degree: usize, corners: usize) -> Vec<f64> {
 }
 
 /// All lists of `count` powers with this sum, the largest first powers first.
+#[cfg(test)]
 fn powers(sum: usize, count: usize) -> Vec<Vec<usize>> {
     if count == 1 {
         return vec![vec![sum]];

@@ -2,10 +2,6 @@
 
 use std::sync::OnceLock;
 
-use algebra::linalg::largest;
-
-use crate::space::polynomials::{means, monomials};
-
 /// Points (barycentric) and weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
@@ -24,13 +20,15 @@ impl Rule {
 
     /// The largest distance from the mean of a product of `degree` barycentric coordinates: zero if the rule is exact for
     /// all polynomials of this degree.
+    #[cfg(test)]
     pub(crate) fn missed(&self, degree: usize) -> f64 {
+        use crate::space::polynomials::{means, monomials};
         let corners = self.points.first().map_or(1, Vec::len);
         let mut off: Vec<f64> = means(degree, corners);
         for (b, weight) in self.points.iter().zip(&self.weights) {
             off.iter_mut().zip(monomials(degree, b)).for_each(|(off, term)| *off -= weight * term);
         }
-        largest(&off)
+        algebra::linalg::largest(&off)
     }
 }
 
