@@ -49,7 +49,7 @@ mod tests {
             .map(|i| {
                 let n = 4 << i;
                 let h = 1.0 / f64::from(n);
-                let norm = NormError { norm: V_MAX.into(), error: Some(h), floor: None };
+                let norm = NormError { norm: V_MAX.into(), error: Some(h), floor: Some(0.0) };
                 CaseRecord {
                     h: Some(h),
                     errors: vec![norm],

@@ -210,7 +210,7 @@ mod tests {
     fn case(error: f64) -> CaseRecord {
         CaseRecord {
             status: Status::Converged,
-            errors: vec![NormError { norm: "V_max".into(), error: Some(error), floor: None }],
+            errors: vec![NormError { norm: "V_max".into(), error: Some(error), floor: Some(0.0) }],
             ..CaseRecord::without_work("block", Some(4), 4, 0.25)
         }
     }
