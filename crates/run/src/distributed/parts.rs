@@ -84,9 +84,8 @@ impl Parts {
 
     /// What makes a part one of other records than those that are known.
     fn fits(&self, part: &Provenance, plan: Option<&SweepPlan>) -> Result<(), String> {
-        let version = env!("CARGO_PKG_VERSION");
-        if part.version != version {
-            return Err(format!("the records are of version {}, this is {version}", part.version));
+        if let Some(other) = part.other_version() {
+            return Err(other);
         }
         if let Some(first) = self.dirs.first().filter(|_| part.platform != self.known.platform) {
             return Err(format!(
