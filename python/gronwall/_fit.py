@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numbers
+import sys
 from collections.abc import Iterable
 from typing import Any
 
@@ -67,10 +69,13 @@ def fit(
     Raises
     ------
     ValueError
-        An error or a step that is no positive number, a step twice, lists of different length.
+        A step that is no positive number; an error or a floor that is negative or no finite number; a complex number, a
+        masked one; a deviation that is not positive or above 10; a step twice, lists of different length.
 
     Notes
     -----
+    An error of exactly 0 without a floor is left out and said, and nothing is confirmed then: a pass becomes unresolved.
+
     The order is inferred from log(error) = c + p log(h) + a next term of unknown size and power + noise; every reading of
     the table is weighed by its evidence, and coarse levels leave that the rest explains itself better without.
 
@@ -80,13 +85,14 @@ def fit(
     >>> v.decision, round(v.order, 2)
     ('pass', 2.0)
     """
-    sizes, values = _floats(h), _floats(errors)
+    sizes, values = floats(h, "h"), floats(errors, "errors")
     count = len(sizes)
     if count != len(values):
         raise ValueError(f"{count} steps and {len(values)} errors: each step has one error")
     floors, sigmas = _each(floor, count, "floor", 0.0), _each(sigma, count, "sigma", None)
-    if at_least and exact:
-        raise ValueError("an order is a lower bound (at_least) or exact, not both")
+    order = None if order is None else number(order, "order")
+    tolerance = None if tolerance is None else number(tolerance, "tolerance")
+    log = number(log, "log")
     by_size = sorted(range(count), key=lambda i: -sizes[i])
     sizes, values, floors, sigmas = ([list_[i] for i in by_size] for list_ in (sizes, values, floors, sigmas))
     found = _native.fit(sizes, values, floors, sigmas, order, at_least, exact, tolerance, log)
@@ -96,7 +102,7 @@ def fit(
         order=found.get("order"),
         interval=found.get("interval"),
         reason=found.get("reason", ""),
-        next=next_step(sizes) if decision == "unresolved" else None,
+        next=next_step(sizes) if decision == "unresolved" and not found.get("unexplained") else None,
         h=tuple(sizes),
         errors=tuple(values),
         predicted=order,
@@ -108,12 +114,24 @@ def fit(
     )
 
 
-def assert_order(h: Iterable[float], errors: Iterable[float], order: float, **options: Any) -> Verdict:
+def assert_order(
+    h: Iterable[float],
+    errors: Iterable[float],
+    order: float,
+    *,
+    at_least: bool = False,
+    exact: bool = False,
+    tolerance: float | None = None,
+    floor: float | Iterable[float] | None = None,
+    sigma: float | Iterable[float] | None = None,
+    log: float = 0,
+    name: str = "",
+) -> Verdict:
     """Assert that a table has an order.
 
     Parameters
     ----------
-    h, errors, order, **options
+    h, errors, order, at_least, exact, tolerance, floor, sigma, log, name
         As of :func:`fit`.
 
     Returns
@@ -134,7 +152,9 @@ def assert_order(h: Iterable[float], errors: Iterable[float], order: float, **op
     'pass'
     """
     __tracebackhide__ = True
-    verdict = fit(h, errors, order, **options)
+    verdict = fit(
+        h, errors, order, at_least=at_least, exact=exact, tolerance=tolerance, floor=floor, sigma=sigma, log=log, name=name
+    )
     demand([verdict])
     return verdict
 
@@ -149,17 +169,29 @@ def demand(verdicts: list[Verdict]) -> None:
         raise Unresolved(text or "nothing was judged", verdicts)
 
 
-def _floats(values: Iterable[float]) -> list[float]:
-    return [float(value) for value in values]
+def number(value: Any, what: str) -> float:
+    """A real number that is there: the imaginary part of another, or what lies under a mask, would be lost silently."""
+    complex_ = isinstance(value, numbers.Complex) and not isinstance(value, numbers.Real)
+    if complex_ or getattr(getattr(value, "dtype", None), "kind", "") == "c":
+        raise ValueError(f"{what}: {value} is a complex number: an error is the size of one, abs(...)")
+    numpy = sys.modules.get("numpy")
+    if numpy is not None and numpy.ma.is_masked(value):
+        raise ValueError(f"{what}: a number is masked: leave its level out, or compute it")
+    return float(value)
+
+
+def floats(values: Iterable[float], what: str) -> list[float]:
+    return [number(value, f"{what}[{i}]") for i, value in enumerate(values)]
 
 
 def _each(value: Any, count: int, name: str, none: Any) -> list[Any]:
     if value is None:
         return [none] * count
     try:
-        values = [float(one) for one in value]
+        one_by_one = iter(value)
     except TypeError:
-        return [float(value)] * count
+        return [number(value, name)] * count
+    values = floats(one_by_one, name)
     if len(values) != count:
         raise ValueError(f"{len(values)} values of {name} for {count} steps")
     return values

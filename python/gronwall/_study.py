@@ -5,10 +5,10 @@ from __future__ import annotations
 import functools
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, NoReturn
 
 from . import _native
-from ._fit import demand, fit
+from ._fit import demand, fit, number
 from ._verdict import Decision, Verdict
 
 #: Levels that an order needs.
@@ -43,6 +43,12 @@ class Results(Mapping[str, Verdict]):
 
     def __len__(self) -> int:
         return len(self._verdicts)
+
+    def __bool__(self) -> NoReturn:
+        """Refuse to be a truth value: results that fail would be true, as any mapping with entries is."""
+        raise TypeError(
+            f"results are neither true nor false, they are {self.decision!r}: compare .decision == 'pass', or use .demand()"
+        )
 
     @property
     def decision(self) -> Decision:
@@ -129,7 +135,12 @@ def study(
     *,
     h: Iterable[float] | None = None,
     fewest: int = FEWEST,
-    **options: Any,
+    at_least: bool = False,
+    exact: bool = False,
+    tolerance: float | None = None,
+    floor: float | None = None,
+    sigma: float | None = None,
+    log: float = 0,
 ) -> Callable[[Solve], Study]:
     """Make a function of h a study of convergence.
 
@@ -143,8 +154,8 @@ def study(
         The levels; 1/2, 1/4, 1/8 and so on without.
     fewest : int
         So many levels are run even if less decide: a small error that stays shows on fine levels.
-    **options
-        As of :func:`fit`: ``at_least``, ``exact``, ``tolerance``, ``floor``, ``log``.
+    at_least, exact, tolerance, floor, sigma, log
+        As of :func:`fit`; floor and sigma are those of every level.
 
     Returns
     -------
@@ -159,13 +170,24 @@ def study(
     >>> solve().decision
     'pass'
     """
+    options = {
+        "at_least": at_least,
+        "exact": exact,
+        "tolerance": tolerance,
+        "floor": None if floor is None else number(floor, "floor"),
+        "sigma": None if sigma is None else number(sigma, "sigma"),
+        "log": log,
+    }
+    # What is wrong with them is said before anything is run.
+    for one in order.values() if isinstance(order, Mapping) else [order]:
+        fit([0.5], [1.0], one, **options)
     return lambda solve: Study(solve, order, budget, h, fewest, options)
 
 
 def _settled(verdict: Verdict, before: Verdict | None) -> bool:
     """Whether no further level is needed, by the judge's rule for tables that grow."""
     # A level near its floor is none, and confirms nothing.
-    earlier = before.decision if before and before.levels < verdict.levels else None
+    earlier = before.decision if before is not None and before.levels < verdict.levels else None
     return _native.settles(verdict.levels, verdict.decision, verdict.probability, earlier)
 
 
@@ -182,4 +204,4 @@ def _named(found: Any, orders: Mapping[str, float]) -> dict[str, float]:
     missing = [name for name in orders if name not in found]
     if missing:
         raise KeyError(f"no error is called {', '.join(missing)}; there are {', '.join(found)}")
-    return {name: float(found[name]) for name in orders}
+    return {name: number(found[name], name) for name in orders}

@@ -6,7 +6,7 @@ import html
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 if TYPE_CHECKING:
     import pandas
@@ -66,6 +66,13 @@ class Verdict:
     name: str = ""
     variable: str = "h"
     details: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    def __bool__(self) -> NoReturn:
+        """Refuse to be a truth value: a verdict that fails would be true, as any object is."""
+        raise TypeError(
+            f"a verdict is neither true nor false, it is {self.decision!r}: "
+            "compare .decision == 'pass', or use gronwall.assert_order"
+        )
 
     @property
     def slopes(self) -> list[float]:

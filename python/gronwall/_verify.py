@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -130,7 +131,7 @@ def verify(
             _array(numpy, xi, rows, "pressures, (levels N + 1, rows of contact)"),
         )
 
-    lists = [None if values is None else [int(value) for value in values] for values in (n, steps)]
+    lists = [None if values is None else [operator.index(value) for value in values] for values in (n, steps)]
     document = json.loads(_native.verify(scene, answer, *lists, pressure, orders_only, out))
     return [_verdict(row, document["failures"]) for row in document["verdicts"]]
 
@@ -172,6 +173,14 @@ def _case(raw: dict[str, Any], numpy: Any) -> Case:
 
 
 def _array(numpy: Any, found: Any, shape: tuple[int, ...], what: str) -> bytes:
+    def masked(part: Any) -> bool:
+        # An array of masked arrays has no mask itself.
+        return numpy.ma.is_masked(part) or isinstance(part, (list, tuple)) and any(map(masked, part))
+
+    if masked(found):
+        raise ValueError(f"numbers are masked: {what}")
+    if numpy.iscomplexobj(found):
+        raise ValueError(f"complex numbers, whose imaginary parts would be lost: {what}")
     array = numpy.ascontiguousarray(found, dtype=float)
     if array.shape != shape:
         raise ValueError(f"shape {array.shape} where {shape} is wanted: {what}")

@@ -8,7 +8,8 @@ from __future__ import annotations
 import dataclasses
 import html
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,12 @@ class OrderStudy:
         h: Iterable[float] | None = None,
         budget: float = 60.0,
         fewest: int = 3,
-        **options: Any,
+        at_least: bool = False,
+        exact: bool = False,
+        tolerance: float | None = None,
+        floor: float | None = None,
+        sigma: float | None = None,
+        log: float = 0,
     ) -> Results:
         """Run a function of h until its orders are decided, and demand them.
 
@@ -45,8 +51,8 @@ class OrderStudy:
         ----------
         solve : callable or Study
             A function of h that gives an error or errors by name, or what :func:`gronwall.study` made of one.
-        order, h, budget, fewest, **options
-            As of :func:`gronwall.study`.
+        order, h, budget, fewest, at_least, exact, tolerance, floor, sigma, log
+            As of :func:`gronwall.study`; of a Study they are its own.
 
         Raises
         ------
@@ -57,25 +63,61 @@ class OrderStudy:
         if not isinstance(solve, Study):
             if order is None:
                 raise TypeError("order_study needs the order that the errors are to have")
-            solve = study(order, budget, h=h, fewest=fewest, **options)(solve)
+            solve = study(
+                order,
+                budget,
+                h=h,
+                fewest=fewest,
+                at_least=at_least,
+                exact=exact,
+                tolerance=tolerance,
+                floor=floor,
+                sigma=sigma,
+                log=log,
+            )(solve)
         results = solve()
         self._keep(results.values())
         return results.demand()
 
-    def check(self, h: Iterable[float], errors: Iterable[float], order: float, **options: Any) -> Verdict:
+    def check(
+        self,
+        h: Iterable[float],
+        errors: Iterable[float],
+        order: float,
+        *,
+        at_least: bool = False,
+        exact: bool = False,
+        tolerance: float | None = None,
+        floor: float | Iterable[float] | None = None,
+        sigma: float | Iterable[float] | None = None,
+        log: float = 0,
+        name: str = "",
+    ) -> Verdict:
         """Judge a table that is there, as :func:`gronwall.assert_order`."""
         __tracebackhide__ = True
-        verdict = fit(h, errors, order, **options)
+        verdict = fit(
+            h, errors, order, at_least=at_least, exact=exact, tolerance=tolerance, floor=floor, sigma=sigma, log=log, name=name
+        )
         self._keep([verdict])
         demand([verdict])
         return verdict
 
-    def verify(self, scene: str, solve: Any, **options: Any) -> list[Verdict]:
+    def verify(
+        self,
+        scene: str,
+        solve: Any,
+        *,
+        n: Sequence[int] | None = None,
+        steps: Sequence[int] | None = None,
+        pressure: bool = False,
+        orders_only: bool = False,
+        out: str | PathLike[str] | None = None,
+    ) -> list[Verdict]:
         """Put a solver under a scene, as :func:`gronwall.verify`, and demand that all verdicts pass."""
         __tracebackhide__ = True
         from ._verify import verify
 
-        verdicts = verify(scene, solve, **options)
+        verdicts = verify(scene, solve, n=n, steps=steps, pressure=pressure, orders_only=orders_only, out=out)
         self._keep(verdicts)
         demand(verdicts)
         return verdicts

@@ -1,6 +1,6 @@
 //! The judge for one table.
 
-use judge::fit::{Claim, FitError, Level, TOLERANCE, infer};
+use judge::fit::{Claim, Exclusion, FitError, Level, LevelError, TOLERANCE, infer, zeros_in_words};
 use judge::verdict::Decision;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,20 +24,28 @@ pub fn fit<'py>(
     tolerance: Option<f64>,
     log: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let level =
-        |i: usize| Level { size: sizes[i], error: errors[i], floor: floors[i], sigma: sigmas[i] };
-    let levels: Vec<Level> = (0..sizes.len()).map(level).collect();
-    let claim = |order| {
-        let tolerance = tolerance.unwrap_or(TOLERANCE);
-        Claim { order, at_least, exact, tolerance, log }.checked().map_err(refused)
+    let level = |i: usize| {
+        let level = Level::new(sizes[i], errors[i])?.with_floor(floors[i])?;
+        sigmas[i].map_or(Ok(level), |sigma| level.with_sigma(sigma))
     };
-    let claim = order.map(claim).transpose()?;
+    let at = |i: usize| {
+        let named =
+            |why: LevelError| refused(format!("level {}, h = {:?}: {why}", i + 1, sizes[i]));
+        level(i).map_err(named)
+    };
+    let levels: Vec<Level> = (0..sizes.len()).map(at).collect::<PyResult<_>>()?;
+    // Options are looked at where nothing is predicted as well.
+    let tolerance = tolerance.unwrap_or(TOLERANCE);
+    let asked = Claim { order: order.unwrap_or(1.0), at_least, exact, tolerance, log };
+    let asked = asked.checked().map_err(refused)?;
+    let claim = order.map(|_| asked);
     let found = PyDict::new(py);
     let posterior = match infer(&levels, None, log) {
         Ok(posterior) => posterior,
         // Too few levels are a property of the table; other errors are the author's.
         Err(error @ FitError::TooFew { .. }) => {
-            found.set_item("reason", error.to_string())?;
+            let zeros = levels.iter().filter(|l| l.screened() == Err(Exclusion::Zero)).count();
+            found.set_item("reason", format!("{error}{}", zeros_in_words(zeros)))?;
             found.set_item("decision", claim.map(|_| "unresolved"))?;
             return Ok(found);
         }
@@ -55,6 +63,7 @@ pub fn fit<'py>(
         found.set_item("decision", ruling.decision.name())?;
         found.set_item("reason", ruling.reason)?;
         found.set_item("probability", ruling.probability)?;
+        found.set_item("unexplained", ruling.unexplained)?;
     }
     Ok(found)
 }

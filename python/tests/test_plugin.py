@@ -54,6 +54,27 @@ def test_unresolved_alone_fails_the_run_unless_it_is_only_to_warn(pytester):
         assert run.ret == status and run.parseoutcomes()["unresolved"] == 1
 
 
+def test_options_have_names(pytester):
+    pytester.makepyfile(
+        """
+        import pytest
+
+        def test_names(order_study):
+            table = [0.5, 0.25, 0.125], [0.25, 0.0625, 0.015625]
+            for call in (
+                lambda: order_study(lambda h: h**2, 2, tolerence=3),
+                lambda: order_study.check(*table, 2, tolerence=3),
+                lambda: order_study.verify("steady", None, stepps=[1]),
+            ):
+                with pytest.raises(TypeError, match="tolerence|stepps"):
+                    call()
+            assert order_study.check(*table, 1, at_least=True).decision == "pass"
+            assert order_study(lambda h: h**2, 1, at_least=True, tolerance=0.1).decision == "pass"
+        """
+    )
+    pytester.runpytest().assert_outcomes(passed=1)
+
+
 def test_a_run_without_orders_has_no_summary(pytester):
     pytester.makepyfile("def test_other():\n    assert True\n")
     assert "orders of convergence" not in pytester.runpytest().stdout.str()

@@ -50,3 +50,29 @@ def test_names_have_to_be_there():
         gronwall.study(order={"L2": 2, "H1": 1})(lambda h: {"L2": h})()
     with pytest.raises(TypeError, match="dictionary"):
         gronwall.study(order={"L2": 2})(lambda h: h)()
+
+
+def test_what_passes_beside_what_is_open_is_no_pass():
+    # Errors that scatter by a fifth from level to level tell no order.
+    scatter = {2.0**-i: 1.2 if i % 2 else 0.8 for i in range(2, 8)}
+    results = gronwall.study(order={"sound": 2, "rough": 2}, h=scatter)(
+        lambda h: {"sound": h**2, "rough": h**2 * scatter[h]}
+    )()
+    assert [results[name].decision for name in ("sound", "rough")] == ["pass", "unresolved"]
+    assert results.decision == "unresolved"
+    with pytest.raises(gronwall.Unresolved, match="rough"):
+        results.demand()
+    with pytest.raises(TypeError, match="decision == 'pass'"):
+        assert results
+
+
+def test_wrong_options_and_wrong_errors_are_refused():
+    def never(h):
+        raise AssertionError("nothing is to be run")
+
+    for options in ({"tolerance": -1}, {"floor": float("nan")}, {"sigma": 0}, {"log": float("inf")}):
+        with pytest.raises(ValueError, match=r"\d|NaN"):
+            gronwall.study(order=2, **options)(never)
+    for error in (float("nan"), -1.0, 1j):
+        with pytest.raises(ValueError, match=r"no error|complex"):
+            gronwall.study(order=2)(lambda h: error)()

@@ -50,6 +50,25 @@ def test_the_case_is_complete():
     assert len(case.sides) == len(case.facets) == 16 and case.times[-1] == case.data["horizon"]
 
 
+def test_gap_and_shift_are_those_of_the_scene():
+    seen = []
+
+    def solve(case):
+        seen.append(case)
+        return numpy.zeros_like(case.loads)
+
+    gronwall.verify("broken-gap", solve, n=[4], steps=[2])
+    case = seen[0]
+    x = case.points[case.contact["vertex"], 0]
+    assert sorted(x) == [0, 0.25, 0.5, 0.75, 1]
+    # As the file of the scene has them.
+    assert abs(case.contact["gap"] - (0.08 + 0.1 * (x - 0.5) ** 2)).max() < 1e-15
+    assert abs(case.contact["shift"] - 0.1 * (x - 0.5) ** 2).max() < 1e-15
+    # Half of a side at the ends; clamped at the top alone.
+    assert abs(case.contact["weight"] - numpy.where((x == 0) | (x == 1), 0.125, 0.25)).max() < 1e-15
+    assert (case.contact["scale"] == 1).all() and not case.contact["clamped"].any()
+
+
 def test_midpoints_of_quadratic_elements_and_bounds_of_friction_are_there():
     seen = []
 
@@ -191,6 +210,9 @@ def test_verdicts_that_do_not_pass_name_the_solver_first():
     [
         ("viscoelastic", lambda case: numpy.zeros((2, 2)), r"shape \(2, 2\) where \(5, \d+, 2\) is wanted"),
         ("viscoelastic", lambda case: numpy.full(case.loads.shape, numpy.nan), "nan at"),
+        ("viscoelastic", lambda case: numpy.ma.masked_array(exact(case), mask=True), "masked"),
+        ("viscoelastic", lambda case: [numpy.ma.masked_array(u, mask=True) for u in exact(case)], "masked"),
+        ("viscoelastic", lambda case: exact(case) + 0j, "complex"),
         ("viscoelastik", exact, "viscoelastic"),
         ("punch", exact, "no exact solution"),
         ("abstract-smooth", exact, "R\\^m"),

@@ -23,7 +23,7 @@ use self::wording::Part;
 use super::output::write_user_file;
 use super::{CliError, print_json, print_text};
 use files::{FileError, read_at_most, up_to};
-use judge::fit::{Claim, Direction, Point, TOLERANCE, path};
+use judge::fit::{Claim, Direction, Point, TOLERANCE, deviation, path};
 use judge::table::{Group, Quantity, Reading, Tables, read};
 use judge::verdict::Decision;
 
@@ -121,11 +121,8 @@ impl Fit {
                 return Err(CliError::about(self.name(), words));
             }
         }
-        if self.noise.is_some_and(|noise| !(noise.is_finite() && noise > 0.0)) {
-            return Err(CliError::other("--noise is a positive share: 0.01 for 1 %"));
-        }
-        if !self.log.is_finite() {
-            return Err(CliError::other("--log is a finite power of |log h|: 1 for h |log h|"));
+        if let Some(Err(error)) = self.noise.map(deviation) {
+            return Err(CliError::about("--noise", error));
         }
         let Self { at_least, exact, tolerance, log, .. } = *self;
         let claim = Claim { order: 1.0, at_least, exact, tolerance, log };

@@ -22,7 +22,7 @@ use scene::setup::Subject;
 /// folder.
 #[derive(Args)]
 #[command(
-    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters of it (files *.document.json), with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (`make pdf` builds what sets it)"
+    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters of it (files *.document.json), with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, the records are of another version of the program, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (`make pdf` builds what sets it)"
 )]
 pub(crate) struct Report {
     /// Directory with cases.csv
@@ -42,12 +42,14 @@ impl Report {
         let path = self.dir.join("cases.csv");
         let read = read_table(&path).and_then(|table| table.unchanged(&path));
         let CaseTable { cases: mut records, torn, .. } = read.map_err(CliError::other)?;
-        // The order in which cases ended is arbitrary.
-        records.sort_by_key(CaseRecord::key);
         let Earlier { failures, mut foreseen } =
             read_earlier(&self.dir.join("verdict.json")).map_err(CliError::other)?;
         restore_reasons(&mut records, &failures);
         let known = Provenance::read(&self.dir)?;
+        if let Some(other) = known.as_ref().and_then(Provenance::other_version) {
+            let hint = "report them by that version, or run the scenes again by this one";
+            return Err(CliError::about(self.dir.display(), format!("{other}; {hint}")));
+        }
         let of_records: Vec<Scene> = self
             .names(&records, known.as_ref())?
             .iter()

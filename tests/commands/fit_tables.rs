@@ -106,9 +106,28 @@ fn fixtures() -> Vec<Table> {
         ),
         in_space("one point", &DOUBLING[..1], 1.0, Unresolved, "1 point, an order needs", |h| h),
         in_space("zero errors", &DOUBLING, 1.0, Unresolved, "0 points", |_| 0.0),
-        in_space("one zero error", &DOUBLING, 1.0, Pass, "within 0.15 of 1", |h| {
+        // A writer that is cut off leaves zeros: without a floor, and with one that the other levels are far above.
+        in_space("one zero error", &DOUBLING, 1.0, Unresolved, "is exactly 0", |h| {
             if h < 0.005 { 0.0 } else { h }
         }),
+        in_space("three zero errors", &DOUBLING, 1.0, Unresolved, "is exactly 0", |h| {
+            if h < 0.02 { 0.0 } else { h }
+        }),
+        Table {
+            floor: 1e-12,
+            ..in_space("zero above a floor", &DOUBLING, 1.0, Unresolved, "others predict", |h| {
+                if h < 0.005 { 0.0 } else { h }
+            })
+        },
+        Table {
+            floor: 1e-3,
+            ..in_space("zero near a floor", &DOUBLING, 2.0, Pass, "within 0.15 of 2", |h| {
+                if h < 0.005 { 0.0 } else { 50.0 * h * h }
+            })
+        },
+        in_time(in_space("zero in a wrong order", &DOUBLING, 2.0, Fail, "lies below 2", |k| {
+            if k < 0.005 { 0.0 } else { k }
+        })),
         in_space("NaN", &DOUBLING, 1.0, Fail, "NaN", |h| if h < 0.005 { f64::NAN } else { h }),
         in_space(
             "infinite",
@@ -579,8 +598,10 @@ fn options_change_what_is_judged() {
     for (option, value, words) in [
         ("--tolerance", "nan", "tolerance"),
         ("--tolerance", "-1", "tolerance"),
-        ("--noise", "0", "--noise"),
-        ("--log", "inf", "--log"),
+        ("--noise", "0", "--noise: the relative standard deviation 0.0 is none"),
+        ("--noise", "1e308", "--noise: the relative standard deviation 1e308 is none"),
+        ("--log", "inf", "the power inf of |log h| is none"),
+        ("--log", "nan", "the power NaN of |log h| is none"),
         ("--window", "0", "no window"),
     ] {
         let table = folder.file("table.csv", &law);

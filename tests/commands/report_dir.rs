@@ -74,10 +74,95 @@ fn the_order_of_records_leaves_no_trace() {
     let rows = std::fs::read_to_string(&table).expect("a table");
     let (header, rows) = rows.split_once('\n').expect("a header");
     let reversed: Vec<&str> = rows.lines().rev().collect();
-    std::fs::write(&table, format!("{header}\n{}\n", reversed.join("\n"))).expect("written");
+    // Every fifth row, from each of the five: no two rows of a case are neighbours.
+    let apart: Vec<&str> = (0..5).flat_map(|at| rows.lines().skip(at).step_by(5)).collect();
+    for rows in [reversed, apart] {
+        std::fs::write(&table, format!("{header}\n{}\n", rows.join("\n"))).expect("written");
+        let output = sweep(&["report", &folder.argument("out")]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        assert!(std::fs::read(&page).expect("a page") == before);
+    }
+}
+
+/// Records of a horizon of 3/2 on a graded grid, h and k by hand; then damaged, without checksums: none of it is a pass.
+#[test]
+fn damaged_records_do_not_pass() {
+    let folder = Folder::new("damaged");
+    let longer = edited(&text("affine-graded"), "horizon = 1.0", "horizon = 1.5");
+    let scene = folder.file("longer.toml", &edited(&longer, "\"affine-graded\"", "\"longer\""));
+    let grid = ["--n", "4", "--steps", "16,32,64,128"];
+    assert_eq!(run(&folder, "run", &[&scene], &grid), 0);
+    let table = folder.at("out/cases.csv");
+    let written = std::fs::read_to_string(&table).expect("a table");
+    let rows: Vec<Vec<&str>> =
+        written.lines().skip(1).map(|row| row.split(',').collect()).collect();
+    let steps = |row: &[&str]| row[3].parse::<f64>().expect("a number");
+    for row in &rows {
+        let [h, k] = [4, 5].map(|at| row[at].parse::<f64>().expect("a number"));
+        // t_j = 3/2 (j/N)^2: the last step is 3/2 (2N - 1)/N^2.
+        let last = 1.5 * (2.0 * steps(row) - 1.0) / steps(row).powi(2);
+        assert!(h == 0.25 && (k / last - 1.0).abs() < 1e-12, "{row:?}");
+    }
+    let header = written.lines().next().and_then(|row| row.strip_suffix(",checksum"));
+    let header = header.expect("a header");
+    type Damage<'a> = &'a dyn Fn(&mut Vec<String>);
+    let report = |damage: Damage<'_>| {
+        let row = |row: &Vec<&str>| {
+            let mut row: Vec<String> =
+                row[..row.len() - 1].iter().map(|&cell| cell.to_owned()).collect();
+            damage(&mut row);
+            row.join(",") + "\n"
+        };
+        let damaged: String = rows.iter().map(row).collect();
+        std::fs::write(&table, format!("{header}\n{damaged}")).expect("written");
+        let output = sweep(&["report", &folder.argument("out")]);
+        let verdicts = std::fs::read_to_string(folder.at("out/verdict.json")).expect("verdicts");
+        (code(&output), verdicts)
+    };
+    assert_eq!(report(&|_| ()).0, 0, "undamaged");
+    let finest = |row: &[String]| row[3] == "128";
+    let number = |cell: &str| cell.parse::<f64>().expect("a number");
+    let damages: [(&str, Damage<'_>); 8] = [
+        ("has no floor", &|row| row[10].clear()),
+        ("is no floor", &|row| row[10] = "NaN".into()),
+        ("where the others predict", &|row| {
+            if finest(row) {
+                row[9] = "0.0".into();
+            }
+        }),
+        ("is exactly 0, and no floor is stated", &|row| {
+            if finest(row) {
+                (row[9], row[10]) = ("0.0".into(), "0.0".into());
+            }
+        }),
+        ("h = 0.125 is recorded, and 0.25 is", &|row| row[4] = "0.125".into()),
+        ("is the largest step of its grid", &|row| {
+            row[5] = (1.0 / number(&row[3])).to_string();
+        }),
+        ("is the largest step of its grid", &|row| {
+            row[5] = (0.5 * number(&row[5])).to_string();
+        }),
+        ("no step size", &|row| row[5] = "-0.1".into()),
+    ];
+    for (words, damage) in damages {
+        let (exit, verdicts) = report(damage);
+        assert!(exit == 1 && verdicts.contains(words), "{words}: {exit}\n{verdicts}");
+        assert!(!verdicts.contains("\"verdict\": \"pass\""), "{words}");
+    }
+}
+
+#[test]
+fn records_of_another_version_are_not_judged() {
+    let folder = Folder::new("other-version");
+    run(&folder, "run", &["steady"], &STEADY);
+    let path = folder.at("out/provenance.json");
+    let provenance = std::fs::read_to_string(&path).expect("provenance");
+    let this = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    std::fs::write(&path, edited(&provenance, &this, "\"version\": \"0.0.0\"")).expect("written");
     let output = sweep(&["report", &folder.argument("out")]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    assert!(std::fs::read(&page).expect("a page") == before);
+    let said = stderr(&output);
+    assert_eq!(code(&output), 2, "{said}");
+    assert!(said.contains("version 0.0.0, this is") && said.contains("by that version"), "{said}");
 }
 
 /// The text is kept with the records: neither the file nor the shipped scene of that name counts.

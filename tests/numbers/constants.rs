@@ -163,12 +163,13 @@ fn affine_with(defect: impl Fn(&mut Setup), label: impl Fn(&mut CaseRecord)) -> 
     (verdict, ratio)
 }
 
-/// Defects that leave the order at 2, or nearly so, and move the constant.
+/// Defects that leave the order at 2, or nearly so, and move the constant. In time the linearisation is off by 1e-5: a
+/// tolerance that lets a thousandth pass is too wide.
 #[test]
 fn seeded_factors_fail() {
     let (sound, ratio) = affine_with(|_| (), |_| ());
     assert_eq!(sound.decision, Decision::Pass, "{}", sound.reason);
-    assert!((ratio - 1.0).abs() < 1e-3);
+    assert!((ratio - 1.0).abs() < 1e-4);
     let no_change: fn(&mut Setup) = |_| ();
     let scaled = |factor: f64| {
         move |record: &mut CaseRecord| {
@@ -178,14 +179,17 @@ fn seeded_factors_fail() {
         }
     };
     let failed = [
-        affine_with(no_change, scaled(1.05)),
-        affine_with(no_change, scaled(0.95)),
+        affine_with(no_change, scaled(1.001)),
+        affine_with(no_change, scaled(0.999)),
         affine_with(no_change, |record| record.k *= 0.5),
         affine_with(no_change, |record| record.k *= 2.0),
     ];
-    for ((verdict, ratio), expected) in failed.iter().zip([1.05, 0.95, 4.0, 0.25]) {
+    for ((verdict, ratio), expected) in failed.iter().zip([1.001, 0.999, 4.0, 0.25]) {
         assert_eq!(verdict.decision, Decision::Fail, "{}", verdict.reason);
-        assert!((ratio / expected - 1.0).abs() < 1e-3 && verdict.reason.contains("C_k is"));
+        // A step is held against the grid as well.
+        let step = !(0.5..2.0).contains(&expected);
+        assert_eq!(verdict.reason.contains("the largest step of its grid"), step);
+        assert!((ratio / expected - 1.0).abs() < 1e-4 && verdict.reason.contains("C_k is"));
     }
     let whole_last: fn(&TimeGrid, usize, usize) -> f64 = |_, n, j| if j == n { 2.0 } else { 1.0 };
     let weights =
@@ -211,7 +215,9 @@ fn a_scene_may_opt_out() {
     let scene = edited(&text("affine"), "order = 2.0\n", "order = 2.0\nconstant = false\n");
     let setup = setup_of(scene);
     let mut records = records(&setup, &[4], &[8, 16, 32, 64], Norm::VMax);
-    records.iter_mut().for_each(|record| record.k *= 0.5);
+    for record in &mut records {
+        record.errors[0].error = record.errors[0].error.map(|error| 2.0 * error);
+    }
     let subject = Subject::Contact(Box::new(setup));
     let verdict = verdicts(&subject, &records, Norm::VMax).remove(0);
     assert_eq!(verdict.decision, Decision::Pass, "{}", verdict.reason);

@@ -5,7 +5,7 @@ pub fn reason(defect: &str) -> Option<&'static str> {
     REASONS.iter().find(|(name, _)| *name == defect).map(|(_, why)| *why)
 }
 
-const REASONS: [(&str, &str); 8] = [
+const REASONS: [(&str, &str); 6] = [
     (
         "no derivative in κ in the tangent",
         "the solution is the same to rounding; only the work grows, and only a recorded number knows how much is usual.",
@@ -21,14 +21,6 @@ const REASONS: [(&str, &str); 8] = [
     (
         "load quadrature of degree 0",
         "2 % of the V error at order h: within what a predicted constant may be off. The audit measures the term, E_q of (4.9), as part of its identities, and bounds it by nothing: a bound of E_q by the interpolation error would be the missing gate.",
-    ),
-    (
-        "h recorded as the diameter, √2 h",
-        "a factor in all steps moves no slope; a predicted constant has to see it.",
-    ),
-    (
-        "k recorded twice as large",
-        "a factor in all steps moves no slope; a predicted constant has to see it.",
     ),
     (
         "errors 5 % too small",

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use gronwall_judge::fit::{Claim, Direction, Level, Point, infer, screen};
+use gronwall_judge::fit::{Claim, Direction, LineReading};
 use gronwall_judge::table::{Group, Reading, read};
 use gronwall_judge::verdict::Decision;
 use serde::Deserialize;
@@ -66,16 +66,13 @@ fn decided(group: &Group, claimed: &Claimed) -> (Decision, String) {
         return (Decision::Fail, gaps);
     }
     let direction = if group.refined(Direction::Time) { Direction::Time } else { Direction::Space };
-    let serves = |(point, _): &(Point, _)| screen(point).is_ok();
-    let level = |(point, sigma): (Point, _)| Level::of(&point, direction, sigma);
-    let levels: Vec<Level> = group.line(direction).into_iter().filter(serves).map(level).collect();
     let claim = Claim {
         at_least: claimed.at_least,
         exact: claimed.exact,
         ..Claim::new(claimed.order).expect("a finite order")
     };
-    match infer(&levels, None, 0.0) {
-        Ok(posterior) => {
+    match LineReading::of(&group.line(direction), direction, None, 0.0) {
+        Ok(LineReading { posterior, .. }) => {
             let ruling = posterior.decide(&claim);
             (ruling.decision, format!("{} in {}", ruling.reason, posterior.interval))
         }

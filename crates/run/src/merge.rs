@@ -142,9 +142,8 @@ impl Parts {
 
     /// What makes a part one of other records than those that are known.
     fn fits(&self, part: &Provenance) -> Result<(), String> {
-        let version = env!("CARGO_PKG_VERSION");
-        if part.version != version {
-            return Err(format!("the records are of version {}, this is {version}", part.version));
+        if let Some(other) = part.other_version() {
+            return Err(other);
         }
         if let Some(first) = self.dirs.first().filter(|_| part.platform != self.known.platform) {
             return Err(format!(
@@ -310,7 +309,7 @@ mod tests {
     fn records_agree_but_for_seconds() {
         let case = |error: f64| CaseRecord {
             status: Status::Converged,
-            errors: vec![NormError { norm: "V_max".into(), error: Some(error), floor: None }],
+            errors: vec![NormError { norm: "V_max".into(), error: Some(error), floor: Some(0.0) }],
             ..CaseRecord::without_work("block", Some(4), 4, 0.25)
         };
         let one = CaseRecord { seconds_total: 1.0, ..case(0.1) };

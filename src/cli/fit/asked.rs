@@ -54,10 +54,11 @@ impl Asked {
         order: f64,
         (name, next): (&str, Vec<f64>),
     ) -> Answer {
-        let Ruling { decision, reason, probability, too_high } =
+        let Ruling { decision, reason, probability, too_high, unexplained } =
             posterior.decide(&Claim { order, ..self.claim });
         let reason = format!("{reason}{}", posterior.left_out_in_words());
         let (help, next) = match (decision, too_high, posterior.floor_from) {
+            _ if unexplained => (String::new(), Vec::new()),
             (Decision::Unresolved, true, _) => (
                 ": finer levels would not lower it; --at-least takes it for a lower bound".into(),
                 Vec::new(),

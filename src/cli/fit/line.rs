@@ -7,8 +7,8 @@ use super::grid::Joint;
 use super::wording::{Part, next_steps, plain, run};
 use files::counted;
 use judge::fit::{
-    Correction, Direction, FitError, Interval, LARGEST_OTHER_SHARE, LineReading, NotIdentifiable,
-    Point, Posterior, Sample, constant_under, samples, screen,
+    Correction, Direction, Exclusion, FitError, Interval, LARGEST_OTHER_SHARE, LineReading,
+    NotIdentifiable, Point, Posterior, Sample, constant_under, samples, screen,
 };
 use judge::table::Group;
 
@@ -91,12 +91,15 @@ impl Line<'_> {
         })
     }
 
-    /// `; 2 points below floor`.
+    /// `; 2 points below floor; 1 point exactly 0`.
     fn below_floor(&self) -> String {
-        match self.points.iter().filter(|point| screen(point).is_err()).count() {
+        let lost = self.points.iter().filter_map(|point| screen(point).err());
+        let (zeros, low): (Vec<Exclusion>, _) = lost.partition(|why| *why == Exclusion::Zero);
+        let words = |lost: Vec<Exclusion>, what: &str| match lost.len() {
             0 => String::new(),
-            lost => format!("; {} below floor", counted(lost, "point")),
-        }
+            lost => format!("; {} {what}", counted(lost, "point")),
+        };
+        words(low, "below floor") + &words(zeros, "exactly 0")
     }
 
     /// The constant for the predicted or the found order; the scheme is unknown, so the next power is taken as the next

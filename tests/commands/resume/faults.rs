@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use fem::contact::{CaseError, CaseInfo, Observer};
 use judge::record::{CaseRecord, Status, read};
-use run::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, run_sweep};
+use run::sweep::{Machine, OutputDirectory, Overrides, Progress, ScenePlan, run_sweep};
 use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 
 use crate::program::{Folder, code, stderr, stdout, sweep, timeless};
@@ -87,6 +87,38 @@ fn two_sweeps_do_not_write_into_one_directory() {
     finish(&resuming);
     finish(&arguments(&scenes, &folder.argument("whole")));
     assert_eq!(timeless(&folder.at("out/cases.csv")), timeless(&folder.at("whole/cases.csv")));
+}
+
+/// Changes the table when all cases are in it.
+struct Meddling(std::path::PathBuf);
+
+impl Progress for Meddling {
+    fn advanced(&self, share: f64) {
+        if share == 1.0 {
+            let table = std::fs::read_to_string(&self.0).expect("the table");
+            let other = table.replace("converged", "skipped");
+            std::fs::write(&self.0, other).expect("written");
+        }
+    }
+}
+
+/// The verdicts are those of the table, and not of what the program remembers of it.
+#[test]
+fn what_is_judged_is_read_back() {
+    let folder = Folder::new("read-back");
+    let plan = || {
+        let subject = Subject::Contact(Box::new(setup("affine")));
+        let overrides = Overrides { n: Some(vec![4]), steps: Some(vec![4, 8]) };
+        [ScenePlan::new(subject, &overrides)]
+    };
+    let out = OutputDirectory::take(&folder.at("out")).expect("a directory");
+    let table = folder.at("out/cases.csv");
+    let one = Machine::with_jobs(1);
+    let found = run_sweep(&plan(), &out, &one, false, &()).expect("a sweep");
+    assert_eq!(found, read(&table).expect("the table"));
+    let meddled = run_sweep(&plan(), &out, &one, false, &Meddling(table));
+    let error = meddled.expect_err("the table was changed").to_string();
+    assert!(error.contains("was changed after it was written"), "{error}");
 }
 
 /// Panics where there are 16 steps.

@@ -87,7 +87,7 @@ fn again(mut verdict: Verdict, error: impl Fn(f64, f64) -> f64) -> Verdict {
     }
     let level = |used: &JudgedPoint| {
         let step = direction.step(&point(used));
-        Level::new(step, error(step, used.point.error))
+        Level::new(step, error(step, used.point.error)).expect("an error")
     };
     let levels: Vec<Level> = verdict.points_used.iter().map(level).collect();
     let posterior = infer(&levels, None, 0.0).expect("levels that served");

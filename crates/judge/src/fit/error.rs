@@ -1,4 +1,16 @@
+use super::LevelError;
 use files::counted;
+
+/// Largest power of a factor |log h|: theorems have ½, 1 or 2.
+pub(super) const LARGEST_LOG: f64 = 100.0;
+
+/// The power M of a factor |log h|^M, if it is one.
+///
+/// # Errors
+/// [`FitError::Log`].
+pub fn power_of_log(log: f64) -> Result<f64, FitError> {
+    if log.abs() <= LARGEST_LOG { Ok(log) } else { Err(FitError::Log(log)) }
+}
 
 /// Why no order could be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -8,12 +20,13 @@ pub enum FitError {
     /// A step that occurs twice has no ratio and no slope.
     #[error("the step {step:e} occurs twice")]
     RepeatedStep { step: f64 },
-    /// A step or an error that is not a positive number.
-    #[error("the error {error:e} at the step {step:e}: both have to be positive numbers")]
-    NoError { step: f64, error: f64 },
-    /// A relative standard deviation that is not positive.
-    #[error("the relative standard deviation {sigma} is no positive number")]
-    NoDeviation { sigma: f64 },
+    /// A step, an error, a floor or a deviation that is none.
+    #[error(transparent)]
+    Level(#[from] LevelError),
+    #[error(
+        "the power {0:?} of |log h| is none: it is at most {LARGEST_LOG} in size; 1 is h |log h|"
+    )]
+    Log(f64),
     /// |log h| vanishes at a step of one and grows beyond.
     #[error("a factor |log h| needs steps below 1, and one is {step}")]
     NoLogarithm { step: f64 },

@@ -31,6 +31,11 @@ impl NotIdentifiable {
         Self { reason: reason.into(), suggestion: suggestion.into(), hidden: None }
     }
 
+    /// Numbers that are none.
+    pub(super) fn refused(error: impl std::fmt::Display) -> Self {
+        Self::new(error.to_string(), "run what is broken again, or leave it out")
+    }
+
     pub(super) fn no_minimum() -> Self {
         Self::new("the fit of two power laws finds no minimum", "run one more level of h and of k")
     }

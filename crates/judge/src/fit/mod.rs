@@ -15,6 +15,7 @@ mod interval;
 mod joint;
 mod joint_fit;
 mod least_squares;
+mod level;
 mod levenberg_marquardt;
 mod local;
 mod log_table;
@@ -30,16 +31,18 @@ mod values;
 pub use against_reference::{AgainstReference, against_reference};
 pub use decision::Decision;
 pub use eca_hoekstra::{EcaHoekstra, Expansion, ExpansionFit, eca_hoekstra};
-pub use error::FitError;
+pub use error::{FitError, power_of_log};
 pub use identifiable::NotIdentifiable;
 pub use inference::{
-    Claim, ClaimError, FEWEST, GridPosterior, Level, LineReading, Posterior, Ruling, TOLERANCE,
-    infer, infer_grid, order,
+    Claim, ClaimError, FEWEST, GridPosterior, LineReading, Posterior, Ruling, TOLERANCE, infer,
+    infer_grid, order,
 };
 pub use interval::Interval;
 pub use joint::{JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
 pub use joint_fit::{FittedValue, JointFit};
 pub use least_squares::{LinearFit, linear_fit, student_quantile};
+pub use level::{LARGEST_SIGMA, Level, LevelError, deviation, zeros_in_words};
+pub(crate) use level::{is_step, measured};
 pub use local::{Correction, constant_under, local_slopes};
 pub use model::ErrorCombination;
 pub use path::{RefinementPath, path};

@@ -1,6 +1,6 @@
 //! Which points of a table may carry an order.
 
-use super::{Direction, FitError, Point, ValueSample, same_level};
+use super::{Direction, FitError, LevelError, Point, ValueSample, level, same_level};
 
 /// Floors that an error has to exceed: the floor then changes log e by less than 1/20, and a slope over a halving by
 /// less than 0.07.
@@ -12,20 +12,18 @@ pub enum Exclusion {
     /// The floor is too large a part of the error.
     #[error("below floor: error {error:.1e}, floor {floor:.1e}, {FLOORS_ABOVE} floors needed")]
     BelowFloor { error: f64, floor: f64 },
-    /// An error of exactly zero has no logarithm.
-    #[error("below floor: the error is exactly zero")]
+    /// An error of exactly zero has no logarithm; without a floor nothing says that it was measured.
+    #[error("the error is exactly 0, and no floor is stated")]
     Zero,
-    /// NaN (also a missing error), infinite or negative.
-    #[error("the error {error} is no error")]
-    NotAnError { error: f64 },
-    #[error("the floor {floor} is no floor")]
-    NotAFloor { floor: f64 },
+    /// The error (NaN where it is missing) or its floor is none.
+    #[error(transparent)]
+    Broken(#[from] LevelError),
 }
 
 impl Exclusion {
     /// Whether the point is invalid, not only too small.
     pub(crate) fn is_broken(self) -> bool {
-        matches!(self, Self::NotAnError { .. } | Self::NotAFloor { .. })
+        matches!(self, Self::Broken(_))
     }
 }
 
@@ -34,18 +32,7 @@ impl Exclusion {
 /// # Errors
 /// The reason to leave it out.
 pub fn screen(point: &Point) -> Result<(), Exclusion> {
-    let Point { error, floor, .. } = *point;
-    if !error.is_finite() || error < 0.0 {
-        Err(Exclusion::NotAnError { error })
-    } else if !floor.is_finite() || floor < 0.0 {
-        Err(Exclusion::NotAFloor { floor })
-    } else if error == 0.0 {
-        Err(Exclusion::Zero)
-    } else if error <= FLOORS_ABOVE * floor {
-        Err(Exclusion::BelowFloor { error, floor })
-    } else {
-        Ok(())
-    }
+    level::screened(point.error, point.floor)
 }
 
 /// A step and its error, both positive.
@@ -77,8 +64,7 @@ fn line<T>(
 ) -> Result<Vec<T>, FitError> {
     let steps = points.iter().filter(|point| serves(point));
     let steps = steps.map(|point| (direction.step(point), point));
-    let mut line: Vec<(f64, &Point)> =
-        steps.filter(|(step, _)| step.is_finite() && *step > 0.0).collect();
+    let mut line: Vec<(f64, &Point)> = steps.filter(|(step, _)| level::is_step(*step)).collect();
     line.sort_by(|a, b| b.0.total_cmp(&a.0));
     match line.windows(2).find(|pair| same_level(pair[0].0, pair[1].0)) {
         Some(pair) => Err(FitError::RepeatedStep { step: pair[1].0 }),
@@ -101,10 +87,14 @@ mod tests {
         assert!(matches!(screen(&point(0.2, 0.01)), Err(Exclusion::BelowFloor { .. })));
         for error in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {
             let reason = screen(&point(error, 0.0)).unwrap_err();
-            assert!(reason.is_broken() && matches!(reason, Exclusion::NotAnError { .. }));
+            assert!(
+                reason.is_broken() && matches!(reason, Exclusion::Broken(LevelError::Error(_)))
+            );
         }
         assert!(screen(&point(1.0, f64::NAN)).unwrap_err().is_broken());
         assert!(!Exclusion::Zero.is_broken());
+        // A zero that has a floor is below it.
+        assert!(matches!(screen(&point(0.0, 0.01)), Err(Exclusion::BelowFloor { .. })));
     }
 
     #[test]

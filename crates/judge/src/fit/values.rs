@@ -4,8 +4,8 @@
 //! Divided by (1 − r^{−p})/p that is an error of order p at h. For differing ratios the factor depends on the order,
 //! which is iterated.
 
-use super::inference::{FEWEST, Level, Posterior, infer};
-use super::{FitError, ValueSample};
+use super::inference::{FEWEST, Posterior, infer};
+use super::{FitError, LARGEST_SIGMA, Level, LevelError, ValueSample, deviation};
 
 /// Differences below so many units in the last place are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -22,6 +22,7 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
     if samples.len() <= FEWEST {
         return Err(FitError::TooFew { found: samples.len(), needed: FEWEST + 1 });
     }
+    let noise = noise.map(deviation).transpose()?;
     let differences: Vec<f64> =
         samples.windows(2).map(|pair| pair[0].value - pair[1].value).collect();
     if let Some(at) = differences.windows(2).position(|pair| pair[0] * pair[1] < 0.0) {
@@ -36,20 +37,17 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
         let size = pair[0].value.abs().max(pair[1].value.abs());
         // A difference has the noise of two values.
         let sigma = noise.map(|noise| 2f64.sqrt() * noise * size / difference.abs());
-        Level {
-            size: pair[0].step,
-            error: difference.abs() / factor,
-            floor: ROUNDING * size / factor,
-            sigma: sigma.filter(|sigma| sigma.is_finite()),
-        }
+        let level = Level::new(pair[0].step, difference.abs() / factor)?
+            .with_floor(ROUNDING * size / factor)?;
+        // A difference that the noise exceeds by far says as little as one that it exceeds ten times.
+        sigma.map_or(Ok(level), |sigma| level.with_sigma(sigma.min(LARGEST_SIGMA)))
     };
     let mut order = 1.0;
     let mut passes = 0;
     loop {
         let pairs = samples.windows(2).zip(&differences);
         let levels = pairs.map(|pair| level(pair, order));
-        let levels: Vec<Level> =
-            levels.filter(|candidate| candidate.error > candidate.floor).collect();
+        let levels = levels.collect::<Result<Vec<Level>, LevelError>>()?;
         let posterior = infer(&levels, None, 0.0)?;
         passes += 1;
         if passes == PASSES || (posterior.order - order).abs() < SETTLED || regular(samples) {

@@ -1,7 +1,6 @@
 //! `cases.csv`, written as each case ends, and read back after any interruption.
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -78,7 +77,7 @@ fn same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseTable {
-    /// In order of first appearance; of two entries of one case the later wins. Lost rows show in
+    /// Sorted by key, whatever the order of the rows; of two entries of one case the later wins. Lost rows show in
     /// [`CaseRecord::norms`].
     pub cases: Vec<CaseRecord>,
     /// Numbers of lines that fail their checksum; they are left out.
@@ -111,21 +110,12 @@ pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
 /// A torn or malformed line that is not the last; no file.
 pub fn read_table(path: &Path) -> Result<CaseTable, RecordError> {
     let found = every_entry(path)?;
-    let mut cases: Vec<CaseRecord> = Vec::new();
-    let mut place: BTreeMap<Key, usize> = BTreeMap::new();
-    for case in found.cases {
-        match place.entry(case.key()) {
-            Entry::Occupied(known) => cases[*known.get()] = case,
-            Entry::Vacant(new) => {
-                new.insert(cases.len());
-                cases.push(case);
-            }
-        }
-    }
-    Ok(CaseTable { cases, ..found })
+    let last: BTreeMap<Key, CaseRecord> =
+        found.cases.into_iter().map(|case| (case.key(), case)).collect();
+    Ok(CaseTable { cases: last.into_values().collect(), ..found })
 }
 
-/// Reads the cases of a finished table in its order; a case that stands there twice is returned twice.
+/// Reads the cases of a finished table, sorted by key; a case that stands there twice is returned twice.
 ///
 /// # Errors
 /// A torn, malformed or changed line.
@@ -151,22 +141,32 @@ fn every_entry(path: &Path) -> Result<CaseTable, RecordError> {
     })
 }
 
+/// The entries of cases, sorted by key, and of one case in the order of their first rows. Rows belong together that agree
+/// in all columns of the case, seconds included, wherever they stand; a norm that comes again begins another entry.
 fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
     let mut cases: Vec<CaseRecord> = Vec::new();
-    let mut previous: Option<&StringRecord> = None;
+    let mut entries: HashMap<Vec<&str>, usize> = HashMap::new();
     for (line, fields) in rows {
         let row = Row { path, line: *line, fields };
         let norm = row.norm()?;
         let is_new =
             |case: &CaseRecord| norm.as_ref().is_some_and(|entry| case.norm(&entry.norm).is_none());
-        let continues = previous.is_some_and(|before| row::same_case(before, fields));
-        match cases.last_mut().filter(|case| continues && is_new(case)) {
+        let entry = entries.entry(row::of_case(fields)).or_insert(usize::MAX);
+        match cases.get_mut(*entry).filter(|case| is_new(case)) {
             Some(case) => case.errors.extend(norm),
-            None => cases.push(CaseRecord { errors: Vec::from_iter(norm), ..row.case()? }),
+            None => {
+                *entry = cases.len();
+                cases.push(CaseRecord { errors: Vec::from_iter(norm), ..row.case()? });
+            }
         }
-        previous = Some(fields);
     }
+    cases.iter_mut().for_each(sort_norms);
+    cases.sort_by_key(CaseRecord::key);
     Ok(cases)
+}
+
+fn sort_norms(case: &mut CaseRecord) {
+    case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
 }
 
 /// Replaces the table, sorted by scene, n, steps and norm; of two entries of one case the later wins.
@@ -178,7 +178,7 @@ pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError
         cases.iter().map(|case| (case.key(), case.clone())).collect();
     let mut bytes = header().into_bytes();
     for case in sorted.values_mut() {
-        case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
+        sort_norms(case);
         bytes.extend(case_lines(case, path)?);
     }
     Ok(replace_file(path, &bytes)?)

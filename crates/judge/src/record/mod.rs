@@ -13,6 +13,8 @@ use std::path::PathBuf;
 use files::{FileError, counted};
 use serde::{Deserialize, Serialize};
 
+use crate::fit::measured;
+
 pub use columns::COLUMNS;
 pub use journal::{CaseTable, Journal, read, read_finished, read_table, write_sorted};
 pub use norm::{
@@ -155,11 +157,11 @@ impl CaseRecord {
         self.errors.iter().map(|entry| entry.norm.as_str())
     }
 
-    /// An entry no measurement gives: a negative or non-finite error, a negative or NaN floor.
+    /// An entry no measurement gives: an error or a floor that is none, an error without a floor.
     pub fn unsound(&self) -> Option<&NormError> {
         let sound = |entry: &&NormError| {
-            entry.error.is_none_or(|error| error.is_finite() && error >= 0.0)
-                && entry.floor.is_none_or(|floor| floor >= 0.0)
+            let (error, floor) = (entry.error.unwrap_or(0.0), entry.floor.unwrap_or(0.0));
+            measured(error, floor).is_ok() && (entry.error.is_none() || entry.floor.is_some())
         };
         self.errors.iter().find(|entry| !sound(entry))
     }

@@ -78,8 +78,10 @@ fn optional(value: Option<f64>) -> String {
     value.map_or_else(String::new, number)
 }
 
-pub(super) fn same_case(a: &StringRecord, b: &StringRecord) -> bool {
-    (0..CHECKSUM).filter(|i| !NORM_COLUMNS.contains(i)).all(|i| a.get(i) == b.get(i))
+/// The fields of the case in a row.
+pub(super) fn of_case(fields: &StringRecord) -> Vec<&str> {
+    let of_case = (0..CHECKSUM).filter(|i| !NORM_COLUMNS.contains(i));
+    of_case.filter_map(|i| fields.get(i)).collect()
 }
 
 pub(super) struct Row<'a> {

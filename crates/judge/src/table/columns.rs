@@ -4,8 +4,12 @@ use super::cells::Cells;
 use super::name::{Measure, Role, is_cells, normal, role, understood};
 use super::number::{is_missing, parse};
 use super::{Quantity, Row, TableError};
-use crate::fit::{Point, screen};
+use crate::fit::{Point, deviation, is_step, screen};
 use files::counted;
+
+/// How far the ratio of two columns of sizes may differ from row to row: printed with two digits, each is off by half
+/// as much.
+const SIZES_DIFFER: f64 = 0.1;
 
 /// Deeper levels are not levels of refinement.
 const DEEPEST: f64 = 64.0;
@@ -35,6 +39,8 @@ pub(super) struct Measured {
 pub(super) struct Columns {
     h: Option<Size>,
     k: Option<Size>,
+    /// Further columns of the kind of h, or of k.
+    beside: Vec<(Size, Size)>,
     dimension: Option<u32>,
     pub(super) measured: Vec<Measured>,
     pub(super) quantity: Quantity,
@@ -80,8 +86,11 @@ impl Columns {
         if measured.is_empty() {
             return fail(format!("no column `error` (or `value`), and no norm{names}"));
         }
-        let size = |time: bool| size(header, &roles, time, reading.dimension);
-        let (h, k) = (size(false), size(true));
+        twice(header, &roles, &measured)?;
+        let sizes = [false, true].map(|time| sizes(header, &roles, time, reading.dimension));
+        let beside = sizes.iter().flat_map(|of| of.iter().skip(1).map(|more| (&of[0], more)));
+        let beside = beside.map(|(first, more)| (first.clone(), more.clone())).collect();
+        let [h, k] = sizes.map(|of| of.into_iter().next());
         if h.is_none() && k.is_none() {
             return fail(match roles.contains(&Role::Space(Measure::Count)) {
                 true => "the mesh is known by its cells or unknowns alone: --dimension D says how h follows, h ~ dofs^(-1/D)".into(),
@@ -92,6 +101,7 @@ impl Columns {
         Ok(Self {
             h,
             k,
+            beside,
             dimension: reading.dimension,
             measured,
             quantity,
@@ -128,28 +138,12 @@ impl Columns {
             }
         };
         let step = |size: &Option<Size>| -> Result<f64, TableError> {
-            let Some(Size { at, name, measure }) = size else { return Ok(f64::NAN) };
-            let step = number(Some(*at), f64::NAN)?;
-            let absent = text(Some(*at)).is_none_or(|text| is_missing(text));
-            if *measure == Measure::Level && step.abs() <= DEEPEST {
-                return Ok((-step).exp2());
-            }
-            if !(absent || step.is_finite() && step > 0.0) {
-                let what = format!("{name} = {step} is no step size, which is positive");
-                return Err(TableError::at(line, what));
-            }
-            if *measure == Measure::Level && !absent {
-                let what = format!("{name} = {step} is no level of refinement");
-                return Err(TableError::at(line, what));
-            }
-            Ok(match (measure, self.dimension) {
-                (Measure::Length | Measure::Level, _) => step,
-                (Measure::Count, Some(dimension)) => step.powf(-1.0 / f64::from(dimension)),
-                (Measure::Number | Measure::Count, _) => 1.0 / step,
-            })
+            size.as_ref().map_or(Ok(f64::NAN), |size| self.step(cells, size))
         };
         let (h, k) = (step(&self.h)?, step(&self.k)?);
-        let (floor, sigma) = (number(self.floor, 0.0)?, number(self.sigma, f64::NAN)?);
+        let floor = number(self.floor, 0.0)?;
+        let has_sigma = text(self.sigma).is_some_and(|text| !is_missing(text));
+        let sigma = has_sigma.then(|| number(self.sigma, f64::NAN)).transpose()?;
         let status = text(self.status);
         let row = |column: &Measured| {
             let error = number(Some(column.at), f64::NAN)?;
@@ -159,16 +153,71 @@ impl Columns {
                 Some(status) if status != "converged" => Some(format!("the case is {status}")),
                 _ => self.gap(&point, there, sigma),
             };
-            Ok(Row { line, point, sigma: (sigma.is_finite()).then_some(sigma), gap })
+            Ok(Row { line, point, sigma, gap })
         };
         self.measured.iter().map(row).collect()
     }
 
-    fn gap(&self, point: &Point, there: bool, sigma: f64) -> Option<String> {
-        match self.quantity {
-            _ if sigma <= 0.0 || sigma.is_infinite() => {
-                Some(format!("sigma {sigma} is no standard deviation"))
+    /// The size of a row by a column; NaN if it is missing.
+    fn step(&self, cells: &Cells, size: &Size) -> Result<f64, TableError> {
+        let Size { at, name, measure, .. } = size;
+        let fail = |what: String| Err(TableError::at(cells.line, what));
+        let text = cells.cells.get(*at).filter(|text| !text.is_empty() && !is_missing(text));
+        let Some(text) = text else { return Ok(f64::NAN) };
+        let step = parse(text).map_err(|what| TableError::at(cells.line, what))?;
+        if *measure == Measure::Level && step.abs() <= DEEPEST {
+            return Ok((-step).exp2());
+        }
+        if !is_step(step) {
+            return fail(format!("{name} = {step} is no step size, which is positive"));
+        }
+        if *measure == Measure::Level {
+            return fail(format!("{name} = {step} is no level of refinement"));
+        }
+        Ok(match (measure, self.dimension) {
+            (Measure::Length | Measure::Level, _) => step,
+            (Measure::Count, Some(dimension)) => step.powf(-1.0 / f64::from(dimension)),
+            (Measure::Number | Measure::Count, _) => 1.0 / step,
+        })
+    }
+
+    /// Refuses two columns of sizes whose ratio is not the same in all rows: which of them is the size?
+    pub(super) fn sizes_agree(&self, rows: &[Cells]) -> Result<(), TableError> {
+        for (first, second) in &self.beside {
+            let mut before: Option<(u64, f64, f64)> = None;
+            for cells in rows {
+                let (a, b) = (self.step(cells, first)?, self.step(cells, second)?);
+                if a.is_nan() || b.is_nan() {
+                    continue;
+                }
+                let Some((line, c, d)) = before else {
+                    before = Some((cells.line, a, b));
+                    continue;
+                };
+                if ((a / b) / (c / d)).ln().abs() > SIZES_DIFFER {
+                    let [one, other] = [&first.name, &second.name];
+                    let what = format!(
+                        "two columns of sizes disagree: `{one}` and `{other}` give {a:.4e} and {b:.4e}, in line {line} {c:.4e} and {d:.4e}; leave one of them out"
+                    );
+                    return Err(TableError::at(cells.line, what));
+                }
             }
+        }
+        Ok(())
+    }
+
+    fn gap(&self, point: &Point, there: bool, sigma: Option<f64>) -> Option<String> {
+        let none = |sigma: f64| format!("sigma {sigma:?} is no standard deviation");
+        match (self.quantity, sigma) {
+            (_, Some(sigma)) if !is_step(sigma) => return Some(none(sigma)),
+            (Quantity::Error, Some(sigma)) if screen(point).is_ok() => {
+                if let Err(why) = deviation(sigma / point.error) {
+                    return Some(why.to_string());
+                }
+            }
+            _ => {}
+        }
+        match self.quantity {
             Quantity::Error if !there => Some("no error".into()),
             Quantity::Value if !there => Some("no value".into()),
             Quantity::Error => {
@@ -180,9 +229,31 @@ impl Columns {
     }
 }
 
-/// The column of sizes in one direction. Preference: a length, a number along the side, a count (which needs the
-/// dimension). With a dimension given, `n` is a counter.
-fn size(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> Option<Size> {
+/// Refuses a column that stands twice: which of them is read?
+fn twice(header: &Cells, roles: &[Role], measured: &[Measured]) -> Result<(), TableError> {
+    let same = |a: usize, b: usize| match roles[a] {
+        Role::Ignored | Role::Unknown => false,
+        Role::Space(_) | Role::Time(_) => header.cells[a] == header.cells[b],
+        Role::Wide => {
+            let read = |at: usize| measured.iter().any(|column| column.at == at);
+            read(a) && read(b) && header.cells[a] == header.cells[b]
+        }
+        role => role == roles[b],
+    };
+    let mut pairs = (0..roles.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    let Some((a, b)) = pairs.find(|&(a, b)| same(a, b)) else { return Ok(()) };
+    let (one, other) = (&header.cells[a], &header.cells[b]);
+    let what = format!(
+        "a column stands twice: `{one}` is column {}, `{other}` column {}; leave one of them out, or give it another name",
+        a + 1,
+        b + 1
+    );
+    Err(TableError::at(header.line, what))
+}
+
+/// The column of sizes in one direction, and those of the same kind. Preference: a length, a number along the side, a
+/// count (which needs the dimension). With a dimension given, `n` is a counter.
+fn sizes(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> Vec<Size> {
     let counted = header.cells.iter().any(|name| is_cells(name));
     let found = header.cells.iter().enumerate().zip(roles).filter_map(|((at, name), role)| {
         let measure = match (role, time) {
@@ -193,7 +264,7 @@ fn size(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> O
             Measure::Length => 0,
             Measure::Count if dimension.is_none() => return None,
             Measure::Count if is_cells(name) => 1,
-            Measure::Count => 2,
+            Measure::Count => UNKNOWNS,
             // Beside cells `n` may be a counter, as in `n cells`: the dimension decides.
             Measure::Number if dimension.is_none() && normal(name) == "n" && counted => {
                 return None;
@@ -205,5 +276,14 @@ fn size(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> O
         let plain = normal(name).len();
         Some((rank, plain, Size { at, name: name.clone(), measure }))
     });
-    found.min_by_key(|(rank, plain, _)| (*rank, *plain)).map(|(.., size)| size)
+    let mut found: Vec<(usize, usize, Size)> = found.collect();
+    found.sort_by_key(|(rank, plain, _)| (*rank, *plain));
+    let best = found.first().map(|(rank, ..)| *rank);
+    // Unknowns of different kinds grow at one rate in the limit only.
+    let kept = if best == Some(UNKNOWNS) { 1 } else { found.len() };
+    found.retain(|(rank, ..)| Some(*rank) == best);
+    found.into_iter().take(kept).map(|(.., size)| size).collect()
 }
+
+/// Rank of a count that is not of cells.
+const UNKNOWNS: usize = 2;

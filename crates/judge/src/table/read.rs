@@ -26,6 +26,7 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     })?;
     let cut = cut(text.trim_start_matches('\u{feff}'))?;
     let columns = Columns::of(&cut.header, reading)?;
+    columns.sizes_agree(&cut.rows)?;
     let mut groups: Vec<Group> = Vec::new();
     let mut places = HashMap::new();
     for cells in &cut.rows {

@@ -138,6 +138,11 @@ fn gaps_are_named_with_their_lines() {
         read[0].gaps_in_words().unwrap(),
         "line 2: the error NaN is no error; line 3: no h; line 4: no error; and 1 more"
     );
+    let sigmas = groups("h,error,sigma\n0.5,1,nan\n0.25,1,0\n0.2,1,11\n0.1,1,0.1\n");
+    assert_eq!(
+        sigmas[0].gaps_in_words().unwrap(),
+        "line 2: sigma NaN is no standard deviation; line 3: sigma 0.0 is no standard deviation; line 4: the relative standard deviation 11.0 is none: it is positive and at most 10; 0.01 is 1 %"
+    );
     let values = groups("h,value\n0.5,-1\n0.25,inf\n0.125,\n0.1,0\n");
     assert_eq!(values[0].quantity, Quantity::Value);
     assert_eq!(values[0].points().len(), 2);
@@ -174,6 +179,22 @@ fn what_is_no_table_is_refused() {
         let refused = tables(text, None).map(|_| ()).unwrap_err();
         assert!(refused.starts_with(words) || refused.contains(words), "{text}: {refused}");
     }
+    for (text, words) in [
+        ("h,error,h\n1,1,1\n", "1: a column stands twice: `h` is column 1, `h` column 3"),
+        ("h,error,err\n1,1,1\n", "`error` is column 2, `err` column 3"),
+        ("h,error,floor,floor\n1,1,0,1\n", "`floor` is column 3"),
+        ("h,L2,L2\n1,1,1\n", "`L2` is column 2, `L2` column 3"),
+        ("h,dx,L2\n1,1,1\n1,0.5,1\n", "3: two columns of sizes disagree: `h` and `dx`"),
+        ("dx,h,L2\n1,1,1\n1,0.5,1\n", "3: two columns of sizes disagree: `h` and `dx`"),
+        ("tau,dt,L2\n1,1,1\n0.5,1,1\n", "3: two columns of sizes disagree: `dt` and `tau`"),
+        ("n,N,L2\n1,8,1\n2,32,1\n", "3: two columns of sizes disagree: `n` and `N`"),
+    ] {
+        let refused = tables(text, None).map(|_| ()).unwrap_err();
+        assert!(refused.contains(words), "{text}: {refused}");
+    }
+    // Sizes of two kinds in one ratio, of two digits; rates and norms of other names.
+    let fine = "h,hmax,L2,rate,H1,rate\n0.25,0.35,1,-,1,-\n0.12,0.18,1,0,1,0\n";
+    assert_eq!(groups(fine)[0].points()[1].h, 0.12);
     let binary = read(b"h,error\n\xff,1\n", &Reading::default()).unwrap_err();
     assert_eq!((binary.line, binary.to_string().contains("not UTF-8")), (2, true));
     // Beside known norms, an unknown column is named and ignored.

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use super::constants::{ConstantComparison, compare_constant, correction};
 use super::joint::judge_grid;
 use super::next::{Next, next_case};
-use super::ruling::{claim, with_help};
+use super::ruling::{claim, helped, with_help};
 use super::selection::{Cases, Selection};
 use super::{Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict};
 use crate::fit::{
-    Direction, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE, constant_under,
-    joint_fits,
+    Direction, Exclusion, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE,
+    constant_under, joint_fits, screen, zeros_in_words,
 };
 use crate::record::{CaseRecord, Key};
 
@@ -79,7 +79,9 @@ fn compare_with(
     let Some(leading) = leading_order else { return };
     match order_alone {
         // Errors that follow the leading error of a sound scheme have its order, whatever their slopes alone show.
-        Decision::Unresolved if (leading - prediction.order).abs() <= TOLERANCE => {
+        Decision::Unresolved
+            if finding.complete && (leading - prediction.order).abs() <= TOLERANCE =>
+        {
             finding.reason +=
                 " on each of the finest cases, and so is the order of the predicted errors";
             (finding.decision, finding.next) = (Decision::Pass, Vec::new());
@@ -129,15 +131,18 @@ fn judge_line(
     direction: Direction,
 ) -> Verdict {
     let next = next_case(selection, direction, prediction);
-    let points: Vec<_> = selection.used.iter().map(|used| (used.point, None)).collect();
+    let points: Vec<_> = selection.points().into_iter().map(|point| (point, None)).collect();
     let LineReading { posterior, samples } = match LineReading::of(&points, direction, None, 0.0) {
         Ok(read) => read,
         Err(error) => {
-            return Verdict { reason: format!("{error}: {}", next.text), next: next.cases, ..open };
+            let zero = |point: &Point| screen(point) == Err(Exclusion::Zero);
+            let zeros = selection.screened_out.iter().filter(|point| zero(point)).count();
+            let reason = format!("{error}{}: {}", zeros_in_words(zeros), next.text);
+            return Verdict { reason, next: next.cases, ..open };
         }
     };
     let ruling = posterior.decide(&claim(prediction, prediction.order));
-    let helped = ruling.decision == Decision::Unresolved && !ruling.too_high;
+    let helped = helped(&ruling);
     let next = match posterior.floor_from {
         Some(_) if helped => flattening(prediction),
         _ => next,
@@ -154,6 +159,7 @@ fn judge_line(
         constants: constants(&samples, prediction, direction),
         decision: ruling.decision,
         reason,
+        complete: !ruling.unexplained,
         next: if helped { next.cases } else { Vec::new() },
         ..open
     }

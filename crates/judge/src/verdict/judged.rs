@@ -50,7 +50,8 @@ pub struct Verdict {
     /// The cases that would help an unresolved verdict.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub next: Vec<MeshAndSteps>,
-    /// Every expected case is there, converged and finite; otherwise the verdict is `fail` and never as expected.
+    /// Every expected case is there, converged and finite, and what was left out agrees with what was used; otherwise the
+    /// verdict is no `pass` and never as expected.
     pub complete: bool,
     /// The verdict that the scene is built to get.
     pub expect: Decision,

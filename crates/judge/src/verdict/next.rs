@@ -154,6 +154,7 @@ mod tests {
         Selection {
             used: used.iter().map(|place| judged(place, None)).collect(),
             left_out: lost.collect(),
+            screened_out: Vec::new(),
             gaps: Vec::new(),
         }
     }

@@ -5,11 +5,16 @@ use crate::fit::{Claim, Ruling, TOLERANCE};
 
 /// A reason and, if the ruling is open, what would help.
 pub(super) fn with_help(reason: String, ruling: &Ruling, next: &str) -> String {
-    match (ruling.decision, ruling.too_high) {
-        (Decision::Unresolved, true) => format!("{reason}: {HIGHER_ORDER}"),
-        (Decision::Unresolved, false) => format!("{reason}: {next}"),
+    match ruling.decision {
+        Decision::Unresolved if ruling.too_high => format!("{reason}: {HIGHER_ORDER}"),
+        _ if helped(ruling) => format!("{reason}: {next}"),
         _ => reason,
     }
+}
+
+/// Whether a further case would help.
+pub(super) fn helped(ruling: &Ruling) -> bool {
+    ruling.decision == Decision::Unresolved && !ruling.too_high && !ruling.unexplained
 }
 
 pub(super) fn claim(prediction: &Prediction, order: f64) -> Claim {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::{MeshAndSteps, Prediction, Variable};
-use crate::fit::{Direction, Point, screen};
+use crate::fit::{Direction, LevelError, Point, is_step, screen};
 use crate::record::{CaseRecord, Key, Status};
 
 /// A point on the line or grid of a prediction.
@@ -26,12 +26,16 @@ pub struct JudgedPoint {
 pub(super) struct Selection {
     pub(super) used: Vec<JudgedPoint>,
     pub(super) left_out: Vec<JudgedPoint>,
+    /// Those left out for their floors or as zeros: what is used has to explain them.
+    pub(super) screened_out: Vec<Point>,
     pub(super) gaps: Vec<String>,
 }
 
 impl Selection {
+    /// The points used, and those that they have to explain.
     pub(super) fn points(&self) -> Vec<Point> {
-        self.used.iter().map(|used| used.point).collect()
+        let used = self.used.iter().map(|used| used.point);
+        used.chain(self.screened_out.iter().copied()).collect()
     }
 }
 
@@ -78,7 +82,12 @@ impl<'a> Cases<'a> {
                     selection.gaps.push(format!("{place} has no row for {norm}"));
                 }
                 Ok(Some(point)) if served => {
-                    let reason = exclusion(place, &point, prediction);
+                    let outside = outside(place, &point, prediction);
+                    let screened = screen(&point).err().filter(|_| outside.is_none());
+                    selection.screened_out.extend(screened.map(|_| point));
+                    let reason = outside
+                        .map(str::to_owned)
+                        .or(screened.map(|exclusion| exclusion.to_string()));
                     let side = match &reason {
                         Some(_) => &mut selection.left_out,
                         None => &mut selection.used,
@@ -143,8 +152,18 @@ fn found(record: Option<&CaseRecord>, norm: &str) -> Result<Option<Point>, Strin
         Status::Converged => {}
     }
     let Some(point) = point(record, norm) else { return Ok(None) };
-    if record.norm(norm).is_some_and(|entry| entry.error.is_none()) {
+    let entry = record.norm(norm);
+    if entry.is_some_and(|entry| entry.error.is_none()) {
         return Err(format!("has no error in {norm}"));
+    }
+    // Every measurement has one: without, an error says nothing of its digits.
+    if entry.is_some_and(|entry| entry.floor.is_none()) {
+        return Err(format!("has no floor in {norm}"));
+    }
+    let no_h = record.n.is_some() && record.h.is_none();
+    let steps = record.h.into_iter().chain([record.k]);
+    if let Some(step) = no_h.then_some(f64::NAN).into_iter().chain(steps).find(|s| !is_step(*s)) {
+        return Err(format!("in {norm}: {}", LevelError::Size(step)));
     }
     match screen(&point) {
         Err(exclusion) if exclusion.is_broken() => Err(format!("in {norm}: {exclusion}")),
@@ -162,21 +181,18 @@ fn point(record: &CaseRecord, norm: &str) -> Option<Point> {
     })
 }
 
-fn exclusion(place: MeshAndSteps, point: &Point, prediction: &Prediction) -> Option<String> {
+/// Why a case is no point of the line of a prediction.
+fn outside(place: MeshAndSteps, point: &Point, prediction: &Prediction) -> Option<&'static str> {
     let MeshAndSteps { n, steps } = place;
     let needed = |along: Direction| prediction.variable.direction().is_none_or(|it| it == along);
     let mut needs = Direction::BOTH.into_iter().filter(|along| needed(*along));
     if !inside(n, prediction.window_n) || !inside(Some(steps), prediction.window_steps) {
-        Some("outside window".to_owned())
+        Some("outside window")
     } else if !needs.all(|direction| is_step(direction.step(point))) {
-        Some("no step size".to_owned())
+        Some("no step size")
     } else {
-        screen(point).err().map(|exclusion| exclusion.to_string())
+        None
     }
-}
-
-fn is_step(step: f64) -> bool {
-    step.is_finite() && step > 0.0
 }
 
 pub(super) fn inside(value: Option<u32>, window: Option<[u32; 2]>) -> bool {

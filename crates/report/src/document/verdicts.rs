@@ -71,7 +71,7 @@ mod tests {
             let error = Some(f64::from(n).powf(-order));
             CaseRecord {
                 status: Status::Converged,
-                errors: vec![NormError { norm: V_MAX.into(), error, floor: None }],
+                errors: vec![NormError { norm: V_MAX.into(), error, floor: Some(0.0) }],
                 ..CaseRecord::without_work("block", Some(n), 4, 0.25)
             }
         };

@@ -214,3 +214,31 @@ pub(super) fn reference_share(reference: Reference, n: u32, steps: u32) -> f64 {
     let in_time = if times > 1.0 { 1.0 / (times * times - 1.0) } else { 0.0 };
     in_space.max(in_time)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Solver and quadrature have floors that tell the norms apart; a reference hides a tenth of an error.
+    #[test]
+    fn each_norm_has_its_own_floor() {
+        let solver = Floors { v: 1.0, l2: 2.0, stress: 3.0, trace: 4.0, pressure: 5.0 };
+        let quadrature = Floors { v: 10.0, l2: 20.0, stress: 30.0, trace: 40.0, pressure: 50.0 };
+        let floors = CaseFloors { solver, quadrature, share: 0.1 };
+        for norm in Norm::all() {
+            let expected = match norm.name() {
+                "V_max" | "V_projection_max" => 12.0,
+                "L2_max" => 23.0,
+                "stress_L2_max" => 34.0,
+                name if name.starts_with("trace_") => 45.0,
+                name if name.starts_with("pressure_") => 56.0,
+                // Two runs on one mesh: both solver floors, and 1/63 of the error, 10.
+                "V_time_max" => 2.0 + 10.0 / 63.0,
+                "contact_set_max" | "contact_measure_max" => 0.0,
+                other => panic!("{other}"),
+            };
+            let found = floors.of(norm, 10.0);
+            assert!((found - expected).abs() < 1e-12, "{}: {found}", norm.name());
+        }
+    }
+}

@@ -3,9 +3,11 @@
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors};
 use judge::record::{CaseRecord, Key};
-use judge::verdict::{self, FloorSource, Foreseen, ForeseenConstant, LeadingLine, Verdict};
+use judge::verdict::{
+    self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, Verdict,
+};
 use scene::setup::Subject;
-use scene::{Data, Direction, Hypothesis, LoadForm, Prediction, Scene};
+use scene::{Data, Direction, Hypothesis, LoadForm, Prediction, Scene, Time, TimeGrid};
 
 /// The verdicts of a scene; none if it is not judged. `foreseen` has predicted constants, of this scene and others.
 pub fn judge_scene(
@@ -27,7 +29,49 @@ pub fn judge_scene(
         let known = known.map(|known| &known.foreseen);
         verdict::judge_foreseen(&scene.name, records, expected, &prediction, known, scene.expect)
     };
-    scene.predicts.iter().map(one).collect()
+    let mut verdicts: Vec<Verdict> = scene.predicts.iter().map(one).collect();
+    // Orders do not see a step that is off by a factor on every case.
+    let of_scene = records.iter().filter(|record| record.scene == scene.name);
+    if let Some(wrong) = of_scene.into_iter().find_map(|record| wrong_size(scene, record)) {
+        for verdict in &mut verdicts {
+            (verdict.decision, verdict.complete) = (Decision::Fail, false);
+            verdict.reason = format!("{wrong}; {}", verdict.reason);
+            verdict.next.clear();
+        }
+    }
+    verdicts
+}
+
+/// A recorded h or k that is not that of the mesh or the grid of times, by the scene alone and not by what recorded it.
+fn wrong_size(scene: &Scene, record: &CaseRecord) -> Option<String> {
+    let h = record.n.zip(scene.as_contact()).map(|(n, body)| body.domain.h(n));
+    let k = largest_step(&scene.time, record.steps);
+    let wrong = |name: &str, recorded: f64, own: f64, of: &str| {
+        // NaN is wrong as well; ends of steps are rounded.
+        let same = (recorded / own - 1.0).abs() <= 1e-9;
+        let key = record.key();
+        (!same).then(|| format!("{key}: {name} = {recorded:?} is recorded, and {own:?} is {of}"))
+    };
+    let h = h.and_then(|h| wrong("h", record.h.unwrap_or(f64::NAN), h, "the size of its mesh"));
+    h.or_else(|| wrong("k", record.k, k?, "the largest step of its grid"))
+}
+
+/// The largest step of a grid of N steps in closed form; of random steps that of their generator, unless nobody can have
+/// run so many.
+fn largest_step(time: &Time, steps: u32) -> Option<f64> {
+    const MOST: u32 = 1 << 24;
+    let one = 1.0 / f64::from(steps);
+    match time.grid {
+        TimeGrid::Uniform => Some(time.horizon * one),
+        // t_j = T (j/N)^a: the last step, or the first if a < 1.
+        TimeGrid::Graded { exponent } => {
+            Some(time.horizon * one.powf(exponent).max(1.0 - (1.0 - one).powf(exponent)))
+        }
+        TimeGrid::Random { seed } if (1..=MOST).contains(&steps) => {
+            Some(vhi::history::TimeGrid::random(time.horizon, steps, seed).largest_step())
+        }
+        TimeGrid::Random { .. } => None,
+    }
 }
 
 /// The verdicts of a plan on its records: orders, and with `constants` their predicted constants.

@@ -50,6 +50,13 @@ impl Provenance {
         provenance
     }
 
+    /// What is to be said of records of another version of the program, which may have measured something else.
+    pub fn other_version(&self) -> Option<String> {
+        let this = env!("CARGO_PKG_VERSION");
+        let other = self.version != this;
+        other.then(|| format!("the records are of version {}, this is {this}", self.version))
+    }
+
     fn add_scene(&mut self, Scene { name, source, .. }: &Scene) {
         self.scenes.insert(name.clone(), source.hash.clone());
         self.texts.insert(name.clone(), source.text.clone());

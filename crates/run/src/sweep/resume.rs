@@ -43,9 +43,8 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
     let known = Provenance::read(dir)?
         .ok_or_else(|| different("records without provenance.json".into()))?;
     let current = Provenance::new(plans.iter().map(|plan| plan.scene()));
-    if known.version != current.version {
-        let (theirs, this) = (&known.version, &current.version);
-        return Err(different(format!("the records are of version {theirs}, this is {this}")));
+    if let Some(other) = known.other_version() {
+        return Err(different(other));
     }
     for (scene, hash) in &current.scenes {
         if known.scenes.get(scene).is_some_and(|other| other != hash) {

@@ -14,7 +14,8 @@ use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
 use rayon::prelude::*;
 
 use files::{FileError, counted, make_directory, remove_if_there};
-use judge::record::{CaseRecord, Journal, Key, RecordError};
+use judge::record::{CaseRecord, Journal, Key, RecordError, read_finished};
+use judge::verdict::{failures, restore_reasons};
 use report::{ReportError, remove_earlier};
 use scene::setup::Subject;
 
@@ -80,8 +81,8 @@ enum Job {
     Case(usize, usize),
 }
 
-/// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again. Returns all records, sorted by
-/// scene, n and steps.
+/// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again. Returns all records as they are read
+/// back from `cases.csv`, sorted by scene, n and steps: what is judged is what was written.
 ///
 /// # Errors
 /// Files only: a case that fails is a record. If a record cannot be written no further case begins.
@@ -100,7 +101,7 @@ pub fn run_sweep(
     run_more(plans, records, out, machine, progress)
 }
 
-/// Runs the cases of `plans` missing in `known`. Returns all records, sorted likewise.
+/// Runs the cases of `plans` missing in `known`. Returns all records likewise.
 pub fn run_more(
     plans: &[ScenePlan],
     known: Vec<CaseRecord>,
@@ -147,11 +148,13 @@ pub fn run_more(
         }
     });
     let kept = sweep.kept.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let Kept { journal, mut records, failure } = kept;
+    let Kept { journal, records, failure } = kept;
     failure.map_or(Ok(()), Err)?;
     journal.in_place()?;
-    records.sort_by_key(CaseRecord::key);
-    Ok(records)
+    let mut written = read_finished(&table)?;
+    // The table has no column for reasons.
+    restore_reasons(&mut written, &failures(&records));
+    Ok(written)
 }
 
 /// Begins a directory of other records, whose table the caller writes last. If killed at any point, the directory must

@@ -1,8 +1,8 @@
 //! The error of a scene as a function of both steps, from the runs of a trade.
 
 use judge::fit::{
-    Direction, ErrorCombination, Interval, Level, Point, Sample, infer, joint_fits, local_slopes,
-    power_law, same_level, samples,
+    Direction, ErrorCombination, Interval, Point, Sample, joint_fits, local_slopes,
+    order as infer_order, power_law, same_level, samples,
 };
 use serde::Serialize;
 
@@ -126,8 +126,8 @@ fn term(samples: &[Sample]) -> Result<Term, String> {
         // Two runs have an order and nothing that bounds it.
         2 => (local_slopes(samples)[0], Interval::around(0.0, f64::INFINITY)),
         _ => {
-            let levels: Vec<Level> = samples.iter().map(|s| Level::new(s.step, s.error)).collect();
-            let found = infer(&levels, None, 0.0).map_err(|error| error.to_string())?;
+            let table: Vec<(f64, f64)> = samples.iter().map(|s| (s.step, s.error)).collect();
+            let found = infer_order(&table).map_err(|error| error.to_string())?;
             let law = power_law(samples).map_err(|error| error.to_string())?;
             (law.order, found.interval.hull(Interval::around(law.order, 0.0)))
         }

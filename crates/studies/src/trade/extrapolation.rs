@@ -4,7 +4,7 @@ use super::measure::Bench;
 use super::study::plain;
 use super::{Knob, Trial};
 use fem::contact::strain_norm;
-use judge::fit::{Interval, Level, Sample, infer, local_slopes};
+use judge::fit::{Interval, Sample, local_slopes, order as infer_order};
 use serde::Serialize;
 
 /// Errors by step, with and without extrapolation.
@@ -43,8 +43,8 @@ impl Extrapolated {
 fn order(samples: &[Sample]) -> Option<LastOrder> {
     let positive: Vec<Sample> = samples.iter().copied().filter(|s| s.error > 0.0).collect();
     let last = *local_slopes(&positive).last()?;
-    let levels: Vec<Level> = positive.iter().map(|s| Level::new(s.step, s.error)).collect();
-    let interval = infer(&levels, None, 0.0).ok().map(|found| found.interval);
+    let table: Vec<(f64, f64)> = positive.iter().map(|s| (s.step, s.error)).collect();
+    let interval = infer_order(&table).ok().map(|found| found.interval);
     Some(LastOrder { last, interval })
 }
 

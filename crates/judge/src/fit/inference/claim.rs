@@ -1,7 +1,7 @@
 //! A claimed order against what a table says of it.
 
 use super::{FEWEST, Mixture, Posterior};
-use crate::fit::Decision;
+use crate::fit::{Decision, FitError, power_of_log};
 
 /// Default distance of an order from the claim.
 pub const TOLERANCE: f64 = 0.15;
@@ -40,6 +40,10 @@ pub enum ClaimError {
     Order(f64),
     #[error("the tolerance {0} is no positive number; 0.15 is")]
     Tolerance(f64),
+    #[error("an order is a lower bound (at_least) or exact, not both")]
+    Both,
+    #[error(transparent)]
+    Log(#[from] FitError),
 }
 
 impl Claim {
@@ -57,6 +61,10 @@ impl Claim {
         if !self.tolerance.is_finite() || self.tolerance <= 0.0 {
             return Err(ClaimError::Tolerance(self.tolerance));
         }
+        if self.at_least && self.exact {
+            return Err(ClaimError::Both);
+        }
+        power_of_log(self.log)?;
         Ok(self)
     }
 
@@ -78,6 +86,8 @@ pub struct Ruling {
     pub probability: f64,
     /// The order is settled above the claim.
     pub too_high: bool,
+    /// A level left out is not explained by the others, as the reason says: finer levels would not help.
+    pub unexplained: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,14 +103,19 @@ impl Posterior {
     pub fn decide(&self, claim: &Claim) -> Ruling {
         let answer = self.answer(claim);
         let decision = match answer {
+            Answer::Confirmed if self.unexplained.is_some() => Decision::Unresolved,
             Answer::Confirmed => Decision::Pass,
             Answer::TooLow => Decision::Fail,
             Answer::TooHigh if claim.exact => Decision::Fail,
             Answer::TooHigh | Answer::Open => Decision::Unresolved,
         };
         let probability = probability(&self.all, claim);
-        let reason = self.reason(claim, answer, probability);
-        Ruling { decision, reason, probability, too_high: answer == Answer::TooHigh }
+        let mut reason = self.reason(claim, answer, probability);
+        if let Some(why) = &self.unexplained {
+            reason = format!("{reason}; but {why}: run it again, or state its floor");
+        }
+        let (too_high, unexplained) = (answer == Answer::TooHigh, self.unexplained.is_some());
+        Ruling { decision, reason, probability, too_high, unexplained }
     }
 
     /// The answer over all readings; open if those with and without a floor disagree.

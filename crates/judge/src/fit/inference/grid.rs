@@ -9,7 +9,8 @@ mod pairs;
 use super::mixture::Mixture;
 use super::{Interval, LEAST_NOISE, Posterior};
 use crate::fit::identifiable::{LEVELS, check_levels};
-use crate::fit::{NotIdentifiable, Point, screen};
+use crate::fit::level::{deviation, foreign, is_step};
+use crate::fit::{NotIdentifiable, Point, joint_fits, screen};
 use pairs::{ORDERS, PairSums, STEP, order};
 
 /// Relative noise of E, with weights.
@@ -32,8 +33,14 @@ pub struct GridPosterior {
 /// # Errors
 /// [`NotIdentifiable`] where the points do not determine two orders.
 pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior, NotIdentifiable> {
+    let noise = noise.map(deviation).transpose().map_err(NotIdentifiable::refused)?;
     let noises = noise.map_or(NOISE.to_vec(), |noise| vec![(noise.max(LEAST_NOISE), 1.0)]);
-    let usable: Vec<Point> = points.iter().copied().filter(|p| screen(p).is_ok()).collect();
+    let there = points.iter().filter(|p| is_step(p.h) && is_step(p.k));
+    let (usable, left_out): (Vec<Point>, Vec<Point>) =
+        there.copied().partition(|p| screen(p).is_ok());
+    if let Some(broken) = left_out.iter().find_map(|p| screen(p).err().filter(|e| e.is_broken())) {
+        return Err(NotIdentifiable::refused(broken));
+    }
     check_levels(&usable, PARAMETERS, LEVELS)?;
     let mut evidence = vec![f64::NEG_INFINITY; ORDERS * ORDERS];
     for (model, prior) in MODELS {
@@ -44,10 +51,28 @@ pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior,
         return Err(NotIdentifiable::no_minimum());
     }
     let weights: Vec<f64> = evidence.iter().map(|log| (log - largest).exp()).collect();
-    let of = |sum: &dyn Fn(usize) -> f64| marginal((0..ORDERS).map(sum).collect());
+    let unexplained = unexplained(&left_out, points);
+    let of = |sum: &dyn Fn(usize) -> f64| {
+        let unexplained = unexplained.clone();
+        Posterior { unexplained, ..marginal((0..ORDERS).map(sum).collect()) }
+    };
     let order_h = of(&|i| weights[i * ORDERS..(i + 1) * ORDERS].iter().sum());
     let order_k = of(&|j| (0..ORDERS).map(|i| weights[i * ORDERS + j]).sum());
     Ok(GridPosterior { order_h, order_k })
+}
+
+/// The first point left out that the better of the two models by least squares does not explain.
+fn unexplained(left_out: &[Point], points: &[Point]) -> Option<String> {
+    // The fit costs more than the look.
+    if left_out.is_empty() {
+        return None;
+    }
+    let model = joint_fits(points, false).ok().map(|fits| fits.best);
+    left_out.iter().find_map(|&Point { h, k, error, floor }| {
+        let least = model.as_ref().map_or(0.0, |model| model.error(h, k));
+        let why = foreign(error, floor, least)?;
+        Some(format!("the error at h = {h:.3e}, k = {k:.3e} {why}"))
+    })
 }
 
 fn marginal(weights: Vec<f64>) -> Posterior {
@@ -65,6 +90,7 @@ fn marginal(weights: Vec<f64>) -> Posterior {
         floored: Mixture::from_parts(Vec::new()),
         all,
         floor: 0.0,
+        unexplained: None,
     }
 }
 

@@ -11,7 +11,8 @@ mod grid;
 mod mixture;
 mod next_term;
 
-use super::{Direction, Exclusion, FitError, Interval, Point, Sample, samples, screen};
+use super::level::{deviation, unexplained};
+use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
 use evidence::{Base, Noise};
 use mixture::{Mixture, Part};
 use next_term::{Family, NODES};
@@ -41,37 +42,6 @@ const LEAST: f64 = 16.0;
 /// Levels of a long table beyond which the coarsest are dropped at once.
 const LONGEST: usize = 12;
 
-/// One level of a table.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Level {
-    /// h or k.
-    pub size: f64,
-    pub error: f64,
-    /// Upper bound of the part of the error that is not discretisation; 0 if unknown.
-    pub floor: f64,
-    /// Relative standard deviation of the error, if known.
-    pub sigma: Option<f64>,
-}
-
-impl Level {
-    /// A level of which step and error are known.
-    pub fn new(size: f64, error: f64) -> Self {
-        Self { size, error, floor: 0.0, sigma: None }
-    }
-
-    /// A point in one direction; `sigma` is the relative standard deviation of its error.
-    pub fn of(point: &Point, direction: Direction, sigma: Option<f64>) -> Self {
-        Self { size: direction.step(point), error: point.error, floor: point.floor, sigma }
-    }
-
-    /// Errors near their floors carry no order; invalid errors and floors are kept, to be refused later.
-    fn is_above_floor(&self) -> bool {
-        let Self { size, error, floor, .. } = *self;
-        let screened = screen(&Point { h: size, k: f64::NAN, error, floor });
-        !matches!(screened, Err(Exclusion::BelowFloor { .. }))
-    }
-}
-
 /// What a table says of its order.
 #[derive(Debug, Clone)]
 pub struct Posterior {
@@ -89,6 +59,8 @@ pub struct Posterior {
     sound: Mixture,
     floored: Mixture,
     floor: f64,
+    /// A level left out that the others do not explain, in words: nothing is confirmed then.
+    unexplained: Option<String>,
 }
 
 /// The levels of a line that serve, and what they say of the order.
@@ -99,16 +71,21 @@ pub struct LineReading {
 }
 
 impl LineReading {
-    /// Reads points with the relative standard deviations of their errors, if known; see [`infer`].
+    /// Reads points with the relative standard deviations of their errors, if known; see [`infer`]. Points without a step
+    /// in this direction do not count.
     pub fn of(
         measured: &[(Point, Option<f64>)],
         direction: Direction,
         noise: Option<f64>,
         log: f64,
     ) -> Result<Self, FitError> {
-        let serving = measured.iter().filter(|(point, _)| screen(point).is_ok());
-        let levels = serving.map(|(point, sigma)| Level::of(point, direction, *sigma));
-        let posterior = infer(&levels.collect::<Vec<_>>(), noise, log)?;
+        let there = measured.iter().filter(|(point, _)| !direction.step(point).is_nan());
+        let levels = there.map(|(point, sigma)| {
+            // Of a level that is left out, the deviation may be none: a share of nothing.
+            let sigma = sigma.filter(|_| screen(point).is_ok());
+            Level::of(point, direction, sigma)
+        });
+        let posterior = infer(&levels.collect::<Result<Vec<_>, _>>()?, noise, log)?;
         let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
         Ok(Self { samples: samples(&points, direction)?, posterior })
     }
@@ -116,18 +93,22 @@ impl LineReading {
 
 /// Order of a table of steps h and errors e.
 pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
-    let levels: Vec<Level> = table.iter().map(|&(h, error)| Level::new(h, error)).collect();
-    infer(&levels, None, 0.0)
+    let levels = table.iter().map(|&(h, error)| Level::new(h, error));
+    infer(&levels.collect::<Result<Vec<_>, _>>()?, None, 0.0)
 }
 
-/// Posterior of the order. Levels in any order, each once, with positive errors; levels near their floors are dropped.
-/// `noise`: relative standard deviation of the errors, if known; `log`: power M of a factor |log h|^M.
+/// Posterior of the order. Levels in any order, each once; levels near their floors, and errors of exactly 0, are left
+/// out, and confirm nothing if the others do not explain them. `noise`: relative standard deviation of the errors, if
+/// known; `log`: power M of a factor |log h|^M.
 ///
 /// # Errors
-/// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::NoError`] for an error that is not
-/// a positive number, [`FitError::NoDeviation`], [`FitError::NoLogarithm`] with a factor |log h|^M.
+/// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::Level`] for a noise that is none,
+/// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M.
 pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior, FitError> {
-    let table = Table::new(levels, noise, log)?;
+    let (mut serving, left_out): (Vec<Level>, Vec<Level>) =
+        levels.iter().partition(|level| level.screened().is_ok());
+    serving.sort_by(|a, b| b.size().total_cmp(&a.size()));
+    let table = Table::new(&serving, noise, log)?;
     let parts = table.parts();
     let [sound, floored] =
         [false, true].map(|with_floor| Mixture::of(&parts, |part| part.floored == with_floor));
@@ -137,9 +118,11 @@ pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior
     parts.iter().for_each(|part| leaving[part.coarse] += part.weight);
     let beyond = |coarse: &usize| leaving[*coarse..].iter().sum::<f64>() > 0.5 * all.weight;
     let coarse_left_out = (1..levels.len()).take_while(beyond).count();
+    let interval = Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) };
     Ok(Posterior {
         order: all.quantile(0.5),
-        interval: Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) },
+        unexplained: unexplained(&left_out, &serving, interval, log),
+        interval,
         coarse_left_out,
         floor_from: (floor > 0.5).then(|| table.break_down()),
         slopes: table.slopes(),
@@ -181,37 +164,28 @@ struct Table {
 }
 
 impl Table {
+    /// Of levels that serve, coarse to fine.
     fn new(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Self, FitError> {
-        let mut levels = levels.to_vec();
-        levels.sort_by(|a, b| b.size.total_cmp(&a.size));
-        levels.retain(Level::is_above_floor);
+        let (noise, log) = (noise.map(deviation).transpose()?, power_of_log(log)?);
         if levels.len() < FEWEST {
             return Err(FitError::TooFew { found: levels.len(), needed: FEWEST });
         }
-        let positive = |value: f64| value.is_finite() && value > 0.0;
-        if let Some(level) = levels.iter().find(|l| !positive(l.size) || !positive(l.error)) {
-            return Err(FitError::NoError { step: level.size, error: level.error });
+        if let Some(level) = levels.iter().find(|level| log != 0.0 && level.size() >= 1.0) {
+            return Err(FitError::NoLogarithm { step: level.size() });
         }
-        let sigmas = levels.iter().filter_map(|level| level.sigma).chain(noise);
-        if let Some(sigma) = sigmas.into_iter().find(|sigma| !positive(*sigma)) {
-            return Err(FitError::NoDeviation { sigma });
-        }
-        if let Some(level) = levels.iter().find(|level| log != 0.0 && level.size >= 1.0) {
-            return Err(FitError::NoLogarithm { step: level.size });
-        }
-        let same = |pair: &&[Level]| super::same_level(pair[0].size, pair[1].size);
+        let same = |pair: &&[Level]| super::same_level(pair[0].size(), pair[1].size());
         if let Some(pair) = levels.windows(2).find(same) {
-            return Err(FitError::RepeatedStep { step: pair[1].size });
+            return Err(FitError::RepeatedStep { step: pair[1].size() });
         }
         let levels = &levels[levels.len().saturating_sub(LONGEST)..];
         let factor = |size: f64| if log == 0.0 { 0.0 } else { log * size.ln().abs().ln() };
         // One noise for all levels (unknown or given), or one per level.
-        let given = |level: &Level| level.sigma.or(noise).map(|sigma| sigma.max(LEAST_NOISE));
+        let given = |level: &Level| level.sigma().or(noise).map(|sigma| sigma.max(LEAST_NOISE));
         let known: Option<Vec<f64>> = levels.iter().map(given).collect();
         Ok(Self {
-            sizes: levels.iter().map(|level| level.size).collect(),
-            x: levels.iter().map(|level| level.size.ln()).collect(),
-            y: levels.iter().map(|level| level.error.ln() - factor(level.size)).collect(),
+            sizes: levels.iter().map(Level::size).collect(),
+            x: levels.iter().map(|level| level.size().ln()).collect(),
+            y: levels.iter().map(|level| level.error().ln() - factor(level.size())).collect(),
             noise: if known.is_some() { vec![(1.0, 1.0)] } else { NOISE.to_vec() },
             scales: known.unwrap_or_else(|| vec![1.0; levels.len()]),
         })

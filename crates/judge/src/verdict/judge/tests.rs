@@ -1,5 +1,5 @@
 use super::*;
-use crate::fit::{Claim, Correction, Level, Point, infer};
+use crate::fit::{Claim, Correction, Point};
 use crate::record::{Key, NormError, Status, V_MAX};
 use crate::verdict::{
     Failure, ForeseenConstant, LeadingPoint, MeshAndSteps, cell_texts, exit_code, failures,
@@ -76,9 +76,99 @@ fn a_plateau_at_the_floor_is_left_out() {
         "{}",
         verdict.reason
     );
+    // Zeros below a stated floor.
     let zeros = self::verdict(&table(&[4], &DOUBLING, |_, _| 0.0), &predict(Variable::K, 2.0));
     assert_eq!((zeros.decision, zeros.complete), (Decision::Unresolved, true));
     assert!(zeros.reason.contains("lower the floor"), "{}", zeros.reason);
+}
+
+/// The finest error set to 0, with its floor and without; the three finest, as a writer that was cut off leaves them; all
+/// floors taken away. Nothing of it passes, and nothing of it is as expected.
+#[test]
+fn zeros_and_missing_floors_confirm_nothing() {
+    let sound = table(&DOUBLING, &[4], |h, _| h);
+    let prediction = predict(Variable::H, 1.0);
+    assert_eq!(verdict(&sound, &prediction).decision, Decision::Pass);
+    let damaged = |last: usize, error: Option<f64>, floor: Option<f64>| {
+        let mut records = sound.clone();
+        let count = records.len();
+        records.iter_mut().skip(count - last).for_each(|record| {
+            let entry = &mut record.errors[0];
+            (entry.error, entry.floor) = (error.or(entry.error), floor);
+        });
+        records
+    };
+    for (records, expected, words) in [
+        (
+            damaged(1, Some(0.0), Some(0.0)),
+            Decision::Unresolved,
+            "exactly 0, and no floor is stated",
+        ),
+        (
+            damaged(3, Some(0.0), Some(0.0)),
+            Decision::Unresolved,
+            "exactly 0, and no floor is stated",
+        ),
+        (damaged(1, Some(0.0), Some(1e-12)), Decision::Unresolved, "where the others predict"),
+        (damaged(3, Some(1e-13), Some(1e-12)), Decision::Unresolved, "where the others predict"),
+        (damaged(1, None, None), Decision::Fail, "has no floor"),
+        (damaged(6, None, None), Decision::Fail, "has no floor"),
+        (damaged(6, None, Some(f64::NAN)), Decision::Fail, "no floor"),
+        (damaged(6, None, Some(f64::INFINITY)), Decision::Fail, "no floor"),
+        (damaged(6, Some(0.0), Some(0.0)), Decision::Unresolved, "6 errors exactly 0"),
+    ] {
+        let found = judge("block", &records, &keys(&records), &prediction, expected);
+        assert_eq!(found.decision, expected, "{}", found.reason);
+        assert!(found.reason.contains(words), "{words}: {}", found.reason);
+        assert!(!found.as_expected() || words.starts_with('6'), "{words}");
+        let bound = Prediction { at_least: true, ..prediction.clone() };
+        assert_ne!(verdict(&records, &bound).decision, Decision::Pass, "{words}");
+    }
+    // Levels that sink into a floor which the others explain leave as before.
+    let sinking = table(&DOUBLING, &[4], |h, _| 1e-7 * h.powi(2) + 1e-12);
+    let found = verdict(&sinking, &predict(Variable::H, 2.0));
+    assert_eq!(found.decision, Decision::Pass, "{}", found.reason);
+    assert!(!found.points_left_out.is_empty());
+    // A constant that agrees does not stand in for the order.
+    let zero = damaged(1, Some(0.0), Some(1e-12));
+    let points = zero.iter().map(|record| {
+        let (n, steps, h, k) = (record.n, record.steps, record.h, record.k);
+        LeadingPoint { n, steps, h, k, error: h.expect("a mesh") }
+    });
+    let line = LeadingLine { points: points.collect(), limit: None, tolerance: 0.03 };
+    let line = Foreseen::Leading(line);
+    let found = judge_foreseen("block", &zero, &[], &prediction, Some(&line), Decision::Pass);
+    assert_eq!(found.decision, Decision::Unresolved, "{}", found.reason);
+    // On a grid as on a line.
+    let levels = [8, 16, 32, 64];
+    let joint = Prediction { order_k: Some(2.0), ..predict(Variable::Joint, 1.0) };
+    for floor in [0.0, 1e-12] {
+        let mut grid = table(&levels, &levels, |h, k| 0.3 * h + 4.0 * k * k);
+        assert_eq!(verdict(&grid, &joint).decision, Decision::Pass);
+        let finest = &mut grid.last_mut().expect("a case").errors[0];
+        (finest.error, finest.floor) = (Some(0.0), Some(floor));
+        let found = verdict(&grid, &joint);
+        assert_eq!((found.decision, found.complete), (Decision::Unresolved, false), "{floor}");
+    }
+}
+
+/// A lower bound passes where the order is not below it, fails where it is, and is open where the table does not tell.
+#[test]
+fn a_lower_bound_has_three_answers() {
+    let bound = |order: f64, error: &dyn Fn(f64) -> f64| {
+        let prediction = Prediction { at_least: true, ..predict(Variable::H, order) };
+        verdict(&table(&DOUBLING, &[4], |h, _| error(h)), &prediction).decision
+    };
+    assert_eq!(bound(1.0, &|h| h), Decision::Pass);
+    assert_eq!(bound(1.0, &|h| h * h), Decision::Pass);
+    assert_eq!(bound(1.0, &f64::sqrt), Decision::Fail);
+    // Errors that scatter by a fifth; two levels; an order that sinks from 2 towards 0.
+    let scatter = |h: f64| if ((1.0 / h).log2() as u32).is_multiple_of(2) { 1.2 } else { 0.8 };
+    assert_eq!(bound(1.0, &|h| h * scatter(h)), Decision::Unresolved);
+    assert_eq!(bound(2.0, &|h| (1e-3 * h * h).max(1e-7)), Decision::Unresolved);
+    let two = table(&DOUBLING[..2], &[4], |h, _| h);
+    let prediction = Prediction { at_least: true, ..predict(Variable::H, 1.0) };
+    assert_eq!(verdict(&two, &prediction).decision, Decision::Unresolved);
 }
 
 #[test]
@@ -215,9 +305,9 @@ fn tables_of_slopes_get_what_a_person_says() {
     let judged = |slopes: &[f64], order: f64| {
         let mut errors = vec![1.0];
         slopes.iter().for_each(|slope| errors.push(errors[errors.len() - 1] * 0.5f64.powf(*slope)));
-        let levels: Vec<Level> =
-            (0..).zip(&errors).map(|(i, error)| Level::new(0.5f64.powi(i), *error)).collect();
-        let posterior = infer(&levels, None, 0.0).expect("an order");
+        let table: Vec<(f64, f64)> =
+            (0..).zip(&errors).map(|(i, error)| (0.5f64.powi(i), *error)).collect();
+        let posterior = crate::fit::order(&table).expect("an order");
         posterior.decide(&Claim::new(order).expect("a claim")).decision
     };
     let falling = [1.07, 0.98, 0.92, 0.89, 0.88, 0.87, 0.864];
@@ -352,6 +442,7 @@ fn expectations_turn_the_exit_code() {
 #[test]
 fn the_document_has_its_keys_and_no_infinite_number() {
     let mut records = table(&[8, 16, 32, 64], &[4], |h, _| h);
+    // Without a mesh: left out of a line in h.
     records.push(CaseRecord { n: None, h: None, ..records[0].clone() });
     let passed = verdict(&records, &predict(Variable::H, 1.0));
     records[1].status = Status::Failed { reason: "no descent".into() };

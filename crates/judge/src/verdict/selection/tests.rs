@@ -8,7 +8,7 @@ fn case(n: u32, steps: u32) -> CaseRecord {
     CaseRecord {
         h: Some(h),
         status: Status::Converged,
-        errors: vec![NormError { norm: V_MAX.into(), error: Some(h + k), floor: None }],
+        errors: vec![NormError { norm: V_MAX.into(), error: Some(h + k), floor: Some(0.0) }],
         ..CaseRecord::without_work("block", Some(n), steps, k)
     }
 }
@@ -81,12 +81,19 @@ fn windows_hold_their_ends_and_steps_are_positive_numbers() {
     assert_eq!(used(&inside), [(Some(16), 4), (Some(32), 4), (Some(64), 4)]);
     assert!(inside.left_out.iter().all(|out| out.reason.as_deref() == Some("outside window")));
     assert_eq!(inside.left_out.len(), 2);
+    // A step that is none is a gap in either direction.
     for h in [None, Some(0.0), Some(-0.1), Some(f64::INFINITY)] {
         let mut records = records.clone();
         records[2].h = h;
-        let line = selected(&records, &predict(Variable::H));
-        assert_eq!(used(&line).len(), 4, "{h:?}");
-        assert_eq!(line.left_out[0].reason.as_deref(), Some("no step size"));
+        for variable in [Variable::H, Variable::K] {
+            let gaps = selected(&records, &predict(variable)).gaps;
+            assert!(gaps.len() == 1 && gaps[0].contains("no step size"), "{h:?} {gaps:?}");
+        }
+    }
+    for k in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let mut records = records.clone();
+        records[2].k = k;
+        assert_eq!(selected(&records, &predict(Variable::H)).gaps.len(), 1, "{k}");
     }
 }
 

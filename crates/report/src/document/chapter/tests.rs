@@ -87,7 +87,8 @@ fn composed(studies: &[StudyDocument], change: impl Fn(&mut SceneSummary)) -> Do
 }
 
 fn case(n: u32) -> CaseRecord {
-    let error = NormError { norm: "V_max".into(), error: Some(0.3 / f64::from(n)), floor: None };
+    let error =
+        NormError { norm: "V_max".into(), error: Some(0.3 / f64::from(n)), floor: Some(0.0) };
     let errors = vec![error];
     let status = Status::Converged;
     CaseRecord { status, errors, ..CaseRecord::without_work("s", Some(n), 4, 0.25) }
