@@ -54,8 +54,8 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
         "run",
         "sweep/case",
-        6,
-        "cases of either kind of problem are planned, priced and measured from a plan",
+        5,
+        "cases of either kind of problem are planned, sized and measured from a plan",
     ),
     ("run", "sweep/picture/space", 2, "bodies in space are drawn by parts of the plane picture"),
     (

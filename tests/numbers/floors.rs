@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, setup, setup_of, text};
 use fem::contact::{CaseError, CaseInfo, Observer, StepView};
 use run::sweep::{

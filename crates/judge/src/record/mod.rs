@@ -59,7 +59,7 @@ impl std::str::FromStr for Key {
 
     fn from_str(word: &str) -> Result<Self, NoKey> {
         let number = |part: &str, letter| part.strip_prefix(letter)?.parse::<u32>().ok();
-        let read = || {
+        let key = || {
             let (before, steps) = word.rsplit_once(':')?;
             let steps = number(steps, 'N')?;
             let (scene, n) = match before.rsplit_once(':') {
@@ -68,7 +68,7 @@ impl std::str::FromStr for Key {
             };
             (!scene.is_empty()).then(|| Self { scene: scene.to_owned(), n, steps })
         };
-        read().ok_or_else(|| NoKey(word.to_owned()))
+        key().ok_or_else(|| NoKey(word.to_owned()))
     }
 }
 
