@@ -87,7 +87,7 @@ fn strong_form_is_no_measure(finding: &mut Finding) {
 fn alpha_nu_from(setup: &Setup) -> &'static str {
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     match law.and_then(|law| law.scale) {
-        Some(_) => "proved: steepest descent of the law, times its factor's maximum, sampled",
+        Some(_) => "proved: steepest descent of the law, times its factor's maximum",
         None => "proved: steepest descent of the law",
     }
 }
