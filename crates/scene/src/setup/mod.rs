@@ -7,6 +7,7 @@ mod constants;
 mod contraction;
 mod formulas;
 mod given_load;
+mod kernel_bounds;
 mod laws;
 mod load_check;
 mod material;
