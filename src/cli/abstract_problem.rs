@@ -19,18 +19,23 @@ pub(super) fn fact(subject: &str, value: f64, how: &str) -> Finding {
 /// Hypotheses of the abstract theory with their constants.
 pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let c = &setup.constants;
-    let sampled = if setup.model.nonlinear.is_empty() { "computed" } else { "slopes sampled" };
+    let slopes = match c.slopes_up_to {
+        f64::INFINITY => "proved for all arguments".to_string(),
+        reach => format!("proved for |r|, |y| <= {reach}"),
+    };
+    let (nonlinear, linear) = (format!("slopes {slopes}"), "computed".to_string());
+    let how = if setup.model.nonlinear.is_empty() { linear } else { nonlinear };
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
     let mut findings = vec![
-        fact("m_A", c.m_a, &format!("{sampled}: smallest eigenvalue of the symmetric part in X")),
-        fact("L_A", c.l_a, &format!("{sampled}: norm X -> X*")),
-        fact("alpha_phi", c.alpha_phi, "slopes of N in r, sampled"),
-        fact("beta_phi", c.beta_phi, "slopes of N in y, sampled; 1 where N = y"),
+        fact("m_A", c.m_a, &format!("{how}: smallest eigenvalue of the symmetric part in X")),
+        fact("L_A", c.l_a, &format!("{how}: norm X -> X*")),
+        fact("alpha_phi", c.alpha_phi, &format!("slopes of N in r, {slopes}")),
+        fact("beta_phi", c.beta_phi, &format!("slopes of N in y, {slopes}; 1 where N = y")),
         fact("alpha_j", c.alpha_j, "proved: steepest descent of the laws"),
         fact("c_j^2", c.c_j_squared, "computed: largest eigenvalue of the functionals in X"),
         Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {:.6}", c.m0)),
         fact("|R|", c.r_norm, "computed: norm on X*"),
-        fact("|q|", c.q_norm, "sampled over 0 <= s <= t <= T: norm X -> X*"),
+        fact("|q|", c.q_norm, "proved: norm X -> X* for 0 <= s <= t <= T"),
     ];
     if c.power > 0.0 {
         let note = format!("the same of b in kernels (t-s)^-{} b", c.power);
@@ -40,6 +45,8 @@ pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     findings.push(fact("step bound (3.4)", bounds.limit(), "k below this: one solution per step"));
     let sharpened = bounds.sharpened_limit();
     findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
+    let solvable = bounds.solvable_limit();
+    findings.push(fact("solvable step bound", solvable, "k below this: each step monotone"));
     findings.extend(abstract_regularity(&setup.scene, &setup.problem));
     findings
 }

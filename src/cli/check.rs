@@ -381,7 +381,7 @@ fn strong_form_is_no_measure(finding: &mut Finding) {
 fn alpha_nu_from(setup: &Setup) -> &'static str {
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     match law.and_then(|law| law.scale) {
-        Some(_) => "proved: steepest descent of the law, times its factor's maximum, sampled",
+        Some(_) => "proved: steepest descent of the law, times its factor's maximum",
         None => "proved: steepest descent of the law",
     }
 }
@@ -473,13 +473,13 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);
     findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));
     findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
-    findings.push(fact("|B|", c.memory.operator, "operator norm, sampled over [0, T]"));
+    findings.push(fact("|B|", c.memory.operator, "proved: operator norm on [0, T]"));
     if c.singular.0 > 0.0 {
         let note = format!("the same of C in the terms t^-{} C", c.singular.0);
         findings.push(fact("|C|", c.singular.1.operator, &note));
     }
     if setup.body.material.projection.is_some() {
-        findings.push(fact("L_kappa", c.lipschitz_kappa, "sampled exact derivative"));
+        findings.push(fact("L_kappa", c.lipschitz_kappa, &setup.kappa.how()));
     }
     let bounds = c.step_bounds(setup.model.time_rule.as_ref());
     let (limit, sharpened) = (bounds.limit(), bounds.sharpened_limit());

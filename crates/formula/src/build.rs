@@ -71,7 +71,23 @@ impl Graph {
         if let Op::Neg(c) = self.op(b) {
             return self.add(a, c);
         }
+        if let Some(product) = self.factored(a, b) {
+            return product;
+        }
         self.intern(Op::Sub(a, b))
+    }
+
+    /// a - c a as (1 - c) a, and c b - b as (c - 1) b.
+    fn factored(&mut self, a: Node, b: Node) -> Option<Node> {
+        let one = self.collects.then(|| self.constant(1.0))?;
+        let (factor, common) = match (self.op(a), self.op(b)) {
+            (_, Op::Mul(c, d)) if d == a => (self.sub(one, c), a),
+            (_, Op::Mul(c, d)) if c == a => (self.sub(one, d), a),
+            (Op::Mul(c, d), _) if d == b => (self.sub(c, one), b),
+            (Op::Mul(c, d), _) if c == b => (self.sub(d, one), b),
+            _ => return None,
+        };
+        Some(self.mul(factor, common))
     }
 
     /// a * b.

@@ -137,6 +137,8 @@ pub struct Graph {
     pub(super) deciders: FxHashMap<Node, Node>,
     /// Whether programs add estimated quadrature errors to hereditary integrals.
     pub(super) adds_remainders: bool,
+    /// Whether a - c a becomes (1 - c) a.
+    pub(super) collects: bool,
 }
 
 impl Graph {
@@ -156,6 +158,11 @@ impl Graph {
     /// halving.
     pub fn add_remainders(&mut self) {
         self.adds_remainders = true;
+    }
+
+    /// From now on a - c a becomes (1 - c) a, the same number with other roundings: a range of t - s for s = c t is exact then.
+    pub fn collect(&mut self) {
+        self.collects = true;
     }
 
     pub(super) fn op(&self, node: Node) -> Op {

@@ -1,15 +1,12 @@
 //! `[material.memory]`: the relaxation tensor ℬ(t).
 
-use formula::{EvaluationPoint, Node, Scope, Variable};
+use formula::{EvaluationPoint, Interval, Node, Scope, Variable};
 
 use super::diagnostic::SceneError;
 use super::kernel::formula_of;
-use super::reading::{Reading, evenly};
+use super::reading::Reading;
 use super::singular;
 use super::spans::join;
-
-/// Intervals of [0, T] at whose ends the kernel is evaluated.
-const SAMPLES: u32 = 512;
 
 /// A term of ℬ(t)ε = Σ kernel(t) · (2 mu ε + lambda tr(ε) I).
 #[derive(Debug, Clone, PartialEq)]
@@ -110,20 +107,19 @@ impl Part {
     }
 }
 
-/// A kernel, or the factor of one, that is finite on [0, T].
+/// A kernel, or the factor of one, with a proved bound on [0, T].
 fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node, SceneError> {
     let formula = formula_of(reading, key)?;
     let kernel = reading.compiled(key, &formula, &Scope::new(&[Variable::T]))?;
-    let times =
-        evenly(0.0, horizon, SAMPLES).map(|t| EvaluationPoint { t, ..EvaluationPoint::default() });
-    reading.everywhere((key, kernel), times, f64::is_finite, |at, value| {
-        let hint = match at.t == 0.0 {
-            true => singular::way_out("the kernel"),
-            false => "ℬ must be continuous on (0, T]; -exp(-t) and sqrt(t) are examples".into(),
-        };
-        (format!("the memory kernel is {value} at t = {}", at.t), hint)
+    let start = [EvaluationPoint::default()];
+    reading.everywhere((key, kernel), start, f64::is_finite, |_, value| {
+        (format!("the memory kernel is {value} at t = 0"), singular::way_out("the kernel"))
     })?;
-    Ok(kernel)
+    let over = Interval::new(0.0, horizon);
+    let found = reading.formulas.largest_modulus(kernel, Variable::T, over);
+    let message = format!("the memory kernel has no bound near t = {:.6}", found.part[0].low);
+    let hint = "ℬ must be continuous on (0, T]; -exp(-t) and sqrt(t) are examples";
+    reading.refuse_if(!found.bound.is_finite(), key, message, hint).map(|()| kernel)
 }
 
 /// The terms of ℬ: equal kernels are merged, with a tensor per region.

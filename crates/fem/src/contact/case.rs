@@ -43,6 +43,11 @@ pub enum CaseError {
         "step {n} (t = {t}): KKT residual {residual:.3e} by separate evaluation exceeds {allowed:.1e}"
     )]
     Kkt { n: usize, t: f64, residual: f64, allowed: f64 },
+    /// L_κ, and with it the bounds on the step size, hold up to a smaller ζ.
+    #[error(
+        "step {n} (t = {t}): zeta = {zeta:.4} is beyond {reach:.4}, up to which |kappa'| was bounded: the step bounds say nothing there; give kappa a slope that is bounded for all zeta"
+    )]
+    BeyondZeta { n: usize, t: f64, zeta: f64, reach: f64 },
     /// A solver outside this program gave no answer.
     #[error("{0}")]
     Outside(String),

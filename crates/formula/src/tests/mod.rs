@@ -2,6 +2,7 @@
 
 mod acid;
 mod calculus;
+mod extremes;
 mod hereditary;
 mod language;
 mod plain;

@@ -1,6 +1,7 @@
 //! Sides by number, and their plane pieces.
 
 use fem::mesh::Piece;
+use formula::{Effort, Extreme, Graph, Interval, Node, Place, Variable, largest};
 
 /// A side by its position in [`super::Domain::sides`] and in `Mesh::sides`; those of a rectangle or box in the order x =
 /// 0, x = size\[0\], y = 0, and so on.
@@ -50,6 +51,35 @@ impl Face {
         let edges: Vec<[f64; 3]> =
             others.iter().map(|end| [0, 1, 2].map(|i| end[i] - corner[i])).collect();
         Self { normal: piece.normal, corner, triangle: edges.len() == 2, edges }
+    }
+
+    /// The places with these shares of the edges, rounded outward; all of the piece for [0, 1] and [0, 1].
+    fn part(&self, [a, b]: [Interval; 2]) -> [Interval; 3] {
+        [0, 1, 2].map(|i| {
+            let edge = |e: usize| self.edges.get(e).map_or(0.0, |edge| edge[i]);
+            let along = a * Interval::point(edge(0));
+            // A triangle is spanned by its first edge and the way from its end to that of the second.
+            let across = match self.triangle {
+                true => a * b * Interval::point(edge(1) - edge(0)),
+                false => b * Interval::point(edge(1)),
+            };
+            Interval::point(self.corner[i]) + along + across
+        })
+    }
+
+    /// A proved bound of `sign`·f on the piece, for f independent of time, and the place of the largest value met.
+    pub(crate) fn largest(&self, graph: &Graph, f: Node, sign: f64) -> (Extreme<2>, [f64; 3]) {
+        let mut f = graph.enclosing(f);
+        let unit = Interval::new(0.0, 1.0);
+        let second = if self.edges.len() == 2 { unit } else { Interval::point(0.0) };
+        let sign = Interval::point(sign);
+        let found = largest([unit, second], Effort::FORMULA, |&part| {
+            let axes = [Variable::X, Variable::Y, Variable::Z].into_iter().zip(self.part(part));
+            let place = axes.fold(Place::origin(), |place, (axis, range)| place.with(axis, range));
+            let found = f.over(&place);
+            if found.undefined { Interval::ALL } else { sign * found.range }
+        });
+        (found, self.part(found.at.map(Interval::point)).map(Interval::middle))
     }
 
     pub(crate) fn lengths(&self) -> Vec<f64> {

@@ -4,9 +4,11 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::SetupError;
+use super::kernel_bounds::{KernelBounds, KernelNorms};
 use crate::singular::in_the_largest;
 use crate::{AbstractScene, Law, Scene};
-use vhi::finite::{ComponentLaw, FiniteModel};
+use formula::{Effort, Interval, Node, Place, Variable, largest};
+use vhi::finite::FiniteModel;
 use vhi::history::TimeRule;
 use vhi::{SingularSlot, StepBounds, monotonicity};
 
@@ -29,21 +31,26 @@ pub struct AbstractConstants {
     pub m0: f64,
     /// ‖R‖ on X*.
     pub r_norm: f64,
-    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, sampled; without the terms that are infinite at s =
+    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, proved; without the terms that are infinite at s =
     /// t.
     pub q_norm: f64,
-    /// max ‖q(t, t)‖ over t, sampled.
+    /// max ‖q(t, t)‖ over t, proved.
     pub q_norm_now: f64,
+    /// What R q(t, t) can take from the monotonicity of a step of weight 1: max over t of -λ_min of the symmetric part of
+    /// N' R q(t, t), if N is linear in y, else β_φ‖R‖ max ‖q(t, t)‖.
+    pub destabilizing: f64,
     /// a of the terms (t - s)^{-a} b(t, s); 0 without one.
     pub power: f64,
-    /// ‖b‖ and ‖b(t, t)‖ likewise.
+    /// ‖b‖, ‖b(t, t)‖ and what b can take, likewise.
     pub b_norm: f64,
     pub b_norm_now: f64,
+    pub b_destabilizing: f64,
+    /// The slopes of g and N are bounded for |r|, |y| up to this.
+    pub slopes_up_to: f64,
 }
 
 impl AbstractConstants {
-    /// The bounds on the step size. The last slot may act in any direction, so all of it counts against the
-    /// monotonicity of a step.
+    /// The bounds on the step size.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
         StepBounds {
@@ -52,7 +59,7 @@ impl AbstractConstants {
             lipschitz,
             paper_lipschitz: lipschitz,
             last_slot: self.beta_phi * now,
-            destabilizing: self.beta_phi * now,
+            destabilizing: self.destabilizing,
             last_share: rule.last_share(),
             singular: SingularSlot {
                 power: self.power,
@@ -60,22 +67,19 @@ impl AbstractConstants {
                 lipschitz: self.r_norm * self.b_norm,
                 paper_lipschitz: self.r_norm * self.b_norm,
                 last_slot: self.beta_phi * self.r_norm * self.b_norm_now,
-                destabilizing: self.beta_phi * self.r_norm * self.b_norm_now,
+                destabilizing: self.b_destabilizing,
             },
         }
     }
 }
 
-/// Samples of component laws, and of kernels in t and s.
-const SAMPLES: u32 = 400;
-const TIMES: u32 = 64;
-/// Components and histories are sampled on [-REACH, REACH].
+/// Slopes without a bound for all arguments are bounded for |r|, |y| up to this.
 const REACH: f64 = 10.0;
 
 /// The constants of an abstract problem.
 ///
 /// # Errors
-/// An inner product that is not positive definite.
+/// An inner product that is not positive definite; a kernel or a slope without a bound.
 pub(crate) fn abstract_constants(
     scene: &Scene,
     problem: &AbstractScene,
@@ -99,12 +103,26 @@ pub(crate) fn abstract_constants(
         DMatrix::from_diagonal(&DVector::from_fn(m, |i, _| slopes.get(i).map_or(0.0, of)))
     };
     let size = |[low, high]: &[f64; 2]| low.abs().max(high.abs());
-    let nonlinear = slopes(&model.nonlinear, |law, y, r| law.by_r(y, r));
+    let mut slopes_up_to = f64::INFINITY;
+    let mut slopes = |key: &str, nodes: &Option<Vec<Node>>, by| {
+        let nodes = nodes.iter().flatten().enumerate();
+        let each = nodes.map(|(i, &node)| {
+            let (slopes, reach) = slope_range(scene, node, by);
+            slopes_up_to = reach.min(slopes_up_to);
+            let message = format!("the slope has no bound for arguments up to {REACH}");
+            let hint = "a component of the operator or of phi must be Lipschitz";
+            let known = slopes.is_finite();
+            scene.refuse_if(!known, &format!("{key}.{i}"), message, hint)?;
+            Ok([slopes.low, slopes.high])
+        });
+        each.collect::<Result<Vec<[f64; 2]>, SetupError>>()
+    };
+    let nonlinear = slopes("operator.nonlinear", &problem.nonlinear, Variable::X)?;
+    let by_r = slopes("phi.force", &problem.force, Variable::X)?;
+    let by_y = slopes("phi.force", &problem.force, Variable::Y)?;
     let shifted = &model.matrix + diagonal(&nonlinear, |[low, _]| *low);
     let symmetric = to_dual(&(0.5 * (&shifted + shifted.transpose())));
     let bends = to_dual(&diagonal(&nonlinear, size));
-    let by_r = slopes(&model.force, |law, y, r| law.by_r(y, r));
-    let by_y = slopes(&model.force, |law, y, r| law.by_y(y, r));
     let beta_phi = match model.force.is_empty() {
         true => 1.0,
         false => norm(&inverse_half) * diagonal(&by_y, size).max() * norm(&half),
@@ -121,8 +139,38 @@ pub(crate) fn abstract_constants(
     let m0 = monotonicity(m_a, alpha_phi + alpha_j * c_j_squared);
     let r_norm = norm(&(&inverse_half * &model.r * &half));
     let horizon = scene.time.horizon;
-    let (q_norm, q_norm_now) = kernel_norms(horizon, model, 0.0, to_dual);
-    let (power, b_norm, b_norm_now) = singular_norms(horizon, model, to_dual);
+    // N' if it is a matrix: the identity for N = y.
+    let linear = by_y.iter().all(|[low, high]| low == high);
+    let by_y = match model.force.is_empty() {
+        true => DMatrix::identity(m, m),
+        false => diagonal(&by_y, |[low, _]| *low),
+    };
+    let kernels = KernelBounds::new(&scene.formulas, problem, horizon, |l| {
+        let matrix = &model.kernels[l].matrix;
+        let last = to_dual(&(&by_y * &model.r * matrix));
+        [to_dual(matrix), 0.5 * (&last + last.transpose())]
+    });
+    if let Some((l, t)) = kernels.unbounded() {
+        let message = format!("q(t, s) has no bound near t = {t:.6}");
+        let hint = "a kernel must be continuous for 0 <= s <= t <= T; exp(s - t) is an example";
+        return Err(scene.error(&format!("history.kernels.{l}.q"), message, hint).into());
+    }
+    let with_phi = |norms: KernelNorms| match linear {
+        true => norms,
+        false => KernelNorms { destabilizing: beta_phi * r_norm * norms.now, ..norms },
+    };
+    let plain = with_phi(kernels.norms(0.0));
+    let powers = in_the_largest(problem.kernels.iter().map(|kernel| kernel.power), horizon);
+    let (power, singular) =
+        powers.into_iter().fold((0.0, KernelNorms::default()), |(_, sum), (power, scale)| {
+            let norms = with_phi(kernels.norms(power));
+            let sum = KernelNorms {
+                all: sum.all + scale * norms.all,
+                now: sum.now + scale * norms.now,
+                destabilizing: sum.destabilizing + scale * norms.destabilizing,
+            };
+            (power, sum)
+        });
     Ok(AbstractConstants {
         m_a,
         l_a: norm(&to_dual(&model.matrix)) + norm(&bends),
@@ -132,71 +180,42 @@ pub(crate) fn abstract_constants(
         c_j_squared,
         m0,
         r_norm,
-        q_norm,
-        q_norm_now,
+        q_norm: plain.all,
+        q_norm_now: plain.now,
+        destabilizing: plain.destabilizing,
         power,
-        b_norm,
-        b_norm_now,
+        b_norm: singular.all,
+        b_norm_now: singular.now,
+        b_destabilizing: singular.destabilizing,
+        slopes_up_to,
     })
 }
 
-/// The largest norms of Σ_l b_l(t, s) Q_l: X → X* over s ≤ t and over s = t, for the terms with (t - s)^{-power} b_l.
-fn kernel_norms(
-    horizon: f64,
-    model: &FiniteModel,
-    power: f64,
-    to_dual: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
-) -> (f64, f64) {
-    let m = model.dimension();
-    let terms: Vec<_> = model.kernels.iter().filter(|term| term.kernel.power() == power).collect();
-    let at = |t: f64, s: f64| {
-        let mut sum = DMatrix::zeros(m, m);
-        for term in &terms {
-            sum += term.kernel.factor(t, s) * &term.matrix;
-        }
-        norm(&to_dual(&sum))
+/// A proved range of the slope of a component law, for all arguments or else for those up to [`REACH`], and which.
+fn slope_range(scene: &Scene, law: Node, by: Variable) -> (Interval, f64) {
+    let mut graph = scene.formulas.clone();
+    let slope = graph.derivative(law, by);
+    let range = |over: Interval| {
+        let mut slope = graph.enclosing(slope);
+        let mut end = |sign: f64| {
+            let found = largest([over, over], Effort::FORMULA, |&[y, r]| {
+                let place = Place::origin().with(Variable::Y, y).with(Variable::X, r);
+                let found = slope.over(&place);
+                let all = found.undefined;
+                if all { Interval::ALL } else { found.range * Interval::point(sign) }
+            });
+            sign * found.bound
+        };
+        let (low, high) = (end(-1.0), end(1.0));
+        Interval::new(low, high)
     };
-    if terms.is_empty() {
-        return (0.0, 0.0);
+    let everywhere = range(Interval::ALL);
+    match everywhere.is_finite() {
+        true => (everywhere, f64::INFINITY),
+        false => (range(Interval::new(-REACH, REACH)), REACH),
     }
-    let time = |i: u32| horizon * f64::from(i) / f64::from(TIMES);
-    let pairs = (0..=TIMES).flat_map(|i| (0..=i).map(move |j| (time(i), time(j))));
-    let all = pairs.map(|(t, s)| at(t, s)).fold(0.0, f64::max);
-    let now = (0..=TIMES).map(|i| at(time(i), time(i))).fold(0.0, f64::max);
-    (all, now)
 }
 
-/// The largest power a, and the norms of all terms that are infinite at s = t as terms (t - s)^{-a} b.
-fn singular_norms(
-    horizon: f64,
-    model: &FiniteModel,
-    to_dual: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
-) -> (f64, f64, f64) {
-    let all = model.kernels.iter().map(|term| term.kernel.power());
-    let sum = |(_, all, now): (f64, f64, f64), (power, scale): (f64, f64)| {
-        let of_power = kernel_norms(horizon, model, power, &to_dual);
-        (power, all + scale * of_power.0, now + scale * of_power.1)
-    };
-    in_the_largest(all, horizon).into_iter().fold((0.0, 0.0, 0.0), sum)
-}
-
-/// Smallest and largest slope of each component law over the samples.
-fn slopes(
-    laws: &[Box<dyn ComponentLaw>],
-    slope: fn(&dyn ComponentLaw, f64, f64) -> f64,
-) -> Vec<[f64; 2]> {
-    let place = |i: u32| REACH * (2.0 * f64::from(i) / f64::from(SAMPLES) - 1.0);
-    let of_law = |law: &dyn ComponentLaw| {
-        let points = (0..=SAMPLES)
-            .flat_map(|i| (0..=SAMPLES).step_by(20).map(move |j| (place(j), place(i))));
-        let values = points.map(|(y, r)| slope(law, y, r));
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-            [low.min(value), high.max(value)]
-        })
-    };
-    laws.iter().map(|law| of_law(&**law)).collect()
-}
-
-fn norm(a: &DMatrix<f64>) -> f64 {
+pub(super) fn norm(a: &DMatrix<f64>) -> f64 {
     a.singular_values().max()
 }

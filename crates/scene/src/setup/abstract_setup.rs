@@ -43,11 +43,12 @@ impl AbstractSetup {
             return Err(scene.error("scene.kind", message, hint).into());
         };
         let model = model(&scene, &problem);
+        // First: a kernel without a bound has no integrals either.
+        let constants = abstract_constants(&scene, &problem, &model)?;
         let exact = exact(&scene, &problem).map_err(|error| {
             let hint = "write u and q by functions that vary on the scale of the horizon";
             scene.error("exact.u", error.to_string(), hint)
         })?;
-        let constants = abstract_constants(&scene, &problem, &model)?;
         let setup =
             Self { scene, problem: *problem, model, exact, constants, states: ByTime::default() };
         setup.admissible()?;

@@ -1,11 +1,10 @@
 //! Constants of the contact problem (section 5 of the paper) for its step size.
 
+use super::memory_norms::{MemoryNorms, plain_norms, singular_norms};
 use super::trace_family::trace_families;
-use super::{Setup, SetupError, elasticity, memory_tensor};
-use crate::singular::in_the_largest;
-use crate::{Domain, RelaxationTerm};
+use super::{Setup, SetupError, elasticity};
+use crate::Domain;
 use fem::contact::{TraceMass, TracePart};
-use formula::{EvaluationPoint, Node};
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
 use vhi::{SingularSlot, StepBounds, monotonicity};
@@ -35,7 +34,7 @@ pub struct Constants {
     pub c_tau_squared: f64,
     /// m0 = m_𝒜 - [`Self::concave`] with the extrapolated c_j² and c_τ².
     pub m0: f64,
-    /// L_κ.
+    /// L_κ, see [`super::YieldSlope`].
     pub lipschitz_kappa: f64,
     /// √|Ω|.
     pub root_area: f64,
@@ -47,6 +46,8 @@ pub struct Constants {
     pub memory: MemoryNorms,
     /// a, and C(t) of the terms t^{-a} C(t).
     pub singular: (f64, MemoryNorms),
+    /// The last slot on each region, the rest of the body first.
+    pub regions: Vec<RegionSlot>,
 }
 
 /// S = μ_f p(u_ν).
@@ -83,17 +84,14 @@ impl Coulomb {
     }
 }
 
-/// Norms of the relaxation tensor.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct MemoryNorms {
-    /// max over [0, T] of the operator norm of ℬ(t) on S^d.
-    pub operator: f64,
-    /// max over [0, T] of the sum of the moduli of all entries, the paper's norm of Q_∞.
-    pub entries: f64,
-    /// Operator norm of ℬ(0).
-    pub at_zero: f64,
-    /// Smallest and largest eigenvalue of ℬ(0) on S^d.
-    pub spectrum_at_zero: (f64, f64),
+/// What one region has in the last slot of the history, for weight 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RegionSlot {
+    /// The smallest eigenvalue of 𝒜 there.
+    pub m_elastic: f64,
+    /// Of ℬ(0), and of C(0) in the terms t^{-a} C(t).
+    pub memory: MemoryNorms,
+    pub singular: MemoryNorms,
 }
 
 impl Constants {
@@ -143,6 +141,21 @@ impl Constants {
         Self { m0: monotonicity(with.m_elastic, with.concave()), ..with }
     }
 
+    /// The largest over all regions of what `of` makes of the region and its share m0/d, d its own part of the monotonicity:
+    /// m_𝒜 there less [`Self::concave`].
+    ///
+    /// If δ is the difference of two solutions and η that of their frozen slots, Σ d ‖δ‖² ≤ w Σ β ‖η‖ ‖δ‖ over the
+    /// regions. So ‖δ‖ ≤ w max(β/√d) ‖η‖/√m0, and a step is monotone as long as w β < d on each region, β = -λ_min ℬ(0). Both
+    /// are sharper than the largest β over the smallest d, m0.
+    fn by_region(&self, of: impl Fn(&RegionSlot, f64) -> f64) -> f64 {
+        let share = |region: &RegionSlot| {
+            let share = self.m0 / (region.m_elastic - self.concave());
+            // 1 on the softest region, and where (2.9) fails.
+            if share > 0.0 && share < 1.0 { share } else { 1.0 }
+        };
+        self.regions.iter().map(|region| of(region, share(region))).fold(0.0, f64::max)
+    }
+
     /// The bounds on the step size that follow.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         StepBounds {
@@ -150,16 +163,21 @@ impl Constants {
             beta_phi: self.beta_phi,
             lipschitz: 1.0 + self.memory.operator,
             paper_lipschitz: 1.0 + self.memory.entries,
-            last_slot: self.yielding + self.memory.at_zero,
-            destabilizing: self.yielding + (-self.memory.spectrum_at_zero.0).max(0.0),
+            last_slot: self.yielding
+                + self.by_region(|region, share| share.sqrt() * region.memory.at_zero),
+            destabilizing: self.by_region(|region, share| {
+                share * (self.yielding + (-region.memory.spectrum_at_zero.0).max(0.0))
+            }),
             last_share: rule.last_share(),
             singular: SingularSlot {
                 power: self.singular.0,
                 share: rule.last_weight(self.singular.0, 1.0),
                 lipschitz: self.singular.1.operator,
                 paper_lipschitz: self.singular.1.entries,
-                last_slot: self.singular.1.at_zero,
-                destabilizing: (-self.singular.1.spectrum_at_zero.0).max(0.0),
+                last_slot: self.by_region(|region, share| share.sqrt() * region.singular.at_zero),
+                destabilizing: self.by_region(|region, share| {
+                    share * (-region.singular.spectrum_at_zero.0).max(0.0)
+                }),
             },
         }
     }
@@ -170,8 +188,6 @@ impl Constants {
 const FINEST: [u32; 2] = [32, 8];
 /// Limit of its cells, if a coarser mesh satisfies it: some 60 MB with factor and iterates.
 const MOST_CELLS: [f64; 2] = [65_536.0, 32_768.0];
-/// Samples of the kernel on [0, T].
-const KERNEL_SAMPLES: u32 = 512;
 
 /// The constants of a scene.
 ///
@@ -215,14 +231,23 @@ pub(super) fn with_needed(
 pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     let scene = &setup.scene;
     let material = &setup.body.material;
-    let (m_elastic, largest) = elasticity(material).eigenvalues(scene.dimension);
+    let tensor = elasticity(material);
+    let (m_elastic, largest) = tensor.eigenvalues(scene.dimension);
     let mu = setup.projection_mu();
     let alpha_nu = alpha_nu(setup);
-    let lipschitz_kappa =
-        material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
+    let lipschitz_kappa = setup.kappa.lipschitz;
     let root_area = setup.body.domain.measure().sqrt();
-    // Without projection nothing depends on κ, whatever its slope.
-    let yielding = if mu == 0.0 { 0.0 } else { mu * lipschitz_kappa * root_area };
+    let yielding = mu * lipschitz_kappa * root_area;
+    let plain = plain_norms(setup);
+    let (power, singular) = singular_norms(setup);
+    let slots = plain.iter().zip(&singular).enumerate();
+    let regions = slots
+        .map(|(region, (&memory, &singular))| RegionSlot {
+            m_elastic: tensor.on(region).eigenvalues(scene.dimension).0,
+            memory,
+            singular,
+        })
+        .collect();
     Constants {
         m_elastic,
         m_a: m_elastic + mu,
@@ -245,8 +270,9 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         root_area,
         yielding,
         beta_phi: yielding.max(1.0),
-        memory: memory_norms(setup, &of_power(setup, 0.0)),
-        singular: singular_norms(setup),
+        memory: MemoryNorms::of_all(&plain),
+        singular: (power, MemoryNorms::of_all(&singular)),
+        regions,
     }
 }
 
@@ -258,61 +284,6 @@ fn coulomb(setup: &Setup) -> Option<Coulomb> {
     let coefficient = setup.body.friction()?.bound.coefficient();
     let rise = setup.body.law()?.steepest_rise();
     (coefficient > 0.0).then_some(Coulomb { coefficient, rise })
-}
-
-/// The terms of ℬ with t^{-a} in their kernels, without it.
-fn of_power(setup: &Setup, a: f64) -> Vec<(Node, TensorField)> {
-    let factor = |memory: &RelaxationTerm| match memory.singular {
-        None => (a == 0.0).then_some(memory.kernel),
-        Some(singular) => (a == singular.power).then_some(singular.factor),
-    };
-    let memory = setup.body.material.memory.iter();
-    memory
-        .filter_map(|memory_term| Some((factor(memory_term)?, memory_tensor(memory_term))))
-        .collect()
-}
-
-/// The largest power a, and the norms of all terms that are infinite at t = 0 as terms t^{-a} C(t).
-fn singular_norms(setup: &Setup) -> (f64, MemoryNorms) {
-    let terms = setup.body.material.memory.iter().filter_map(|term| term.singular);
-    let powers = in_the_largest(terms.map(|singular| singular.power), setup.scene.time.horizon);
-    let (mut most, mut sum) = (0.0, MemoryNorms::default());
-    for (power, scale) in powers {
-        let norms = memory_norms(setup, &of_power(setup, power));
-        most = power;
-        sum.operator += scale * norms.operator;
-        sum.entries += scale * norms.entries;
-        sum.at_zero += scale * norms.at_zero;
-        sum.spectrum_at_zero.0 += scale * norms.spectrum_at_zero.0.min(0.0);
-        sum.spectrum_at_zero.1 += scale * norms.spectrum_at_zero.1.max(0.0);
-    }
-    (most, sum)
-}
-
-fn memory_norms(setup: &Setup, terms: &[(Node, TensorField)]) -> MemoryNorms {
-    let scene = &setup.scene;
-    let d = scene.dimension;
-    // ℬ(t) = Σ b_i(t) ℬ_i.
-    let relaxation = |t: f64| {
-        let at = EvaluationPoint { t, ..EvaluationPoint::default() };
-        let b = |kernel: Node| scene.formulas.evaluate(kernel, &at);
-        let (first, others) = terms.split_first()?;
-        let start = first.1.scaled(b(first.0));
-        Some(others.iter().fold(start, |sum, (kernel, tensor)| sum.plus(b(*kernel), tensor, d)))
-    };
-    let Some(at_zero) = relaxation(0.0) else { return MemoryNorms::default() };
-    let step = scene.time.horizon / f64::from(KERNEL_SAMPLES);
-    let (mut operator, mut entries) = (0f64, 0f64);
-    for tensor in (0..=KERNEL_SAMPLES).filter_map(|i| relaxation(step * f64::from(i))) {
-        operator = operator.max(tensor.norm(d));
-        entries = entries.max(tensor.entry_sum(d));
-    }
-    MemoryNorms {
-        operator,
-        entries,
-        at_zero: at_zero.norm(d),
-        spectrum_at_zero: at_zero.eigenvalues(d),
-    }
 }
 
 /// The meshes for extrapolating c_j², each twice as fine as the one before: three, or fewer if even the coarsest mesh

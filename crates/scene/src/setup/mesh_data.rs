@@ -9,7 +9,9 @@ use super::rule_check::{RuleCheck, check_times, rule_check};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
 use crate::{Data, Side};
 use exact::{Exact, ExactOnMesh, InterpolatedOnMesh, Truth};
-use fem::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
+use fem::contact::{
+    CaseError, CaseInfo, Discretization, Load, LoadError, Observer, StepView, march,
+};
 use fem::norms::{ReferenceRun, Trajectory};
 use fem::space::quadrature::TruthRules;
 use vhi::StepSolver;
@@ -137,7 +139,7 @@ impl MeshData {
     /// force and moments of given or strong-form loads are checked.
     ///
     /// # Errors
-    /// The solver's; [`LoadError::Resultant`].
+    /// The solver's; [`LoadError::Resultant`]; [`CaseError::BeyondZeta`].
     pub fn march(
         &self,
         setup: &Setup,
@@ -149,7 +151,16 @@ impl MeshData {
         self.load_check.get_or_init(checked).clone()?;
         let mut load = TruthLoad(&*self.truth);
         let grid = setup.grid(steps);
-        let info = march(&self.space, &setup.model, &grid, &mut load, solver, observe)?;
+        let reach = setup.kappa.zeta;
+        let mut watched = |view: &StepView<'_>| {
+            let (n, t, zeta) = (view.n, view.t, view.zeta);
+            if zeta > reach {
+                Err(CaseError::BeyondZeta { n, t, zeta, reach })
+            } else {
+                observe(view)
+            }
+        };
+        let info = march(&self.space, &setup.model, &grid, &mut load, solver, &mut watched)?;
         Ok(CaseInfo { paths: info.paths.union(of_scene(setup, self)), ..info })
     }
 

@@ -7,9 +7,11 @@ mod constants;
 mod contraction;
 mod formulas;
 mod given_load;
+mod kernel_bounds;
 mod laws;
 mod load_check;
 mod material;
+mod memory_norms;
 mod mesh_data;
 mod paths;
 mod regularity;
@@ -18,6 +20,7 @@ mod scheme;
 mod step_size;
 mod subject;
 mod trace_family;
+mod yield_slope;
 
 use std::sync::Arc;
 
@@ -25,7 +28,7 @@ pub use abstract_constants::AbstractConstants;
 pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
 pub use constants::{
-    Constants, Coulomb, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
+    Constants, Coulomb, RegionSlot, constants, step_bounds, trace_levels, with_trace_constant,
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub(crate) use formulas::KernelFormula;
@@ -34,6 +37,7 @@ use formulas::on_contact;
 pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 use laws::potential;
 pub use material::{cell_regions, elasticity, memory_tensor};
+pub use memory_norms::MemoryNorms;
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use rule_check::RuleCheck;
@@ -41,6 +45,7 @@ pub use scheme::{NewtonMarch, Scheme};
 pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_families};
+pub use yield_slope::{YieldSlope, ZetaFrom};
 
 use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
 use algebra::linalg::{EigenError, Precision};
@@ -78,6 +83,8 @@ pub struct Setup {
     pub model: Model,
     /// If the scene has one.
     pub exact: Option<Arc<Exact>>,
+    /// L_κ, and up to which ζ it holds.
+    pub kappa: YieldSlope,
     /// The solver under test; by default [`NewtonMarch`].
     pub scheme: Arc<dyn Scheme>,
     /// Overrides [`LinearSolver::of`].
@@ -90,7 +97,7 @@ impl Setup {
     /// Builds model and exact solution, and checks what needs them: λ ≥ 0, u_ν ≤ g, (2.9), ….
     ///
     /// # Errors
-    /// Those of [`admissible`].
+    /// Those of [`admissible`]; κ without a Lipschitz constant.
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
         let Body::Contact(body) = &scene.body else {
             let message = "an abstract problem has no body, mesh or contact";
@@ -102,9 +109,11 @@ impl Setup {
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
         let scheme = Arc::new(NewtonMarch);
-        let setup =
-            Self { scene, body, model, exact, scheme, linear_solver: None, precision: None };
+        let (linear_solver, precision) = (None, None);
+        let kappa = YieldSlope { lipschitz: 0.0, zeta: f64::INFINITY, from: ZetaFrom::Everywhere };
+        let mut setup = Self { scene, body, model, exact, kappa, scheme, linear_solver, precision };
         admissible(&setup)?;
+        setup.kappa = yield_slope::yield_slope(&setup)?;
         Ok(setup)
     }
 

@@ -73,7 +73,7 @@ fn wrong_numbers_and_keys_are_refused_at_their_place() {
             "`jump` = -1 is not positive",
         ),
         ("{ kind = \"none\", scale = \"1 + x\" }", "takes no `scale`"),
-        ("{ kind = \"linear\", stiffness = 2.0, scale = \"1 - 2*x\" }", "`scale` is 0 at x = 0.5"),
+        ("{ kind = \"linear\", stiffness = 2.0, scale = \"1 - 2*x\" }", "`scale` is -1 at x = 1"),
         ("{ kind = \"linear\", stiffness = 2.0, scale = \"1/x\" }", "`scale` is inf at x = 0"),
         ("{ kind = \"linear\", stiffness = 2.0, scale = \"1 + t\" }", "`t` is not allowed here"),
         ("{ kind = \"exponental\", stiffness = 2.0, length = 0.1 }", "did you mean `exponential`?"),

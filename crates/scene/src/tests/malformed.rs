@@ -111,10 +111,16 @@ fn time_and_material() {
         case("lambda = 1.0\nmu_L = 1.0", "E = 1.0\nnu = 0.5", 18, 6, "outside (-1, 0.5)"),
         case("-exp(-t)", "1/t", 20, 10, "the memory kernel is inf at t = 0"),
         case("-exp(-t)", "t^(-0.5)", 20, 10, "the memory kernel is inf at t = 0"),
+        // The pole is no multiple of a step of any sampling.
+        case("-exp(-t)", "1/(t - 0.3)", 20, 10, "the memory kernel has no bound near t = 0.300000"),
         case("-exp(-t)", "-exp(-x)", 20, 17, "`x` is not allowed here"),
         case("-exp(-t)", "-exp(-t", 20, 15, "a `)` is missing"),
         case("kappa = \"0.10 + 0.05*zeta\"", "kappa = \"0.10 - 0.05*zeta\"", 25, 9, "a yield bound must be finite and not negative"),
         case("kappa = \"0.10 + 0.05*zeta\"", "kappa = \"0.10 + sqrt(zeta)\"", 25, 9, "violates = [\"5.1\"]"),
+        // Between samples at 0.05 apart.
+        case("kappa = \"0.10 + 0.05*zeta\"", "kappa = \"0.10 - 9*max(0, 0.02 - abs(zeta - 0.725))\"", 25, 9, "a yield bound must be finite and not negative"),
+        case("kappa = \"0.10 + 0.05*zeta\"", "kappa = \"if(zeta < 0.137, 0.1, 0.2)\"", 25, 9, "it jumps between 0.100000 and 0.200000 at zeta = 0.137000"),
+        case("kappa = \"0.10 + 0.05*zeta\"", "kappa = \"0.1 + abs(zeta - 0.137)^0.5\"", 25, 9, "its derivative has no bound near zeta = 0.137000"),
         case("mu = 1.0\nkappa", "mu = -1.0\nkappa", 24, 6, "not be monotone"),
     ]);
 }

@@ -4,6 +4,7 @@ mod accepted;
 mod good;
 mod laws;
 mod malformed;
+mod proved;
 mod pure;
 mod shapes;
 mod shipped;

@@ -45,12 +45,14 @@ impl BoundStudy {
 /// The constants of an abstract problem with how each was obtained.
 fn table(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
     // Eigenvalues are exact to rounding.
-    let row = |name: &str, value: f64, sampled: bool, note: &str| {
-        let (how, by) = match sampled {
-            true => (Obtained::Declared, "; slopes sampled on [-10, 10]"),
-            false => (Obtained::Computed, ""),
+    let row = |name: &str, value: f64, by_slopes: bool, note: &str| {
+        let (how, by) = match (by_slopes, c.slopes_up_to) {
+            (false, _) => (Obtained::Computed, String::new()),
+            (true, f64::INFINITY) => (Obtained::Proved, "; slopes for all arguments".into()),
+            (true, reach) => (Obtained::Proved, format!("; slopes for |r|, |y| <= {reach}")),
         };
-        Constant { safe: !sampled, ..Constant::new(name, value, how, format!("{note}{by}")) }
+        let safe = !by_slopes || c.slopes_up_to == f64::INFINITY;
+        Constant { safe, ..Constant::new(name, value, how, format!("{note}{by}")) }
     };
     let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
     let mut rows = vec![
@@ -63,12 +65,9 @@ fn table(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
         row("m0", c.m0, bent || forced, "m_A - alpha_phi - alpha_j c_j^2 (2.9)"),
         row("|R|", c.r_norm, false, "norm on X*"),
     ];
-    for (name, value, note) in [
-        ("|q|", c.q_norm, "largest norm X -> X* over 0 <= s <= t <= T, 65 times"),
-        ("|q(t,t)|", c.q_norm_now, "the same over s = t"),
-    ] {
-        rows.push(Constant { safe: false, ..row(name, value, false, note) });
-    }
+    let note = "largest norm X -> X* over 0 <= s <= t <= T";
+    rows.push(Constant::new("|q|", c.q_norm, Obtained::Proved, note));
+    rows.push(Constant::new("|q(t,t)|", c.q_norm_now, Obtained::Proved, "the same over s = t"));
     rows
 }
 

@@ -113,9 +113,9 @@ pub fn law(potential: &dyn Potential) -> [Sampled; 2] {
     ]
 }
 
-fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, horizon: f64) -> Sampled {
+fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, most: f64) -> Sampled {
     let mut seed = 43;
-    let mut place = || horizon * 10f64.powf(2.0 * signed_unit(&mut seed));
+    let mut place = || most * 10f64.powf(2.0 * signed_unit(&mut seed) - 2.0);
     let mut needed = 0f64;
     for _ in 0..10 * SAMPLES {
         let (r, s) = (place(), place());
@@ -190,7 +190,10 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
         rows.extend(self.elasticity(&model.elasticity, constants));
         rows.extend(self.phi(&model.projection, setup.projection_mu(), constants));
         let limit = model.projection.limit();
-        rows.extend(limit.map(|kappa| lipschitz_kappa(kappa, constants.lipschitz_kappa, horizon)));
+        let declared = constants.lipschitz_kappa;
+        // Up to the ζ for which it is declared.
+        let most = (100.0 * horizon).min(setup.kappa.zeta);
+        rows.extend(limit.map(|kappa| lipschitz_kappa(kappa, declared, most)));
         rows.push(self.history(&model.memory, horizon, 1.0 + constants.memory.operator));
     }
 

@@ -14,8 +14,8 @@ use vhi::history::TimeGrid;
 use vhi::law::{Convolution, HistoryKernel, TensorField};
 use vhi::monotonicity;
 
-/// Constants of one scene. Where they bound a measured difference, each is the value itself or an
-/// upper bound, except L_κ and sup ‖ℬ‖, which are sampled (exactly for affine κ and monotone kernels).
+/// Constants of one scene. Where they bound a measured difference, each is the value itself or a proved
+/// upper bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GronwallConstants {
     /// m0 = m_𝒜 - α_ν C, C a proved upper bound of c_j² (a stress).
