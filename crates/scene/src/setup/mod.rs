@@ -17,7 +17,7 @@ mod rule_check;
 mod scheme;
 mod step_size;
 mod subject;
-mod trace_family;
+mod trace_constant;
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub use abstract_constants::AbstractConstants;
 pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
 pub use constants::{
-    Constants, Coulomb, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
+    Constants, Coulomb, MemoryNorms, Smallness, constants, step_bounds, with_trace_constants,
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub(crate) use formulas::KernelFormula;
@@ -40,7 +40,7 @@ pub use rule_check::RuleCheck;
 pub use scheme::{NewtonMarch, Scheme};
 pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
-pub use trace_family::{TraceFamily, trace_families};
+pub use trace_constant::{TraceConstant, trace_cells, trace_constant};
 
 use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
 use algebra::linalg::{EigenError, Precision};
@@ -116,14 +116,6 @@ impl Setup {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
 
-    /// V^h of linear elements, for constants of the problem.
-    ///
-    /// # Errors
-    /// As [`Self::space`].
-    pub(crate) fn linear_space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
-        self.with_regions(self.plain_space(n), n)
-    }
-
     fn with_regions(
         &self,
         mut space: Discretization,
@@ -132,11 +124,6 @@ impl Setup {
         let material = &self.body.material;
         space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
         Ok(Arc::new(space))
-    }
-
-    /// Linear elements without regions, independent of material and element.
-    pub(crate) fn plain_space(&self, n: u32) -> Discretization {
-        self.space_of(Element::P1, n)
     }
 
     fn space_of(&self, element: Element, n: u32) -> Discretization {
