@@ -21,7 +21,7 @@ use run::sweep::{
     CasePlan, Cost, FloorRow, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan,
     floors_beside,
 };
-use scene::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
+use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
 use scene::{Data, Hypothesis, RelaxationTerm};
 use studies::theory::corner::{Corner, corners};
 use vhi::history::FastConvolution;
@@ -424,15 +424,12 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
 /// Constants of the trace, and how friction changes them.
 fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let mut findings = Vec::new();
+    // The value beside its range: the same that `bound` prints.
+    let known = |[least, most]: [f64; 2]| {
+        format!("limit of meshes, between {least:.6} and {most:.6}; no bound")
+    };
     if c.c_j_squared > 0.0 {
-        let levels: Vec<String> =
-            trace_levels(&setup.body.domain).iter().map(u32::to_string).collect();
-        let (few, list) = (levels.len() < 3, levels.join(", "));
-        let how = match few {
-            true => format!("on n = {list}, finer meshes having too many cells; no bound"),
-            false => format!("extrapolated from n = {list}; no bound"),
-        };
-        findings.push(fact("c_j^2", c.c_j_squared, &how));
+        findings.push(fact("c_j^2", c.c_j_squared, &known(c.c_j_range)));
     }
     if let Some(bound) = c.c_j_squared_bound {
         findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));
@@ -440,7 +437,7 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     if setup.model.friction.is_some() {
         let how = "proved: steepest descent of the friction bound";
         findings.push(fact("alpha_tau", c.alpha_tau, how));
-        findings.push(fact("c_tau^2", c.c_tau_squared, "extrapolated as c_j^2 is; no bound"));
+        findings.push(fact("c_tau^2", c.c_tau_squared, &known(c.c_tau_range)));
         if let Some(coulomb) = &c.coulomb {
             let [a, b] = coulomb.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);
             findings.push(fact("A", a, "of |v_nu|^2 in (2.9): friction follows the normal law"));
@@ -453,13 +450,30 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     findings
 }
 
+/// (2.9), for all c_j² and c_τ² in their ranges.
+fn smallness(c: &Constants) -> Finding {
+    let [low, high] = c.m0_range;
+    let range = match low == high {
+        true => format!("m0 = {:.6}", c.m0),
+        false => format!("m0 = {:.6}, between {low:.6} and {high:.6}", c.m0),
+    };
+    let (status, text) = match c.smallness() {
+        Smallness::Holds => (Status::Verified, range),
+        Smallness::Fails => (Status::Weak, range),
+        Smallness::Unknown => {
+            (Status::Unknown, format!("{range}: neither verified nor refused, its sign is unknown"))
+        }
+    };
+    Finding::new("m0 > 0 (2.9)", status, c.m0, text)
+}
+
 /// Constants of the paper, with their origin.
 fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let mut findings = vec![mesh_quality(setup)];
     // Of all of φ, including friction that follows the normal law.
     let alpha_phi = match c.coulomb {
         None => "proved: mu",
-        Some(_) => "mu + mu_f L_p c_j c_tau with the extrapolated c_j, c_tau",
+        Some(_) => "mu + mu_f L_p c_j c_tau with these c_j, c_tau",
     };
     findings.extend([
         fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
@@ -469,9 +483,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
     ]);
     findings.extend(trace_findings(setup, c));
-    let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
-    let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);
-    findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));
+    findings.push(smallness(c));
     findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
     findings.push(fact("|B|", c.memory.operator, "proved: operator norm on [0, T]"));
     if c.singular.0 > 0.0 {

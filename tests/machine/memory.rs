@@ -148,7 +148,7 @@ fn commands_that_make_meshes_alone_refuse_those_that_do_not_fit() {
 }
 
 /// A strip under a soft layer that gives way, of unit height: whether it may be solved is decided by a constant of its
-/// contact side, which is computed on meshes.
+/// contact side, which is computed on meshes of few cells, however long it is.
 fn strip(length: f64) -> String {
     format!(
         r#"[scene]
@@ -188,12 +188,11 @@ fn constants_of_long_domains_are_computed_within_the_limit() {
     let scene = folder.file("strip.toml", &strip(1000.0));
     let arguments = ["check", &scene, "--memory-limit", "64M"];
     let output = sweep(&arguments);
-    let said = stderr(&output);
-    assert!(code(&output) == 2 && said.contains("strip, c_j^2: about "), "{said}");
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
     let taken = peak(&arguments);
     println!("check: {:.0} MB of {:.0} MB", taken / 1e6, limit / 1e6);
     assert!(taken < limit, "{taken}");
-    // Here the coarsest mesh of all is above it.
+    // Here the coarsest mesh of a run is above it.
     let scene = folder.file("longer.toml", &strip(100_000.0));
     let out = folder.argument("out");
     for command in [
@@ -208,8 +207,7 @@ fn constants_of_long_domains_are_computed_within_the_limit() {
         let output = sweep(&arguments);
         let said = stderr(&output);
         assert_eq!(code(&output), 2, "{command:?}: {said}");
-        for part in ["strip, c_j^2: ", "of memory predicted", "limit of 64.0 MiB", "--memory-limit"]
-        {
+        for part in ["strip n = ", "of memory predicted", "limit of 64.0 MiB", "--memory-limit"] {
             assert!(said.contains(part), "{command:?}: {part}: {said}");
         }
         let taken = peak(&arguments);

@@ -52,6 +52,7 @@ mod step_size;
 mod tangent;
 mod three_dimensions;
 mod time_rules;
+mod trace_constants;
 mod trade;
 #[path = "../turned/mod.rs"]
 mod turned;

@@ -21,6 +21,8 @@ pub enum Status {
     Fact,
     /// A hypothesis of the theorem that fails, or is verified only to the given accuracy.
     Weak,
+    /// The accuracy of a number does not decide.
+    Unknown,
     /// The data are inconsistent.
     Failed,
 }
@@ -32,6 +34,7 @@ impl Status {
             Self::Verified => "verified",
             Self::Fact => "fact",
             Self::Weak => "weak",
+            Self::Unknown => "unknown",
             Self::Failed => "FAILED",
         }
     }

@@ -1,5 +1,6 @@
 //! Simplex meshes: vertices, cells, boundary facets with named sides.
 
+mod bisection;
 mod coarse;
 mod edgewise;
 mod family;

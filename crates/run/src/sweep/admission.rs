@@ -2,7 +2,7 @@
 
 use super::cost::{Cost, PROGRAM, PlanCost, kept_by_meshes, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
-use super::needs::{constants_bytes, least_bytes_of_mesh};
+use super::needs::{constants_fit, least_bytes_of_mesh};
 use super::plan::{CasePlan, ScenePlan};
 use fem::contact::Discretization;
 use scene::Scene;
@@ -100,8 +100,7 @@ pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<
     if body.domain.contact.is_empty() || !any && body.is_monotone() {
         return Ok(());
     }
-    constants_bytes(body, limit)
-        .and_then(|bytes| limit.admit(bytes, false))
+    constants_fit(body, limit)
         .map_err(|source| Refused { what: format!("{}, c_j^2", scene.name), source })
 }
 

@@ -225,15 +225,5 @@ pub fn run_cost(setup: &Setup, space: &Discretization, steps: u32) -> RunCost {
     }
 }
 
-/// Vectors kept by an eigenvalue iteration: all iterates and images. The limit is reached on long domains, where many
-/// eigenvalues are close to the largest.
-const ITERATES: f64 = 1200.0;
-
-/// Memory for computing a trace constant on a mesh: stiffness matrix, factor in double precision, and iterates.
-pub(super) fn eigenvalue_bytes(space: &Discretization) -> f64 {
-    let (entries, [factor, _]) = (space.pattern.entries() as f64, space.factor_size());
-    PROGRAM + 12.0 * factor + 40.0 * entries + 8.0 * ITERATES * space.dofs() as f64
-}
-
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,11 @@
 //! Memory needs of the cases of a sweep, and refusal of those that exceed the limit.
 
-use super::cost::{Cost, PlanCost, eigenvalue_bytes, run_cost};
+use super::cost::{Cost, PlanCost, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use fem::contact::Discretization;
 use scene::ContactScene;
-use scene::setup::{Setup, SetupError, side_numbers, trace_levels};
+use scene::setup::{Setup, SetupError, trace_cells};
 
 /// Costs of the reference run of a plan, and of some of its cases in order or why they are refused: all of them, if the
 /// reference run is too large, which each counts as its own.
@@ -84,18 +84,9 @@ pub(super) fn least_bytes_of_mesh(setup: &Setup, n: u32, steps: u32) -> f64 {
     SURELY * cells / domain.cells(coarse) * bytes().unwrap_or(0.0)
 }
 
-/// Bytes for the trace constants of a scene, before its model is made; a lower bound if that already exceeds the limit.
-pub(super) fn constants_bytes(body: &ContactScene, limit: &MemoryLimit) -> Result<f64, TooLarge> {
-    let domain = &body.domain;
-    let Some(&finest) = trace_levels(domain).last() else { return Ok(0.0) };
-    let cells = domain.cells(finest);
+/// Refuses a scene on so many simplices that not even the matrices of its trace constants fit, before its model is made.
+pub(super) fn constants_fit(body: &ContactScene, limit: &MemoryLimit) -> Result<(), TooLarge> {
+    let cells = trace_cells(&body.domain);
     // Small meshes are made at once, as for runs.
-    if cells <= MOMENT[0] {
-        return Ok(0.0);
-    }
-    limit.admit(CELL * cells, true)?;
-    let sides = [&domain.clamped, &domain.contact].map(|sides| side_numbers(sides));
-    // What makes the mesh reports its errors.
-    let space = Discretization::new(domain.mesh(finest), &sides[0], &sides[1]);
-    Ok(eigenvalue_bytes(&space))
+    if cells <= MOMENT[1] { Ok(()) } else { limit.admit(CELL * cells, true) }
 }

@@ -1,10 +1,9 @@
 //! Constants of the contact problem (section 5 of the paper) for its step size.
 
 use super::memory_norms::{MemoryNorms, plain_norms, singular_norms};
-use super::trace_family::trace_families;
+use super::trace_constant::{TraceConstant, trace_constant};
 use super::{Setup, SetupError, elasticity};
-use crate::Domain;
-use fem::contact::{TraceMass, TracePart};
+use fem::contact::TracePart;
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
 use vhi::{SingularSlot, StepBounds, monotonicity};
@@ -22,18 +21,24 @@ pub struct Constants {
     pub alpha_phi: f64,
     /// α_ν of (2.8c) (a stiffness).
     pub alpha_nu: f64,
-    /// c_j² (a length): extrapolated from meshes, not a bound.
+    /// c_j² (a length): a limit of meshes, not a bound.
     pub c_j_squared: f64,
+    /// Between these.
+    pub c_j_range: [f64; 2],
     /// A proved upper bound of c_j²: the distance of Γ3 from a clamped parallel side.
     pub c_j_squared_bound: Option<f64>,
     /// α_τ of friction whose bound falls with the slip (a stiffness).
     pub alpha_tau: f64,
     /// Friction whose bound follows the normal law.
     pub coulomb: Option<Coulomb>,
-    /// c_τ² (a length), likewise for u_τ: extrapolated from meshes, not a bound; 0 if not computed.
+    /// c_τ² (a length), likewise for u_τ; 0 if not computed.
     pub c_tau_squared: f64,
-    /// m0 = m_𝒜 - [`Self::concave`] with the extrapolated c_j² and c_τ².
+    /// Between these.
+    pub c_tau_range: [f64; 2],
+    /// m0 = m_𝒜 - [`Self::concave`].
     pub m0: f64,
+    /// Between these, with the ranges of c_j² and c_τ².
+    pub m0_range: [f64; 2],
     /// L_κ, see [`super::YieldSlope`].
     pub lipschitz_kappa: f64,
     /// √|Ω|.
@@ -48,6 +53,15 @@ pub struct Constants {
     pub singular: (f64, MemoryNorms),
     /// The last slot on each region, the rest of the body first.
     pub regions: Vec<RegionSlot>,
+}
+
+/// What is known of 0 < m0, (2.9).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Smallness {
+    Holds,
+    Fails,
+    /// Zero lies in the range of m0.
+    Unknown,
 }
 
 /// S = μ_f p(u_ν).
@@ -102,19 +116,39 @@ impl Constants {
 
     /// α_ν and α_τ; with friction that follows the normal law A and B of [`Coulomb::coefficients`].
     pub(super) fn coefficients(&self) -> [f64; 2] {
+        self.coefficients_with([self.c_j_squared, self.c_tau_squared])
+    }
+
+    fn coefficients_with(&self, [c_j_squared, c_tau_squared]: [f64; 2]) -> [f64; 2] {
         match &self.coulomb {
             None => [self.alpha_nu, self.alpha_tau],
-            Some(coulomb) => {
-                coulomb.coefficients(self.alpha_nu, self.c_j_squared, self.c_tau_squared)
-            }
+            Some(coulomb) => coulomb.coefficients(self.alpha_nu, c_j_squared, c_tau_squared),
         }
     }
 
     /// α_ν c_j² + α_τ c_τ², the part of the monotonicity taken by falling laws, or A c_j² + B c_τ², which bounds λ_max(A
     /// M_ν + B M_τ).
     pub fn concave(&self) -> f64 {
-        let [normal, tangential] = self.coefficients();
-        normal * self.c_j_squared + tangential * self.c_tau_squared
+        self.concave_with([self.c_j_squared, self.c_tau_squared])
+    }
+
+    /// The same of other c_j² and c_τ², with which it grows.
+    fn concave_with(&self, squares: [f64; 2]) -> f64 {
+        if self.coulomb.is_some() && squares.contains(&f64::INFINITY) {
+            return f64::INFINITY;
+        }
+        // What takes nothing may be known as badly as it likes.
+        let taken = self.coefficients_with(squares).into_iter().zip(squares);
+        taken.map(|(a, c)| if a == 0.0 { 0.0 } else { a * c }).sum()
+    }
+
+    /// What is known of 0 < m0.
+    pub fn smallness(&self) -> Smallness {
+        match self.m0_range {
+            [low, _] if low > 0.0 => Smallness::Holds,
+            [_, high] if high <= 0.0 => Smallness::Fails,
+            _ => Smallness::Unknown,
+        }
     }
 
     /// α_φ of (2.7b) for all of φ: μ, and μ_f L_p c_j c_τ of friction that follows the normal law, with the
@@ -134,32 +168,26 @@ impl Constants {
         self.falls() + self.of_coulomb()
     }
 
-    /// These constants with c_τ² of the friction.
-    #[must_use]
-    pub fn with_friction(self, c_tau_squared: f64) -> Self {
-        let with = Self { c_tau_squared, ..self };
-        Self { m0: monotonicity(with.m_elastic, with.concave()), ..with }
-    }
-
-    /// The largest over all regions of what `of` makes of the region and its share m0/d, d its own part of the monotonicity:
-    /// m_𝒜 there less [`Self::concave`].
+    /// The largest over all regions of what `of` makes of the region and its share m0/d, m0 the least one and d the region's
+    /// own part of the monotonicity: m_𝒜 there less what the laws on Γ3 take.
     ///
     /// If δ is the difference of two solutions and η that of their frozen slots, Σ d ‖δ‖² ≤ w Σ β ‖η‖ ‖δ‖ over the
     /// regions. So ‖δ‖ ≤ w max(β/√d) ‖η‖/√m0, and a step is monotone as long as w β < d on each region, β = -λ_min ℬ(0). Both
     /// are sharper than the largest β over the smallest d, m0.
     fn by_region(&self, of: impl Fn(&RegionSlot, f64) -> f64) -> f64 {
         let share = |region: &RegionSlot| {
-            let share = self.m0 / (region.m_elastic - self.concave());
+            let least = self.m0_range[0];
+            let share = least / (region.m_elastic - self.m_elastic + least);
             // 1 on the softest region, and where (2.9) fails.
             if share > 0.0 && share < 1.0 { share } else { 1.0 }
         };
         self.regions.iter().map(|region| of(region, share(region))).fold(0.0, f64::max)
     }
 
-    /// The bounds on the step size that follow.
+    /// The bounds on the step size that follow, with the least m0.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         StepBounds {
-            m0: self.m0,
+            m0: self.m0_range[0],
             beta_phi: self.beta_phi,
             lipschitz: 1.0 + self.memory.operator,
             paper_lipschitz: 1.0 + self.memory.entries,
@@ -183,52 +211,64 @@ impl Constants {
     }
 }
 
-/// The finest mesh for c_j² before extrapolation, in the plane and in space, where a level costs as much as a plane one
-/// four times as fine.
-const FINEST: [u32; 2] = [32, 8];
-/// Limit of its cells, if a coarser mesh satisfies it: some 60 MB with factor and iterates.
-const MOST_CELLS: [f64; 2] = [65_536.0, 32_768.0];
 
-/// The constants of a scene.
+/// The constants of a scene, c_τ² if there is friction.
 ///
 /// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
+/// A stiffness matrix that cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
-    if setup.body.domain.contact.is_empty() {
-        return Ok(with_trace_constant(setup, 0.0));
-    }
-    if setup.model.friction.is_none() {
-        return Ok(with_trace_constant(setup, trace_limits(setup, [TracePart::Normal])?[0]));
-    }
-    let [normal, tangential] = trace_limits(setup, [TracePart::Normal, TracePart::Tangential])?;
-    Ok(with_trace_constant(setup, normal).with_friction(tangential))
+    let tangential = match setup.model.friction {
+        None => TraceConstant::ZERO,
+        Some(_) => of_domain(setup, TracePart::Tangential)?,
+    };
+    Ok(with_trace_constants(setup, &of_domain(setup, TracePart::Normal)?, &tangential))
 }
 
 /// The constants for the step size: c_j² is computed only if the law falls somewhere.
 ///
 /// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
+/// As [`constants`].
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
-    let found = with_needed(setup, |part| Ok(trace_limits(setup, [part])?[0]))?;
-    Ok(found.step_bounds(setup.model.time_rule.as_ref()))
+    Ok(needed(setup)?.step_bounds(setup.model.time_rule.as_ref()))
+}
+
+/// The constants for (2.9) and the step size.
+///
+/// # Errors
+/// As [`constants`].
+pub(super) fn needed(setup: &Setup) -> Result<Constants, SetupError> {
+    with_needed(setup, |part| of_domain(setup, part))
+}
+
+/// c_j² or c_τ², without contact 0.
+fn of_domain(setup: &Setup, part: TracePart) -> Result<TraceConstant, SetupError> {
+    let domain = &setup.body.domain;
+    if domain.contact.is_empty() {
+        return Ok(TraceConstant::ZERO);
+    }
+    // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
+    trace_constant(domain, &TensorField::identity(), part)
 }
 
 /// The constants with c_j² and c_τ², each computed only if a law on Γ3 takes from the monotonicity by it.
 pub(super) fn with_needed(
     setup: &Setup,
-    constant: impl Fn(TracePart) -> Result<f64, SetupError>,
+    constant: impl Fn(TracePart) -> Result<TraceConstant, SetupError>,
 ) -> Result<Constants, SetupError> {
     let follows = coulomb(setup).is_some();
-    let normal = if alpha_nu(setup) > 0.0 || follows { constant(TracePart::Normal)? } else { 0.0 };
-    let found = with_trace_constant(setup, normal);
-    if found.alpha_tau > 0.0 || follows {
-        return Ok(found.with_friction(constant(TracePart::Tangential)?));
-    }
-    Ok(found)
+    let falls = setup.body.friction().is_some_and(|friction| friction.alpha() > 0.0);
+    let needed = |part, is_needed| if is_needed { constant(part) } else { Ok(TraceConstant::ZERO) };
+    let normal = needed(TracePart::Normal, alpha_nu(setup) > 0.0 || follows)?;
+    let tangential = needed(TracePart::Tangential, falls || follows)?;
+    Ok(with_trace_constants(setup, &normal, &tangential))
 }
 
-/// The constants of a scene for a given c_j²; falling friction also needs [`Constants::with_friction`].
-pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
+/// The constants of a scene for a given c_j² and c_τ².
+pub fn with_trace_constants(
+    setup: &Setup,
+    normal: &TraceConstant,
+    tangential: &TraceConstant,
+) -> Constants {
     let scene = &setup.scene;
     let material = &setup.body.material;
     let tensor = elasticity(material);
@@ -248,7 +288,7 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
             singular,
         })
         .collect();
-    Constants {
+    let mut constants = Constants {
         m_elastic,
         m_a: m_elastic + mu,
         l_a: largest + mu,
@@ -256,8 +296,10 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         alpha_nu,
         alpha_tau: setup.body.friction().map_or(0.0, crate::Friction::alpha),
         coulomb: coulomb(setup),
-        c_tau_squared: 0.0,
-        c_j_squared,
+        c_tau_squared: tangential.value,
+        c_tau_range: tangential.range(),
+        c_j_squared: normal.value,
+        c_j_range: normal.range(),
         // If the lines from Γ3, one plane piece, into the body end on a clamped side after at most H, then for v = 0 there
         // |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
         //
@@ -265,7 +307,8 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         // each triangle (or tetrahedron) has one of them, and h times the sum over edges with the vertex weights is the
         // integral over Ω.
         c_j_squared_bound: setup.body.domain.depth_under_contact(),
-        m0: monotonicity(m_elastic, alpha_nu * c_j_squared),
+        m0: f64::NAN,
+        m0_range: [f64::NAN; 2],
         lipschitz_kappa,
         root_area,
         yielding,
@@ -273,7 +316,15 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         memory: MemoryNorms::of_all(&plain),
         singular: (power, MemoryNorms::of_all(&singular)),
         regions,
-    }
+    };
+    let [[c_j, most_c_j], [c_tau, most_c_tau]] = [constants.c_j_range, constants.c_tau_range];
+    let m0 = |squares| match constants.concave_with(squares) {
+        f64::INFINITY => f64::NEG_INFINITY,
+        concave => monotonicity(m_elastic, concave),
+    };
+    let range = [m0([most_c_j, most_c_tau]), m0([c_j, c_tau])];
+    (constants.m0, constants.m0_range) = (m0([normal.value, tangential.value]), range);
+    constants
 }
 
 fn alpha_nu(setup: &Setup) -> f64 {
@@ -284,27 +335,4 @@ fn coulomb(setup: &Setup) -> Option<Coulomb> {
     let coefficient = setup.body.friction()?.bound.coefficient();
     let rise = setup.body.law()?.steepest_rise();
     (coefficient > 0.0).then_some(Coulomb { coefficient, rise })
-}
-
-/// The meshes for extrapolating c_j², each twice as fine as the one before: three, or fewer if even the coarsest mesh
-/// is not far below `MOST_CELLS`.
-pub fn trace_levels(domain: &Domain) -> Vec<u32> {
-    let place = usize::from(domain.dimension() == 3);
-    let mut finest = FINEST[place];
-    while finest > 1 && domain.cells(finest) > MOST_CELLS[place] {
-        finest /= 2;
-    }
-    [finest / 4, finest / 2, finest].into_iter().filter(|&n| n > 0).collect()
-}
-
-/// c_j² or c_τ², extrapolated.
-fn trace_limits<const K: usize>(
-    setup: &Setup,
-    parts: [TracePart; K],
-) -> Result<[f64; K], SetupError> {
-    let levels = trace_levels(&setup.body.domain);
-    // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
-    let squares = parts.map(|part| (part, TraceMass::Consistent));
-    let families = trace_families(setup, &TensorField::identity(), squares, &levels)?;
-    Ok(families.map(|family| family.limit))
 }

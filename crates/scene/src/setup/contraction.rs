@@ -1,7 +1,7 @@
 //! Bound of the contraction factor of the decomposition of Remark 3, from the scene's constants.
 
 use super::constants::with_needed;
-use super::{AbstractSetup, Setup, SetupError};
+use super::{AbstractSetup, Setup, SetupError, TraceConstant};
 use fem::contact::{Discretization, TraceMass, trace_constants};
 use vhi::law::TensorField;
 
@@ -20,7 +20,7 @@ pub fn decomposition_bound(
 ) -> Result<f64, SetupError> {
     let constants = with_needed(setup, |part| {
         trace_constants(space, &TensorField::identity(), [(part, TraceMass::Lumped)])
-            .map(|[found]| found.value)
+            .map(|[found]| TraceConstant::exactly(found.value))
             .map_err(|source| SetupError::Constant { n, source })
     })?;
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());

@@ -19,7 +19,7 @@ mod rule_check;
 mod scheme;
 mod step_size;
 mod subject;
-mod trace_family;
+mod trace_constant;
 mod yield_slope;
 
 use std::sync::Arc;
@@ -28,7 +28,7 @@ pub use abstract_constants::AbstractConstants;
 pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
 pub use constants::{
-    Constants, Coulomb, RegionSlot, constants, step_bounds, trace_levels, with_trace_constant,
+    Constants, Coulomb, RegionSlot, Smallness, constants, step_bounds, with_trace_constants,
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub(crate) use formulas::KernelFormula;
@@ -44,7 +44,7 @@ pub use rule_check::RuleCheck;
 pub use scheme::{NewtonMarch, Scheme};
 pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
-pub use trace_family::{TraceFamily, trace_families};
+pub use trace_constant::{TraceConstant, trace_cells, trace_constant};
 pub use yield_slope::{YieldSlope, ZetaFrom};
 
 use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
@@ -125,14 +125,6 @@ impl Setup {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
 
-    /// V^h of linear elements, for constants of the problem.
-    ///
-    /// # Errors
-    /// As [`Self::space`].
-    pub(crate) fn linear_space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
-        self.with_regions(self.plain_space(n), n)
-    }
-
     fn with_regions(
         &self,
         mut space: Discretization,
@@ -141,11 +133,6 @@ impl Setup {
         let material = &self.body.material;
         space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
         Ok(Arc::new(space))
-    }
-
-    /// Linear elements without regions, independent of material and element.
-    pub(crate) fn plain_space(&self, n: u32) -> Discretization {
-        self.space_of(Element::P1, n)
     }
 
     fn space_of(&self, element: Element, n: u32) -> Discretization {

@@ -1,6 +1,7 @@
 //! Step sizes against (3.4): refusals and remarks.
 
-use super::{SetupError, Subject, constants::step_bounds};
+use super::constants::{Constants, Smallness, needed, step_bounds};
+use super::{SetupError, Subject};
 use crate::Hypothesis;
 use vhi::{StepBounds, StepPlace};
 
@@ -42,7 +43,16 @@ pub fn check_step_sizes(
     if violates(Hypothesis::Smallness) || violates(Hypothesis::LipschitzKappa) {
         return Ok(None);
     }
-    let bounds = subject_bounds(subject)?;
+    let bounds = match subject {
+        Subject::Contact(setup) => {
+            let constants = needed(setup)?;
+            if constants.smallness() == Smallness::Unknown {
+                return Ok(Some(StepRemark { warning: true, text: unknown(&constants) }));
+            }
+            constants.step_bounds(setup.model.time_rule.as_ref())
+        }
+        Subject::Abstract(_) => subject_bounds(subject)?,
+    };
     let size = |steps: u32| subject.grid(steps).largest_step();
     let Some(coarsest) = steps.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b))) else {
         return Ok(None);
@@ -64,6 +74,14 @@ pub fn check_step_sizes(
         StepPlace::Unguaranteed => return Err(refusal(subject, coarsest, k, &bounds)),
     };
     Ok(Some(StepRemark { warning: place != StepPlace::WithinTheorem, text }))
+}
+
+fn unknown(constants: &Constants) -> String {
+    let [low, high] = constants.m0_range;
+    let [least, most] = constants.c_j_range;
+    format!(
+        "whether (2.9) holds is unknown, neither verified nor refused: m0 lies between {low:.6} and {high:.6}, c_j^2 being known between {least:.6} and {most:.6}; no bound on the step size follows"
+    )
 }
 
 fn below(limit: f64) -> String {

@@ -231,6 +231,37 @@ fn the_bound_of_quadratic_elements_has_their_order() {
     assert!((order(residuals) - 1.0).abs() < 0.15, "{residuals:?}");
 }
 
+/// Stiffness against compression up to 1e4 times that against shear leaves the bound as it is, since its stresses balance to
+/// rounding; and stresses that miss a millionth of a traction are still told from these.
+#[test]
+fn nearly_incompressible_bodies_have_a_bound() {
+    let sound = setup("zone-appears").unwrap().scene.source.text.clone();
+    assert!(sound.contains("\nlambda = 1.0\n"), "{sound}");
+    for ratio in ["300.0", "1e3", "1e4"] {
+        let text = sound.replacen("\nlambda = 1.0\n", &format!("\nlambda = {ratio}\n"), 1);
+        let scene =
+            scene::Scene::from_source(scene::Source::from_text("stiff.toml", text)).unwrap();
+        let setup = Setup::new(scene).unwrap();
+        let found = guarantee(&setup, 16, 2).unwrap_or_else(|error| panic!("{ratio}: {error}"));
+        // The error in time is none: no memory.
+        let holds = |level: &BoundedLevel| level.error.unwrap() <= level.bound * (1.0 + 1e-9);
+        assert!(found.levels.iter().all(holds), "{ratio}: {found:?}");
+        let space = setup.space(16).unwrap();
+        let clamped = side_numbers(&setup.body.domain.clamped);
+        let mut equilibrium = Equilibrium::new(&space, &setup.model.elasticity, &clamped).unwrap();
+        let mut densities = Densities::new(&setup, &space, &equilibrium.edges).unwrap();
+        let loads = densities.at(&space, &equilibrium.edges, 0.7).unwrap();
+        let start = vec![Triangle::constant(&[0.1, -0.2, 0.3]); space.mesh.cell_count()];
+        let mut stresses = equilibrium.nearest(&start, &loads.given);
+        let balanced = equilibrium.imbalance(&stresses, &loads.given);
+        println!("{ratio}: in equilibrium to {balanced:.1e}");
+        assert!(balanced < BALANCED, "{ratio}: {balanced:e}");
+        stresses[37] *= 1.0 + 1e-6;
+        let off = equilibrium.imbalance(&stresses, &loads.given);
+        assert!(off > BALANCED, "{ratio}: {off:e}");
+    }
+}
+
 /// What the theorem does not cover is refused with its reason.
 #[test]
 fn other_scenes_are_refused_with_a_reason() {

@@ -35,6 +35,8 @@ pub(super) struct Triangle {
     pub(super) of_divergence: SMatrix<f64, 54, 6>,
     /// How far its conditions are off, relative to what is asked.
     pub(super) missed: f64,
+    /// How far those of [`Self::of_edges`] are off, for displacements of size 1.
+    pub(super) missed_by_edges: f64,
 }
 
 impl Triangle {
@@ -53,6 +55,7 @@ impl Triangle {
             of_edges: SMatrix::zeros(),
             of_divergence: SMatrix::zeros(),
             missed: 0.0,
+            missed_by_edges: 0.0,
         };
         triangle.to_tractions = triangle.traction_matrix();
         let (conditions, asked) = (triangle.conditions(), triangle.asked());
@@ -65,8 +68,12 @@ impl Triangle {
         let raised = inverse * conditions.transpose();
         let inner = (conditions * raised).cholesky()?.inverse();
         let free = inverse * triangle.to_tractions.transpose();
-        triangle.of_edges = free - raised * (inner * (conditions * free));
-        triangle.of_divergence = raised * (inner * asked);
+        // Twice: G M⁻¹ Gᵀ has the condition of 𝒜, whose rounding a second correction removes.
+        let held = |stress: SMatrix<f64, 54, 12>| stress - raised * (inner * (conditions * stress));
+        triangle.of_edges = held(held(free));
+        triangle.missed_by_edges = (conditions * triangle.of_edges).amax();
+        let first = raised * (inner * asked);
+        triangle.of_divergence = first - raised * (inner * (conditions * first - asked));
         triangle.missed = (conditions * triangle.of_divergence - asked).amax() / asked.amax();
         Some(triangle)
     }

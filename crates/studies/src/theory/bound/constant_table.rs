@@ -64,9 +64,11 @@ impl Constant {
     }
 }
 
+/// `constants` are those of the problem, `m0_on_mesh` that of the discrete one.
 pub(crate) fn table(
     setup: &Setup,
     constants: &Constants,
+    m0_on_mesh: f64,
     traces: Option<&TraceConstants>,
 ) -> Vec<Constant> {
     let mut rows = operator_rows(setup, constants);
@@ -74,6 +76,10 @@ pub(crate) fn table(
     rows.extend(friction_rows(setup, constants));
     rows.extend(traces.map(|traces| trace_rows(constants, traces)).unwrap_or_default());
     rows.extend(smallness_rows(setup, constants));
+    if let Some(TraceConstants { n, .. }) = traces {
+        let note = "the same with the largest c_j^2 and c_tau^2 of this table, for the bounds on this mesh";
+        rows.push(Constant::new(format!("m0, n = {n}"), m0_on_mesh, Extrapolated, note));
+    }
     rows.extend(memory_rows(&constants.memory));
     rows
 }
@@ -84,7 +90,7 @@ fn operator_rows(setup: &Setup, c: &Constants) -> Vec<Constant> {
     let alpha_phi = match c.coulomb {
         None => row("alpha_phi", c.alpha_phi, "mu: the projection is nonexpansive"),
         Some(_) => {
-            let note = "mu + mu_f L_p c_j c_tau, with the largest c_j and c_tau of this table";
+            let note = "mu + mu_f L_p c_j c_tau, with the limits";
             Constant::new("alpha_phi", c.alpha_phi_as_printed(), Extrapolated, note)
         }
     };
@@ -118,15 +124,13 @@ fn smallness_rows(setup: &Setup, c: &Constants) -> Vec<Constant> {
     let monotone = c.alpha_nu == 0.0 && c.alpha_tau == 0.0 && c.coulomb.is_none();
     let how = if monotone { Proved } else { Extrapolated };
     let note = match setup.model.friction {
-        None => "m_A - alpha_phi - alpha_j c_j^2 (2.9), with the largest c_j^2 of this table",
-        Some(_) if c.coulomb.is_some() => {
-            "m_A - mu - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md), with the largest of this table"
-        }
-        Some(_) => {
-            "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2, with the largest of this table"
-        }
+        None => "m_A - alpha_phi - alpha_j c_j^2 (2.9)",
+        Some(_) if c.coulomb.is_some() => "m_A - mu - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md)",
+        Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2",
     };
-    let mut rows = vec![Constant::new("m0", c.m0, how, note)];
+    let uncertainty = c.m0_range.map(|end| (end - c.m0).abs()).into_iter().reduce(f64::max);
+    let uncertainty = uncertainty.filter(|_| !monotone);
+    let mut rows = vec![Constant { uncertainty, ..Constant::new("m0", c.m0, how, note) }];
     let normal_alone = c.alpha_nu > 0.0 && c.alpha_tau == 0.0 && c.coulomb.is_none();
     if let Some(bound) = c.c_j_squared_bound.filter(|_| normal_alone) {
         let value = c.m_elastic - c.alpha_nu * bound;
@@ -171,21 +175,22 @@ const MASSES: [&str; 2] = ["consistent mass", "vertex rule"];
 fn trace_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
     let mut rows = Vec::new();
     let korn = "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it";
-    let tangential = traces.tangential.as_ref().map(|pair| ("c_tau^2", pair, korn));
+    let tangential = traces.tangential.as_ref().map(|of| ("c_tau^2", of, korn));
     let normal = [
         ("c_j^2", &traces.strain, "sup |v_nu|^2/|eps(v)|^2"),
         ("energy constant", &traces.energy, "sup |v_nu|^2/(A eps(v), eps(v))"),
     ];
-    for (symbol, pair, meaning) in normal.into_iter().chain(tangential) {
-        for (family, mass) in pair.iter().zip(MASSES) {
+    for (symbol, of, meaning) in normal.into_iter().chain(tangential) {
+        for (value, mass) in of.values.into_iter().zip(MASSES) {
             let note = if mass == MASSES[0] { "not above the limit" } else { "no side is sure" };
-            rows.extend(family.values.iter().map(|(n, value)| {
-                Constant::new(format!("{symbol}, n = {n}, {mass}"), *value, Computed, note)
-            }));
+            let name = format!("{symbol}, n = {}, {mass}", traces.n);
+            rows.push(Constant::new(name, value, Computed, note));
         }
-        let (value, uncertainty) = TraceConstants::limit(pair);
-        let limit = Constant::new(format!("{symbol}, limit"), value, Extrapolated, meaning);
-        rows.push(Constant { uncertainty: Some(uncertainty), ..limit });
+        rows.extend(of.limit.as_ref().map(|limit| {
+            let note = format!("{meaning}, {}", limit.how());
+            let row = Constant::new(format!("{symbol}, limit"), limit.value, Extrapolated, note);
+            Constant { uncertainty: Some(limit.uncertainty), ..row }
+        }));
     }
     if let Some(bound) = constants.c_j_squared_bound {
         let note = "distance of Gamma3 from the clamped side";
@@ -199,18 +204,18 @@ fn trace_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
 
 /// The α_j beyond which uniqueness is lost: 1/energy constant.
 fn lost_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
-    let of_finest = traces.energy.iter().zip(MASSES).filter_map(|(family, mass)| {
-        let (n, value) = family.values.last()?;
-        let name = format!("alpha_j lost, n = {n}, {mass}");
-        Some(Constant::new(name, 1.0 / value, Computed, "1/energy constant of the mesh"))
+    let of_mesh = traces.energy.values.into_iter().zip(MASSES).map(|(value, mass)| {
+        let name = format!("alpha_j lost, n = {}, {mass}", traces.n);
+        Constant::new(name, 1.0 / value, Computed, "1/energy constant of the mesh")
     });
-    let (energy, uncertainty) = TraceConstants::limit(&traces.energy);
-    let (strain, _) = TraceConstants::limit(&traces.strain);
-    let note = format!(
-        "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {:.6}",
-        constants.m_elastic / strain
-    );
-    let limit = Constant::new("alpha_j lost, k -> 0", 1.0 / energy, Extrapolated, note);
-    let uncertainty = Some(uncertainty / (energy * energy));
-    of_finest.chain([Constant { uncertainty, ..limit }]).collect()
+    let limit = traces.energy.limit.as_ref().map(|energy| {
+        let note = format!(
+            "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {:.6}",
+            constants.m_elastic / constants.c_j_squared
+        );
+        let limit = Constant::new("alpha_j lost, k -> 0", 1.0 / energy.value, Extrapolated, note);
+        let uncertainty = Some(energy.uncertainty / (energy.value * energy.value));
+        Constant { uncertainty, ..limit }
+    });
+    of_mesh.chain(limit).collect()
 }

@@ -1,11 +1,10 @@
 //! The step-size study of a contact scene.
 
-use super::constants::TraceConstants;
 use super::ladder::BoundError;
 use super::linear::linear_loss;
 use super::run::{self, ContractionStudy, FactorAtLevel};
-use ::run::sweep::{Runs, run_cost};
-use fem::contact::{Discretization, Evolution};
+use ::run::sweep::Runs;
+use fem::contact::Evolution;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::{StepBounds, StepState};
 
@@ -38,17 +37,11 @@ fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
     [n / 2, n, 2 * n].into_iter().filter(fits)
 }
 
-/// The runs of a study, and those of a single step with the factors of the trace constants.
+/// The runs of a study.
 pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
-    let studied: Vec<u32> = meshes_beside(setup, n).collect();
-    let traces = TraceConstants::meshes(setup).into_iter().filter(|n| !studied.contains(n));
-    let grid = studied.iter().map(|&n| (n, steps)).chain(traces.map(|n| (n, 1))).collect();
-    // Of earlier levels a run keeps the history alone; a mesh that is only factored has no loads.
-    let beside = move |space: &Discretization, steps: u32| match studied.contains(&space.mesh.n) {
-        true => 0.0,
-        false => -run_cost(setup, space, steps).load_bytes,
-    };
-    Runs { setup, grid, beside: Box::new(beside) }
+    let grid = meshes_beside(setup, n).map(|n| (n, steps)).collect();
+    // Of earlier levels a run keeps the history alone.
+    Runs { setup, grid, beside: Box::new(|_, _| 0.0) }
 }
 
 /// The factor at every level n ≥ 1 of a run.

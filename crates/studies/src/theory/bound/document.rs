@@ -19,6 +19,13 @@ impl BoundStudy {
             Some(_) => "–".into(),
             None => crossing(self.study.thresholds.radius),
         });
+        if let Some([low, high]) = self.unknown {
+            document.words(format!(
+                "Whether (2.9) holds is unknown, neither verified nor refused: m0 lies between {} and {}.",
+                digits(low, 6),
+                digits(high, 6)
+            ));
+        }
         document.words(self.answer());
         document.table("The bound in four numbers, k below each.", self.numbers());
         let violated = self.violations.iter().map(|v| {

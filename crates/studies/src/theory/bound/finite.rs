@@ -8,7 +8,7 @@ use super::ladder::BoundError;
 use super::run::{self, ContractionStudy};
 use super::sampled::Sampled;
 use algebra::linalg::{larger, signed_unit};
-use scene::setup::{AbstractConstants, AbstractLoad, AbstractSetup};
+use scene::setup::{AbstractConstants, AbstractLoad, AbstractSetup, Smallness};
 use vhi::finite::{FiniteEvolution, FiniteModel};
 
 /// Pairs of random states.
@@ -38,7 +38,10 @@ impl BoundStudy {
         study.climb(&mut level, state, &limits)?;
         let samples = samples(&setup.model, &setup.constants);
         let constants = table(&setup.constants, &setup.model);
-        Ok(Self::of(&setup.scene, (None, steps), constants, samples, limits, study, Vec::new()))
+        let m0 = setup.constants.m0;
+        let known = if m0 > 0.0 { Smallness::Holds } else { Smallness::Fails };
+        let found = super::smallness_violation(known, m0).into_iter().collect();
+        Ok(Self::of(&setup.scene, (None, steps), constants, samples, limits, study, found))
     }
 }
 

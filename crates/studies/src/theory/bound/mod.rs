@@ -31,7 +31,7 @@ use run::ContractionStudy;
 use sampled::Sampled;
 
 use scene::Scene;
-use scene::setup::Setup;
+use scene::setup::{Setup, Smallness};
 use serde::Serialize;
 use vhi::StepBounds;
 
@@ -65,6 +65,9 @@ pub struct BoundStudy {
     pub attained: bool,
     /// Inequalities that do not hold.
     pub violations: Vec<BoundViolation>,
+    /// Between what m0 lies, where its sign is unknown.
+    #[serde(rename = "m0_unknown")]
+    pub unknown: Option<[f64; 2]>,
 }
 
 /// The mesh of the samples: eight unknowns a unit length suffice for tensors of every kind.
@@ -81,18 +84,23 @@ impl BoundStudy {
         if setup.model.time_rule.last_share() == 0.0 {
             return Err(BoundError::NoLastSlot);
         }
-        let traces = TraceConstants::new(setup)?;
-        let space = setup.space(n)?;
-        let constants = constants::on_mesh(setup, traces.as_ref(), &space)?;
+        let traces = TraceConstants::new(setup, &*setup.space(n)?)?;
+        let whole = scene::setup::constants(setup)?;
+        let constants = traces.as_ref().map_or_else(|| whole.clone(), |of| of.on_mesh(setup));
         let limits = constants.step_bounds(setup.model.time_rule.as_ref());
         let fits = setup.scene.check_cells(SAMPLE_MESH).is_ok();
         let small = setup.space(if fits { SAMPLE_MESH } else { n })?;
         let samples = sampled::sample(setup, &constants, &small)?;
         let study = contact::study(setup, &limits, n, steps)?;
-        let of_traces = trace_violations(traces.as_ref(), &constants);
-        let constants = constant_table::table(setup, &constants, traces.as_ref());
+        let mut found = trace_violations(traces.as_ref(), &constants);
+        found.extend(smallness_violation(whole.smallness(), whole.m0));
+        let table = constant_table::table(setup, &whole, constants.m0, traces.as_ref());
         let grid = (Some(n), steps);
-        Ok(Self::of(&setup.scene, grid, constants, samples, limits, study, of_traces))
+        let mut study = Self::of(&setup.scene, grid, table, samples, limits, study, found);
+        if whole.smallness() == Smallness::Unknown {
+            study.unknown = Some(whole.m0_range);
+        }
+        Ok(study)
     }
 
     /// What follows from all that was found; `of_traces` are violations that only a mesh can have.
@@ -117,10 +125,6 @@ impl BoundStudy {
             let what = "other solutions from random starts <= 0";
             violations.extend(gate::broken(Some(k), what, others, 0.0));
         }
-        // 0 < m0: everything that the bound says rests on it.
-        if limits.m0.is_nan() || limits.m0 <= 0.0 {
-            violations.push(BoundViolation::new("0 < m0, (2.9)", 0.0, limits.m0));
-        }
         let attained = |r: &StepRung| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened;
         let measured = study.thresholds.radius.map(|[low, _]| low);
         Self {
@@ -136,6 +140,7 @@ impl BoundStudy {
             limits,
             study,
             violations,
+            unknown: None,
         }
     }
 
@@ -150,7 +155,12 @@ impl BoundStudy {
     }
 }
 
-/// The proved bound of c_j² against the eigenvalues of every mesh, in both masses.
+/// 0 < m0: everything that the bound says rests on it.
+fn smallness_violation(known: Smallness, m0: f64) -> Option<BoundViolation> {
+    (known == Smallness::Fails).then(|| BoundViolation::new("0 < m0, (2.9)", 0.0, m0))
+}
+
+/// The proved bound of c_j² against the eigenvalues of the mesh, in both masses, and of the meshes for the limit.
 fn trace_violations(
     traces: Option<&TraceConstants>,
     constants: &scene::setup::Constants,
@@ -160,10 +170,13 @@ fn trace_violations(
     };
     // Rounding of an eigenvalue that settles to 1e-13.
     let most = bound * (1.0 + 1e-10);
-    let values = traces.strain.iter().flat_map(|family| &family.values);
-    let above = values.filter(|(_, value)| value.is_nan() || *value > most);
-    let what = |n: &u32| format!("c_j^2 on the mesh n = {n} <= its proved bound");
-    above.map(|(n, value)| BoundViolation::new(what(n), *value, bound)).collect()
+    let on_mesh = traces.strain.values.map(|value| (format!("the mesh n = {}", traces.n), value));
+    let of_limit = traces.strain.limit.iter().flat_map(|limit| &limit.values);
+    let of_limit = of_limit.map(|(cells, value)| (format!("a mesh of {cells} cells"), *value));
+    let above = on_mesh.into_iter().chain(of_limit);
+    let above = above.filter(|(_, value)| value.is_nan() || *value > most);
+    let what = |mesh: &str| format!("c_j^2 on {mesh} <= its proved bound");
+    above.map(|(mesh, value)| BoundViolation::new(what(&mesh), value, bound)).collect()
 }
 
 /// The step sizes that are proved, and those that were found.

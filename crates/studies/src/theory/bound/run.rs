@@ -102,7 +102,7 @@ impl ContractionStudy {
 /// A ladder begins below (3.4), and no k is below it.
 fn no_ladder(m0: f64) -> String {
     format!(
-        "m0 = {m0:.6} is not positive, (2.9) is violated: no k is known to have one solution, from which it could be followed"
+        "the least m0 = {m0:.6} is not positive, (2.9) is violated or unknown: no k is known to have one solution, from which it could be followed"
     )
 }
 

@@ -1,0 +1,352 @@
+//! c_j² = sup ‖v_ν‖²/‖ε(v)‖² and c_τ² of a domain: the one computation that all commands take them from.
+//!
+//! On nested spaces the quotients are lower bounds that grow. Quadratics on triangles that are small where v is singular
+//! make them grow fast; halving all triangles shows how fast. Near a corner with v ~ r^s a halving leaves 2^{-2s} of the
+//! error or less, and no corner of an elastic body in the plane has s < 1/4 (clamped next to free around a whole turn):
+//! what is missing is at most the last growth over √2 - 1, once each growth is a share of the one before.
+
+use std::f64::consts::{PI, SQRT_2};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::{SetupError, side_numbers};
+use crate::{Domain, Shape};
+use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
+use fem::mesh::{BoundaryFacet, CoarseMesh, Family, lattice};
+use fem::space::Element;
+use vhi::law::TensorField;
+
+/// sup ‖v_ν‖²/(𝒞ε(v), ε(v)), or the same of v_τ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TraceConstant {
+    /// The limit.
+    pub value: f64,
+    /// It lies within this of the value; infinite where the meshes do not show it.
+    pub uncertainty: f64,
+    /// Number of cells, and a lower bound of the limit there; each space holds the one before.
+    pub values: Vec<(usize, f64)>,
+    /// A proved upper bound.
+    pub bound: Option<f64>,
+}
+
+/// Triangles before all are halved twice.
+const CELLS: usize = 320;
+/// Tetrahedra of a box before.
+const IN_SPACE: f64 = 48.0;
+/// Cells with quadratics at most, in the plane and in space; four times as many if the domain has them.
+const MOST_CELLS: [usize; 2] = [8_000, 1_000];
+/// Relative rounding of an eigenvalue, which settles to 1e-13, with room for the condition of the matrix.
+const ROUNDING: f64 = 1e-9;
+/// The least and the largest share by which a halving divides the error: s = 1/4, and quadratics of a smooth v.
+const SHARES: [f64; 2] = [SQRT_2, 16.0];
+
+impl TraceConstant {
+    /// No trace.
+    pub const ZERO: Self = Self::exactly(0.0);
+
+    /// A number that is known.
+    pub const fn exactly(value: f64) -> Self {
+        Self { value, uncertainty: 0.0, values: Vec::new(), bound: None }
+    }
+
+    /// The limit of values on nested spaces, below the bound.
+    fn new(values: Vec<(usize, f64)>, bound: Option<f64>) -> Self {
+        let (value, uncertainty) = match values[..] {
+            [.., (_, value)] if bound.is_some_and(|bound| attains(value, bound)) => {
+                (value, ROUNDING * value)
+            }
+            [.., (_, a), (_, b), (_, c)] => {
+                let (before, last) = ((b - a).max(0.0), (c - b).max(0.0));
+                let rounding = ROUNDING * c;
+                let share = if last > rounding { before / last } else { SHARES[1] };
+                let missing =
+                    |share: f64| if share > 1.0 { last / (share - 1.0) } else { f64::INFINITY };
+                // It may become slower, to the slowest of all.
+                let most = missing(share.min(SHARES[0])).max(rounding);
+                let likely = missing(share.clamp(SHARES[0], SHARES[1]));
+                (c + likely, most.max(likely))
+            }
+            // How fast they grow is not seen: as slowly as can be.
+            [(_, b), (_, c)] => {
+                let missing = (c - b).max(ROUNDING * c) / (SHARES[0] - 1.0);
+                (c + missing, missing)
+            }
+            [(_, c)] => (c, f64::INFINITY),
+            [] => (f64::NAN, f64::INFINITY),
+        };
+        let value = bound.map_or(value, |bound| value.min(bound));
+        Self { value, uncertainty, values, bound }
+    }
+
+    /// Where the constant lies: not below the last value, which is one of a conforming space.
+    pub fn range(&self) -> [f64; 2] {
+        let largest = self.values.last().map_or(0.0, |(_, value)| (1.0 - ROUNDING) * value);
+        let most = (self.value + self.uncertainty).min(self.bound.unwrap_or(f64::INFINITY));
+        [(self.value - self.uncertainty).max(largest).min(self.value), most]
+    }
+
+    /// How it was obtained, in words.
+    pub fn how(&self) -> String {
+        let cells: Vec<String> = self.values.iter().map(|(cells, _)| cells.to_string()).collect();
+        let off = match self.uncertainty {
+            f64::INFINITY => "they do not show how far off it is".to_string(),
+            off => format!("± {off:.1e}"),
+        };
+        format!("limit of meshes with {} cells, {off}", cells.join(", "))
+    }
+}
+
+fn attains(value: f64, bound: f64) -> bool {
+    value >= (1.0 - ROUNDING) * bound
+}
+
+/// What the constants of a domain depend on.
+#[derive(Clone, PartialEq)]
+struct Asked {
+    shape: Shape,
+    size: Vec<f64>,
+    clamped: Vec<u32>,
+    contact: Vec<u32>,
+    tensor: TensorField,
+    part: TracePart,
+}
+
+type Answer = Arc<Mutex<Option<TraceConstant>>>;
+/// Constants that were asked for in this process, the last ones last.
+static KNOWN: Mutex<Vec<(Asked, Answer)>> = Mutex::new(Vec::new());
+/// Only so many are kept.
+const KEPT: usize = 64;
+
+/// The constant of a domain with contact for a tensor that is the same everywhere: the identity for c_j² and c_τ².
+///
+/// # Errors
+/// A stiffness matrix that cannot be factorized.
+pub fn trace_constant(
+    domain: &Domain,
+    tensor: &TensorField,
+    part: TracePart,
+) -> Result<TraceConstant, SetupError> {
+    let asked = Asked {
+        shape: domain.shape.clone(),
+        size: domain.size.clone(),
+        clamped: side_numbers(&domain.clamped),
+        contact: side_numbers(&domain.contact),
+        tensor: tensor.clone(),
+        part,
+    };
+    let answer = {
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        let found =
+            known.iter().find(|(other, _)| *other == asked).map(|(_, answer)| answer.clone());
+        found.unwrap_or_else(|| {
+            if known.len() == KEPT {
+                known.remove(0);
+            }
+            let new = Answer::default();
+            known.push((asked.clone(), new.clone()));
+            new
+        })
+    };
+    // Locked while it is computed: another that asks for the same waits for it.
+    let mut answer = answer.lock().unwrap_or_else(PoisonError::into_inner);
+    match &*answer {
+        Some(found) => Ok(found.clone()),
+        None => {
+            // Proved of c_j² alone.
+            let is_c_j = part == TracePart::Normal && *tensor == TensorField::identity();
+            let bound = domain.depth_under_contact().filter(|_| is_c_j);
+            Ok(answer.insert(TraceConstant::new(asked.values(bound)?, bound)).clone())
+        }
+    }
+}
+
+impl Asked {
+    /// On each space, up to one that attains the bound.
+    fn values(&self, bound: Option<f64>) -> Result<Vec<(usize, f64)>, SetupError> {
+        let mut coarse = coarse(&self.shape, &self.size);
+        // The constant is a length: computed in a unit near to that of the domain, a power of two.
+        let unit = coarse.longest_edge().log2().floor().exp2();
+        coarse.vertices.iter_mut().flatten().for_each(|x| *x /= unit);
+        let coarse = match coarse.dimension {
+            2 => self.graded(coarse),
+            _ => coarse,
+        };
+        let mut values = Vec::new();
+        for (element, n) in spaces(coarse.count(), coarse.dimension) {
+            let mesh = coarse.refined(n, Family::Structured);
+            let cells = mesh.cell_count();
+            let space = Discretization::of(element, mesh, &self.clamped, &self.contact);
+            let square = [(self.part, TraceMass::Consistent)];
+            let [found] = trace_constants(&space, &self.tensor, square)
+                .map_err(|source| SetupError::Constant { n, source })?;
+            values.push((cells, unit * found.value));
+            if bound.is_some_and(|bound| attains(unit * found.value, bound)) {
+                break;
+            }
+        }
+        Ok(values)
+    }
+
+    /// Bisects what is too large for its distance from a corner with v ~ r^s. With quadratics and a given number of triangles
+    /// the error is smallest for diameters ~ r^{1-s/3}; but halvings divide what is left at the corner by 2^{2s} alone, so it
+    /// is to be smaller than the rest beforehand. 1/5 for 1/3 halves errors where s = 1/2 (tests/numbers/trace_constants.rs).
+    fn graded(&self, mut mesh: CoarseMesh) -> CoarseMesh {
+        let corners = self.corners(&mesh);
+        let extent = mesh.longest_edge();
+        while mesh.count() < CELLS {
+            let sizes: Vec<f64> = (0..mesh.count())
+                .map(|c| {
+                    let [p, q, r] = [0, 1, 2].map(|a| mesh.corners(c)[a]);
+                    let long = distance(p, q).max(distance(q, r)).max(distance(r, p));
+                    let centre = [0, 1, 2].map(|i| (p[i] + q[i] + r[i]) / 3.0);
+                    let finest = corners
+                        .iter()
+                        .map(|(place, s)| (distance(centre, *place) / extent).powf(1.0 - s / 5.0));
+                    long / finest.fold(1.0, f64::min)
+                })
+                .collect();
+            let largest = sizes.iter().copied().fold(0.0, f64::max);
+            let marked: Vec<bool> = sizes.iter().map(|size| *size > 0.7 * largest).collect();
+            mesh = mesh.bisected(&marked);
+        }
+        mesh
+    }
+
+    /// The vertices of the boundary near which v is singular, with an s that is not far from the least exponent there.
+    fn corners(&self, mesh: &CoarseMesh) -> Vec<([f64; 3], f64)> {
+        let mut angle = vec![0.0; mesh.vertices.len()];
+        for c in 0..mesh.count() {
+            let corners = mesh.corners(c);
+            for a in 0..3 {
+                let [x, y] = [1, 2].map(|b| {
+                    let to = corners[(a + b) % 3];
+                    [to[0] - corners[a][0], to[1] - corners[a][1]]
+                });
+                let (sine, cosine) = (x[0] * y[1] - x[1] * y[0], x[0] * y[0] + x[1] * y[1]);
+                angle[mesh.cells[c][a] as usize] += sine.atan2(cosine);
+            }
+        }
+        let mut around: Vec<Vec<[bool; 2]>> = vec![Vec::new(); angle.len()];
+        for BoundaryFacet { corners, side, .. } in &mesh.facets {
+            let what = [&self.clamped, &self.contact].map(|list| list.contains(side));
+            corners.iter().for_each(|&v| around[v as usize].push(what));
+        }
+        let exponent = |v: usize| {
+            let clamped = around[v].iter().filter(|[clamped, _]| *clamped).count();
+            let turns = angle[v] / PI;
+            match around[v].len() {
+                0 => None,
+                // Clamped next to free.
+                count if clamped > 0 && clamped < count => Some(0.5 / turns),
+                // From a crack, 1/2, to a straight line.
+                _ if turns > STRAIGHT => Some((1.9 - 0.9 * turns).clamp(0.5, 1.0)),
+                // Contact next to free: the load jumps, r log r.
+                _ if clamped == 0 && around[v].windows(2).any(|pair| pair[0] != pair[1]) => {
+                    Some(1.0)
+                }
+                _ => None,
+            }
+        };
+        let found =
+            (0..angle.len()).filter_map(|v| Some((mesh.vertices[v], exponent(v)?.min(3.0))));
+        found.collect()
+    }
+}
+
+/// Angles up to this many half turns are straight: boundaries of files have many vertices of nearly half a turn.
+const STRAIGHT: f64 = 1.05;
+
+fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
+    (p[0] - q[0]).hypot(p[1] - q[1])
+}
+
+/// Nested spaces on the refinements of so many coarse simplices, the last three that are not too large.
+fn spaces(coarse: usize, dimension: usize) -> Vec<(Element, u32)> {
+    let most = MOST_CELLS[usize::from(dimension == 3)];
+    let mut all = vec![(Element::P1, 1)];
+    let fits =
+        |n: u32| coarse * n.pow(dimension as u32) as usize <= if n == 1 { 4 * most } else { most };
+    all.extend([1, 2, 4, 8].into_iter().filter(|&n| fits(n)).map(|n| (Element::P2, n)));
+    all[all.len().saturating_sub(3)..].to_vec()
+}
+
+/// The simplices of a domain: those it has, or of a box as few as fill it with cells that are not much longer than wide.
+fn coarse(shape: &Shape, size: &[f64]) -> CoarseMesh {
+    if let Shape::Refined(coarse) = shape {
+        return CoarseMesh::clone(coarse);
+    }
+    let mesh = match *size {
+        [a, b, c] => {
+            let unit = a.min(b).min(c).max((6.0 / IN_SPACE * a * b * c).cbrt());
+            let mut mesh = lattice([a / unit, b / unit, c / unit], 1, Family::Structured);
+            mesh.coordinates.iter_mut().for_each(|x| *x *= unit);
+            mesh
+        }
+        _ => {
+            let mut mesh = lattice([1.0; 2], 1, Family::Structured);
+            for place in mesh.coordinates.chunks_exact_mut(2) {
+                place.iter_mut().zip(size).for_each(|(x, size)| *x *= size);
+            }
+            mesh
+        }
+    };
+    let facet = |f: usize| BoundaryFacet {
+        corners: mesh.facet(f).to_vec(),
+        side: mesh.facet_side[f],
+        normal: mesh.normal(f),
+    };
+    CoarseMesh {
+        dimension: mesh.dimension,
+        vertices: (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect(),
+        cells: (0..mesh.cell_count()).map(|c| mesh.cell(c).to_vec()).collect(),
+        region: vec![0; mesh.cell_count()],
+        regions: mesh.regions.clone(),
+        facets: (0..mesh.facet_side.len()).map(facet).collect(),
+        sides: mesh.sides.clone(),
+    }
+}
+
+/// Unknowns of the largest space for the constants of a domain are about those of linear functions on so many cells.
+pub fn trace_cells(domain: &Domain) -> f64 {
+    let Shape::Refined(coarse) = &domain.shape else { return 0.0 };
+    let cells = |(element, n): (Element, u32)| {
+        let halvings = n * if element == Element::P1 { 1 } else { 2 };
+        domain.cells(halvings)
+    };
+    spaces(coarse.count(), coarse.dimension).into_iter().map(cells).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(error: impl Fn(i32) -> f64) -> TraceConstant {
+        TraceConstant::new((0..3).map(|i| (1 << i, 2.0 - error(i))).collect(), None)
+    }
+
+    /// Of 2 with errors of all kinds: smooth, of a corner, of the worst corner, of both, and of one that hides at first.
+    #[test]
+    fn the_limit_lies_within_the_uncertainty() {
+        let pow = |base: f64| move |i: i32| 0.1 * base.powi(-i);
+        let found = [pow(16.0), pow(2.0), pow(SQRT_2)].map(of);
+        let found = found.into_iter().chain([
+            of(|i| pow(16.0)(i) + 0.01 * pow(SQRT_2)(i)),
+            of(|i| pow(4.0)(i) + 0.05 * pow(2.0)(i)),
+        ]);
+        for found in found {
+            let [low, high] = found.range();
+            assert!(low < 2.0 + 1e-12 && high > 2.0 - 1e-12, "{found:?}");
+            assert!((found.value - 2.0).abs() <= found.uncertainty + 1e-12, "{found:?}");
+            assert!(found.uncertainty >= ROUNDING * 2.0 && found.uncertainty < 0.2, "{found:?}");
+        }
+    }
+
+    /// Growth that does not become less shows no limit, nor does a single mesh; a proved bound that is attained does.
+    #[test]
+    fn what_does_not_settle_is_not_known() {
+        assert_eq!(of(|i| 1.0 - 0.1 * f64::from(i)).uncertainty, f64::INFINITY);
+        let one = |bound| TraceConstant::new(vec![(8, 2.0)], bound);
+        assert_eq!(one(None).range()[1], f64::INFINITY);
+        assert_eq!(one(Some(2.5)).range()[1], 2.5);
+        assert!((one(Some(2.0)).range()[0] - 2.0).abs() < 1e-8);
+    }
+}
