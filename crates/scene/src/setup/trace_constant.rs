@@ -38,6 +38,8 @@ const MOST_CELLS: [usize; 2] = [8_000, 1_000];
 const ROUNDING: f64 = 1e-9;
 /// The least and the largest share by which a halving divides the error: s = 1/4, and quadratics of a smooth v.
 const SHARES: [f64; 2] = [SQRT_2, 16.0];
+/// Growths whose quotient is below show no limit.
+const SETTLING: f64 = 1.05;
 
 impl TraceConstant {
     /// No trace.
@@ -58,8 +60,10 @@ impl TraceConstant {
                 let (before, last) = ((b - a).max(0.0), (c - b).max(0.0));
                 let rounding = ROUNDING * c;
                 let share = if last > rounding { before / last } else { SHARES[1] };
-                let missing =
-                    |share: f64| if share > 1.0 { last / (share - 1.0) } else { f64::INFINITY };
+                let missing = |share: f64| match share > SETTLING {
+                    true => last / (share - 1.0),
+                    false => f64::INFINITY,
+                };
                 // It may become slower, to the slowest of all.
                 let most = missing(share.min(SHARES[0])).max(rounding);
                 let likely = missing(share.clamp(SHARES[0], SHARES[1]));
