@@ -13,7 +13,7 @@ use formula::{Interval, Variable};
 
 use super::constants::{Constants, constants};
 use super::memory_norms::Memory;
-use super::{MeshData, Setup, SetupError, trace_levels};
+use super::{MeshData, Setup, SetupError};
 use crate::{Face, Hypothesis};
 use algebra::linalg::{dot, larger};
 use fem::contact::StiffnessInverse;
@@ -66,6 +66,8 @@ const MARGIN: f64 = 2.0;
 /// Times at which loads are taken, and the first and last number of intervals h of [0, T].
 const TIMES: u32 = 64;
 const INTERVALS: [u32; 2] = [256, 4096];
+/// Cells of the mesh on which loads are taken, if a coarser one satisfies it.
+const MOST_CELLS: f64 = 16_384.0;
 
 /// L_κ of a scene.
 ///
@@ -105,7 +107,11 @@ pub(super) fn yield_slope(setup: &Setup) -> Result<YieldSlope, SetupError> {
 /// The a priori bound of ζ(T), infinite if 0 ∉ U or m0 ≤ 0.
 fn a_priori(setup: &Setup) -> Result<f64, SetupError> {
     let found = constants(setup)?;
-    let n = trace_levels(&setup.body.domain).into_iter().min().unwrap_or(1);
+    // Of a coarse mesh: the margin makes up for what it misses of the loads.
+    let mut n = if setup.scene.dimension == 3 { 2 } else { 8 };
+    while n > 1 && setup.body.domain.cells(n) > MOST_CELLS {
+        n /= 2;
+    }
     let data = MeshData::new(setup, n, None)?;
     let of_mesh =
         |source: algebra::linalg::FactorError| SetupError::Constant { n, source: source.into() };
@@ -121,7 +127,7 @@ fn a_priori(setup: &Setup) -> Result<f64, SetupError> {
         largest = larger(largest, dot(&load, &riesz).max(0.0).sqrt());
     }
     let Some(at_rest) = pressure_at_rest(setup, &data) else { return Ok(f64::INFINITY) };
-    largest += at_rest * found.c_j_squared.sqrt();
+    largest += at_rest * found.c_j_range[1].sqrt();
     let memory = Memory::every(setup);
     let mut intervals = INTERVALS[0];
     while intervals <= INTERVALS[1] {
@@ -168,8 +174,9 @@ fn accumulated(
         memory.iter().map(one).sum()
     };
     let shares: Vec<f64> = (0..intervals).map(share).collect();
-    let left = found.m0 - shares[0];
-    if left.is_nan() || left <= 0.1 * found.m0 {
+    let m0 = found.m0_range[0];
+    let left = m0 - shares[0];
+    if left.is_nan() || left <= 0.1 * m0 {
         return None;
     }
     let mut bounds: Vec<f64> = Vec::new();
