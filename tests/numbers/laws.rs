@@ -387,7 +387,11 @@ fn the_contraction_condition_is_sharp_and_its_failure_an_error() {
     let near = abstract_setup("broken-m0-near");
     let bound = abstract_decomposition_bound(&near, 64);
     let factor = near.run(64, &Decomposition::default()).expect("a solution").info.contraction;
-    assert!(factor <= bound && factor > 0.99 * bound && bound < 1.0, "{factor} {bound}");
+    // Positive memory adds to the monotonicity, except at t = 0, where the bound is attained: the last changes, some 1e-9 of u,
+    // have seven digits.
+    let rounding = 1e-7;
+    assert!(factor <= (1.0 + rounding) * bound && factor > 0.99 * bound, "{factor} {bound}");
+    assert!(bound < 1.0, "{bound}");
     let beyond = abstract_setup("broken-m0-beyond");
     assert!(abstract_decomposition_bound(&beyond, 4) > 1.0);
     let error = match beyond.run(4, &Decomposition::default()) {

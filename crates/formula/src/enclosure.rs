@@ -56,8 +56,8 @@ impl Interval {
     pub fn middle(self) -> f64 {
         match (self.low.is_finite(), self.high.is_finite()) {
             (true, true) => self.low + 0.5 * (self.high - self.low),
-            (true, false) => (2.0 * self.low.abs()).max(1.0).min(f64::MAX),
-            (false, true) => (-2.0 * self.high.abs()).min(-1.0).max(f64::MIN),
+            (true, false) => (2.0 * self.low.abs()).clamp(1.0, f64::MAX),
+            (false, true) => (-2.0 * self.high.abs()).clamp(f64::MIN, -1.0),
             (false, false) => 0.0,
         }
     }

@@ -72,7 +72,7 @@ impl KernelBounds {
     /// The first kernel without a bound, and a t near which there is none.
     pub(super) fn unbounded(&self) -> Option<(usize, f64)> {
         let one = |term: &Term| self.over_triangle(std::slice::from_ref(&term), |b| b[0].abs());
-        let found = self.terms.iter().map(|term| one(term));
+        let found = self.terms.iter().map(one);
         found.enumerate().find(|(_, f)| !f.bound.is_finite()).map(|(l, f)| (l, f.part[0].low))
     }
 
