@@ -7,6 +7,7 @@ use super::explain::under_loads;
 use super::machine::Common;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_beside, print_json};
 use exact::{Finding, Status, check};
+use files::digits;
 use run::sweep::admit_constants;
 use scene::Hypothesis;
 use scene::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
@@ -97,11 +98,11 @@ fn mesh_quality(setup: &Setup) -> Finding {
     let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(4);
     let q = setup.body.domain.mesh(n).quality();
     let text = format!(
-        "n = {n}: smallest angle {:.1} degrees, longest edge over altitude at most {:.2}, h_max = {:.4}, h_max/h_min = {:.2}",
-        q.smallest_angle,
-        q.aspect,
-        q.longest,
-        q.longest / q.shortest
+        "n = {n}: smallest angle {} degrees, longest edge over altitude at most {}, h_max = {}, h_max/h_min = {}",
+        digits(q.smallest_angle, 3),
+        digits(q.aspect, 3),
+        digits(q.longest, 4),
+        digits(q.longest / q.shortest, 3)
     );
     Finding::new("mesh", Status::Fact, q.smallest_angle, text)
 }
@@ -180,7 +181,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     ]);
     findings.extend(trace_findings(setup, c));
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
-    let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);
+    let text = format!("m0 = {} with the extrapolated c_j^2", digits(c.m0, 7));
     findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));
     findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
     findings.push(fact("|B|", c.memory.operator, "operator norm, sampled over [0, T]"));

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::constants::TraceConstants;
 use Obtained::{Computed, Declared, Extrapolated, Proved};
+use files::digits;
 use scene::setup::{Constants, MemoryNorms, Setup};
 use vhi::law::Potential;
 
@@ -208,8 +209,8 @@ fn lost_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
     let (energy, uncertainty) = TraceConstants::limit(&traces.energy);
     let (strain, _) = TraceConstants::limit(&traces.strain);
     let note = format!(
-        "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {:.6}",
-        constants.m_elastic / strain
+        "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {}",
+        digits(constants.m_elastic / strain, 7)
     );
     let limit = Constant::new("alpha_j lost, k -> 0", 1.0 / energy, Extrapolated, note);
     let uncertainty = Some(uncertainty / (energy * energy));
