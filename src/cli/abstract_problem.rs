@@ -7,13 +7,14 @@ use nalgebra::DVector;
 use super::solve::words::in_words;
 use super::{CliError, print_json, print_text};
 use exact::{Finding, Status};
+use files::digits;
 use scene::Scene;
 use scene::setup::{AbstractSetup, abstract_regularity};
 use vhi::StepSolver;
 
 /// A number of a scene, and where it comes from.
 pub(super) fn fact(subject: &str, value: f64, how: &str) -> Finding {
-    Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
+    Finding::new(subject, Status::Fact, value, format!("{} ({how})", digits(value, 7)))
 }
 
 /// Hypotheses of the abstract theory with their constants.
@@ -33,7 +34,7 @@ pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
         fact("beta_phi", c.beta_phi, &format!("slopes of N in y, {slopes}; 1 where N = y")),
         fact("alpha_j", c.alpha_j, "proved: steepest descent of the laws"),
         fact("c_j^2", c.c_j_squared, "computed: largest eigenvalue of the functionals in X"),
-        Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {:.6}", c.m0)),
+        Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {}", digits(c.m0, 7))),
         fact("|R|", c.r_norm, "computed: norm on X*"),
         fact("|q|", c.q_norm, "proved: norm X -> X* for 0 <= s <= t <= T"),
     ];

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::machine::{Common, processors};
+use super::machine::{Common, processors, share_threads};
 use super::study::deliver;
 use super::{CliError, Scenes, create_dir, no_case, write_file};
 use fem::contact::BoundaryRule;
@@ -67,6 +67,7 @@ impl Audit {
         let Some(scene) = self.scene.as_ref().filter(|_| !self.ledger) else {
             return self.ledger(scenes);
         };
+        share_threads()?;
         let scene = scenes.scene(scene)?;
         admit_constants(&scene, true, &self.common.allowance.limit())?;
         let mut setup = Setup::new(scene)?;

@@ -42,6 +42,7 @@ impl BoundCommand {
         scene.without(&[Extension::SingularKernel], "sweep bound", singular)?;
         let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
         let steps = self.steps.or(fewest).unwrap_or(8);
+        scene.check_steps(&[steps])?;
         let bound = match &subject {
             Subject::Contact(setup) => {
                 let n = self.n.unwrap_or(MESH);

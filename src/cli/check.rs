@@ -17,6 +17,7 @@ use super::{
 };
 use exact::{Finding, Status, check};
 use fem::contact::{LinearSolver, Plan};
+use files::digits;
 use run::sweep::{
     CasePlan, Cost, FloorRow, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan,
     floors_beside,
@@ -320,8 +321,11 @@ fn regions(plan: &ScenePlan) -> Vec<(serde_json::Value, String)> {
     let all = std::iter::once(("elsewhere", &material.elastic)).chain(named);
     all.map(|(name, elastic)| {
         let (low, high) = elastic.eigenvalues(setup.scene.dimension);
-        let line =
-            format!("{name}: eigenvalues of the elasticity tensor from {low:.4} to {high:.4}");
+        let line = format!(
+            "{name}: eigenvalues of the elasticity tensor from {} to {}",
+            digits(low, 5),
+            digits(high, 5)
+        );
         (serde_json::json!({ "name": name, "eigenvalues": [low, high] }), line)
     })
     .collect()
@@ -391,11 +395,11 @@ fn mesh_quality(setup: &Setup) -> Finding {
     let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(4);
     let q = setup.body.domain.mesh(n).quality();
     let text = format!(
-        "n = {n}: smallest angle {:.1} degrees, longest edge over altitude at most {:.2}, h_max = {:.4}, h_max/h_min = {:.2}",
-        q.smallest_angle,
-        q.aspect,
-        q.longest,
-        q.longest / q.shortest
+        "n = {n}: smallest angle {} degrees, longest edge over altitude at most {}, h_max = {}, h_max/h_min = {}",
+        digits(q.smallest_angle, 3),
+        digits(q.aspect, 3),
+        digits(q.longest, 4),
+        digits(q.longest / q.shortest, 3)
     );
     Finding::new("mesh", Status::Fact, q.smallest_angle, text)
 }
@@ -426,7 +430,7 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let mut findings = Vec::new();
     // The value beside its range: the same that `bound` prints.
     let known = |[least, most]: [f64; 2]| {
-        format!("limit of meshes, between {least:.6} and {most:.6}; no bound")
+        format!("limit of meshes, between {} and {}; no bound", digits(least, 7), digits(most, 7))
     };
     if c.c_j_squared > 0.0 {
         findings.push(fact("c_j^2", c.c_j_squared, &known(c.c_j_range)));
@@ -454,8 +458,11 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
 fn smallness(c: &Constants) -> Finding {
     let [low, high] = c.m0_range;
     let range = match low == high {
-        true => format!("m0 = {:.6}", c.m0),
-        false => format!("m0 = {:.6}, between {low:.6} and {high:.6}", c.m0),
+        true => format!("m0 = {}", digits(c.m0, 7)),
+        false => {
+            let [m0, low, high] = [c.m0, low, high].map(|value| digits(value, 7));
+            format!("m0 = {m0}, between {low} and {high}")
+        }
     };
     let (status, text) = match c.smallness() {
         Smallness::Holds => (Status::Verified, range),

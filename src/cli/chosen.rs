@@ -3,6 +3,7 @@
 use clap::Args;
 use rayon::prelude::*;
 
+use super::machine::share_threads;
 use super::{CliError, Scenes, no_case, subject};
 use run::sweep::{MemoryLimit, Overrides, ScenePlan};
 use scene::{Scene, SceneError};
@@ -61,6 +62,7 @@ impl Chosen {
         limit: &MemoryLimit,
         then: impl Fn(ScenePlan) -> Result<T, CliError> + Sync,
     ) -> Result<Vec<T>, CliError> {
+        share_threads()?;
         let one = |scene: Scene| {
             let Some(plan) = self.plan_of(scene, overrides, limit)? else { return Ok(None) };
             let (name, remark) = (plan.scene().name.clone(), plan.step_remark()?);

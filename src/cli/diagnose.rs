@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::machine::{Common, processors};
+use super::machine::{Common, processors, share_threads};
 use super::{CliError, Scenes, print_json, print_text, verdict_table, width};
 use files::counted;
 use studies::diagnose::{
@@ -28,6 +28,7 @@ pub(crate) struct DiagnoseCommand {
 
 impl DiagnoseCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        share_threads()?;
         let scene = scenes.scene(&self.scene)?;
         admit_diagnosis(&scene, processors(), &self.common.allowance.limit())?;
         let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());

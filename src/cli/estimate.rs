@@ -4,9 +4,8 @@ use serde_json::{Value, json};
 
 use super::target::Wanted;
 use super::{CliError, print_json, print_text};
-use files::megabytes;
+use files::{digits, megabytes};
 use judge::fit::Interval;
-use report::digits;
 use run::sweep::MemoryLimit;
 use scene::setup::Setup;
 use scene::{Extension, Norm};
@@ -107,7 +106,7 @@ fn norm_words(found: &Companions, norm: Norm, estimate: &Estimate) -> String {
 fn quantity_words(estimate: &QuantityEstimate) -> String {
     let order = |order: Option<f64>| order.map_or("-".into(), |order| format!("{order:.2}"));
     let [h, k] = estimate.orders.map(order);
-    let value = format!("{:<24} {:.8}", estimate.name, estimate.value);
+    let value = format!("{:<24} {}", estimate.name, digits(estimate.value, 9));
     let reason = estimate.reason.as_deref().unwrap_or("no companions");
     match (estimate.uncertainty, estimate.extrapolated) {
         (Some(bound), Some(limit)) => format!("{value}  ± {bound:.1e}  {limit:.8}  {h} {k}"),

@@ -46,6 +46,7 @@ impl Gronwall {
         if let Some(n) = plan.n.filter(|_| scene.as_contact().is_some()) {
             scene.check_cells(n)?;
         }
+        scene.check_steps(&plan.steps)?;
         admit_constants(&scene, true, &self.common.allowance.limit())?;
         let subject = Subject::new(scene)?;
         // An abstract problem keeps a few numbers per level.

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::CliError;
 use run::sweep::MemoryLimit;
 
 /// What a command may take of the memory.
@@ -36,4 +37,21 @@ impl Allowance {
 
 pub(super) fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Starts the threads that cases, trials and scenes share, before the first of them asks for one.
+///
+/// # Errors
+/// The system refuses them.
+pub(super) fn share_threads() -> Result<(), CliError> {
+    use std::error::Error;
+    let started = rayon::ThreadPoolBuilder::new().build_global();
+    // Without a source they are there already.
+    match started.as_ref().err().and_then(|error| error.source()) {
+        None => Ok(()),
+        Some(reason) => Err(CliError::other(format!(
+            "the system gives no {} threads: {reason}; set RAYON_NUM_THREADS to fewer, or raise the limit of processes (ulimit -u)",
+            processors()
+        ))),
+    }
 }

@@ -16,8 +16,8 @@ use super::{
 };
 use fem::contact::{CaseInfo, Discretization, LinearSolver, MULTIGRID_RATIO, StepView};
 use fem::space::Element;
+use files::digits;
 use pictures::Pictures;
-use report::digits;
 use run::sweep::admit_run;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,

@@ -46,6 +46,19 @@ impl Graph {
         sum
     }
 
+    /// How many integrals over the past stand within each other.
+    pub(super) fn past_depth(&self, f: Node) -> usize {
+        let below = self.reachable(&[f], |_| true);
+        let mut depths = vec![0; f.index() + 1];
+        for &node in &below {
+            let op = self.op(node);
+            let inside = op.operands().map(|operand| depths[operand.index()]).max();
+            let own = usize::from(matches!(op, Op::Relax(..) | Op::Convolve(..)));
+            depths[node.index()] = inside.unwrap_or(0) + own;
+        }
+        depths[f.index()]
+    }
+
     fn integrate(&mut self, memory: PastKernel, f: Node) -> Node {
         // Terms with the same factor in space are summed first.
         let mut groups: Vec<(Node, Node)> = Vec::new();

@@ -10,6 +10,8 @@ use super::scope::Scope;
 
 /// Longest accepted text, in bytes.
 const LONGEST: usize = 64 * 1024;
+/// Deepest nesting of integrals over the past: with one more a `check` of one formula takes 10 s.
+const DEEPEST_PAST: usize = 4;
 /// Deepest nesting of parentheses, arguments and prefix operators.
 const DEEPEST: usize = 200;
 
@@ -50,7 +52,17 @@ impl Graph {
         let mut parser = Parser { graph: self, scope, tokens, at: 0, depth: 0 };
         let (meaning, span) = parser.expression(0)?;
         parser.end()?;
-        number((meaning, span))
+        let node = number((meaning, span))?;
+        let depth = self.past_depth(node);
+        if depth > DEEPEST_PAST {
+            let message = format!(
+                "integrals over the past stand within each other {depth} deep, and {DEEPEST_PAST} is the limit: each takes some 20 times as long as the one inside it"
+            );
+            return Err(ParseError::new(0..text.len(), message).hinted(
+                "relax(a, relax(b, f)) with other rates counts once; write inner ones in closed form",
+            ));
+        }
+        Ok(node)
     }
 }
 

@@ -1,6 +1,7 @@
 //! A deformed plane body: stress by shade, yielding cells, pressure on Γ3 as arrows.
 
 use super::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE, View, corners as corners_of};
+use super::digits;
 use super::palette::{Colour, INK, colour, mixed};
 
 /// A triangle of the deformed mesh.
@@ -119,7 +120,7 @@ impl Deformed {
             let sides = [LEGEND, y, LEGEND + 60.0, y + height];
             canvas.fill_box(sides, shade((i as f64 + 0.5) / SHADES as f64), 1.0);
         }
-        words(canvas, &format!("{most:.3}"), top);
+        words(canvas, &digits(most, 4), top);
         words(canvas, "0", top + 330.0);
         let mut y = YIELDING;
         let (all, yielding) = (self.cells.len(), self.yielding());
@@ -141,7 +142,7 @@ impl Deformed {
             y += 60.0;
             arrow(canvas, (LEGEND, y), (-1.0, 0.0), 60.0);
             words(canvas, "pressure ξ+λ on Γ3,", y);
-            words(canvas, &format!("at most {largest:.3}"), y + LINE);
+            words(canvas, &format!("at most {}", digits(largest, 4)), y + LINE);
         }
     }
 }

@@ -6,6 +6,7 @@ use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::spans::join;
 use super::wording::heading;
+use files::digits;
 
 /// Kinds of the table `elasticity` with their keys.
 pub(super) const TENSORS: [(&str, &str); 2] =
@@ -70,7 +71,8 @@ fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, S
     let tensor = FourthOrder::Full(matrix);
     let (smallest, _) = tensor.eigenvalues(dimension);
     let message = format!(
-        "the elasticity tensor is not positive definite: its smallest eigenvalue m_A is {smallest:.6}"
+        "the elasticity tensor is not positive definite: its smallest eigenvalue m_A is {}",
+        digits(smallest, 7)
     );
     let hint = "an elastic energy must be positive for every strain: raise the diagonal entries, or lower what couples them";
     // NaN is refused.

@@ -10,6 +10,7 @@ use super::domain::{Domain, Face, place};
 use super::heading::Hypothesis;
 use super::reading::{Reading, last};
 use super::values::Formula;
+use files::digits;
 
 /// Intervals of a side at whose ends the gap is examined.
 const SAMPLES: u32 = 256;
@@ -63,8 +64,9 @@ fn concave(reading: &Reading, gap: Node, domain: &Domain) -> Result<(), SceneErr
         let steepest = bends.max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((point, bend)) = steepest else { continue };
         let message = format!(
-            "the gap is not concave on the side {}: second derivative {bend:.4} at {}",
+            "the gap is not concave on the side {}: second derivative {} at {}",
             domain.name(*side),
+            digits(bend, 5),
             place(&point, domain.dimension())
         );
         let hint = "U^h ⊂ U needs a concave gap; to run it on purpose, write violates = [\"concave_gap\"] in [scene]";

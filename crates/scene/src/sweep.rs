@@ -6,6 +6,7 @@ use super::diagnostic::SceneError;
 use super::domain::{Domain, Shape};
 use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
+use super::time::{SMALLER_EXPONENT, Time};
 use super::validated::Scene;
 use fem::mesh::Family as MeshFamily;
 use files::counted;
@@ -147,6 +148,23 @@ fn step_count(reading: &Reading, key: &str) -> Result<u32, SceneError> {
     reading.refuse_if(count > MOST_STEPS, key, message, "choose fewer steps").map(|()| count)
 }
 
+impl Time {
+    /// Refuses numbers of steps of a sweep, each with its key, that make no grid.
+    pub(super) fn serves(&self, reading: &Reading, sweep: &Sweep) -> Result<(), SceneError> {
+        let of_grid = sweep.steps.iter().enumerate().map(|(i, &steps)| match &sweep.pairs {
+            None => (format!("sweep.steps.{i}"), steps),
+            Some(_) => ("sweep.pairs".into(), steps),
+        });
+        let reference = sweep.reference.map(|run| ("sweep.reference.steps".into(), run.steps));
+        of_grid.chain(reference).try_for_each(|(key, steps): (String, u32)| {
+            match self.grid(steps) {
+                Ok(_) => Ok(()),
+                Err(error) => Err(reading.error(&key, error.to_string(), SMALLER_EXPONENT)),
+            }
+        })
+    }
+}
+
 fn counts(reading: &Reading, key: &str) -> Result<Vec<u32>, SceneError> {
     let entries = 0..reading.required::<Vec<IgnoredAny>>(key)?.len();
     let hint = "give at least one: [8, 16, 32]";
@@ -205,6 +223,24 @@ impl Scene {
         fault.map_or(Ok(()), |(message, hint)| Err(self.error("domain.size", message, hint)))
     }
 
+    /// Checks that numbers of steps make grids, each step above rounding of the horizon.
+    ///
+    /// # Errors
+    /// A number that does not.
+    pub fn check_steps(&self, steps: &[u32]) -> Result<(), SceneError> {
+        let fault = steps.iter().find_map(|&steps| self.time.grid(steps).err());
+        let Some(fault) = fault else { return Ok(()) };
+        Err(self.error("time.grid", fault.to_string(), SMALLER_EXPONENT))
+    }
+
+    /// [`Self::check_steps`] of the sweep and its reference run, which studies change after a file was read.
+    pub(crate) fn check_sweep(&self) -> Result<(), SceneError> {
+        let Some(sweep) = &self.sweep else { return Ok(()) };
+        let steps = sweep.steps.iter().copied();
+        let all: Vec<u32> = steps.chain(sweep.reference.map(|run| run.steps)).collect();
+        self.check_steps(&all)
+    }
+
     /// Checks grids of the command line as if they were in the file.
     ///
     /// # Errors
@@ -221,9 +257,10 @@ impl Scene {
     /// Checks numbers of cells and steps that the file does not list.
     ///
     /// # Errors
-    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    /// As [`Self::check_cells`] and [`Self::check_steps`]; an n or a number of steps that the reference run does not refine.
     pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         n.iter().try_for_each(|&n| self.check_cells(n))?;
+        self.check_steps(steps)?;
         let reference = self.sweep.as_ref().and_then(|sweep| sweep.reference);
         let hint = "choose divisors of the reference's, or change the reference";
         let fault = reference.and_then(|reference| reference.no_multiple(n, steps));

@@ -3,22 +3,10 @@
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use vhi::history::{
-    self, CorrectedEnd, Gregory, GregoryOrder, Left, ProductIntegration, Trapezoid,
+    self, CorrectedEnd, Gregory, GregoryOrder, GridError, Left, ProductIntegration, Trapezoid,
 };
 
-/// The time points t_0 = 0 < … < t_N = T.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TimeGrid {
-    /// t_j = T j/N.
-    Uniform,
-    /// t_j = T (j/N)^exponent, exponent ≥ 1: fine near t = 0.
-    Graded {
-        exponent: f64,
-    },
-    Random {
-        seed: u64,
-    },
-}
+pub use vhi::history::GridFamily as TimeGrid;
 
 /// `[time]` as validated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,33 +160,49 @@ impl TimeRule {
 impl Time {
     pub(super) fn validate(reading: &mut Reading) -> Result<Time, SceneError> {
         let horizon = reading.positive("time.horizon")?;
-        let grid = reading.if_given("time.grid", |reading, _| TimeGrid::validate(reading))?;
+        let grid = reading.if_given("time.grid", |reading, _| grid(reading))?;
         let rule = reading.if_given("time.rule", |reading, _| TimeRule::validate(reading))?;
         let (grid, rule) = (grid.unwrap_or(TimeGrid::Uniform), rule.unwrap_or(TimeRule::Trapezoid));
         let odd = rule.needs_equal_steps() && grid != TimeGrid::Uniform;
         let message = "the rule of Gregory is for equal steps: its corrections are differences";
         let hint = "leave the grid out, or take the rule \"trapezoid\"";
         reading.refuse_if(odd, "time.rule", message, hint)?;
-        Ok(Time { horizon, grid, rule })
+        let time = Time { horizon, grid, rule };
+        let fault = |key, steps, hint| match time.grid(steps) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(reading.error(key, error.to_string(), hint)),
+        };
+        fault("time.horizon", 1, "state the scene in a smaller unit of time")?;
+        fault("time.grid", 2, SMALLER_EXPONENT)?;
+        Ok(time)
+    }
+
+    /// The grid of N steps.
+    ///
+    /// # Errors
+    /// A step that is not above rounding of T.
+    pub fn grid(&self, steps: u32) -> Result<history::TimeGrid, GridError> {
+        self.grid.grid(self.horizon, steps)
     }
 }
+
+/// The way out of steps that are too short.
+pub(super) const SMALLER_EXPONENT: &str = "choose fewer steps or a smaller exponent";
 
 /// The kinds of grid with their keys.
 pub(super) const GRIDS: [(&str, &str); 3] =
     [("uniform", ""), ("graded", "exponent"), ("random", "seed")];
 
-impl TimeGrid {
-    fn validate(reading: &Reading) -> Result<TimeGrid, SceneError> {
-        match reading.kind("time.grid", &GRIDS)? {
-            "uniform" => Ok(TimeGrid::Uniform),
-            "graded" => {
-                let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
-                let fault = "is not 1 or more: below 1 the largest steps would lie at t = 0";
-                let hint = "t_j = T (j/N)^exponent; for u ~ t^a take more than 2/(1+a)";
-                let exponent = reading.number("time.grid.exponent", fits, [fault, hint])?;
-                Ok(TimeGrid::Graded { exponent })
-            }
-            _ => Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed")? }),
+fn grid(reading: &Reading) -> Result<TimeGrid, SceneError> {
+    match reading.kind("time.grid", &GRIDS)? {
+        "uniform" => Ok(TimeGrid::Uniform),
+        "graded" => {
+            let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
+            let fault = "is not 1 or more: below 1 the largest steps would lie at t = 0";
+            let hint = "t_j = T (j/N)^exponent; for u ~ t^a take more than 2/(1+a)";
+            let exponent = reading.number("time.grid.exponent", fits, [fault, hint])?;
+            Ok(TimeGrid::Graded { exponent })
         }
+        _ => Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed")? }),
     }
 }

@@ -218,6 +218,7 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     let predicts = predictions(reading, contact.is_some())?;
     let sweep = reading
         .if_given("sweep", |reading, _| Sweep::validate(reading, &domain, contact.is_some()))?;
+    sweep.iter().try_for_each(|sweep| time.serves(reading, sweep))?;
     serves(reading, sweep.as_ref(), &predicts)?;
     let known = matches!(data, Data::Exact { .. }) && contact.is_some() && dimension == 2;
     states_are_known(reading, known, sweep.as_ref(), &predicts)?;
@@ -237,6 +238,7 @@ fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content, 
         prediction.only_in_time(reading, index)?;
     }
     let sweep = reading.if_given("sweep", |reading, _| Sweep::in_time(reading))?;
+    sweep.iter().try_for_each(|sweep: &Sweep| time.serves(reading, sweep))?;
     Ok(Content { time, body: Body::Abstract(Box::new(body)), predicts, sweep })
 }
 

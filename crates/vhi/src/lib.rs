@@ -26,6 +26,7 @@ pub use fixed_point::FixedPoint;
 pub use frozen_derivative::FrozenDerivative;
 pub use graph::{BoundaryGraph, Coordinate, GraphPiece};
 pub use history_inequality::{FailedStep, HistoryInequality, OpenInequality};
+pub use line::rounding_of;
 pub use newton::{Newton, Scratch, StepError, StepInfo};
 pub use polished::Polished;
 pub use state::StepState;

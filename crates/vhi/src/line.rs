@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::{BoundaryGraph, GraphPiece};
+use super::{BoundaryGraph, GraphPiece, StepState};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SlipLine {
@@ -23,6 +23,16 @@ impl SlipLine {
 /// A slip shorter than this share of γ S gets the spring of this one: a spring 1e8 times as stiff as the body fixes the
 /// direction as well, and leaves half of the digits to the stiffness along it.
 const SHORTEST: f64 = 1e-8;
+
+/// Units of rounding by which an argument is moved: enough that the rounding of a law is a small share of its change.
+const MOVED: f64 = 8.0;
+
+/// What rounding changes in a law at `place`, a difference of numbers that have the sum `size`, over ε. Not by a slope: a
+/// kink beside the place counts.
+pub fn rounding_of(law: impl Fn(f64) -> f64, place: f64, size: f64) -> f64 {
+    let by = MOVED * f64::EPSILON * size;
+    (law(place + by) - law(place - by)).abs() / (2.0 * MOVED * f64::EPSILON)
+}
 
 impl BoundaryGraph {
     /// The first coordinates of all laws.
@@ -111,6 +121,24 @@ impl BoundaryGraph {
         slopes[i + 1] = at.weight * (slope * b * b + line.across * a * a);
         let turned = at.sign * self.coordinates[i + 1].sign;
         slopes[mixed] = turned * at.weight * (slope - line.across) * a * b;
+    }
+
+    /// Adds how large the parts u_ν - s of the forces w c are before they cancel, by dofs: the change of c by rounding of u_ν
+    /// and s, over ε. A coordinate that is pinned has its value exactly.
+    pub fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
+        for i in self.laws() {
+            let (line, z) = self.line(i, &state.u, &state.pressure);
+            if self.piece(i, z) != GraphPiece::Free {
+                continue;
+            }
+            let (below, place) = (self.jumps_below(i, z), self.place(i, &line, &state.u));
+            let law = |value: f64| self.value_and_slope(i, below, value).0;
+            let size = place.abs() + self.coordinates[i].shift.abs();
+            let change = self.coordinates[i].weight * rounding_of(law, place, size);
+            for (j, along) in self.span(i).zip(line.along) {
+                sizes[self.coordinates[j].dof as usize] += change * along.abs();
+            }
+        }
     }
 
     /// Distance of (u_ν, c) from the graph, as a force: zero exactly on the graph.

@@ -9,7 +9,8 @@ use algebra::linalg::{FactorError, root_of_squares};
 pub struct Newton {
     /// Iterations after which the step is given up.
     pub max_iterations: usize,
-    /// The residual is accepted below this many units of rounding, ε·force_scale.
+    /// The residual is accepted below this many units of rounding, ε·force_scale, in single forces beyond as many of their
+    /// own.
     pub rounding_units: f64,
     /// Relative residual of the linear solves. A Newton step gains about four digits near the solution, so more would
     /// be lost to linearization.
@@ -114,12 +115,15 @@ impl Newton {
         let (mut best, mut since_best) = (f64::INFINITY, 0);
         loop {
             info.residual = scratch.balance(problem, state);
-            info.tolerance = self.rounding_units * f64::EPSILON * problem.force_scale(&state.u);
+            let unit = self.rounding_units * f64::EPSILON;
+            let strict = unit * problem.force_scale(&state.u);
+            let (allowed, beyond) = scratch.beyond_rounding(problem, state, unit);
+            info.tolerance = strict + allowed;
             if !info.residual.is_finite() {
                 let value = info.residual;
                 return Err(StepError::NotFinite { iteration: info.iterations, value });
             }
-            if info.residual <= info.tolerance {
+            if beyond <= strict {
                 return Ok(info);
             }
             if info.iterations as usize >= self.max_iterations {
@@ -135,8 +139,13 @@ impl Newton {
             if info.iterations > 0 {
                 info.active_set_changes += scratch.select_pieces(problem, state);
             }
-            let wanted = if info.iterations == 0 { FIRST } else { 1.0 } * self.linear_tolerance;
-            let forcing = (FORCING_SHARE * info.tolerance / info.residual).max(wanted);
+            let wanted = match info.iterations {
+                // Rounding of stiff laws is most of the residual: what else is in it has no other chance.
+                _ if info.residual <= info.tolerance => 0.0,
+                0 => FIRST * self.linear_tolerance,
+                _ => self.linear_tolerance,
+            };
+            let forcing = (FORCING_SHARE * strict / info.residual).max(wanted);
             scratch
                 .advance(problem, state, damping, forcing)
                 .map_err(|source| StepError::Factor { iteration: info.iterations, source })?;
@@ -157,6 +166,7 @@ pub struct Scratch {
     slopes: Vec<f64>,
     pressures: Vec<f64>,
     defects: Vec<f64>,
+    rounding: Vec<f64>,
     prescribed: Vec<Option<f64>>,
 }
 
@@ -187,6 +197,7 @@ impl Scratch {
         self.slopes.resize(problem.graph().slopes(), 0.0);
         self.pressures.resize(graphs, 0.0);
         self.defects.resize(graphs, 0.0);
+        self.rounding.resize(problem.dofs(), 0.0);
         self.prescribed.resize(graphs, None);
     }
 
@@ -247,6 +258,36 @@ impl Scratch {
             of(&self.defects) + of(&self.increment)
         };
         root_of_squares(squares)
+    }
+
+    /// The norm of what rounding of stiff laws may be in single forces, and that of the residual of the last
+    /// [`Self::balance`] beyond it.
+    fn beyond_rounding<P: StepInequality + ?Sized>(
+        &mut self,
+        problem: &P,
+        state: &StepState,
+        unit: f64,
+    ) -> (f64, f64) {
+        self.rounding.fill(0.0);
+        problem.add_rounding(state, &mut self.rounding);
+        let graph = problem.graph();
+        let allowed = root_of_squares(|scale| {
+            self.rounding.iter().map(|size| (scale * unit * size).powi(2)).sum()
+        });
+        let beyond = root_of_squares(|scale| {
+            // A NaN stays.
+            let less = |value: f64, size: f64| match value.abs() - unit * size {
+                less if less < 0.0 => 0.0,
+                less => (scale * less).powi(2),
+            };
+            let forces = self.increment.iter().zip(&self.rounding);
+            let defects = graph.coordinates.iter().zip(&self.defects);
+            forces.map(|(&force, &size)| less(force, size)).sum::<f64>()
+                + defects
+                    .map(|(at, &defect)| less(defect, self.rounding[at.dof as usize]))
+                    .sum::<f64>()
+        });
+        (allowed, beyond)
     }
 
     /// One Newton step of length `damping` on the chosen pieces.

@@ -1,6 +1,6 @@
 //! The view of one time level that solvers have.
 
-use super::BoundaryGraph;
+use super::{BoundaryGraph, StepState};
 use algebra::linalg::FactorError;
 
 /// Problem 9 at one time level in coordinates: find u and pressures c with
@@ -46,4 +46,10 @@ pub trait StepInequality {
 
     /// Size of the forces that cancel in F(u): rounding in F is a small multiple of ε times this.
     fn force_scale(&self, u: &[f64]) -> f64;
+
+    /// Adds to single forces the rounding that they have beyond that, over ε: of laws so stiff that u_ν - s, once rounded,
+    /// moves them by more. It is kept apart from the size of all forces, so that the balance of the others stays sharp.
+    fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
+        self.graph().add_rounding(state, sizes);
+    }
 }

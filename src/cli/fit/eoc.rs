@@ -4,6 +4,7 @@ use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level};
 use judge::table::{Group, Quantity};
 
 use super::wording::plain;
+use files::digits;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Style {
@@ -92,7 +93,7 @@ fn table(groups: &[&Group], direction: Direction, style: Style) -> String {
                 let at = line.iter().position(|point| same_level(step(point), step(row)));
                 let number = |at: usize| match group.quantity {
                     Quantity::Error => scientific(line[at].error, style),
-                    Quantity::Value => format!("{:.8}", line[at].error),
+                    Quantity::Value => digits(line[at].error, 9),
                 };
                 let order = at.and_then(|at| orders[at]);
                 [

@@ -4,6 +4,7 @@ use serde_json::json;
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::wording::{Part, next_steps};
+use files::digits;
 use judge::fit::{Direction, FitError, LineReading, Posterior, RefinementPath};
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -43,7 +44,7 @@ fn text(
     answer: Option<&Answer>,
 ) -> String {
     let RefinementPath { exponent, constant } = path;
-    let head = format!("path k = {constant:.3} h^{exponent:.2}:");
+    let head = format!("path k = {} h^{exponent:.2}:", digits(constant, 4));
     let tail = verdict_text(order.map(|order| format!("order {order} along it")), answer);
     match read {
         Ok(LineReading { posterior: Posterior { order, interval, .. }, .. }) => {

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::eoc;
 use super::wording::{Part, next_steps, run};
-use files::counted;
+use files::{counted, digits};
 use judge::fit::{
     Direction, EcaHoekstra, FitError, Posterior, Triple, ValueSample, eca_hoekstra, infer_values,
     value_samples,
@@ -111,7 +111,8 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
     lines.push(match findings.last_three {
         None => format!("{name}: {grids}, an extrapolation needs 3"),
         Some(Triple::Converging { order, limit, gci }) => format!(
-            "{name}: extrapolated value {limit:.10}, order {order:.3} of the last three, GCI {gci:.2e} on the finest"
+            "{name}: extrapolated value {}, order {order:.3} of the last three, GCI {gci:.2e} on the finest",
+            digits(limit, 11)
         ),
         Some(Triple::Oscillating { half_range }) => format!(
             "{name}: the last three values oscillate, no extrapolation; half of their range {half_range:.2e}"
@@ -126,8 +127,8 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
     }
     lines.extend(findings.estimate.map(|found| {
         format!(
-            "   Eça-Hoekstra: {:.10}, uncertainty {:.2e} on the finest, expansion {}, factor {}",
-            found.fit.limit,
+            "   Eça-Hoekstra: {}, uncertainty {:.2e} on the finest, expansion {}, factor {}",
+            digits(found.fit.limit, 11),
             found.uncertainty,
             String::from(found.fit.expansion),
             found.safety

@@ -1,7 +1,7 @@
 //! The output of a solve on the terminal: the answer in a sentence, then each quantity with its unit.
 
 use crate::cli::width;
-use report::digits;
+use files::digits;
 use serde_json::Value;
 
 /// A unit in the scene's units of length and stress, in the plane and in space; forces and energies of a plane body are

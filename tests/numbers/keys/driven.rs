@@ -4,7 +4,7 @@ use formula::EvaluationPoint;
 use judge::record::{Key, V_MAX};
 use judge::verdict::Foreseen;
 use run::sweep::{Overrides, ScenePlan, foresee_plan};
-use scene::setup::{Setup, Subject, time_grid};
+use scene::setup::{Setup, Subject};
 use scene::{Data, Direction, Expectation, Hypothesis, LoadForm, Norm, Reference, Scene, TimeRule};
 
 use super::{ORIGIN, Tie, block, near, scene, value, with};
@@ -83,7 +83,7 @@ fn windows() {
 fn grids() {
     let times = |grid: &str| {
         let read = block(&[("horizon = 1.5", &format!("horizon = 1.5\n{grid}"))]);
-        time_grid(&read.time, 4).times().to_vec()
+        read.time.grid(4).unwrap().times().to_vec()
     };
     for plain in [times(""), times("grid = { kind = \"uniform\" }")] {
         plain.iter().zip([0.0, 0.375, 0.75, 1.125, 1.5]).for_each(|(t, exact)| near(*t, exact));

@@ -38,6 +38,8 @@ struct FacetPoint {
     shape: [f64; 3],
     weight: f64,
     argument: f64,
+    /// |u_ν| + |s|, of which it is the difference.
+    size: f64,
     /// c(x) of the law.
     scale: f64,
 }
@@ -117,6 +119,19 @@ impl<'a> FacetCompliance<'a> {
         });
     }
 
+    /// As [`vhi::BoundaryGraph::add_rounding`] of graphs, for the forces of [`Self::add_force`].
+    pub(crate) fn add_rounding(&self, u: &[f64], sizes: &mut [f64]) {
+        self.each_point(u, |facet, point| {
+            let law = |r: f64| point.scale * self.boundary.potential.value_and_slope(r).0;
+            let size = point.weight * vhi::rounding_of(law, point.argument, point.size);
+            for ((component, _, unknown), shape) in facet.members.iter().zip(&point.shape) {
+                if *unknown {
+                    sizes[*component] += size * shape;
+                }
+            }
+        });
+    }
+
     /// Hands the parts of its derivative to `add`, by two places of which the order does not matter.
     pub(crate) fn each_tangent(&self, u: &[f64], mut add: impl FnMut([usize; 2], f64)) {
         self.each_point(u, |facet, point| {
@@ -142,12 +157,16 @@ impl<'a> FacetCompliance<'a> {
                     for (q, (shape, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
                         let values = facet.members.iter().map(normal);
                         let value: f64 = values.zip(shape).map(|(u, s)| s * u).sum();
-                        let argument = value - shift[count * f + q];
+                        let shift = shift[count * f + q];
+                        let (argument, size) = (value - shift, value.abs() + shift.abs());
                         let mut at_members = [0.0; 3];
                         at_members[..shape.len()].copy_from_slice(shape);
                         let weight = weight * facet.measure;
                         let scale = scale.as_ref().map_or(1.0, |scale| scale[count * f + q]);
-                        visit(facet, &FacetPoint { shape: at_members, weight, argument, scale });
+                        visit(
+                            facet,
+                            &FacetPoint { shape: at_members, weight, argument, size, scale },
+                        );
                     }
                 }
                 PointRule::Exact { law, shift } => {
@@ -159,7 +178,9 @@ impl<'a> FacetCompliance<'a> {
                         let weight = point.weight * facet.measure;
                         let scale = self.boundary.scale_at(facet.on_edge(point.place));
                         let argument = point.argument;
-                        visit(facet, &FacetPoint { shape, weight, argument, scale });
+                        let value = shape[0] * ends[0] + shape[1] * ends[1];
+                        let size = value.abs() + (value - argument).abs();
+                        visit(facet, &FacetPoint { shape, weight, argument, size, scale });
                     }
                 }
             }

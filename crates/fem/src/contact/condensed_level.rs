@@ -100,6 +100,18 @@ impl<'a> CondensedLevel<'a> {
         }
     }
 
+    /// The change of v = s u by which the last tangent answers a force; as it is before the first tangent.
+    pub(crate) fn correct(&mut self, force: &mut [f64]) {
+        if self.last.made.is_none() {
+            return;
+        }
+        for (at, pinned) in self.graph.coordinates.iter().zip(&self.last.prescribed) {
+            force[at.dof as usize] *= f64::from(u8::from(!pinned));
+        }
+        self.tangent.solve(force);
+        force.iter_mut().for_each(|value| *value *= self.scale);
+    }
+
     fn factorize(&mut self) -> Result<(), FactorError> {
         let size = self.dofs.len();
         let (schur, scale) = (&self.schur, self.scale);
@@ -203,5 +215,13 @@ impl StepInequality for CondensedLevel<'_> {
             u.iter().enumerate().map(product).map(|f| (scale * f).powi(2)).sum()
         });
         self.scale * products + norm(&self.load)
+    }
+
+    fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
+        self.graph.add_rounding(state, sizes);
+        if let Some(compliance) = &self.compliance {
+            let unknowns: Vec<f64> = state.u.iter().copied().chain([0.0]).collect();
+            compliance.add_rounding(&unknowns, sizes);
+        }
     }
 }

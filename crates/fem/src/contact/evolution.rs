@@ -215,4 +215,8 @@ impl StepInequality for Evolution<'_> {
     fn force_scale(&self, u: &[f64]) -> f64 {
         self.problem.force_scale(u)
     }
+
+    fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
+        self.problem.add_rounding(state, sizes);
+    }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::ContactProblem;
 use super::trace::TracePoint;
 use algebra::linalg::NonsymmetricEntry;
+use vhi::StepState;
 
 impl ContactProblem<'_> {
     /// Sets friction to time t: the laws of the last graphs, or the factors of p in them.
@@ -59,6 +60,20 @@ impl ContactProblem<'_> {
                     column: normal.dof as usize,
                     value,
                 }),
+            }
+        }
+    }
+
+    /// Adds what rounding of u_ν moves in friction that follows p: its part s/p of what it moves in p.
+    pub(super) fn add_rounding_of_friction(&self, state: &StepState, sizes: &mut [f64]) {
+        let (graph, m) = (&self.graph, self.space.mesh.dimension - 1);
+        let first = graph.coordinates.len() - m * self.following.factors.len();
+        for j in 0..m * self.following.factors.len() {
+            let (normal, tangential) = (&graph.coordinates[j / m], &graph.coordinates[first + j]);
+            let (p, s) = (state.pressure[j / m], state.pressure[first + j]);
+            if p > 0.0 {
+                let of_p = sizes[normal.dof as usize];
+                sizes[tangential.dof as usize] += of_p * s.abs() / p;
             }
         }
     }

@@ -5,11 +5,11 @@ use super::assembly::stress_force;
 use super::case::{KKT_ALLOWED, StepView};
 use super::kkt_compliance::{add_exact, add_gauss};
 use super::way::accepted_residual;
-use super::{BoundaryRule, Discretization, Model, friction_force};
+use super::{BoundaryRule, Discretization, Model, TracePoint, friction_force};
 use crate::space::StrainPoint;
 use algebra::in_dimension;
 use algebra::linalg::{axpy, larger, largest};
-use vhi::law::{Projection, graph_distance};
+use vhi::law::{Potential, Projection, graph_distance};
 
 /// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
 /// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
@@ -18,6 +18,8 @@ use vhi::law::{Projection, graph_distance};
 /// their terms: (16 ε/1e-9) max Σ |B|ᵀ|C||B||u|. At λ/μ = 10⁶ these are 4·10⁷ times their sum on n = 32. At most, it is
 /// relative to (M - m)/m nodal forces, m and M the least and largest stiffness of 𝒜, by which forces λ tr ε outweigh their
 /// effect: a body that is held so badly that rounding turns it has no such excuse.
+/// Nor do single forces count that rounding of u_ν and s in a stiff law p(u_ν - s) explains: 16 ε p' (|u_ν| + |s|). A wrong
+/// law or slope is seen while it is wrong by more than 16 ε (|u_ν| + |s|)/|u_ν - s| of p, and wrong forces elsewhere as before.
 ///
 /// Parts: force balance with ξ, λ and s; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) and s ∈ S ∂|u_τ| at the vertices.
 pub fn kkt_residual(
@@ -79,43 +81,49 @@ fn evaluate<const D: usize, const S: usize>(
     add_contact_forces(space, model, view, balance);
     axpy(-1.0, load, balance);
     let unbalanced = largest(&balance[..space.dofs()]);
-    let mut worst = 0.0f64;
+    let mut contact = 0.0f64;
     if let Some(boundary) = &model.boundary {
         for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| p.carries()) {
             let x = space.mesh.point(&[point.vertex], &[1.0]);
             let stiffness = model.elasticity.eigenvalues(D).1;
             let (normal, lambda) = (space.trace.normal(i, view.u), view.multiplier[i]);
             let gap = (boundary.gap)(x);
-            worst = worst.max(-lambda * point.weight);
+            contact = contact.max(-lambda * point.weight);
             if gap.is_finite() {
                 // A violated or missed bound, as the force that the stiffness answers it with.
-                worst = worst.max((normal - gap) * stiffness);
-                worst = worst.max((lambda * point.weight).min((gap - normal) * stiffness));
+                contact = contact.max((normal - gap) * stiffness);
+                contact = contact.max((lambda * point.weight).min((gap - normal) * stiffness));
             }
             if boundary.rule == BoundaryRule::Vertex {
                 let place = [normal - (boundary.shift)(x), view.compliance[i]];
                 let potential = boundary.potential_at(x);
-                worst = worst.max(graph_distance(&potential, place, point.weight, stiffness));
+                contact = contact.max(graph_distance(&potential, place, point.weight, stiffness));
             }
         }
         scale = scale.max(f64::MIN_POSITIVE);
     }
     if model.friction.is_some() {
         let stiffness = model.elasticity.eigenvalues(D).1;
-        worst = larger(worst, friction_force::violation(space, model, view, stiffness));
+        contact = larger(contact, friction_force::violation(space, model, view, stiffness));
         scale = scale.max(f64::MIN_POSITIVE);
     }
     // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
-    let worst = larger(worst, unbalanced);
-    let relative = |scale: f64| if scale > 0.0 { worst / scale } else { worst };
-    if relative(scale) > KKT_ALLOWED {
+    let mut worst = larger(contact, unbalanced);
+    let relative = |worst: f64, scale: f64| if scale > 0.0 { worst / scale } else { worst };
+    if relative(worst, scale) > KKT_ALLOWED {
         // Terms that cancel leave more than a share of their sum. They are summed where this decides alone.
         let rounding = accepted_residual(largest_terms(space, model, view));
         let (softest, stiffest) = model.elasticity.eigenvalues(D);
         let by_stiffness = scale * (stiffest - softest) / softest;
         scale = scale.max(by_stiffness.min(rounding / KKT_ALLOWED));
+        let allowed = contact_rounding(space, model, view);
+        for (force, size) in balance.iter_mut().zip(allowed) {
+            let beyond = force.abs() - accepted_residual(size);
+            *force = if beyond < 0.0 { 0.0 } else { beyond };
+        }
+        worst = larger(contact, largest(&balance[..space.dofs()]));
     }
-    relative(scale)
+    relative(worst, scale)
 }
 
 /// How large the terms of nodal forces are before they cancel: max_i Σ_j |K_ij||v_j|, summed over 𝒜 with u and each ℬ_i with
@@ -132,6 +140,59 @@ fn largest_terms(space: &Discretization, model: &Model, view: &StepView<'_>) -> 
         axpy(1.0, &terms, &mut sums);
     }
     largest(&sums)
+}
+
+/// How large the parts u_ν - s of the forces of the law, and of friction that follows it, are before they cancel, by dofs: the
+/// change of these forces by a few units of rounding of u_ν and s, over ε.
+fn contact_rounding(space: &Discretization, model: &Model, view: &StepView<'_>) -> Vec<f64> {
+    const UNITS: f64 = 8.0;
+    let [mut more, mut less] = [(); 2].map(|()| vec![0.0; space.nodes.len()]);
+    let Some(boundary) = model.boundary.as_ref().filter(|b| !b.potential.is_absent()) else {
+        return more;
+    };
+    let place = |point: &TracePoint| space.mesh.point(&[point.vertex], &[1.0]);
+    let points: Vec<[f64; 2]> = (0..)
+        .zip(&space.trace.points)
+        .map(|(i, point)| [space.trace.normal(i, view.u), (boundary.shift)(place(point))])
+        .collect();
+    let by = points.iter().fold(0.0f64, |size, [u, s]| size.max(u.abs() + s.abs()))
+        * UNITS
+        * f64::EPSILON;
+    match boundary.rule {
+        BoundaryRule::Vertex => {
+            for (i, (point, [u, s])) in space.trace.points.iter().zip(points).enumerate() {
+                let potential = boundary.potential_at(place(point));
+                // A vertex at a jump is held there.
+                if !point.carries()
+                    || potential.jumps().iter().any(|jump| (u - s - jump).abs() <= by)
+                {
+                    continue;
+                }
+                let [high, low] = [by, -by].map(|by| potential.subdifferential(u - s + by).0);
+                let change = point.weight * (high - low);
+                space.trace.add_normal(i, change, &mut more);
+                if view.compliance[i] > 0.0
+                    && model.friction.as_ref().is_some_and(|f| f.follows_pressure)
+                {
+                    let m = space.mesh.dimension - 1;
+                    let of_p = |s: &f64| change * s / view.compliance[i];
+                    let parts: Vec<f64> =
+                        view.friction[m * i..m * (i + 1)].iter().map(of_p).collect();
+                    point.add_tangential(&parts, &mut more);
+                }
+            }
+        }
+        BoundaryRule::Gauss => {
+            add_gauss(space, boundary, view, by, &mut more);
+            add_gauss(space, boundary, view, -by, &mut less);
+        }
+        BoundaryRule::Exact => {
+            add_exact(space, boundary, view, by, &mut more);
+            add_exact(space, boundary, view, -by, &mut less);
+        }
+    }
+    let over = 2.0 * UNITS * f64::EPSILON;
+    more.iter().zip(less).map(|(more, less)| (more - less).abs() / over).collect()
 }
 
 fn add_contact_forces(
@@ -153,8 +214,8 @@ fn add_contact_forces(
         // A law that vanishes costs nothing.
         _ if boundary.potential.is_absent() => {}
         BoundaryRule::Vertex => {}
-        BoundaryRule::Gauss => add_gauss(space, boundary, view, balance),
-        BoundaryRule::Exact => add_exact(space, boundary, view, balance),
+        BoundaryRule::Gauss => add_gauss(space, boundary, view, 0.0, balance),
+        BoundaryRule::Exact => add_exact(space, boundary, view, 0.0, balance),
     }
 }
 

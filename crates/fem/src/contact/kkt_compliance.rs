@@ -18,11 +18,12 @@ const HALVINGS: u32 = 40;
 /// Changes of u_ν - s below this share of it, and of the kinks, are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Adds ∫ ∂j_ν(u_ν - s) v_ν by the Gauss rule of the facets.
+/// Adds ∫ ∂j_ν(u_ν - s) v_ν by the Gauss rule of the facets, with u_ν - s `moved`.
 pub(crate) fn add_gauss(
     space: &Discretization,
     boundary: &Boundary,
     view: &StepView<'_>,
+    moved: f64,
     balance: &mut [f64],
 ) {
     // Made once: a march comes here at every level.
@@ -31,21 +32,22 @@ pub(crate) fn add_gauss(
     let rule = RULES[usize::from(dimension == 3)].get_or_init(|| facet_rule(dimension));
     for facet in 0..space.trace.measure.len() {
         for (shape, weight) in rule.points.iter().zip(&rule.weights) {
-            add_point(space, boundary, view, facet, shape, *weight, balance);
+            add_point(space, boundary, view, (facet, shape, *weight), moved, balance);
         }
     }
 }
 
-/// Adds ∫ ∂j_ν(u_ν - s) v_ν by halving intervals at whose ends u_ν - s lies on different pieces.
+/// Adds ∫ ∂j_ν(u_ν - s) v_ν, with u_ν - s `moved`, by halving intervals at whose ends it lies on different pieces.
 pub(crate) fn add_exact(
     space: &Discretization,
     boundary: &Boundary,
     view: &StepView<'_>,
+    moved: f64,
     balance: &mut [f64],
 ) {
     let gauss = gauss_legendre(POINTS);
     for facet in 0..space.trace.measure.len() {
-        let argument = |x: f64| argument(space, boundary, view, facet, &[1.0 - x, x]);
+        let argument = |x: f64| argument(space, boundary, view, facet, &[1.0 - x, x]) + moved;
         let piece = |x: f64| boundary.potential.kinks().partition_point(|kink| *kink < argument(x));
         let sizes = boundary.potential.kinks().iter().copied();
         let size = sizes.chain([0.0, 0.5, 1.0].map(argument)).fold(0.0f64, |m, r| m.max(r.abs()));
@@ -77,7 +79,8 @@ pub(crate) fn add_exact(
                 for (place, weight) in gauss {
                     let x = from + 0.5 * (1.0 + place) * (to - from);
                     let weight = 0.5 * weight * (to - from);
-                    add_point(space, boundary, view, facet, &[1.0 - x, x], weight, balance);
+                    let shape = &[1.0 - x, x];
+                    add_point(space, boundary, view, (facet, shape, weight), moved, balance);
                 }
             } else {
                 left[waiting] = (from, middle, halvings + 1);
@@ -115,12 +118,11 @@ fn add_point(
     space: &Discretization,
     boundary: &Boundary,
     view: &StepView<'_>,
-    facet: usize,
-    shape: &[f64],
-    weight: f64,
+    (facet, shape, weight): (usize, &[f64], f64),
+    moved: f64,
     balance: &mut [f64],
 ) {
-    let r = argument(space, boundary, view, facet, shape);
+    let r = argument(space, boundary, view, facet, shape) + moved;
     let mut pressure = boundary.potential.subdifferential(r).0;
     if let Some(scale) = &boundary.scale {
         pressure *= scale(place(space, facet, shape));

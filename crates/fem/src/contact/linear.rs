@@ -72,7 +72,8 @@ pub fn march(
         observe(&view)?;
     }
     let size = norm(&force);
-    info.floors = volume.floors(force, size, [&shown.nodal, &shown.nodal], &history);
+    info.floors =
+        volume.floors(force, (size, 0.0), [&shown.nodal, &shown.nodal], &history, (0, None));
     info.work = volume.work();
     info.work.linear.seconds_solve += seconds;
     Ok(info)

@@ -172,3 +172,6 @@ impl<'a> March<'a> {
         self.shown.show((n, t), evolution.history(), sizes, evolution.load(), to)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,7 +19,7 @@ use super::{Discretization, LinearSolver, Model};
 use algebra::linalg::{FactorError, Jacobian, RankOne, TangentSolver, axpy, norm, root_of_squares};
 use algebra::tensor::contract;
 use vhi::law::{Projection, TensorField};
-use vhi::{BoundaryGraph, StepInequality};
+use vhi::{BoundaryGraph, StepInequality, StepState};
 
 /// The contact problem on one mesh, at one time level after another.
 pub struct ContactProblem<'a> {
@@ -387,5 +387,15 @@ impl StepInequality for ContactProblem<'_> {
         let products = u.iter().enumerate().map(|(i, u)| self.linear[pattern.diagonal(i)] * u);
         let squares = |scale: f64| products.clone().map(|f| (scale * f) * (scale * f)).sum();
         root_of_squares(squares) + norm(&self.load)
+    }
+
+    fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
+        self.graph.add_rounding(state, sizes);
+        self.add_rounding_of_friction(state, sizes);
+        if let Some(compliance) = &self.compliance {
+            let mut unknowns = state.u.clone();
+            unknowns.resize(self.unknowns.len(), 0.0);
+            compliance.add_rounding(&unknowns, sizes);
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::floor::Accepted;
+use super::side::Side;
 use super::way::{Way, accepted_residual, size_of_forces};
 use super::{Discretization, Floors, LinearSolver, Model, Unknowns, Work};
 use algebra::linalg::{
@@ -278,13 +279,15 @@ impl<'a> Volume<'a> {
     }
 
     /// Floors from the correction that one more solve would make of a level: `force` are its load and contact on the
-    /// unknowns, `size` their size, `u` and `history` unknowns, `nodal` displacements.
+    /// unknowns, `size` their size, `u` and `history` unknowns, `nodal` displacements. Γ3 from `cut` on answers by its own
+    /// tangent, where a stiff law holds what rounding of its forces would move; `rounding` is how large that is.
     pub(super) fn floors(
         &mut self,
         mut force: Vec<f64>,
-        size: f64,
+        (size, rounding): (f64, f64),
         [u, nodal]: [&[f64]; 2],
         history: &[Vec<f64>],
+        (cut, side): (usize, Option<&mut Side<'_>>),
     ) -> Floors {
         let (space, dofs) = (self.space, self.space.dofs());
         // K acts on u + β history; or 𝒜 on u, and each ℬ_i on its history, which holds u.
@@ -296,9 +299,20 @@ impl<'a> Volume<'a> {
         space.pattern.multiply(&self.elastic, &v, &mut product);
         axpy(-1.0, &product, &mut force);
         self.subtract_memory(history, &mut force);
-        let tolerance = accepted_residual(self.forces(&v) + size);
+        let tolerance = accepted_residual(self.forces(&v) + size + rounding);
         let accepted = Accepted { residual: norm(&force), tolerance };
-        self.way.estimate(&mut force);
+        match side {
+            None => self.way.estimate(&mut force),
+            Some(side) => {
+                let mut ordered: Vec<f64> =
+                    self.order.iter().map(|&dof| force[dof as usize]).collect();
+                self.way.forward(cut, 1, &mut ordered);
+                side.level.correct(&mut ordered[cut..]);
+                self.way.backward(cut, 1, &mut ordered);
+                let places = self.order.iter().zip(ordered);
+                places.for_each(|(&dof, value)| force[dof as usize] = value);
+            }
+        }
         force.resize(space.nodes.len(), 0.0);
         if self.unknowns == Unknowns::ContactLast {
             space.frames.to_cartesian(&mut force);

@@ -192,16 +192,25 @@ impl Simplices {
     }
 }
 
-/// The g_a of a simplex: rows of G⁻¹E with E its edges from the first corner and G = E Eᵀ.
+/// The g_a of a simplex in its plane: dual to its edges from the first corner. By products of edges in units of the longest;
+/// by Gram's matrix flat simplices would lose all digits.
 fn dual(corners: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let edges =
-        nalgebra::DMatrix::from_fn(corners.len() - 1, 3, |a, i| corners[a + 1][i] - corners[0][i]);
-    let gram = &edges * edges.transpose();
-    let inverse = gram
-        .try_inverse()
-        .unwrap_or_else(|| nalgebra::DMatrix::zeros(edges.nrows(), edges.nrows()));
-    let dual = inverse * edges;
-    (0..dual.nrows()).map(|a| [0, 1, 2].map(|i| dual[(a, i)])).collect()
+    let edges = corners[1..].iter().map(|&x| nalgebra::Vector3::from(minus(x, corners[0])));
+    let unit = edges.clone().map(|edge| edge.amax()).fold(f64::MIN_POSITIVE, f64::max);
+    let edges: Vec<_> = edges.map(|edge| edge / unit).collect();
+    let dual = match edges[..] {
+        [a] => vec![a / a.norm_squared()],
+        [a, b] => {
+            let normal = a.cross(&b);
+            [b.cross(&normal), normal.cross(&a)].map(|g| g / normal.norm_squared()).to_vec()
+        }
+        [a, b, c] => {
+            let content = a.dot(&b.cross(&c));
+            [b.cross(&c), c.cross(&a), a.cross(&b)].map(|g| g / content).to_vec()
+        }
+        _ => Vec::new(),
+    };
+    dual.into_iter().map(|g| (g / unit).into()).collect()
 }
 
 #[cfg(test)]
@@ -248,6 +257,30 @@ mod tests {
         let family = Family::Perturbed { amplitude: 0.1, seed: 3, axes: [true; 3] };
         let moved = space(lattice([1.0, 0.5, 1.0], 8, family));
         assert!(Refinement::new(&moved, &structured(3, 4)).is_err());
+    }
+
+    /// Flat cells have children as others do, and measures that are products of their edges.
+    #[test]
+    fn flat_domains_nest() {
+        let flat = |n: u32| {
+            let vertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1e-9], [0.0, 1e-9]];
+            let names = (0..4).map(|i| format!("s{i}")).collect();
+            let triangles = [[0, 1, 2], [0, 2, 3]];
+            let coarse = CoarseMesh::polygon(&vertices, &triangles, &[0, 1, 2, 3], names);
+            Discretization::new(
+                coarse.expect("a domain").refined(n, Family::Structured),
+                &[2],
+                &[0],
+            )
+        };
+        let (fine, coarse) = (flat(8), flat(2));
+        let found = Refinement::new(&fine, &coarse).expect("a refinement");
+        let mut left = coarse.geometry.measure.clone();
+        for (c, &parent) in found.cells.of.iter().enumerate() {
+            left[parent as usize] -= fine.geometry.measure[c];
+        }
+        // 16 children of 2^-8 1e-9 each, to rounding of vertices of size 1e-9.
+        assert!(left.iter().all(|rest| rest.abs() < 1e-22), "{left:?}");
     }
 
     /// An L with contact on the two sides that meet in its reentrant corner.

@@ -2,22 +2,7 @@
 
 use super::{Run, Tone};
 
-/// At most so many significant digits, without trailing zeros.
-pub fn digits(value: f64, significant: usize) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    let exponent = value.abs().log10().floor();
-    if !(-3.0..significant as f64).contains(&exponent) {
-        let mantissa = significant.clamp(1, 5) - 1;
-        return if value.is_finite() { format!("{value:.mantissa$e}") } else { "–".into() };
-    }
-    let text = format!("{value:.*}", (significant as f64 - 1.0 - exponent).max(0.0) as usize);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
+pub use files::digits;
 
 /// A cell with a number of five digits.
 pub fn number(value: impl Into<Option<f64>>) -> Run {

@@ -5,6 +5,7 @@ mod space;
 use std::collections::BTreeSet;
 
 use fem::mesh::Mesh;
+use files::digits;
 use formula::{EvaluationPoint, Node, Program};
 use report::{Ink, Sketch, Stroke};
 use scene::setup::cell_regions;
@@ -53,7 +54,7 @@ fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
     sketch.strokes.push(axis(vec![(0.0, 0.0), (horizon, 0.0)]));
     sketch.strokes.push(axis(vec![(0.0, low), (0.0, high)]));
     for end in [low, high].into_iter().filter(|end| *end != 0.0) {
-        sketch.words.push(((-0.07 * horizon, end), format!("{end:.2}")));
+        sketch.words.push(((-0.07 * horizon, end), digits(end, 3)));
     }
     sketch.legend.push((Ink::Thin, format!("t to {horizon}")));
     sketch

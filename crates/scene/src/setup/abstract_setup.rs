@@ -7,10 +7,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
-use super::{SetupError, potential, time_grid};
+use super::{SetupError, potential};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
 use algebra::linalg::larger;
 use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
+use files::digits;
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
 use vhi::StepSolver;
 use vhi::finite::{
@@ -42,6 +43,7 @@ impl AbstractSetup {
             let hint = "this command needs a scene with kind = \"abstract\"";
             return Err(scene.error("scene.kind", message, hint).into());
         };
+        scene.check_sweep()?;
         let model = model(&scene, &problem);
         // First: a kernel without a bound has no integrals either.
         let constants = abstract_constants(&scene, &problem, &model)?;
@@ -57,7 +59,7 @@ impl AbstractSetup {
 
     /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
-        time_grid(&self.scene.time, steps)
+        self.scene.time.grid(steps).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The exact state at time t; computed once.
@@ -86,8 +88,12 @@ impl AbstractSetup {
     fn admissible(&self) -> Result<(), SetupError> {
         let c = &self.constants;
         let message = format!(
-            "the smallness condition (2.9) fails: m0 = m_A - alpha_phi - alpha_j c_j^2 = {:.4} - {:.4} - {:.4} * {:.4} = {:.4}",
-            c.m_a, c.alpha_phi, c.alpha_j, c.c_j_squared, c.m0
+            "the smallness condition (2.9) fails: m0 = m_A - alpha_phi - alpha_j c_j^2 = {} - {} - {} * {} = {}",
+            digits(c.m_a, 5),
+            digits(c.alpha_phi, 5),
+            digits(c.alpha_j, 5),
+            digits(c.c_j_squared, 5),
+            digits(c.m0, 5)
         );
         let hint = "enlarge the matrix of the operator; or say violates = [\"2.9\"] in [scene] to run it all the same";
         let fails = c.m0 <= 0.0 && !self.scene.violates.contains(&Hypothesis::Smallness);
@@ -111,29 +117,32 @@ impl AbstractSetup {
     fn contact_state(&self, t: f64, sizes: &[[f64; 2]]) -> Result<(), SetupError> {
         let state = self.state(t);
         if let Some(value) = state.load.iter().find(|value| !value.is_finite()) {
-            let message = format!("the load of the exact solution is {value} at t = {t:.4}");
+            let message =
+                format!("the load of the exact solution is {value} at t = {}", digits(t, 5));
             let hint = "u, its history and the operator must be finite on [0, T]";
             return Err(self.scene.error("exact.u", message, hint).into());
         }
         for (i, trace) in self.problem.traces.iter().enumerate() {
             let (r, xi, lambda) = (state.traces[i], state.selection[i], state.multiplier[i]);
             let slack = ROUNDING * sizes[i][0];
+            let (at, time) = (digits(r, 7), digits(t, 5));
             let (lower, upper) = (trace.lower, trace.upper);
-            let message = format_args!("a_{i}·u = {r:.6} leaves [{lower}, {upper}], t = {t:.4}");
+            let message = format_args!("a_{i}·u = {at} leaves [{lower}, {upper}], t = {time}");
             let outside = r > upper + slack || r < lower - slack;
             let hint = "keep u in K, or widen the bounds";
             self.scene.refuse_if(outside, "exact.u", message, hint)?;
             let (above, below) = (r >= upper - slack, r <= lower + slack);
             let odd = (lambda > 0.0 && !above) || (lambda < 0.0 && !below) || lambda.is_nan();
             let message =
-                format_args!("the multiplier is {lambda:.3e} where a_{i}·u = {r:.6}, t = {t:.4}");
+                format_args!("the multiplier is {lambda:.3e} where a_{i}·u = {at}, t = {time}");
             let hint = "λ > 0 on the upper bound, λ < 0 on the lower one, 0 between";
             self.scene.refuse_if(odd, &format!("exact.multiplier.{i}"), message, hint)?;
             let (lo, hi) = self.model.functionals[i].potential.subdifferential(r);
             let slack = ROUNDING * lo.abs().max(hi.abs()).max(sizes[i][1]);
             let within = xi >= lo - slack && xi <= hi + slack;
+            let [inside, low, high] = [xi, lo, hi].map(|value| digits(value, 7));
             let message =
-                format_args!("xi = {xi:.6} is not in [{lo:.6}, {hi:.6}] = ∂j({r:.6}), t = {t:.4}");
+                format_args!("xi = {inside} is not in [{low}, {high}] = ∂j({at}), t = {time}");
             let hint = "state exact.selection within the interval of the law";
             self.scene.refuse_if(!within, &format!("exact.selection.{i}"), message, hint)?;
         }

@@ -5,6 +5,7 @@ use super::regularity::contact_claims;
 use super::{Setup, SetupError};
 use crate::{Face, Hypothesis, SceneError};
 use exact::{Exact, Sliding};
+use files::digits;
 use formula::Program;
 use vhi::law::Potential;
 
@@ -80,14 +81,15 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
         ),
     };
     let [normal, tangential] = constants.coefficients();
-    let mut product = format!("{normal:.4} * {:.4}", constants.c_j_squared);
+    let of = |a: f64, b: f64| format!("{} * {}", digits(a, 5), digits(b, 5));
+    let mut product = of(normal, constants.c_j_squared);
     if by.contains('+') {
-        product += &format!(" + {tangential:.4} * {:.4}", constants.c_tau_squared);
+        product += &format!(" + {}", of(tangential, constants.c_tau_squared));
     }
     let message = format!(
-        "{by} {product} = {:.4} is not below m_A = {:.4}",
-        constants.concave(),
-        constants.m_elastic
+        "{by} {product} = {} is not below m_A = {}",
+        digits(constants.concave(), 5),
+        digits(constants.m_elastic, 5)
     );
     let hint = format!("{remedy}; or say violates = [\"2.9\"] in [scene] to run it all the same");
     Err(scene.error(key, message, hint).into())
@@ -106,9 +108,9 @@ struct Sample<'a> {
 
 impl std::fmt::Display for Sample<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let coordinates = self.place.map(|x| format!("{x:.4}"));
+        let coordinates = self.place.map(|x| digits(x, 5));
         let place = coordinates[..self.setup.scene.dimension].join(", ");
-        write!(f, "at ({place}), t = {:.4}", self.t)
+        write!(f, "at ({place}), t = {}", digits(self.t, 5))
     }
 }
 
@@ -170,14 +172,15 @@ fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SceneE
         let hint = "a multiplier is a pressure: lambda >= 0, and it vanishes where u_nu < g";
         let negative = lambda.is_nan() || lambda < 0.0;
         scene.refuse_if(negative, "exact.multiplier", message, hint)?;
+        let [normal, bound] = [u_nu, gap].map(|value| digits(value, 7));
         let message = format_args!(
-            "the exact solution violates u_nu <= g: u_nu = {u_nu:.6}, g = {gap:.6} {at}"
+            "the exact solution violates u_nu <= g: u_nu = {normal}, g = {bound} {at}"
         );
         let hint = "lower the displacement on the contact side or raise the gap";
         let beyond = u_nu.is_nan() || u_nu - gap > ROUNDING * gap.abs().max(f64::MIN_POSITIVE);
         scene.refuse_if(beyond, "exact.u", message, hint)?;
         let message = format_args!(
-            "the multiplier is {lambda:.3e} where u_nu = {u_nu:.6} is below g = {gap:.6}, {at}"
+            "the multiplier is {lambda:.3e} where u_nu = {normal} is below g = {bound}, {at}"
         );
         let hint = "complementarity: lambda (u_nu - g) = 0, so lambda > 0 only where u_nu = g";
         let below = gap.is_finite() && lambda > 0.0 && gap - u_nu > ROUNDING * gap.abs();
@@ -197,14 +200,14 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SceneError>
         let sign = if d == 2 { sliding.s[0].signum() } else { 1.0 };
         let (scene, s, bound) = (&setup.scene, sign * sliding.size(), sliding.bound);
         let slack = ROUNDING * bound.abs().max(f64::MIN_POSITIVE);
-        let message =
-            format_args!("the friction stress is {s:.6} {at}, beyond the bound {bound:.6}");
+        let [stress, most] = [s, bound].map(|value| digits(value, 7));
+        let message = format_args!("the friction stress is {stress} {at}, beyond the bound {most}");
         let hint = "state exact.friction with |s| <= S on every contact side";
         let beyond = s.is_nan() || bound.is_nan() || s.abs() > bound + slack;
         scene.refuse_if(beyond, "exact.friction", message, hint)?;
         let u_tau = if d == 2 { sliding.slip[0] } else { sliding.slipped() };
         let message = format_args!(
-            "the friction stress is {s:.6} where u_tau = {u_tau:.3e} slips and the bound is {bound:.6}, {at}"
+            "the friction stress is {stress} where u_tau = {u_tau:.3e} slips and the bound is {most}, {at}"
         );
         let hint = match d {
             2 => "s = S sign(u_tau) wherever u_tau is not zero, and u_tau = 0 wherever |s| < S",
@@ -222,8 +225,9 @@ fn selection(at: &Sample<'_>, u_nu: f64, xi: f64) -> Result<(), SceneError> {
     let (lo, hi) = boundary.potential_at(x).subdifferential(u_nu - (boundary.shift)(x));
     let slack = ROUNDING * lo.abs().max(hi.abs()).max(f64::MIN_POSITIVE);
     let within = xi >= lo - slack && xi <= hi + slack;
+    let [inside, low, high, normal] = [xi, lo, hi, u_nu].map(|value| digits(value, 7));
     let message = format_args!(
-        "xi = {xi:.6} is not in the subdifferential [{lo:.6}, {hi:.6}] at u_nu = {u_nu:.6}, {at}"
+        "xi = {inside} is not in the subdifferential [{low}, {high}] at u_nu = {normal}, {at}"
     );
     let hint = "state exact.selection within the interval of the law at u_nu - shift";
     at.setup.scene.refuse_if(!within, "exact.selection", message, hint)

@@ -211,7 +211,6 @@ impl Constants {
     }
 }
 
-
 /// The constants of a scene, c_τ² if there is friction.
 ///
 /// # Errors

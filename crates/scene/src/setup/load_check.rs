@@ -288,17 +288,22 @@ fn boundary_facets(mesh: &Mesh) -> Vec<usize> {
     (0..mesh.facet_side.len()).filter(|f| once(f)).collect()
 }
 
-/// Length, area or volume by the determinant of edges (Gram's for a side), in units of the longest, against over- and
-/// underflow.
+/// Length, area or volume by the minors of the matrix of edges, in units of the longest, against over- and underflow. Gram's
+/// determinant has their squares, and loses all digits of flat cells.
 fn measure(space: &Discretization, simplex: &[u32]) -> f64 {
-    let d = space.mesh.dimension;
     let corner = |i: usize| space.mesh.vertex(simplex[i]);
-    let edges: Vec<Vec<f64>> =
-        (1..simplex.len()).map(|i| (0..d).map(|j| corner(i)[j] - corner(0)[j]).collect()).collect();
+    let mut edges = vec![[0.0; 3]; simplex.len() - 1];
+    for (i, edge) in edges.iter_mut().enumerate() {
+        let ends = corner(i + 1).iter().zip(corner(0));
+        edge.iter_mut().zip(ends).for_each(|(value, (to, from))| *value = to - from);
+    }
     let unit = edges.iter().flatten().fold(0.0f64, |most, value| most.max(value.abs()));
-    let gram = nalgebra::DMatrix::from_fn(edges.len(), edges.len(), |i, j| {
-        edges[i].iter().zip(&edges[j]).map(|(a, b)| (a / unit) * (b / unit)).sum::<f64>()
-    });
-    let parts: usize = (1..=edges.len()).product();
-    gram.determinant().max(0.0).sqrt() / parts as f64 * unit.powi(edges.len() as i32)
+    let vectors: Vec<_> = edges.iter().map(|&edge| nalgebra::Vector3::from(edge) / unit).collect();
+    let content = match vectors[..] {
+        [a] => a.norm(),
+        [a, b] => a.cross(&b).norm() / 2.0,
+        [a, b, c] => a.cross(&b).dot(&c).abs() / 6.0,
+        _ => f64::NAN,
+    };
+    content * unit.powi(vectors.len() as i32)
 }

@@ -7,6 +7,7 @@ use crate::{Material, Place, RelaxationTerm, Scene, SceneError, Shape};
 use exact::{MaterialNumbers, RegionNumbers};
 use fem::contact::MemoryTerm;
 use fem::mesh::Mesh;
+use files::digits;
 use formula::Graph;
 use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, Singular, TensorField};
 
@@ -104,22 +105,20 @@ pub fn cell_regions(
                     (low.min(value), high.max(value))
                 });
             let [x, y, z] = centroid(c);
-            let place = match mesh.dimension {
-                2 => format!("({x:.4}, {y:.4})"),
-                _ => format!("({x:.4}, {y:.4}, {z:.4})"),
-            };
+            let place = [x, y, z].map(|x| digits(x, 5))[..mesh.dimension].join(", ");
+            let [from, to] = [low, high].map(|value| digits(value, 5));
             let middle = value([x, y, z]);
             let name = &region.name;
             // NaN counts as cut.
             let cut = !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size);
             let message = format_args!(
-                "on the mesh n = {n} the boundary of region `{name}` cuts the cell at {place}: the condition goes from {low:.4} to {high:.4} in it"
+                "on the mesh n = {n} the boundary of region `{name}` cuts the cell at ({place}): the condition goes from {from} to {to} in it"
             );
             let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose other n, or move the interface onto a mesh line";
             scene.refuse_if(cut || middle.is_nan(), &key, message, hint)?;
             if middle > 0.0 {
                 claim(scene, material, (index, "where"), region_of_cell, || {
-                    format!("the cell at {place} of the mesh n = {n}")
+                    format!("the cell at ({place}) of the mesh n = {n}")
                 })?;
             }
         }

@@ -114,10 +114,11 @@ impl MeshData {
     /// Runs an external `solve` and compares the rules in parallel.
     pub fn comparing_beside<T>(&self, setup: &Setup, solve: impl FnOnce() -> T) -> T {
         std::thread::scope(|scope| {
-            let compared = scope.spawn(|| self.rule_check(setup).is_ok());
+            let compare = || self.rule_check(setup).is_ok();
+            let compared = std::thread::Builder::new().spawn_scoped(scope, compare);
             let solved = solve();
-            // Errors of the comparison are reported to whoever asks for it.
-            drop(compared.join());
+            // Errors of the comparison are reported to whoever asks for it; without a thread it is made then.
+            drop(compared.map(|compared| compared.join()));
             solved
         })
     }

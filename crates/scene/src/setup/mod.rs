@@ -105,6 +105,7 @@ impl Setup {
                 "this command needs a scene of the contact problem, without kind = \"abstract\"";
             return Err(scene.error("scene.kind", message, hint).into());
         };
+        scene.check_sweep()?;
         let body = ContactScene::clone(body);
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
@@ -168,8 +169,11 @@ impl Setup {
     }
 
     /// The grid with the given number of steps.
+    ///
+    /// # Panics
+    /// A number of steps that [`Scene::check_steps`] refuses.
     pub fn grid(&self, steps: u32) -> TimeGrid {
-        time_grid(&self.scene.time, steps)
+        self.scene.time.grid(steps).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The scene with non-exponential kernels interpolated to an error; for None, with direct sums for all kernels.
@@ -227,15 +231,6 @@ impl Setup {
     /// μ of the projection, or 0.
     pub fn projection_mu(&self) -> f64 {
         self.body.material.projection.as_ref().map_or(0.0, |projection| projection.mu)
-    }
-}
-
-/// The grid of a scene with the given number of steps.
-pub fn time_grid(time: &crate::Time, steps: u32) -> TimeGrid {
-    match time.grid {
-        crate::TimeGrid::Uniform => TimeGrid::uniform(time.horizon, steps),
-        crate::TimeGrid::Graded { exponent } => TimeGrid::graded(time.horizon, steps, exponent),
-        crate::TimeGrid::Random { seed } => TimeGrid::random(time.horizon, steps, seed),
     }
 }
 

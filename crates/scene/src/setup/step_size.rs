@@ -3,6 +3,7 @@
 use super::constants::{Constants, Smallness, needed, step_bounds};
 use super::{SetupError, Subject};
 use crate::Hypothesis;
+use files::digits;
 use vhi::{StepBounds, StepPlace};
 
 /// Largest number of steps that a hint proposes.
@@ -39,6 +40,7 @@ pub fn check_step_sizes(
     steps: &[u32],
 ) -> Result<Option<StepRemark>, SetupError> {
     let scene = subject.scene();
+    scene.check_steps(steps)?;
     let violates = |hypothesis| scene.violates.contains(&hypothesis);
     if violates(Hypothesis::Smallness) || violates(Hypothesis::LipschitzKappa) {
         return Ok(None);
@@ -59,17 +61,18 @@ pub fn check_step_sizes(
     };
     let (k, declared) = (size(coarsest), violates(Hypothesis::StepSize));
     let (limit, solvable) = (bounds.limit(), below(bounds.solvable_limit()));
+    let (step, bound) = (digits(k, 5), digits(limit, 5));
     let place = bounds.place(k);
     let text = match place {
         StepPlace::WithinTheorem if declared => format!(
-            "violates = [\"3.4\"] is not needed: k = {k:.4} is below the bound (3.4), {limit:.4}"
+            "violates = [\"3.4\"] is not needed: k = {step} is below the bound (3.4), {bound}"
         ),
         StepPlace::WithinTheorem => return Ok(None),
         StepPlace::Solvable => format!(
-            "k = {k:.4} (N = {coarsest}) is beyond (3.4), k < {limit:.4}; one solution per step is guaranteed all the same, by strong monotonicity{solvable}"
+            "k = {step} (N = {coarsest}) is beyond (3.4), k < {bound}; one solution per step is guaranteed all the same, by strong monotonicity{solvable}"
         ),
         StepPlace::Unguaranteed if declared => format!(
-            "k = {k:.4} (N = {coarsest}) violates (3.4) on purpose: one solution per step is guaranteed only{solvable}"
+            "k = {step} (N = {coarsest}) violates (3.4) on purpose: one solution per step is guaranteed only{solvable}"
         ),
         StepPlace::Unguaranteed => return Err(refusal(subject, coarsest, k, &bounds)),
     };
@@ -77,22 +80,24 @@ pub fn check_step_sizes(
 }
 
 fn unknown(constants: &Constants) -> String {
-    let [low, high] = constants.m0_range;
-    let [least, most] = constants.c_j_range;
+    let [low, high] = constants.m0_range.map(|value| digits(value, 7));
+    let [least, most] = constants.c_j_range.map(|value| digits(value, 7));
     format!(
-        "whether (2.9) holds is unknown, neither verified nor refused: m0 lies between {low:.6} and {high:.6}, c_j^2 being known between {least:.6} and {most:.6}; no bound on the step size follows"
+        "whether (2.9) holds is unknown, neither verified nor refused: m0 lies between {low} and {high}, c_j^2 being known between {least} and {most}; no bound on the step size follows"
     )
 }
 
 fn below(limit: f64) -> String {
-    if limit.is_finite() { format!(" for k < {limit:.4}") } else { " for every k".into() }
+    if limit.is_finite() { format!(" for k < {}", digits(limit, 5)) } else { " for every k".into() }
 }
 
 fn refusal(subject: &Subject, steps: u32, k: f64, bounds: &StepBounds) -> SetupError {
     let limit = bounds.solvable_limit();
     let message = format!(
-        "N = {steps} makes k = {k:.4}, but one solution per step is guaranteed only for k < {limit:.4} (and by (3.4) itself for k < {:.4})",
-        bounds.limit()
+        "N = {steps} makes k = {}, but one solution per step is guaranteed only for k < {} (and by (3.4) itself for k < {})",
+        digits(k, 5),
+        digits(limit, 5),
+        digits(bounds.limit(), 5)
     );
     let enough = sufficient(subject, limit)
         .map_or(String::new(), |steps| format!("take N = {steps} steps or more, or "));
@@ -102,7 +107,8 @@ fn refusal(subject: &Subject, steps: u32, k: f64, bounds: &StepBounds) -> SetupE
 
 /// The smallest number of steps that brings k below `limit`.
 fn sufficient(subject: &Subject, limit: f64) -> Option<u32> {
-    let size = |steps: u32| subject.grid(steps).largest_step();
+    let time = subject.scene().time;
+    let size = |steps: u32| time.grid(steps).map_or(f64::INFINITY, |grid| grid.largest_step());
     let (mut too_few, mut enough) = (0, 1);
     while size(enough) >= limit {
         (too_few, enough) = (enough, 2 * enough);

@@ -17,6 +17,7 @@ use super::{MeshData, Setup, SetupError};
 use crate::{Face, Hypothesis};
 use algebra::linalg::{dot, larger};
 use fem::contact::StiffnessInverse;
+use files::digits;
 use vhi::law::{Potential, TensorField};
 
 /// The bound of |κ'| in the constants of a scene.
@@ -43,7 +44,7 @@ pub enum ZetaFrom {
 impl YieldSlope {
     /// How the number was obtained.
     pub fn how(&self) -> String {
-        let zeta = self.zeta;
+        let zeta = digits(self.zeta, 5);
         match self.from {
             ZetaFrom::Everywhere if self.lipschitz.is_finite() => {
                 "proved: bound of |kappa'| for all zeta >= 0".into()
@@ -52,10 +53,10 @@ impl YieldSlope {
                 "kappa is not Lipschitz, or no zeta is known up to which".into()
             }
             ZetaFrom::Exact => format!(
-                "proved for zeta <= {zeta:.4}, twice the zeta of the exact solution; a run beyond fails"
+                "proved for zeta <= {zeta}, twice the zeta of the exact solution; a run beyond fails"
             ),
             ZetaFrom::Loads => format!(
-                "proved for zeta <= {zeta:.4}, twice an a priori bound from the loads; a run beyond fails"
+                "proved for zeta <= {zeta}, twice an a priori bound from the loads; a run beyond fails"
             ),
         }
     }
@@ -96,7 +97,8 @@ pub(super) fn yield_slope(setup: &Setup) -> Result<YieldSlope, SetupError> {
     let over = Interval::new(0.0, zeta);
     let found = graph.largest_modulus(slope, Variable::Zeta, over);
     let message = format!(
-        "|kappa'| has no bound for all zeta >= 0, nor for zeta up to {zeta:.4}, which a run can reach"
+        "|kappa'| has no bound for all zeta >= 0, nor for zeta up to {}, which a run can reach",
+        digits(zeta, 5)
     );
     let known = zeta.is_finite() && found.bound.is_finite();
     let hint = "hold the slope from some zeta on, as in 0.02 + 0.4*min(zeta, 1)^2";

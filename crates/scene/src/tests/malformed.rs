@@ -49,6 +49,19 @@ fn check(good: &str, cases: &[Case<'_>]) {
 
 #[test]
 #[rustfmt::skip]
+fn grids_without_steps() {
+    const TOO_SHORT: &str = "which is not above rounding of the horizon 1e0";
+    check(LOADED, &[
+        case("horizon = 1.0", "horizon = 5e-324", 14, 11, "a horizon of 5e-324 is too short"),
+        case("\"uniform\"", "\"graded\", exponent = 200", 15, 8, TOO_SHORT),
+        case("\"uniform\"", "\"graded\", exponent = 13", 35, 13, TOO_SHORT),
+        case("body = [\"0\", \"-3*t*x\"]", "body = [\"0\", \"relax(1, t*relax(1, t*relax(1, t*relax(1, t*relax(1, t*x)))))\"]", 31, 15,
+            "5 deep, and 4 is the limit"),
+    ]);
+}
+
+#[test]
+#[rustfmt::skip]
 fn keys_and_types() {
     check(LOADED, &[
         case("gap = ", "gpa = ", 27, 1, "did you mean `gap`?"),

@@ -8,7 +8,7 @@ use super::{
     Answer, Bench, Candidates, Knob, MOST, Models, NoAnswer, Optimum, Price, Study, TradeRuns,
     Variant, knobs, optimum,
 };
-use files::megabytes;
+use files::{digits, megabytes};
 use run::sweep::{MemoryLimit, admit_run, run_cost};
 use scene::Norm;
 use scene::setup::Setup;
@@ -109,7 +109,7 @@ impl Answered {
             Norm::VMax => format!(" ({relative:.3} % of the solution)"),
             _ => String::new(),
         };
-        let real = |value: Option<f64>| value.map_or("any".into(), |value| format!("{value:.4}"));
+        let real = |value: Option<f64>| value.map_or("any".into(), |value| digits(value, 5));
         let best = self.optimum.map_or(String::new(), |optimum| {
             format!("; real numbers would be h = {}, k = {}", real(optimum.h), real(optimum.k))
         });
@@ -118,12 +118,12 @@ impl Answered {
             .as_ref()
             .map_or(String::new(), |text| format!("\n  beyond what was measured: {text}"));
         format!(
-            "target {:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {:.5}, k = {:.5}{best})\n  predicted: error {error:.4e}, {seconds:.3} CPU s, {}{warning}",
+            "target {:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {}, k = {}{best})\n  predicted: error {error:.4e}, {seconds:.3} CPU s, {}{warning}",
             self.target,
             study.norm.name(),
             self.knob.name(),
-            self.h,
-            self.k,
+            digits(self.h, 5),
+            digits(self.k, 5),
             megabytes(self.bytes),
         )
     }

@@ -97,7 +97,10 @@ impl<'a> Candidates<'a> {
         let divides = move |steps| !beside_reference || scene.check_cases(&[], &[steps]).is_ok();
         Ok(Self {
             h: Box::new(|n| setup.body.domain.h(n)),
-            k: Box::new(remembered(|steps| setup.grid(steps).largest_step())),
+            k: Box::new(remembered(|steps| {
+                // Numbers of steps without a grid are left out by `steps`.
+                scene.time.grid(steps).map_or(0.0, |grid| grid.largest_step())
+            })),
             cells: Box::new(move |n| match beside_reference {
                 true => scene.check_cases(&[n], &[]).is_ok(),
                 false => scene.check_cells(n).is_ok(),

@@ -81,8 +81,8 @@ impl Study {
         }
         if let Some(path) = &self.coupling {
             document.words(format!(
-                "Cheapest coupling: k = {:.3} h^{:.3}, where space has {:.0} % of the error (of its square, for root-sum-square); an error E costs E^-{:.2}.",
-                path.factor,
+                "Cheapest coupling: k = {} h^{:.3}, where space has {:.0} % of the error (of its square, for root-sum-square); an error E costs E^-{:.2}.",
+                digits(path.factor, 4),
                 path.exponent,
                 100.0 * path.space_share,
                 path.cost_exponent
@@ -170,7 +170,7 @@ fn extrapolated(document: &mut StudyDocument, found: &Extrapolated) {
     let row = |(step, plain, better): &(f64, f64, Option<f64>)| {
         let better = better.map_or_else(|| "–".into(), |error| format!("{error:.3e}"));
         [
-            (head.as_str(), Run::plain(format!("{step:.6}"))),
+            (head.as_str(), Run::plain(digits(*step, 7))),
             (">error", Run::plain(format!("{plain:.3e}"))),
             (">extrapolated", Run::plain(better)),
         ]

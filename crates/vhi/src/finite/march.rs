@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::{FiniteError, FiniteEvolution, FiniteLoad, FiniteModel};
 use crate::history::TimeGrid;
 use crate::law::graph_distance;
-use crate::{OpenInequality, StepInequality, StepSolver, Stepper};
+use crate::{Newton, OpenInequality, StepInequality, StepSolver, StepState, Stepper};
 use algebra::linalg::{larger, largest};
 
 /// One level as an observer sees it.
@@ -115,6 +115,15 @@ fn residual(evolution: &mut FiniteEvolution<'_>, w: &[f64], pressure: &[f64]) ->
         worst = worst.max(missed.min((bound - value).abs() * stiffness));
         let outside = (value - at.gap).max(at.floor - value).max(0.0);
         worst = worst.max(outside * stiffness);
+    }
+    // What rounding leaves of stiff graphs is none of it.
+    let (state, mut sizes) =
+        (StepState { u: w.to_vec(), pressure: pressure.to_vec() }, vec![0.0; w.len()]);
+    evolution.add_rounding(&state, &mut sizes);
+    let unit = Newton::standard().rounding_units * f64::EPSILON;
+    for (force, size) in balance.iter_mut().zip(sizes) {
+        let beyond = force.abs() - unit * size;
+        *force = if beyond < 0.0 { 0.0 } else { beyond };
     }
     // Every unknown and pressure enters the balance, so any NaN shows in it.
     let worst = larger(worst, largest(&balance));

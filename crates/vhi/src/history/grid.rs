@@ -12,10 +12,110 @@ pub struct TimeGrid {
     equal: Option<f64>,
 }
 
+/// The time points t_0 = 0 < … < t_N = T for each N.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GridFamily {
+    /// t_j = T j/N.
+    Uniform,
+    /// t_j = T (j/N)^exponent, exponent ≥ 1: fine near t = 0.
+    Graded { exponent: f64 },
+    /// Steps drawn from [½, 3/2] mean steps by a seeded generator.
+    Random { seed: u64 },
+}
+
+impl GridFamily {
+    /// The grid of N steps up to T.
+    ///
+    /// # Errors
+    /// [`GridError`], as [`TimeGrid::new`].
+    pub fn grid(self, horizon: f64, steps: u32) -> Result<TimeGrid, GridError> {
+        let share = |n: u32| f64::from(n) / f64::from(steps.max(1));
+        TimeGrid::new(match self {
+            Self::Uniform => {
+                (0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps.max(1))).collect()
+            }
+            Self::Graded { exponent } => {
+                (0..=steps).map(|n| horizon * share(n).powf(exponent)).collect()
+            }
+            Self::Random { seed } => {
+                let (mut state, mut times) = (seed, vec![0.0]);
+                for n in 0..steps as usize {
+                    times.push(times[n] + 1.0 + 0.5 * signed_unit(&mut state));
+                }
+                let total = times[steps as usize];
+                times[1..].iter_mut().for_each(|time| *time *= horizon / total);
+                times
+            }
+        })
+    }
+
+    fn expect(self, horizon: f64, steps: u32) -> TimeGrid {
+        self.grid(horizon, steps).unwrap_or_else(|error| panic!("{error}"))
+    }
+}
+
+/// Why times are no grid.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum GridError {
+    #[error("the times of a grid begin with {first:e}, not with 0")]
+    Start { first: f64 },
+    #[error("a horizon of {horizon:e} is too short: steps would be rounding of the least doubles")]
+    Short { horizon: f64 },
+    #[error(
+        "step {n} of {steps} goes from t = {from:e} to {to:e}, which is not above rounding of the horizon {horizon:e}"
+    )]
+    Step { n: usize, steps: usize, from: f64, to: f64, horizon: f64 },
+}
+
+/// Shortest step over the horizon: t_n - t_j is known to an ε of T, and weights are differences of such lags.
+const SHORTEST: f64 = 4.0 * f64::EPSILON;
+
 impl TimeGrid {
+    /// Times from 0 on, each step above rounding of the last.
+    ///
+    /// # Errors
+    /// [`GridError`].
+    pub fn new(times: Vec<f64>) -> Result<Self, GridError> {
+        let (first, horizon) = (times.first().copied(), times.last().copied().unwrap_or(0.0));
+        if first != Some(0.0) {
+            return Err(GridError::Start { first: first.unwrap_or(f64::NAN) });
+        }
+        let (shortest, steps) = (SHORTEST * horizon, times.len() - 1);
+        if steps > 0 && (shortest.is_nan() || shortest < f64::MIN_POSITIVE) {
+            return Err(GridError::Short { horizon });
+        }
+        for (n, pair) in (1..).zip(times.windows(2)) {
+            let (from, to) = (pair[0], pair[1]);
+            let step = to - from;
+            if step.is_nan() || step <= shortest {
+                return Err(GridError::Step { n, steps, from, to, horizon });
+            }
+        }
+        Ok(Self::of(times))
+    }
+
     /// t_n = n T / N.
+    ///
+    /// # Panics
+    /// Where [`GridFamily::grid`] refuses.
     pub fn uniform(horizon: f64, steps: u32) -> Self {
-        Self::of((0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps)).collect())
+        GridFamily::Uniform.expect(horizon, steps)
+    }
+
+    /// t_n = T (n/N)^r.
+    ///
+    /// # Panics
+    /// Where [`GridFamily::grid`] refuses.
+    pub fn graded(horizon: f64, steps: u32, exponent: f64) -> Self {
+        GridFamily::Graded { exponent }.expect(horizon, steps)
+    }
+
+    /// Steps drawn from [½, 3/2] mean steps by a seeded generator, scaled to end at T.
+    ///
+    /// # Panics
+    /// Where [`GridFamily::grid`] refuses.
+    pub fn random(horizon: f64, steps: u32, seed: u64) -> Self {
+        GridFamily::Random { seed }.expect(horizon, steps)
     }
 
     fn of(times: Vec<f64>) -> Self {
@@ -24,34 +124,6 @@ impl TimeGrid {
         let near = |pair: &[f64]| (pair[1] - pair[0] - k).abs() <= 4.0 * f64::EPSILON * end;
         let equal = (count > 0 && times.windows(2).all(near)).then_some(k);
         Self { times, equal }
-    }
-
-    /// t_n = T (n/N)^r.
-    pub fn graded(horizon: f64, steps: u32, exponent: f64) -> Self {
-        let times = (0..=steps)
-            .map(|n| horizon * (f64::from(n) / f64::from(steps)).powf(exponent))
-            .collect();
-        Self::of(times)
-    }
-
-    /// Steps drawn from [½, 3/2] mean steps by a seeded generator, scaled to end at T.
-    pub fn random(horizon: f64, steps: u32, seed: u64) -> Self {
-        let mut state = seed;
-        let mut times = vec![0.0];
-        for n in 0..steps as usize {
-            times.push(times[n] + 1.0 + 0.5 * signed_unit(&mut state));
-        }
-        let total = times[steps as usize];
-        for time in &mut times {
-            *time *= horizon / total;
-        }
-        Self::of(times)
-    }
-
-    /// Any increasing times that start at 0; None otherwise.
-    pub fn new(times: Vec<f64>) -> Option<Self> {
-        let increasing = times.windows(2).all(|pair| pair[0] < pair[1]);
-        (times.first() == Some(&0.0) && increasing).then(|| Self::of(times))
     }
 
     /// The grid t_0, …, t_last.
@@ -201,9 +273,24 @@ mod tests {
     }
 
     #[test]
-    fn grids_must_increase_from_zero() {
-        assert!(TimeGrid::new(vec![0.0, 0.5, 0.5]).is_none());
-        assert!(TimeGrid::new(vec![0.1, 0.5]).is_none());
+    fn grids_must_increase_from_zero_by_more_than_rounding() {
+        let refused = |times: &[f64]| TimeGrid::new(times.to_vec()).unwrap_err();
+        let of_step = |horizon: f64| {
+            move |n, steps, from, to| GridError::Step { n, steps, from, to, horizon }
+        };
+        let step = of_step(0.5);
+        assert_eq!(refused(&[0.0, 0.5, 0.5]), step(2, 2, 0.5, 0.5));
+        assert_eq!(refused(&[0.0, 1e-16, 0.5]), step(1, 2, 0.0, 1e-16));
+        assert_eq!(refused(&[0.1, 0.5]), GridError::Start { first: 0.1 });
+        assert_eq!(refused(&[0.0, 5e-324]), GridError::Short { horizon: 5e-324 });
+        assert!(TimeGrid::new(vec![0.0, f64::NAN]).is_err() && TimeGrid::new(Vec::new()).is_err());
+        // (1/4)^200 T is no step: times would coincide.
+        let graded = GridFamily::Graded { exponent: 200.0 };
+        assert!(matches!(graded.grid(1.0, 4), Err(GridError::Step { n: 1, .. })));
+        for family in [GridFamily::Uniform, graded, GridFamily::Random { seed: 3 }] {
+            assert!(family.grid(5e-324, 4).is_err() && family.grid(f64::NAN, 4).is_err());
+            assert_eq!(family.grid(2.0, 1).unwrap().times(), [0.0, 2.0]);
+        }
         assert_eq!(TimeGrid::new(vec![0.0, 0.2, 1.0]).unwrap().largest_step(), 0.8);
     }
 

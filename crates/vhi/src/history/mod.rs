@@ -13,7 +13,7 @@ mod rules;
 pub use accumulated::Accumulated;
 pub use fast::FastConvolution;
 pub use gregory::{Gregory, GregoryOrder};
-pub use grid::{ClosedForm, TimeGrid, TimeRule, Trapezoid};
+pub use grid::{ClosedForm, GridError, GridFamily, TimeGrid, TimeRule, Trapezoid};
 pub use left::Left;
 pub use memory::Memory;
 pub use rules::{CorrectedEnd, ProductIntegration};

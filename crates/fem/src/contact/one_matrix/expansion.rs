@@ -67,13 +67,16 @@ impl OneMatrix<'_> {
         let Pending { force, state, .. } = &self.pending[self.last];
         let size = norm(force);
         self.largest_force = self.largest_force.max(size);
-        let mut unbalanced = force.clone();
+        let (mut unbalanced, mut rounding) = (force.clone(), vec![0.0; state.u.len()]);
         if let Some(side) = &mut self.side {
             self.space.frames.force_on_unknowns(&mut unbalanced);
             side.level.subtract_contact(state, &mut unbalanced);
+            side.level.add_rounding(state, &mut rounding);
         }
         let u = [&self.u[..], &self.shown.nodal[..]];
-        let floors = self.volume.floors(unbalanced, size, u, &self.histories.sums);
+        let sizes = (size, norm(&rounding));
+        let side = (self.cut, self.side.as_mut());
+        let floors = self.volume.floors(unbalanced, sizes, u, &self.histories.sums, side);
         self.info.floors = self.info.floors.max(floors);
     }
 }

@@ -99,7 +99,7 @@ impl SceneAudit {
     pub fn undefined(&self) -> Vec<String> {
         let m0 = self.constants.m0();
         let why = match m0 <= 0.0 {
-            true => format!("m0 = {m0:.4} is not positive, (2.9) is violated"),
+            true => format!("m0 = {} is not positive, (2.9) is violated", digits(m0, 5)),
             false => "a constant in it is infinite".to_owned(),
         };
         let summaries = self.summaries().into_iter();

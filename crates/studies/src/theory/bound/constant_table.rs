@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::constants::TraceConstants;
 use Obtained::{Computed, Declared, Extrapolated, Proved};
+use files::digits;
 use scene::setup::{Constants, MemoryNorms, Setup};
 use vhi::law::Potential;
 
@@ -210,8 +211,8 @@ fn lost_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
     });
     let limit = traces.energy.limit.as_ref().map(|energy| {
         let note = format!(
-            "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {:.6}",
-            constants.m_elastic / constants.c_j_squared
+            "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {}",
+            digits(constants.m_elastic / constants.c_j_squared, 7)
         );
         let limit = Constant::new("alpha_j lost, k -> 0", 1.0 / energy.value, Extrapolated, note);
         let uncertainty = Some(energy.uncertainty / (energy.value * energy.value));

@@ -119,7 +119,7 @@ impl BoundStudy {
         let limit = |k: f64| match k {
             k if k.is_infinite() => "every k".into(),
             k if k > 0.0 => digits(k, 9),
-            _ => format!("no k: m0 = {:.6}", limits.m0),
+            _ => format!("no k: m0 = {}", digits(limits.m0, 7)),
         };
         let mut rows = vec![
             row("1: (3.4), the paper's norm of ℬ", limit(limits.paper_limit())),

@@ -2,6 +2,7 @@
 
 use super::BoundStudy;
 use super::ladder::StepRung;
+use files::digits;
 use report::{Axis, Chart, Mark, Part, Scale, Series};
 
 impl BoundStudy {
@@ -49,7 +50,7 @@ impl BoundStudy {
 
     fn marks(&self) -> Vec<Mark> {
         let mark = |at: f64, label: &str| {
-            let value = if at.is_finite() { format!("{at:.3}") } else { "every k".into() };
+            let value = if at.is_finite() { digits(at, 4) } else { "every k".into() };
             Mark { at, label: format!("{label}: {value}") }
         };
         let thresholds = &self.study.thresholds;

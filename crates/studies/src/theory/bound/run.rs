@@ -4,6 +4,7 @@ use super::branch::{self, Branch};
 use super::ladder::{BoundError, StepLadder, StepRung};
 use super::linear::LinearLoss;
 use super::{factor, starts};
+use files::digits;
 use vhi::history::TimeGrid;
 use vhi::{FailedStep, FrozenDerivative, StepBounds, StepState};
 
@@ -102,7 +103,8 @@ impl ContractionStudy {
 /// A ladder begins below (3.4), and no k is below it.
 fn no_ladder(m0: f64) -> String {
     format!(
-        "the least m0 = {m0:.6} is not positive, (2.9) is violated or unknown: no k is known to have one solution, from which it could be followed"
+        "the least m0 = {} is not positive, (2.9) is violated or unknown: no k is known to have one solution, from which it could be followed",
+        digits(m0, 7)
     )
 }
 

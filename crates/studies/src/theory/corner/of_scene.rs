@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Wedge, WedgeSide};
+use files::digits;
 use scene::{ContactScene, Domain, Face, Side};
 use vhi::law::{FourthOrder, Isotropic};
 
@@ -17,8 +18,11 @@ pub struct Corner {
     pub wedges: Vec<Wedge>,
 }
 
-/// Ends of segments closer than this part of the domain are one point, angles closer than this to π straight.
+/// Angles closer than this to π are straight.
 const ROUNDING: f64 = 1e-9;
+/// Ends of segments closer than this part of the domain are one point: they are sums of two coordinates, and a flat domain
+/// has others that are nearly as close.
+const SAME: f64 = 1e-13;
 
 impl Corner {
     /// The least order in h among the possibilities.
@@ -40,7 +44,8 @@ impl Corner {
         let [a, b] = &self.sides;
         let degrees = self.wedges.first().map_or(0.0, |wedge| wedge.angle.to_degrees());
         let [x, y] = self.place;
-        format!("({x:.3}, {y:.3}) {a} {b}, {degrees:.0} degrees: {}", list.join("; "))
+        let (x, y) = (digits(x, 5), digits(y, 5));
+        format!("({x}, {y}) {a} {b}, {degrees:.0} degrees: {}", list.join("; "))
     }
 }
 
@@ -96,9 +101,8 @@ pub fn corners(body: &ContactScene) -> Vec<Corner> {
         .flat_map(|(side, face)| End::both(side, &face))
         .collect();
     let size = domain.size.iter().copied().fold(0.0, f64::max);
-    let together = |a: &End, b: &End| {
-        (a.place[0] - b.place[0]).hypot(a.place[1] - b.place[1]) <= ROUNDING * size
-    };
+    let together =
+        |a: &End, b: &End| (a.place[0] - b.place[0]).hypot(a.place[1] - b.place[1]) <= SAME * size;
     let mut found = Vec::new();
     for (i, a) in ends.iter().enumerate() {
         for b in ends[i + 1..].iter().filter(|b| together(a, b)) {

@@ -42,6 +42,9 @@ pub struct Wedge {
 const STRIP: [f64; 2] = [0.02, 0.999];
 /// Roots in the strip have ω |Im s| below this: beyond it sinh² of ω Im s outgrows the rest.
 const IMAGINARY: f64 = 8.0;
+/// A narrower wedge has no root in the strip, and one of angle 0 a strip without end. There sω is imaginary but for rounding,
+/// |sin sω| ≥ |sω|, and Williams's equations hold at s = 1 at most: κ > 1 makes one side of each larger.
+const NARROWEST: f64 = 1e-3;
 
 impl Wedge {
     /// Kolosov's number 3 - 4ν = (λ + 3μ_L)/(λ + μ_L).
@@ -83,6 +86,9 @@ impl Wedge {
     /// The roots s with 0.02 < Re s < 0.999 and Im s ≥ 0, by real part; those of Im s > 0 stand for a pair. None if
     /// the corner costs no order.
     pub(crate) fn exponents(&self) -> Vec<Complex<f64>> {
+        if self.angle < NARROWEST {
+            return Vec::new();
+        }
         let top = IMAGINARY / self.angle;
         let mut roots = roots_in(STRIP, top, &|s| self.determinant(s) / (s * (s - 1.0)));
         roots.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
@@ -192,6 +198,12 @@ mod tests {
             assert_eq!(wedge(90.0, sides, 1.0).order(), 1.0, "{sides:?}");
         }
         assert_eq!(wedge(60.0, [Free, Sliding], 1.0).order(), 1.0);
+        // Narrow to flat: none is sought for long.
+        for degrees in [1.0, 0.06, 0.05, 0.0] {
+            for sides in [[Free, Free], [Clamped, Clamped], [Clamped, Free], [Clamped, Sliding]] {
+                assert_eq!(wedge(degrees, sides, 1.0).order(), 1.0, "{degrees} {sides:?}");
+            }
+        }
         // A seeded defect: Kolosov's number of plane stress instead of plane strain moves the exponent.
         let stress = wedge(90.0, [Clamped, Free], 2.0 / 3.0).order();
         assert!((stress - wedge(90.0, [Clamped, Free], 1.0).order()).abs() > 5e-3);

@@ -5,6 +5,7 @@
 //! C2 w_nn < 1 nothing follows: see [`StepTooLarge`].
 
 use algebra::linalg::larger;
+use files::digits;
 use vhi::history::{TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
 
@@ -12,7 +13,8 @@ use vhi::law::HistoryKernel;
 /// inequality holds for arbitrarily large e_n whatever g is. "For any C2" the lemma is false.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "the discrete Gronwall lemma needs C2 w_nn < 1: at n = {n} it is {factor:.6} * {weight:.6} = {:.6}; take smaller steps", .factor * .weight
+    "the discrete Gronwall lemma needs C2 w_nn < 1: at n = {n} it is {} * {} = {}; take smaller steps",
+    digits(*.factor, 7), digits(*.weight, 7), digits(.factor * .weight, 7)
 )]
 pub struct StepTooLarge {
     /// The first n at which it fails.
