@@ -169,7 +169,7 @@ fn in_time_direction(
     let in_space = measured.norm != Norm::VTimeMax && !interpolated;
     for n in ns {
         let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
-        let h = Some(1.0 / f64::from(n));
+        let h = Some(setup.body.domain.h(n));
         for &(Case { n, steps }, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
             points.push(LeadingPoint { n, steps, h, k, error: share * of(errors)? });
         }
