@@ -88,7 +88,7 @@ pub fn leading_errors(
     known: &mut InTime,
 ) -> Result<LeadingLine, NoConstant> {
     match subject {
-        Subject::Abstract(setup) => of_abstract(setup, cases),
+        Subject::Abstract(setup) => of_abstract(setup, measured.norm, cases),
         // Jumps, and their effect on the load, are of the order of the interpolation error itself.
         Subject::Contact(setup) if !setup.body.element.is_conforming() => {
             Err(NoConstant::Nonconforming { element: setup.body.element.name() })
@@ -101,10 +101,14 @@ pub fn leading_errors(
     }
 }
 
-fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingLine, NoConstant> {
+fn of_abstract(
+    setup: &AbstractSetup,
+    norm: Norm,
+    cases: &[Case],
+) -> Result<LeadingLine, NoConstant> {
     let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
         let times = time::times(&setup.scene.time, steps);
-        let error = finite::largest_error(setup, &times)?;
+        let error = finite::largest_error(setup, norm, &times)?;
         Ok(LeadingPoint { n, steps, h: None, k: time::largest_step(&times), error })
     });
     let points = points.collect::<Result<_, NoConstant>>()?;
