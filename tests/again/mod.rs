@@ -263,6 +263,13 @@ fn weights(levels: &[Kept]) -> Vec<f64> {
     weights
 }
 
+/// ‖ε(v)‖ of a nodal vector of linear elements.
+pub fn strain_norm(data: &MeshData, v: &[f64]) -> f64 {
+    let cells = (0..data.space.mesh.cell_count()).map(|c| Cell::of(data, c));
+    let square = |cell: Cell| cell.measure * squares(&cell.strain(v), &[[0.0; 3]; 3]);
+    cells.map(square).sum::<f64>().sqrt()
+}
+
 /// The errors of the last of `levels`, which are all from t = 0 on, by pieces of cells that settle to a share of the squares.
 pub fn errors(exact: &Exact, data: &MeshData, levels: &[Kept], share: f64) -> Errors {
     let mut errors = Errors::default();

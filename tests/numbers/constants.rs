@@ -124,12 +124,16 @@ fn abstract_constants_are_predicted() {
     ] {
         let setup = abstract_of(name);
         let list: &[u32] = if name == "broken-step" { &[8, 10, 12] } else { &[64, 128, 256] };
-        let case = |&steps: &u32| CasePlan { n: None, steps, norms: vec![Norm::VMax] };
+        let norms: Vec<Norm> = setup.scene.predicts.iter().map(|written| written.norm).collect();
+        assert_eq!(norms.contains(&Norm::PressureL2Max), name == "abstract-contact");
+        let case = |&steps: &u32| CasePlan { n: None, steps, norms: norms.clone() };
         let records: Vec<CaseRecord> =
             list.iter().map(|steps| run_abstract_case(&setup, &case(steps))).collect();
         let subject = Subject::Abstract(Box::new(setup));
-        let ratio = shown(&verdicts(&subject, &records, Norm::VMax)[0]);
-        assert!((ratio - 1.0).abs() < 1e-3, "{name}: {ratio}");
+        for &norm in &norms {
+            let ratio = shown(&verdicts(&subject, &records, norm)[0]);
+            assert!((ratio - 1.0).abs() < 1e-3, "{name}, {}: {ratio}", norm.name());
+        }
     }
 }
 

@@ -27,7 +27,9 @@ fn right(term: Term) -> &'static [Suspect] {
         | Term::Abstract
         | Term::Measurement
         | Term::Record
-        | Term::Judging => &[],
+        | Term::Judging
+        | Term::Answer
+        | Term::Report => &[],
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use crate::catalogue::Term;
 use crate::matrix::{Effect, Gate, Line};
 use crate::reasons::reason;
 
@@ -23,6 +24,8 @@ pub struct Scores {
     pub without_tables: usize,
     /// With baseline and fixtures.
     pub all: usize,
+    /// Defects in solver, truth, norms, meshes and records, and how many of them `theory` has.
+    pub numbers: [usize; 2],
     /// Defects that move an order, and how many of them `theory` has.
     pub orders: [usize; 2],
 }
@@ -31,6 +34,8 @@ impl Scores {
     pub fn of(lines: &[Line]) -> Self {
         let count = |keep: &dyn Fn(&&Line) -> bool| lines.iter().filter(keep).count();
         let moves = |line: &&Line| line.effect == Effect::Order;
+        let counts =
+            |line: &&Line| !matches!(line.defect.term, Term::Judging | Term::Answer | Term::Report);
         Self {
             defects: lines.len(),
             theory: count(&|line| line.by_theory()),
@@ -38,6 +43,7 @@ impl Scores {
                 line.caught.iter().any(|(gate, _)| gate.is_of_theory() && *gate != Gate::Tables)
             }),
             all: count(&|line| line.is_caught()),
+            numbers: [count(&|line| counts(line)), count(&|line| counts(line) && line.by_theory())],
             orders: [count(&|line| moves(line)), count(&|line| moves(line) && line.by_theory())],
         }
     }
@@ -53,13 +59,14 @@ pub fn render(lines: &[Line]) -> String {
     let mut text = String::from(HEAD);
     let scores = Scores::of(lines);
     let [first, second] = scores.shares().map(|share| 100.0 * share);
-    let [moved, of_them] = scores.orders;
+    let ([moved, of_them], [numbers, seen]) = (scores.orders, scores.numbers);
     let _ = writeln!(
         text,
         "| | caught | of | share |\n|---|---|---|---|\n\
          | orders, predicted constants, bounds, identities, tables | {} | {} | {first:.0} % |\n\
          | the same without the tables | {} | {} | {:.0} % |\n\
          | the first, of defects that move an order | {of_them} | {moved} | {:.0} % |\n\
+         | the first, of defects in solver, truth, norms, meshes and records | {seen} | {numbers} | {:.0} % |\n\
          | with fixtures and baseline | {} | {} | {second:.0} % |\n",
         scores.theory,
         scores.defects,
@@ -67,6 +74,7 @@ pub fn render(lines: &[Line]) -> String {
         scores.defects,
         100.0 * scores.without_tables as f64 / scores.defects as f64,
         100.0 * of_them as f64 / moved.max(1) as f64,
+        100.0 * seen as f64 / numbers.max(1) as f64,
         scores.all,
         scores.defects,
     );
@@ -135,7 +143,7 @@ pub fn marks(text: &str) -> BTreeMap<String, Vec<&'static str>> {
 const HEAD: &str = "# Sabotage: which gate catches which defect
 
 For readers who ask what each check is worth. Written by `make sabotage`; `make ci` fails if a gate catches something else than this table says. A defect is a wrong
-component passed in at a seam of the library (model, scheme, truth, record, judge), by `tests/sabotage/catalogue`; the
+component passed in at a seam of the library (model, scheme, truth, record, judge, answers, report), by `tests/sabotage/catalogue`; the
 sound program has no switch for it, and passes every gate. Each runs on small grids of the
 scenes in `tests/sabotage/suite.rs`, chosen so that every term acts. *Unresolved* counts as caught where the sound
 program passes, but not where the sound program is unresolved too.
@@ -155,9 +163,12 @@ under the predicted order that is farthest from one, over all verdicts.
 - **complete**: a case failed, is missing, or is no number. **KKT**: the separate evaluation after each step refuses.
 - **audit**: a line of the proofs (`sweep audit`) fails. **history**: the history and ζ shown are not the direct sums of
   the displacements shown. **Gronwall**: e_n above the weighted envelope. **bound**: ‖DΛ‖ above the sharpened bound.
-  **check**: weak and strong loads differ (`sweep check`). **norms**: a norm of the record is not that of a second integral.
+  **check**: weak and strong loads differ (`sweep check`). **norms**: a norm of the record is not that of a second integral, or
+  errors against a finer run and against the truth differ by more than the error of the run.
 - **tables**: a table of errors with a verdict that is known beforehand is misjudged (tests/sabotage/tables.rs).
 - **owed**: a verdict or a compared constant that the sound run has is not there, or another one is.
+- **answers**: an answer of another solver has other errors than the run it is of, or one that is wrong in a single place the same.
+  **report**: a table or figure, read back from its file, does not show the records.
 - **fixtures**: values of an independent implementation (tests/fixtures). **baseline**: errors of the sound run, to 1e-6,
   and its work.
 

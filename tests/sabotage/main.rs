@@ -10,6 +10,7 @@
 
 #[path = "../again/mod.rs"]
 mod again;
+mod answers;
 mod catalogue;
 mod diagnosis;
 mod document;
@@ -17,6 +18,7 @@ mod fixtures;
 mod foreseen;
 mod matrix;
 mod norms;
+mod readback;
 mod reasons;
 #[path = "../shipped/mod.rs"]
 mod shipped;
@@ -123,6 +125,14 @@ fn six_defects_are_caught() {
             ("memory part of f0 with the other sign", Gate::Check),
             ("rising branch 5 % too steep", Gate::Audit),
             ("all ratios of steps taken for 2", Gate::Tables),
+            ("h of rectangles and boxes doubled", Gate::Constants),
+        ],
+    );
+    are_caught(
+        &["abstract-contact"],
+        &[
+            ("multiplier of the load 1e-4 too large", Gate::Constants),
+            ("selection of the load 1e-4 too large", Gate::Orders),
         ],
     );
 }
@@ -148,6 +158,50 @@ fn defects_of_judge_and_records_are_caught_without_the_baseline() {
         let line = reference.line(&defect(name));
         assert!(line.by(gate), "{} by {}", report(&line), gate.name());
         assert!(line.by_theory(), "{}", report(&line));
+    }
+}
+
+/// Measures, truths that are runs, answers of other solvers and reports: each wrong in one place, each seen without a recorded
+/// number.
+#[test]
+fn what_measures_answers_and_reports_show_is_checked() {
+    assert_eq!(readback::misread(&Defect::SOUND), []);
+    for defect in catalogue::all().iter().filter(|defect| defect.term == Term::Report) {
+        let found = readback::misread(defect);
+        let by = |file: &str| found.iter().any(|(of, _)| of.contains(file));
+        // The kinds of files that show what is wrong; pictures know nothing of the words of a decision.
+        let files: &[&str] = match defect.name {
+            "the predicted order drawn as the fitted line" => &["-h.svg", "-k.svg", "forest.svg"],
+            "the forest against the order 1" => &["-k.svg", "forest.svg"],
+            "intervals of a report half as wide" => &["forest.svg"],
+            "a failed verdict shown as a pass" => &["junit.xml"],
+            "norms exchanged in a report" => &[],
+            "k of a report for the horizon 1" => &["cases.csv", "-k.svg"],
+            _ => &["cases.csv", "-h.svg"],
+        };
+        let mut tables = vec!["report.md", "tables.tex", "index.html", "report.json"];
+        // verdict.json leaves floors to cases.csv.
+        tables.extend((defect.name != "errors shown as floors").then_some("verdict.json"));
+        for file in tables.iter().chain(files) {
+            assert!(by(file), "{} in {file}: {found:#?}", defect.name);
+        }
+    }
+    let answers = answers::Answers::new();
+    assert_eq!(answers.misread(&Defect::SOUND), None);
+    for defect in catalogue::all().iter().filter(|defect| defect.term == Term::Answer) {
+        assert!(answers.misread(defect).is_some(), "{}", defect.name);
+    }
+    let norms = norms::Norms::new();
+    assert_eq!(norms.of_a_sound_run().or(norms.hear(&Defect::SOUND)), None);
+    for name in [
+        "distance of contact sets 0 where one is empty",
+        "measure of unlike contact sets halved",
+        "reference run read one step late",
+        "reference run with half of its remainders",
+        "V_time_max without shear",
+        "V_time_max against 4 N steps",
+    ] {
+        assert!(norms.hear(&defect(name)).is_some(), "{name}");
     }
 }
 

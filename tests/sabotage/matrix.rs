@@ -3,7 +3,9 @@
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Baseline, Decision, Verdict};
 
+use crate::answers::Answers;
 use crate::catalogue::{Defect, Term};
+use crate::readback::misread;
 use crate::suite::{Outcome, Trial};
 use crate::tables::misjudged;
 use crate::witness::{Testimony, Witnesses};
@@ -23,12 +25,14 @@ pub enum Gate {
     Norms,
     Tables,
     Owed,
+    Answers,
+    Report,
     Fixtures,
     Baseline,
 }
 
 impl Gate {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::Orders,
         Self::Constants,
         Self::Complete,
@@ -41,6 +45,8 @@ impl Gate {
         Self::Norms,
         Self::Tables,
         Self::Owed,
+        Self::Answers,
+        Self::Report,
         Self::Fixtures,
         Self::Baseline,
     ];
@@ -60,6 +66,8 @@ impl Gate {
             Self::Norms => "norms",
             Self::Tables => "tables",
             Self::Owed => "owed",
+            Self::Answers => "answers",
+            Self::Report => "report",
             Self::Fixtures => "fixtures",
             Self::Baseline => "baseline",
         }
@@ -84,6 +92,8 @@ pub enum Effect {
     NoResult,
     /// Records are the same; what is made of them is not.
     Judgement,
+    /// What another solver answers, or what a report shows of the records, differs.
+    Shown,
     /// Nothing in the suite changes.
     Nothing,
 }
@@ -96,6 +106,7 @@ impl Effect {
             Self::Cost => "cost",
             Self::NoResult => "no result",
             Self::Judgement => "judgement",
+            Self::Shown => "what is shown",
             Self::Nothing => "nothing",
         }
     }
@@ -145,12 +156,13 @@ pub struct Reference {
     pub trials: Vec<Trial>,
     pub outcomes: Vec<Outcome>,
     pub witnesses: Witnesses,
+    pub answers: Answers,
 }
 
 impl Reference {
     pub fn new(trials: Vec<Trial>) -> Self {
         let outcomes = trials.iter().map(|trial| trial.run(&Defect::SOUND)).collect();
-        Self { trials, outcomes, witnesses: Witnesses::new() }
+        Self { trials, outcomes, witnesses: Witnesses::new(), answers: Answers::new() }
     }
 
     /// Runs a defect through all gates.
@@ -167,7 +179,7 @@ impl Reference {
         for (trial, sound) in self.trials.iter().zip(&self.outcomes) {
             let outcome = match defect.term {
                 // The solver is sound: only what is made of its records differs.
-                Term::Judging | Term::Record => {
+                Term::Judging | Term::Record | Term::Answer | Term::Report => {
                     trial.judge(defect, (defect.records)(sound.records.clone()))
                 }
                 _ => trial.run(defect),
@@ -177,10 +189,19 @@ impl Reference {
         }
         line.effect = found.effect(&line);
         found.gates(&mut line);
-        if defect.term != Term::Judging && defect.term != Term::Record {
+        if !matches!(defect.term, Term::Judging | Term::Record | Term::Answer | Term::Report) {
             hear(&mut line, self.witnesses.hear(defect));
         }
         line.caught.extend(misjudged(defect).map(|what| (Gate::Tables, what)));
+        let asked = |term| defect.term == term || defect.name == Defect::SOUND.name;
+        if asked(Term::Answer) {
+            let said = self.answers.misread(defect);
+            line.caught.extend(said.map(|what| (Gate::Answers, what)));
+        }
+        if asked(Term::Report) {
+            let files: Vec<String> = misread(defect).into_iter().map(|(file, _)| file).collect();
+            line.caught.extend((!files.is_empty()).then(|| (Gate::Report, files.join(", "))));
+        }
         line.caught.sort();
         line
     }
@@ -269,6 +290,8 @@ impl Found {
         let moved = line.shift.as_ref().is_some_and(|(shift, _)| shift.abs() > MOVED);
         if line.defect.term == Term::Judging {
             Effect::Judgement
+        } else if matches!(line.defect.term, Term::Answer | Term::Report) {
+            Effect::Shown
         } else if moved {
             Effect::Order
         } else if self.objections.iter().any(|(gate, ..)| *gate == Gate::Complete) {

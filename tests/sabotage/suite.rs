@@ -7,16 +7,19 @@ use std::sync::{Arc, Mutex};
 
 use exact::{Exact, Truth};
 use fem::contact::{Discretization, LoadError};
-use fem::norms::Moments;
+use fem::norms::{ContactSamples, Moments};
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, ForeseenConstant, Verdict};
+use nalgebra::DVector;
 use run::sweep::{
-    CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_abstract_case, run_contact_case,
+    CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_abstract_case, run_abstract_under,
+    run_contact_case,
 };
 use scene::setup::{AbstractSetup, MeshData, NewtonMarch, Setup, Subject, reference_run};
 use scene::{Scene, Source};
+use vhi::finite::{FiniteError, FiniteLoad};
 
-use crate::catalogue::{Defect, LoadSeed, MomentSeed, site};
+use crate::catalogue::{Defect, FiniteSeed, LoadSeed, MomentSeed, site};
 use crate::shipped::{edited, text};
 
 /// A scene with its grids and all that its runs share.
@@ -89,7 +92,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 40] = [
+const ROWS: [Row; 42] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -111,6 +114,8 @@ const ROWS: [Row; 40] = [
     ("viscoelastic", IN_TIME, &[4, 8, 16, 32], &[8, 16, 32, 64]),
     ("compliance", &[], &[8, 16, 32], &[8]),
     ("viscoelastic", STRONG, &[4, 8, 16, 32], &[8]),
+    ("law-exponential", &[], &[8, 16, 32], &[8]),
+    ("oblique-trapezium", &[], &[8, 16, 32], &[1]),
     ("signorini", &[], &[8, 16, 32], &[8]),
     ("pure-mild", SPACE, &[8, 16, 32], &[4]),
     ("pure-concave-gap", &[], &[4, 8, 16], &[4]),
@@ -191,14 +196,24 @@ impl Trial {
                 for (n, space, truth) in meshes {
                     let data = data(defect, &program, sound, space, truth);
                     let on_mesh = self.cases.iter().filter(|case| case.n == Some(*n));
-                    records.extend(on_mesh.map(|case| run_contact_case(&program, &data, case)));
+                    records.extend(on_mesh.map(|case| {
+                        let mut record = run_contact_case(&program, &data, case);
+                        if record.converged() {
+                            (defect.case)(&program, &data, case, &mut record);
+                        }
+                        record
+                    }));
                 }
                 records
             }
             Body::Abstract => {
                 let sound = AbstractSetup::new(self.scene.clone());
                 let setup = (defect.abstract_program)(sound.unwrap_or_else(|e| panic!("{e}")));
-                self.cases.iter().map(|case| run_abstract_case(&setup, case)).collect()
+                let one = |case: &CasePlan| match defect.finite_load {
+                    None => run_abstract_case(&setup, case),
+                    Some(load) => run_abstract_under(&mut Finite(&setup, load), &setup, case),
+                };
+                self.cases.iter().map(one).collect()
             }
         });
         // As a sweep does: a panic is a failed case.
@@ -277,6 +292,15 @@ pub fn data(
     MeshData::with_truth(space.clone(), Arc::new(seeded))
 }
 
+/// The load of a defect in an abstract problem.
+struct Finite<'a>(&'a AbstractSetup, FiniteSeed);
+
+impl FiniteLoad for Finite<'_> {
+    fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
+        Ok((self.1)(self.0, t))
+    }
+}
+
 /// The shared truth with what a defect puts in its place.
 struct Seeded {
     setup: Setup,
@@ -297,6 +321,10 @@ impl Truth for Seeded {
         let value = Arc::new(load(&site(&self.setup, &self.space, &*self.sound), t)?);
         loads.insert(t.to_bits(), value.clone());
         Ok(value)
+    }
+
+    fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        self.sound.contact_samples(t)
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {

@@ -161,12 +161,13 @@ impl Prediction {
 }
 
 impl Prediction {
-    /// An abstract scene has no mesh: its error is ‖u_n - u_n^k‖_X, in k only.
+    /// An abstract scene has no mesh: its errors are ‖u_n - u_n^k‖_X and that of the pressures, in k only.
     pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<(), SceneError> {
         let key = |name: &str| format!("predicts.{index}.{name}");
         let message = format!("`{}` needs a body", self.norm.name());
-        let hint = "the error of an abstract scene is V_max, the largest norm in X";
-        reading.refuse_if(self.norm != Norm::VMax, &key("norm"), message, hint)?;
+        let hint = "the errors of an abstract scene are V_max, the largest norm in X, and with functionals pressure_L2_max";
+        let known = matches!(self.norm, Norm::VMax | Norm::PressureL2Max);
+        reading.refuse_if(!known, &key("norm"), message, hint)?;
         let (message, hint) =
             ("an abstract scene has no mesh, so no order in h", "write variable = \"k\"");
         reading.refuse_if(self.variable != Direction::K, &key("variable"), message, hint)

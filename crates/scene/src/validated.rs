@@ -233,7 +233,7 @@ fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content, 
     reading.parameters = parameters(reading)?;
     let body = AbstractScene::validate(reading, time.horizon, dimension)?;
     needs_product_integration(reading, &time, body.singular_key())?;
-    let predicts = predictions(reading, false)?;
+    let predicts = predictions(reading, !body.traces.is_empty())?;
     for (index, prediction) in predicts.iter().enumerate() {
         prediction.only_in_time(reading, index)?;
     }

@@ -97,6 +97,59 @@ fn displacements_that_come_back_give_the_errors_of_their_run() {
     }
 }
 
+/// V has u = 0 on Γ1. An answer that is wrong there alone is refused, also where all of it has moved and no strain says so;
+/// what a penalty of 1e10 leaves there is measured like any other value, not taken for zero.
+#[test]
+fn values_where_the_body_is_clamped_are_judged_or_refused() {
+    for (name, n) in [("affine", 2), ("signorini", 4), ("pure-box", 2), ("quadratic-elastic", 2)] {
+        let (folder, setup, steps) = (Folder::new("external-clamped"), setup(name), 3);
+        let data = on_mesh(&setup, n);
+        let dir = place(&folder, name, data.space.mesh.n, steps);
+        answer(&setup, &data, steps, &dir);
+        let file = dir.join("displacement.npy");
+        let sound = decode(&std::fs::read(&file).expect("an answer")).expect("an array");
+        let [_, vertices, d] = sound.shape[..] else { panic!("three axes") };
+        let size = sound.numbers.iter().fold(0f64, |most, u| most.max(u.abs()));
+        let nodes = &data.space.nodes;
+        let clamped = &nodes.vertex[nodes.free..];
+        let judged = |change: &dyn Fn(&mut [f64])| {
+            let mut u = sound.numbers.clone();
+            change(&mut u);
+            std::fs::write(&file, encode(&sound.shape, &u)).expect("an answer");
+            let mut found = Vec::new();
+            let run = results(&folder).march(&setup, &data, steps, &mut |view| {
+                found.push(step_errors(
+                    &data.space,
+                    &setup.model,
+                    view,
+                    &*data.truth.moments(view.t)?,
+                ));
+                Ok(())
+            });
+            run.map(|_| found).map_err(|error| error.to_string())
+        };
+        let at = |n: usize, vertex: u32| (n * vertices + vertex as usize) * d;
+        let one = |u: &mut [f64]| u[at(2, clamped[0]) + 1] = 2e-8 * size;
+        let message = judged(&one).expect_err("a value on Gamma1");
+        let place = format!("level 2, vertex {}, which is clamped", clamped[0]);
+        assert!(message.contains(&place) && message.contains("Gamma1"), "{name}: {message}");
+        let moved = |u: &mut [f64]| u.iter_mut().skip(d - 1).step_by(d).for_each(|u| *u += size);
+        judged(&moved).expect_err("a body that has moved as a whole");
+        // 1e-9 of the largest at every clamped vertex: a strain of 1e-9/h in the cells beside them, beside which the
+        // rounding of an error is 1e-16. The exact solution is not that: the square of the V error moves by it.
+        let sound_errors = judged(&|_| ()).expect("the sound answer");
+        let little = |u: &mut [f64]| {
+            clamped
+                .iter()
+                .enumerate()
+                .for_each(|(i, &v)| u[at(3, v)] = 1e-9 * size * (-1f64).powi(i as i32));
+        };
+        let errors = judged(&little).expect("what a penalty leaves");
+        assert_eq!(errors[..3], sound_errors[..3], "{name}");
+        assert_ne!(errors[3].v, sound_errors[3].v, "{name}");
+    }
+}
+
 #[test]
 fn the_files_are_those_of_the_case() {
     for (name, n) in [("signorini", 4), ("layered-in-space", 4), ("pure-box", 2)] {

@@ -6,9 +6,10 @@ use fem::contact::{
     BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, LastSlot, Model,
     Observer, StepView, kkt_residual,
 };
+use fem::space::quadrature::gauss_legendre;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::history::TimeGrid;
-use vhi::law::Projection;
+use vhi::law::{Potential, Projection};
 use vhi::{
     BoundaryGraph, HistoryInequality, Newton, OpenInequality, StepInequality, StepSolver,
     StepState, Stepper,
@@ -27,6 +28,8 @@ struct Tampered<'a> {
     /// Whether levels are solved with the last weights of level 1, and those weights and the level's.
     stale: bool,
     slots: Option<[LastSlot; 2]>,
+    /// A force besides that of the level.
+    beside: Option<&'a dyn Fn(&[f64], &mut [f64])>,
 }
 
 impl HistoryInequality for Tampered<'_> {
@@ -85,6 +88,9 @@ impl StepInequality for Tampered<'_> {
             self.start.u = u.to_vec();
         }
         self.inner.residual(u, out);
+        if let Some(beside) = self.beside {
+            beside(u, out);
+        }
     }
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
@@ -143,10 +149,60 @@ pub fn march_stale(
     run(setup, data, Tampered::new(inner, SOUND, true), observe, &Newton::default(), checked)
 }
 
+/// Solves all levels with two Gauss points on each edge of Γ3 where the scheme has three; the KKT system is checked.
+pub fn march_by_two_points(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    observe: &mut Observer<'_>,
+) -> Result<CaseInfo, CaseError> {
+    let (space, model, grid) = (&*data.space, &setup.model, setup.grid(steps));
+    let boundary = model.boundary.as_ref();
+    let Some(boundary) =
+        boundary.filter(|b| b.rule == BoundaryRule::Gauss && space.mesh.dimension == 2)
+    else {
+        return data.march(setup, steps, &Newton::default(), observe);
+    };
+    // Two points less three.
+    let points = [gauss_legendre(2), gauss_legendre(3)].into_iter().zip([1.0, -1.0]);
+    let points: Vec<(f64, f64)> = points
+        .flat_map(|(rule, sign)| rule.iter().map(move |(x, w)| (0.5 * (1.0 + x), 0.5 * sign * w)))
+        .collect();
+    let force = |u: &[f64], out: &mut [f64]| {
+        let mut nodal = vec![0.0; space.nodes.len()];
+        nodal[..u.len()].copy_from_slice(u);
+        for (f, measure) in space.trace.measure.iter().enumerate() {
+            let ends: Vec<usize> = space.trace.facet(f).iter().map(|&i| i as usize).collect();
+            let corner = |i: usize| space.mesh.point(&[space.trace.points[i].vertex], &[1.0]);
+            for &(x, weight) in &points {
+                let shape = [1.0 - x, x];
+                let along = |value: &dyn Fn(usize) -> f64| {
+                    shape[0] * value(ends[0]) + shape[1] * value(ends[1])
+                };
+                let normal = along(&|i| space.trace.normal(i, &nodal));
+                let place = [0, 1, 2].map(|c| along(&|i| corner(i)[c]));
+                let law = boundary.potential_at(place);
+                let pressure = law.subdifferential(normal - (boundary.shift)(place)).0;
+                for (i, shape) in ends.iter().zip(shape) {
+                    let point = &space.trace.points[*i];
+                    if !point.clamped {
+                        out[point.unknown as usize] +=
+                            point.sign * measure * weight * shape * pressure;
+                    }
+                }
+            }
+        }
+    };
+    let mut load = TruthLoad(&*data.truth);
+    let inner = Evolution::new(space, model, &grid, &mut load).expect("an analysis");
+    let levels = Tampered { beside: Some(&force), ..Tampered::new(inner, SOUND, false) };
+    run(setup, data, levels, observe, &Newton::default(), true)
+}
+
 impl<'a> Tampered<'a> {
     fn new(inner: Evolution<'a>, commit: Commit, stale: bool) -> Self {
         let (start, last) = (StepState::default(), StepState::default());
-        Self { inner, commit, level: 0, start, last, stale, slots: None }
+        Self { inner, commit, level: 0, start, last, stale, slots: None, beside: None }
     }
 }
 
@@ -205,7 +261,8 @@ impl Shown {
         for ((i, _), (at, &pressure)) in free.zip(coordinates) {
             let Some(boundary) = &model.boundary else { break };
             let normal = space.trace.normal(i, &self.u);
-            let (lo, hi) = boundary.potential.subdifferential(normal - at.shift);
+            let place = space.mesh.point(&[space.trace.points[i].vertex], &[1.0]);
+            let (lo, hi) = boundary.potential_at(place).subdifferential(normal - at.shift);
             let by_vertices = boundary.rule == BoundaryRule::Vertex;
             self.compliance[i] = match by_vertices && normal < at.gap {
                 true => pressure.clamp(lo, hi),

@@ -21,6 +21,7 @@ mod records;
 mod singular;
 mod solver;
 mod time;
+mod unseen;
 
 pub use solver::sound_loop;
 
@@ -31,6 +32,9 @@ use fem::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observe
 use fem::norms::Moments;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::Verdict;
+use nalgebra::DVector;
+use run::external::Answer;
+use run::sweep::CasePlan;
 use scene::Data;
 use scene::setup::{AbstractSetup, MeshData, Scheme, Setup};
 use vhi::Newton;
@@ -54,6 +58,8 @@ pub enum Term {
     Measurement,
     Record,
     Judging,
+    Answer,
+    Report,
 }
 
 impl Term {
@@ -76,6 +82,8 @@ impl Term {
             Self::Measurement => "measurement",
             Self::Record => "record",
             Self::Judging => "judging",
+            Self::Answer => "answer",
+            Self::Report => "report",
         }
     }
 }
@@ -96,6 +104,12 @@ pub struct Site<'a> {
 pub type LoadSeed = fn(&Site<'_>, f64) -> Result<Vec<f64>, LoadError>;
 /// The moments of a defective truth.
 pub type MomentSeed = fn(&Site<'_>, f64) -> Result<Moments, LoadError>;
+/// f(t) of a defective load of an abstract problem.
+pub type FiniteSeed = fn(&AbstractSetup, f64) -> DVector<f64>;
+/// What a defective measurement writes into the record of a case.
+pub type CaseSeed = fn(&Setup, &MeshData, &CasePlan, &mut CaseRecord);
+/// What a report is given.
+pub type Shown = (Vec<CaseRecord>, Vec<Verdict>);
 /// What judging sees of a sweep.
 pub type Table = (Vec<CaseRecord>, Vec<Key>);
 
@@ -110,12 +124,18 @@ pub struct Defect {
     pub program: fn(Setup) -> Setup,
     /// Another abstract problem.
     pub abstract_program: fn(AbstractSetup) -> AbstractSetup,
+    /// Another load of it.
+    pub finite_load: Option<FiniteSeed>,
     /// Another load.
     pub load: Option<LoadSeed>,
     /// Another measure of the truth.
     pub moments: Option<MomentSeed>,
     /// What the sweep sees of a run.
     pub measured: fn(Setup) -> Setup,
+    /// What is measured of a case.
+    pub case: CaseSeed,
+    /// What is made of the answer of another solver.
+    pub answer: fn(&MeshData, Answer) -> Answer,
     /// What is written down.
     pub records: fn(Vec<CaseRecord>) -> Vec<CaseRecord>,
     /// What is read for judging.
@@ -124,6 +144,8 @@ pub struct Defect {
     pub after: fn(Verdict) -> Verdict,
     /// What is made of all verdicts of a run.
     pub all: fn(Vec<Verdict>) -> Vec<Verdict>,
+    /// What a report shows.
+    pub shown: fn(Shown) -> Shown,
 }
 
 fn same<T>(value: T) -> T {
@@ -141,13 +163,17 @@ impl Defect {
             term,
             program: same,
             abstract_program: same,
+            finite_load: None,
             load: None,
             moments: None,
             measured: same,
+            case: |_, _, _, _| (),
+            answer: |_, answer| answer,
             records: same,
             before: same,
             after: same,
             all: same,
+            shown: same,
         }
     }
 
@@ -167,7 +193,15 @@ impl Defect {
 
     /// Whether a solver, its model or its load is defective, and not what is made of its results.
     pub fn is_of_solver(&self) -> bool {
-        !matches!(self.term, Term::Abstract | Term::Measurement | Term::Record | Term::Judging)
+        !matches!(
+            self.term,
+            Term::Abstract
+                | Term::Measurement
+                | Term::Record
+                | Term::Judging
+                | Term::Answer
+                | Term::Report
+        )
     }
 }
 
@@ -190,6 +224,8 @@ pub fn all() -> Vec<Defect> {
     list.extend(other_norms::defects());
     list.extend(records::defects());
     list.extend(judging::defects());
+    list.extend(unseen::defects());
+    list.extend(unseen::shown());
     list
 }
 

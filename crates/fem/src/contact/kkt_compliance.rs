@@ -1,12 +1,11 @@
 //! The compliance forces of the separate KKT evaluation: from the subdifferential alone, and, for the
 //! exact rule, without a formula for the crossings of kinks.
 
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use super::case::StepView;
-use super::compliance::facet_rule;
 use super::{Boundary, Discretization};
-use crate::space::quadrature::{Rule, gauss_legendre};
+use crate::space::quadrature::gauss_legendre;
 
 /// Intervals of an edge before any is halved, and Gauss points on each: degree 19, so that intervals of
 /// one resolution of a curved law are integrated to rounding by other points than the solver's.
@@ -26,16 +25,35 @@ pub(crate) fn add_gauss(
     moved: f64,
     balance: &mut [f64],
 ) {
-    // Made once: a march comes here at every level.
-    static RULES: [OnceLock<Rule>; 2] = [const { OnceLock::new() }; 2];
-    let dimension = space.mesh.dimension;
-    let rule = RULES[usize::from(dimension == 3)].get_or_init(|| facet_rule(dimension));
+    let rule = if space.mesh.dimension == 2 { &*ON_EDGES } else { &*ON_TRIANGLES };
     for facet in 0..space.trace.measure.len() {
-        for (shape, weight) in rule.points.iter().zip(&rule.weights) {
+        for (shape, weight) in rule {
             add_point(space, boundary, view, (facet, shape, *weight), moved, balance);
         }
     }
 }
+
+/// The rule of the discrete problem by closed forms of its own, so that a solver with other points is refused: Gauss's
+/// three points of an edge.
+static ON_EDGES: LazyLock<Vec<(Vec<f64>, f64)>> = LazyLock::new(|| {
+    let end = 0.5 * (1.0 - 0.6f64.sqrt());
+    let at = |x: f64, weight: f64| (vec![1.0 - x, x], weight / 18.0);
+    vec![at(end, 5.0), at(0.5, 8.0), at(1.0 - end, 5.0)]
+});
+
+/// Twice three points of a triangle, exact for degree 4 (Strang and Fix).
+static ON_TRIANGLES: LazyLock<Vec<(Vec<f64>, f64)>> = LazyLock::new(|| {
+    let ten = 10f64.sqrt();
+    let (inner, outer) =
+        ((38.0 - 44.0 * 0.4f64.sqrt()).sqrt(), (213_125.0 - 53_320.0 * ten).sqrt());
+    let three = |sign: f64| {
+        let (a, weight) = ((8.0 - ten + sign * inner) / 18.0, (620.0 + sign * outer) / 3720.0);
+        (0..3).map(move |i| {
+            ((0..3).map(|j| if i == j { 1.0 - 2.0 * a } else { a }).collect(), weight)
+        })
+    };
+    three(1.0).chain(three(-1.0)).collect()
+});
 
 /// Adds ∫ ∂j_ν(u_ν - s) v_ν, with u_ν - s `moved`, by halving intervals at whose ends it lies on different pieces.
 pub(crate) fn add_exact(

@@ -25,7 +25,7 @@ const LARGEST: u64 = 256 << 20;
 /// Errors below this many floors may be rounding and are not recorded. An order needs 20, but quadrature and reference
 /// errors repeat exactly.
 const FLOORS_COUNTED: f64 = 4.0;
-/// Norms that jump by a sample on ties; no baseline holds across machines.
+/// Norms that jump by a sample on ties.
 const JUMPING: [&str; 2] = [crate::record::CONTACT_SET_MAX, crate::record::CONTACT_MEASURE_MAX];
 
 /// Why a baseline could not be read or written.
@@ -87,7 +87,12 @@ impl Baseline {
             let mut of_scene: Vec<&CaseRecord> =
                 records.iter().filter(|r| r.scene == scene && r.converged()).collect();
             of_scene.sort_by_key(|record| record.key());
-            of_scene.into_iter().map(RecordedCase::of).collect()
+            let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+            for entry in of_scene.iter().flat_map(|record| &record.errors) {
+                let most = largest.entry(&entry.norm).or_default();
+                *most = most.max(entry.error.unwrap_or(0.0));
+            }
+            of_scene.iter().map(|record| RecordedCase::of(record, &largest)).collect()
         };
         let scenes = hashes.iter().map(|&(name, hash)| {
             (name.to_owned(), Recorded { hash: hash.to_owned(), owes: None, cases: cases(name) })
@@ -135,16 +140,20 @@ impl Baseline {
 }
 
 impl RecordedCase {
-    fn of(record: &CaseRecord) -> Self {
+    /// `largest` are the largest errors of the scene by norm.
+    fn of(record: &CaseRecord, largest: &BTreeMap<&str, f64>) -> Self {
         let kept = |entry: &&NormError| {
             let (error, floor) = (entry.error.unwrap_or(f64::NAN), entry.floor.unwrap_or(0.0));
-            let counts = error.is_finite() && error > 0.0 && error >= FLOORS_COUNTED * floor;
-            counts && !JUMPING.contains(&entry.norm.as_str())
+            error.is_finite() && error > 0.0 && error >= FLOORS_COUNTED * floor
         };
         let kept: Vec<&NormError> = record.errors.iter().filter(kept).collect();
         let errors = kept.iter().filter_map(|entry| Some((entry.norm.clone(), nine(entry.error?))));
         let allowed = kept.iter().filter_map(|entry| {
-            let allowed = tolerance::allowed(entry.error?, entry.floor?);
+            let (norm, error) = (entry.norm.as_str(), entry.error?);
+            let allowed = match record.h.filter(|_| JUMPING.contains(&norm)) {
+                Some(h) => tolerance::of_sets(error, h, record.dimension),
+                None => tolerance::allowed(error, entry.floor?, largest.get(norm).copied()?),
+            };
             (allowed > tolerance::REPEATED_WITHIN).then(|| (entry.norm.clone(), nine(allowed)))
         });
         Self {

@@ -100,6 +100,38 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
     named.iter().try_for_each(|name| remove_if_there(&dir.join(name))).map_err(said)
 }
 
+/// Largest value on Γ1 as a share of the largest displacement: conditions by a penalty of 1e10 leave less.
+const CLAMPED_WITHIN: f64 = 1e-8;
+
+/// V has u = 0 on Γ1, and ‖ε(·)‖ is a norm there alone: a body that has moved as a whole has no strain.
+///
+/// # Errors
+/// The largest value on Γ1, with its place.
+fn vanishes_where_clamped(
+    space: &Discretization,
+    grid: &TimeGrid,
+    u: &[f64],
+) -> Result<(), CaseError> {
+    let (d, row) = (space.mesh.dimension, space.mesh.vertices() * space.mesh.dimension);
+    let clamped = &space.nodes.vertex[space.nodes.free..];
+    let largest = |most: f64, value: &f64| most.max(value.abs());
+    let size = u.iter().fold(0.0, largest);
+    let held = (0..=grid.steps()).flat_map(|n| clamped.iter().map(move |&vertex| (n, vertex)));
+    let held = held.map(|(n, vertex)| {
+        let at = n * row + vertex as usize * d;
+        (u[at..at + d].iter().fold(0.0, largest), n, vertex)
+    });
+    match held.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((value, n, vertex)) if value > CLAMPED_WITHIN * size => Err(said(format!(
+            "the displacement is {value:e} at level {n}, vertex {vertex}, which is clamped: it is 0 there \
+             (`clamped` of vertices.csv), here to {:.1e}, {CLAMPED_WITHIN:e} of the largest displacement; errors are \
+             measured in V, whose functions vanish on Gamma1",
+            CLAMPED_WITHIN * size
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// Shows every level to the measurement. Histories follow from the displacements by the scene's time rule, stresses by
 /// this program's laws.
 fn show(
@@ -112,6 +144,7 @@ fn show(
     let (d, length) = (space.mesh.dimension, space.nodes.len());
     // Corners stand among the rows of an answer, also where the element has no nodes there.
     let row = space.mesh.vertices() * d;
+    vanishes_where_clamped(space, grid, u)?;
     let rule = model.time_rule.as_ref();
     let terms = model.memory.iter();
     let mut memory: Vec<Memory> =

@@ -9,19 +9,25 @@ use super::time::Weights;
 use algebra::linalg::axpy;
 use exact::{LawNumbers, sign_changes};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};
+use scene::Norm;
 use scene::setup::AbstractSetup;
 
-/// max_n ‖e_n‖_X on a grid, where
+/// max_n ‖e_n‖_X on a grid, or of the pressures that come with it, where
 ///
 /// ```text
 /// (M + g'(u_n) + N_r + Σ w a aᵀ ∂²j) e_n + N_y R Σ_l Q_l Σ' w_nj q_l(t_n,t_j) e_j = N(S u, u_n) - N(S_n^k u, u_n)
 /// ```
 ///
-/// and a_i·e_n = 0 where the constraint or a jump of ∂j_i holds a_i·u.
+/// and a_i·e_n = 0 where the constraint or a jump of ∂j_i holds a_i·u; its multiplier is w_i times the error of ξ_i + λ_i,
+/// which elsewhere is the slope of the law times a_i·e_n.
 ///
 /// # Errors
 /// [`NoConstant::Rule`], [`NoConstant::Singular`].
-pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64, NoConstant> {
+pub(super) fn largest_error(
+    setup: &AbstractSetup,
+    norm: Norm,
+    times: &[f64],
+) -> Result<f64, NoConstant> {
     let problem = Linearised::new(setup);
     let of_kernel = |kernel: &Kernel| Weights::of_kernel(setup.scene.time.rule, kernel.power);
     let weights = problem.kernels.iter().map(of_kernel).collect::<Result<Vec<_>, _>>()?;
@@ -53,8 +59,12 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
         let mut tangent = &problem.matrix + DMatrix::from_diagonal(&by_r);
         tangent += DMatrix::from_diagonal(&by_y) * &problem.r * present;
         let right = source - by_y.component_mul(&(&problem.r * past));
-        let error = problem.solve(tangent, right, &state).ok_or(NoConstant::Singular { t })?;
-        largest = largest.max(problem.norm(&error));
+        let (error, pressure) =
+            problem.solve(tangent, right, &state).ok_or(NoConstant::Singular { t })?;
+        largest = largest.max(match norm {
+            Norm::PressureL2Max => pressure,
+            _ => problem.norm(&error),
+        });
         sums.advance([state.u.clone(), error.as_slice().to_vec()]);
     }
     Ok(largest)
@@ -160,33 +170,40 @@ impl<'a> Linearised<'a> {
         (source, by_y, by_r)
     }
 
-    /// The saddle point problem with the held functionals; None if singular.
+    /// The saddle point problem with the held functionals, and (Σ w_i δp_i²)^½ of the pressures; None if singular.
     fn solve(
         &self,
         mut tangent: DMatrix<f64>,
         right: DVector<f64>,
         state: &exact::FiniteState,
-    ) -> Option<DVector<f64>> {
+    ) -> Option<(DVector<f64>, f64)> {
         let m = right.len();
-        let mut held = Vec::new();
+        let (mut held, mut sloping) = (Vec::new(), Vec::new());
         for (i, trace) in self.setup.problem.traces.iter().enumerate() {
             let a = DVector::from_column_slice(&trace.functional);
             let (r, xi, lambda) = (state.traces[i], state.selection[i], state.multiplier[i]);
             match answer(self.laws[i].as_ref(), r, xi, lambda) {
-                Answer::Slope(slope) => tangent += (trace.weight * slope) * &a * a.transpose(),
-                Answer::Held => held.push(a),
+                Answer::Slope(slope) => {
+                    tangent += (trace.weight * slope) * &a * a.transpose();
+                    sloping.push((trace.weight * slope * slope, a));
+                }
+                Answer::Held => held.push((trace.weight, a)),
             }
         }
         let order = m + held.len();
         let saddle = DMatrix::from_fn(order, order, |i, j| match (i < m, j < m) {
             (true, true) => tangent[(i, j)],
-            (true, false) => held[j - m][i],
-            (false, true) => held[i - m][j],
+            (true, false) => held[j - m].1[i],
+            (false, true) => held[i - m].1[j],
             (false, false) => 0.0,
         });
         let right = DVector::from_fn(order, |i, _| if i < m { right[i] } else { 0.0 });
         let solution = saddle.lu().solve(&right)?;
         let error = solution.rows(0, m).into_owned();
-        error.iter().all(|value| value.is_finite()).then_some(error)
+        let of_law = sloping.iter().map(|(weight, a)| weight * a.dot(&error).powi(2));
+        let reactions = held.iter().zip(solution.iter().skip(m));
+        let of_bounds = reactions.map(|((weight, _), reaction)| reaction * reaction / weight);
+        let pressure = of_law.chain(of_bounds).sum::<f64>().sqrt();
+        solution.iter().all(|value| value.is_finite()).then_some((error, pressure))
     }
 }

@@ -192,7 +192,8 @@ pub(super) fn over_cases(
         // NaN sorts first and is kept.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let Some(&(_, error)) = worst.first() else { continue };
-        let (h, k) = (Some(space.mesh.h()), largest_step(&grid));
+        // Of the domain, not of the mesh: a mesh that reports another size is to show in the constant.
+        let (h, k) = (Some(setup.body.domain.h(n)), largest_step(&grid));
         points.push(LeadingPoint { n: case.n, steps: case.steps, h, k, error });
     }
     let domain = &setup.body.domain;

@@ -88,7 +88,7 @@ pub fn leading_errors(
     known: &mut InTime,
 ) -> Result<LeadingLine, NoConstant> {
     match subject {
-        Subject::Abstract(setup) => of_abstract(setup, cases),
+        Subject::Abstract(setup) => of_abstract(setup, measured.norm, cases),
         Subject::Contact(setup) => match measured.variable {
             Direction::H => in_space_direction(setup, measured, cases),
             Direction::K => in_time_direction(setup, measured, cases, known),
@@ -97,10 +97,14 @@ pub fn leading_errors(
     }
 }
 
-fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingLine, NoConstant> {
+fn of_abstract(
+    setup: &AbstractSetup,
+    norm: Norm,
+    cases: &[Case],
+) -> Result<LeadingLine, NoConstant> {
     let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
         let times = time::times(&setup.scene.time, steps);
-        let error = finite::largest_error(setup, &times)?;
+        let error = finite::largest_error(setup, norm, &times)?;
         Ok(LeadingPoint { n, steps, h: None, k: time::largest_step(&times), error })
     });
     let points = points.collect::<Result<_, NoConstant>>()?;
@@ -165,7 +169,7 @@ fn in_time_direction(
     let in_space = measured.norm != Norm::VTimeMax && !interpolated;
     for n in ns {
         let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
-        let h = Some(1.0 / f64::from(n));
+        let h = Some(setup.body.domain.h(n));
         for &(Case { n, steps }, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
             points.push(LeadingPoint { n, steps, h, k, error: share * of(errors)? });
         }

@@ -21,7 +21,7 @@ mod run;
 mod schedule;
 mod shared;
 
-pub use abstract_case::run_abstract_case;
+pub use abstract_case::{run_abstract_case, run_abstract_under};
 pub use admission::{Beside, Refused, Runs, admit_constants, admit_plan};
 pub use case::{as_floors, floor_in, run_contact_case, scene_reference};
 pub use circumstances::{Build, Circumstances};

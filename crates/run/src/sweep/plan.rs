@@ -8,7 +8,7 @@ use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
 use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
-use scene::{Norm, Prediction, Reference, Scene, SceneError};
+use scene::{Body, Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -230,7 +230,11 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
         listed.is_some_and(|list| list.contains(&norm))
             || scene.predicts.iter().any(|p| p.norm == norm && serves(scene, p, n))
     };
-    let Some(body) = scene.as_contact() else { return vec![Norm::VMax] };
+    let body = match &scene.body {
+        Body::Contact(body) => body,
+        Body::Abstract(problem) if problem.traces.is_empty() => return vec![Norm::VMax],
+        Body::Abstract(_) => return vec![Norm::VMax, Norm::PressureL2Max],
+    };
     let on_contact = body.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
     Norm::all()
         .filter(|&norm| match norm {

@@ -69,18 +69,34 @@ impl AbstractSetup {
 
     /// Solves the scene with `steps` steps and measures it against the exact solution.
     pub fn run(&self, steps: u32, solver: &dyn StepSolver) -> Result<AbstractRun, FiniteError> {
+        self.run_under(&mut AbstractLoad(self), steps, solver)
+    }
+
+    /// The same under another load.
+    pub fn run_under(
+        &self,
+        load: &mut dyn FiniteLoad,
+        steps: u32,
+        solver: &dyn StepSolver,
+    ) -> Result<AbstractRun, FiniteError> {
         let mut run = AbstractRun::default();
         let mut observe = |view: &FiniteView<'_>| {
             let begin = Instant::now();
-            let exact = DVector::from_column_slice(&self.state(view.t).u);
+            let exact = self.state(view.t);
             run.seconds_truth += begin.elapsed().as_secs_f64();
-            run.error = larger(run.error, self.model.norm(&(exact - view.u)));
+            let u = DVector::from_column_slice(&exact.u);
+            run.error = larger(run.error, self.model.norm(&(u - view.u)));
+            let pressures = exact.selection.iter().zip(&exact.multiplier).zip(view.pressure);
+            let squares = pressures
+                .zip(&self.problem.traces)
+                .map(|(((xi, lambda), found), trace)| trace.weight * (xi + lambda - found).powi(2));
+            run.pressure_error = larger(run.pressure_error, squares.sum::<f64>().sqrt());
             run.u = view.u.as_slice().to_vec();
             run.history = view.history.as_slice().to_vec();
             run.pressure = view.pressure.to_vec();
         };
         let grid = self.grid(steps);
-        let info = march(&self.model, &grid, &mut AbstractLoad(self), solver, &mut observe)?;
+        let info = march(&self.model, &grid, load, solver, &mut observe)?;
         Ok(AbstractRun { info, ..run })
     }
 
@@ -161,6 +177,8 @@ pub struct AbstractRun {
     pub info: FiniteInfo,
     /// max_n ‖u(t_n) - u_n^k‖_X.
     pub error: f64,
+    /// max_n (Σ w_i (p_i(t_n) - p_i,n^k)²)^½ of the pressures p = ξ + λ.
+    pub pressure_error: f64,
     /// u_N.
     pub u: Vec<f64>,
     /// S_N^k u.

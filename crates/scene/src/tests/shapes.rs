@@ -44,6 +44,59 @@ fn a_polygon_has_its_sides_and_meshes() {
     assert_eq!(scene.as_contact().unwrap().domain.faces(Side(1)).len(), 2);
 }
 
+/// h by hand: 1/n on rectangles and boxes, whatever moves their vertices; else the longest edge of the coarse simplices over
+/// n, here the diagonal of 2 by 1, the side 2 of two triangles that meet at (1, 1/2), and the diagonal of the head of a
+/// frustum, the unit square. Of meshes that nothing moves the longest edge of all cells is h, on squares and cubes √d h.
+#[test]
+fn every_family_reports_the_size_of_its_mesh() {
+    let plane = [
+        "kind = \"structured\"",
+        "kind = \"perturbed\", amplitude = 0.2, seed = 3",
+        "kind = \"graded\", corner = [0.0, 0.0], exponent = 2.0",
+    ];
+    let fan = "points = [[1, 0.5]]\ntriangles = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]";
+    let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n1 1 \"bottom\"\n1 2 \"right\"\n\
+                1 3 \"top\"\n1 4 \"left\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 2 0 0\n3 2 1 0\n4 0 1 0\n\
+                $EndNodes\n$Elements\n6\n1 1 2 1 1 1 2\n2 1 2 2 1 2 3\n3 1 2 3 1 3 4\n4 1 2 4 1 4 1\n\
+                5 2 2 0 1 1 2 3\n6 2 2 0 1 1 3 4\n$EndElements\n";
+    let shapes = [
+        (RECTANGLE.to_owned(), 1.0, 2f64.sqrt()),
+        (format!("shape = \"polygon\"\n{CORNERS}\n{NAMES}"), 5f64.sqrt(), 1.0),
+        (format!("shape = \"polygon\"\n{CORNERS}\n{NAMES}\n{fan}"), 2.0, 1.0),
+        ("shape = \"mesh\"\nfile = \"block.msh\"".to_owned(), 5f64.sqrt(), 1.0),
+    ];
+    let mut domains = Vec::new();
+    for (shape, h, longest) in &shapes {
+        for family in plane {
+            // A reference run needs meshes that nest.
+            let text = shaped(shape).replace("kind = \"structured\"", family);
+            let text = text.replace("reference = { n = 64, steps = 64 }\n", "");
+            let text = text.replace("judge = true", "judge = false");
+            let (start, end) = (text.find("[sweep]").unwrap(), text.find("[[predicts]]").unwrap());
+            let text = text.replace(&text[start..end], "");
+            let source = Source::from_text("block.toml", text).with_mesh(file.to_owned());
+            let scene = Scene::from_source(source).unwrap_or_else(|error| panic!("{error}"));
+            let moved = family != plane[0];
+            domains.push((scene, *h, (!moved).then_some(*longest)));
+        }
+    }
+    let cube = include_str!("../../../../manufactured/pure-box.toml");
+    domains.push((accepted(cube), 1.0, Some(3f64.sqrt())));
+    domains.push((accepted(&frustum(str::to_owned)), 2f64.sqrt(), None));
+    for (scene, h, longest) in domains {
+        let domain = &scene.as_contact().unwrap().domain;
+        for n in [2u32, 4] {
+            let (mesh, h) = (domain.mesh(n), h / f64::from(n));
+            // Roundings of a root and of coordinates.
+            assert!((mesh.h() - h).abs() < 1e-14, "{domain:?} {n}: {} for {h}", mesh.h());
+            assert!((domain.h(n) - h).abs() < 1e-14, "{domain:?} {n}");
+            if let Some(longest) = longest {
+                assert!((mesh.quality().longest - longest * h).abs() < 1e-14, "{domain:?} {n}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_coarse_triangulation_may_be_given() {
     let fan = "points = [[0.5, 0.4]]\ntriangles = [[0, 1, 4], [1, 2, 4], [4, 3, 2], [3, 0, 4]]";

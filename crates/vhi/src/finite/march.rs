@@ -37,6 +37,8 @@ pub struct FiniteInfo {
     pub active_set_changes: u32,
     /// Contribution of unresolved residual and rounding to ‖u_n - u_n^k‖_X.
     pub floor: f64,
+    /// The same of (Σ w_i p_i²)^½ of the pressures p.
+    pub pressure_floor: f64,
     /// Largest relative residual of the independent evaluation.
     pub kkt_residual: f64,
     pub peak_history_bytes: usize,
@@ -63,6 +65,8 @@ pub fn march(
     let mut stepper = Stepper::new(&evolution, solver);
     let mut info = FiniteInfo::default();
     let (mut size, mut correction, mut worst) = (0f64, 0f64, 0f64);
+    // w_i p_i balances the forces on a functional, which are known to the tolerance of the step.
+    let by_force = model.functionals.iter().map(|f| 1.0 / f.weight).sum::<f64>().sqrt();
     for n in 0..=grid.steps() {
         let step = stepper.step(&mut evolution)?;
         info.newton_iterations += step.iterations;
@@ -79,6 +83,7 @@ pub fn march(
         }
         info.kkt_residual = info.kkt_residual.max(residual);
         size = size.max(model.norm(&u));
+        info.pressure_floor = info.pressure_floor.max(SAFETY * step.tolerance * by_force);
         // The worst level, and the change that one more solve would make there.
         if step.residual > worst {
             worst = step.residual;

@@ -1,5 +1,7 @@
 //! A run against its baseline.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::tolerance::{REPEATED_WITHIN, in_percent};
@@ -211,7 +213,7 @@ fn compare_case(scene: &str, case: &RecordedCase, found: Option<&CaseRecord>) ->
         }
     }
     for ((name, _, recorded), (_, _, now)) in
-        case.work().into_iter().zip(RecordedCase::of(record).work())
+        case.work().into_iter().zip(RecordedCase::of(record, &BTreeMap::new()).work())
     {
         if let Some((recorded, now)) =
             recorded.zip(now).filter(|(recorded, now)| grew(*recorded, *now))
