@@ -92,7 +92,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 42] = [
+const ROWS: [Row; 40] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),

@@ -30,8 +30,9 @@ fn every_bit_pattern_is_kept() {
     // The point data come first: their bytes in number, then bit for bit; and the points behind them.
     let begin = file.windows(2).position(|pair| pair == b"\n_").expect("appended data") + 2;
     let bits = |numbers: &[f64]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
-    let block =
-        |numbers: &[f64]| [&(8 * numbers.len() as u64).to_le_bytes(), &bits(numbers)[..]].concat();
+    let block = |numbers: &[f64]| {
+        [(8 * numbers.len() as u64).to_le_bytes().to_vec(), bits(numbers)].concat()
+    };
     let expected = [block(&odd), block(SQUARE.as_flattened())].concat();
     assert_eq!(file[begin..begin + expected.len()], expected);
     let text = String::from_utf8_lossy(&file[..begin]);
