@@ -57,7 +57,7 @@ fn json_and_files_hold_the_known_numbers() {
         ("m_A", 2.0, "proved"),
         ("c_j^2, limit", 1.0, "extrapolated"),
         ("c_j^2, bound", 1.0, "proved"),
-        ("|B|_Q", 4.0, "computed"),
+        ("|B|_Q", 4.0, "proved"),
     ] {
         let constant = named(name);
         assert!(near(&constant["value"], exact) && constant["how"] == how, "{constant}");
@@ -110,7 +110,7 @@ fn without_monotonicity_the_rest_is_still_said() {
             assert!(text.contains(phrase), "no `{phrase}` in\n{text}");
         }
         assert!(
-            text.contains("not followed: m0 = ") && text.contains("(2.9) is violated"),
+            text.contains("not followed: the least m0 = ") && text.contains("(2.9) is violated"),
             "{text}"
         );
         assert!(

@@ -34,10 +34,22 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "the derivative at the open level is of an evolution, and kept in it",
     ),
     (
+        "fem",
+        "contact/side",
+        2,
+        "forces of Γ3 round in proportion to its tangent, which the volume assembles with them",
+    ),
+    (
         "formula",
         "history",
         10,
         "memory integrals stand inside formulas, and formulas inside memory integrals",
+    ),
+    (
+        "judge",
+        "fit/screen",
+        3,
+        "a level is screened, and a point may be left out because it is no level",
     ),
     (
         "report",
@@ -70,7 +82,7 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         35,
         "each part of a scene is read with the errors and the source of the whole",
     ),
-    ("scene", "setup", 12, "a setup is admitted and measured by functions of a setup"),
+    ("scene", "setup", 15, "a setup is admitted and measured by functions of a setup"),
     ("studies", "trade/study", 2, "an extrapolation is of a study, and kept in it"),
     ("studies", "trade/trial", 2, "a price compares two trials, and tables of trials print prices"),
 ];

@@ -56,24 +56,19 @@ fn the_chain_of_a_scene_holds() {
     );
 }
 
-/// L_κ is sampled every 0.05 in ζ and towards 0. A yield limit that rises with slope 4 between two samples has L_κ = 4,
-/// and is taken for one with 0.05: the error passes the envelope there.
+/// A yield limit that rises with slope 4 on a piece of ζ as short as 0.025 has L_κ = 4.05, and the error stays below the
+/// envelope of that; with the 0.05 of the rest, which samples find, it passes it at t = 0.4 to 0.6.
 #[test]
-fn a_constant_that_sampling_missed_is_one() {
+fn a_short_steep_piece_counts() {
     let folder = Folder::new("gronwall-violated");
     let steep = "0.10 + 0.05*zeta + 4*max(0, min(zeta - 0.055, 0.025))";
     let scene = folder.file("affine.toml", &edited(&text("affine"), "0.10 + 0.05*zeta", steep));
     let output = sweep(&["gronwall", &scene, "--steps", "128"]);
-    assert_eq!(code(&output), 1, "{}", stderr(&output));
-    let table = stdout(&output);
-    assert!(table.contains("Does not hold: N = 128: e <= weighted envelope at n = "), "{table}");
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
     let document = json(&sweep(&["gronwall", &scene, "--steps", "128", "--json"]));
-    let violation = &document["violations"][0];
-    assert_eq!((&document["verdict"], &violation["part"]), (&"fail".into(), &"N = 128".into()));
-    assert!(violation["left"].as_f64() > violation["right"].as_f64() && violation["n"].is_u64());
-    // ζ passes the steep piece at t = 0.4 to 0.6.
-    let t = violation["t"].as_f64().expect("a time");
-    assert!((0.3..0.7).contains(&t), "{t}");
+    let yielding = document["constants"]["yielding"].as_f64().expect("mu L_kappa sqrt|Omega|");
+    assert!((4.05..4.05 * (1.0 + 1e-6)).contains(&yielding), "{yielding}");
+    assert_eq!(document["violations"].as_array().map(Vec::len), Some(0));
 }
 
 #[test]
@@ -99,7 +94,7 @@ fn the_printed_sum_needs_more_than_the_halved_one() {
     let output = sweep(&["gronwall", &scene, "--steps", "1"]);
     assert_eq!(code(&output), 2);
     let message = stderr(&output);
-    assert!(message.contains("needs C2 w_nn < 1") && message.contains("= 5.000000"), "{message}");
+    assert!(message.contains("needs C2 w_nn < 1") && message.contains("2.5 * 2 = 5;"), "{message}");
 }
 
 #[test]

@@ -284,7 +284,7 @@ fn crates_know_what_the_table_says() {
 /// What scenes can name, by the newest of its kind, and the files that name it: the side of the solver, that of the truth
 /// where there is one, and one that reads scenes. A further one touches no other.
 const PLUG_INS: [(&str, &[&str]); 4] = [
-    ("::P2", &["crates/fem/src/space/elements.rs"]),
+    ("::P2", &["crates/fem/src/space/elements.rs", "crates/scene/src/setup/trace_constant.rs"]),
     (
         "Gregory {",
         &[

@@ -99,9 +99,9 @@ fn record(error: f64, floor: f64) -> CaseRecord {
 }
 
 /// What deviates of an error that is `factor` times the recorded one.
-fn deviating(floor: f64, factor: f64) -> Vec<DeviationKind> {
-    let baseline = Baseline::of(&[record(1e-3, floor)], &[("block", "hash")]);
-    let now = record(factor * 1e-3, floor);
+fn deviating(error: f64, floor: f64, factor: f64) -> Vec<DeviationKind> {
+    let baseline = Baseline::of(&[record(error, floor)], &[("block", "hash")]);
+    let now = record(factor * error, floor);
     let run = ComparedRun {
         scene: "block".into(),
         hash: "hash".into(),
@@ -112,14 +112,24 @@ fn deviating(floor: f64, factor: f64) -> Vec<DeviationKind> {
     found.deviations.iter().map(|deviation| deviation.kind).collect()
 }
 
-/// 1e-6 far above the floor, 4 floors near it, 0.5 % at most.
+/// 1e-6 of itself, whatever its floor; near rounding, which is 1e-12 or the floor below, 4 times that; 0.5 % at most.
 #[test]
 fn an_error_counts_from_its_tolerance_on() {
-    for (floor, tolerance) in [(1e-16, 1e-6), (1e-9, 4e-6), (1e-7, 4e-4), (2e-4, 5e-3)] {
+    for (error, floor, tolerance) in [
+        (1e-3, 1e-16, 1e-6),
+        (1e-3, 2e-4, 1e-6),
+        (1e-8, 1e-9, 4e-4),
+        (1e-8, 1e-14, 4e-6),
+        (1e-10, 1e-9, 5e-3),
+    ] {
         for sign in [-1.0, 1.0] {
             let (inside, outside) = (1.0 + sign * 0.9 * tolerance, 1.0 + sign * 1.1 * tolerance);
-            assert_eq!(deviating(floor, inside), [], "{floor:e} {inside}");
-            assert_eq!(deviating(floor, outside), [DeviationKind::Error], "{floor:e} {outside}");
+            assert_eq!(deviating(error, floor, inside), [], "{floor:e} {inside}");
+            assert_eq!(
+                deviating(error, floor, outside),
+                [DeviationKind::Error],
+                "{floor:e} {outside}"
+            );
         }
     }
 }

@@ -229,7 +229,7 @@ fn what_is_no_solution_is_refused_with_its_place() {
         ("functional = [1.0]", "functional = [1.0]\nupper = 0.2", "leaves"),
         ("functional = [1.0]", "functional = [1.0]\nupper = 0.2\nlower = 0.3", "lower < upper"),
         ("-0.5*exp(-(t - s))", "-0.5/(t - s)^2", "singular = a"),
-        ("-0.5*exp(-(t - s))", "-0.5*sqrt(0.7 - t + s)", "history"),
+        ("-0.5*exp(-(t - s))", "-0.5*sqrt(0.7 - t + s)", "q(t, s) has no bound near"),
         ("u = [\"max(0, t - 0.5)\"]", "u = [\"x\"]", "not allowed"),
         ("dimension = 1", "dimension = 0", "no dimension"),
         ("kind = \"abstract\"", "kind = \"abstrct\"", "did you mean"),

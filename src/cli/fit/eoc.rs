@@ -192,7 +192,7 @@ mod tests {
             tables(&groups, Style::Text).join("\n")
         };
         let values = text("h,value\n0.4,1.16\n0.2,1.04\n0.1,1.01\n");
-        assert_eq!(values.lines().last(), Some("0.1  1.01000000   2.00"), "{values}");
+        assert_eq!(values.lines().last(), Some("0.1   1.01   2.00"), "{values}");
         let along = text("h,k,error\n0.4,0.4,4\n0.2,0.2,2\n0.1,0.1,1\n");
         assert_eq!(along.lines().last(), Some("0.1  0.1  1.000e0  1.00"), "{along}");
     }

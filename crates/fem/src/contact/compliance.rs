@@ -150,7 +150,10 @@ impl<'a> FacetCompliance<'a> {
     fn each_point(&self, u: &[f64], mut visit: impl FnMut(&Facet, &FacetPoint)) {
         let mut room = self.room.take();
         for (f, facet) in self.facets.iter().enumerate() {
-            let normal = |&(component, sign, _): &(usize, f64, bool)| sign * u[component];
+            // What lies beyond the unknowns is clamped.
+            let normal = |&(component, sign, _): &(usize, f64, bool)| {
+                sign * u.get(component).copied().unwrap_or(0.0)
+            };
             match &self.rule {
                 PointRule::Gauss { rule, shift, scale } => {
                     let count = rule.weights.len();

@@ -220,8 +220,7 @@ impl StepInequality for CondensedLevel<'_> {
     fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
         self.graph.add_rounding(state, sizes);
         if let Some(compliance) = &self.compliance {
-            let unknowns: Vec<f64> = state.u.iter().copied().chain([0.0]).collect();
-            compliance.add_rounding(&unknowns, sizes);
+            compliance.add_rounding(&state.u, sizes);
         }
     }
 }

@@ -393,9 +393,7 @@ impl StepInequality for ContactProblem<'_> {
         self.graph.add_rounding(state, sizes);
         self.add_rounding_of_friction(state, sizes);
         if let Some(compliance) = &self.compliance {
-            let mut unknowns = state.u.clone();
-            unknowns.resize(self.unknowns.len(), 0.0);
-            compliance.add_rounding(&unknowns, sizes);
+            compliance.add_rounding(&state.u, sizes);
         }
     }
 }

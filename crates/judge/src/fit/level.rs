@@ -3,6 +3,7 @@
 use files::counted;
 
 use super::{Direction, Exclusion, FLOORS_ABOVE, Interval, Point};
+use crate::record::is_magnitude;
 
 /// Largest relative standard deviation of an error. An error that is known to a factor of e^10 is not known; the sums of
 /// the evidence overflow only far beyond.
@@ -86,9 +87,8 @@ pub(crate) fn is_step(step: f64) -> bool {
 }
 
 /// Whether an error and its floor are such.
-pub(crate) fn measured(error: f64, floor: f64) -> Result<(), LevelError> {
-    let sound = |value: f64| value.is_finite() && value >= 0.0;
-    match (sound(error), sound(floor)) {
+fn measured(error: f64, floor: f64) -> Result<(), LevelError> {
+    match (is_magnitude(error), is_magnitude(floor)) {
         (false, _) => Err(LevelError::Error(error)),
         (_, false) => Err(LevelError::Floor(floor)),
         _ => Ok(()),

@@ -13,8 +13,6 @@ use std::path::PathBuf;
 use files::{FileError, counted};
 use serde::{Deserialize, Serialize};
 
-use crate::fit::measured;
-
 pub use columns::COLUMNS;
 pub use journal::{CaseTable, Journal, read, read_finished, read_table, write_sorted};
 pub use norm::{
@@ -161,7 +159,8 @@ impl CaseRecord {
     pub fn unsound(&self) -> Option<&NormError> {
         let sound = |entry: &&NormError| {
             let (error, floor) = (entry.error.unwrap_or(0.0), entry.floor.unwrap_or(0.0));
-            measured(error, floor).is_ok() && (entry.error.is_none() || entry.floor.is_some())
+            [error, floor].into_iter().all(is_magnitude)
+                && (entry.error.is_none() || entry.floor.is_some())
         };
         self.errors.iter().find(|entry| !sound(entry))
     }
@@ -170,6 +169,11 @@ impl CaseRecord {
     pub fn converged(&self) -> bool {
         self.status == Status::Converged
     }
+}
+
+/// Whether a number can be an error or a floor.
+pub(crate) fn is_magnitude(value: f64) -> bool {
+    value.is_finite() && value >= 0.0
 }
 
 /// Why records could not be written or read.
