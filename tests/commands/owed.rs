@@ -120,7 +120,7 @@ fn an_error_counts_from_its_tolerance_on() {
         (1e-3, 2e-4, 1e-6),
         (1e-8, 1e-9, 4e-4),
         (1e-8, 1e-14, 4e-6),
-        (1e-10, 1e-9, 5e-3),
+        (1e-10, 1e-12, 5e-3),
     ] {
         for sign in [-1.0, 1.0] {
             let (inside, outside) = (1.0 + sign * 0.9 * tolerance, 1.0 + sign * 1.1 * tolerance);

@@ -260,6 +260,7 @@ pub fn fresh(sound: &Setup) -> Setup {
         exact: sound.exact.clone(),
         scheme: Arc::new(NewtonMarch),
         linear_solver: sound.linear_solver,
+        kappa: sound.kappa,
         precision: sound.precision,
     }
 }
