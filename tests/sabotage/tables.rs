@@ -105,8 +105,8 @@ fn tables() -> Vec<Table> {
     ]
 }
 
-/// A zero error is below any floor: the other four points pass, or the judge refuses the table.
-const NOT_OF_ORDER: &[Decision] = &[Decision::Pass, Decision::Fail];
+/// A zero that nothing explains, as a crashed writer leaves it, confirms no order.
+const NOT_OF_ORDER: &[Decision] = &[Decision::Unresolved];
 
 impl Table {
     fn records(&self) -> Vec<CaseRecord> {
