@@ -292,14 +292,14 @@ fn predicted_memory_is_what_a_process_takes() {
     }
 }
 
-/// What a command says it would take.
+/// What a command says it would take, under a limit that lets it verify the data, on coarse meshes, before.
 #[cfg(target_os = "linux")]
 fn predicted(arguments: &[&str]) -> f64 {
     let free: Vec<&str> =
         arguments.iter().copied().take_while(|a| *a != "--memory-limit").collect();
     let rest = arguments.iter().skip(free.len() + 2).copied();
     let free: Vec<&str> = free.iter().copied().chain(rest).collect();
-    mebibytes(&stderr(&sweep(&[&free[..], &["--memory-limit", "1M"]].concat())))
+    mebibytes(&stderr(&sweep(&[&free[..], &["--memory-limit", "12M"]].concat())))
 }
 
 /// The bytes that a refusal names.
