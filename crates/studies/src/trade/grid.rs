@@ -21,7 +21,7 @@ const RATE: f64 = 3e-6;
 const LEAST: [u32; 2] = [2, 2];
 
 /// The grid of a scene: its lists, completed by halves (or doubles) up to three levels, and without its finest
-/// levels while all runs, `runs` per case, are above what `budget` seconds bear at [`RATE`].
+/// levels while all runs, `runs` per case, are above what `budget` seconds bear at `RATE`.
 ///
 /// # Errors
 /// The scene cannot be set up.
