@@ -105,6 +105,21 @@ pub fn defects() -> Vec<Defect> {
                 last.k *= 1.01;
             })
         }),
+        of("h recorded half as large", |records| {
+            each(records, |record| record.h = record.h.map(|h| 0.5 * h))
+        }),
+        of("k recorded as 1/N, whatever the horizon", |records| {
+            each(records, |record| record.k = 1.0 / f64::from(record.steps))
+        }),
+        of("floors lost", |records| {
+            each(records, |record| record.errors.iter_mut().for_each(|entry| entry.floor = None))
+        }),
+        of("finest errors 0 with floors of 0", |records| {
+            finest(records, |last, _| {
+                errors(last, |_| 0.0);
+                last.errors.iter_mut().for_each(|entry| entry.floor = Some(0.0));
+            })
+        }),
         of("floors a million times too high", |records| {
             each(records, |record| {
                 for entry in &mut record.errors {
