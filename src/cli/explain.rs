@@ -10,7 +10,7 @@ use super::machine::Common;
 use super::{
     CliError, Scenes, TABLE_WIDTH, meshes_fit, print_beside, print_json, print_text, width,
 };
-use fem::contact::{LinearSolver, Plan};
+use fem::contact::Plan;
 use run::sweep::{CasePlan, Cost, Overrides, PlanCost, ScenePlan};
 use scene::setup::{Setup, Subject};
 use scene::{Data, RelaxationTerm};
@@ -21,7 +21,7 @@ use vhi::law::INTERPOLATED_TO;
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, factorizations and solves: of the march, null where the run decides, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: linear, condensed or newton, factorizations and solves: of the march, null where the run decides, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub(crate) struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -84,7 +84,6 @@ fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
         "n": n,
         "steps": steps,
         "plan": cost.plan.name(),
-        "linear_solver": cost.linear_solver.name(),
         "seconds_predicted": cost.seconds,
         "memory_bytes_predicted": cost.memory_bytes.round() as u64,
     })
@@ -117,7 +116,6 @@ fn print_in_words(
     say("truth", truth(scene));
     regions.iter().for_each(|(_, line)| say("region", line));
     say("algorithm", algorithm);
-    say("linear", &of_meshes(plan, costs, |cost| linear(&plan.subject, cost.linear_solver)));
     say("rule", &scene.time.rule.in_words());
     say("history", history);
     if let (Some(reference), Some(cost)) = (&plan.reference, &costs.reference) {
@@ -203,14 +201,6 @@ fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'stat
     each.collect::<Vec<_>>().join("; ")
 }
 
-fn linear(subject: &Subject, solver: LinearSolver) -> &'static str {
-    match (subject, solver) {
-        (Subject::Abstract(_), _) => "dense LU",
-        (_, LinearSolver::Direct) => "Cholesky factors",
-        (_, LinearSolver::Multigrid) => "conjugate gradients with multigrid",
-    }
-}
-
 /// Bytes of the vectors of unknowns in a history.
 fn history_bytes(subject: &Subject, steps: u32, dofs: usize) -> usize {
     let vectors = match subject {
@@ -230,26 +220,23 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
     };
     let model = &setup.model;
     match plan {
-        Plan::Recursion if setup.load_parts().is_some() => {
-            "linear, memory a multiple of the elasticity or absent: one factorization; the load separates in time, its parts are solved once, and a level is a recursion on their coefficients"
-        }
-        Plan::Recursion => {
-            "linear, memory a multiple of the elasticity or absent: one factorization, one solve per level, eight levels together"
+        Plan::Linear if Plan::changes_factor(model) => {
+            "linear: one Cholesky factor for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve per level"
         }
         Plan::Linear => {
-            "linear: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve per level"
+            "linear, memory a multiple of the elasticity or absent: one Cholesky factor, one solve per level"
         }
         Plan::Condensed if Plan::changes_factor(model) => {
-            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
+            "contact condensed onto Gamma3: one Cholesky factor for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
         }
         Plan::Condensed => {
-            "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve per step in the volume"
+            "contact condensed onto Gamma3: one Cholesky factor, semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
         }
         Plan::Newton if model.projection.is_none() => {
-            "semismooth Newton with active set; the factor is reused while the active set stays, and by GMRES after"
+            "semismooth Newton with active set; the Cholesky factor is reused while the active set stays, and by GMRES after"
         }
         Plan::Newton => {
-            "semismooth Newton with active set, rank-one zeta piece; a factorization serves GMRES until its extra iterations have cost a new one"
+            "semismooth Newton with active set, rank-one zeta piece; a Cholesky factor serves GMRES until its extra iterations have cost a new one"
         }
     }
 }

@@ -33,13 +33,11 @@ mod laws;
 mod load_totals;
 mod loads;
 mod materials;
-mod multigrid;
 mod newton;
 mod nonconforming;
 mod nonconforming_space;
 mod oblique;
 mod orders;
-mod paths;
 mod plans;
 #[path = "../program/mod.rs"]
 mod program;

@@ -10,7 +10,7 @@ use crate::shipped::{
     Change, edited, errors, fixture, on_mesh, run, setup_of, text, v_max_on_changed,
 };
 use algebra::linalg::signed_unit;
-use fem::contact::{ContactProblem, LastSlot, LinearSolver};
+use fem::contact::{ContactProblem, LastSlot};
 use fem::space::Element;
 
 /// Every displacement to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
@@ -96,8 +96,7 @@ fn the_tangent_with_jumps_is_the_derivative() {
     let mut seed = 5;
     let u: Vec<f64> = (0..space.dofs()).map(|_| 0.05 * signed_unit(&mut seed)).collect();
     let memory = setup.model.memory.iter().map(|term| 0.125 * term.kernel.value(0.0)).collect();
-    let mut problem =
-        ContactProblem::new(&space, &setup.model, LinearSolver::Direct).expect("an analysis");
+    let mut problem = ContactProblem::new(&space, &setup.model).expect("an analysis");
     problem.begin(&LastSlot { zeta: 0.125, memory }, 0.1, &vec![0.0; space.dofs()], &[]);
     let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
     let off = mismatch(&mut problem, &u, &d);

@@ -2,9 +2,10 @@
 //! factor in double precision of every Jacobian.
 
 use algebra::linalg::Precision;
-use fem::contact::{BoundaryRule, LinearSolver, Plan};
+use fem::contact::{BoundaryRule, Plan};
 use scene::setup::{MeshData, Setup};
-use vhi::{Newton, StepSolver};
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::{Newton, Polished, StepSolver};
 
 use super::anew::{Anew, OFF, defective};
 use super::{AGREE, Run, Where, agree, distance, in_volume, run, same_bits, shortest};
@@ -39,7 +40,7 @@ fn anew(setup: &Setup, data: &MeshData, steps: u32, off: f64) -> Run {
 /// served more than one Jacobian, where those differ.
 fn same_solution(setup: &Setup) -> (Plan, Option<bool>) {
     let (data, name) = (on_a_mesh(setup), &setup.scene.name);
-    let plan = Plan::of(&data.space, &setup.model, STEPS as usize, true);
+    let plan = Plan::of(&data.space, &setup.model);
     let short = shortest(setup, &data, STEPS);
     let volume = in_volume(setup, &data, STEPS);
     let fresh = anew(setup, &data, STEPS, 0.0);
@@ -64,8 +65,7 @@ fn same_solution(setup: &Setup) -> (Plan, Option<bool>) {
 
 #[test]
 fn each_plan_has_the_same_solution() {
-    let plans = ["linear-punch", "memory-plus-identity", "compliance", "punch"]
-        .map(|name| same_solution(&setup(name)).0);
+    let plans = ["linear-punch", "compliance", "punch"].map(|name| same_solution(&setup(name)).0);
     println!("{plans:?}");
     for (i, plan) in plans.iter().enumerate() {
         assert!(!plans[..i].contains(plan), "{plans:?}");
@@ -75,7 +75,7 @@ fn each_plan_has_the_same_solution() {
 #[test]
 #[ignore = "every scene: make test-long"]
 fn long_all_plans_of_all_scenes_have_the_same_solution() {
-    let (mut taken, mut old, mut never) = ([0; 4], 0, Vec::new());
+    let (mut taken, mut old, mut never) = ([0; 3], 0, Vec::new());
     for setup in bodies() {
         let (plan, served) = same_solution(&setup);
         taken[plan as usize] += 1;
@@ -178,7 +178,7 @@ fn what_large_runs_take_is_what_fresh_factors_give() {
     assert!(data.space.dofs() >= 4000 && data.space.precision.is_none());
     let taken = shortest(&setup, &data, STEPS);
     let (linear, iterations) = (taken.info.work.linear, taken.info.newton_iterations);
-    assert!(linear.iterations == 0 && 2 * linear.factorizations < iterations, "{linear:?}");
+    assert!(2 * linear.factorizations < iterations, "{linear:?}");
     let fresh = anew(&setup, &data, STEPS, 0.0);
     let off = distance(&fresh, &taken);
     println!("punch, n = {LARGE}: {off:.1e}");
@@ -194,24 +194,49 @@ fn what_large_runs_take_is_what_fresh_factors_give() {
     assert!(!same_bits(&taken, &by(Precision::Double)));
 }
 
-/// n of `punch-box` with 6,084 unknowns, and steps: multigrid is what such a run takes, from 5,000 on.
-const LARGE_BOX: (u32, u32) = (12, 2);
-
+/// The comparison sees a weight of the last slot that is off by 1e-6.
 #[test]
-fn what_large_runs_in_space_take_is_what_fresh_factors_give() {
-    let (n, steps) = LARGE_BOX;
-    let mut setup = crate::shipped::setup("punch-box");
-    let data = on_mesh(&setup, n);
-    assert!(data.space.linear_solver.is_none());
-    let taken = shortest(&setup, &data, steps);
-    assert!(taken.info.work.linear.iterations > 0, "{:?}", taken.info.work.linear);
-    setup.linear_solver = Some(LinearSolver::Direct);
-    let data = on_mesh(&setup, n);
-    let fresh = anew(&setup, &data, steps, 0.0);
-    assert_eq!(fresh.info.work.linear.iterations, 0);
-    let off = distance(&fresh, &taken);
-    println!("punch-box, n = {n}: {off:.1e}");
-    assert!(off <= AGREE, "{off:e}");
-    let wrong = anew(&setup, &data, steps, OFF);
-    assert!(distance(&wrong, &taken) > 2.0 * AGREE, "{:e}", distance(&wrong, &taken));
+fn a_seeded_defect_in_one_plan_is_seen() {
+    struct Heavy;
+    impl TimeRule for Heavy {
+        fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+            let plain = Trapezoid.weight(grid, n, j);
+            if j == n { plain * (1.0 + 1e-6) } else { plain }
+        }
+    }
+    for name in ["elastic-punch", "linear-punch"] {
+        let mut setup = setup(name);
+        let data = on_mesh(&setup, 6);
+        let right = in_volume(&setup, &data, STEPS);
+        setup.model.time_rule = Box::new(Heavy);
+        let wrong = shortest(&setup, &data, STEPS);
+        assert!(distance(&right, &wrong) > 10.0 * AGREE, "{name}");
+    }
+}
+
+/// A solver that is not Newton's method alone is not replaced.
+#[test]
+fn plans_are_those_of_the_terms() {
+    for (name, expected) in [
+        ("linear-punch", Plan::Linear),
+        ("elastic-punch", Plan::Condensed),
+        ("punch", Plan::Newton),
+        ("punch-box", Plan::Newton),
+    ] {
+        let setup = setup(name);
+        let data = on_mesh(&setup, 4);
+        assert_eq!(Plan::of(&data.space, &setup.model), expected, "{name}");
+        let polished = run(&setup, &data, STEPS, Where::Shortest, &Polished::default());
+        assert!(polished.info.work.residuals > STEPS, "{name}");
+    }
+}
+
+/// One factor serves levels until its extra iterations have cost a new one: fewer than one a level.
+#[test]
+fn old_factors_serve_and_the_answer_stays() {
+    let setup = setup("punch");
+    let data = on_mesh(&setup, 12);
+    let info = shortest(&setup, &data, 48).info;
+    assert!(info.work.linear.factorizations < 40, "{}", info.work.linear.factorizations);
+    assert!(info.kkt_residual < 1e-11);
 }

@@ -16,20 +16,11 @@ use super::pattern::BlockPattern;
 /// Why a factorization was not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FactorError {
-    /// A pivot was not positive, or a search direction p had pᵀAp ≤ 0.
+    /// A pivot was not positive.
     #[error("the tangent matrix is not positive definite (first at unknown {dof})")]
     NotPositiveDefinite {
-        /// The unknown of the pivot, or of the largest entry of the direction.
+        /// The unknown of the pivot.
         dof: usize,
-    },
-    /// Conjugate gradients ended before their residual was small.
-    #[error(
-        "conjugate gradients still have {residual:.1e} of their residual after {iterations} iterations; `--linear-solver direct` factorizes instead"
-    )]
-    NotReached {
-        iterations: u32,
-        /// Norm of the residual relative to the first one.
-        residual: f64,
     },
     /// Nonsymmetric entries, which the factor lacks, are too large for the iteration.
     #[error(

@@ -59,18 +59,6 @@ impl BlockPattern {
         Self { dimension, stride, columns, rows, first, neighbours, slots }
     }
 
-    /// Pattern from the sorted larger neighbours of nodes, without cells to assemble.
-    pub fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
-        let mut pattern = Self::new(&[], dimension + 1, dimension, lists.len());
-        pattern.first = vec![0];
-        for list in lists {
-            pattern.neighbours.extend(list);
-            pattern.first.push(pattern.neighbours.len() as u32);
-        }
-        (pattern.columns, pattern.rows) = columns(dimension, &pattern.first, &pattern.neighbours);
-        pattern
-    }
-
     pub(crate) fn order(&self) -> usize {
         self.columns.len() - 1
     }
@@ -82,18 +70,6 @@ impl BlockPattern {
 
     pub(crate) fn larger_neighbours(&self, node: usize) -> &[u32] {
         &self.neighbours[self.first[node] as usize..self.first[node + 1] as usize]
-    }
-
-    pub(crate) fn nodes(&self) -> usize {
-        self.first.len() - 1
-    }
-
-    /// Position of the first entry of column j of a node's diagonal block, or of the block of its larger neighbour
-    /// number `slot`.
-    #[inline]
-    pub(super) fn in_column(&self, node: usize, j: usize, slot: Option<usize>) -> usize {
-        let start = self.columns[self.dimension * node + j] as usize;
-        slot.map_or(start, |slot| start + self.dimension - j + self.dimension * slot)
     }
 
     /// Adds `weight`·`local` to `values`; `local[(a, i), (b, j)]` is the symmetric matrix of cell `c`, row-major of

@@ -10,10 +10,21 @@ pub struct LinearWork {
     pub factorizations: u32,
     /// Passes over a factor, or solves without one.
     pub solves: u32,
-    /// Iterations of solves without a factor.
-    pub iterations: u32,
     pub seconds_factor: f64,
     pub seconds_solve: f64,
+}
+
+impl LinearWork {
+    /// Both together.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            factorizations: self.factorizations + other.factorizations,
+            solves: self.solves + other.solves,
+            seconds_factor: self.seconds_factor + other.seconds_factor,
+            seconds_solve: self.seconds_solve + other.seconds_solve,
+        }
+    }
 }
 
 /// Takes Jacobians one after the other, and solves with the last one.

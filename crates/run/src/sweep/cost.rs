@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use truth::{TruthCost, load_bytes, truth};
 
 use super::plan::{CasePlan, TIME_REFERENCE};
-use fem::contact::{Discretization, LinearSolver, Plan};
+use fem::contact::{Discretization, Plan};
 use scene::setup::{AbstractSetup, Setup, SetupError};
 use scene::{Norm, Reference, TimeRule};
 
@@ -19,10 +19,8 @@ const ITERATIONS: f64 = 5.0;
 const CELL: f64 = 70e-9;
 /// Cost of the 12 × 12 matrices of a tetrahedron over the 6 × 6 ones of a triangle, in assembly.
 const TETRAHEDRON: f64 = 4.0;
-/// Seconds per entry of the factor in triangular solves, and per entry of the matrix in conjugate gradients with
-/// multigrid.
+/// Seconds per entry of the factor in triangular solves.
 const SOLVE: f64 = 2e-9;
-const MULTIGRID: f64 = 100e-9;
 /// Seconds of a factorization per entry of the factor and per multiplication.
 const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
 
@@ -35,9 +33,6 @@ const TERM: f64 = 1e-9;
 pub(super) const PROGRAM: f64 = 16e6;
 /// Bytes per entry of the matrix in mesh, pattern and analysis, shared by the cases on a mesh.
 const SPACE: f64 = 16.0;
-/// Bytes per entry of the matrix in multigrid levels: all in single precision, coarse ones in double precision with
-/// index.
-const MULTIGRID_BYTES: f64 = 8.0;
 /// Order from which factors are in single precision, see `linalg`.
 const SINGLE_FROM: usize = 4000;
 
@@ -47,8 +42,6 @@ pub struct Cost {
     pub dofs: usize,
     /// How levels are solved on this mesh.
     pub plan: Plan,
-    /// The solver of the linear systems.
-    pub linear_solver: LinearSolver,
     /// Factorizations and solves of the march; None if unknown in advance.
     pub work: Option<[u32; 2]>,
     /// CPU seconds in a separate process, without the reference run.
@@ -67,7 +60,6 @@ impl Cost {
     pub(crate) const UNKNOWN: Self = Self {
         dofs: 0,
         plan: Plan::Newton,
-        linear_solver: LinearSolver::Direct,
         work: None,
         seconds: 0.0,
         memory_bytes: 0.0,
@@ -196,47 +188,32 @@ fn reference_cost(
 /// One march without its exact solution.
 fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let model = &setup.model;
-    let linear_solver = LinearSolver::of(space, model, steps as usize);
-    let plan = Plan::of(space, model, steps as usize, true);
+    let plan = Plan::of(space, model);
     let newton = plan == Plan::Newton;
     let levels = f64::from(steps) + 1.0;
     let matrices = plan.matrices(model, &setup.grid(steps));
-    let parts = setup.load_parts().filter(|_| plan == Plan::Recursion);
-    let solves = parts.map_or(steps + 1, |parts| parts as u32);
     let factorizations = matrices.map_or(levels, f64::from);
-    let changes = Plan::changes_factor(model);
-    let work = matrices.filter(|_| linear_solver == LinearSolver::Direct);
     let iterations = if newton { ITERATIONS } else { 1.0 };
     // Equivalent number of linear cells, which have one point and only corner nodes.
     let nodes = space.nodes.a_cell as f64 / (space.mesh.dimension + 1) as f64;
     let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
     let pattern = space.pattern.entries() as f64;
-    let (factor, solve, factorization, linear_bytes) = match linear_solver {
-        LinearSolver::Direct => {
-            let [factor, multiplications] = space.factor_size();
-            let seconds = FACTOR[0] * factor + FACTOR[1] * multiplications;
-            let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
-            // The factor, and scratch of half its size.
-            (factor, SOLVE * factor, seconds, 1.5 * number * factor)
-        }
-        LinearSolver::Multigrid => (0.0, MULTIGRID * pattern, 0.0, MULTIGRID_BYTES * pattern),
-    };
+    let [factor, multiplications] = space.factor_size();
+    let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
-    // One matrix serves all levels, and eight of them share their passes.
-    let one_factor =
-        work.is_some() && matches!(plan, Plan::Recursion | Plan::Condensed) && !changes;
-    // Five matrices with their index; some thirty vectors, and two for each level of a pass.
-    let together = one_factor && parts.is_none();
-    let vectors = if together { 240.0 + 128.0 } else { 240.0 } * dofs as f64;
+    let one_factor = !newton && !Plan::changes_factor(model);
     Cost {
         dofs,
         plan,
-        linear_solver,
-        work: work.map(|matrices| [matrices, solves]),
-        seconds: levels * iterations * (shape * CELL * cells + solve)
-            + factorizations * factorization
+        work: matrices.map(|matrices| [matrices, steps + 1]),
+        seconds: levels * iterations * (shape * CELL * cells + SOLVE * factor)
+            + factorizations * (FACTOR[0] * factor + FACTOR[1] * multiplications)
             + past_seconds(setup, dofs, steps),
-        memory_bytes: linear_bytes + 52.0 * pattern + vectors + history_bytes(setup, dofs, steps),
+        // The factor, and scratch of half its size; five matrices with their index; some thirty vectors.
+        memory_bytes: 1.5 * number * factor
+            + 52.0 * pattern
+            + 240.0 * dofs as f64
+            + history_bytes(setup, dofs, steps),
         kept_bytes: if one_factor { 8.0 * (factor + pattern) } else { 0.0 },
         left_bytes: 0.0,
     }

@@ -11,7 +11,6 @@ mod laws;
 mod load_check;
 mod material;
 mod mesh_data;
-mod paths;
 mod regularity;
 mod rule_check;
 mod scheme;
@@ -45,9 +44,7 @@ pub use trace_family::{TraceFamily, trace_families};
 use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
 use algebra::linalg::{EigenError, Precision};
 use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas, Polytope};
-use fem::contact::{
-    Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
-};
+use fem::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
 use fem::space::Element;
 use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
@@ -80,8 +77,6 @@ pub struct Setup {
     pub exact: Option<Arc<Exact>>,
     /// The solver under test; by default [`NewtonMarch`].
     pub scheme: Arc<dyn Scheme>,
-    /// Overrides [`LinearSolver::of`].
-    pub linear_solver: Option<LinearSolver>,
     /// Overrides the precision of factors that serve several Jacobians.
     pub precision: Option<Precision>,
 }
@@ -102,8 +97,7 @@ impl Setup {
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
         let scheme = Arc::new(NewtonMarch);
-        let setup =
-            Self { scene, body, model, exact, scheme, linear_solver: None, precision: None };
+        let setup = Self { scene, body, model, exact, scheme, precision: None };
         admissible(&setup)?;
         Ok(setup)
     }
@@ -144,7 +138,6 @@ impl Setup {
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
         let mut space = Discretization::of(element, mesh, &clamped, &contact);
-        (space.nesting, space.linear_solver) = (domain.nesting(n), self.linear_solver);
         space.precision = self.precision;
         space
     }
@@ -188,13 +181,6 @@ impl Setup {
         let terms = std::mem::take(&mut self.model.memory);
         self.model.memory = terms.into_iter().map(by_sums).collect();
         self
-    }
-
-    /// Number of vectors F_i of the load Σ a_i(t) F_i; None if it does not separate, or is that of an exact solution.
-    pub fn load_parts(&self) -> Option<usize> {
-        let Data::Loads { body, traction } = &self.body.data else { return None };
-        let sides = traction.iter().flat_map(|(_, formulas)| formulas);
-        GivenLoad::parts(&self.scene.formulas, body.iter().chain(sides).copied())
     }
 
     /// Vectors of unknowns held for the history after N steps; interpolated kernels are assumed to be smooth.
