@@ -233,10 +233,10 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
             "contact condensed onto Gamma3: one Cholesky factor, semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
         }
         Plan::Newton if model.projection.is_none() => {
-            "semismooth Newton with active set; the Cholesky factor is reused while the active set stays, and by GMRES after"
+            "semismooth Newton with active set; the Cholesky factor is kept while the active set stays, and preconditions BiCGStab after"
         }
         Plan::Newton => {
-            "semismooth Newton with active set, rank-one zeta piece; a Cholesky factor serves GMRES until its extra iterations have cost a new one"
+            "semismooth Newton with active set, rank-one zeta piece; a Cholesky factor preconditions BiCGStab until its extra iterations have cost a new one"
         }
     }
 }

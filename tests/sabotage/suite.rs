@@ -246,7 +246,6 @@ pub fn fresh(sound: &Setup) -> Setup {
         model: sound.scene_model(),
         exact: sound.exact.clone(),
         scheme: Arc::new(NewtonMarch),
-        precision: sound.precision,
     }
 }
 

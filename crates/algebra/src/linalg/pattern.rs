@@ -164,6 +164,17 @@ impl BlockPattern {
         CsMatI::new_csc((order, order), self.columns.clone(), self.rows.clone(), values)
     }
 
+    /// (row, column, value) of the lower triangle with these `values`.
+    pub(super) fn iter<'v>(
+        &'v self,
+        values: &'v [f64],
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'v {
+        let column = |j: usize| self.columns[j] as usize..self.columns[j + 1] as usize;
+        let entries =
+            move |j: usize| column(j).map(move |at| (self.rows[at] as usize, j, values[at]));
+        (0..self.order()).flat_map(entries)
+    }
+
     /// y ← A x for the symmetric matrix with lower-triangle `values`.
     pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y[..self.order()].fill(0.0);

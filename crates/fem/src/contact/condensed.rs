@@ -47,7 +47,7 @@ pub(super) struct Condensed<'a> {
     side: Option<Side<'a>>,
     /// In the order of the factor.
     x: Vec<f64>,
-    front: Front<f64>,
+    front: Front,
     pub(super) work: LinearWork,
 }
 
@@ -146,13 +146,13 @@ impl<'a> Condensed<'a> {
         let start = Instant::now();
         let (order, x) = (self.analysis.order(), &mut self.x);
         x.iter_mut().zip(order).for_each(|(x, &dof)| *x = load[dof as usize]);
-        self.analysis.forward(&self.factor, order.len(), x, &mut self.front);
+        self.analysis.forward(&self.factor, x, &mut self.front);
         let mut info = StepInfo { iterations: 1, ..StepInfo::default() };
         if let Some(side) = &mut self.side {
             let first = x.len() - side.dofs.len();
             info = side.solve(newton, self.scale, &mut x[first..], state)?;
         }
-        self.analysis.backward(&self.factor, order.len(), x, &mut self.front);
+        self.analysis.backward(&self.factor, x, &mut self.front);
         for (x, &dof) in x.iter().zip(order) {
             state.u[dof as usize] = x / self.scale;
         }

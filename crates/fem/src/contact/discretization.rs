@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use crate::mesh::Mesh;
 use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, StrainPoints, jumps};
-use algebra::linalg::{Analysis, BlockPattern, FactorError, Precision, nested_dissection};
+use algebra::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
 
 use super::held_factors::StiffnessFactors;
 use super::{ContactTrace, Frames};
@@ -31,8 +31,6 @@ pub struct Discretization {
     pub frames: Frames,
     /// The region of each cell, region 0 being what belongs to no named one; empty if there are none.
     pub regions: Vec<u8>,
-    /// The precision of factors that serve several Jacobians, where it is not left to their size.
-    pub precision: Option<Precision>,
     analysis: OnceLock<Result<Analysis, FactorError>>,
     condensing: OnceLock<Result<Analysis, FactorError>>,
     pub(super) factors: StiffnessFactors,
@@ -63,7 +61,6 @@ impl Discretization {
             trace,
             frames,
             regions: Vec::new(),
-            precision: None,
             analysis: OnceLock::new(),
             condensing: OnceLock::new(),
             factors: StiffnessFactors::default(),

@@ -39,7 +39,7 @@ fn in_parentheses(place: &[f64]) -> String {
 }
 
 /// The load of a scene on one mesh.
-pub trait Load {
+pub trait Load: Send {
     /// `out` ← F(t), over the unknowns.
     ///
     /// # Errors

@@ -19,8 +19,7 @@ use super::work::Work;
 use super::{Discretization, Model};
 use algebra::in_dimension;
 use algebra::linalg::{
-    FactorError, Jacobian, LinearWork, RankOne, SequenceSolver, TangentSolver, axpy, norm,
-    root_of_squares,
+    FactorError, Jacobian, LinearWork, RankOne, TangentSolver, axpy, norm, root_of_squares,
 };
 use algebra::tensor::contract;
 use vhi::law::{Projection, TensorField};
@@ -42,7 +41,7 @@ pub struct ContactProblem<'a> {
     /// 𝒜, as full as the terms of the memory: to it they are added in the memory that is there.
     elasticity: TensorField,
     linear: Vec<f64>,
-    solver: SequenceSolver<'a>,
+    solver: TangentSolver<'a>,
     /// Where Γ3 is all that is nonlinear, unless the volume is asked for.
     condensed: Option<Condensed<'a>>,
     pub(super) jacobian: Jacobian,
@@ -92,8 +91,7 @@ impl<'a> ContactProblem<'a> {
             .iter()
             .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
         Ok(Self {
-            solver: SequenceSolver::new(space.analysis()?, &space.pattern)
-                .in_precision(space.precision),
+            solver: TangentSolver::new(space.analysis()?, &space.pattern),
             condensed,
             jacobian: Jacobian::default(),
             last: TangentOf::default(),
@@ -214,7 +212,7 @@ impl<'a> ContactProblem<'a> {
     pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
         match &mut self.condensed {
             Some(condensed) => condensed.solve_with_last_factor(rhs),
-            None => self.solver.solve_with_last_factor(&self.jacobian, rhs),
+            None => self.solver.solve_with_last_factor(rhs),
         }
     }
 

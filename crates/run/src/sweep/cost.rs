@@ -33,8 +33,6 @@ const TERM: f64 = 1e-9;
 pub(super) const PROGRAM: f64 = 16e6;
 /// Bytes per entry of the matrix in mesh, pattern and analysis, shared by the cases on a mesh.
 const SPACE: f64 = 16.0;
-/// Order from which factors are in single precision, see `linalg`.
-const SINGLE_FROM: usize = 4000;
 
 /// The prediction for one case or reference run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -199,7 +197,6 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
     let pattern = space.pattern.entries() as f64;
     let [factor, multiplications] = space.factor_size();
-    let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
     let one_factor = !newton && !Plan::changes_factor(model);
     Cost {
@@ -210,7 +207,7 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
             + factorizations * (FACTOR[0] * factor + FACTOR[1] * multiplications)
             + past_seconds(setup, dofs, steps),
         // The factor, and scratch of half its size; five matrices with their index; some thirty vectors.
-        memory_bytes: 1.5 * number * factor
+        memory_bytes: 12.0 * factor
             + 52.0 * pattern
             + 240.0 * dofs as f64
             + history_bytes(setup, dofs, steps),

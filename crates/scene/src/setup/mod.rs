@@ -42,7 +42,7 @@ pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_families};
 
 use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
-use algebra::linalg::{EigenError, Precision};
+use algebra::linalg::EigenError;
 use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas, Polytope};
 use fem::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
 use fem::space::Element;
@@ -77,8 +77,6 @@ pub struct Setup {
     pub exact: Option<Arc<Exact>>,
     /// The solver under test; by default [`NewtonMarch`].
     pub scheme: Arc<dyn Scheme>,
-    /// Overrides the precision of factors that serve several Jacobians.
-    pub precision: Option<Precision>,
 }
 
 impl Setup {
@@ -97,7 +95,7 @@ impl Setup {
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
         let scheme = Arc::new(NewtonMarch);
-        let setup = Self { scene, body, model, exact, scheme, precision: None };
+        let setup = Self { scene, body, model, exact, scheme };
         admissible(&setup)?;
         Ok(setup)
     }
@@ -137,9 +135,7 @@ impl Setup {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
-        let mut space = Discretization::of(element, mesh, &clamped, &contact);
-        space.precision = self.precision;
-        space
+        Discretization::of(element, mesh, &clamped, &contact)
     }
 
     /// Whether the lines of this mesh follow the boundaries of all regions.
