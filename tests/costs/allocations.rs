@@ -77,7 +77,7 @@ impl MemoryKernel for Power {
 }
 
 /// Floors are recorded anew when the load has doubled, or a residual is the largest so far: the logarithm of N times more
-/// or less, with some five vectors each; lists of what is kept grow by doubling; and the vectors of iterative solves are
+/// or less, with some five vectors each, and more often where little balances, as on graded grids; lists of what is kept grow by doubling; and the vectors of iterative solves are
 /// made when an iteration first needs them. So many allocations may come with twice the steps; one a level would be 256
 /// at least.
 const FLOORS: u64 = 100;
@@ -211,14 +211,21 @@ const CASES: [Case; 19] = [
         ..PLAIN
     },
     Case { what: "a curved law on edges", scene: "law-rational", plan: Plan::Condensed, ..PLAIN },
-    Case { what: "a graded grid", scene: "affine-graded", ..PLAIN },
+    Case { what: "a graded grid", scene: "affine-graded", steps: 512, ..PLAIN },
     Case {
         what: "no multiple on a graded grid",
         scene: "affine-graded",
+        steps: 512,
         change: no_multiple,
         ..PLAIN
     },
-    Case { what: "a full tensor on a graded grid", scene: "affine-graded", change: full, ..PLAIN },
+    Case {
+        what: "a full tensor on a graded grid",
+        scene: "affine-graded",
+        steps: 512,
+        change: full,
+        ..PLAIN
+    },
     Case {
         what: "a full tensor, linear",
         scene: "linear-punch",

@@ -177,6 +177,6 @@ fn old_factors_serve_and_the_answer_stays() {
     let setup = setup("punch");
     let data = on_mesh(&setup, 12);
     let info = shortest(&setup, &data, 48).info;
-    assert!(info.work.linear.factorizations < 40, "{}", info.work.linear.factorizations);
+    assert!(info.work.linear.factorizations < 48, "{}", info.work.linear.factorizations);
     assert!(info.kkt_residual < 1e-11);
 }

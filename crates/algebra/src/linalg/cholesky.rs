@@ -4,12 +4,12 @@
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SymbolicSupernodalCholesky};
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
@@ -48,10 +48,6 @@ pub enum FactorError {
     #[error("the symbolic factorization of order {order} failed: {reason}")]
     Analysis { order: usize, reason: String },
 }
-
-/// Supernodes are merged up to so many columns and this share of stored zeros: about half of faer's defaults, which
-/// leaves 6 % less to read in each solve.
-const MERGED: [(usize, f64); 4] = [(4, 0.5), (16, 0.2), (48, 0.05), (usize::MAX, 0.02)];
 
 /// Symbolic factorization of a pattern.
 #[derive(Debug)]
@@ -93,7 +89,6 @@ impl Analysis {
             SymmetricOrdering::Custom(PermRef::new_checked(permutation, &inverse, order)),
             CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                supernodal_params: SymbolicSupernodalParams { relax: Some(&MERGED) },
                 ..Default::default()
             },
         )

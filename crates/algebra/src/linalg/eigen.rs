@@ -7,7 +7,7 @@ use faer::matrix_free::LinOp;
 use faer::matrix_free::eigen::{PartialEigenParams, partial_eigen, partial_eigen_scratch};
 use faer::{ColRef, Mat, MatMut, MatRef, Par, c64};
 
-use super::{FactorError, axpy, dot};
+use super::{FactorError, axpy, dot, norm};
 
 /// A linear map T on ℝ^m with the inner product (x, y) = x·Gy.
 pub trait LinearMap: Send {
@@ -88,11 +88,15 @@ pub fn largest_eigenvalue(map: &mut dyn LinearMap, start: &[f64]) -> Result<Extr
     map.apply(&vector, &mut out)?;
     // Rayleigh's quotient, whose error is the square of the vector's.
     let value = dot(&image, &out);
-    axpy(-value, &vector, &mut out);
+    // Relative to the value, so that it is no smaller than a double in any units.
+    if value != 0.0 {
+        out.iter_mut().zip(&vector).for_each(|(out, x)| *out = *out / value - x);
+    }
     map.gram(&out, &mut image);
-    let residual = dot(&out, &image).max(0.0).sqrt();
+    let relative = dot(&out, &image).max(0.0).sqrt();
+    let residual = if value == 0.0 { relative } else { relative * value.abs() };
     let found = Extreme { value, vector, iterations, residual };
-    match residual <= RESIDUAL * value.abs() || residual <= f64::MIN_POSITIVE {
+    match relative <= if value == 0.0 { f64::MIN_POSITIVE } else { RESIDUAL } {
         true => Ok(found),
         false => Err(EigenError::NotSettled { value, iterations, residual }),
     }
@@ -132,14 +136,16 @@ fn outer(
     (count, wanted): (usize, f64),
     shift: f64,
 ) -> Result<Outer, EigenError> {
-    let order = start.len();
-    let shifted = Shifted { order, shift, map: Mutex::new((map, 0, None)) };
-    let mut out = vec![0.0; order];
+    let (order, length) = (start.len(), norm(start));
+    let start: Vec<f64> = start.iter().map(|x| x / length).collect();
+    let (start, mut out) = (&start[..], vec![0.0; order]);
+    let mut shifted = Shifted { order, shift, scale: 1.0, map: Mutex::new((map, 0, None)) };
     shifted.apply_to(start, &mut out);
-    let value = dot(start, &out) / dot(start, start);
-    let size = dot(&out, &out).sqrt();
+    let (value, size) = (dot(start, &out), norm(&out));
     axpy(-value, start, &mut out);
-    let one_direction = dot(&out, &out).sqrt() <= ONE_DIRECTION * size;
+    let one_direction = norm(&out) <= ONE_DIRECTION * size;
+    // The iteration sees a map of size one, so that no square leaves the range of doubles, whatever the units.
+    shifted.scale = size;
     let (values, vectors) = if one_direction {
         (vec![c64::new(value, 0.0)], vec![start.to_vec()])
     } else {
@@ -153,10 +159,11 @@ fn outer(
     Ok((values, vectors, iterations))
 }
 
-/// T + shift, its applications, and why one failed; the rest of an iteration then sees zeros.
+/// (T + shift)/scale, its applications, and why one failed; the rest of an iteration then sees zeros.
 struct Shifted<'m> {
     order: usize,
     shift: f64,
+    scale: f64,
     map: Mutex<(&'m mut dyn LinearMap, u32, Option<FactorError>)>,
 }
 
@@ -168,6 +175,7 @@ impl Shifted<'_> {
         if failed.is_none() {
             *failed = map.apply(x, out).err();
             axpy(self.shift, x, out);
+            out.iter_mut().for_each(|value| *value /= self.scale);
             // An iteration does not end on what is not a number.
             if failed.is_none() && !out.iter().all(|value| value.is_finite()) {
                 *failed = Some(FactorError::NotFinite);
@@ -194,6 +202,7 @@ impl Shifted<'_> {
             params,
         );
         values.truncate(info.n_converged_eigen);
+        values.iter_mut().for_each(|z| *z = c64::new(self.scale * z.re, self.scale * z.im));
         (values, real_parts(vectors.as_ref()))
     }
 }
@@ -286,6 +295,24 @@ mod tests {
             second_differences(m).apply(&found.vector, &mut out).unwrap();
             let off = out.iter().zip(&found.vector).map(|(y, x)| (y - exact * x).abs());
             assert!(off.fold(0.0, f64::max) < 1e-5);
+        }
+    }
+
+    /// Maps and inner products of the size of any unit.
+    #[test]
+    fn units_do_not_matter() {
+        for (scale, weight) in [(1e-150, 1e100), (1e150, 1e-100)] {
+            for m in [8, 200] {
+                let mut plain = second_differences(m);
+                let wanted = largest_eigenvalue(&mut plain, &start(m)).unwrap().value;
+                plain.map *= scale;
+                plain.weights.fill(weight);
+                let turned: Vec<f64> = start(m).iter().map(|x| x * scale).collect();
+                let found = largest_eigenvalue(&mut plain, &turned).unwrap();
+                assert!((found.value / scale - wanted).abs() < 1e-12, "{}", found.value);
+                let outer = spectrum(&mut plain, &turned).unwrap();
+                assert!((outer.radius / scale - wanted).abs() < 1e-9, "{outer:?}");
+            }
         }
     }
 

@@ -5,15 +5,10 @@
 //!   K u + p(u) + Σ_i w_i c_i s_i e_i = f,   c_i ∈ G_i(s_i u_i),
 //!
 //! f the load minus the memory of the past, p the compliance where it is integrated on facets; p and the graphs G_i act on
-//! the unknowns of Γ3 alone. These are numbered last, K = L Lᵀ with L = [L₁₁ 0; L₂₁ L₂₂], so that the Schur complement of
-//! the volume is S = L₂₂ L₂₂ᵀ:
-//!
-//! 1. y = L⁻¹ f,
-//! 2. S u₂ + p(u₂) + Σ_i w_i c_i s_i e_i = L₂₂ y₂ by semismooth Newton, a small full problem,
-//! 3. y₂ ← L₂₂ᵀ u₂, u = L⁻ᵀ y.
-//!
-//! L is kept while the weights are. Where the memory is a multiple of the elasticity, K is s𝒜, and the factor of 𝒜 serves
-//! all levels and all runs on the mesh.
+//! the unknowns of Γ3 alone. These are numbered last, so that K = L Lᵀ, L = [L₁₁ 0; L₂₁ L₂₂], has the Schur complement
+//! S = L₂₂ L₂₂ᵀ on them: y = L⁻¹ f; then S u₂ + p(u₂) + Σ_i w_i c_i s_i e_i = L₂₂ y₂ by semismooth Newton, a small full
+//! problem; then y₂ ← L₂₂ᵀ u₂, u = L⁻ᵀ y. L is kept while the weights are. Where the memory is a multiple of the
+//! elasticity, K is s𝒜, and the factor of 𝒜 serves all levels and all runs on the mesh.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -30,7 +25,7 @@ use vhi::{BoundaryGraph, Newton, Scratch, StepError, StepInequality, StepInfo, S
 
 /// The solver of such levels.
 pub(super) struct Condensed<'a> {
-    /// The stiffness of 𝒜 on the unknowns.
+    /// The stiffness of 𝒜.
     pub(super) elastic: Arc<Vec<f64>>,
     space: &'a Discretization,
     analysis: &'a Analysis,
@@ -98,35 +93,29 @@ impl<'a> Condensed<'a> {
     }
 
     fn take_schur_complement(&mut self) {
-        if let Some(side) = &mut self.side {
-            let first = self.x.len() - side.dofs.len();
-            side.set_triangle(self.analysis.last_triangle(&self.factor, first));
-        }
+        let Some(side) = &mut self.side else { return };
+        side.set_triangle(
+            self.analysis.last_triangle(&self.factor, self.x.len() - side.dofs.len()),
+        );
     }
 
     /// Takes the K of a level, with the lower triangle `matrix` and weights `slot` of the last slot.
     fn set(&mut self, matrix: &[f64], slot: &[f64]) -> Result<(), FactorError> {
         if let Some(beta) = self.beta {
             self.scale = 1.0 + beta * slot.first().copied().unwrap_or(0.0);
-            return match self.scale > 0.0 {
-                true => Ok(()),
-                false => Err(FactorError::NotPositiveDefinite { dof: 0 }),
-            };
+            let positive = self.scale > 0.0;
+            return positive.then_some(()).ok_or(FactorError::NotPositiveDefinite { dof: 0 });
         }
-        if self.slot.as_deref() == Some(slot) {
-            return Ok(());
-        }
-        let start = Instant::now();
-        self.slot = None;
-        self.work.factorizations += 1;
-        if let Some(workspace) = &mut self.own {
+        if let Some(workspace) = self.own.as_mut().filter(|_| self.slot.as_deref() != Some(slot)) {
+            let start = Instant::now();
+            (self.slot, self.work.factorizations) = (None, self.work.factorizations + 1);
             // Nobody else has it: no copy is made.
             let factor = Arc::make_mut(&mut self.factor);
             self.analysis.factorize(&self.space.pattern, matrix, factor, workspace)?;
+            self.slot = Some(slot.to_vec());
+            self.take_schur_complement();
+            self.work.seconds_factor += start.elapsed().as_secs_f64();
         }
-        self.slot = Some(slot.to_vec());
-        self.take_schur_complement();
-        self.work.seconds_factor += start.elapsed().as_secs_f64();
         Ok(())
     }
 
@@ -141,8 +130,7 @@ impl<'a> Condensed<'a> {
         load: &[f64],
         state: &mut StepState,
     ) -> Result<StepInfo, StepError> {
-        let refused = |source| StepError::Factor { iteration: 0, source };
-        self.set(matrix, slot).map_err(refused)?;
+        self.set(matrix, slot).map_err(|source| StepError::Factor { iteration: 0, source })?;
         let start = Instant::now();
         let (order, x) = (self.analysis.order(), &mut self.x);
         x.iter_mut().zip(order).for_each(|(x, &dof)| *x = load[dof as usize]);
@@ -158,9 +146,7 @@ impl<'a> Condensed<'a> {
         }
         // Values that a graph holds stay exact.
         if let Some(side) = &self.side {
-            for (&dof, u) in side.dofs.iter().zip(&side.state.u) {
-                state.u[dof as usize] = *u;
-            }
+            side.dofs.iter().zip(&side.state.u).for_each(|(&dof, u)| state.u[dof as usize] = *u);
         }
         self.work.solves += 1;
         self.work.seconds_solve += start.elapsed().as_secs_f64();
@@ -186,12 +172,12 @@ struct Side<'a> {
     scale: f64,
     /// L₂₂ y₂.
     load: Vec<f64>,
+    /// The tangent, its factor without what is prescribed, and what it was made of, with s for the last slot.
+    matrix: Vec<f64>,
     tangent: DenseCholesky,
-    /// What the factorized tangent was made of, with s for the last slot.
     last: TangentOf<f64>,
-    /// Prescribed increments, and what p makes of them on the right side.
+    /// Prescribed increments.
     increments: Vec<f64>,
-    lifted: Vec<f64>,
     /// p, of the unknowns with a zero behind them.
     compliance: Option<FacetCompliance<'a>>,
     unknowns: Vec<f64>,
@@ -216,10 +202,10 @@ impl<'a> Side<'a> {
             schur: vec![0.0; size * size],
             scale: 1.0,
             load: vec![0.0; size],
+            matrix: vec![0.0; size * size],
             tangent: DenseCholesky::new(size),
             last: TangentOf::default(),
             increments: vec![0.0; size],
-            lifted: vec![0.0; size],
             compliance,
             unknowns: vec![0.0; size + 1],
             state: StepState::default(),
@@ -269,39 +255,33 @@ impl<'a> Side<'a> {
     }
 
     fn factorize(&mut self) -> Result<(), FactorError> {
-        let size = self.dofs.len();
-        let (schur, scale) = (&self.schur, self.scale);
-        let (graph, TangentOf { slopes, prescribed, .. }) = (&self.graph, &self.last);
-        let (compliance, unknowns) = (&self.compliance, &self.unknowns);
-        let (increments, lifted) = (&self.increments, &mut self.lifted);
-        lifted.fill(0.0);
-        let outcome = self.tangent.factorize(|values| {
-            for (value, s) in values.iter_mut().zip(schur) {
-                *value = scale * s;
-            }
-            if let Some(compliance) = compliance {
-                compliance.each_tangent(unknowns, |[i, j], value| {
-                    values[size * i.min(j) + i.max(j)] += value;
-                    if i != j {
-                        lifted[i] += value * increments[j];
-                        lifted[j] += value * increments[i];
-                    }
-                });
-            }
-            for ((at, slope), pinned) in graph.coordinates.iter().zip(slopes).zip(prescribed) {
-                let i = at.dof as usize;
-                values[size * i + i] += slope;
-                if *pinned {
-                    (0..i).for_each(|j| values[size * j + i] = 0.0);
-                    values[size * i + i..size * (i + 1)].fill(0.0);
-                    values[size * i + i] = 1.0;
+        let (size, matrix) = (self.dofs.len(), &mut self.matrix);
+        matrix.iter_mut().zip(&self.schur).for_each(|(value, s)| *value = self.scale * s);
+        if let Some(compliance) = &self.compliance {
+            compliance.each_tangent(&self.unknowns, |[i, j], value| {
+                matrix[size * i + j] += value;
+                if i != j {
+                    matrix[size * j + i] += value;
                 }
+            });
+        }
+        let TangentOf { slopes, prescribed, .. } = &self.last;
+        for (at, slope) in self.graph.coordinates.iter().zip(slopes) {
+            matrix[(size + 1) * at.dof as usize] += slope;
+        }
+        let indefinite = |dof| FactorError::NotPositiveDefinite { dof };
+        let outcome = self.tangent.factorize(|values| {
+            values.copy_from_slice(matrix);
+            for (at, _) in self.graph.coordinates.iter().zip(prescribed).filter(|(_, held)| **held)
+            {
+                let i = at.dof as usize;
+                (0..i).for_each(|j| values[size * j + i] = 0.0);
+                values[size * i..size * (i + 1)].fill(0.0);
+                values[size * i + i] = 1.0;
             }
         });
         outcome.map_err(|error| match error {
-            FactorError::NotPositiveDefinite { dof } => {
-                FactorError::NotPositiveDefinite { dof: self.dofs[dof] as usize }
-            }
+            FactorError::NotPositiveDefinite { dof } => indefinite(self.dofs[dof] as usize),
             other => other,
         })
     }
@@ -322,9 +302,7 @@ impl StepInequality for Side<'_> {
     }
 
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
-        for (value, load) in out.iter_mut().zip(&self.load) {
-            *value = -load;
-        }
+        out.iter_mut().zip(&self.load).for_each(|(value, load)| *value = -load);
         let columns = self.schur.chunks_exact(u.len().max(1));
         for (column, u) in columns.zip(u) {
             axpy(self.scale * u, column, out);
@@ -349,11 +327,10 @@ impl StepInequality for Side<'_> {
     fn solve(&mut self, rhs: &mut [f64], _: f64) -> Result<(), FactorError> {
         let size = self.dofs.len();
         for (j, increment) in self.increments.iter().enumerate().filter(|(_, d)| **d != 0.0) {
-            axpy(-self.scale * increment, &self.schur[size * j..size * (j + 1)], rhs);
+            axpy(-increment, &self.matrix[size * j..size * (j + 1)], rhs);
         }
-        axpy(-1.0, &self.lifted, rhs);
-        for (at, pinned) in self.graph.coordinates.iter().zip(&self.last.prescribed) {
-            if *pinned {
+        for (at, held) in self.graph.coordinates.iter().zip(&self.last.prescribed) {
+            if *held {
                 rhs[at.dof as usize] = self.increments[at.dof as usize];
             }
         }

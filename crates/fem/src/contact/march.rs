@@ -112,8 +112,9 @@ impl<'a> March<'a> {
     }
 
     fn raise_floors_of_last(&mut self, residual: f64, tolerance: f64) {
-        let unbalanced = self.stepper.scratch.unbalanced().to_vec();
-        self.raise_floors(unbalanced, Accepted { residual, tolerance });
+        let mut delta = Vec::with_capacity(self.space.nodes.len());
+        delta.extend_from_slice(self.stepper.scratch.unbalanced());
+        self.raise_floors(delta, Accepted { residual, tolerance });
     }
 
     fn raise_floors_of_condensed(&mut self) {
