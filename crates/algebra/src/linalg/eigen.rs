@@ -108,13 +108,6 @@ pub fn largest_eigenvalue(map: &mut dyn LinearMap, start: &[f64]) -> Result<Extr
 /// [`EigenError`].
 pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, EigenError> {
     let (values, _, first) = outer(map, start, (SEVERAL, WANTED_RADIUS), 0.0)?;
-    if values.is_empty() {
-        return Err(EigenError::NotSettled {
-            value: f64::NAN,
-            iterations: first,
-            residual: f64::NAN,
-        });
-    }
     let radius = values.iter().map(|z| z.re.hypot(z.im)).fold(0.0, f64::max);
     let real = |values: &[c64], shift: f64| {
         let real = values.iter().filter(|z| z.im.abs() <= REAL * radius);
@@ -123,7 +116,11 @@ pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, Eige
     // The shift makes the rightmost eigenvalue that of largest modulus, if it is real.
     let (shifted, _, second) = outer(map, start, (SEVERAL, WANTED_RADIUS), radius)?;
     let rightmost = real(&shifted, radius).max(real(&values, 0.0));
-    Ok(Spectrum { radius, rightmost, iterations: first + second })
+    let iterations = first + second;
+    if values.is_empty() || shifted.is_empty() {
+        return Err(EigenError::NotSettled { value: radius, iterations, residual: f64::NAN });
+    }
+    Ok(Spectrum { radius, rightmost, iterations })
 }
 
 type Outer = (Vec<c64>, Vec<Vec<f64>>, u32);
