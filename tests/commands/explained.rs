@@ -108,14 +108,14 @@ fn what_is_said_is_what_is_counted() {
     }
 }
 
-/// What is said follows the scene: a part of the load more is a solve more, another memory a factor more.
+/// What is said follows the scene: another memory is a factor more, and on a grid that is not uniform one a level.
 #[test]
 fn another_scene_has_other_counters() {
     let of = |edits: &[[&str; 2]]| {
         let [said, _] = said_and_counted(&variant("linear-punch", edits, "linear", true));
         said.map(|count| count.expect("a number"))
     };
-    assert_eq!(of(&[]), [1, 1]);
-    assert_eq!(of(&[["-3*t*x", "-3*t*x - sin(t)"]]), [1, 2]);
-    assert_eq!(of(&[LOAD]), [1, STEPS + 1]);
+    assert_eq!(of(&[]), [1, STEPS + 1]);
+    assert_eq!(of(&[MEMORY]), [2, STEPS + 1]);
+    assert_eq!(of(&[MEMORY, GRADED]), [STEPS + 1, STEPS + 1]);
 }

@@ -41,6 +41,8 @@ impl LinearWork {
     }
 }
 
+/// Solves that an iteration takes, with the best of lagged factors as well.
+const LEAST: u32 = 2;
 /// Iterations, of two solves with the factor each, after which a lagged factor is given up at once.
 const LIMIT: usize = 12;
 
@@ -53,7 +55,7 @@ pub struct TangentSolver<'a> {
     front: Front,
     /// The factor is that of the present Jacobian.
     exact: bool,
-    /// Solves with the factor beyond one each, since it was made, and those that a factorization costs.
+    /// Solves with the factor beyond [`LEAST`] each, since it was made, and those that a factorization costs.
     extra: u32,
     worth: u32,
     /// K⁻¹a/(1 + bᵀK⁻¹a) and b of the factorized Jacobian.
@@ -211,7 +213,7 @@ impl<'a> TangentSolver<'a> {
             MemStack::new(memory),
         );
         let solves = lagged.solves.into_inner();
-        self.extra += solves.saturating_sub(1);
+        self.extra += solves.saturating_sub(LEAST);
         self.work.solves += solves;
         self.work.seconds_solve += start.elapsed().as_secs_f64();
         if outcome.is_err() {
