@@ -70,7 +70,7 @@ fn linear_algebra(c: &mut Criterion) {
     let space = setup.space(64).unwrap_or_else(|error| panic!("{error}"));
     let values = space.stiffness(&setup.model.elasticity);
     let analysis = space.analysis().unwrap_or_else(|error| panic!("{error}"));
-    let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace());
+    let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
     let mut x = vec![1.0; space.dofs()];
     c.bench_function("factorization n=64", |b| {
         b.iter(|| analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace));

@@ -35,7 +35,7 @@
 //!
 //! | crate | knows | holds |
 //! |---|---|---|
-//! | `algebra` | | [`algebra::tensor`]: symmetric tensors in Mandel notation; [`algebra::linalg`]: sparse matrices on node blocks, Cholesky factorization, GMRES, multigrid |
+//! | `algebra` | | [`algebra::tensor`]: symmetric tensors in Mandel notation; [`algebra::linalg`]: sparse matrices on node blocks, Cholesky factorization, solves with nearby matrices, eigenvalues |
 //! | `vhi` | `algebra` | [`law`]: elasticity, projection, memory kernels, contact potentials; [`history`]: time grids and rules, the sums Σ' over the past; `vhi`: Problem 9 as a trait, semismooth Newton, fixed point Λ, march; `finite`: Problem 9 in ℝ^m |
 //! | `fem` | `algebra`, `vhi` | [`fem::mesh`]; [`fem::space`]: elements, node numbering, quadrature; [`fem::contact`]: Problem 14 assembled and marched in time, KKT residual; [`fem::norms`]: errors against moments of the truth |
 //! | `formula` | | [`formula`]: parsing, exact derivatives, hereditary integrals, evaluation in blocks |

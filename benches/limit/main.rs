@@ -8,9 +8,9 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use algebra::linalg::{Analysis, Factor, Front, RightSides, SIDES};
+use algebra::linalg::Front;
 use cpu_time::ThreadTime;
-use fem::contact::{Load, LoadError, kkt_residual, march, strain_norm};
+use fem::contact::{kkt_residual, march, strain_norm};
 use scene::Scene;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -61,52 +61,16 @@ fn bandwidth(doubles: usize) -> f64 {
     (8 * doubles * passes) as f64 / best
 }
 
-/// A load whose parts are not known: a solve a level.
-struct Whole<'a>(TruthLoad<'a>);
-
-impl Load for Whole<'_> {
-    fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-        self.0.assemble(t, out)
-    }
-}
-
-fn seconds_a_step(setup: &Setup, data: &MeshData, [few, many]: [u32; 2], whole: bool) -> f64 {
+fn seconds_a_step(setup: &Setup, data: &MeshData, [few, many]: [u32; 2]) -> f64 {
     let run = |steps: u32| {
         least(3, || {
             let (grid, newton) = (setup.grid(steps), Newton::default());
             let mut load = TruthLoad(&*data.truth);
-            let mut whole_load = Whole(TruthLoad(&*data.truth));
-            let load: &mut dyn Load = if whole { &mut whole_load } else { &mut load };
-            march(&data.space, &setup.model, &grid, load, &newton, &mut |_| Ok(()))
+            march(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
                 .unwrap_or_else(|error| panic!("{error}"));
         })
     };
     (run(many) - run(few)) / f64::from(many - few)
-}
-
-/// Seconds of a pair of passes with one right side, in double and single precision, and of a backward pass a side where
-/// several are taken together.
-fn passes(analysis: &Analysis, factor: &Factor, single: &Factor<f32>, size: usize) -> [f64; 3] {
-    let runs = if size > 100_000 { 5 } else { 20 };
-    let (mut x, mut front) = (vec![1.0; size], Front::default());
-    let double = least(runs, || {
-        x.fill(1.0);
-        analysis.forward(factor, size, &mut x, &mut front);
-        analysis.backward(factor, size, &mut x, &mut front);
-    });
-    let (mut y, mut front) = (vec![1.0f32; size], Front::default());
-    let single = least(runs, || {
-        y.fill(1.0);
-        analysis.forward(single, size, &mut y, &mut front);
-        analysis.backward(single, size, &mut y, &mut front);
-    });
-    let mut block: Vec<RightSides> = vec![[1.0; SIDES]; size];
-    let mut front = Front::default();
-    let together = least(runs, || {
-        block.fill([1.0; SIDES]);
-        analysis.backward(factor, size, &mut block, &mut front);
-    });
-    [double, single, together / SIDES as f64]
 }
 
 /// Seconds of what a step does beside its solve: the KKT residual and ‖ε(u)‖, each from strains.
@@ -126,33 +90,34 @@ fn checks(setup: &Setup, data: &MeshData) -> [f64; 2] {
 
 fn limit(sizes: &[u32]) {
     println!(
-        "| n | unknowns | MB of L | GB/s | limit, ms | solve | single | backward of 8, each | step, a solve each | its KKT residual | its norm | step, load separates |"
+        "| n | unknowns | MB of L | GB/s | limit, ms | solve | step | its KKT residual | its norm |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     let setup = setup("linear-punch");
     for &n in sizes {
         let data = MeshData::new(&setup, n, None).unwrap_or_else(|error| panic!("{error}"));
         let space = &data.space;
         let values = space.stiffness(&setup.model.elasticity);
-        let narrow: Vec<f32> = values.iter().map(|value| *value as f32).collect();
         let analysis = space.analysis().unwrap_or_else(|error| panic!("{error}"));
-        let (mut factor, mut single) = (analysis.factor(), analysis.factor());
+        let mut factor = analysis.factor();
         let (mut workspace, pattern) = (analysis.workspace(), &space.pattern);
         let done = analysis.factorize(pattern, &values, &mut factor, &mut workspace);
-        let also = analysis.factorize(pattern, &narrow, &mut single, &mut workspace);
-        assert!(done.is_ok() && also.is_ok());
+        assert!(done.is_ok());
         let entries = analysis.factor_entries();
         let bandwidth = bandwidth(entries);
         let limit = (16 * entries) as f64 / bandwidth;
-        let [double, narrow, together] = passes(analysis, &factor, &single, space.dofs());
-        drop((factor, single));
+        let (mut x, mut front) = (vec![1.0; space.dofs()], Front::default());
+        let solve = least(if x.len() > 100_000 { 5 } else { 20 }, || {
+            x.fill(1.0);
+            analysis.solve(&factor, &mut x, &mut front);
+        });
+        drop(factor);
         let steps = if n > 256 { [2, 10] } else { [8, 40] };
-        let solved = seconds_a_step(&setup, &data, steps, true);
-        let combined = seconds_a_step(&setup, &data, steps, false);
+        let solved = seconds_a_step(&setup, &data, steps);
         print!("| {n} | {} | {:.1} ", space.dofs(), 8e-6 * entries as f64);
         print!("| {:.0} | {:.2} ", 1e-9 * bandwidth, 1e3 * limit);
         let [residual, norm] = checks(&setup, &data);
-        for seconds in [double, narrow, together, solved, residual, norm, combined] {
+        for seconds in [solve, solved, residual, norm] {
             print!("| {:.2} ms, {:.1} ", 1e3 * seconds, seconds / limit);
         }
         println!("|");

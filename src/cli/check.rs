@@ -16,7 +16,7 @@ use super::{
     print_text, width,
 };
 use exact::{Finding, Status, check};
-use fem::contact::{LinearSolver, Plan};
+use fem::contact::Plan;
 use files::digits;
 use run::sweep::{
     CasePlan, Cost, FloorRow, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan,
@@ -31,7 +31,7 @@ use vhi::law::INTERPOLATED_TO;
 /// `sweep check`.
 #[derive(Args)]
 #[command(
-    after_help = "To measure a floor, one thing other than the discretisation is done better: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json: scene, findings (subject, status, value, text), terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, linear_solver, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, history_bytes, norms, memory_bytes_predicted: of a process that runs this case alone), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none). With --floors also floors: n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it), ratio (estimated over measured, null if nothing was measured)."
+    after_help = "To measure a floor, one thing other than the discretisation is done better: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json: scene, findings (subject, status, value, text), terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: linear, condensed or newton, history_bytes, norms, memory_bytes_predicted: of a process that runs this case alone), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none). With --floors also floors: n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it), ratio (estimated over measured, null if nothing was measured)."
 )]
 pub(crate) struct Check {
     /// Name of a scene, or path of a TOML file
@@ -161,8 +161,6 @@ fn print_in_words(plan: &ScenePlan, findings: &[Finding], costs: &PlanCost) {
     regions(plan).iter().for_each(|(_, line)| say("region", line));
     if !costs.cases.is_empty() {
         say("algorithm", &of_meshes(plan, costs, |cost| algorithm(&plan.subject, cost.plan)));
-        let linear = |cost: &Cost| linear(&plan.subject, cost.linear_solver);
-        say("linear", &of_meshes(plan, costs, linear));
     }
     say("rule", &scene.time.rule.in_words());
     say("history", &history(plan));
@@ -209,7 +207,6 @@ fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
         "n": n,
         "steps": steps,
         "plan": cost.plan.name(),
-        "linear_solver": cost.linear_solver.name(),
         "memory_bytes_predicted": cost.memory_bytes.round() as u64,
     })
 }
@@ -263,14 +260,6 @@ fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'stat
     each.collect::<Vec<_>>().join("; ")
 }
 
-fn linear(subject: &Subject, solver: LinearSolver) -> &'static str {
-    match (subject, solver) {
-        (Subject::Abstract(_), _) => "dense LU",
-        (_, LinearSolver::Direct) => "Cholesky factors",
-        (_, LinearSolver::Multigrid) => "conjugate gradients with multigrid",
-    }
-}
-
 /// Bytes of the vectors of unknowns in a history.
 fn history_bytes(subject: &Subject, steps: u32, dofs: usize) -> usize {
     let vectors = match subject {
@@ -286,26 +275,23 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
     };
     let model = &setup.model;
     match plan {
-        Plan::Recursion if setup.load_parts().is_some() => {
-            "linear, memory a multiple of the elasticity or absent: one factorization; the load separates in time, its parts are solved once, and a level is a recursion on their coefficients"
-        }
-        Plan::Recursion => {
-            "linear, memory a multiple of the elasticity or absent: one factorization, one solve per level, eight levels together"
+        Plan::Linear if Plan::changes_factor(model) => {
+            "linear: one Cholesky factor for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve per level"
         }
         Plan::Linear => {
-            "linear: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve per level"
+            "linear, memory a multiple of the elasticity or absent: one Cholesky factor, one solve per level"
         }
         Plan::Condensed if Plan::changes_factor(model) => {
-            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
+            "contact condensed onto Gamma3: one Cholesky factor for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
         }
         Plan::Condensed => {
-            "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve per step in the volume"
+            "contact condensed onto Gamma3: one Cholesky factor, semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
         }
         Plan::Newton if model.projection.is_none() => {
-            "semismooth Newton with active set; the factor is reused while the active set stays, and by GMRES after"
+            "semismooth Newton with active set; the Cholesky factor is kept while the active set stays, and preconditions BiCGStab after"
         }
         Plan::Newton => {
-            "semismooth Newton with active set, rank-one zeta piece; a factorization serves GMRES until its extra iterations have cost a new one"
+            "semismooth Newton with active set, rank-one zeta piece; a Cholesky factor preconditions BiCGStab until its extra iterations have cost a new one"
         }
     }
 }

@@ -6,7 +6,6 @@ pub(super) mod words;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
 use super::machine::Common;
@@ -14,8 +13,7 @@ use super::target::Wanted;
 use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
 };
-use fem::contact::{CaseInfo, Discretization, LinearSolver, MULTIGRID_RATIO, StepView};
-use fem::space::Element;
+use fem::contact::{CaseInfo, Discretization, StepView};
 use files::digits;
 use pictures::Pictures;
 use run::sweep::admit_run;
@@ -30,7 +28,7 @@ use vhi::{Decomposition, FixedPoint, Newton, StepSolver};
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), friction_force (sum of w s over Gamma3 by components, s = -sigma_tau), stick_vertices, slip_vertices (0 without friction), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and (alpha_nu c_j^2 + alpha_tau c_tau^2)/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, paths (what the run walked: plan, memory, rule, solver, form, states of the law), seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it), element (of displacements) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run), bound (largest and levels: n, t, residual, oscillation, gap, bound, size, error: the guaranteed bound of the error in space in the energy norm with its parts, the norm of u and, where it is known, the distance to the exact solution; effectivity: the median of bound over error; or refused: the reason); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), friction_force (sum of w s over Gamma3 by components, s = -sigma_tau), stick_vertices, slip_vertices (0 without friction), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and (alpha_nu c_j^2 + alpha_tau c_tau^2)/m, which bounds it; else null), factorizations, linear_solves, kkt_residual, seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it), element (of displacements) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run), bound (largest and levels: n, t, residual, oscillation, gap, bound, size, error: the guaranteed bound of the error in space in the energy norm with its parts, the norm of u and, where it is known, the distance to the exact solution; effectivity: the median of bound over error; or refused: the reason); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
 )]
 pub(crate) struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -46,9 +44,6 @@ pub(crate) struct Solve {
     /// part of j explicit, which converges where (2.9) holds
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     solver: Solver,
-    /// Solver of the linear systems; without it the size of the problem decides
-    #[arg(long, value_parser = linear_solvers())]
-    linear_solver: Option<LinearSolver>,
     #[command(flatten)]
     common: Common,
     /// Estimate the error of this run in h and k from coarser companions (2h, 4h and 2k, 4k), for
@@ -81,17 +76,6 @@ enum Solver {
     Decomposition,
 }
 
-/// The solvers of the linear systems by their names.
-fn linear_solvers() -> impl TypedValueParser<Value = LinearSolver> {
-    let [direct, multigrid] = [LinearSolver::Direct, LinearSolver::Multigrid];
-    let named = |solver: LinearSolver, help| PossibleValue::new(solver.name()).help(help);
-    PossibleValuesParser::new([
-        named(direct, "Sparse Cholesky factors"),
-        named(multigrid, "Conjugate gradients with a multigrid cycle"),
-    ])
-    .map(move |name| if name == direct.name() { direct } else { multigrid })
-}
-
 impl Solver {
     fn of_levels(self) -> Box<dyn StepSolver> {
         match self {
@@ -110,8 +94,7 @@ impl Solve {
             super::progress::remark(&subject.scene().name, &remark);
         }
         match (subject, self.n) {
-            (Subject::Contact(mut setup), Some(n)) => {
-                setup.linear_solver = self.linear_solver;
+            (Subject::Contact(setup), Some(n)) => {
                 setup.scene.check_cells(n)?;
                 self.admit(&setup, n, None)?;
                 match self.estimate {
@@ -126,10 +109,6 @@ impl Solve {
             }
             (Subject::Abstract(setup), n) => {
                 abstract_problem::no_mesh(&setup.scene, n)?;
-                if self.linear_solver.is_some() {
-                    let why = "--linear-solver is for bodies; an abstract scene has a few coordinates and no mesh";
-                    return Err(CliError::about(&setup.scene.name, why));
-                }
                 let (steps, solver) = (self.steps, self.solver.of_levels());
                 let bound = self.decomposes().then(|| abstract_decomposition_bound(&setup, steps));
                 self.remark_on(&setup.scene.name, bound);
@@ -167,13 +146,11 @@ impl Solve {
         let start = Instant::now();
         let data = MeshData::new(setup, n, None)?;
         self.admit(setup, n, Some(&data.space))?;
-        self.check_levels(setup, n, &data)?;
         let bound = || decomposition_bound(setup, &data.space, n, self.steps);
         let bound = self.decomposes().then(bound).transpose()?;
         self.remark_on(&setup.scene.name, bound);
         let (info, state, seconds) = self.march(setup, n, &data, start)?;
         let linear = &info.work.linear;
-        let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
         let mut document = serde_json::to_value(state).map_err(CliError::other)?;
         let of_run = json!({
             "newton_iterations": info.newton_iterations,
@@ -183,10 +160,7 @@ impl Solve {
             "contraction_bound": bound,
             "factorizations": linear.factorizations,
             "linear_solves": linear.solves,
-            "linear_solver": solver.name(),
-            "linear_iterations": linear.iterations,
             "kkt_residual": info.kkt_residual,
-            "paths": setup.paths_in_words(self.steps, &info),
             "seconds": seconds,
             "dofs": data.space.dofs(),
             "peak_resident_bytes": peak_resident_bytes(),
@@ -266,34 +240,6 @@ impl Solve {
     fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
         admit_run(setup, space, (n, self.steps), &self.common.allowance.limit())
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
-    }
-
-    fn check_levels(&self, setup: &Setup, n: u32, data: &MeshData) -> Result<(), CliError> {
-        if setup.linear_solver != Some(LinearSolver::Multigrid) {
-            return Ok(());
-        }
-        let name = &setup.scene.name;
-        let ratio = setup.model.elasticity.ratio(setup.scene.dimension);
-        if ratio > MULTIGRID_RATIO {
-            return Err(CliError::other(format!(
-                "{name}: multigrid sweeps in single precision, for elasticities whose eigenvalues are at most {MULTIGRID_RATIO:.0} times apart; here {ratio:.3e}: --linear-solver direct factorizes"
-            )));
-        }
-        if data.space.levels().is_some() {
-            return Ok(());
-        }
-        if data.space.element != Element::P1 {
-            let why = format!(
-                "multigrid is made for {} elements, and the scene has {}: --linear-solver direct factorizes",
-                Element::P1.name(),
-                data.space.element.name()
-            );
-            return Err(CliError::about(name, why));
-        }
-        Err(CliError::other(format!(
-            "{name} n = {n}: multigrid needs coarser meshes that this one refines, down to few unknowns; take an n with more factors of 2 (rectangles, boxes, polygons; {} unknowns here), or --linear-solver direct",
-            data.space.dofs()
-        )))
     }
 }
 

@@ -249,21 +249,6 @@ fn grids_that_do_not_fit() {
     assert!(!folder.at("out").exists());
 }
 
-/// What has no levels, another element, or an elasticity too stiff one way for sweeps in single precision.
-#[test]
-fn bodies_that_multigrid_does_not_serve() {
-    let cases: [(&str, &str, &[&str]); 3] = [
-        ("punch-box", "5", &["coarser meshes", "--linear-solver direct"]),
-        ("quadratic-box", "4", &["P1 elements", "P2", "--linear-solver direct"]),
-        ("locking-linear", "32", &["16777 times", "1.000e6", "--linear-solver direct"]),
-    ];
-    for (scene, n, phrases) in cases {
-        let arguments = ["solve", scene, "--n", n, "--steps", "1", "--linear-solver", "multigrid"];
-        let found = faults(&sweep(&arguments), scene, phrases);
-        assert!(found.is_empty(), "{arguments:?}: {found:?}");
-    }
-}
-
 #[test]
 fn tables_that_cannot_be_fitted() {
     let folder = Folder::new("tables");

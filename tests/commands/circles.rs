@@ -34,12 +34,6 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "the derivative at the open level is of an evolution, and kept in it",
     ),
     (
-        "fem",
-        "contact/side",
-        2,
-        "forces of Γ3 round in proportion to its tangent, which the volume assembles with them",
-    ),
-    (
         "formula",
         "history",
         10,
@@ -82,7 +76,7 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         35,
         "each part of a scene is read with the errors and the source of the whole",
     ),
-    ("scene", "setup", 15, "a setup is admitted and measured by functions of a setup"),
+    ("scene", "setup", 14, "a setup is admitted and measured by functions of a setup"),
     ("studies", "trade/study", 2, "an extrapolation is of a study, and kept in it"),
     ("studies", "trade/trial", 2, "a price compares two trials, and tables of trials print prices"),
 ];

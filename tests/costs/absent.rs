@@ -27,7 +27,7 @@ fn run(setup: &Setup, data: &MeshData) -> CaseInfo {
 /// What `info` counts for terms that `setup` is said not to have, one line each.
 fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<String> {
     let model = &setup.model;
-    let plan = Plan::of(&data.space, model, STEPS as usize, true);
+    let plan = Plan::of(&data.space, model);
     let linear = info.work.linear;
     let levels = STEPS + 1;
     let mut found = Vec::new();
@@ -50,7 +50,6 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
     zero(!volume, "residuals in the volume", info.work.residuals as usize);
     zero(true, "applications of Λ", info.fixed_point_iterations as usize);
     zero(true, "convex problems", info.convex_problems as usize);
-    zero(true, "iterations without a factor", linear.iterations as usize);
     // One factor serves all levels but where the weight of the last slot changes it: at the first step, and with Gregory's
     // rules of order p at each of the first p - 1 steps.
     let factors = match setup.scene.time.rule {
@@ -60,8 +59,7 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
     };
     let spare = linear.factorizations.saturating_sub(factors);
     let uniform = setup.scene.time.grid == scene::TimeGrid::Uniform;
-    let one_matrix = plan == Plan::Condensed || model.is_linear();
-    zero(one_matrix && uniform, "factorizations to spare", spare as usize);
+    zero(!volume && uniform, "factorizations to spare", spare as usize);
     let passes = linear.solves.saturating_sub(levels);
     zero(!volume, "solves to spare", passes as usize);
     found
@@ -179,7 +177,7 @@ fn what_is_not_remembered_is_not_summed() {
         assert_eq!(weights(&mut setup, &data), terms * levels, "{name}");
         (without, recursive) =
             (without + usize::from(terms == 0), recursive + usize::from(terms > 0));
-        // What is summed is counted: a recursion that sums would be seen. In a plan on Γ3 its past is summed as well.
+        // What is summed is counted: a recursion that sums would be seen.
         let mut setup = setup.with_history(None);
         let sums = terms * levels * (levels - 1) / 2;
         assert!(weights(&mut setup, &data) >= terms * levels + sums, "{name}");

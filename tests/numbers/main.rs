@@ -33,11 +33,9 @@ mod laws;
 mod load_totals;
 mod loads;
 mod materials;
-mod multigrid;
 mod newton;
 mod oblique;
 mod orders;
-mod paths;
 mod plans;
 #[path = "../program/mod.rs"]
 mod program;

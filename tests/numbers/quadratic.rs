@@ -10,7 +10,7 @@ use crate::shipped::{
     text, v_max, v_max_on_changed, weigh_facets,
 };
 use algebra::linalg::signed_unit;
-use fem::contact::{ContactProblem, LastSlot, LinearSolver, StepView};
+use fem::contact::{ContactProblem, LastSlot, StepView};
 use fem::norms::step_errors;
 use fem::space::Element;
 use scene::setup::Setup;
@@ -155,8 +155,7 @@ fn the_tangent_at_quadrature_points_is_the_derivative() {
         .collect();
     let memory = setup.model.memory.iter().map(|term| 0.125 * term.kernel.value(0.0)).collect();
     let slot = LastSlot { zeta: 0.125, memory };
-    let mut problem =
-        ContactProblem::new(&space, &setup.model, LinearSolver::Direct).expect("an analysis");
+    let mut problem = ContactProblem::new(&space, &setup.model).expect("an analysis");
     problem.begin(&slot, 0.1, &vec![0.0; space.dofs()], &[]);
     let mut seed = 5;
     let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();

@@ -7,7 +7,7 @@
 use crate::shipped::{edited, on_mesh, setup_of, text};
 use algebra::linalg::signed_unit;
 use algebra::tensor::{Symmetric, deviator, norm};
-use fem::contact::{BoundaryRule, ContactProblem, Discretization, LastSlot, LinearSolver, Model};
+use fem::contact::{BoundaryRule, ContactProblem, Discretization, LastSlot, Model};
 use fem::space::strain_of;
 use scene::setup::Setup;
 use vhi::StepInequality;
@@ -60,10 +60,10 @@ fn forces(problem: &mut ContactProblem<'_>, u: &[f64]) -> Vec<f64> {
 }
 
 /// ‖J⁻¹(F(u + s d) - F(u - s d))/2s - d‖/‖d‖, the worst of five directions; every second vertex of Γ3 has its
-/// increment prescribed if `pin`. With `aged`, the factor is that of another state, with GMRES on the true Jacobian.
+/// increment prescribed if `pin`. With `aged`, the factor is that of another state, with iterations on the true Jacobian.
 fn mismatch(space: &Discretization, model: &Model, pin: bool, aged: bool) -> f64 {
     let u = state(space);
-    let mut problem = ContactProblem::new(space, model, LinearSolver::Direct).expect("an analysis");
+    let mut problem = ContactProblem::new(space, model).expect("an analysis");
     let load = vec![0.0; space.dofs()];
     let memory = model.memory.iter().map(|term| WEIGHT * term.kernel.value(0.0)).collect();
     let slot = LastSlot { zeta: WEIGHT, memory };

@@ -7,8 +7,7 @@
 
 use crate::shipped::{edited, setup_of, text};
 use fem::contact::{
-    ContactProblem, Discretization, LastSlot, LinearSolver, Load, LoadError, Model, march,
-    stress_force,
+    ContactProblem, Discretization, LastSlot, Load, LoadError, Model, march, stress_force,
 };
 use fem::mesh::{Family, lattice};
 use scene::setup::{Setup, constants};
@@ -255,8 +254,7 @@ fn the_tangent_is_the_derivative_of_the_force() {
     let space = space(2, Family::Perturbed { amplitude: 0.15, seed: 3, axes: [true; 3] });
     let projection = Some(AnyProjection::new(VonMises { mu: 0.7, limit: Rising }));
     let model = Model { projection, ..with(Terms::Both).model };
-    let mut problem =
-        ContactProblem::new(&space, &model, LinearSolver::Direct).expect("an analysis");
+    let mut problem = ContactProblem::new(&space, &model).expect("an analysis");
     let order = space.dofs();
     problem.begin(&LastSlot { zeta: 0.4, memory: vec![-0.2] }, 0.3, &vec![0.0; order], &[]);
     let u: Vec<f64> = (0..order).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();

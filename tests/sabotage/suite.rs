@@ -259,9 +259,7 @@ pub fn fresh(sound: &Setup) -> Setup {
         model: sound.scene_model(),
         exact: sound.exact.clone(),
         scheme: Arc::new(NewtonMarch),
-        linear_solver: sound.linear_solver,
         kappa: sound.kappa,
-        precision: sound.precision,
     }
 }
 

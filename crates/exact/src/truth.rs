@@ -37,16 +37,6 @@ pub trait Truth: Send + Sync {
     fn contact_samples(&self, _t: f64) -> Result<Option<ContactSamples>, LoadError> {
         Ok(None)
     }
-
-    /// The F_i of a load F(t) = Σ_i a_i(t) F_i, if it separates.
-    fn load_basis(&self) -> Option<&[Vec<f64>]> {
-        None
-    }
-
-    /// `out` ← a_i(t), if the load separates.
-    fn load_factors(&self, _t: f64, out: &mut [f64]) {
-        out.fill(0.0);
-    }
 }
 
 /// Values by time, computed once.

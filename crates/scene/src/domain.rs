@@ -14,7 +14,7 @@ pub use side::{Face, Side};
 
 use std::sync::Arc;
 
-use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, lattice};
+use fem::mesh::{CoarseMesh, Family, Mesh, lattice};
 use formula::EvaluationPoint;
 
 use super::diagnostic::SceneError;
@@ -162,18 +162,6 @@ impl Domain {
                 let each = if self.dimension() == 2 { 2.0 } else { 6.0 };
                 each * self.size.iter().map(along).product::<f64>()
             }
-        }
-    }
-
-    /// What mesh n refines.
-    pub(crate) fn nesting(&self, n: u32) -> Nesting {
-        match &self.shape {
-            Shape::Refined(coarse) if coarse.dimension == 2 => {
-                Nesting::Refined { coarse: coarse.clone(), parts: n }
-            }
-            // Tetrahedra from a file are refined edgewise, and parents of vertices are not kept.
-            Shape::Refined(_) => Nesting::Unknown,
-            Shape::Box => Nesting::of_box(&self.size, n),
         }
     }
 

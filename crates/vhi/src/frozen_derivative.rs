@@ -7,7 +7,7 @@ use algebra::linalg::FactorError;
 ///
 /// The step size of the open level may be varied: load and past are kept, only the implicit weight k/2 of the last slot
 /// changes. Maps act on coefficient vectors.
-pub trait FrozenDerivative: HistoryInequality {
+pub trait FrozenDerivative: HistoryInequality + Send {
     /// Gives the last slot of the open level the weight of a step k.
     fn set_step(&mut self, k: f64);
 

@@ -1,6 +1,6 @@
 //! Problems 5 and 9 over a whole time grid: the inequality with its history operator.
 
-use super::{StepError, StepInequality, StepState};
+use super::{Newton, StepError, StepInequality, StepInfo, StepState};
 use crate::history::TimeGrid;
 
 /// The fully discrete problem (4.3) on a time grid: at each t_n find u_n ∈ K with
@@ -33,6 +33,16 @@ pub trait OpenInequality: StepInequality {
     /// Freezes the last slot of the history of the open level at η, as the operator Λ: η ↦ u_η of the proof of Theorem
     /// 6; None makes it implicit again.
     fn freeze(&mut self, eta: Option<&[f64]>);
+
+    /// Solves the open level by a smaller problem with the same solution, from the start value in `state`; None where there
+    /// is no such problem.
+    fn solve_condensed(
+        &mut self,
+        _newton: &Newton,
+        _state: &mut StepState,
+    ) -> Option<Result<StepInfo, StepError>> {
+        None
+    }
 
     /// ‖v‖_X.
     fn norm(&self, v: &[f64]) -> f64;

@@ -17,12 +17,6 @@ pub trait StepSolver {
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError>;
-
-    /// The Newton iteration, if this solver is nothing else: an equivalent form of the level may then be solved, by one
-    /// linear solve or condensed onto Γ3.
-    fn newton(&self) -> Option<&Newton> {
-        None
-    }
 }
 
 impl StepSolver for Newton {
@@ -32,11 +26,10 @@ impl StepSolver for Newton {
         state: &mut StepState,
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
-        self.solve(problem, state, scratch)
-    }
-
-    fn newton(&self) -> Option<&Newton> {
-        Some(self)
+        match problem.solve_condensed(self, state) {
+            Some(outcome) => outcome,
+            None => self.solve(problem, state, scratch),
+        }
     }
 }
 
@@ -44,7 +37,7 @@ impl StepSolver for Newton {
 pub struct Stepper<'a> {
     solver: &'a dyn StepSolver,
     pub state: StepState,
-    /// Vectors of the iteration; after a step they hold the parts of the last residual.
+    /// Vectors of the iteration; after a step that was not condensed they hold the parts of the last residual.
     pub scratch: Scratch,
     extrapolation: Extrapolation,
     level: usize,

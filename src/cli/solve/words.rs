@@ -75,12 +75,9 @@ const GROUPS: [(&str, Quantities); 4] = [
             ("convex_problems", "convex problems", NONE),
             ("contraction", "largest quotient of changes", NONE),
             ("contraction_bound", "  its bound, (α_ν c_j² + α_τ c_τ²)/m", NONE),
-            ("linear_solver", "linear solver", NONE),
             ("factorizations", "factorizations", NONE),
             ("linear_solves", "linear solves", NONE),
-            ("linear_iterations", "conjugate gradient iterations", NONE),
             ("kkt_residual", "residual of the system, relative", NONE),
-            ("paths", "ways taken", NONE),
             ("seconds", "time of this run", SECONDS),
             ("peak_resident_bytes", "memory of this process", MEBIBYTES),
         ],
@@ -88,13 +85,12 @@ const GROUPS: [(&str, Quantities); 4] = [
 ];
 
 /// Keys omitted if zero: another solver, a law without jumps, no friction.
-const ZERO_IS_NOTHING: [&str; 8] = [
+const ZERO_IS_NOTHING: [&str; 7] = [
     "friction_force",
     "stick_vertices",
     "slip_vertices",
     "fixed_point_iterations",
     "convex_problems",
-    "linear_iterations",
     "jump_vertices",
     "yielding_elements",
 ];

@@ -1,8 +1,6 @@
 //! The solver with tensors by region, in full, and several terms of memory, in the plane and in space.
 
-use fem::contact::{
-    ContactProblem, Discretization, LastSlot, LinearSolver, MemoryTerm, Model, StepView, march,
-};
+use fem::contact::{ContactProblem, Discretization, LastSlot, MemoryTerm, Model, StepView, march};
 use fem::mesh::{Family, Mesh, lattice};
 use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
@@ -72,8 +70,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
         friction: None,
         time_rule: Box::new(Trapezoid),
     };
-    let mut problem =
-        ContactProblem::new(space, &model, LinearSolver::Direct).expect("an analysis");
+    let mut problem = ContactProblem::new(space, &model).expect("an analysis");
     let order = space.dofs();
     let slot = LastSlot { zeta: 0.4, memory: weights.to_vec() };
     problem.begin(&slot, 0.3, &vec![0.0; order], &[]);

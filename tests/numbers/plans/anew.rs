@@ -1,4 +1,4 @@
-//! Newton's method with the factor of every Jacobian in double precision, without iterations for linear systems: through
+//! Newton's method with the factor of every Jacobian, without iterations for linear systems: through
 //! the seam of step solvers, which sees a level as a matrix to be linearized and solved.
 
 use std::cell::Cell;
@@ -9,7 +9,7 @@ use vhi::{
     StepSolver, StepState,
 };
 
-/// A residual below nothing is reached by no iteration with an old or a rounded factor, so that a factor of the present
+/// A residual below nothing is reached by no iteration with a lagged factor, so that a factor of the present
 /// Jacobian is made.
 const UNREACHABLE: f64 = -1.0;
 
@@ -17,7 +17,7 @@ const UNREACHABLE: f64 = -1.0;
 #[derive(Default)]
 pub struct Anew {
     pub newton: Newton,
-    /// Old and rounded factors serve as they do without this solver.
+    /// Lagged factors serve as they do without this solver.
     pub old: bool,
     /// Forces are those of displacements that are so much too large, relative: a defect that a test may seed.
     pub off: f64,

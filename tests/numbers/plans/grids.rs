@@ -4,7 +4,7 @@
 
 use scene::setup::Setup;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
-use vhi::law::{HistoryKernel, TensorField};
+use vhi::law::HistoryKernel;
 
 use fem::contact::Plan;
 
@@ -31,7 +31,7 @@ fn no_multiple(name: &str) -> Setup {
 /// Scenes of every plan, with factors that serve all levels and with factors of a level.
 fn of_all_plans() -> [(Setup, Plan); 6] {
     [
-        (setup("linear-punch"), Plan::Recursion),
+        (setup("linear-punch"), Plan::Linear),
         (setup("elastic-punch"), Plan::Condensed),
         (no_multiple("elastic-punch"), Plan::Condensed),
         (no_multiple("linear-punch"), Plan::Linear),
@@ -48,7 +48,7 @@ fn all_plans_agree_on_unequal_steps() {
         let name = setup.scene.name.clone();
         for grid in GRIDS {
             setup.scene.time.grid = grid;
-            let plan = Plan::of(&data.space, &setup.model, STEPS as usize, true);
+            let plan = Plan::of(&data.space, &setup.model);
             assert_eq!(plan, expected, "{name}");
             let short = shortest(&setup, &data, STEPS);
             let fresh = run(&setup, &data, STEPS, Where::Volume, &Anew::default());
@@ -57,37 +57,13 @@ fn all_plans_agree_on_unequal_steps() {
                 assert!(off <= AGREE, "{name} {grid:?} {way}: {off:e}");
             }
             if plan != Plan::Newton && Plan::changes_factor(&setup.model) {
-                // Level 0 has no weight; each of the others has another one, and factors of small meshes cost no more
-                // than a pass.
+                // Level 0 has no weight; each of the others has another one.
                 assert_eq!(short.info.work.linear.factorizations, STEPS + 1, "{name} {grid:?}");
                 anew += 1;
             }
         }
     }
     assert_eq!(anew, 2 * GRIDS.len());
-}
-
-/// n of a mesh on which a factor costs some passes.
-const LARGER: u32 = 40;
-
-/// An old matrix serves levels with other weights: fewer factors than levels, more passes, the same solution.
-#[test]
-fn an_old_matrix_gives_what_fresh_ones_give() {
-    for name in ["linear-punch", "elastic-punch", "law-rational"] {
-        let mut setup = setup(name);
-        let other = setup.model.memory[0].tensor.plus(0.1, &TensorField::identity(), 2);
-        setup.model.memory[0].tensor = other;
-        let data = on_mesh(&setup, LARGER);
-        for grid in GRIDS {
-            setup.scene.time.grid = grid;
-            let short = shortest(&setup, &data, STEPS);
-            let linear = short.info.work.linear;
-            assert!(2 * linear.factorizations < STEPS && linear.solves > STEPS + 1, "{linear:?}");
-            let fresh = run(&setup, &data, STEPS, Where::Volume, &Anew::default());
-            let off = distance(&fresh, &short);
-            assert!(off <= AGREE, "{name} {grid:?}: {off:e}");
-        }
-    }
 }
 
 #[test]

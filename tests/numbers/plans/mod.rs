@@ -1,17 +1,14 @@
 //! Source: the discrete problem (4.3) has one solution, whatever way it is computed.
-//! Goal: all ways that apply to a scene agree: recursion on coefficients, condensation onto Γ3 and Newton's method in
-//!   the volume; old factors with GMRES and fresh ones, in single and double precision; factors and multigrid;
-//!   recursive, interpolated and direct sums over the past. Each way is really taken where it is claimed, by the
+//! Goal: all ways that apply to a scene agree: condensation onto Γ3 and Newton's method in the volume; lagged factors and
+//!   fresh ones; recursive, interpolated and direct sums over the past. Each way is really taken where it is claimed, by the
 //!   counters of the run, and a seeded defect in one of them is seen.
 //!   Grids are those of the scenes, and graded and random ones of this test.
-//! Mesh: for every shipped scene 6 × 6 squares or 2 × 2 × 2 cubes and 8 steps; the coarsest mesh that has levels; the
-//!   coarsest mesh and 520 steps for sums over the past. `punch` also where factors are kept in single precision.
+//! Mesh: for every shipped scene 6 × 6 squares or 2 × 2 × 2 cubes and 8 steps; the coarsest mesh and 520
+//!   steps for sums over the past.
 
 mod anew;
 mod factors;
 mod grids;
-mod multigrid;
-mod parts;
 mod past;
 
 use fem::contact::{CaseInfo, StepView, march, march_in_volume};

@@ -1,35 +1,28 @@
 //! Sparse Cholesky factorization (faer, supernodal): one symbolic analysis per pattern. It runs on one thread, so that
 //! results are bit-identical under any machine load.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SymbolicSupernodalCholesky};
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
-use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Par, Side};
+use faer::{Conj, MatMut, Par, Side};
 
 use super::pattern::BlockPattern;
 
 /// Why a factorization was not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FactorError {
-    /// A pivot was not positive, or a search direction p had pᵀAp ≤ 0.
+    /// A pivot was not positive.
     #[error("the tangent matrix is not positive definite (first at unknown {dof})")]
     NotPositiveDefinite {
-        /// The unknown of the pivot, or of the largest entry of the direction.
+        /// The unknown of the pivot.
         dof: usize,
-    },
-    /// Conjugate gradients ended before their residual was small.
-    #[error(
-        "conjugate gradients still have {residual:.1e} of their residual after {iterations} iterations; `--linear-solver direct` factorizes instead"
-    )]
-    NotReached {
-        iterations: u32,
-        /// Norm of the residual relative to the first one.
-        residual: f64,
     },
     /// Nonsymmetric entries, which the factor lacks, are too large for the iteration.
     #[error(
@@ -56,33 +49,22 @@ pub enum FactorError {
     Analysis { order: usize, reason: String },
 }
 
-/// Supernodes are merged up to so many columns and this share of stored zeros: about half of faer's defaults, which
-/// leaves 6 % less to read in each solve.
-const MERGED: [(usize, f64); 4] = [(4, 0.5), (16, 0.2), (48, 0.05), (usize::MAX, 0.02)];
-
 /// Symbolic factorization of a pattern.
 #[derive(Debug)]
 pub struct Analysis {
-    pub(super) symbolic: SymbolicCholesky<u32>,
-}
-
-/// Number type of a factor: f64, or f32 for a preconditioner.
-pub trait Real: faer::traits::RealField + nalgebra::RealField + Copy {
-    const ZERO: Self;
-}
-
-impl Real for f64 {
-    const ZERO: Self = 0.0;
-}
-
-impl Real for f32 {
-    const ZERO: Self = 0.0;
+    symbolic: SymbolicCholesky<u32>,
 }
 
 /// Values of a factorization L Lᵀ.
 #[derive(Debug, Clone)]
-pub struct Factor<T = f64> {
-    pub(super) values: Vec<T>,
+pub struct Factor {
+    values: Vec<f64>,
+}
+
+/// Scratch memory of solves with one factor after the other, made at the first.
+#[derive(Default)]
+pub struct Front {
+    memory: Option<MemBuffer>,
 }
 
 /// Scratch memory of factorizations.
@@ -107,7 +89,6 @@ impl Analysis {
             SymmetricOrdering::Custom(PermRef::new_checked(permutation, &inverse, order)),
             CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                supernodal_params: SymbolicSupernodalParams { relax: Some(&MERGED) },
                 ..Default::default()
             },
         )
@@ -120,9 +101,9 @@ impl Analysis {
         self.symbolic.len_val()
     }
 
-    /// Cost of one factorization in passes over the factor (with a product each): 0.05 multiplications per entry fit
-    /// the optimum on meshes of n = 64 and 128 (6 and 9 iterations of GMRES).
-    pub fn passes_of_a_factor(&self) -> u32 {
+    /// Cost of one factorization in solves with it (and a product each): 0.05 multiplications per entry fit the optimum
+    /// on meshes of n = 64 and 128.
+    pub fn solves_of_a_factor(&self) -> u32 {
         let entries = (self.factor_entries() as f64).max(1.0);
         (2.0 + 0.05 * self.multiplications() / entries) as u32
     }
@@ -140,8 +121,8 @@ impl Analysis {
     }
 
     /// An empty factor of this pattern.
-    pub fn factor<T: Real>(&self) -> Factor<T> {
-        Factor { values: vec![T::ZERO; self.symbolic.len_val()] }
+    pub fn factor(&self) -> Factor {
+        Factor { values: vec![0.0; self.symbolic.len_val()] }
     }
 
     /// Scratch memory for factorizations.
@@ -155,11 +136,11 @@ impl Analysis {
     ///
     /// # Errors
     /// [`FactorError::NotPositiveDefinite`] names the unknown whose pivot failed.
-    pub fn factorize<T: Real>(
+    pub fn factorize(
         &self,
         pattern: &BlockPattern,
-        values: &[T],
-        factor: &mut Factor<T>,
+        values: &[f64],
+        factor: &mut Factor,
         workspace: &mut Workspace,
     ) -> Result<(), FactorError> {
         let matrix = SparseColMatRef::new(symbolic_matrix(pattern), values);
@@ -185,6 +166,101 @@ impl Analysis {
             }
         }
     }
+
+    /// Position → dof.
+    pub fn order(&self) -> &[u32] {
+        self.symbolic.perm().map_or(&[], |perm| perm.arrays().0)
+    }
+
+    /// Solves L Lᵀ x = b in place; x and b are in the order of the unknowns.
+    pub fn solve(&self, factor: &Factor, x: &mut [f64], front: &mut Front) {
+        self.solve_in(factor, x, MemStack::new(front.memory(self)));
+    }
+
+    pub(super) fn solve_in(&self, factor: &Factor, x: &mut [f64], room: &mut MemStack) {
+        LltRef::new(&self.symbolic, &factor.values).solve_in_place_with_conj(
+            Conj::No,
+            column(x),
+            Par::Seq,
+            room,
+        );
+    }
+
+    pub(super) fn solve_scratch(&self) -> StackReq {
+        self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)
+    }
+
+    /// Solves L y = x in place; `x` is in the order of the factor.
+    pub fn forward(&self, factor: &Factor, x: &mut [f64], front: &mut Front) {
+        if let Some(raw) = self.supernodes() {
+            let room = MemStack::new(front.memory(self));
+            SupernodalLltRef::new(raw, &factor.values).l_solve_with_conj(
+                Conj::No,
+                column(x),
+                Par::Seq,
+                room,
+            );
+        }
+    }
+
+    /// Solves Lᵀ z = x in place; `x` is in the order of the factor.
+    pub fn backward(&self, factor: &Factor, x: &mut [f64], front: &mut Front) {
+        if let Some(raw) = self.supernodes() {
+            let room = MemStack::new(front.memory(self));
+            SupernodalLltRef::new(raw, &factor.values).l_transpose_solve_with_conj(
+                Conj::No,
+                column(x),
+                Par::Seq,
+                room,
+            );
+        }
+    }
+
+    /// The triangle of L from row and column `first` on, dense by columns: the factor of the Schur complement on the last
+    /// unknowns.
+    pub fn last_triangle(&self, factor: &Factor, first: usize) -> Vec<f64> {
+        let size = self.order().len() - first;
+        let mut triangle = vec![0.0; size * size];
+        let Some(raw) = self.supernodes() else { return triangle };
+        let factor = SupernodalLltRef::new(raw, &factor.values);
+        for s in 0..raw.n_supernodes() {
+            let node = factor.supernode(s);
+            let (start, values) = (node.start(), node.val());
+            let row = |i: usize| match i < values.ncols() {
+                true => start + i,
+                false => node.pattern()[i - values.ncols()] as usize,
+            };
+            for j in first.saturating_sub(start)..values.ncols() {
+                for i in j..values.nrows() {
+                    triangle[size * (start + j - first) + row(i) - first] = values[(i, j)];
+                }
+            }
+        }
+        triangle
+    }
+
+    fn supernodes(&self) -> Option<&SymbolicSupernodalCholesky<u32>> {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(raw) => Some(raw),
+            // Chosen only for order 0, where there is nothing to solve.
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+        }
+    }
+}
+
+impl Front {
+    fn memory(&mut self, analysis: &Analysis) -> &mut MemBuffer {
+        let needed = analysis.solve_scratch();
+        if self.memory.as_ref().is_none_or(|memory| memory.len() < needed.size_bytes()) {
+            self.memory = None;
+        }
+        self.memory.get_or_insert_with(|| MemBuffer::new(needed))
+    }
+}
+
+fn column(x: &mut [f64]) -> MatMut<'_, f64> {
+    let rows = x.len();
+    MatMut::from_column_major_slice_mut(x, rows, 1)
 }
 
 fn symbolic_matrix(pattern: &BlockPattern) -> SymbolicSparseColMatRef<'_, u32> {
@@ -194,7 +270,7 @@ fn symbolic_matrix(pattern: &BlockPattern) -> SymbolicSparseColMatRef<'_, u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Front, nested_dissection};
+    use super::super::nested_dissection;
     use super::*;
 
     fn laplacian() -> (BlockPattern, Vec<f64>, Vec<f64>) {
@@ -225,6 +301,44 @@ mod tests {
             analysis.solve(&factor, &mut b, &mut front);
             assert!(b.iter().zip(x).all(|(p, q)| (p - q).abs() < 1e-14));
         }
+    }
+
+    /// Forward and backward substitution solve; the last triangle is the factor of the Schur complement, by which the
+    /// solution on the last unknowns follows from the forward one.
+    #[test]
+    fn substitutions_solve_and_condense() {
+        let (pattern, values, coordinates) = laplacian();
+        let last = [21, 3, 37, 59, 40];
+        let order = nested_dissection(&pattern, &coordinates, &last);
+        let analysis = Analysis::new(&pattern, &order).unwrap();
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
+        analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
+        let exact: Vec<f64> = (0..60).map(|i| (f64::from(i) * 0.7).sin()).collect();
+        let mut b = vec![0.0; 60];
+        pattern.multiply(&values, &exact, &mut b);
+        let in_order = |x: &[f64]| -> Vec<f64> { order.iter().map(|&i| x[i as usize]).collect() };
+        let (wanted, mut front) = (in_order(&exact), Front::default());
+        let close = |x: &[f64]| x.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-13);
+        let (mut x, size) = (in_order(&b), last.len());
+        let first = 60 - size;
+        analysis.forward(&factor, &mut x, &mut front);
+        let triangle = analysis.last_triangle(&factor, first);
+        let l = |i: usize, j: usize| if j <= i { triangle[size * j + i] } else { 0.0 };
+        let transposed = |j: usize| -> f64 { (j..size).map(|i| l(i, j) * wanted[first + i]).sum() };
+        for i in 0..size {
+            let [schur, right]: [f64; 2] = [
+                (0..size).map(|j| l(i, j) * transposed(j)).sum(),
+                (0..size).map(|j| l(i, j) * x[first + j]).sum(),
+            ];
+            assert!((schur - right).abs() < 1e-13, "{i}: {schur} {right}");
+        }
+        (0..size).for_each(|j| x[first + j] = transposed(j));
+        analysis.backward(&factor, &mut x, &mut front);
+        assert!(close(&x));
+        // A wrong value on the last unknowns shows in the others.
+        x[first] += 1e-6;
+        analysis.backward(&factor, &mut x, &mut front);
+        assert!(!close(&x[..first]));
     }
 
     /// A band matrix of half width 4 in natural order: columns of length 5, shorter at the end.

@@ -10,7 +10,7 @@ pub struct Jacobian {
     pub values: Vec<f64>,
     /// a bᵀ.
     pub rank_one: Option<RankOne>,
-    /// C. Multigrid ignores it: Newton steps then use the rest of the Jacobian, and more are needed.
+    /// C.
     pub couplings: Vec<NonsymmetricEntry>,
     /// The unknowns whose rows and columns in K are zero off the diagonal.
     pub held: Vec<usize>,

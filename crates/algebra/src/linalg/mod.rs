@@ -1,38 +1,23 @@
-//! Sparse symmetric matrices over node blocks, their assembly, Cholesky factorization and multigrid.
+//! Sparse symmetric matrices over node blocks, their assembly, Cholesky factorization and eigenvalues.
 
 mod cholesky;
 mod complement;
-mod conjugate_gradient;
 mod dense;
 mod dissection;
-mod gmres;
+mod eigen;
 mod jacobian;
-mod krylov_eigen;
-mod multigrid;
-mod multigrid_sequence;
 mod pattern;
 mod random;
-mod sequence;
-mod sides;
-mod substitution;
-mod supernode;
-mod tangent_solver;
+mod tangent;
 mod vectors;
 
-pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
+pub use cholesky::{Analysis, Factor, FactorError, Front, Workspace};
 pub use complement::complement;
-pub use conjugate_gradient::{Directions, conjugate_gradients};
 pub use dense::DenseCholesky;
 pub use dissection::nested_dissection;
-pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
+pub use eigen::{EigenError, Extreme, LinearMap, Spectrum, largest_eigenvalue, spectrum};
 pub use jacobian::{Jacobian, NonsymmetricEntry, RankOne};
-pub use krylov_eigen::{EigenError, Extreme, LinearMap, Spectrum, largest_eigenvalue, spectrum};
-pub use multigrid::{Levels, NodeFrame};
-pub use multigrid_sequence::MultigridSequence;
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
-pub use sequence::{Precision, SequenceSolver};
-pub use sides::{RightSides, SIDES, Sides};
-pub use substitution::Front;
-pub use tangent_solver::{LinearWork, TangentSolver};
+pub use tangent::{LinearWork, TangentSolver};
 pub use vectors::{axpy, dot, is_sound_sum, larger, largest, norm, root_of_squares};

@@ -48,18 +48,6 @@ impl BlockPattern {
         Self { dimension, stride, columns, rows, first, neighbours, slots }
     }
 
-    /// Pattern from the sorted larger neighbours of nodes, without cells to assemble.
-    pub fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
-        let mut pattern = Self::new(&[], dimension + 1, dimension, lists.len());
-        pattern.first = vec![0];
-        for list in lists {
-            pattern.neighbours.extend(list);
-            pattern.first.push(pattern.neighbours.len() as u32);
-        }
-        (pattern.columns, pattern.rows) = columns(dimension, &pattern.first, &pattern.neighbours);
-        pattern
-    }
-
     pub(crate) fn order(&self) -> usize {
         self.columns.len() - 1
     }
@@ -71,18 +59,6 @@ impl BlockPattern {
 
     pub(crate) fn larger_neighbours(&self, node: usize) -> &[u32] {
         &self.neighbours[self.first[node] as usize..self.first[node + 1] as usize]
-    }
-
-    pub(crate) fn nodes(&self) -> usize {
-        self.first.len() - 1
-    }
-
-    /// Position of the first entry of column j of a node's diagonal block, or of the block of its larger neighbour
-    /// number `slot`.
-    #[inline]
-    pub(super) fn in_column(&self, node: usize, j: usize, slot: Option<usize>) -> usize {
-        let start = self.columns[self.dimension * node + j] as usize;
-        slot.map_or(start, |slot| start + self.dimension - j + self.dimension * slot)
     }
 
     /// Adds `weight`·`local` to `values`; `local[(a, i), (b, j)]` is the symmetric matrix of cell `c`, row-major of
@@ -175,6 +151,17 @@ impl BlockPattern {
     pub fn matrix(&self, values: Vec<f64>) -> CsMatI<f64, u32> {
         let order = self.order();
         CsMatI::new_csc((order, order), self.columns.clone(), self.rows.clone(), values)
+    }
+
+    /// (row, column, value) of the lower triangle with these `values`.
+    pub(super) fn iter<'v>(
+        &'v self,
+        values: &'v [f64],
+    ) -> impl Iterator<Item = (usize, usize, f64)> + 'v {
+        let column = |j: usize| self.columns[j] as usize..self.columns[j + 1] as usize;
+        let entries =
+            move |j: usize| column(j).map(move |at| (self.rows[at] as usize, j, values[at]));
+        (0..self.order()).flat_map(entries)
     }
 
     /// y ← A x for the symmetric matrix with lower-triangle `values`.

@@ -1,6 +1,6 @@
 //! A case as those see it who run it: its levels, why it has no result, and what it took.
 
-use super::{Floors, LoadError, Paths, Work};
+use super::{Floors, LoadError, Work};
 use algebra::linalg::FactorError;
 use vhi::{FailedStep, StepError};
 
@@ -88,8 +88,6 @@ pub struct CaseInfo {
     pub peak_history_bytes: usize,
     /// Halved Newton steps over all levels.
     pub damped_iterations: u32,
-    /// The ways that the run took.
-    pub paths: Paths,
     /// What solver and rounding contribute to each error.
     pub floors: Floors,
 }

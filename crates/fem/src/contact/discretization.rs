@@ -2,20 +2,12 @@
 
 use std::sync::OnceLock;
 
-use crate::mesh::{Mesh, Nesting};
+use crate::mesh::Mesh;
 use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
-use algebra::linalg::{
-    Analysis, BlockPattern, FactorError, Levels, MultigridSequence, NodeFrame, Precision,
-    SequenceSolver, TangentSolver, nested_dissection,
-};
+use algebra::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
 
 use super::held_factors::StiffnessFactors;
-use super::{ContactTrace, Frames, LinearSolver};
-
-/// Levels are added until this many unknowns are left: their factor costs less than a sweep of the next level.
-const COARSEST: usize = 1_000;
-/// With more unknowns than this on the coarsest level its factor is no small matter, and a mesh has no use for levels.
-const LARGEST_COARSEST: usize = 8_000;
+use super::{ContactTrace, Frames};
 
 /// V^h on one mesh: nodes, geometry, matrix pattern, the trace on Γ3. What is dear and not always asked for, such as the
 /// symbolic factorization, is made at its first use.
@@ -37,14 +29,7 @@ pub struct Discretization {
     pub frames: Frames,
     /// The region of each cell, region 0 being what belongs to no named one; empty if there are none.
     pub regions: Vec<u8>,
-    /// The coarser mesh that the mesh refines, if it is known.
-    pub nesting: Nesting,
-    /// The linear solver of runs on this mesh, where it is not left to [`LinearSolver::of`].
-    pub linear_solver: Option<LinearSolver>,
-    /// The precision of factors that serve several Jacobians, where it is not left to their size.
-    pub precision: Option<Precision>,
     analysis: OnceLock<Result<Analysis, FactorError>>,
-    levels: OnceLock<Result<Option<Levels>, FactorError>>,
     condensing: OnceLock<Result<Analysis, FactorError>>,
     pub(super) factors: StiffnessFactors,
 }
@@ -70,11 +55,7 @@ impl Discretization {
             trace,
             frames,
             regions: Vec::new(),
-            nesting: Nesting::Unknown,
-            linear_solver: None,
-            precision: None,
             analysis: OnceLock::new(),
-            levels: OnceLock::new(),
             condensing: OnceLock::new(),
             factors: StiffnessFactors::default(),
         }
@@ -119,12 +100,6 @@ impl Discretization {
         self.analysis().map_or([f64::INFINITY; 2], size)
     }
 
-    /// Patterns and transfers of coarser meshes, made when they are first asked for; none where the mesh refines
-    /// nothing that is known, its element is not linear, or their analysis fails.
-    pub fn levels(&self) -> Option<&Levels> {
-        self.levels.get_or_init(|| self.find_levels()).as_ref().ok()?.as_ref()
-    }
-
     /// Number of unknowns.
     pub fn dofs(&self) -> usize {
         self.nodes.dofs()
@@ -158,56 +133,5 @@ impl Discretization {
     /// The strain points of cell c.
     pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
         StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
-    }
-
-    /// A solver of Jacobians of runs by `solver`: factors where the mesh has no levels.
-    ///
-    /// # Errors
-    /// The pattern cannot be analysed.
-    pub(crate) fn tangent_solver(
-        &self,
-        solver: LinearSolver,
-    ) -> Result<Box<dyn TangentSolver + '_>, FactorError> {
-        Ok(match self.levels_of(solver) {
-            Some(levels) => Box::new(MultigridSequence::new(levels, &self.pattern)),
-            None => {
-                let solver = SequenceSolver::new(self.analysis()?, &self.pattern);
-                Box::new(solver.in_precision(self.precision))
-            }
-        })
-    }
-
-    pub(super) fn levels_of(&self, solver: LinearSolver) -> Option<&Levels> {
-        match solver {
-            LinearSolver::Multigrid => self.levels(),
-            LinearSolver::Direct => None,
-        }
-    }
-
-    /// The levels below the mesh; none where it refines nothing, or not often enough.
-    ///
-    /// # Errors
-    /// The analysis of the coarsest matrix.
-    fn find_levels(&self) -> Result<Option<Levels>, FactorError> {
-        // Transfers are those of linear functions.
-        if self.element != Element::P1 {
-            return Ok(None);
-        }
-        let d = self.mesh.dimension;
-        let (mut parents, mut nesting) = (Vec::new(), self.nesting.clone());
-        let mut unknowns = self.dofs();
-        while unknowns > COARSEST
-            && let Some((next, coarser)) = nesting.coarsened()
-        {
-            unknowns = d * next.iter().flatten().max().map_or(0, |&last| last as usize + 1);
-            parents.push(next);
-            nesting = coarser;
-        }
-        let coordinates = self.coordinates();
-        let frames = self.frames.rows();
-        let frames = frames.map(|(node, rows)| NodeFrame { node, rows }).collect();
-        let levels =
-            Levels::new(&self.pattern, &self.nodes.of_vertex, &parents, &coordinates, frames)?;
-        Ok(levels.filter(|levels| levels.coarsest_unknowns() <= LARGEST_COARSEST))
     }
 }

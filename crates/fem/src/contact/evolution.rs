@@ -9,12 +9,12 @@ use self::frozen::Frozen;
 use super::case::failed;
 use super::histories::Histories;
 use super::last_slot::LastSlot;
-use super::path::Paths;
-use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
+use super::{CaseError, ContactProblem, Discretization, Load, Model, strain_norm};
 use algebra::linalg::{FactorError, axpy};
 use vhi::history::{Accumulated, TimeGrid};
 use vhi::{
-    BoundaryGraph, FailedStep, HistoryInequality, OpenInequality, StepInequality, StepState,
+    BoundaryGraph, FailedStep, HistoryInequality, Newton, OpenInequality, StepError,
+    StepInequality, StepInfo, StepState,
 };
 
 /// The contact problem with its committed history.
@@ -54,11 +54,10 @@ impl<'a> Evolution<'a> {
         grid: &'a TimeGrid,
         source: &'a mut dyn Load,
     ) -> Result<Self, FailedStep> {
-        let solver = LinearSolver::of(space, model, grid.steps());
         Ok(Self {
-            problem: ContactProblem::new(space, model, solver)
+            problem: ContactProblem::new(space, model)
                 .map_err(|source| failed(0, grid.time(0), source))?,
-            histories: Histories::new(space, model, grid, true),
+            histories: Histories::new(space, model, grid),
             frozen_history: vec![vec![0.0; space.dofs()]; model.memory.len()],
             accumulated: Accumulated::default(),
             committed: 0,
@@ -74,6 +73,21 @@ impl<'a> Evolution<'a> {
             grid,
             source,
         })
+    }
+
+    /// The same with levels solved in the volume, also where they can be condensed onto Γ3.
+    #[must_use]
+    pub fn in_volume(mut self) -> Self {
+        self.problem.stay_in_volume();
+        self
+    }
+
+    pub(crate) fn space(&self) -> &'a Discretization {
+        self.space
+    }
+
+    pub(crate) fn model(&self) -> &'a Model {
+        self.model
     }
 
     /// The problem at the open or last committed level.
@@ -102,10 +116,6 @@ impl<'a> Evolution<'a> {
         nodal.resize(self.space.nodes.len(), 0.0);
         self.space.frames.to_cartesian(&mut nodal);
         nodal
-    }
-
-    pub(super) fn paths(&self) -> Paths {
-        self.histories.paths()
     }
 
     /// ζ_n of the last committed level.
@@ -175,6 +185,14 @@ impl OpenInequality for Evolution<'_> {
             axpy(last_weight, eta, frozen);
         }
         self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
+    }
+
+    fn solve_condensed(
+        &mut self,
+        newton: &Newton,
+        state: &mut StepState,
+    ) -> Option<Result<StepInfo, StepError>> {
+        self.problem.solve_condensed(newton, state)
     }
 
     /// ‖ε(v)‖.

@@ -1,7 +1,5 @@
 //! The histories of a run, one per term of its memory.
 
-use super::path::Paths;
-use super::taken::of_memory;
 use super::{Discretization, Model};
 use algebra::linalg::axpy;
 use vhi::history::{Memory, TimeGrid};
@@ -18,27 +16,14 @@ pub(super) struct Histories<'a> {
 }
 
 impl<'a> Histories<'a> {
-    /// Of displacements, or of unknowns as the frames of `space` have them.
-    pub(super) fn new(
-        space: &'a Discretization,
-        model: &'a Model,
-        grid: &'a TimeGrid,
-        of_unknowns: bool,
-    ) -> Self {
+    /// Of unknowns as the frames of `space` have them.
+    pub(super) fn new(space: &'a Discretization, model: &'a Model, grid: &'a TimeGrid) -> Self {
         let rule = model.time_rule.as_ref();
         let terms = model.memory.iter();
         let memory = terms.map(|term| Memory::new(&*term.kernel, rule, grid, space.dofs()));
         let sums = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
-        let rotated = (of_unknowns && !space.frames.is_empty()).then(|| sums.clone());
+        let rotated = (!space.frames.is_empty()).then(|| sums.clone());
         Self { space, model, grid, memory: memory.collect(), sums, rotated }
-    }
-
-    pub(super) fn paths(&self) -> Paths {
-        let mut paths = Paths::default();
-        for memory in &self.memory {
-            paths.insert(of_memory(memory, self.grid));
-        }
-        paths
     }
 
     /// The past of the level that opens.

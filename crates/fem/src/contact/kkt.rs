@@ -4,12 +4,17 @@
 use super::assembly::stress_force;
 use super::case::{KKT_ALLOWED, StepView};
 use super::kkt_compliance::{add_exact, add_gauss};
-use super::way::accepted_residual;
 use super::{BoundaryRule, Discretization, Model, TracePoint, friction_force};
 use crate::space::StrainPoint;
 use algebra::in_dimension;
 use algebra::linalg::{axpy, larger, largest};
+use vhi::Newton;
 use vhi::law::{Potential, Projection, graph_distance};
+
+/// The residual with which Newton's method in the volume would accept a level with forces of this size.
+pub(super) fn accepted_residual(size: f64) -> f64 {
+    Newton::default().rounding_units * f64::EPSILON * size
+}
 
 /// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
 /// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
@@ -43,19 +48,7 @@ pub(super) fn kkt_residual_in(
 }
 
 /// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows.
-pub(super) fn internal_force(
-    space: &Discretization,
-    model: &Model,
-    view: &StepView<'_>,
-) -> Vec<f64> {
-    let mut force = Vec::new();
-    in_dimension!(
-        space.mesh.dimension, D, S => internal_force_in::<D, S>(space, model, view, &mut force)
-    );
-    force
-}
-
-fn internal_force_in<const D: usize, const S: usize>(
+fn internal_force<const D: usize, const S: usize>(
     space: &Discretization,
     model: &Model,
     view: &StepView<'_>,
@@ -76,7 +69,7 @@ fn evaluate<const D: usize, const S: usize>(
     load: &[f64],
     balance: &mut Vec<f64>,
 ) -> f64 {
-    internal_force_in::<D, S>(space, model, view, balance);
+    internal_force::<D, S>(space, model, view, balance);
     let mut scale = largest(balance).max(largest(load));
     add_contact_forces(space, model, view, balance);
     axpy(-1.0, load, balance);

@@ -39,20 +39,10 @@ fn in_parentheses(place: &[f64]) -> String {
 }
 
 /// The load of a scene on one mesh.
-pub trait Load {
+pub trait Load: Send {
     /// `out` ← F(t), over the unknowns.
     ///
     /// # Errors
     /// [`LoadError`] if a formula is not finite.
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError>;
-
-    /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i with few of them.
-    fn basis(&self) -> Option<&[Vec<f64>]> {
-        None
-    }
-
-    /// `out` ← a_i(t), where the load separates.
-    fn factors(&self, _t: f64, out: &mut [f64]) {
-        out.fill(0.0);
-    }
 }

@@ -1,12 +1,13 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
-use super::case::{CaseError, CaseInfo, Observer, StepView};
+use super::case::{CaseError, CaseInfo, Observer};
 use super::floor::Accepted;
-use super::plan::Plan;
+use super::kkt::accepted_residual;
 use super::shown::Shown;
-use super::{Discretization, Evolution, Floors, Load, Model, Path, linear, one_matrix, taken};
+use super::{Discretization, Evolution, Floors, Load, Model};
+use algebra::linalg::norm;
 use vhi::history::TimeGrid;
-use vhi::{StepInequality, StepSolver, Stepper};
+use vhi::{HistoryInequality, StepInequality, StepSolver, Stepper};
 
 /// Fields of this size have squares, and squares of errors down to 1e-2 of ε, that are doubles.
 const MEASURABLE: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
@@ -34,11 +35,10 @@ pub fn march(
     solver: &dyn StepSolver,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let plan = Plan::of(space, model, grid.steps(), solver.newton().is_some());
-    march_by(plan, space, model, grid, load, solver, observe)
+    March::new(Evolution::new(space, model, grid, load)?, solver).run(observe)
 }
 
-/// [`march`], level by level in the volume, even where there is a shorter way.
+/// [`march`] in the volume, also where levels can be condensed onto Γ3.
 ///
 /// # Errors
 /// As [`march`].
@@ -50,39 +50,7 @@ pub fn march_in_volume(
     solver: &dyn StepSolver,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    march_by(Plan::Newton, space, model, grid, load, solver, observe)
-}
-
-fn march_by(
-    plan: Plan,
-    space: &Discretization,
-    model: &Model,
-    grid: &TimeGrid,
-    load: &mut dyn Load,
-    solver: &dyn StepSolver,
-    observe: &mut Observer<'_>,
-) -> Result<CaseInfo, CaseError> {
-    let mut paths = taken::foreseen(plan, space, model, grid);
-    let mut see = |view: &StepView<'_>| {
-        if view.n == grid.steps() {
-            paths = paths.union(taken::of_level(space, model, view));
-        }
-        observe(view)
-    };
-    let separates = load.basis().is_some();
-    let mut info = match (plan, solver.newton()) {
-        (Plan::Newton, _) | (_, None) => {
-            March::new(space, model, grid, load, solver)?.run(grid, &mut see)
-        }
-        (Plan::Recursion, _) if separates => linear::march(space, model, grid, load, &mut see),
-        (_, Some(newton)) => one_matrix::march(space, model, grid, load, newton, &mut see),
-    }?;
-    if info.damped_iterations > 0 {
-        paths.insert(Path::Damped);
-    }
-    info.paths = info.paths.union(paths);
-    measurable(space, model, info.strain_norm)?;
-    Ok(info)
+    March::new(Evolution::new(space, model, grid, load)?.in_volume(), solver).run(observe)
 }
 
 struct March<'a> {
@@ -93,37 +61,34 @@ struct March<'a> {
     shown: Shown<'a>,
     /// The largest residual that was accepted so far, and the floors it and rounding make.
     worst_residual: f64,
+    /// The largest load whose level has set the floors; of condensed levels, which have no residual in the volume.
+    largest_load: f64,
     info: CaseInfo,
 }
 
 impl<'a> March<'a> {
-    fn new(
-        space: &'a Discretization,
-        model: &'a Model,
-        grid: &'a TimeGrid,
-        load: &'a mut dyn Load,
-        solver: &'a dyn StepSolver,
-    ) -> Result<Self, CaseError> {
-        let evolution = Evolution::new(space, model, grid, load)?;
-        Ok(Self {
+    fn new(evolution: Evolution<'a>, solver: &'a dyn StepSolver) -> Self {
+        let (space, model) = (evolution.space(), evolution.model());
+        Self {
             stepper: Stepper::new(&evolution, solver),
             evolution,
             shown: Shown::new(space, model),
             worst_residual: 0.0,
+            largest_load: 0.0,
             info: CaseInfo::default(),
             space,
             model,
-        })
-    }
-
-    fn run(mut self, grid: &TimeGrid, observe: &mut Observer<'_>) -> Result<CaseInfo, CaseError> {
-        for n in 0..=grid.steps() {
-            self.step(n, grid.time(n), observe)?;
         }
-        Ok(self.finish())
     }
 
-    fn step(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
+    fn run(mut self, observe: &mut Observer<'_>) -> Result<CaseInfo, CaseError> {
+        for n in 0..=self.evolution.grid().steps() {
+            self.step(n, observe)?;
+        }
+        self.finish()
+    }
+
+    fn step(&mut self, n: usize, observe: &mut Observer<'_>) -> Result<(), CaseError> {
         let info = self.stepper.step(&mut self.evolution)?;
         self.info.newton_iterations += info.iterations;
         self.info.damped_iterations += info.damped;
@@ -131,37 +96,60 @@ impl<'a> March<'a> {
         self.info.active_set_changes += info.active_set_changes;
         self.info.convex_problems += info.convex_problems;
         self.info.contraction = self.info.contraction.max(info.contraction);
-        self.show(n, t, observe)?;
+        self.show(n, self.evolution.grid().time(n), observe)?;
         // Floors belong to the level that was solved worst. Records are few, about log N of them.
-        if info.residual > self.worst_residual {
+        if self.evolution.problem().is_condensed() {
+            let size = norm(self.evolution.load());
+            if size > 2.0 * self.largest_load {
+                self.largest_load = size;
+                self.raise_floors_of_condensed();
+            }
+        } else if info.residual > self.worst_residual {
             self.worst_residual = info.residual;
-            self.raise_floors(info.residual, info.tolerance);
+            self.raise_floors_of_last(info.residual, info.tolerance);
         }
         Ok(())
     }
 
+    fn raise_floors_of_last(&mut self, residual: f64, tolerance: f64) {
+        let mut delta = Vec::with_capacity(self.space.nodes.len());
+        delta.extend_from_slice(self.stepper.scratch.unbalanced());
+        self.raise_floors(delta, Accepted { residual, tolerance });
+    }
+
+    fn raise_floors_of_condensed(&mut self) {
+        let state = &self.stepper.state;
+        let unbalanced = self.evolution.problem().unbalanced(state);
+        let mut rounding = vec![0.0; state.u.len()];
+        self.evolution.add_rounding(state, &mut rounding);
+        let size = self.evolution.force_scale(&state.u) + norm(&rounding);
+        let tolerance = accepted_residual(size);
+        let accepted = Accepted { residual: norm(&unbalanced), tolerance };
+        self.raise_floors(unbalanced, accepted);
+    }
+
     /// Raises the floors to those of the correction that one more solve of the last level would make.
-    fn raise_floors(&mut self, residual: f64, tolerance: f64) {
-        let mut delta = vec![0.0; self.space.nodes.len()];
-        let unbalanced = self.stepper.scratch.unbalanced();
-        delta[..unbalanced.len()].copy_from_slice(unbalanced);
-        let problem = self.evolution.problem_mut();
-        problem.solve_with_last_factor(&mut delta[..self.space.dofs()]);
+    fn raise_floors(&mut self, mut delta: Vec<f64>, accepted: Accepted) {
+        self.evolution.problem_mut().solve_with_last_factor(&mut delta);
+        delta.resize(self.space.nodes.len(), 0.0);
         self.space.frames.to_cartesian(&mut delta);
         let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
-        let accepted = Accepted { residual, tolerance };
         let floors = Floors::new(self.space, &delta, &self.shown.nodal, accepted, largest);
         self.info.floors = self.info.floors.max(floors);
     }
 
     /// Counters, and floors that hold the rounding of the last level at least.
-    fn finish(mut self) -> CaseInfo {
-        self.raise_floors(0.0, 0.0);
+    fn finish(mut self) -> Result<CaseInfo, CaseError> {
+        if self.evolution.problem().is_condensed() {
+            self.raise_floors_of_condensed();
+        } else {
+            self.raise_floors_of_last(0.0, 0.0);
+        }
         self.info.work = self.evolution.problem().work();
         self.info.seconds_load = self.evolution.seconds_load;
         self.info.peak_history_bytes = self.evolution.peak_history_bytes;
-        self.info.paths = self.evolution.paths();
-        self.info
+        measurable(self.space, self.model, self.info.strain_norm)?;
+        Ok(self.info)
     }
 
     fn show(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {

@@ -5,21 +5,25 @@
 //! weights of the last slot ([`LastSlot`]); the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
 //! a rank-one piece from ζ(u), a = w κ'(ζ) ∫ ∂σ/∂κ : ε(v), b = ∂‖ε(u)‖/∂u.
 
-use algebra::in_dimension;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::assembly::{ROOM, point_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
+use super::condensed::Condensed;
 use super::friction_graph::Following;
 use super::last_slot::{LastSlot, TangentOf};
-use super::nodal_norms::strain_norm_from;
+use super::nodal_norms::{strain_norm, strain_norm_from};
 use super::work::Work;
-use super::{Discretization, LinearSolver, Model};
-use algebra::linalg::{FactorError, Jacobian, RankOne, TangentSolver, axpy, norm, root_of_squares};
+use super::{Discretization, Model};
+use algebra::in_dimension;
+use algebra::linalg::{
+    FactorError, Jacobian, LinearWork, RankOne, TangentSolver, axpy, norm, root_of_squares,
+};
 use algebra::tensor::contract;
 use vhi::law::{Projection, TensorField};
-use vhi::{BoundaryGraph, StepInequality, StepState};
+use vhi::{BoundaryGraph, Newton, StepError, StepInequality, StepInfo, StepState};
 
 /// The contact problem on one mesh, at one time level after another.
 pub struct ContactProblem<'a> {
@@ -30,14 +34,16 @@ pub struct ContactProblem<'a> {
     /// Positions of the rows and columns of the graph coordinates in the tangent.
     couplings: Vec<Vec<(u32, u32)>>,
     /// Stiffness of 𝒜 and of each ℬ₀.
-    elastic: Vec<f64>,
+    elastic: Arc<Vec<f64>>,
     memory: Vec<Vec<f64>>,
     /// 𝒜 + Σ W ℬ₀ as a law and as matrix values.
     linear_law: TensorField,
     /// 𝒜, as full as the terms of the memory: to it they are added in the memory that is there.
     elasticity: TensorField,
     linear: Vec<f64>,
-    solver: Box<dyn TangentSolver + 'a>,
+    solver: TangentSolver<'a>,
+    /// Where Γ3 is all that is nonlinear, unless the volume is asked for.
+    condensed: Option<Condensed<'a>>,
     pub(super) jacobian: Jacobian,
     /// What the last tangent was made of.
     last: TangentOf<LastSlot>,
@@ -59,16 +65,17 @@ pub struct ContactProblem<'a> {
 }
 
 impl<'a> ContactProblem<'a> {
-    /// The problem of `model` on `space`, before the first time level, with a solver of its Jacobians.
+    /// The problem of `model` on `space`, before the first time level.
     ///
     /// # Errors
-    /// The pattern cannot be analysed.
-    pub fn new(
-        space: &'a Discretization,
-        model: &'a Model,
-        solver: LinearSolver,
-    ) -> Result<Self, FactorError> {
-        let elastic = space.stiffness_of_unknowns(&model.elasticity);
+    /// The pattern cannot be analysed, or 𝒜 is not positive definite.
+    pub fn new(space: &'a Discretization, model: &'a Model) -> Result<Self, FactorError> {
+        let mut work = Work::default();
+        let condensed = Condensed::new(space, model, &mut work)?;
+        let elastic = match &condensed {
+            Some(condensed) => condensed.elastic.clone(),
+            None => Arc::new(space.stiffness_of_unknowns(&model.elasticity)),
+        };
         let terms = model.memory.iter();
         let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
         let graph = boundary_graph(space, model, &elastic);
@@ -84,12 +91,13 @@ impl<'a> ContactProblem<'a> {
             .iter()
             .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
         Ok(Self {
-            solver: space.tangent_solver(solver)?,
+            solver: TangentSolver::new(space.analysis()?, &space.pattern),
+            condensed,
             jacobian: Jacobian::default(),
             last: TangentOf::default(),
             linear_law: elasticity.clone(),
             elasticity,
-            linear: elastic.clone(),
+            linear: elastic.to_vec(),
             elastic,
             memory,
             load: vec![0.0; space.dofs()],
@@ -103,7 +111,7 @@ impl<'a> ContactProblem<'a> {
             increments: Vec::new(),
             lifted: Vec::new(),
             following: Following::default(),
-            work: Work::default(),
+            work,
             space,
             model,
             graph,
@@ -163,14 +171,63 @@ impl<'a> ContactProblem<'a> {
         }
     }
 
-    /// K⁻¹ rhs in place with the last factor; the right side is left as it is before the first
-    /// factorization (a scene at rest).
+    /// Levels are solved in the volume from now on.
+    pub(crate) fn stay_in_volume(&mut self) {
+        self.condensed = None;
+    }
+
+    pub(crate) fn is_condensed(&self) -> bool {
+        self.condensed.is_some()
+    }
+
+    /// Solves the open level condensed onto Γ3, where that is the plan.
+    pub(crate) fn solve_condensed(
+        &mut self,
+        newton: &Newton,
+        state: &mut StepState,
+    ) -> Option<Result<StepInfo, StepError>> {
+        let condensed = self.condensed.as_mut()?;
+        let matrix = (&self.linear[..], &self.slot.memory[..]);
+        let outcome = condensed.solve(newton, matrix, &self.load, state);
+        self.take(&state.u);
+        self.strain_norm = strain_norm(self.space, self.displacements());
+        Some(outcome)
+    }
+
+    /// The forces that a condensed level leaves unbalanced.
+    pub(crate) fn unbalanced(&self, state: &StepState) -> Vec<f64> {
+        let mut force = vec![0.0; state.u.len()];
+        self.space.pattern.multiply(&self.linear, &state.u, &mut force);
+        if let Some(compliance) = &self.compliance {
+            compliance.add_force(&self.unknowns, &mut force);
+        }
+        for (at, pressure) in self.graph.coordinates.iter().zip(&state.pressure) {
+            force[at.dof as usize] += at.sign * at.weight * pressure;
+        }
+        self.load.iter().zip(force).map(|(load, force)| load - force).collect()
+    }
+
+    /// What a force would change in the last level, in place, by its last factor; the force is left as it is before the
+    /// first factorization (a scene at rest).
     pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
-        self.solver.solve_with_last_factor(&self.jacobian, rhs);
+        match &mut self.condensed {
+            Some(condensed) => condensed.correct(rhs),
+            None => self.solver.solve_with_last_factor(rhs),
+        }
     }
 
     pub(crate) fn work(&self) -> Work {
-        Work { linear: self.solver.work(), ..self.work }
+        let condensed = self.condensed.as_ref().map_or_else(LinearWork::default, |c| c.work);
+        let linear = self.work.linear.plus(&condensed).plus(&self.solver.work());
+        Work { linear, ..self.work }
+    }
+
+    fn take(&mut self, u: &[f64]) {
+        self.unknowns[..u.len()].copy_from_slice(u);
+        if !self.space.frames.is_empty() {
+            self.cartesian.copy_from_slice(&self.unknowns);
+            self.space.frames.to_cartesian(&mut self.cartesian);
+        }
     }
 
     fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
@@ -324,12 +381,8 @@ impl StepInequality for ContactProblem<'_> {
 
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
         let start = Instant::now();
-        self.unknowns[..u.len()].copy_from_slice(u);
+        self.take(u);
         self.follow_pressure();
-        if !self.space.frames.is_empty() {
-            self.cartesian.copy_from_slice(&self.unknowns);
-            self.space.frames.to_cartesian(&mut self.cartesian);
-        }
         in_dimension!(self.space.mesh.dimension, D, S => self.force::<D, S>(out));
         if let Some(compliance) = &self.compliance {
             compliance.add_force(&self.unknowns, out);

@@ -89,7 +89,7 @@ pub struct StiffnessInverse<'a> {
     space: &'a Discretization,
     analysis: &'a Analysis,
     kept: Arc<StiffnessFactor>,
-    front: Front<f64>,
+    front: Front,
 }
 
 impl<'a> StiffnessInverse<'a> {

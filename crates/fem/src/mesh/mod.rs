@@ -7,7 +7,6 @@ mod family;
 pub(crate) mod geometry;
 mod gmsh;
 mod grading;
-mod hierarchy;
 mod lattice;
 mod quality;
 mod simplices;
@@ -20,9 +19,7 @@ pub use coarse::{At, BoundaryFacet, CoarseError, CoarseFault, CoarseMesh, Piece}
 pub use family::Family;
 pub use gmsh::{Fault, GmshError, read_gmsh, write_gmsh};
 pub use grading::vertex_at;
-pub use hierarchy::Nesting;
 pub use lattice::lattice;
 pub use quality::Quality;
 pub use simplices::{Mesh, PlanePart, WHOLE};
-pub use subdivision::Parents;
 pub use triangulation::{PolygonError, triangulate};

@@ -9,9 +9,6 @@ use rustc_hash::FxHashMap;
 use super::{CoarseMesh, Family, Mesh, edgewise, grading};
 use algebra::linalg::signed_unit;
 
-/// The coarse vertices of each vertex: one twice if it is that vertex, or the ends of the edge it halves.
-pub type Parents = Vec<[u32; 2]>;
-
 impl CoarseMesh {
     /// The mesh with n parts of every coarse edge. Scenes validate that only plane meshes are graded.
     pub fn refined(&self, n: u32, family: Family) -> Mesh {
@@ -87,20 +84,6 @@ fn rows(n: u32) -> impl Iterator<Item = (u32, u32)> {
 /// Position of (i, j) in [`rows`].
 fn place(n: u32, i: u32, j: u32) -> usize {
     (j * (n + 1) - j * (j.max(1) - 1) / 2 + i) as usize
-}
-
-/// The vertices of mesh n/2 of which each vertex of mesh n is one, or halves the edge between two; in the plane.
-pub(super) fn parents(coarse: &CoarseMesh, n: u32) -> Parents {
-    let [fine, half] = [n, n / 2].map(|n| Vertices::new(coarse, n));
-    let mut parents = vec![[0; 2]; fine.count() as usize];
-    for (fine, of_half) in fine.of_triangles.iter().zip(&half.of_triangles) {
-        for ((i, j), &number) in rows(n).zip(fine) {
-            // Edges run along i, along j, and where i + j does not change.
-            let (low, high) = ((i / 2, j.div_ceil(2)), (i.div_ceil(2), j / 2));
-            parents[number as usize] = [high, low].map(|(i, j)| of_half[place(n / 2, i, j)]);
-        }
-    }
-    parents
 }
 
 /// The vertices of a refined mesh, by their weights at the corners of a coarse cell.

@@ -29,7 +29,7 @@ pub(super) fn solve(
 ) -> Result<Vec<f64>, NoConstant> {
     let dofs = space.dofs();
     let analysis = space.analysis()?;
-    let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace());
+    let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
     analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
     let mut front = Front::default();
     let mut solved = |side: &[f64]| {

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use truth::{TruthCost, load_bytes, truth};
 
 use super::plan::{CasePlan, TIME_REFERENCE};
-use fem::contact::{Discretization, LinearSolver, Plan};
+use fem::contact::{Discretization, Plan};
 use scene::setup::{AbstractSetup, Setup, SetupError};
 use scene::{Norm, Reference};
 
@@ -16,11 +16,6 @@ use scene::{Norm, Reference};
 pub(super) const PROGRAM: f64 = 16e6;
 /// Bytes per entry of the matrix in mesh, pattern and analysis, shared by the cases on a mesh.
 const SPACE: f64 = 16.0;
-/// Bytes per entry of the matrix in multigrid levels: all in single precision, coarse ones in double precision with
-/// index.
-const MULTIGRID_BYTES: f64 = 8.0;
-/// Order from which factors are in single precision, see `linalg`.
-const SINGLE_FROM: usize = 4000;
 
 /// The prediction for one case or reference run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,8 +23,6 @@ pub struct Cost {
     pub dofs: usize,
     /// How levels are solved on this mesh.
     pub plan: Plan,
-    /// The solver of the linear systems.
-    pub linear_solver: LinearSolver,
     /// Unknowns times steps of its runs on its mesh: what takes longer has more of them.
     pub work: f64,
     /// Peak memory of a separate process, with its reference run if it has one. In a sweep the cases of a mesh share
@@ -46,7 +39,6 @@ impl Cost {
     pub(crate) const UNKNOWN: Self = Self {
         dofs: 0,
         plan: Plan::Newton,
-        linear_solver: LinearSolver::Direct,
         work: 0.0,
         memory_bytes: 0.0,
         kept_bytes: 0.0,
@@ -163,35 +155,20 @@ fn reference_cost(
 /// One march without its exact solution.
 fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let model = &setup.model;
-    let linear_solver = LinearSolver::of(space, model, steps as usize);
-    let plan = Plan::of(space, model, steps as usize, true);
+    let plan = Plan::of(space, model);
     let (dofs, pattern) = (space.dofs(), space.pattern.entries() as f64);
-    let (factor, linear_bytes) = match linear_solver {
-        LinearSolver::Direct => {
-            let [factor, _] = space.factor_size();
-            let single = plan == Plan::Newton && dofs >= SINGLE_FROM;
-            // The factor, and scratch of half its size.
-            (factor, 1.5 * if single { 4.0 } else { 8.0 } * factor)
-        }
-        LinearSolver::Multigrid => (0.0, MULTIGRID_BYTES * pattern),
-    };
-    let changes = Plan::changes_factor(model);
-    let counted = plan.matrices(model, &setup.grid(steps)).is_some();
-    let parts = setup.load_parts().filter(|_| plan == Plan::Recursion);
-    // One matrix serves all levels, and eight of them share their passes.
-    let one_factor = counted
-        && linear_solver == LinearSolver::Direct
-        && matches!(plan, Plan::Recursion | Plan::Condensed)
-        && !changes;
-    // Five matrices with their index; some thirty vectors, and two for each level of a pass.
-    let together = one_factor && parts.is_none();
-    let vectors = if together { 240.0 + 128.0 } else { 240.0 } * dofs as f64;
+    let [factor, _] = space.factor_size();
+    // One matrix serves all levels.
+    let one_factor = plan != Plan::Newton && !Plan::changes_factor(model);
     Cost {
         dofs,
         plan,
-        linear_solver,
         work: dofs as f64 * f64::from(steps),
-        memory_bytes: linear_bytes + 52.0 * pattern + vectors + history_bytes(setup, dofs, steps),
+        // The factor, and scratch of half its size; five matrices with their index; some thirty vectors.
+        memory_bytes: 12.0 * factor
+            + 52.0 * pattern
+            + 240.0 * dofs as f64
+            + history_bytes(setup, dofs, steps),
         kept_bytes: if one_factor { 8.0 * (factor + pattern) } else { 0.0 },
         left_bytes: 0.0,
     }

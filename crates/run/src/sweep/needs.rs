@@ -17,8 +17,7 @@ const COARSE: [u32; 2] = [16, 8];
 const MOMENT: [f64; 2] = [8_192.0, 196_608.0];
 /// Bytes per cell if even the coarsest mesh has more cells than that: less than its matrices take without a factor.
 const CELL: f64 = 400.0;
-/// Share of the bytes of a coarse mesh, scaled by the number of cells, that is a lower bound: factors grow faster, but
-/// large boxes use multigrid.
+/// Share of the bytes of a coarse mesh, scaled by the number of cells, that is a lower bound: factors grow faster.
 const SURELY: f64 = 0.5;
 
 /// The needs of `cases` of `plan`, computed before any of them begins.

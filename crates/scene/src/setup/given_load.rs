@@ -1,7 +1,6 @@
 //! Loads given as formulas f0, f2, and the reference run that replaces their solution.
 
 use std::borrow::Cow;
-use std::collections::HashSet;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::Side;
@@ -115,27 +114,11 @@ impl GivenLoad {
         }
     }
 
-    /// The number of F_i on any mesh; None if a formula does not separate.
-    pub(crate) fn parts(graph: &Graph, formulas: impl Iterator<Item = Node>) -> Option<usize> {
-        let (mut graph, mut factors) = (graph.clone(), HashSet::new());
-        for formula in formulas {
-            if graph.value_of_constant(formula) != Some(0.0) {
-                factors.extend(graph.separate(formula)?.into_iter().map(|(factor, _)| factor));
-            }
-        }
-        Some(factors.len())
-    }
-
-    pub(crate) fn factors_at(&self, t: f64, out: &mut [f64]) {
+    fn factors_at(&self, t: f64, out: &mut [f64]) {
         let at = EvaluationPoint { t, ..EvaluationPoint::default() };
         for (value, &factor) in out.iter_mut().zip(&self.factors) {
             *value = self.graph.evaluate(factor, &at);
         }
-    }
-
-    /// The vectors F_i over the unknowns, if every formula separates.
-    pub(crate) fn basis(&self) -> Option<&[Vec<f64>]> {
-        self.rest.is_empty().then_some(self.basis.as_slice())
     }
 
     fn at(&self, t: f64, space: &Discretization) -> Result<Vec<f64>, LoadError> {
@@ -235,14 +218,6 @@ impl ReferenceTruth {
 impl Truth for ReferenceTruth {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
         self.load.at(t, &self.space).map(Arc::new)
-    }
-
-    fn load_basis(&self) -> Option<&[Vec<f64>]> {
-        self.load.basis()
-    }
-
-    fn load_factors(&self, t: f64, out: &mut [f64]) {
-        self.load.factors_at(t, out);
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {

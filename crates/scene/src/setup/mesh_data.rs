@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::load_check;
-use super::paths::of_scene;
 use super::rule_check::{RuleCheck, check_times, rule_check};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
 use crate::{Data, Side};
@@ -40,14 +39,6 @@ impl Load for TruthLoad<'_> {
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
         out.copy_from_slice(&self.0.load(t)?);
         Ok(())
-    }
-
-    fn basis(&self) -> Option<&[Vec<f64>]> {
-        self.0.load_basis()
-    }
-
-    fn factors(&self, t: f64, out: &mut [f64]) {
-        self.0.load_factors(t, out);
     }
 }
 
@@ -161,8 +152,7 @@ impl MeshData {
                 observe(view)
             }
         };
-        let info = march(&self.space, &setup.model, &grid, &mut load, solver, &mut watched)?;
-        Ok(CaseInfo { paths: info.paths.union(of_scene(setup, self)), ..info })
+        march(&self.space, &setup.model, &grid, &mut load, solver, &mut watched)
     }
 
     /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps; solved once and

@@ -13,7 +13,6 @@ mod load_check;
 mod material;
 mod memory_norms;
 mod mesh_data;
-mod paths;
 mod regularity;
 mod rule_check;
 mod scheme;
@@ -48,11 +47,9 @@ pub use trace_constant::{TraceConstant, trace_cells, trace_constant};
 pub use yield_slope::{YieldSlope, ZetaFrom};
 
 use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
-use algebra::linalg::{EigenError, Precision};
+use algebra::linalg::EigenError;
 use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas, Polytope};
-use fem::contact::{
-    Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
-};
+use fem::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
 use fem::space::Element;
 use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
@@ -87,10 +84,6 @@ pub struct Setup {
     pub kappa: YieldSlope,
     /// The solver under test; by default [`NewtonMarch`].
     pub scheme: Arc<dyn Scheme>,
-    /// Overrides [`LinearSolver::of`].
-    pub linear_solver: Option<LinearSolver>,
-    /// Overrides the precision of factors that serve several Jacobians.
-    pub precision: Option<Precision>,
 }
 
 impl Setup {
@@ -110,9 +103,8 @@ impl Setup {
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
         let scheme = Arc::new(NewtonMarch);
-        let (linear_solver, precision) = (None, None);
         let kappa = YieldSlope { lipschitz: 0.0, zeta: f64::INFINITY, from: ZetaFrom::Everywhere };
-        let mut setup = Self { scene, body, model, exact, kappa, scheme, linear_solver, precision };
+        let mut setup = Self { scene, body, model, exact, kappa, scheme };
         admissible(&setup)?;
         setup.kappa = yield_slope::yield_slope(&setup)?;
         Ok(setup)
@@ -140,10 +132,7 @@ impl Setup {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
-        let mut space = Discretization::of(element, mesh, &clamped, &contact);
-        (space.nesting, space.linear_solver) = (domain.nesting(n), self.linear_solver);
-        space.precision = self.precision;
-        space
+        Discretization::of(element, mesh, &clamped, &contact)
     }
 
     /// Whether the lines of this mesh follow the boundaries of all regions.
@@ -188,13 +177,6 @@ impl Setup {
         let terms = std::mem::take(&mut self.model.memory);
         self.model.memory = terms.into_iter().map(by_sums).collect();
         self
-    }
-
-    /// Number of vectors F_i of the load Σ a_i(t) F_i; None if it does not separate, or is that of an exact solution.
-    pub fn load_parts(&self) -> Option<usize> {
-        let Data::Loads { body, traction } = &self.body.data else { return None };
-        let sides = traction.iter().flat_map(|(_, formulas)| formulas);
-        GivenLoad::parts(&self.scene.formulas, body.iter().chain(sides).copied())
     }
 
     /// Vectors of unknowns held for the history after N steps; interpolated kernels are assumed to be smooth.

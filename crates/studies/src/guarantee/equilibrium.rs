@@ -25,7 +25,7 @@ pub(super) struct Equilibrium {
     missed: f64,
     analysis: Analysis,
     factor: Factor,
-    front: Front<f64>,
+    front: Front,
 }
 
 /// What is computed once for all cells that are translates of each other with one 𝒜.

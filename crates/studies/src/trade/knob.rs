@@ -1,6 +1,5 @@
 //! What a run may do otherwise than its scene says, one thing at a time, and which of it a scene offers.
 
-use algebra::linalg::Precision;
 use fem::contact::{BoundaryRule, CaseError, CaseInfo, Observer};
 use fem::space::Element;
 use fem::space::quadrature::{Rule, TruthRules};
@@ -19,8 +18,6 @@ pub enum Knob {
     Tolerance(f64),
     /// Its linear solves end at this residual, relative to their right sides.
     LinearTolerance(f64),
-    /// Factors that serve several Jacobians in this precision.
-    Factors(Precision),
     /// Loads in the cells by a rule of this degree: 6 is usual in the weak form, else 4 in the plane and 5 in space; two more
     /// for quadratic elements.
     LoadDegree(u32),
@@ -61,8 +58,6 @@ impl Knob {
             Self::AsWritten => "as written".into(),
             Self::Tolerance(value) => format!("tolerance {value:.0e}"),
             Self::LinearTolerance(value) => format!("linear tolerance {value:.0e}"),
-            Self::Factors(Precision::Single) => "factors in single".into(),
-            Self::Factors(Precision::Double) => "factors in double".into(),
             Self::LoadDegree(degree) => format!("loads of degree {degree}"),
             Self::Form(LoadForm::Weak) => "weak loads".into(),
             Self::Form(LoadForm::Strong) => "strong loads".into(),
@@ -86,10 +81,9 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
     if projected || contact.is_some() {
         found.extend(TOLERANCES.map(Knob::Tolerance));
     }
-    // Other scenes in the plane have one matrix and one factor of it, in double precision.
+    // Other scenes in the plane have one matrix and one factor of it.
     if projected {
         found.extend(LINEAR_TOLERANCES.map(Knob::LinearTolerance));
-        found.extend([Precision::Single, Precision::Double].map(Knob::Factors));
     }
     if let Data::Exact { interpolated: false, form, .. } = &body.data {
         // The rule and the form of the scene as written are no departure from it.
@@ -172,7 +166,6 @@ impl Variant {
             Knob::LinearTolerance(linear_tolerance) => {
                 newton = Some(Newton { linear_tolerance, ..Newton::default() });
             }
-            Knob::Factors(precision) => setup.precision = Some(precision),
             Knob::LoadDegree(degree) => {
                 rules.load = load_rule(d, degree);
                 rules.stress = rules.load.clone();

@@ -3,7 +3,7 @@ use nalgebra::DVector;
 use super::FiniteError;
 
 /// f(t).
-pub trait FiniteLoad {
+pub trait FiniteLoad: Send {
     /// f(t) as a vector of ℝ^m.
     ///
     /// # Errors

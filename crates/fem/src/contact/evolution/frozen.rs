@@ -13,7 +13,7 @@ pub(super) struct Frozen<'a> {
     gram: Vec<f64>,
     gram_factor: Factor,
     analysis: &'a Analysis,
-    front: Front<f64>,
+    front: Front,
     /// ∂F/∂ζ at Λη and w ∂‖ε(η)‖/∂η, where the level depends on ζ.
     by_zeta: Option<(Vec<f64>, Vec<f64>)>,
 }

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::contact::{Boundary, BoundaryRule, LoadError, kkt_residual};
+use crate::contact::{Boundary, BoundaryRule, LoadError, StepView, kkt_residual};
 use crate::mesh::{Family, Mesh, lattice};
 use crate::space::Element;
 use vhi::Newton;

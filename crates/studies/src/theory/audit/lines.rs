@@ -7,8 +7,9 @@ use super::level::LevelIntegrals;
 /// Rounding of a sum, relative to the sum of its absolute terms: up to 10⁶ terms round to 1e-13 of it
 /// at worst, and the solver's residual, 16 units of rounding of its forces, is of that size too.
 const ROUNDING: f64 = 1e-12;
-/// Where v^h - u is rounding itself (u affine in space), its powers are rounding of ‖σ‖‖ε‖.
-const NATURAL: f64 = 1e-14;
+/// Where v^h - u is rounding itself (u affine in space), its powers are rounding of ‖σ‖‖ε‖: the residual with which a level
+/// is accepted, 3.6e-15 of its forces, and some ten times that in strains of meshes of 8 cells a side.
+const NATURAL: f64 = 4e-14;
 /// The quadrature error of a kink inside cells, in units of the sum of absolute differences between 4
 /// and 16 parts per cell: where f0 jumps across a curve the error falls by 2 or more with each halving of
 /// the parts, so the difference bounds what is left, but irregularly; hence twice.
