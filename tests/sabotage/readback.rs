@@ -454,7 +454,7 @@ fn forest(svg: &str, verdicts: &[Verdict]) -> Result<(), String> {
         let written = beside.filter_map(|(_, words)| number(words)).next();
         agree("the order beside a row", written.unwrap_or(f64::NAN), verdict.predicted, 1e-12)?;
         let boxes = picture.0.iter().filter(|line| line.starts_with("<polygon"));
-        let centre = |line: &&str| -> Option<Place> {
+        let centre = |line: &str| -> Option<Place> {
             let corners = coordinates(attribute(line, "points")?);
             let [a, b] = [corners.first()?, corners.get(2)?];
             (corners.len() == 4).then_some((0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1)))

@@ -18,6 +18,9 @@ use vhi::{
 /// What is committed for level n: from the solution, the state before the solve, and what was committed last.
 pub type Commit = fn(usize, &StepState, &StepState, &StepState) -> StepState;
 
+/// A force at displacements, written into the second.
+type Force<'a> = dyn Fn(&[f64], &mut [f64]) + 'a;
+
 /// An evolution with another commit.
 struct Tampered<'a> {
     inner: Evolution<'a>,
@@ -29,7 +32,7 @@ struct Tampered<'a> {
     stale: bool,
     slots: Option<[LastSlot; 2]>,
     /// A force besides that of the level.
-    beside: Option<&'a dyn Fn(&[f64], &mut [f64])>,
+    beside: Option<&'a Force<'a>>,
 }
 
 impl HistoryInequality for Tampered<'_> {
