@@ -189,12 +189,6 @@ impl TensorField {
         })
     }
 
-    /// M/m, the largest eigenvalue over the smallest, in the region where it is largest.
-    pub fn ratio(&self, d: usize) -> f64 {
-        let each = self.regions.iter().map(|tensor| tensor.eigenvalues(d));
-        each.map(|(low, high)| high / low).fold(0.0, f64::max)
-    }
-
     /// The largest operator norm on S^d over all regions.
     pub fn norm(&self, d: usize) -> f64 {
         let (low, high) = self.eigenvalues(d);
