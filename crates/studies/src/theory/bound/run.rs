@@ -58,6 +58,9 @@ const REACH: f64 = 4.0;
 const SURE: f64 = 0.9;
 /// Random starts at the step size of the run.
 const MANY_STARTS: u64 = 24;
+/// Factors are solved for to 1e-10 of themselves or better: of levels that agree to ten times that the last one is taken,
+/// so that rounding does not choose.
+const EQUAL: f64 = 1e-9;
 
 impl ContractionStudy {
     /// The factors of a run, before its level with the largest one is looked at.
@@ -66,7 +69,7 @@ impl ContractionStudy {
     /// [`BoundError::NoLevel`] if there is none.
     pub(crate) fn of_levels(levels: Vec<FactorAtLevel>, steps: u32) -> Result<Self, BoundError> {
         let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
-            if next.norm > best.norm { *next } else { best }
+            if next.norm >= best.norm * (1.0 - EQUAL) { *next } else { best }
         };
         let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
         let worst = levels.iter().fold(first, worse);
