@@ -44,6 +44,8 @@ pub struct ContactProblem<'a> {
     solver: TangentSolver<'a>,
     /// Where Γ3 is all that is nonlinear, unless the volume is asked for.
     condensed: Option<Condensed<'a>>,
+    /// The open level was solved so: a solver may also take it in the volume.
+    by_condensation: bool,
     pub(super) jacobian: Jacobian,
     /// What the last tangent was made of.
     last: TangentOf<LastSlot>,
@@ -93,6 +95,7 @@ impl<'a> ContactProblem<'a> {
         Ok(Self {
             solver: TangentSolver::new(space.analysis()?, &space.pattern),
             condensed,
+            by_condensation: false,
             jacobian: Jacobian::default(),
             last: TangentOf::default(),
             linear_law: elasticity.clone(),
@@ -133,6 +136,7 @@ impl<'a> ContactProblem<'a> {
             axpy(-1.0, force, &mut self.load);
         }
         self.past_zeta = past_zeta;
+        self.by_condensation = false;
         let changed = slot.memory != self.slot.memory;
         self.slot.clone_from(slot);
         if changed {
@@ -176,8 +180,9 @@ impl<'a> ContactProblem<'a> {
         self.condensed = None;
     }
 
+    /// Whether the open level was solved condensed.
     pub(crate) fn is_condensed(&self) -> bool {
-        self.condensed.is_some()
+        self.by_condensation
     }
 
     /// Solves the open level condensed onto Γ3, where that is the plan.
@@ -189,6 +194,7 @@ impl<'a> ContactProblem<'a> {
         let condensed = self.condensed.as_mut()?;
         let matrix = (&self.linear[..], &self.slot.memory[..]);
         let outcome = condensed.solve(newton, matrix, &self.load, state);
+        self.by_condensation = true;
         self.take(&state.u);
         self.strain_norm = strain_norm(self.space, self.displacements());
         Some(outcome)
@@ -211,8 +217,8 @@ impl<'a> ContactProblem<'a> {
     /// first factorization (a scene at rest).
     pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
         match &mut self.condensed {
-            Some(condensed) => condensed.correct(rhs),
-            None => self.solver.solve_with_last_factor(rhs),
+            Some(condensed) if self.by_condensation => condensed.correct(rhs),
+            _ => self.solver.solve_with_last_factor(rhs),
         }
     }
 
