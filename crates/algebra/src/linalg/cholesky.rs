@@ -172,44 +172,33 @@ impl Analysis {
         self.symbolic.perm().map_or(&[], |perm| perm.arrays().0)
     }
 
-    /// Solves L Lᵀ x = b in place; x and b are in the order of the unknowns.
+    /// Solves L Lᵀ x = b in place, x and b in the order of the unknowns, for each of the right sides that stand in `x` one
+    /// after another: together they read the factor once.
     pub fn solve(&self, factor: &Factor, x: &mut [f64], front: &mut Front) {
-        self.solve_in(factor, x, MemStack::new(front.memory(self)));
+        let sides = x.len() / self.order().len().max(1);
+        self.solve_in(factor, x, MemStack::new(front.memory(self, sides)));
     }
 
     pub(super) fn solve_in(&self, factor: &Factor, x: &mut [f64], room: &mut MemStack) {
         LltRef::new(&self.symbolic, &factor.values).solve_in_place_with_conj(
             Conj::No,
-            column(x),
+            columns(x, self.order().len()),
             Par::Seq,
             room,
         );
     }
 
-    pub(super) fn solve_scratch(&self) -> StackReq {
-        self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)
-    }
-
-    /// Solves L y = x in place; `x` is in the order of the factor.
-    pub fn forward(&self, factor: &Factor, x: &mut [f64], front: &mut Front) {
-        if let Some(raw) = self.supernodes() {
-            let room = MemStack::new(front.memory(self));
-            SupernodalLltRef::new(raw, &factor.values).l_solve_with_conj(
-                Conj::No,
-                column(x),
-                Par::Seq,
-                room,
-            );
-        }
+    pub(super) fn solve_scratch(&self, sides: usize) -> StackReq {
+        self.symbolic.solve_in_place_scratch::<f64>(sides, Par::Seq)
     }
 
     /// Solves Lᵀ z = x in place; `x` is in the order of the factor.
     pub fn backward(&self, factor: &Factor, x: &mut [f64], front: &mut Front) {
         if let Some(raw) = self.supernodes() {
-            let room = MemStack::new(front.memory(self));
+            let room = MemStack::new(front.memory(self, 1));
             SupernodalLltRef::new(raw, &factor.values).l_transpose_solve_with_conj(
                 Conj::No,
-                column(x),
+                columns(x, self.order().len()),
                 Par::Seq,
                 room,
             );
@@ -249,8 +238,8 @@ impl Analysis {
 }
 
 impl Front {
-    fn memory(&mut self, analysis: &Analysis) -> &mut MemBuffer {
-        let needed = analysis.solve_scratch();
+    fn memory(&mut self, analysis: &Analysis, sides: usize) -> &mut MemBuffer {
+        let needed = analysis.solve_scratch(sides);
         if self.memory.as_ref().is_none_or(|memory| memory.len() < needed.size_bytes()) {
             self.memory = None;
         }
@@ -258,9 +247,9 @@ impl Front {
     }
 }
 
-fn column(x: &mut [f64]) -> MatMut<'_, f64> {
-    let rows = x.len();
-    MatMut::from_column_major_slice_mut(x, rows, 1)
+fn columns(x: &mut [f64], rows: usize) -> MatMut<'_, f64> {
+    let columns = x.len() / rows.max(1);
+    MatMut::from_column_major_slice_mut(x, rows, columns)
 }
 
 fn symbolic_matrix(pattern: &BlockPattern) -> SymbolicSparseColMatRef<'_, u32> {
@@ -295,50 +284,48 @@ mod tests {
         analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
         let x: Vec<f64> = (0..120).map(|i| f64::from(i % 7) - 3.0).collect();
         let mut front = Front::default();
-        for x in x.chunks(60) {
-            let mut b = vec![0.0; 60];
-            pattern.multiply(&values, x, &mut b);
-            analysis.solve(&factor, &mut b, &mut front);
-            assert!(b.iter().zip(x).all(|(p, q)| (p - q).abs() < 1e-14));
+        let mut both = vec![0.0; 120];
+        for (x, both) in x.chunks(60).zip(both.chunks_mut(60)) {
+            pattern.multiply(&values, x, both);
+            let mut one = both.to_vec();
+            analysis.solve(&factor, &mut one, &mut front);
+            assert!(one.iter().zip(x).all(|(p, q)| (p - q).abs() < 1e-14));
         }
+        analysis.solve(&factor, &mut both, &mut front);
+        assert!(both.iter().zip(&x).all(|(p, q)| (p - q).abs() < 1e-14));
     }
 
-    /// Forward and backward substitution solve; the last triangle is the factor of the Schur complement, by which the
-    /// solution on the last unknowns follows from the forward one.
+    /// The last triangle is the factor of the Schur complement; what is held on the last unknowns moves the others by
+    /// backward substitution.
     #[test]
-    fn substitutions_solve_and_condense() {
+    fn the_last_triangle_condenses() {
         let (pattern, values, coordinates) = laplacian();
         let last = [21, 3, 37, 59, 40];
         let order = nested_dissection(&pattern, &coordinates, &last);
         let analysis = Analysis::new(&pattern, &order).unwrap();
         let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
-        let exact: Vec<f64> = (0..60).map(|i| (f64::from(i) * 0.7).sin()).collect();
-        let mut b = vec![0.0; 60];
-        pattern.multiply(&values, &exact, &mut b);
-        let in_order = |x: &[f64]| -> Vec<f64> { order.iter().map(|&i| x[i as usize]).collect() };
-        let (wanted, mut front) = (in_order(&exact), Front::default());
-        let close = |x: &[f64]| x.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-13);
-        let (mut x, size) = (in_order(&b), last.len());
+        let (size, mut front) = (last.len(), Front::default());
         let first = 60 - size;
-        analysis.forward(&factor, &mut x, &mut front);
         let triangle = analysis.last_triangle(&factor, first);
         let l = |i: usize, j: usize| if j <= i { triangle[size * j + i] } else { 0.0 };
-        let transposed = |j: usize| -> f64 { (j..size).map(|i| l(i, j) * wanted[first + i]).sum() };
-        for i in 0..size {
-            let [schur, right]: [f64; 2] = [
-                (0..size).map(|j| l(i, j) * transposed(j)).sum(),
-                (0..size).map(|j| l(i, j) * x[first + j]).sum(),
-            ];
-            assert!((schur - right).abs() < 1e-13, "{i}: {schur} {right}");
-        }
+        let held: Vec<f64> = (0..size).map(|i| (i as f64 * 0.7).sin() + 2.0).collect();
+        // What holds them: forces on the last unknowns alone, S times the displacements.
+        let transposed = |j: usize| -> f64 { (j..size).map(|i| l(i, j) * held[i]).sum() };
+        let schur: Vec<f64> =
+            (0..size).map(|i| (0..size).map(|j| l(i, j) * transposed(j)).sum()).collect();
+        let mut x = vec![0.0; 60];
         (0..size).for_each(|j| x[first + j] = transposed(j));
         analysis.backward(&factor, &mut x, &mut front);
-        assert!(close(&x));
-        // A wrong value on the last unknowns shows in the others.
-        x[first] += 1e-6;
-        analysis.backward(&factor, &mut x, &mut front);
-        assert!(!close(&x[..first]));
+        let mut u = vec![0.0; 60];
+        order.iter().zip(&x).for_each(|(&dof, x)| u[dof as usize] = *x);
+        let mut force = vec![0.0; 60];
+        pattern.multiply(&values, &u, &mut force);
+        for (i, &dof) in order.iter().enumerate() {
+            let wanted = if i < first { 0.0 } else { schur[i - first] };
+            assert!((force[dof as usize] - wanted).abs() < 1e-13, "{i}: {wanted}");
+            assert!(i < first || (x[i] - held[i - first]).abs() < 1e-14, "{i}");
+        }
     }
 
     /// A band matrix of half width 4 in natural order: columns of length 5, shorter at the end.

@@ -321,7 +321,7 @@ impl LinOp<f64> for Operator<'_> {
 
 impl LinOp<f64> for Lagged<'_> {
     fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        self.analysis.solve_scratch()
+        self.analysis.solve_scratch(1)
     }
 
     fn nrows(&self) -> usize {

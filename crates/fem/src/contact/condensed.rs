@@ -6,9 +6,10 @@
 //!
 //! f the load minus the memory of the past, p the compliance where it is integrated on facets; p and the graphs G_i act on
 //! the unknowns of Γ3 alone. These are numbered last, so that K = L Lᵀ, L = [L₁₁ 0; L₂₁ L₂₂], has the Schur complement
-//! S = L₂₂ L₂₂ᵀ on them: y = L⁻¹ f; then S u₂ + p(u₂) + Σ_i w_i c_i s_i e_i = L₂₂ y₂ by semismooth Newton, a small full
-//! problem; then y₂ ← L₂₂ᵀ u₂, u = L⁻ᵀ y. L is kept while the weights are. Where the memory is a multiple of the
-//! elasticity, K is s𝒜, and the factor of 𝒜 serves all levels and all runs on the mesh.
+//! S = L₂₂ L₂₂ᵀ on them. With u° = K⁻¹ f, free of contact: S u₂ + p(u₂) + Σ_i w_i c_i s_i e_i = S u°₂ by semismooth Newton,
+//! a small full problem; then u = u° + L⁻ᵀ [0; L₂₂ᵀ (u₂ - u°₂)]. L is kept while the weights are. Where the memory is a
+//! multiple of the elasticity, ℬ = β𝒜 and K is s𝒜: the factor of 𝒜 serves all levels and all runs on the mesh, and
+//! s u° = 𝒜⁻¹ F - β Σ w_j u_j, F the load, for several levels together.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -100,7 +101,10 @@ impl<'a> Condensed<'a> {
     }
 
     /// Takes the K of a level, with the lower triangle `matrix` and weights `slot` of the last slot.
-    fn set(&mut self, matrix: &[f64], slot: &[f64]) -> Result<(), FactorError> {
+    ///
+    /// # Errors
+    /// K is not positive definite.
+    pub(super) fn set(&mut self, matrix: &[f64], slot: &[f64]) -> Result<(), FactorError> {
         if let Some(beta) = self.beta {
             self.scale = 1.0 + beta * slot.first().copied().unwrap_or(0.0);
             let positive = self.scale > 0.0;
@@ -119,54 +123,66 @@ impl<'a> Condensed<'a> {
         Ok(())
     }
 
-    /// Solves a level with this K and f from the start value in `state`.
+    /// β, where K is s𝒜 in every level.
+    pub(super) fn beta(&self) -> Option<f64> {
+        self.beta
+    }
+
+    /// 𝒜⁻¹ of loads over the unknowns, one after another, where K is s𝒜; else K⁻¹.
+    pub(super) fn solve_free(&mut self, loads: &mut [f64]) {
+        let start = Instant::now();
+        self.analysis.solve(&self.factor, loads, &mut self.front);
+        self.work.solves += (loads.len() / self.x.len().max(1)) as u32;
+        self.work.seconds_solve += start.elapsed().as_secs_f64();
+    }
+
+    /// Solves a level with this K, given s u°, from the start value in `state`.
     ///
     /// # Errors
-    /// K is not positive definite, or the problem on Γ3 is not solved.
+    /// The problem on Γ3 is not solved.
     pub(super) fn solve(
         &mut self,
         newton: &Newton,
-        (matrix, slot): (&[f64], &[f64]),
-        load: &[f64],
+        free: &[f64],
         state: &mut StepState,
     ) -> Result<StepInfo, StepError> {
-        self.set(matrix, slot).map_err(|source| StepError::Factor { iteration: 0, source })?;
         let start = Instant::now();
-        let (order, x) = (self.analysis.order(), &mut self.x);
-        x.iter_mut().zip(order).for_each(|(x, &dof)| *x = load[dof as usize]);
-        self.analysis.forward(&self.factor, x, &mut self.front);
         let mut info = StepInfo { iterations: 1, ..StepInfo::default() };
         if let Some(side) = &mut self.side {
-            let first = x.len() - side.dofs.len();
-            info = side.solve(newton, self.scale, &mut x[first..], state)?;
+            info = side.solve(newton, self.scale, free, state)?;
         }
-        self.analysis.backward(&self.factor, x, &mut self.front);
-        for (x, &dof) in x.iter().zip(order) {
-            state.u[dof as usize] = x / self.scale;
-        }
+        self.add_contact(free, &mut state.u);
         // Values that a graph holds stay exact.
         if let Some(side) = &self.side {
             side.dofs.iter().zip(&side.state.u).for_each(|(&dof, u)| state.u[dof as usize] = *u);
         }
-        self.work.solves += 1;
         self.work.seconds_solve += start.elapsed().as_secs_f64();
         Ok(info)
+    }
+
+    /// u of s u° and what Γ3 was moved by.
+    fn add_contact(&mut self, free: &[f64], u: &mut [f64]) {
+        u.iter_mut().zip(free).for_each(|(u, free)| *u = free / self.scale);
+        let Some(side) = &self.side else { return };
+        let (order, x) = (self.analysis.order(), &mut self.x);
+        let first = x.len() - side.dofs.len();
+        x[..first].fill(0.0);
+        side.times_transpose(&side.moved, &mut x[first..]);
+        self.analysis.backward(&self.factor, x, &mut self.front);
+        for (x, &dof) in x.iter().zip(order) {
+            u[dof as usize] += x / self.scale;
+        }
     }
 
     /// What a force would change in the last level. Γ3 answers by its own tangent, where a stiff law holds what rounding of
     /// its forces would move.
     pub(super) fn correct(&mut self, force: &mut [f64]) {
-        let (order, x) = (self.analysis.order(), &mut self.x);
-        x.iter_mut().zip(order).for_each(|(x, &dof)| *x = force[dof as usize]);
-        self.analysis.forward(&self.factor, x, &mut self.front);
+        let mut free = force.to_vec();
+        self.solve_free(&mut free);
         if let Some(side) = &mut self.side {
-            let first = x.len() - side.dofs.len();
-            side.correct(&mut x[first..]);
+            side.correct(&free);
         }
-        self.analysis.backward(&self.factor, x, &mut self.front);
-        for (x, &dof) in x.iter().zip(order) {
-            force[dof as usize] = x / self.scale;
-        }
+        self.add_contact(&free, force);
     }
 }
 
@@ -180,8 +196,10 @@ struct Side<'a> {
     triangle: Vec<f64>,
     schur: Vec<f64>,
     scale: f64,
-    /// L₂₂ y₂.
+    /// S s u°₂.
     load: Vec<f64>,
+    /// s (u₂ - u°₂).
+    moved: Vec<f64>,
     /// The tangent, its factor without what is prescribed, and what it was made of, with s for the last slot.
     matrix: Vec<f64>,
     tangent: DenseCholesky,
@@ -212,6 +230,7 @@ impl<'a> Side<'a> {
             schur: vec![0.0; size * size],
             scale: 1.0,
             load: vec![0.0; size],
+            moved: vec![0.0; size],
             matrix: vec![0.0; size * size],
             tangent: DenseCholesky::new(size),
             last: TangentOf::default(),
@@ -236,20 +255,32 @@ impl<'a> Side<'a> {
         self.last.made = None;
     }
 
-    /// Solves with y₂ in `y`, which becomes s L₂₂ᵀ u₂; the start value and the pressures are those of the volume.
+    /// `out` ← L₂₂ᵀ x.
+    fn times_transpose(&self, x: &[f64], out: &mut [f64]) {
+        for (k, column) in self.triangle.chunks_exact(self.dofs.len().max(1)).enumerate() {
+            out[k] = dot(&column[k..], &x[k..]);
+        }
+    }
+
+    /// Takes s u°₂ into `moved`, with the other sign, and its forces.
+    fn take_free(&mut self, free: &[f64]) {
+        self.moved.iter_mut().zip(&self.dofs).for_each(|(x, &dof)| *x = -free[dof as usize]);
+        self.load.fill(0.0);
+        for (x, column) in self.moved.iter().zip(self.schur.chunks_exact(self.dofs.len().max(1))) {
+            axpy(-x, column, &mut self.load);
+        }
+    }
+
+    /// Solves with s u° in `free`; the start value and the pressures are those of the volume.
     fn solve(
         &mut self,
         newton: &Newton,
         scale: f64,
-        y: &mut [f64],
+        free: &[f64],
         of_volume: &mut StepState,
     ) -> Result<StepInfo, StepError> {
-        let size = self.dofs.len();
         self.scale = scale;
-        self.load.fill(0.0);
-        for (k, column) in self.triangle.chunks_exact(size.max(1)).enumerate() {
-            axpy(y[k], &column[k..], &mut self.load[k..]);
-        }
+        self.take_free(free);
         let mut state = std::mem::take(&mut self.state);
         let mut scratch = std::mem::take(&mut self.scratch);
         state.u.clear();
@@ -257,30 +288,24 @@ impl<'a> Side<'a> {
         state.pressure.clone_from(&of_volume.pressure);
         let outcome = newton.solve(self, &mut state, &mut scratch);
         of_volume.pressure.clone_from(&state.pressure);
-        for (k, column) in self.triangle.chunks_exact(size.max(1)).enumerate() {
-            y[k] = scale * dot(&column[k..], &state.u[k..]);
-        }
+        axpy(scale, &state.u, &mut self.moved);
         (self.state, self.scratch) = (state, scratch);
         outcome
     }
 
-    /// Solves with the last tangent and y₂ of a force in `y`, which becomes s L₂₂ᵀ δu₂; as it is before the first tangent.
-    fn correct(&mut self, y: &mut [f64]) {
+    /// Solves with the last tangent and 𝒜⁻¹ of a force in `free`; Γ3 is free before the first tangent.
+    fn correct(&mut self, free: &[f64]) {
+        self.take_free(free);
         if self.last.made.is_none() {
+            self.moved.fill(0.0);
             return;
         }
-        let size = self.dofs.len();
-        let mut change = vec![0.0; size];
-        for (k, column) in self.triangle.chunks_exact(size.max(1)).enumerate() {
-            axpy(y[k], &column[k..], &mut change[k..]);
-        }
+        let mut change = self.load.clone();
         for (at, _) in self.graph.coordinates.iter().zip(&self.last.prescribed).filter(|p| *p.1) {
             change[at.dof as usize] = 0.0;
         }
         self.tangent.solve(&mut change);
-        for (k, column) in self.triangle.chunks_exact(size.max(1)).enumerate() {
-            y[k] = self.scale * dot(&column[k..], &change[k..]);
-        }
+        axpy(self.scale, &change, &mut self.moved);
     }
 
     fn factorize(&mut self) -> Result<(), FactorError> {

@@ -1,10 +1,12 @@
 //! Problem 14 over a time grid as a [`HistoryInequality`]: one [`ContactProblem`] level after
 //! another, with the histories of ℬ and ζ.
 
+mod ahead;
 mod frozen;
 
 use std::time::Instant;
 
+use self::ahead::LoadsAhead;
 use self::frozen::Frozen;
 use super::case::failed;
 use super::histories::Histories;
@@ -22,7 +24,7 @@ pub struct Evolution<'a> {
     space: &'a Discretization,
     model: &'a Model,
     grid: &'a TimeGrid,
-    source: &'a mut dyn Load,
+    source: LoadsAhead<'a>,
     problem: ContactProblem<'a>,
     histories: Histories<'a>,
     accumulated: Accumulated,
@@ -71,7 +73,7 @@ impl<'a> Evolution<'a> {
             space,
             model,
             grid,
-            source,
+            source: LoadsAhead::new(source),
         })
     }
 
@@ -138,6 +140,9 @@ impl<'a> Evolution<'a> {
     fn begin_implicit(&mut self) {
         let sums = if self.committed > 0 { &self.histories.sums[..] } else { &[] };
         self.problem.begin(&self.slot, self.past_zeta, &self.load, sums);
+        if let Some(solved) = self.source.solved(self.committed) {
+            self.problem.take_solved(solved, sums);
+        }
     }
 }
 
@@ -151,7 +156,7 @@ impl HistoryInequality for Evolution<'_> {
     fn open(&mut self) -> Result<(), CaseError> {
         let n = self.committed;
         let start = Instant::now();
-        self.source.assemble(self.grid.time(n), &mut self.load)?;
+        self.source.take(n, self.grid, &mut self.problem, &mut self.load)?;
         self.seconds_load += start.elapsed().as_secs_f64();
         let rule = self.model.time_rule.as_ref();
         self.slot.zeta = rule.weight(self.grid, n, n);
@@ -185,6 +190,9 @@ impl OpenInequality for Evolution<'_> {
             axpy(last_weight, eta, frozen);
         }
         self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
+        if let Some(solved) = self.source.solved(self.committed) {
+            self.problem.take_solved(solved, &self.frozen_history);
+        }
     }
 
     fn solve_condensed(

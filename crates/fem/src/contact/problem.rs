@@ -51,6 +51,9 @@ pub struct ContactProblem<'a> {
     last: TangentOf<LastSlot>,
     /// Load minus memory of the past.
     load: Vec<f64>,
+    /// s u° of the open level, if it is known before its solve, and room for it.
+    free: Vec<f64>,
+    free_is_known: bool,
     /// The unknowns padded to all nodes; the displacements, where they differ; forces on all nodes.
     pub(super) unknowns: Vec<f64>,
     cartesian: Vec<f64>,
@@ -104,6 +107,8 @@ impl<'a> ContactProblem<'a> {
             elastic,
             memory,
             load: vec![0.0; space.dofs()],
+            free: Vec::new(),
+            free_is_known: false,
             unknowns: vec![0.0; space.nodes.len()],
             cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
@@ -128,6 +133,7 @@ impl<'a> ContactProblem<'a> {
     /// They may be padded to all nodes.
     pub fn begin(&mut self, slot: &LastSlot, past_zeta: f64, load: &[f64], past: &[Vec<f64>]) {
         let start = Instant::now();
+        self.free_is_known = false;
         self.load.copy_from_slice(load);
         self.space.frames.force_on_unknowns(&mut self.load);
         for (past, memory) in past.iter().zip(&self.memory) {
@@ -185,6 +191,31 @@ impl<'a> ContactProblem<'a> {
         self.by_condensation
     }
 
+    /// Takes 𝒜⁻¹ F_n of the level that was just opened, and the history vectors it was opened with.
+    pub(crate) fn take_solved(&mut self, solved: &[f64], past: &[Vec<f64>]) {
+        let Some(beta) = self.condensed.as_ref().and_then(Condensed::beta) else { return };
+        self.free_is_known = true;
+        self.free.clear();
+        self.free.extend_from_slice(solved);
+        for past in past {
+            axpy(-beta, &past[..solved.len()], &mut self.free);
+        }
+    }
+
+    /// Whether one matrix serves all levels, so that loads can be solved with ahead of them.
+    pub(crate) fn solves_ahead(&self) -> bool {
+        self.condensed.as_ref().is_some_and(|condensed| condensed.beta().is_some())
+    }
+
+    /// 𝒜⁻¹ of loads (Cartesian), one after another, where [`Self::solves_ahead`].
+    pub(crate) fn solve_ahead(&mut self, loads: &mut [f64]) {
+        let Some(condensed) = &mut self.condensed else { return };
+        for load in loads.chunks_exact_mut(self.load.len().max(1)) {
+            self.space.frames.force_on_unknowns(load);
+        }
+        condensed.solve_free(loads);
+    }
+
     /// Solves the open level condensed onto Γ3, where that is the plan.
     pub(crate) fn solve_condensed(
         &mut self,
@@ -192,9 +223,15 @@ impl<'a> ContactProblem<'a> {
         state: &mut StepState,
     ) -> Option<Result<StepInfo, StepError>> {
         let condensed = self.condensed.as_mut()?;
-        let matrix = (&self.linear[..], &self.slot.memory[..]);
-        let outcome = condensed.solve(newton, matrix, &self.load, state);
         self.by_condensation = true;
+        if let Err(source) = condensed.set(&self.linear, &self.slot.memory) {
+            return Some(Err(StepError::Factor { iteration: 0, source }));
+        }
+        if !self.free_is_known {
+            self.free.clone_from(&self.load);
+            condensed.solve_free(&mut self.free);
+        }
+        let outcome = condensed.solve(newton, &self.free, state);
         self.take(&state.u);
         self.strain_norm = strain_norm(self.space, self.displacements());
         Some(outcome)
