@@ -66,6 +66,8 @@ const WANTED_RADIUS: f64 = 1e-11;
 const RESTARTS: usize = 100;
 /// A smaller imaginary part, relative to the radius, is rounding of a nearly double real eigenvalue.
 const REAL: f64 = 1e-6;
+/// Vectors that an iteration holds: 65 of a basis and 64 of its change, as the library takes them for up to 32 eigenvalues.
+pub const KRYLOV_VECTORS: usize = 129;
 /// T x and x of the start are one direction: T is a multiple of the identity on all that an iteration sees.
 const ONE_DIRECTION: f64 = 1e-13;
 /// Eigenvalues that are asked for where those of largest modulus may be complex.

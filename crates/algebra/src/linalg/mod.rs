@@ -15,7 +15,9 @@ pub use cholesky::{Analysis, Factor, FactorError, Front, Workspace};
 pub use complement::complement;
 pub use dense::DenseCholesky;
 pub use dissection::nested_dissection;
-pub use eigen::{EigenError, Extreme, LinearMap, Spectrum, largest_eigenvalue, spectrum};
+pub use eigen::{
+    EigenError, Extreme, KRYLOV_VECTORS, LinearMap, Spectrum, largest_eigenvalue, spectrum,
+};
 pub use jacobian::{Jacobian, NonsymmetricEntry, RankOne};
 pub use pattern::BlockPattern;
 pub use random::signed_unit;

@@ -4,7 +4,8 @@ use super::ladder::BoundError;
 use super::linear::linear_loss;
 use super::run::{self, ContractionStudy, FactorAtLevel};
 use ::run::sweep::Runs;
-use fem::contact::Evolution;
+use algebra::linalg::KRYLOV_VECTORS;
+use fem::contact::{Discretization, Evolution};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::{StepBounds, StepState};
 
@@ -40,8 +41,11 @@ fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
 /// The runs of a study.
 pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
     let grid = meshes_beside(setup, n).map(|n| (n, steps)).collect();
-    // Of earlier levels a run keeps the history alone.
-    Runs { setup, grid, beside: Box::new(|_, _| 0.0) }
+    // The factors of the volume's tangent and of the inner product, and the vectors of an eigenvalue.
+    let beside = |space: &Discretization, _| {
+        8.0 * (2.0 * space.factor_size()[0] + (KRYLOV_VECTORS * space.dofs()) as f64)
+    };
+    Runs { setup, grid, beside: Box::new(beside) }
 }
 
 /// The factor at every level n ≥ 1 of a run.
