@@ -178,7 +178,7 @@ impl<'a> Condensed<'a> {
     /// its forces would move.
     pub(super) fn correct(&mut self, force: &mut [f64]) {
         let mut free = force.to_vec();
-        self.solve_free(&mut free);
+        self.analysis.solve(&self.factor, &mut free, &mut self.front);
         if let Some(side) = &mut self.side {
             side.correct(&free);
         }
