@@ -6,14 +6,15 @@ use super::{EvaluationPoint, Graph, assert_close, everything, node};
 #[test]
 fn sums_of_exponentials() {
     let e = std::f64::consts::E;
-    let cases: [(&str, &[(f64, f64)]); 9] = [
+    let cases: [(&str, &[(f64, f64)]); 10] = [
         ("3", &[(3.0, 0.0)]),
         ("0", &[]),
         ("exp(-t/4)", &[(1.0, 0.25)]),
         ("-exp(-t)", &[(-1.0, 1.0)]),
         ("2*exp(1-3*t)", &[(2.0 * e, 3.0)]),
         ("1 + exp(-t)/2 - 3*exp(-2*t)", &[(1.0, 0.0), (0.5, 1.0), (-3.0, 2.0)]),
-        ("(1-exp(-t))^2", &[(1.0, 0.0), (-2.0, 1.0), (1.0, 2.0)]),
+        ("exp(-t)*(1 - 2*exp(-t))/4", &[(0.25, 1.0), (-0.5, 2.0)]),
+        ("exp(-2*t) - exp(-(t + t))", &[]),
         ("exp(-t)*exp(t)", &[(1.0, 0.0)]),
         ("1/exp(2*t)", &[(1.0, 2.0)]),
     ];
@@ -27,7 +28,22 @@ fn sums_of_exponentials() {
             assert_close(*c, *d, 1e-14, text);
         }
     }
-    for text in ["t", "exp(-t^2)", "sin(t)", "x", "exp(-x*t)", "1/(1+t)", "relax(1, sin(t))"] {
+    for text in [
+        "t",
+        "t*exp(-t)",
+        "exp(-t) + t",
+        "exp(-t)/(1 + t)",
+        "exp(exp(-t))",
+        "exp(-t^2)",
+        "sin(t)",
+        "x",
+        "exp(-x*t)",
+        "1/(1+t)",
+        "relax(1, sin(t))",
+        // Sums that are written in another way.
+        "(1-exp(-t))^2",
+        "2^(-t)",
+    ] {
         let mut graph = Graph::new();
         let f = node(&mut graph, &everything(), text);
         assert_eq!(graph.exponential_sum(f), None, "{text}");
