@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::shipped::{edited, on_mesh, setup_of, text};
+use crate::shipped::{edited, on_mesh, setup_of, text, v_max};
 use exact::Truth;
 use fem::contact::LoadError;
 use fem::norms::Moments;
@@ -309,4 +309,26 @@ fn coarse_panels_of_the_truth_move_the_ratio_of_the_constant() {
     println!("{error:e} {foreseen:e} {ratio}, floor {floor:e}");
     // Time constants are gated at one percent.
     assert!((ratio - 1.0).abs() > 0.01, "{ratio}");
+}
+
+/// A kernel that is not written as a sum of exponentials is none for either side: sums over the whole past and quadrature
+/// in time give the error of the recursion.
+#[test]
+fn an_exponential_that_is_not_recognised_has_the_same_error() {
+    let error = |kernel: &str| {
+        let kernel = format!("kernel = \"{kernel}\"");
+        let setup = setup_of(edited(&text("affine"), "kernel = \"-exp(-t)\"", &kernel));
+        let recognised = setup.body.material.memory[0].exponentials.is_some();
+        (recognised, v_max(&setup, &setup.model, &on_mesh(&setup, 1), 16))
+    };
+    let (recognised, sound) = error("-exp(-t)");
+    assert!(recognised);
+    for kernel in ["-(exp(-t/2))^2", "-4^(-t/1.3862943611198906)"] {
+        let (recognised, other) = error(kernel);
+        // Quadrature in time is good to 1e-13 of fields of order one.
+        let off = (other - sound).abs();
+        assert!(!recognised && off <= 1e-13, "{kernel}: {recognised} {off:e}");
+    }
+    let (_, other) = error("-(exp(-t/2.001))^2");
+    assert!((other - sound).abs() > 1e-9, "{other:e} {sound:e}");
 }

@@ -6,12 +6,10 @@
 
 use std::sync::Arc;
 
-use crate::shipped::{bodies, edited, on_mesh, relative, setup, setup_of, text, v_max};
+use crate::shipped::{edited, on_mesh, relative, setup, setup_of, text, v_max};
 use exact::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
-use fem::contact::{BoundaryRule, Discretization, LoadError, stress_force};
-use fem::norms::Moments;
+use fem::contact::{BoundaryRule, LoadError, stress_force};
 use fem::space::quadrature::TruthRules;
-use scene::Data;
 use scene::setup::{MeshData, Setup, side_numbers};
 
 /// Both load vectors on the mesh n at t, and the largest nodal force.
@@ -170,158 +168,6 @@ fn the_contact_quadrature_does_not_decide_the_v_error() {
         assert!(off <= 1e-3, "{scene}: {a:e} {b:e}");
         // Two runs of one rule would agree exactly: the comparison compares two.
         assert!(off > 0.0, "{scene}");
-    }
-}
-
-/// Largest difference of two lists relative to the largest number of the second.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let size = b.iter().fold(0f64, |size, value| size.max(value.abs()));
-    let pairs = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    pairs.fold(0f64, |worst, off| if off.is_nan() { f64::NAN } else { worst.max(off) })
-        / if size > 0.0 { size } else { 1.0 }
-}
-
-/// Loads and moments of two truths at a time, and how far they are apart.
-fn truths_apart(a: &dyn Truth, b: &dyn Truth, [t, s]: [f64; 2]) -> f64 {
-    let load = |truth: &dyn Truth, t: f64| truth.load(t).unwrap_or_else(|error| panic!("{error}"));
-    let moments =
-        |truth: &dyn Truth, t: f64| truth.moments(t).unwrap_or_else(|error| panic!("{error}"));
-    let (m, l) = (moments(a, t), moments(b, s));
-    assert_eq!(m.locked, l.locked);
-    // Remainders against the size of their field: those of an affine one are rounding.
-    let rests = |moments: &Moments| -> [(f64, f64); 3] {
-        let size = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |s, v| s.max(v.abs()));
-        let Moments { strain, stress, displacement, .. } = moments;
-        [
-            (strain.rest.sqrt(), size(&strain.at)),
-            (stress.rest.sqrt(), size(&stress.at)),
-            (displacement.rest.sqrt(), size(&displacement.node)),
-        ]
-    };
-    let rests =
-        rests(&m).into_iter().zip(rests(&l)).map(|((a, _), (b, size))| (a - b).abs() / size);
-    [
-        apart(&load(a, t), &load(b, s)),
-        apart(&m.strain.at, &l.strain.at),
-        apart(&m.stress.at, &l.stress.at),
-        apart(&m.displacement.node, &l.displacement.node),
-        apart(&m.normal.node, &l.normal.node),
-        apart(&m.pressure.node, &l.pressure.node),
-    ]
-    .into_iter()
-    .chain(rests)
-    .fold(0f64, |worst, off| if off.is_nan() { f64::NAN } else { worst.max(off) })
-}
-
-/// Setups with an exact solution that no run interpolates, each with that solution and the mesh of its sweep's first n.
-fn integrated() -> impl Iterator<Item = (Setup, Arc<Exact>, Arc<Discretization>)> {
-    let interpolated =
-        |setup: &Setup| matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    bodies().filter(move |setup| !interpolated(setup)).filter_map(|setup| {
-        let exact = setup.exact.clone()?;
-        let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
-        let space = setup.space(n.unwrap_or(4)).unwrap_or_else(|error| panic!("{error}"));
-        Some((setup, exact, space))
-    })
-}
-
-/// 1e-11, and where λ is far above μ the rounding of λ div u, whose terms cancel.
-fn allowed(setup: &Setup) -> f64 {
-    let (least, largest) = setup.model.elasticity.eigenvalues(setup.scene.dimension);
-    f64::max(1e-11, f64::EPSILON * largest / least)
-}
-
-/// Fields that separate in time are integrated once and combined; the same as at each time alone. What moves in
-/// space, and what is projected, does not separate.
-#[test]
-fn fields_in_parts_are_those_of_each_time() {
-    let mut separated = Vec::new();
-    for (setup, exact, space) in integrated() {
-        let name = setup.scene.name.clone();
-        let Some(separation) = &exact.separation else { continue };
-        let sides = side_numbers(&setup.body.domain.traction);
-        let rules = TruthRules::of(setup.scene.dimension);
-        for form in [LoadForm::Weak, LoadForm::Strong] {
-            let truth = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
-            let (parts, whole) = (truth(), truth().time_by_time());
-            let horizon = setup.scene.time.horizon;
-            for t in [0.0, 0.31 * horizon, horizon] {
-                let off = truths_apart(&parts, &whole, [t, t]);
-                // Sums of at most eight parts, of terms that hardly cancel; remainders are squares of small differences.
-                assert!(off < allowed(&setup), "{name}, {form:?}, t = {t}: {off:e}");
-            }
-            let moves =
-                separation.factors.at(0.31 * horizon) != separation.factors.at(0.32 * horizon);
-            let off = truths_apart(&parts, &whole, [0.31 * horizon, 0.32 * horizon]);
-            assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
-        }
-        separated.push(name);
-    }
-    for name in ["law-linear", "orthotropic", "viscoelastic"] {
-        assert!(separated.iter().any(|known| known == name), "{name} separates: {separated:?}");
-    }
-    for name in ["affine", "compliance", "pure-mild"] {
-        assert!(separated.iter().all(|known| known != name), "{name} does not separate");
-    }
-}
-
-/// Memory by a multiple of 𝒜 is a matter of factors in time; by other numbers it adds parts. With a multiple that
-/// is not the material's σ is another.
-#[test]
-fn memory_that_is_a_multiple_has_no_parts() {
-    for (scene, parts, alone) in [
-        ("viscoelastic", 2, 0),
-        ("sourced-box", 3, 0),
-        ("law-linear", 1, 0),
-        // λ and μ_L of the memory have another ratio; kernels of bulk and shear differ.
-        ("layered", 1, 1),
-        ("bulk-shear", 2, 4),
-    ] {
-        let exact = exact(&setup(scene));
-        let separation = exact.separation.as_ref().expect("fields that separate");
-        let by_itself = separation.remembered_alone.iter().filter(|alone| !**alone).count();
-        assert_eq!([by_itself, separation.factors.parts - by_itself], [parts, alone], "{scene}");
-    }
-    let setup = setup("viscoelastic");
-    let mut mixed = changed(&setup, |_| {});
-    // The law point by point gets the new number; the factors, derived already, keep the old one.
-    let material = &mut Arc::get_mut(&mut mixed).expect("one owner").data.material;
-    material.memory[0] = (1.5 * material.memory[0].0, 1.5 * material.memory[0].1);
-    let space = on_mesh(&setup, 4).space;
-    let sides = side_numbers(&setup.body.domain.traction);
-    let new = || {
-        let rules = TruthRules::of(2);
-        ExactOnMesh::new(mixed.clone(), space.clone(), LoadForm::Weak, &sides, &rules)
-    };
-    let off = truths_apart(&new(), &new().time_by_time(), [0.7, 0.7]);
-    assert!(off > 1e-3, "{off:e}");
-}
-
-/// Fields that separate are integrated in parts: loads and moments are those of each point at each time.
-#[test]
-fn shorter_ways_to_the_moments_are_those_of_each_point() {
-    for (setup, exact, space) in integrated() {
-        let name = &setup.scene.name;
-        let sides = side_numbers(&setup.body.domain.traction);
-        let rules = TruthRules::of(setup.scene.dimension);
-        let horizon = setup.scene.time.horizon;
-        let [early, late] = [0.31 * horizon, 0.32 * horizon];
-        for form in [LoadForm::Weak, LoadForm::Strong] {
-            let new = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
-            let (short, points) = (new(), new().time_by_time());
-            for t in [0.0, early, horizon] {
-                let off = truths_apart(&short, &points, [t, t]);
-                // Sums over 12 points and a few products of numbers of order one; remainders are squares of small differences.
-                assert!(off < allowed(&setup), "{name}, {form:?}, t = {t}: {off:e}");
-            }
-            let load = |truth: &ExactOnMesh, t: f64| {
-                truth.load(t).unwrap_or_else(|error| panic!("{error}"))
-            };
-            let moves = load(&points, early) != load(&points, late);
-            let off = apart(&load(&short, early), &load(&points, late));
-            assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
-        }
     }
 }
 

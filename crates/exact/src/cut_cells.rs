@@ -5,8 +5,8 @@
 
 use super::constitutive::{mandel, stress};
 use super::cuts::{Cut, Cuts};
+use super::fields::Fields;
 use super::onto::Onto;
-use super::parts::Parts;
 use fem::norms::Moments;
 use fem::space::quadrature::Rule;
 
@@ -19,7 +19,7 @@ struct CellMoments<const D: usize, const N: usize> {
     rest: [f64; 3],
 }
 
-impl Parts<'_> {
+impl Fields<'_> {
     /// Recomputes the moments of cut cells by the rule of `whole` cells on their pieces. A cell with new non-finite
     /// values is left as it is.
     pub(super) fn correct<const D: usize, const N: usize>(

@@ -7,8 +7,8 @@ use super::constitutive::{Tensor, full, stress};
 use super::curve::CurveNumbers;
 use super::friction::FrictionFormulas;
 use super::lanes::Number;
+use super::symbolic;
 use super::zeta_domain::Domain;
-use super::{Separation, symbolic};
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{Graph, Node, Program, Variable};
 
@@ -146,8 +146,6 @@ pub struct Exact {
     pub forces: Program,
     /// ζ(t).
     pub zeta: AccumulatedStrain,
-    /// The fields as short sums of products of time and space, if σ is linear in ε and the formulas separate.
-    pub separation: Option<Separation>,
 }
 
 impl Exact {
@@ -169,10 +167,7 @@ impl Exact {
         let polytope = data.polytope.as_ref().map(|polytope| Domain::Coarse(&polytope.coarse));
         let domain = polytope.unwrap_or(Domain::Box(&data.size));
         let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, domain, needs_zeta);
-        // σ is linear in ε without the projection.
-        let is_linear = data.kappa.is_none();
-        let separation = is_linear.then(|| Separation::of(&data, &strain)).flatten();
-        Self { strain, memory, stress, body_force, interior, forces, zeta, separation, data }
+        Self { strain, memory, stress, body_force, interior, forces, zeta, data }
     }
 
     pub(crate) fn dimension(&self) -> usize {

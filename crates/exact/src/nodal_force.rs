@@ -50,8 +50,7 @@ pub(super) fn add_force_along(
     }
 }
 
-/// Adds ∫ σ:ε(v) over some cells from the projection of σ at their strain points, in the notation of moments; empty
-/// where σ vanishes.
+/// Adds ∫ σ:ε(v) over some cells from the projection of σ at their strain points, in the notation of moments.
 pub(super) fn add_means<const D: usize>(
     (space, work): (&Discretization, &Work),
     cells: Range<usize>,

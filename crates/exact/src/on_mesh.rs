@@ -1,21 +1,17 @@
-//! An exact solution on a mesh: load vectors and moments, shared by all cases on the mesh. Fields that separate in time
-//! are integrated once, in parts; others at each time.
+//! An exact solution on a mesh: load vectors and moments, shared by all cases on the mesh.
 
 mod contact;
 
 use fem::mesh::in_dimension;
 use std::sync::{Arc, OnceLock};
 
-use self::contact::ContactMoments;
 use super::contact_samples::StatePoints;
 use super::cuts::Cuts;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
+use super::fields::Fields;
 use super::nodal_force::force_of_means;
-use super::part_moments::{PartMoments, combined, forget_zeros};
-use super::parts::Parts;
 use super::sampled::Sampled;
-use super::separation::Separation;
 use super::truth::{ByTime, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::norms::{ContactSamples, Moments};
@@ -29,7 +25,6 @@ pub struct ExactOnMesh {
     /// Points of the error rule in the cells; points of σ in the weak form if different.
     error_points: Sampled,
     stress_points: Option<Sampled>,
-    /// Points on the facets of cells, in the weak form for discontinuous elements.
     /// Points of the strong form in the cells.
     force_points: Sampled,
     /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
@@ -40,14 +35,6 @@ pub struct ExactOnMesh {
     loads: ByTime<Vec<f64>>,
     moments: ByTime<KnownMoments>,
     cuts: Option<Cuts>,
-    /// The parts of loads and moments that do not separate.
-    contact_forces: ByTime<Vec<f64>>,
-    contact_moments: ByTime<ContactMoments>,
-    /// Nodal vectors and moments of the parts; None if one is not finite.
-    load_parts: OnceLock<Option<Vec<Vec<f64>>>>,
-    moment_parts: OnceLock<Option<PartMoments>>,
-    /// Whether separable fields are taken in parts.
-    in_parts: bool,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -90,55 +77,19 @@ impl ExactOnMesh {
             loads: ByTime::default(),
             moments: ByTime::default(),
             cuts,
-            contact_forces: ByTime::default(),
-            contact_moments: ByTime::default(),
-            load_parts: OnceLock::new(),
-            moment_parts: OnceLock::new(),
-            in_parts: true,
             state_points: OnceLock::new(),
         }
     }
 
-    /// Evaluates all fields at each time: for few times, and to check the parts.
-    pub fn time_by_time(mut self) -> Self {
-        self.in_parts = false;
-        self
-    }
-
-    fn at(&self, t: f64) -> Parts<'_> {
-        Parts {
+    fn at(&self, t: f64) -> Fields<'_> {
+        Fields {
             exact: &self.exact,
             space: &self.space,
             regions: &self.regions,
-            interior: &self.exact.interior,
-            forces: &self.exact.forces,
-            count: 1,
-            remembered_alone: &[],
-            again: true,
             t,
             zeta: if self.form == LoadForm::Strong { self.exact.zeta.at(t) } else { f64::NAN },
             kappa: self.exact.kappa(t),
         }
-    }
-
-    /// The parts of separable fields.
-    fn parts<'a>(&'a self, separation: &'a Separation) -> Parts<'a> {
-        Parts {
-            interior: &separation.interior,
-            forces: &separation.forces,
-            count: separation.factors.parts,
-            remembered_alone: &separation.remembered_alone,
-            again: false,
-            t: 0.0,
-            zeta: f64::NAN,
-            // Separable fields have no projection.
-            kappa: f64::INFINITY,
-            ..self.at(0.0)
-        }
-    }
-
-    fn separation(&self) -> Option<&Separation> {
-        self.exact.separation.as_ref().filter(|_| self.in_parts)
     }
 
     /// Whether loads use the moments of σ: both are then bit-identical, whichever comes first.
@@ -146,105 +97,54 @@ impl ExactOnMesh {
         self.form == LoadForm::Weak && self.stress_points.is_none()
     }
 
-    /// Nodal vectors of all loads but the pressure on Γ3, by part.
-    fn volume_forces<const D: usize, const N: usize>(
-        &self,
-        parts: &Parts<'_>,
-    ) -> Result<Vec<Vec<f64>>, LoadError> {
+    /// The nodal vector of all loads but the pressure on Γ3.
+    fn volume_force<const D: usize, const N: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let fields = self.at(t);
         if self.form == LoadForm::Weak {
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
-            return parts.stress_forces::<D, N>(points);
+            return fields.stress_force::<D, N>(points);
         }
-        let mut forces = parts.body_forces::<D>(&self.force_points)?;
+        let mut force = fields.body_force::<D>(&self.force_points)?;
         for group in self.traction.iter().chain(&self.contact) {
-            parts.add_boundary_stress::<D>(group, &mut forces)?;
+            fields.add_boundary_stress::<D>(group, &mut force)?;
         }
-        Ok(forces)
-    }
-
-    /// As above from the parts; None if there are none, or a number is not finite.
-    fn volume_from_parts<const D: usize, const N: usize>(&self, t: f64) -> Option<Vec<f64>> {
-        let separation = self.separation()?;
-        let parts = self.load_parts.get_or_init(|| {
-            let parts = self.parts(separation);
-            let known = self.moment_parts.get().filter(|_| self.is_shared());
-            let mut forces = match known {
-                Some(known) => {
-                    let means = known.as_ref()?.stress_means().iter();
-                    means.map(|means| force_of_means::<D>(&self.space, means)).collect()
-                }
-                None => self.volume_forces::<D, N>(&parts).ok()?,
-            };
-            forget_zeros(&mut forces);
-            Some(forces)
-        });
-        let factors = separation.of_stress().at(t);
-        let force = combined(parts.as_ref()?, &factors, self.space.nodes.len());
-        force.iter().all(|value| value.is_finite()).then_some(force)
+        Ok(force)
     }
 
     fn compute_load<const D: usize, const N: usize>(
         &self,
         t: f64,
     ) -> Result<Arc<Vec<f64>>, LoadError> {
-        let with = |mut force: Vec<f64>, pressure: &[f64]| {
-            self.add_contact_pressure(pressure, &mut force);
-            force.truncate(self.space.dofs());
-            force
-        };
-        if let Some(force) = self.volume_from_parts::<D, N>(t) {
-            let pressure = self.contact_forces.get_or(t, || self.contact_pressure(t))?;
-            return Ok(Arc::new(with(force, &pressure)));
-        }
         self.loads.get_or(t, || {
-            let force = match self.moments.known(t).filter(|_| self.is_shared()) {
+            let mut force = match self.moments.known(t).filter(|_| self.is_shared()) {
                 Some(known) => {
                     let means = known.of_loads.as_ref().unwrap_or(&known.moments.stress.at);
                     force_of_means::<D>(&self.space, means)
                 }
-                None => self.volume_forces::<D, N>(&self.at(t))?.swap_remove(0),
+                None => self.volume_force::<D, N>(t)?,
             };
-            Ok(with(force, &self.contact_pressure(t)?))
+            self.add_contact_pressure(t, &mut force)?;
+            force.truncate(self.space.dofs());
+            Ok(force)
         })
-    }
-
-    /// Moments in the cells from the parts; None if there are none, or a number is not finite.
-    fn moments_from_parts<const D: usize, const N: usize>(&self, t: f64) -> Option<Moments> {
-        let separation = self.separation()?;
-        let parts = self.moment_parts.get_or_init(|| {
-            Some(self.parts(separation).moments::<D, N>(&self.error_points).ok()?.without_zeros())
-        });
-        parts.as_ref()?.at(&separation.factors.at(t), &separation.of_stress().at(t))
     }
 
     fn compute_moments<const D: usize, const N: usize>(
         &self,
         t: f64,
     ) -> Result<Arc<Moments>, LoadError> {
-        let with = |cells: Moments, on_contact: ContactMoments| {
-            let ContactMoments { normal, pressure, locked } = on_contact;
-            Moments { normal, pressure, locked, ..cells }
-        };
-        let on_contact = || self.contact_moments.get_or(t, || self.compute_contact::<D>(t));
-        if self.cuts.is_none()
-            && let Some(cells) = self.moments_from_parts::<D, N>(t)
-        {
-            return Ok(Arc::new(with(cells, (*on_contact()?).clone())));
-        }
         let known = self.moments.get_or(t, || {
-            let at = self.at(t);
-            let mut cells = match self.moments_from_parts::<D, N>(t) {
-                Some(cells) => cells,
-                None => at.moments::<D, N>(&self.error_points)?.single(),
-            };
+            let fields = self.at(t);
+            let mut moments = fields.moments::<D, N>(&self.error_points)?;
             let mut of_loads = None;
             if let Some(cuts) = &self.cuts {
-                let before = cells.stress.at.clone();
-                at.correct::<D, N>(cuts, &self.error_points.rule, &mut cells);
-                of_loads = Some(before).filter(|at| self.is_shared() && *at != cells.stress.at);
+                let before = moments.stress.at.clone();
+                fields.correct::<D, N>(cuts, &self.error_points.rule, &mut moments);
+                let changed = self.is_shared() && before != moments.stress.at;
+                of_loads = changed.then_some(before);
             }
-            let moments = Arc::new(with(cells, (*on_contact()?).clone()));
-            Ok(KnownMoments { moments, of_loads })
+            self.add_contact::<D>(t, &mut moments)?;
+            Ok(KnownMoments { moments: Arc::new(moments), of_loads })
         })?;
         Ok(known.moments.clone())
     }
@@ -263,9 +163,7 @@ impl Truth for ExactOnMesh {
         if !self.is_shared() {
             return Ok(());
         }
-        // The first gives the parts at all times.
-        let needed = if self.separation().is_some() { 1 } else { times.len() };
-        times.iter().take(needed).try_for_each(|&t| self.moments(t).map(drop))
+        times.iter().try_for_each(|&t| self.moments(t).map(drop))
     }
 
     fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {

@@ -52,7 +52,7 @@ impl Sampled {
 
     /// The points of some simplices, in groups of [`Self::together`]: within a group, one point of the rule after the
     /// other, each on all its simplices.
-    fn points(&self, mesh: &Mesh, simplices: Range<usize>, again: bool) -> Vec<[f64; 3]> {
+    fn points(&self, mesh: &Mesh, simplices: Range<usize>) -> Vec<[f64; 3]> {
         let vertices = &self.vertices[self.corners * simplices.start..self.corners * simplices.end];
         let mut points = Vec::with_capacity(simplices.len() * self.rule.points.len());
         for group in vertices.chunks(self.corners * self.together()) {
@@ -60,21 +60,18 @@ impl Sampled {
                 points.extend(group.chunks(self.corners).map(|simplex| mesh.point(simplex, b)));
             }
         }
-        // Fields that are evaluated once have no past.
-        let axes = if again { mesh.dimension } else { 0 };
-        (0..axes).for_each(|axis| put_together(&mut points, axis));
+        (0..mesh.dimension).for_each(|axis| put_together(&mut points, axis));
         points
     }
 
     /// Passes the values of all outputs at time t to `visit`, one run of simplices after the other: their numbers, and
     /// the values at their points, with point q on simplex i of a run of m at q m + i. The values of the first fields,
-    /// with these `names`, must be finite. A program evaluated `again` must always be the same one.
+    /// with these `names`, must be finite. The program must always be the same one.
     pub(super) fn each_block(
         &self,
         mesh: &Mesh,
         program: &Program,
         (t, zeta): (f64, f64),
-        again: bool,
         names: &[String],
         mut visit: impl FnMut(Range<usize>, &[&[f64]]),
     ) -> Result<(), LoadError> {
@@ -92,16 +89,15 @@ impl Sampled {
                 Ok(())
             })
         };
-        if again && count * total <= self.kept {
+        if count * total <= self.kept {
             let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
-            let bound =
-                bound.get_or_insert_with(|| program.bind(&self.points(mesh, 0..total, true)));
+            let bound = bound.get_or_insert_with(|| program.bind(&self.points(mesh, 0..total)));
             return shown(bound, 0);
         }
         let length = (self.block / count).max(1);
         for start in (0..total).step_by(length) {
             let simplices = start..(start + length).min(total);
-            shown(&mut program.bind(&self.points(mesh, simplices, again)), start)?;
+            shown(&mut program.bind(&self.points(mesh, simplices)), start)?;
         }
         Ok(())
     }
@@ -116,7 +112,7 @@ impl Sampled {
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         let count = self.rule.points.len();
         let mut all = vec![Vec::with_capacity(count * self.simplices()); outputs];
-        self.each_block(mesh, program, (t, 0.0), true, names, |run, values| {
+        self.each_block(mesh, program, (t, 0.0), names, |run, values| {
             for (all, run_values) in all.iter_mut().zip(values) {
                 let of = |i: usize| run_values[i..].iter().step_by(run.len());
                 (0..run.len()).for_each(|i| all.extend(of(i)));

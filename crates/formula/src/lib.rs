@@ -34,7 +34,6 @@ mod resolution;
 mod sampler;
 mod scalar;
 mod scope;
-mod separate;
 mod stage;
 mod substitute;
 mod tape;
@@ -49,7 +48,6 @@ pub use graph::{Graph, Node, Variable};
 pub use program::Program;
 pub use scalar::EvaluationPoint;
 pub use scope::Scope;
-pub use separate::Together;
 pub use vocabulary::Function;
 
 #[cfg(test)]

@@ -160,8 +160,7 @@ fn stronger(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
     Ok(site.sound.load(t)?.iter().map(|f| 1.001 * f).collect())
 }
 
-/// The exact side of a scene with other numbers in f0, all else as it is: without separation, whose factors of time σ
-/// and f0 have in common.
+/// The exact side of a scene with other numbers in f0, all else as it is.
 fn other_body_force(mut setup: Setup) -> Setup {
     let Some(sound) = &setup.exact else { return setup };
     let rebuilt = |change: fn(&mut MaterialNumbers)| {
@@ -172,7 +171,7 @@ fn other_body_force(mut setup: Setup) -> Setup {
     let other =
         rebuilt(|numbers| numbers.memory = numbers.memory.iter().map(|(l, m)| (-l, -m)).collect());
     let written = rebuilt(|_| ());
-    setup.exact = Some(Arc::new(Exact { forces: other.forces, separation: None, ..written }));
+    setup.exact = Some(Arc::new(Exact { forces: other.forces, ..written }));
     setup
 }
 

@@ -5,30 +5,13 @@ use crate::nodal_force::facet_measure;
 use crate::onto::Projector;
 use crate::shapes::Shapes;
 use fem::contact::LoadError;
-use fem::norms::{Piecewise, facet_samples, is_locked};
-
-/// u_ν and ξ + λ on the facets of Γ3, and where u_ν = g.
-#[derive(Clone)]
-pub(super) struct ContactMoments {
-    pub(super) normal: Piecewise,
-    pub(super) pressure: Piecewise,
-    pub(super) locked: Vec<bool>,
-}
+use fem::norms::{Moments, facet_samples, is_locked};
 
 impl ExactOnMesh {
-    /// Adds ∫_{Γ3} c v_ν + s v_τ, d numbers per point of the trace, to a vector over all nodes.
-    pub(super) fn add_contact_pressure(&self, pressure: &[f64], force: &mut [f64]) {
-        let (d, points) = (self.space.mesh.dimension, &self.space.trace.points);
-        for (point, point_pressure) in points.iter().zip(pressure.chunks_exact(d)) {
-            let target = &mut force[d * point.node as usize..][..d];
-            target.iter_mut().zip(point_pressure).for_each(|(target, value)| *target += value);
-        }
-    }
-
-    /// ∫_{Γ3} c v_ν + s v_τ at the points of the trace, d numbers each.
-    pub(super) fn contact_pressure(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+    /// Adds ∫_{Γ3} c v_ν + s v_τ to a vector over all nodes.
+    pub(super) fn add_contact_pressure(&self, t: f64, force: &mut [f64]) -> Result<(), LoadError> {
         let (d, trace) = (self.space.mesh.dimension, &self.space.trace);
-        let mut force = vec![0.0; d * trace.points.len()];
+        let first = |point: u32| d * trace.points[point as usize].node as usize;
         for group in &self.contact {
             let values = group.contact_values(&self.space.mesh, &group.points, t)?;
             let friction = group.friction(&self.space.mesh, t)?;
@@ -42,32 +25,34 @@ impl ExactOnMesh {
                     let pressure = weight * measure * values[1][at];
                     for (&point, shape) in trace.facet(f).iter().zip(&shape[q]) {
                         for i in 0..d {
-                            force[d * point as usize + i] += pressure * group.normal[i] * shape;
+                            force[first(point) + i] += pressure * group.normal[i] * shape;
                         }
                     }
                     for (tangent, s) in &friction {
                         let sliding = weight * measure * s[at];
                         for (&point, shape) in trace.facet(f).iter().zip(&shape[q]) {
                             for (i, along) in tangent[..d].iter().enumerate() {
-                                force[d * point as usize + i] += sliding * along * shape;
+                                force[first(point) + i] += sliding * along * shape;
                             }
                         }
                     }
                 }
             }
         }
-        Ok(force)
+        Ok(())
     }
 
-    pub(super) fn compute_contact<const D: usize>(
+    /// Adds u_ν and ξ + λ on the facets of Γ3, and where u_ν = g.
+    pub(super) fn add_contact<const D: usize>(
         &self,
         t: f64,
-    ) -> Result<ContactMoments, LoadError> {
+        Moments { normal, pressure, locked, .. }: &mut Moments,
+    ) -> Result<(), LoadError> {
         let facets = self.space.trace.measure.len();
         let nodes = self.space.trace.stride;
-        let flat = || Piecewise { node: vec![0.0; nodes * facets], rest: 0.0 };
-        let (mut normal, mut pressure) = (flat(), flat());
-        let mut locked = vec![false; facets * facet_samples(D).len()];
+        normal.node.resize(nodes * facets, 0.0);
+        pressure.node.resize(nodes * facets, 0.0);
+        locked.resize(facets * facet_samples(D).len(), false);
         for group in &self.contact {
             let values = group.contact_values(&self.space.mesh, &group.points, t)?;
             let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
@@ -78,7 +63,7 @@ impl ExactOnMesh {
             let mut at = vec![[0.0]; count];
             for (index, &f) in group.facets.iter().enumerate() {
                 let measure = self.space.trace.measure[f];
-                for (field, target) in [(0, &mut normal), (1, &mut pressure)] {
+                for (field, target) in [(0, &mut *normal), (1, &mut *pressure)] {
                     let of_facet = &values[field][count * index..count * (index + 1)];
                     at.iter_mut().zip(of_facet).for_each(|(at, value)| *at = [*value]);
                     onto.split(&mut at, &mut of_nodes);
@@ -93,6 +78,6 @@ impl ExactOnMesh {
                 }
             }
         }
-        Ok(ContactMoments { normal, pressure, locked })
+        Ok(())
     }
 }

@@ -1,6 +1,5 @@
 //! Loads given as formulas f0, f2, and the reference run that replaces their solution.
 
-use std::borrow::Cow;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::Side;
@@ -9,57 +8,10 @@ use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
 use fem::space::Simplex;
 use fem::space::quadrature::{Rule, TruthRules};
-use formula::{BoundProgram, EvaluationPoint, Graph, Node, Program};
+use formula::{BoundProgram, Graph, Node, Program};
 
-/// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
-///
-/// Separable formulas give few vectors F_i, assembled once; others are assembled at each time.
-pub(crate) struct GivenLoad {
-    graph: Graph,
-    horizon: f64,
-    /// The a_i and F_i.
-    factors: Vec<Node>,
-    basis: Vec<Vec<f64>>,
-    /// Terms that do not separate.
-    rest: Vec<Term>,
-    rules: TruthRules,
-}
-
-#[derive(Clone, Copy)]
-enum Part {
-    Body,
-    Side(u32),
-}
-
-impl Part {
-    /// The rule on this part, and its simplices.
-    fn simplices<'a>(
-        self,
-        space: &'a Discretization,
-        rules: &'a TruthRules,
-    ) -> (&'a Rule, Vec<Loaded<'a>>) {
-        let mesh = &space.mesh;
-        let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
-        match self {
-            Self::Body => {
-                let of = |c: usize| {
-                    let nodes = Cow::Borrowed(space.cell_nodes(c));
-                    let (corners, measure) = (mesh.cell(c), space.geometry.measure[c]);
-                    Loaded { corners, measure, nodes }
-                };
-                (&rules.load, (0..mesh.cell_count()).map(of).collect())
-            }
-            Self::Side(side) => {
-                let of = |f: usize| {
-                    let nodes = Cow::Owned(space.nodes.on_facet(f).iter().map(node).collect());
-                    let (corners, measure) = (mesh.facet(f), facet_measure(mesh, f));
-                    Loaded { corners, measure, nodes }
-                };
-                (&rules.traction, mesh.facets_on(&[side]).map(of).collect())
-            }
-        }
-    }
-}
+/// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, a term for the body and one for each side.
+pub(crate) struct GivenLoad(Vec<Term>);
 
 impl GivenLoad {
     /// The load of `body` and `traction` formulas on `space`.
@@ -71,66 +23,25 @@ impl GivenLoad {
         space: &Discretization,
         rules: &TruthRules,
     ) -> Self {
-        let mut load = Self {
-            graph: graph.clone(),
-            horizon,
-            factors: Vec::new(),
-            basis: Vec::new(),
-            rest: Vec::new(),
-            rules: rules.clone(),
+        let mesh = &space.mesh;
+        let cell = |c| (mesh.cell(c), space.geometry.measure[c], space.cell_nodes(c).to_vec());
+        let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
+        let facet = |f| {
+            let nodes = space.nodes.on_facet(f).iter().map(node).collect();
+            (mesh.facet(f), facet_measure(mesh, f), nodes)
         };
-        let sides =
-            traction.iter().map(|(side, formulas)| (Part::Side(side.0), formulas.as_slice()));
-        for (part, formulas) in std::iter::once((Part::Body, body)).chain(sides) {
-            for (component, &formula) in formulas.iter().enumerate() {
-                load.add(part, component, formula, space);
-            }
-        }
-        load.basis.iter_mut().for_each(|vector| vector.truncate(space.dofs()));
-        load
-    }
-
-    fn add(&mut self, part: Part, component: usize, formula: Node, space: &Discretization) {
-        if self.graph.value_of_constant(formula) == Some(0.0) {
-            return;
-        }
-        let term = |graph: &mut Graph, formula, horizon| {
-            let program = Program::compile(graph, &[formula], horizon);
-            Term { part, component, program, bound: OnceLock::new() }
-        };
-        let Some(terms) = self.graph.separate(formula) else {
-            self.rest.push(term(&mut self.graph, formula, self.horizon));
-            return;
-        };
-        for (factor, shape) in terms {
-            let index = self.factors.iter().position(|&known| known == factor);
-            let index = index.unwrap_or_else(|| {
-                self.factors.push(factor);
-                self.basis.push(vec![0.0; space.nodes.len()]);
-                self.factors.len() - 1
-            });
-            let shape = term(&mut self.graph, shape, self.horizon);
-            shape.add_to(0.0, space, &self.rules, &mut self.basis[index]);
-        }
-    }
-
-    fn factors_at(&self, t: f64, out: &mut [f64]) {
-        let at = EvaluationPoint { t, ..EvaluationPoint::default() };
-        for (value, &factor) in out.iter_mut().zip(&self.factors) {
-            *value = self.graph.evaluate(factor, &at);
-        }
+        let inside =
+            Term::new((graph, horizon), body, space, &rules.load, (0..mesh.cell_count()).map(cell));
+        let outside = traction.iter().map(|(side, formulas)| {
+            let facets = mesh.facets_on(std::slice::from_ref(&side.0)).map(facet);
+            Term::new((graph, horizon), formulas, space, &rules.traction, facets)
+        });
+        Self(std::iter::once(inside).chain(outside).flatten().collect())
     }
 
     fn at(&self, t: f64, space: &Discretization) -> Result<Vec<f64>, LoadError> {
-        let mut factors = vec![0.0; self.factors.len()];
-        self.factors_at(t, &mut factors);
         let mut force = vec![0.0; space.nodes.len()];
-        for (vector, factor) in self.basis.iter().zip(&factors) {
-            algebra::linalg::axpy(*factor, vector, &mut force[..vector.len()]);
-        }
-        for term in &self.rest {
-            term.add_to(t, space, &self.rules, &mut force);
-        }
+        self.0.iter().for_each(|term| term.add_to(t, &mut force));
         force.truncate(space.dofs());
         if let Some(dof) = force.iter().position(|f| !f.is_finite()) {
             let vertex = space.nodes.vertex[dof / space.nodes.dimension];
@@ -142,51 +53,65 @@ impl GivenLoad {
     }
 }
 
-/// A cell or facet under a load.
-struct Loaded<'a> {
-    corners: &'a [u32],
-    measure: f64,
-    nodes: Cow<'a, [u32]>,
-}
-
-/// ∫ f v_component over a part of the body or its boundary, with f compiled.
+/// ∫ f·v over a part of the body or its boundary, of the components of f that are not zero.
 struct Term {
-    part: Part,
-    component: usize,
-    program: Program,
-    /// The formula bound to the points of the rule.
-    bound: OnceLock<Mutex<BoundProgram>>,
+    dimension: usize,
+    components: Vec<usize>,
+    /// f at the points of the rule.
+    bound: Mutex<BoundProgram>,
+    /// The shape functions at the points of the rule, times their weights.
+    shapes: Vec<Vec<f64>>,
+    /// Of each simplex in turn.
+    measures: Vec<f64>,
+    nodes: Vec<u32>,
 }
 
 impl Term {
+    /// The term on simplices with their corners, measures and nodes; None if f is zero.
+    fn new<'a>(
+        (graph, horizon): (&Graph, f64),
+        formulas: &[Node],
+        space: &'a Discretization,
+        rule: &Rule,
+        simplices: impl Iterator<Item = (&'a [u32], f64, Vec<u32>)>,
+    ) -> Option<Self> {
+        let dimension = space.mesh.dimension;
+        let is_zero = |i: &usize| graph.value_of_constant(formulas[*i]) == Some(0.0);
+        let components: Vec<usize> = (0..formulas.len()).filter(|i| !is_zero(i)).collect();
+        if components.is_empty() {
+            return None;
+        }
+        let simplex = match rule.points[0].len() == dimension {
+            true => Simplex::facet(dimension),
+            false => Simplex::cell(dimension),
+        };
+        let of_point = |(b, weight): (&Vec<f64>, &f64)| {
+            let values = space.element.values_on(simplex, b);
+            values.into_iter().map(|value| weight * value).collect()
+        };
+        let shapes = rule.points.iter().zip(&rule.weights).map(of_point).collect();
+        let (mut points, mut measures, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+        for (corners, measure, of_simplex) in simplices {
+            points.extend(rule.points.iter().map(|b| space.mesh.point(corners, b)));
+            measures.push(measure);
+            nodes.extend(of_simplex);
+        }
+        let nonzero: Vec<Node> = components.iter().map(|&i| formulas[i]).collect();
+        let bound = Mutex::new(Program::compile(graph, &nonzero, horizon).bind(&points));
+        Some(Self { dimension, components, bound, shapes, measures, nodes })
+    }
+
     /// Adds the integral at time t to a nodal vector.
-    fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
-        let (rule, simplices) = self.part.simplices(space, rules);
-        let d = space.mesh.dimension;
-        let simplex = match rule.points[0].len() == d {
-            true => Simplex::facet(d),
-            false => Simplex::cell(d),
-        };
-        let shapes: Vec<Vec<f64>> =
-            rule.points.iter().map(|b| space.element.values_on(simplex, b)).collect();
-        let bind = || {
-            let points: Vec<[f64; 3]> = simplices
-                .iter()
-                .flat_map(|simplex| {
-                    rule.points.iter().map(|b| space.mesh.point(simplex.corners, b))
-                })
-                .collect();
-            Mutex::new(self.program.bind(&points))
-        };
-        let mut out = vec![Vec::new()];
-        let bound = self.bound.get_or_init(bind);
-        bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-        let values = out[0].chunks_exact(rule.weights.len());
-        for (Loaded { measure, nodes, .. }, values) in simplices.iter().zip(values) {
-            for ((value, weight), shapes) in values.iter().zip(&rule.weights).zip(&shapes) {
-                let value = weight * measure * value;
-                for (&node, shape) in nodes.iter().zip(shapes) {
-                    force[space.nodes.dimension * node as usize + self.component] += shape * value;
+    fn add_to(&self, t: f64, force: &mut [f64]) {
+        let values = self.bound.lock().unwrap_or_else(PoisonError::into_inner).values_at(t, 0.0);
+        for (component, values) in self.components.iter().zip(&values) {
+            let nodes = self.nodes.chunks_exact(self.shapes[0].len());
+            let of_simplices = nodes.zip(values.chunks_exact(self.shapes.len()));
+            for (measure, (nodes, values)) in self.measures.iter().zip(of_simplices) {
+                for (a, &node) in nodes.iter().enumerate() {
+                    let at_points = values.iter().zip(&self.shapes);
+                    let sum: f64 = at_points.map(|(value, shapes)| value * shapes[a]).sum();
+                    force[self.dimension * node as usize + component] += measure * sum;
                 }
             }
         }

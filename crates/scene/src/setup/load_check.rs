@@ -69,7 +69,6 @@ fn of_forms(
     let sides = side_numbers(&setup.body.domain.traction);
     let by = |form, rules: TruthRules| -> Result<Vec<Sums>, LoadError> {
         let exact = ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
-        let exact = exact.time_by_time();
         times.iter().map(|&t| Ok(Sums::of(space, &exact.load(t)?))).collect()
     };
     // By the usual rules, and by the next. The strong form uses the scene's loads, since errors in `truth` must not

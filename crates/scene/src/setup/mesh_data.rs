@@ -69,7 +69,7 @@ impl MeshData {
         rules: &TruthRules,
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
-        let truth = truth(setup, setup.exact.as_ref(), &space, reference, rules, true)?;
+        let truth = truth(setup, setup.exact.as_ref(), &space, reference, rules)?;
         Ok(Self::with_truth(space, truth))
     }
 
@@ -94,7 +94,7 @@ impl MeshData {
             }
             let by = |rules: &TruthRules, next: bool| {
                 let exact = remainders.as_ref().filter(|_| next).or(setup.exact.as_ref());
-                truth(setup, exact, &self.space, None, rules, false)
+                truth(setup, exact, &self.space, None, rules)
                     .map_err(|error| LoadError::Reference { reason: error.to_string() })
             };
             rule_check(setup, &self.space, self.by_scene_rules.clone(), by)
@@ -181,15 +181,13 @@ impl MeshData {
     }
 }
 
-/// Loads and exact fields of a scene on a mesh by the given rules; separable ones are split `in_parts`, which pays for
-/// more than a few times.
+/// Loads and exact fields of a scene on a mesh by the given rules.
 fn truth(
     setup: &Setup,
     exact: Option<&Arc<Exact>>,
     space: &Arc<Discretization>,
     reference: Option<Arc<ReferenceRun>>,
     rules: &TruthRules,
-    in_parts: bool,
 ) -> Result<Arc<dyn Truth>, SetupError> {
     Ok(match (&setup.body.data, exact) {
         (Data::Exact { interpolated: true, .. }, Some(exact)) => {
@@ -197,8 +195,7 @@ fn truth(
         }
         (Data::Exact { form, .. }, Some(exact)) => {
             let sides = side_numbers(&setup.body.domain.traction);
-            let exact = ExactOnMesh::new(exact.clone(), space.clone(), *form, &sides, rules);
-            Arc::new(if in_parts { exact } else { exact.time_by_time() })
+            Arc::new(ExactOnMesh::new(exact.clone(), space.clone(), *form, &sides, rules))
         }
         (Data::Loads { body, traction }, _) => {
             let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);

@@ -1,12 +1,10 @@
-//! Bytes of loads and exact fields: formulas at quadrature points, per time, or once per mesh if they separate.
+//! Bytes of loads and exact fields: formulas at quadrature points, and values per time.
 
 use fem::contact::Discretization;
 use fem::space::quadrature::TruthRules;
+use formula::Program;
 use scene::setup::Setup;
 use scene::{Data, LoadForm};
-
-/// Bytes per facet of Γ3 and time of unsummed values, if fields separate.
-const FACET: f64 = 128.0;
 
 /// Points of mesh and rule from which values of formulas are not stored.
 const MOST_STORED: f64 = 2_097_152.0;
@@ -14,7 +12,7 @@ const MOST_STORED: f64 = 2_097_152.0;
 /// What the exact solution keeps on a mesh.
 #[derive(Default)]
 pub(super) struct TruthCost {
-    /// Bytes independent of the times: formulas bound to points, or the parts of separated fields.
+    /// Bytes independent of the times: formulas bound to points.
     pub once: f64,
     /// Bytes per time, of loads and moments.
     pub a_time: f64,
@@ -28,28 +26,32 @@ pub(super) fn truth(setup: &Setup, space: &Discretization) -> TruthCost {
     // ε and σ at the strain points, and u at the nodes of each cell.
     let moments = 2 * tensor_numbers(space) * space.geometry.points() + d * space.nodes.cells.len();
     let a_time = 8.0 * (moments as f64 + dofs);
-    let exact = setup.exact.as_ref().filter(|_| !setup.body.data.is_interpolated());
-    let Some(exact) = exact else { return TruthCost { a_time, ..TruthCost::default() } };
+    if setup.exact.is_none() || setup.body.data.is_interpolated() {
+        return TruthCost { once: load_bytes(setup, space), a_time, ..TruthCost::default() };
+    }
     let [load, error] = points(setup, &TruthRules::for_element(space.element, d));
     let [next_load, next_error] = points(setup, &TruthRules::stronger_for(space.element, d));
     let of_moments = |points: f64| formulas(setup, points * count);
     let beside = |of_loads: f64| if is_shared(setup) { 0.0 } else { of_loads };
     let checked = formulas(setup, beside(next_load) * count).max(of_moments(next_error));
-    let parts = exact.separation.as_ref().map(|separation| separation.factors.parts as f64);
-    let (once, a_time) = match parts {
-        Some(parts) => (a_time * (1.0 + parts), FACET * space.trace.measure.len() as f64),
-        None => (formulas(setup, beside(load) * count) + of_moments(error), a_time),
-    };
+    let once = formulas(setup, beside(load) * count) + of_moments(error);
     TruthCost { once, a_time, checked }
 }
 
 pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
-    let exact = setup.exact.as_ref();
-    if let Some(separation) = exact.and_then(|exact| exact.separation.as_ref()) {
-        return 8.0 * (separation.factors.parts * space.dofs()) as f64;
-    }
     let [load, _] = points(setup, &TruthRules::for_element(space.element, setup.scene.dimension));
-    formulas(setup, load * space.mesh.cell_count() as f64)
+    let points = load * space.mesh.cell_count() as f64;
+    let Data::Loads { body, .. } = &setup.body.data else { return formulas(setup, points) };
+    let graph = &setup.scene.formulas;
+    if body.iter().all(|&formula| graph.value_of_constant(formula) == Some(0.0)) {
+        return 0.0;
+    }
+    // Formulas at the points, their values, and the nodes of each cell.
+    let (d, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
+    let nodes = 4 * space.nodes.cells.len();
+    Program::compile(graph, body, horizon).bytes(points, d, horizon)
+        + 8.0 * (body.len() as f64 * points)
+        + nodes as f64
 }
 
 /// Bytes that the formulas of an exact solution keep at so many points.
