@@ -93,7 +93,6 @@ studies: ## what the chapters of a report on theory, trade and extremes are made
 	$(SWEEP) --quiet audit compliance --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet audit pure-mild --n 8,16 --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet audit quadratic-front --n 8,16 --out $(REPORT) >/dev/null
-	$(SWEEP) --quiet audit --ledger --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet trade compliance --budget 10 --target 1% --out $(REPORT) >/dev/null
 	$(SWEEP) --quiet extremes --out $(REPORT) >/dev/null
 

@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
+use judge::claim::{Claim, Place};
 use report::StudyDocument;
 use scene::setup::Subject;
 use studies::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
-use studies::theory::audit::{Line, SceneAudit};
+use studies::theory::audit::SceneAudit;
 use studies::theory::bound::BoundStudy;
 use studies::theory::gronwall::{Study, StudyRuns};
-use studies::theory::ledger;
 
 /// The document is sound without the defect, and says `words` with it.
 #[track_caller]
@@ -69,27 +69,17 @@ fn a_chain_says_which_link_fails() {
 fn an_audit_says_which_line_fails() {
     let mut audit = SceneAudit::new(&setup("compliance"), &[4], &[2]).expect("an audit");
     let sound = audit.document();
-    let row = &mut audit.cases[0].rows[0];
-    let line = row.tightest.expect("a level");
-    row.violation = Some((2, Line { left: 2.0, right: 1.0, accuracy: 1e-12, ..line }));
+    let worst = &mut audit.cases[0].rows[1].worst;
+    let place = Place { level: 2, ..worst.place };
+    *worst = Claim { place, left: 2.0, right: 1.0, accuracy: 1e-12, ..*worst };
     shows(&sound, &audit.document(), "(4.7) at level 2 of n = 4, N = 2");
-    assert!(audit.document().text(132).contains("15 of 16 lines hold"));
+    assert!(audit.document().text(132).contains("7 of 8 inequalities hold"));
     audit.cases.clear();
     shows(&sound, &audit.document(), "nothing was compared");
 }
 
 #[test]
-fn a_claim_and_a_rung_that_fail_are_said() {
-    let entry = |confirmed| ledger::Entry {
-        question: &ledger::QUESTIONS[1],
-        observed: Some(2.01),
-        used: None,
-        confirmed,
-        command: "sweep audit s".into(),
-    };
-    let document = |entries: &[ledger::Entry]| ledger::document(entries);
-    shows(&document(&[entry(true)]), &document(&[entry(false)]), "sharp: not confirmed");
-    shows(&document(&[entry(true)]), &document(&[]), "nothing was compared");
+fn a_rung_that_fails_is_said() {
     let ladders: Vec<_> =
         catalogue(false).into_iter().filter(|ladder| ladder.name == "one-vertex").collect();
     let rung = judge(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());

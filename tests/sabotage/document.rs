@@ -161,7 +161,7 @@ under the predicted order that is farthest from one, over all verdicts.
 
 - **orders**: a verdict is not as expected. **constants**: a fitted constant is not the one predicted from the exact side.
 - **complete**: a case failed, is missing, or is no number. **KKT**: the separate evaluation after each step refuses.
-- **audit**: a line of the proofs (`sweep audit`) fails. **history**: the history and ζ shown are not the direct sums of
+- **audit**: an inequality of the proofs (`sweep audit`) fails. **history**: the history and ζ shown are not the direct sums of
   the displacements shown. **Gronwall**: e_n above the weighted envelope. **bound**: ‖DΛ‖ above the sharpened bound.
   **check**: weak and strong loads differ (`sweep check`). **norms**: a norm of the record is not that of a second integral, or
   errors against a finer run and against the truth differ by more than the error of the run.

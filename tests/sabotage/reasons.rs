@@ -20,7 +20,7 @@ const REASONS: [(&str, &str); 6] = [
     ),
     (
         "load quadrature of degree 0",
-        "2 % of the V error at order h: within what a predicted constant may be off. The audit measures the term, E_q of (4.9), as part of its identities, and bounds it by nothing: a bound of E_q by the interpolation error would be the missing gate.",
+        "2 % of the V error at order h: within what a predicted constant may be off. The audit measures the term, E_q of (4.9), and bounds it by nothing: a bound of E_q by the interpolation error would be the missing gate.",
     ),
     (
         "errors 5 % too small",

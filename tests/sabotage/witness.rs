@@ -1,4 +1,4 @@
-//! What a defective program shows beside its sweep, against inequalities, identities and values from outside: the lines
+//! What a defective program shows beside its sweep, against inequalities, identities and values from outside: those
 //! of the audit, the history summed again, the Gronwall envelope, the factor of Λ, the check of the exact side, the
 //! fixtures.
 
@@ -8,6 +8,7 @@ use std::sync::Arc;
 use algebra::linalg::axpy;
 use exact::{Exact, Status, Truth, check};
 use fem::contact::{CaseError, Discretization, StepView, strain_distance, strain_norm};
+use judge::claim::Standing;
 use scene::setup::{AbstractSetup, MeshData, Setup, Subject, sides, step_bounds};
 use scene::{Scene, Source};
 use serde_json::Value;
@@ -159,7 +160,7 @@ impl Witnesses {
         }
     }
 
-    /// The lines of the proofs on runs of the defective program.
+    /// The inequalities of the proofs on runs of the defective program.
     fn audit(&self, defect: &Defect) -> Option<String> {
         self.audited.iter().find_map(|(stage, steps, constants)| {
             let (program, data) = stage.program(defect);
@@ -171,9 +172,9 @@ impl Witnesses {
             });
             // A run without result is not the audit's finding.
             run.ok()?;
-            let rows = auditor.rows();
-            let row = rows.iter().find(|row| row.violation.is_some())?;
-            Some(format!("{} on {}", row.statement.name, stage.sound.scene.name))
+            let claims = auditor.claims();
+            let failed = claims.iter().find(|claim| claim.standing() == Standing::Fails)?;
+            Some(format!("{} on {}", failed.statement.source, stage.sound.scene.name))
         })
     }
 

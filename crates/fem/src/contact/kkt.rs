@@ -62,6 +62,21 @@ fn internal_force<const D: usize, const S: usize>(
     }
 }
 
+/// What the stresses of `view` and its pressures on Γ3 leave of the load, as a nodal vector: B with B·v = (σ, ε(v)) +
+/// ∫_{Γ3} (ξ + λ) v_ν - F(v) for every v in V^h, by the boundary rule of the model.
+pub fn out_of_balance(
+    space: &Discretization,
+    model: &Model,
+    view: &StepView<'_>,
+    load: &[f64],
+) -> Vec<f64> {
+    let mut balance = Vec::new();
+    in_dimension!(space.mesh.dimension, D, S => internal_force::<D, S>(space, model, view, &mut balance));
+    add_contact_forces(space, model, view, &mut balance);
+    axpy(-1.0, load, &mut balance);
+    balance
+}
+
 fn evaluate<const D: usize, const S: usize>(
     space: &Discretization,
     model: &Model,

@@ -19,8 +19,6 @@ pub enum Chapter {
     Gronwall,
     /// The proofs of Theorems 10 and 11.
     Audit,
-    /// The paper's claims against runs.
-    Ledger,
     Trade,
     /// Ladders of extreme parameters.
     Extremes,
@@ -37,7 +35,6 @@ impl Chapter {
             Self::Bound => "bound SCENE",
             Self::Gronwall => "gronwall SCENE",
             Self::Audit => "audit SCENE",
-            Self::Ledger => "audit --ledger",
             Self::Trade => "trade SCENE",
             Self::Extremes => "extremes",
         }

@@ -4,5 +4,4 @@ pub mod audit;
 pub mod bound;
 pub mod corner;
 pub mod gronwall;
-pub mod ledger;
 mod norms;

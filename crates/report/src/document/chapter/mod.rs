@@ -21,7 +21,6 @@ pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
     add_studies(&mut all, report, Chapter::Gronwall);
     all.push(opening::audit());
     add_studies(&mut all, report, Chapter::Audit);
-    add_studies(&mut all, report, Chapter::Ledger);
     all.extend([broken::chapter(report), opening::trade()]);
     add_studies(&mut all, report, Chapter::Trade);
     all.push(opening::extremes());
@@ -39,8 +38,7 @@ fn failure(study: &StudyDocument) -> String {
     let what = match study.chapter {
         Chapter::Bound => "(3.4)",
         Chapter::Gronwall => "Gronwall's inequality",
-        Chapter::Audit => "the proof line by line",
-        Chapter::Ledger => return "the theorem ledger: not every claim is confirmed".into(),
+        Chapter::Audit => "the inequalities of the proof",
         Chapter::Trade => "trade",
         Chapter::Extremes => return "extremes: not every rung is as expected".into(),
     };
@@ -71,7 +69,6 @@ fn add_studies(sections: &mut Vec<Section>, report: &Report<'_>, chapter: Chapte
     if let Some(last) = sections.last_mut() {
         let what = match chapter {
             Chapter::Bound => "There is no measured contraction factor",
-            Chapter::Ledger => "There is no ledger of claims, sharp or slack,",
             _ => "There is no such study",
         };
         absent(last, what, chapter.command());

@@ -48,8 +48,8 @@ pub(super) fn gronwall() -> Section {
 pub(super) fn audit() -> Section {
     let mut section = Section::opening(
         "chapter-audit",
-        "The proofs of Theorems 10 and 11, line by line",
-        "Both sides of every line of the proof of the error estimate, computed at every level of real runs. A line holds if it does at all levels \
+        "The inequalities of Theorems 10 and 11",
+        "Both sides of eight inequalities of the proof of the error estimate, computed at every level of real runs. One holds if it does at all levels \
          of all runs, up to the accuracy of its two sides.",
     );
     section.blocks.push(Block::Formulas(vec![Equation::new(

@@ -14,7 +14,7 @@ pub struct AuditConstants {
     /// L_A of (4.17).
     #[serde(rename = "L_A")]
     pub l_a: f64,
-    /// α_φ and β_φ of (4.14), (4.15).
+    /// α_φ and β_φ of (4.14).
     pub alpha_phi: f64,
     /// β_φ.
     pub beta_phi: f64,
@@ -29,9 +29,7 @@ pub struct AuditConstants {
     pub c0: f64,
     /// c1 of (4.16).
     pub c1: f64,
-    /// c_φ of (4.1): φ is linear in its last argument.
-    pub c_phi: f64,
-    /// ‖R‖‖q‖ of (4.19) as the Lipschitz constant of S: 1 for ζ (where it matters) plus ‖ℬ‖.
+    /// ‖R‖‖q‖ of (4.20) as the Lipschitz constant of S: 1 for ζ (where it matters) plus ‖ℬ‖.
     pub history: f64,
 }
 
@@ -66,7 +64,6 @@ impl AuditConstants {
             c_j_proved: known.c_j_squared_bound.is_some(),
             c0: factor * c0 * contact_length(setup).sqrt(),
             c1: factor * c1,
-            c_phi: 0.0,
             history: 1.0 + known.memory.operator,
         })
     }

@@ -1,201 +1,476 @@
-//! Every quantity of the proofs at one level t_n.
+//! The inequalities at one level, both sides as numbers.
 
 use std::sync::Arc;
 
-use super::contact::{ContactIntegrals, Traces, over_contact, scheme_terms};
-use super::discrete::{DiscreteLevel, Past, kernel_weights, primed_weights, strains};
-use super::fields::{CellValues, Fields};
-use super::integrals::{Cells, NodalField, Sum, over_cells, tractions};
-use super::law::ClarkeLaw;
-use super::pointwise::{PlainMaterial, Plane, dot};
-use fem::contact::{Boundary, Discretization, LoadError, StepView};
-use fem::space::Element;
-use scene::setup::Setup;
-use vhi::history::TimeGrid;
+use super::constants::AuditConstants;
+use crate::theory::norms::remembered;
+use algebra::tensor::{Symmetric, contract, norm};
+use exact::{
+    Exact, ExactData, ExactOnMesh, InterpolatedOnMesh, LoadForm, MaterialNumbers, RegionNumbers,
+    Truth,
+};
+use fem::contact::{
+    BoundaryRule, Discretization, LoadError, MemoryTerm, StepView, out_of_balance, strain_norm,
+};
+use fem::norms::{Moments, state_rule, step_errors, strain_error};
+use fem::space::quadrature::TruthRules;
+use fem::space::{Element, Simplex, StrainPoint};
+use formula::{BoundProgram, Program};
+use judge::claim::{Claim, Place, Statement};
+use scene::setup::{MeshData, Setup, SetupError};
+use vhi::history::{Accumulated, Memory, TimeGrid};
+use vhi::law::{Potential, Projection};
 
-/// The numbers of one level, in the notation of section 4 of the paper; w1 = v^h - u, w2 = u^{kh} - u.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct LevelIntegrals {
-    /// k, the largest step.
-    pub k: f64,
-    /// Integrals over Ω.
-    pub cells: Cells,
-    /// Integrals over Γ3.
-    pub contact: ContactIntegrals,
-    /// F(w1), F(w2).
-    pub load: [Sum; 2],
-    /// Measured quadrature error of (σ, ε(w)) - F(w), both w.
-    pub quadrature: [f64; 2],
-    /// F(v^h - u^{kh}) by the scheme's load vector.
-    pub scheme_load: Sum,
-    /// ⟨Au^{kh}, v^h - u^{kh}⟩ + φ(S^{kh}u^{kh}, u^{kh}, v^h - u^{kh}) by the rule of the scheme.
-    pub scheme_stress: Sum,
-    /// j_ν⁰, Σ w λ(g - v^h) and the selection's slack, by the scheme's rule.
-    pub scheme_contact: [Sum; 3],
-    /// ∫ λ(v^h_ν - g)₊ and ∫ λ(u^{kh}_ν - g)₊ of elements whose constraint at the nodes lets them pass the gap elsewhere.
-    pub outside: Option<[f64; 2]>,
-    /// ‖S_n u - S_n^{kh} u^{kh}‖_Y.
-    pub history: f64,
-    /// ‖S_n u - S_n^k u‖_Y.
-    pub truncation: f64,
-    /// Σ_{j ≤ n} ‖u_j - u_j^{kh}‖_V.
-    pub errors: f64,
+/// Why a scene cannot be audited.
+#[derive(Debug, thiserror::Error)]
+pub enum AuditError {
+    #[error(
+        "scene `{scene}` has no exact solution, and every line of the proof needs u: choose a scene with [exact]"
+    )]
+    NoTruth { scene: String },
+    #[error(
+        "scene `{scene}` is one in space, and the integrals of the audit over Γ3 are those of edges: choose a plane scene"
+    )]
+    Dimension { scene: String },
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    #[error("n = {n}, N = {steps}: {source}")]
+    Run {
+        /// Cells per unit length.
+        n: u32,
+        steps: u32,
+        source: fem::contact::CaseError,
+    },
 }
 
-/// A run on its way: what a level is computed from, and the levels so far.
-pub(crate) struct Levels<'a> {
-    /// V^h.
-    space: Arc<Discretization>,
-    /// t_0, …, t_N.
+/// Rounding of a sum, relative to the sum of its absolute terms: up to 10⁶ terms round to 1e-13 of it
+/// at worst, and the solver's residual, 16 units of rounding of its forces, is of that size too.
+const ROUNDING: f64 = 1e-12;
+/// Where v^h - u is rounding itself (u affine in space), its powers are rounding of ‖σ‖‖ε‖: the residual with which a level
+/// is accepted, 3.6e-15 of its forces, and some ten times that in strains of meshes of 8 cells a side.
+const NATURAL: f64 = 4e-14;
+
+/// In the order of their numbers.
+const STATEMENTS: [Statement; 8] = [
+    Statement { source: "(2.9)", says: "|u_nu - u_h,nu|^2 <= c_j^2 e^2" },
+    Statement { source: "(4.7)", says: "m_A e^2 <= <Au - Au_h, u - u_h>" },
+    Statement {
+        source: "(4.9)",
+        says: "<Au - Au_h, u - u_h> <= E_phi1 + E_phi2 + E_j + E_A + E_n + E_q",
+    },
+    Statement { source: "(4.14)", says: "E_phi1 <= alpha_phi e^2 + beta_phi Y e" },
+    Statement {
+        source: "(4.16)",
+        says: "E_j <= (2 c0 + c1 |u_nu| + c1 |u_h,nu|) delta + alpha_j |u_nu - u_h,nu|^2",
+    },
+    Statement { source: "(4.17)", says: "E_A <= L_A e d" },
+    Statement {
+        source: "(4.20)",
+        says: "e <= C (d + sqrt(delta) + sqrt(|E_n| + |E_q|)) + C (g_n + |R||q| k sum_j e_j), constants written out",
+    },
+    Statement { source: "(5.23)", says: "|E_n| <= (|xi + lambda| + c0 + c1 |u_nu|) delta" },
+];
+
+/// What S remembers of a field given level by level: Σ' b_i(t_n - t_j) v_j and Σ' ‖ε_j‖ by the rule of the scene.
+struct Past {
+    histories: Vec<Memory>,
+    accumulated: Accumulated,
+}
+
+/// Sees the levels of a run.
+pub struct Auditor<'a> {
+    setup: &'a Setup,
+    data: &'a MeshData,
+    constants: &'a AuditConstants,
     grid: TimeGrid,
-    /// A, φ, S.
-    material: PlainMaterial,
-    /// ∂j_ν.
-    law: ClarkeLaw,
-    /// g, s and the rule of the scheme; none without contact.
-    boundary: Option<&'a Boundary>,
-    past: Past,
-    /// ‖u_j - u_j^{kh}‖_V.
-    errors: Vec<f64>,
-    /// ‖ε(u_j)‖.
-    norms: Vec<f64>,
-    remembered: Vec<Vec<Plane>>,
+    exact: Arc<Exact>,
+    /// u at the nodes.
+    nodal: BoundProgram,
+    /// Where the truth is that interpolant: its own ζ and nodal pressures.
+    interpolated: Option<InterpolatedOnMesh>,
+    /// The truth of a body that only remembers: its σ is θ. None without memory.
+    remembering: Option<Arc<dyn Truth>>,
+    /// Of u, by its strains; of u^{kh}, by its nodal values.
+    past: [Past; 2],
+    /// Σ_{j ≤ n} ‖u_j - u_j^{kh}‖_V.
+    errors: f64,
+    n: u32,
+    claims: Vec<Claim>,
 }
 
-impl<'a> Levels<'a> {
-    /// Before the first level; none unless the material is plain.
-    pub(crate) fn new(setup: &'a Setup, space: &Arc<Discretization>, steps: u32) -> Option<Self> {
-        Some(Self {
-            space: space.clone(),
-            grid: setup.grid(steps),
-            material: PlainMaterial::new(setup)?,
-            law: ClarkeLaw::of(setup),
-            boundary: setup.model.boundary.as_ref(),
-            past: Past::default(),
-            errors: Vec::new(),
-            norms: Vec::new(),
-            remembered: Vec::new(),
+/// Integrals over Ω at one level, in the notation of section 4 of the paper.
+#[derive(Default)]
+struct Volume {
+    /// ‖u - u^{kh}‖_V² and ‖u - v^h‖_V² of the projected strains.
+    e: f64,
+    d: f64,
+    /// ⟨Au - Au^{kh}, u - u^{kh}⟩.
+    monotone: f64,
+    phi1: f64,
+    phi2: f64,
+    operator: f64,
+    /// (σ^{kh} - σ, ε(v^h - u^{kh})).
+    tested: f64,
+    /// Parts of ‖S_n u - S_n^{kh} u^{kh}‖_Y² and ‖S_n u - S_n^k u‖_Y² that the memory has.
+    history: f64,
+    truncation: f64,
+    /// ‖σ‖².
+    stress: f64,
+}
+
+/// Integrals over Γ3 at one level.
+#[derive(Default)]
+struct OnContact {
+    /// ‖u_ν - v^h_ν‖² and ‖u_ν - u^{kh}_ν‖².
+    delta: f64,
+    trace: f64,
+    /// ‖u_ν - s‖² and ‖u^{kh}_ν - s‖².
+    arguments: [f64; 2],
+    /// ‖ξ + λ‖².
+    pressure: f64,
+    /// E_j of (4.12) and the form of E_n of (4.5) on Γ3: since λ(u_ν - g) = 0, ∫ j_ν⁰(u_ν; v^h_ν - u_ν) - (ξ + λ)(v^h_ν - u_ν).
+    e_j: f64,
+    e_n: f64,
+    /// ∫ j_ν⁰(u^{kh}_ν; v^h_ν - u^{kh}_ν) - (ξ + λ)(v^h_ν - u^{kh}_ν).
+    at_h: f64,
+    /// ∫ λ(u^{kh}_ν - g)₊ of elements that pass the gap between nodes: a part of E_q.
+    outside: f64,
+}
+
+/// u, u^{kh}, v^h and ξ + λ at a point of Γ3.
+struct Sample {
+    weight: f64,
+    x: [f64; 3],
+    u: f64,
+    u_h: f64,
+    v: f64,
+    pressure: f64,
+}
+
+impl<'a> Auditor<'a> {
+    /// An auditor of a run of `setup` on the mesh of `data`, n cells per unit length, with the given number of steps.
+    ///
+    /// # Errors
+    /// [`AuditError::NoTruth`].
+    pub fn new(
+        setup: &'a Setup,
+        data: &'a MeshData,
+        steps: u32,
+        constants: &'a AuditConstants,
+    ) -> Result<Self, AuditError> {
+        let missing = || AuditError::NoTruth { scene: setup.scene.name.clone() };
+        let exact = setup.exact.clone().ok_or_else(missing)?;
+        let (space, rule, grid) = (&data.space, setup.compliance_rule(), setup.grid(steps));
+        let in_space = setup.body.data.is_interpolated();
+        let remembering = (!setup.model.memory.is_empty()).then(|| {
+            let limp = |material: &MaterialNumbers| MaterialNumbers {
+                lambda: 0.0,
+                mu_l: 0.0,
+                full: None,
+                projection: None,
+                ..material.clone()
+            };
+            let ExactData { material, regions, .. } = &exact.data;
+            let regions = regions.iter().map(|region| RegionNumbers {
+                condition: region.condition,
+                material: limp(&region.material),
+            });
+            let (material, regions) = (limp(material), regions.collect());
+            let data = ExactData { material, regions, kappa: None, ..exact.data.clone() };
+            let exact = Arc::new(Exact::new(data));
+            let truth: Arc<dyn Truth> = if in_space {
+                Arc::new(InterpolatedOnMesh::new(exact, space.clone(), rule))
+            } else {
+                let rules = TruthRules::for_element(space.element, space.mesh.dimension);
+                Arc::new(ExactOnMesh::new(exact, space.clone(), LoadForm::Weak, &[], &rules))
+            };
+            truth
+        });
+        let nodes: Vec<[f64; 3]> =
+            space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect();
+        let past = [3 * space.geometry.points(), space.nodes.len()].map(|length| {
+            let (rule, terms) = (&*setup.model.time_rule, setup.model.memory.iter());
+            let empty = terms.map(|term| Memory::new(&*term.kernel, rule, &grid, length));
+            Past { histories: empty.collect(), accumulated: Accumulated::default() }
+        });
+        Ok(Self {
+            nodal: Program::compile(&exact.data.graph, &exact.data.u, exact.data.horizon)
+                .bind(&nodes),
+            interpolated: in_space
+                .then(|| InterpolatedOnMesh::new(exact.clone(), space.clone(), rule)),
+            n: space.mesh.n,
+            errors: 0.0,
+            claims: Vec::new(),
+            setup,
+            data,
+            constants,
+            grid,
+            exact,
+            remembering,
+            past,
         })
     }
 
-    /// The level that `view` shows; `load` is the scheme's F_n.
+    /// Computes the sides at the level that `view` shows; levels come in order.
     ///
     /// # Errors
     /// The truth's.
-    pub(crate) fn next(
-        &mut self,
-        fields: &mut dyn Fields,
-        view: &StepView<'_>,
-        load: &[f64],
-    ) -> Result<LevelIntegrals, LoadError> {
-        let (space, material) = (&*self.space, &self.material);
-        let t = view.t;
-        let discrete = self.past.level(space, material, &self.grid, view.u);
-        let zeta = fields.zeta(t)?;
-        let kappa = material.kappa(zeta.unwrap_or(f64::NAN));
-        let v = fields.interpolant(t)?;
-        let strain = strains(space, &v);
-        let v_field = NodalField { nodal: &v, strain: &strain };
-        let u_field = NodalField { nodal: view.u, strain: &discrete.strain };
-        let volume = fields.volume(t, zeta.unwrap_or(f64::NAN))?;
-        let of = |sums: &mut Cells, values| {
-            over_cells(sums, space, material, kappa, values, &discrete, [&v_field, &u_field])
-        };
-        let mut cells = Cells::default();
-        of(&mut cells, &volume.plain);
-        let fine = of(&mut cells, &volume.crossed);
-        let coarse = of(&mut Cells::default(), &volume.check);
-        let quadrature =
-            [0, 1].map(|i: usize| fine.iter().zip(&coarse).map(|(a, b)| (a[i] - b[i]).abs()).sum());
-        let traces = Traces { v: traces(space, &v), u_h: traces(space, view.u) };
-        let edges = fields.edges(t, zeta.unwrap_or(f64::NAN), &[&traces.v, &traces.u_h])?;
-        let (mut contact, mut scheme_contact) = (ContactIntegrals::default(), [Sum::default(); 3]);
-        let lambda = fields.nodal_multiplier(t)?;
-        if let Some(boundary) = self.boundary {
-            contact = over_contact(space, &self.law, &edges, &traces, boundary, lambda.as_deref());
-            scheme_contact = scheme_terms(space, &self.law, boundary, view, &traces, contact.j_h_v);
+    pub fn observe(&mut self, view: &StepView<'_>) -> Result<(), LoadError> {
+        let (space, model, c, t) = (&*self.data.space, &self.setup.model, self.constants, view.t);
+        let (truth, load) = (self.data.truth.moments(t)?, self.data.truth.load(t)?);
+        let mut v = vec![0.0; space.nodes.len()];
+        for (i, values) in self.nodal.values_at(t, 0.0).iter().enumerate() {
+            v.iter_mut().skip(i).step_by(2).zip(values).for_each(|(v, value)| *v = *value);
         }
-        let by_vector = |w: &mut dyn Iterator<Item = f64>| product(load, w);
-        let load_of = match lambda {
-            // In strong form: ∫ f0·w + ∫_{Γ2} f2·w + ∫_{Γ3} h3·w.
-            None => {
-                let edge = tractions(space, material, kappa, &edges, [&v, view.u]);
-                [0, 1].map(|i: usize| cells.force[i].plus(edge[i]).plus(contact.work[i]))
-            }
-            // u = v^h: w1 = 0, and w2 is in V^h.
-            Some(_) => {
-                let w = &mut view.u.iter().zip(&v).map(|(u_h, u)| u_h - u);
-                [Sum::default(), by_vector(w)]
-            }
+        v[space.dofs()..].fill(0.0);
+        let size = strain_error(space, &vec![0.0; v.len()], &truth);
+        let [of_u, of_u_h] = &mut self.past;
+        let at = (&self.grid, view.n);
+        let (by_rule, zeta_by_rule) = of_u.level(self.setup, at, &truth.strain.at, size);
+        let (history, zeta_h) = of_u_h.level(self.setup, at, view.u, strain_norm(space, view.u));
+        let limit = model.projection.limit();
+        let kappa = limit.map_or(f64::INFINITY, |limit| limit.value(zeta_h));
+        let shown = StepView { history: &history, zeta: zeta_h, kappa, ..*view };
+        // ζ counts where κ follows it.
+        let zeta = match (&self.interpolated, limit.and(self.exact.data.kappa)) {
+            (_, None) => None,
+            (Some(truth), _) => Some(truth.zeta(t)?),
+            (None, _) => Some(self.exact.zeta.at(t)).filter(|zeta| !zeta.is_nan()),
         };
-        let scheme_load = by_vector(&mut v.iter().zip(view.u).map(|(v, u_h)| v - u_h));
-        let theta = cells.theta.sqrt();
-        let zeta_error = zeta.map_or(0.0, |zeta| (zeta - discrete.zeta).abs());
-        self.errors.push(cells.e.sqrt());
-        self.norms.push(cells.strain.sqrt());
-        let remembered = fields.remembered(t)?;
-        Ok(LevelIntegrals {
-            k: self.grid.largest_step(),
-            load: load_of,
-            quadrature,
-            scheme_load,
-            scheme_stress: scheme_stress(space, material, &discrete, &strain),
-            scheme_contact,
-            outside: (space.element != Element::P1).then_some(contact.outside),
-            history: zeta_error + theta,
-            truncation: self.truncation(view.n, zeta, remembered),
-            errors: self.errors.iter().sum(),
-            cells,
-            contact,
-        })
-    }
-
-    /// ‖S_n u - S_n^k u‖_Y: what the trapezoidal rule makes of the truth.
-    fn truncation(&mut self, n: usize, zeta: Option<f64>, now: CellValues) -> f64 {
-        let weights = primed_weights(&self.grid, n);
-        let sum: f64 = weights.iter().zip(&self.norms).map(|(w, norm)| w * norm).sum();
-        let accumulated = zeta.map_or(0.0, |zeta| (zeta - sum).abs());
-        if !self.material.remembers() {
-            return accumulated;
-        }
-        self.remembered.push(now.strain);
-        let factors = kernel_weights(&self.material, &self.grid, weights);
-        let mut square = 0.0;
-        for (p, weight) in now.at.weights.iter().enumerate() {
-            let history: Plane = std::array::from_fn(|i| {
-                let past = self.remembered.iter().zip(&factors);
-                now.history[p][i] - past.map(|(strain, f)| f * strain[p][i]).sum::<f64>()
+        let theta = self.remembering.as_ref().map(|truth| truth.moments(t)).transpose()?;
+        let volume = self.volume(&shown, &v, &truth, theta.as_deref(), &by_rule);
+        let [history, truncation] = [(volume.history, zeta_h), (volume.truncation, zeta_by_rule)]
+            .map(|(square, of_rule)| {
+                square.sqrt() + zeta.map_or(0.0, |zeta| (zeta - of_rule).abs())
             });
-            let theta = self.material.remembered(&history);
-            square += weight * dot(&theta, &theta);
+        let contact = self.on_contact(&shown, &v)?;
+        let of_scheme = self.balance(&shown, &v, &load) - volume.tested - contact.at_h;
+        let e_q = of_scheme + contact.outside;
+        let errors = step_errors(space, model, &shown, &truth);
+        self.errors += errors.v;
+        let (e, d) = (errors.v, (volume.d + truth.strain.rest).sqrt());
+        let (e_h, d_h, delta) = (volume.e.sqrt(), volume.d.sqrt(), contact.delta.sqrt());
+        let terms = [volume.phi1, volume.phi2, contact.e_j, volume.operator, contact.e_n, e_q];
+        let [u, u_h] = contact.arguments.map(f64::sqrt);
+        let growth = 2.0 * c.c0 + c.c1 * (u + u_h);
+        let pressures = contact.pressure.sqrt() + c.c0 + c.c1 * u;
+        let remembered = truncation + c.history * self.grid.largest_step() * self.errors;
+        let bound = c.bound([d, delta], growth, remembered, contact.e_n.abs() + e_q.abs());
+        // The terms of nearly incompressible stresses are larger than their sum.
+        let stress = volume.stress.sqrt().max(c.l_a * size);
+        let square = c.c_j_squared * size.powi(2);
+        let energy = stress * size;
+        // Left, right, what their terms have in all beside them, and the size of what rounds in them.
+        let sides = [
+            [errors.trace.powi(2), c.c_j_squared * e * e, 0.0, square],
+            [c.m_a * volume.e, volume.monotone, 0.0, energy],
+            [
+                volume.monotone,
+                terms.iter().sum(),
+                terms.iter().map(|term| term.abs()).sum::<f64>() + stress * (e_h + d_h),
+                energy,
+            ],
+            [volume.phi1, (c.alpha_phi * e + c.beta_phi * history) * e_h, stress * e_h, energy],
+            [contact.e_j, growth * delta + c.alpha_j * contact.trace, 0.0, energy],
+            [volume.operator, c.l_a * e_h * d_h, 0.0, energy],
+            [e, bound, 0.0, size],
+            [contact.e_n.abs(), pressures * delta, 0.0, energy],
+        ];
+        let place = Place { n: self.n, steps: self.grid.steps() as u32, level: view.n };
+        for (statement, [left, right, others, natural]) in STATEMENTS.into_iter().zip(sides) {
+            let sum = left.abs() + others + if right.is_finite() { right.abs() } else { 0.0 };
+            let accuracy = ROUNDING * sum + NATURAL * natural;
+            self.claims.push(Claim { statement, place, left, right, accuracy });
         }
-        accumulated + square.sqrt()
+        Ok(())
+    }
+
+    /// The claims at all levels seen.
+    pub fn claims(self) -> Vec<Claim> {
+        self.claims
+    }
+
+    /// `theta` has θ as its σ, `by_rule` what the rule remembers of ε(u).
+    fn volume(
+        &self,
+        shown: &StepView<'_>,
+        v: &[f64],
+        truth: &Moments,
+        theta: Option<&Moments>,
+        by_rule: &[Vec<f64>],
+    ) -> Volume {
+        let (space, model) = (&*self.data.space, &self.setup.model);
+        let (mu, terms) = (self.setup.projection_mu(), &model.memory[..]);
+        let at_points = |field: &'_ [f64], at: usize| -> [f64; 3] { field.as_chunks::<3>().0[at] };
+        let mut sums = Volume::default();
+        for at in space.points() {
+            let elastic = model.elasticity.on(space.region(at.cell));
+            let (strain, stress) =
+                (at_points(&truth.strain.at, at.index), at_points(&truth.stress.at, at.index));
+            let (strain_h, strain_v) = (at.strain::<3>(shown.u), at.strain::<3>(v));
+            let stress_h = shown.stress_of(space, model, &at, &strain_h);
+            let (to_h, to_v) = (minus(&strain_h, &strain), minus(&strain_v, &strain));
+            let moved = elastic.apply(&to_h);
+            let moved: [f64; 3] = std::array::from_fn(|i| moved[i] + mu * to_h[i]);
+            // σ = Aε + ψ.
+            let (apart, weight) = (minus(&stress, &stress_h), at.weight);
+            let psi: [f64; 3] = std::array::from_fn(|i| apart[i] + moved[i]);
+            sums.e += weight * contract(&to_h, &to_h);
+            sums.d += weight * contract(&to_v, &to_v);
+            sums.monotone += weight * contract(&moved, &to_h);
+            sums.phi1 += weight * contract(&psi, &to_h);
+            sums.phi2 -= weight * contract(&psi, &to_v);
+            sums.operator += weight * contract(&moved, &to_v);
+            sums.tested -= weight * contract(&apart, &minus(&strain_v, &strain_h));
+            sums.stress += weight * contract(&stress, &stress);
+            if let Some(theta) = theta {
+                let theta = at_points(&theta.stress.at, at.index);
+                let theta_h = theta_of(terms, space, &at, |i| at.strain(&shown.history[i]));
+                let theta_k = theta_of(terms, space, &at, |i| at_points(&by_rule[i], at.index));
+                sums.history += weight * norm(&minus(&theta, &theta_h)).powi(2);
+                sums.truncation += weight * norm(&minus(&theta, &theta_k)).powi(2);
+            }
+        }
+        sums
+    }
+
+    fn on_contact(&self, shown: &StepView<'_>, v: &[f64]) -> Result<OnContact, LoadError> {
+        let mut sums = OnContact::default();
+        let Some(boundary) = &self.setup.model.boundary else { return Ok(sums) };
+        for Sample { weight, x, u, u_h, v, pressure } in self.samples(shown, v)? {
+            let (potential, s) = (boundary.potential_at(x), (boundary.shift)(x));
+            let j = |at: f64, w: f64| directional(&potential, at, s, w);
+            sums.delta += weight * (u - v).powi(2);
+            sums.trace += weight * (u - u_h).powi(2);
+            sums.arguments[0] += weight * (u - s).powi(2);
+            sums.arguments[1] += weight * (u_h - s).powi(2);
+            sums.pressure += weight * pressure.powi(2);
+            sums.e_j += weight * (j(u, u_h - u) + j(u_h, v - u_h) - j(u, v - u));
+            sums.e_n += weight * (j(u, v - u) - pressure * (v - u));
+            sums.at_h += weight * (j(u_h, v - u_h) - pressure * (v - u_h));
+            if self.data.space.element != Element::P1 {
+                sums.outside += weight * (pressure * (u_h - u) - j(u, u_h - u)).max(0.0);
+            }
+        }
+        Ok(sums)
+    }
+
+    /// The points of Γ3: those of the truth, or, where it is an interpolant, the nodes, at which its pressures are.
+    fn samples(&self, shown: &StepView<'_>, v: &[f64]) -> Result<Vec<Sample>, LoadError> {
+        let space = &*self.data.space;
+        let (mesh, trace, t) = (&space.mesh, &space.trace, shown.t);
+        if let Some(truth) = &self.interpolated {
+            let pressures = truth.pressures(t);
+            let sample = |(i, pressure): (usize, f64)| Sample {
+                weight: trace.points[i].weight,
+                x: mesh.point(&[trace.points[i].vertex], &[1.0]),
+                u: trace.normal(i, v),
+                u_h: trace.normal(i, shown.u),
+                v: trace.normal(i, v),
+                pressure,
+            };
+            return Ok(pressures.into_iter().enumerate().map(sample).collect());
+        }
+        let Some(exact) = self.data.truth.contact_samples(t)? else { return Ok(Vec::new()) };
+        let rule = state_rule();
+        let shapes: Vec<Vec<f64>> =
+            rule.points.iter().map(|b| space.element.values_on(Simplex::facet(2), b)).collect();
+        let mut samples = Vec::with_capacity(exact.normal.len());
+        for (f, measure) in trace.measure.iter().enumerate() {
+            let corners = mesh.facet(trace.mesh_facet[f] as usize);
+            for (q, (b, shape)) in rule.points.iter().zip(&shapes).enumerate() {
+                let value = |nodal: &[f64]| -> f64 {
+                    let members = trace.facet(f).iter().zip(shape);
+                    members.map(|(&i, shape)| shape * trace.normal(i as usize, nodal)).sum()
+                };
+                let at = samples.len();
+                samples.push(Sample {
+                    weight: measure * rule.weights[q],
+                    x: mesh.point(corners, b),
+                    u: exact.normal[at],
+                    u_h: value(shown.u),
+                    v: value(v),
+                    pressure: exact.pressure[at],
+                });
+            }
+        }
+        Ok(samples)
+    }
+
+    /// (σ^{kh}, ε(w)) + j⁰(u^{kh}; w) - F(w) for w = v^h - u^{kh}, by stresses, rule and load of the scheme: (4.3) says that it
+    /// is not negative.
+    fn balance(&self, shown: &StepView<'_>, v: &[f64], load: &[f64]) -> f64 {
+        let (space, model) = (&*self.data.space, &self.setup.model);
+        let (mut compliance, free) = (shown.compliance.to_vec(), vec![0.0; shown.multiplier.len()]);
+        if let Some(boundary) = model.boundary.as_ref().filter(|b| b.rule == BoundaryRule::Vertex) {
+            for (i, point) in space.trace.points.iter().enumerate() {
+                let x = space.mesh.point(&[point.vertex], &[1.0]);
+                let [u_h, v] = [shown.u, v].map(|nodal| space.trace.normal(i, nodal));
+                let (s, sign) = ((boundary.shift)(x), if v < u_h { -1.0 } else { 1.0 });
+                compliance[i] = sign * directional(&boundary.potential_at(x), u_h, s, sign);
+            }
+        }
+        let view = StepView { compliance: &compliance, multiplier: &free, ..*shown };
+        let balance = out_of_balance(space, model, &view, load);
+        balance.iter().zip(v.iter().zip(shown.u)).map(|(b, (v, u_h))| b * (v - u_h)).sum()
     }
 }
 
-fn scheme_stress(
+impl Past {
+    /// Takes v_n and ‖ε_n‖; gives the sums at n.
+    fn level(
+        &mut self,
+        setup: &Setup,
+        (grid, n): (&TimeGrid, usize),
+        v: &[f64],
+        norm: f64,
+    ) -> (Vec<Vec<f64>>, f64) {
+        let rule = &*setup.model.time_rule;
+        let sums = remembered(&setup.model.memory, &mut self.histories, rule, (grid, n), v);
+        self.accumulated.commit(grid, norm);
+        (sums, self.accumulated.value(rule, grid))
+    }
+}
+
+impl AuditConstants {
+    /// (4.18) solved for e = ‖u - u^{kh}‖: m0 e² ≤ b e + c gives e ≤ b/m0 + √(c/m0), where
+    /// b = β_φ Y + (α_φ + L_A) d and c = β_φ Y d + C_j δ + |E_n|, and √(β_φ Y d/m0) ≤ (β_φ Y/m0 + d)/2.
+    /// Infinite where m0 ≤ 0: then the proof says nothing.
+    fn bound(&self, [d, delta]: [f64; 2], growth: f64, history: f64, residual: f64) -> f64 {
+        let m0 = self.m0();
+        if m0 <= 0.0 {
+            return f64::INFINITY;
+        }
+        let space = ((self.alpha_phi + self.l_a) / m0 + 0.5) * d;
+        let traces = (growth * delta / m0).sqrt();
+        space + traces + (residual / m0).sqrt() + 1.5 * self.beta_phi * history / m0
+    }
+}
+
+/// j_ν⁰(u - s; w), the larger of ξ w: at a jump to rounding of u and s any of its values.
+fn directional(potential: &dyn Potential, u: f64, s: f64, w: f64) -> f64 {
+    let (r, by) = (u - s, ROUNDING * (u.abs() + s.abs()));
+    let ((low, _), (_, high)) =
+        (potential.subdifferential(r - by), potential.subdifferential(r + by));
+    let here = potential.subdifferential(r);
+    [low, high, here.0, here.1].into_iter().fold(f64::NEG_INFINITY, |most, xi| most.max(xi * w))
+}
+
+/// Σ ℬ_i of what each term remembers at a point.
+fn theta_of(
+    terms: &[MemoryTerm],
     space: &Discretization,
-    material: &PlainMaterial,
-    discrete: &DiscreteLevel,
-    v: &[Plane],
-) -> Sum {
-    let mut sum = Sum::default();
-    for at in space.points() {
-        let (strain, psi) = (&discrete.strain[at.index], &discrete.coupled[at.index]);
-        let applied = material.operator(strain);
-        for i in 0..3 {
-            sum.add(at.weight * (applied[i] + psi[i]) * (v[at.index][i] - strain[i]));
-        }
+    at: &StrainPoint<'_>,
+    strain: impl Fn(usize) -> Symmetric<3>,
+) -> Symmetric<3> {
+    let mut sum = [0.0; 3];
+    for (i, term) in terms.iter().enumerate() {
+        let part = term.tensor.on(space.region(at.cell)).apply(&strain(i));
+        sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
     }
     sum
 }
 
-fn product(load: &[f64], w: &mut dyn Iterator<Item = f64>) -> Sum {
-    let mut sum = Sum::default();
-    load.iter().zip(w).for_each(|(f, w)| sum.add(f * w));
-    sum
-}
-
-fn traces(space: &Discretization, nodal: &[f64]) -> Vec<f64> {
-    (0..space.trace.points.len()).map(|i| space.trace.normal(i, nodal)).collect()
+fn minus(a: &Symmetric<3>, b: &Symmetric<3>) -> Symmetric<3> {
+    std::array::from_fn(|i| a[i] - b[i])
 }

@@ -1,34 +1,14 @@
-//! The proofs of Theorems 10 and 11 as a checklist: every line with both sides computed, at every t_n
-//! of real runs.
+//! Eight inequalities of the proofs of Theorems 10 and 11 at every t_n of real runs, on the numbers of the solver and of the
+//! truth: u^{kh}, its history and pressures and the forces that they leave; ε(u), σ, ξ + λ and F of the exact side.
 //!
-//! u is known, u^{kh} is a run's, v^h is the nodal interpolant of u. A, φ, S and j⁰ are evaluated here,
-//! apart from the solver; of a run only u_j^{kh} and the multipliers are read. The load of the truth
-//! enters in strong form (f0 by differentiation), so that the two forms of E_n, over the body and on the
-//! contact side, are two computations. What the quadrature of a run (boundary rule, load vector) adds to
-//! (4.9) is a separate term there, E_q.
+//! v^h is the nodal interpolant of u. ε(u) and σ enter by their L² projections onto the strains of V^h, which test functions
+//! see: what they leave out adds as much to the left of (4.9) as to its right, and no more to the left of (4.7), (4.14) and
+//! (4.17) than to the right. What the scheme's rule on Γ3 and its load add to (4.9) is a term of its own there, E_q.
 
-mod case;
 mod constants;
-mod contact;
-mod discrete;
-mod document;
-mod edges;
-mod fields;
-mod in_space;
-mod integrals;
-mod law;
 mod level;
-mod lines;
-mod memory;
-mod place;
-mod pointwise;
 mod scene;
-mod sides;
-mod smooth;
-mod strips;
 
-pub use case::{AuditError, Auditor, CaseAudit, CaseLine, audit_case};
 pub use constants::AuditConstants;
-pub use lines::{Line, LineStanding, Relation, Statement};
-pub use memory::audit_runs;
-pub use scene::{SceneAudit, SceneLine};
+pub use level::{AuditError, Auditor};
+pub use scene::{CaseAudit, CaseLine, SceneAudit, audit_case, audit_runs};
