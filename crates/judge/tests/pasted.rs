@@ -16,6 +16,9 @@ struct Document {
 #[derive(Deserialize)]
 struct Table {
     name: String,
+    /// Where a table of the public stands.
+    #[allow(dead_code)]
+    source: Option<String>,
     text: String,
     dimension: Option<u32>,
     ratio: Option<f64>,

@@ -281,10 +281,13 @@ impl<'a> Reader<'a> {
         let mut measured = Vec::new();
         for at in places {
             let entries = self.column(at, false)?;
-            let negative = entries.iter().flatten().any(|error| *error < 0.0);
+            // An error that changes its sign among others is broken, as a lone minus is.
+            let mut signs = entries.iter().flatten();
+            let negative =
+                signs.clone().any(|error| *error < 0.0) && !signs.any(|error| *error > 0.0);
             let signed = negative && !own && quantity == Quantity::Error;
             if signed {
-                self.notes.push(format!("`{}` has signs and is read by magnitude", self.name(at)));
+                self.notes.push(format!("`{}` is negative and read by magnitude", self.name(at)));
             }
             let norm = (!one).then(|| self.name(at).to_owned());
             measured.push(Measured { norm, entries, signed });
@@ -334,6 +337,15 @@ impl<'a> Reader<'a> {
                 }
                 Measure::Cells => 1,
                 Measure::Unknowns => 2,
+                // Beside cells `n` may be a counter, as in `n cells`: the dimension decides.
+                Measure::Number
+                    if self.reading.dimension.is_none()
+                        && normal(self.name(at)) == "n"
+                        && self.roles.contains(&Role::Space(Measure::Cells)) =>
+                {
+                    self.left_out.push(at);
+                    continue;
+                }
                 Measure::Number => 3,
                 Measure::Level => 4,
             };

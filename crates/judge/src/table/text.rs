@@ -222,11 +222,12 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
             }
             at += 1;
         }
-        if width > 1 {
-            let cells =
-                |&at: &usize| Cells { line: lines[at].number, cells: lines[at].cells.clone() };
-            let rows = rows.iter().map(cells).collect();
-            found.push(head(&lines[..first], separator, width, rows, left_out));
+        let cells = |&at: &usize| Cells { line: lines[at].number, cells: lines[at].cells.clone() };
+        let rows = rows.iter().map(cells).collect();
+        let block = head(&lines[..first], separator, width, rows, left_out);
+        // One column alone is one of errors, or a list of something else.
+        if width > 1 || block.names.first().is_some_and(|name| is_norm(name)) {
+            found.push(block);
         }
     }
     found
