@@ -18,6 +18,9 @@ const LEVELS_DIFFER: f64 = 0.2;
 /// Deeper levels are not levels of refinement.
 const DEEPEST: f64 = 64.0;
 
+/// More columns are no table of a study.
+const MOST_COLUMNS: usize = 1000;
+
 /// What a reader has to know beside the text.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reading {
@@ -94,6 +97,9 @@ impl Columns {
             let what =
                 "no header: a line above names the columns, `h,error` or `h,L2,H1` for example";
             return fail(what.into());
+        }
+        if names.len() > MOST_COLUMNS {
+            return fail(format!("{} columns: at most {MOST_COLUMNS} are read", names.len()));
         }
         for row in &block.rows {
             if row.cells.len() != names.len() {
@@ -367,7 +373,8 @@ impl<'a> Reader<'a> {
             return Err(error);
         }
         // A size that is the same in all rows beside one that is not is a degree, or of another mesh.
-        let constant = |size: &Size| size.steps.iter().all(|step| *step == size.steps[0]);
+        let constant =
+            |size: &Size| size.rank > 0 && size.steps.iter().all(|step| *step == size.steps[0]);
         if found.iter().any(|size| !constant(size)) {
             let (same, refined) = found.into_iter().partition(|size| constant(size));
             found = refined;
@@ -389,7 +396,7 @@ impl<'a> Reader<'a> {
         let mut kept = Vec::new();
         for size in found.drain(..) {
             let name = normal(self.name(size.at));
-            if !["k", "n"].contains(&name.as_str()) {
+            if !["k", "n", "grid", "mesh"].contains(&name.as_str()) {
                 kept.push(size);
                 continue;
             }

@@ -37,7 +37,7 @@ pub(super) enum Role {
 // Names of columns in normal form, as `normal` gives it.
 const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing spacing meshwidth";
 const TIMES: &str = "k dt deltat tau timestep timestepsize stepsize htime";
-const SIDES: &str = "n nx cellsperside elementsperside resolution grid numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv";
+const SIDES: &str = "n nx cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv";
 const STEPS: &str = "steps nsteps nt timesteps numberofsteps 1dt 1k";
 const CELLS: &str = "cells ncells numcells numberofcells activecells nactivecells numberofactivecells \
     elements nelements numelements numberofelements nel ne nelem triangles elems";

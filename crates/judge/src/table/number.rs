@@ -28,6 +28,11 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     if let Ok(value) = cell.parse::<f64>() {
         return plain(value, Comma::None);
     }
+    // Words are many: nothing but `nan` and `inf` begins with a letter.
+    let first = cell.trim_start_matches([' ', '$', '`', '*', '{']).chars().next()?;
+    if first.is_alphabetic() && !"nNiI".contains(first) {
+        return None;
+    }
     let mut text = cell.trim().trim_matches(['$', '`']).replace("\\%", "%");
     text = text.trim_start_matches("**").trim_end_matches("**").replace(['\u{2212}', '–'], "-");
     for command in ["\\num", "\\textbf", "\\mathbf", "\\text", "\\,", "~"] {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::columns::Columns;
-use super::text::{Block, known, readings};
+use super::text::{Block, is_table, known, readings};
 use super::{Group, Quantity, Reading, Row, TableError};
 use crate::fit::{Direction, Point, deviation, is_step, screen};
 
@@ -57,18 +57,23 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
         }
         // A log prints the table again after each level: the last has all rows.
         let longer = |at: usize| {
-            let cells =
-                |block: &Block| block.rows.iter().map(|row| row.cells.clone()).collect::<Vec<_>>();
+            let (names, rows) = (&found[at].0.names, &found[at].0.rows);
             found[at + 1..].iter().any(|(later, _)| {
-                later.names == found[at].0.names && cells(later).starts_with(&cells(found[at].0))
+                let mut pairs = rows.iter().zip(&later.rows);
+                later.names == *names
+                    && later.rows.len() >= rows.len()
+                    && pairs.all(|(a, b)| a.cells == b.cells)
             })
         };
-        let again: Vec<bool> =
-            (0..found.len()).map(|at| found.len() < 1000 && longer(at)).collect();
+        let again: Vec<bool> = (0..found.len()).map(longer).collect();
         let mut kept = again.iter();
         found.retain(|_| kept.next() == Some(&false));
         if !found.is_empty() {
             return tables(&found, reading, &blocks);
+        }
+        // A table that is broken is not cut another way until something comes out.
+        if blocks.iter().any(is_table) {
+            break;
         }
     }
     let nothing = "no table: rows of numbers below a line with their names, `h,error` for example";

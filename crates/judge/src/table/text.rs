@@ -104,6 +104,8 @@ fn typed(text: &str) -> String {
         .join("\n")
 }
 
+const MOST_PAIRS: usize = 10_000;
+
 fn is_rule(text: &str) -> bool {
     let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
     let latex = ["\\hline", "\\toprule", "\\midrule", "\\bottomrule", "\\cline", "\\cmidrule"];
@@ -226,7 +228,8 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         let rows = rows.iter().map(cells).collect();
         let block = head(&lines[..first], separator, width, rows, left_out);
         // One column alone is one of errors, or a list of something else.
-        if width > 1 || block.names.first().is_some_and(|name| is_norm(name)) {
+        let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&']);
+        if width > 1 || block.names.first().is_some_and(one) {
             found.push(block);
         }
     }
@@ -302,6 +305,15 @@ fn head(
             false => vec![group.clone()],
         };
         ways.push(groups.iter().flat_map(split).collect());
+        // A unit in brackets belongs to the name before it.
+        let mut united: Vec<String> = Vec::new();
+        for word in words(first) {
+            match united.last_mut().filter(|_| word.starts_with(['[', '('])) {
+                Some(name) => *name += &format!(" {word}"),
+                None => united.push(word),
+            }
+        }
+        ways.push(united);
         ways.push(groups);
     } else {
         ways.push(words(first).into_iter().filter(|name| !name.is_empty()).collect());
@@ -367,6 +379,12 @@ fn fitted(names: Vec<String>, width: usize, rows: &[Cells]) -> Option<(Vec<Strin
         }
     }
     (extra == 1 && is_index(rows)).then(|| ([vec![String::new()], names].concat(), 1))
+}
+
+/// Whether the names are of a size and of an error, so that the block is a table, sound or not.
+pub(super) fn is_table(block: &Block) -> bool {
+    let size = |name: &String| matches!(role(name), Role::Space(_) | Role::Time(_));
+    block.names.iter().any(size) && block.names.iter().any(|name| is_norm(name))
 }
 
 /// How many columns have names that say what they are.
@@ -459,14 +477,16 @@ fn records(text: &str) -> Vec<Block> {
     let lines: Vec<(u64, Vec<(String, String)>)> =
         (1..).zip(text.lines().map(pairs)).filter(|(_, pairs)| !pairs.is_empty()).collect();
     let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| size(name));
-    let full = |(_, pairs): &&(u64, Vec<(String, String)>)| {
-        pairs.len() > 1 && (sized(pairs) || !lines.iter().any(|(_, pairs)| sized(pairs)))
-    };
+    let any = lines.iter().any(|(_, pairs)| sized(pairs));
+    // Names are looked up one by one: a log with more of them is none of a study.
+    if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
+        return Vec::new();
+    }
+    let full = |(_, pairs): &&(u64, Vec<(String, String)>)| pairs.len() > 1 && sized(pairs) == any;
     let mut records: Vec<(u64, Vec<(String, String)>)> =
         lines.iter().filter(full).cloned().collect();
     if records.len() < 2 {
         records.clear();
-        let any = lines.iter().any(|(_, pairs)| sized(pairs));
         for (line, (name, value)) in lines
             .iter()
             .flat_map(|(line, pairs)| pairs.iter().map(move |pair| (*line, pair.clone())))
@@ -514,7 +534,7 @@ fn records(text: &str) -> Vec<Block> {
 
 /// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
 fn arrays(text: &str) -> Vec<Block> {
-    let mut columns: Vec<(u64, String, Vec<String>)> = Vec::new();
+    let mut columns: Vec<(usize, String, Vec<String>)> = Vec::new();
     for (open, _) in text.match_indices('[') {
         let Some(close) = text[open + 1..].find([']', '[']).map(|at| open + 1 + at) else { break };
         let inside = text[open + 1..close].replace("...", " ").replace([',', ';', '\n', '\t'], " ");
@@ -526,15 +546,14 @@ fn arrays(text: &str) -> Vec<Block> {
         let before = &text[start..open];
         let Some((name, _)) = before.rsplit_once(['=', ':']) else { continue };
         let name = name.trim_matches(|c: char| c.is_whitespace() || "\"':".contains(c));
-        let line = 1 + text[..open].matches('\n').count() as u64;
         columns.push((
-            line,
+            open,
             name.rsplit_once(' ').map_or(name, |(_, last)| last).to_owned(),
             cells,
         ));
     }
-    let Some((line, _, first)) = columns.first() else { return Vec::new() };
-    let (line, count) = (*line, first.len());
+    let Some((open, _, first)) = columns.first() else { return Vec::new() };
+    let (line, count) = (1 + text[..*open].matches('\n').count() as u64, first.len());
     if columns.len() < 2 || columns.iter().any(|(.., cells)| cells.len() != count) {
         return Vec::new();
     }
