@@ -213,7 +213,8 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                 _ if begins == Some(true) && !alike && is_summary(line.text) => {
                     left_out.push(line.number)
                 }
-                Kind::Row if same && alike => {
+                // Where cells are parted by a character, a row is one after a blank line too.
+                Kind::Row if same && (alike || separator != Separator::Blanks) => {
                     rows.push(at);
                     gap = false;
                 }
