@@ -9,6 +9,7 @@ Examples
 
 from ._fit import Unresolved, assert_order, fit
 from ._native import __version__
+from ._read import Table, read
 from ._study import Results, Study, study
 from ._verdict import Verdict
 from ._verify import Case, scenes, verify
@@ -18,11 +19,13 @@ __all__ = [
     "Case",
     "Results",
     "Study",
+    "Table",
     "Unresolved",
     "Verdict",
     "__version__",
     "assert_order",
     "fit",
+    "read",
     "read_vtu",
     "scenes",
     "study",

@@ -17,6 +17,15 @@ def fit(
     tolerance: float | None,
     log: float,
 ) -> dict[str, Any]: ...
+def read(
+    text: str,
+    dimension: int | None,
+    ratio: float | None,
+    in_time: bool,
+    by: Sequence[str],
+    runs: bool,
+    errors: Sequence[str],
+) -> tuple[list[str], list[dict[str, Any]]]: ...
 def settles(levels: int, decision: str, probability: float | None, before: str | None) -> bool: ...
 def verify(
     scene: str,

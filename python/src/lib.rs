@@ -3,6 +3,7 @@
 
 mod case;
 mod fit;
+mod read;
 mod verify;
 
 use pyo3::exceptions::PyValueError;
@@ -32,5 +33,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scenes, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(fit::settles, module)?)?;
+    module.add_function(wrap_pyfunction!(read::read, module)?)?;
     module.add_function(wrap_pyfunction!(verify::verify, module)?)
 }

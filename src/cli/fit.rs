@@ -30,20 +30,22 @@ use judge::verdict::Decision;
 /// `sweep fit`.
 #[derive(Args)]
 #[command(
-    after_help = "The table: columns that comma, semicolon, tab, blanks or | separate, a LaTeX tabular, or lines of \
-`name = value`; # and % begin comments, and a header may be one. Sizes: h, dx or hmax; k, dt or tau; n or N and \
-steps, which are 1/h and 1/k; cells or dofs with --dimension; level, where h = 2^-level. Errors: error, or norms side by side (L2, H1, \
-Linf, energy, error_u, ...), each of them judged. A column value in place of error is a functional without an exact value: the \
+    after_help = "The table: as a program prints it or a paper sets it, with prose, log lines and other tables around; columns that comma, \
+semicolon, tab, blanks or | separate, LaTeX, lines of `name = value`, lists, or a table on its side. The last line says what was read \
+and what was left out. Sizes: h, dx or hmax; k, dt or tau; n or N and steps, which are 1/h and 1/k; cells or dofs with --dimension; level, \
+where h = 2^-level; none with --ratio. Errors: error, norms side by side (L2, H1, Linf, energy, error_u, ...), and every column that \
+--p or --q name, each of them judged. A column value in place of error is a functional without an exact value: the \
 extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are printed. Optional: \
-floor, sigma (standard deviation of the error), norm, scene, status. Rates and counters (rate, eoc, order, cycle, ...) are skipped. Rows with the same scene and norm are \
-one table, and several rows of one level are runs: the mean of the logarithms counts, and their scatter is the noise. `cases.csv` of a sweep is such a file.\n\n\
+floor, sigma (standard deviation of the error), norm, scene, status. Rates and counters are left out. Rows with the same scene and norm are \
+one table, and so are those with one value of a column of words, or of one that tells levels apart which come again (degree, scheme); its name is then \
+COLUMN=VALUE, as in --p degree=1=2,degree=2=3. `cases.csv` of a sweep is such a file.\n\n\
 Examples:\n  \
 sweep fit errors.csv --p 2                              is it second order?\n  \
 program | sweep fit - --dimension 2 --p L2=2,H1=1       a printed table, h from its cells\n  \
 sweep fit errors.csv --p 1 --window 0.01,0.1            of some meshes alone\n  \
 sweep fit errors.csv --latex --svg errors.svg           the table and the picture for a paper\n\n\
 JSON keys with --json: one object per table and direction, with scene, norm, variable (h, k, joint, path), \
-predicted, observed (order is the same), interval, verdict, reason, at_least, exact, tolerance, and
+predicted, observed (order is the same), interval, verdict, reason, at_least, exact, tolerance, read, and
   h, k of errors: probability, local_slopes, coarse_left_out, floor_from, log, constant, constant_interval, next, points_used, points_left_out
   joint: probability, predicted_k, observed_k, interval_k, models, better, constants
   path (k = c h^s): probability, exponent, path_constant, local_slopes, predicted_k, next
@@ -55,10 +57,10 @@ cannot be read."
 pub(crate) struct Fit {
     /// Table of errors or values, - for standard input
     file: PathBuf,
-    /// Predicted order in h: one number for all norms, or NORM=P,...
+    /// Predicted order in h: a number for all norms, or NORM=P,...; NORM>=P is a lower bound, NORM==P exact, P:D has the tolerance D
     #[arg(long, allow_hyphen_values = true)]
     p: Option<Claims>,
-    /// Predicted order in k: one number for all norms, or NORM=Q,...
+    /// Predicted order in k: a number for all norms, or NORM=Q,..., as --p
     #[arg(long, allow_hyphen_values = true)]
     q: Option<Claims>,
     /// The orders are lower bounds
@@ -82,6 +84,15 @@ pub(crate) struct Fit {
     /// Dimension of the mesh, where its size is a number of cells or unknowns: h = cells^(-1/D)
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=3))]
     dimension: Option<u32>,
+    /// Each row refines by R where the table has no sizes, each level where it has levels
+    #[arg(long, value_name = "R")]
+    ratio: Option<f64>,
+    /// A table for each value of this column; may be given several times
+    #[arg(long, value_name = "COLUMN")]
+    by: Vec<String>,
+    /// Rows of one level are runs: the mean of the logarithms counts, and their scatter is the noise
+    #[arg(long, conflicts_with = "by")]
+    runs: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -96,31 +107,14 @@ pub(crate) struct Fit {
     svg: Option<PathBuf>,
 }
 
-/// The norms of a table, for error messages.
-fn norms_there(groups: &[Group]) -> String {
-    let mut names: Vec<&str> = groups.iter().filter_map(|group| group.norm.as_deref()).collect();
-    names.sort_unstable();
-    names.dedup();
-    let list = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    match names.len() {
-        0 => ": the errors of the table have no name; an order without one is theirs, as in --p 2"
-            .into(),
-        1 => format!("; there is {list}"),
-        _ => format!("; there are {list}"),
-    }
-}
-
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
         let mut tables = self.tables()?;
-        for claims in [&self.p, &self.q].into_iter().flatten() {
-            let known =
-                |norm: &str| tables.groups.iter().any(|group| group.norm.as_deref() == Some(norm));
-            if let Some(norm) = claims.norms().find(|norm| !known(norm)) {
-                let words = format!("no norm `{norm}` to judge{}", norms_there(&tables.groups));
-                return Err(CliError::about(self.name(), words));
-            }
+        let mut claims = [self.p.clone(), self.q.clone()];
+        for claims in claims.iter_mut().flatten() {
+            claims.resolve(&tables.groups).map_err(|why| CliError::about(self.name(), why))?;
         }
+        self.one_direction(&tables)?;
         if let Some(Err(error)) = self.noise.map(deviation) {
             return Err(CliError::about("--noise", error));
         }
@@ -128,11 +122,21 @@ impl Fit {
         let claim = Claim { order: 1.0, at_least, exact, tolerance, log };
         let claim = claim.checked().map_err(CliError::other)?;
         let left_out = self.window.map(|window| window.narrow(&mut tables)).unwrap_or_default();
-        let asked = |norm: Option<&str>| Asked {
-            p: self.p.as_ref().and_then(|claims| claims.of(norm)),
-            q: self.q.as_ref().and_then(|claims| claims.of(norm)),
-            claim,
-            noise: self.noise,
+        let [p, q] = &claims;
+        for claims in claims.iter().flatten() {
+            let all = tables.groups.iter().filter_map(|group| claims.of(group, claim));
+            all.map(Claim::checked).collect::<Result<Vec<_>, _>>().map_err(CliError::other)?;
+        }
+        let asked = |group: &Group| {
+            let of = |claims: &Option<Claims>| claims.as_ref().and_then(|c| c.of(group, claim));
+            let (p, q) = (of(p), of(q));
+            Asked {
+                p: p.map(|claim| claim.order),
+                q: q.map(|claim| claim.order),
+                claim: p.unwrap_or(claim),
+                in_time: q.unwrap_or(claim),
+                noise: self.noise,
+            }
         };
         let found = judged(&self.name(), &tables, asked, &left_out)?;
         if let Some(file) = &self.svg {
@@ -147,6 +151,9 @@ impl Fit {
         match self.json {
             true => print_json(&found.objects)?,
             false => texts.iter().for_each(|text| print_text(text)),
+        }
+        if self.markdown || self.latex {
+            tables.said.iter().for_each(|line| eprintln!("{}", files::harmless(line)));
         }
         Ok(u8::from(!found.all_pass))
     }
@@ -165,7 +172,35 @@ impl Fit {
             }
             false => read_at_most(&self.file, LARGEST),
         };
-        tables(&self.name(), &bytes?, &Reading { dimension: self.dimension })
+        let names = [&self.p, &self.q].into_iter().flatten().flat_map(Claims::names);
+        let reading = Reading {
+            dimension: self.dimension,
+            ratio: self.ratio,
+            in_time: self.p.is_none() && self.q.is_some(),
+            by: self.by.clone(),
+            runs: self.runs,
+            errors: names.map(str::to_owned).collect(),
+        };
+        tables(&self.name(), &bytes?, &reading)
+    }
+
+    /// An order in h alone is no claim on a table of time steps, nor the reverse.
+    fn one_direction(&self, tables: &Tables) -> Result<(), CliError> {
+        let there = |direction: Direction| {
+            let rows = tables.groups.iter().flat_map(|group| &group.rows);
+            rows.into_iter().any(|row| !direction.step(&row.point).is_nan())
+        };
+        let (wrong, right) = match (&self.p, &self.q) {
+            (Some(_), None) if !there(Direction::Space) => ("--p", "--q"),
+            (None, Some(_)) if !there(Direction::Time) => ("--q", "--p"),
+            _ => return Ok(()),
+        };
+        let (has, lacks) = if wrong == "--p" { ("k", "h") } else { ("h", "k") };
+        let what = format!(
+            "the table has {has} alone and no {lacks}, whose order {wrong} is: write {right} ({})",
+            tables.said.join("; ")
+        );
+        Err(CliError::about(self.name(), what))
     }
 }
 
@@ -195,22 +230,23 @@ pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError>
     let name = file.display().to_string();
     let tables = tables(&name, &read_at_most(file, LARGEST)?, &Reading::default())?;
     let claim = Claim::new(1.0).map_err(CliError::other)?;
-    judged(&name, &tables, |_| Asked { p, q, claim, noise: None }, &[])
+    judged(&name, &tables, |_| Asked { p, q, claim, in_time: claim, noise: None }, &[])
 }
 
 fn judged(
     name: &str,
     tables: &Tables,
-    asked: impl Fn(Option<&str>) -> Asked,
+    asked: impl Fn(&Group) -> Asked,
     left_out: &[Vec<Point>],
 ) -> Result<Fitted, CliError> {
     let mut found = Fitted { texts: Vec::new(), objects: Vec::new(), all_pass: true };
     found.texts = eoc::tables(&tables.groups, Style::Text);
     for (at, group) in tables.groups.iter().enumerate() {
-        let asked = asked(group.norm.as_deref());
+        let asked = asked(group);
         let outside = left_out.get(at).map_or(&[][..], Vec::as_slice);
         for mut part in parts(group, asked, outside).map_err(|why| CliError::about(name, why))? {
             found.all_pass &= part.decision.is_none_or(|d| d == Decision::Pass);
+            part.json["read"] = tables.said.join("\n").into();
             part.json["scene"] = group.scene.clone().into();
             part.json["norm"] = group.norm.clone().into();
             found.objects.push(part.json);
@@ -224,9 +260,7 @@ fn judged(
         let hint = "neither h nor k takes two values: nothing to fit";
         return Err(CliError::about(name, hint));
     }
-    if !tables.unknown.is_empty() {
-        found.texts.push(format!("not understood and not read: {}", tables.unknown.join(", ")));
-    }
+    found.texts.extend(tables.said.iter().cloned());
     Ok(found)
 }
 
@@ -234,7 +268,7 @@ fn judged(
 fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'static str> {
     let directions = Direction::BOTH.into_iter();
     if group.quantity == Quantity::Value {
-        let part = |direction| values::part(group, direction, asked);
+        let part = |direction| values::part(group, direction, asked.along(direction));
         return Ok(directions.filter_map(part).collect());
     }
     let both = directions.clone().all(|direction| group.refined(direction));
@@ -245,7 +279,9 @@ fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'
         return Ok(vec![path::part(group, found, asked)]);
     }
     let joint = both.then(|| grid::Joint::of(group, asked));
-    let line = |direction| line::part(group, direction, asked, joint.as_ref(), outside);
+    let line = |direction: Direction| {
+        line::part(group, direction, asked.along(direction), joint.as_ref(), outside)
+    };
     let grid = joint.as_ref().map(|joint| grid::part(group, joint, asked));
     Ok(directions.filter_map(line).chain(grid).collect())
 }

@@ -253,21 +253,28 @@ fn grids_that_do_not_fit() {
 fn tables_that_cannot_be_fitted() {
     let folder = Folder::new("tables");
     let cases = [
-        ("no-error.csv", "h,k\n0.1,0.2\n", "no column `error`"),
-        ("no-steps.csv", "error\n0.1\n", "no column `h`"),
-        ("no-rows.csv", "h,error\n", "no rows"),
+        ("no-error.csv", "h,k\n0.1,0.2\n", "no column of errors"),
+        ("no-steps.csv", "error\n0.1\n", "--ratio 2"),
+        ("no-rows.csv", "h,error\n", "no table"),
         (
             "no-number.csv",
             "h,error\n0.1,0.2\n0.05,much\n",
-            "no-number.csv:3: `much` is not a number",
+            "no-number.csv:3: error = `much` is not a number",
         ),
-        ("one-h.csv", "h,error\n0.1,0.2\n0.1,0.3\n", "nothing to fit"),
+        ("one-h.csv", "h,error\n0.1,0.2\n", "nothing to fit"),
+        (
+            "twice.csv",
+            "h,error\n0.1,0.2\n0.1,0.3\n",
+            "twice.csv:3: the level of line 2 comes again: --runs",
+        ),
         ("torn.csv", "h,error\n0.1,0.2\n0.05\n", "torn.csv:3: 1 field"),
-        ("commas.txt", "h error\n0,5 1\n", "commas.txt:2: `0,5` has a decimal comma"),
+        ("commas.txt", "h error\n1,234 1\n", "commas.txt:2: `1,234` may be 1234 or 1.234"),
+        ("time.csv", "dt,error\n0.1,1\n0.05,0.5\n", "write --q"),
     ];
     for (name, table, phrase) in cases {
         let path = folder.file(name, table);
-        let found = faults(&sweep(&["fit", &path]), name, &[phrase]);
+        let aim: &[&str] = if name == "time.csv" { &["--p", "1"] } else { &[] };
+        let found = faults(&sweep(&[&["fit", &path], aim].concat()), name, &[phrase]);
         assert!(found.is_empty(), "{name}: {found:?}");
     }
     let missing = folder.argument("missing.csv");

@@ -180,6 +180,7 @@ fn a_fit_says_nothing_of_absent_columns() {
     keys(
         &rows[0],
         &[
+            "read",
             "variable",
             "local_slopes",
             "order",

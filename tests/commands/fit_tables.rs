@@ -204,7 +204,9 @@ fn every_table_gets_its_verdict_from_records_and_from_a_file() {
         assert_eq!(decision, expected, "{name} as records: {reason}");
         assert!(reason.contains(words), "{name} as records: {reason}");
         let (flag, step) = if variable == Variable::H { ("--p", "h") } else { ("--q", "k") };
-        let aim = [flag, &predicted.to_string()];
+        let predicted = predicted.to_string();
+        let runs: &[&str] = if name == "repeated" { &["--runs"] } else { &[] };
+        let aim = [&[flag, &predicted], runs].concat();
         let (exit, found) = fitted(&folder, &file(&rows, floor), &aim);
         let found = row(&found, step);
         assert_eq!(found["verdict"], expected.name(), "{name} as a file: {found}");
@@ -213,7 +215,7 @@ fn every_table_gets_its_verdict_from_records_and_from_a_file() {
         assert_eq!(exit, i32::from(expected != Decision::Pass), "{name}");
         // Without a prediction there is nothing to fail; of one row there is nothing to print.
         if rows.len() > 1 {
-            assert_eq!(fitted(&folder, &file(&rows, floor), &[]).0, 0, "{name}");
+            assert_eq!(fitted(&folder, &file(&rows, floor), runs).0, 0, "{name}");
         }
     }
 }
@@ -525,7 +527,7 @@ fn printed_tables_are_judged_a_norm_at_a_time() {
     for (aim, words) in [
         (["--p", "nan"], "no finite order"),
         (["--q", "inf"], "no finite order"),
-        (["--p", "H2=1"], "no norm `H2` to judge; there are `H1`, `L2`"),
+        (["--p", "H2=1"], "nothing to judge: no `H2`; there is `H1`, `L2`"),
     ] {
         let output = fit(&aim);
         assert_eq!((code(&output), stderr(&output).contains(words)), (2, true), "{aim:?}");
@@ -594,7 +596,7 @@ fn options_change_what_is_judged() {
     let width = ends[1].as_f64().expect("an end") - ends[0].as_f64().expect("an end");
     assert!(exit == 1 && (width / noisy.1 - 1.0).abs() < 1e-9, "{width} {noisy:?}");
     let runs = rows(2..6, &|h| 1.2 * h) + &rows(2..6, &|h| h / 1.2)["h,error\n".len()..];
-    assert_eq!(fitted(&folder, &runs, &["--p", "1"]).0, 1);
+    assert_eq!(fitted(&folder, &runs, &["--p", "1", "--runs"]).0, 1);
     for (option, value, words) in [
         ("--tolerance", "nan", "tolerance"),
         ("--tolerance", "-1", "tolerance"),
@@ -608,4 +610,44 @@ fn options_change_what_is_judged() {
         let output = sweep(&["fit", &table, option, value]);
         assert_eq!((code(&output), stderr(&output).contains(words)), (2, true), "{option}");
     }
+}
+
+/// Bound and tolerance of each norm, a table for each scheme with its own order, and sizes by a ratio; what was read is said.
+#[test]
+fn each_norm_and_each_scheme_has_its_own_claim() {
+    let folder = Folder::new("own-claims");
+    let verdicts = |text: &str, aim: &[&str]| -> Vec<String> {
+        let (_, rows) = fitted(&folder, text, aim);
+        rows.iter().map(|row| row["verdict"].as_str().unwrap_or("-").to_owned()).collect()
+    };
+    let levels = [1u32, 2, 3, 4, 5];
+    let row = |level: &u32| {
+        let h = 0.5f64.powi(*level as i32);
+        format!("{h},{:e},{:e}\n", h.powf(2.5), h)
+    };
+    let two = format!("h,error_L2,H1\n{}", levels.iter().map(row).collect::<String>());
+    assert_eq!(verdicts(&two, &["--p", "L2=2,H1=1"]), ["unresolved", "pass"]);
+    assert_eq!(verdicts(&two, &["--p", "L2>=2,H1==1"]), ["pass", "pass"]);
+    assert_eq!(verdicts(&two, &["--p", "L2==2,H1=1"]), ["fail", "pass"]);
+    assert_eq!(verdicts(&two, &["--p", "L2=2:0.6,H1=1"]), ["pass", "pass"]);
+    let scheme = |name: &str, order: i32| -> String {
+        let row = |level: &u32| {
+            format!("{name},{},{:e}\n", 2u32.pow(*level), 0.5f64.powi(*level as i32 * order))
+        };
+        levels.iter().map(row).collect()
+    };
+    let schemes = format!("scheme,n,error\n{}{}", scheme("euler", 1), scheme("heun", 2));
+    let each = "scheme=euler=1,scheme=heun=2";
+    assert_eq!(verdicts(&schemes, &["--p", each]), ["pass", "pass"]);
+    assert_eq!(verdicts(&schemes, &["--p", "2"]), ["fail", "pass"]);
+    let sizeless = "L2 H1\n1e-2 1e-1\n2.5e-3 5e-2\n6.25e-4 2.5e-2\n1.5625e-4 1.25e-2\n";
+    assert_eq!(verdicts(sizeless, &["--p", "L2=2,H1=1", "--ratio", "2"]), ["pass", "pass"]);
+    let table = folder.file("sizeless.txt", sizeless);
+    let printed = stdout(&sweep(&["fit", &table, "--q", "1", "--ratio", "2"]));
+    assert!(printed.ends_with("read 4 rows: k by --ratio 2, errors `L2`, `H1`\n"), "{printed}");
+    let (_, rows) = fitted(&folder, &schemes, &[]);
+    assert_eq!(
+        rows[0]["read"],
+        "read 10 rows: h from `n`, errors `error`; a table for each `scheme`"
+    );
 }

@@ -163,6 +163,20 @@ fn no_table_breaks_the_reader_or_what_comes_after() {
     });
 }
 
+/// The tables of `tests/pasted`, by their keys `text`.
+fn pasted() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pasted");
+    let entries = std::fs::read_dir(folder).expect("the pasted tables");
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    paths.sort();
+    let read = |path: &PathBuf| std::fs::read_to_string(path).expect("a document");
+    let texts = |text: String| -> Vec<String> {
+        let bodies = text.split("text = '''\n").skip(1);
+        bodies.map(|body| body.split("'''").next().unwrap_or_default().to_owned()).collect()
+    };
+    paths.iter().map(read).flat_map(texts).collect()
+}
+
 #[test]
 fn no_table_breaks_the_fits() {
     let swept = Swept::new("fuzz-fit");
@@ -183,6 +197,7 @@ fn no_table_breaks_the_fits() {
         "\\begin{tabular}{cc}\n$h$ & $L^2$ \\\\ \\hline\n$0.5$ & $1.0\\times 10^{-1}$ \\\\\n0.25 & \\num{2.5e-2} \\\\\n\\end{tabular}\n".into(),
         "h = 0.5, E = 0.1\nh = 0.25, E = 0.025, rate = 2.0\nh: 0.125 E: 0.006\n".into(),
     ];
+    let corpus: Vec<String> = corpus.into_iter().chain(pasted()).collect();
     fuzz("fit", &corpus, 5_000, |text| {
         swept.with("table.csv", text, |path| {
             [[None, None], [Some(1.0), Some(2.0)]]

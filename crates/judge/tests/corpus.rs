@@ -89,7 +89,7 @@ fn no_verdict_contradicts_the_expert_and_few_stay_open() {
         for table in &document.table {
             let section = table.section.as_deref().unwrap_or("-");
             let name = format!("{}, {section}", document.title);
-            let reading = Reading { dimension: table.dimension };
+            let reading = Reading { dimension: table.dimension, ..Reading::default() };
             let tables = read(table.text.as_bytes(), &reading)
                 .unwrap_or_else(|error| panic!("{name}: {error}\n{}", table.text));
             let mut norms: Vec<&str> =

@@ -14,8 +14,9 @@ use super::wording::{Part, run};
 pub(super) struct Asked {
     pub(super) p: Option<f64>,
     pub(super) q: Option<f64>,
-    /// What is claimed of either order, whatever it is.
+    /// What is claimed of the order in h, whatever it is, and of that in k.
     pub(super) claim: Claim,
+    pub(super) in_time: Claim,
     pub(super) noise: Option<f64>,
 }
 
@@ -44,6 +45,14 @@ impl Asked {
         match direction {
             Direction::Space => self.p,
             Direction::Time => self.q,
+        }
+    }
+
+    /// With the claim of one direction.
+    pub(super) fn along(self, direction: Direction) -> Self {
+        match direction {
+            Direction::Space => self,
+            Direction::Time => Self { claim: self.in_time, ..self },
         }
     }
 

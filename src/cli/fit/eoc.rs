@@ -90,7 +90,10 @@ fn table(groups: &[&Group], direction: Direction, style: Style) -> String {
     let row = |row: &Point| {
         let cells =
             groups.iter().zip(lines.iter().zip(&orders)).flat_map(|(group, (line, orders))| {
-                let at = line.iter().position(|point| same_level(step(point), step(row)));
+                // Lines and rows fall alike.
+                let same = |point: &Point| same_level(step(point), step(row));
+                let at = line.partition_point(|point| step(point) > step(row) && !same(point));
+                let at = line.get(at).filter(|point| same(point)).map(|_| at);
                 let number = |at: usize| match group.quantity {
                     Quantity::Error => scientific(line[at].error, style),
                     Quantity::Value => digits(line[at].error, 9),

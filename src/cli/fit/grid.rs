@@ -44,7 +44,7 @@ impl Joint {
         let mut steps: Vec<f64> = self.points.iter().map(|point| direction.step(point)).collect();
         steps.sort_by(|a, b| b.total_cmp(a));
         steps.dedup_by(|a, b| same_level(*a, *b));
-        asked.answer(posterior, order, (direction.name(), next_steps(&steps)))
+        asked.along(direction).answer(posterior, order, (direction.name(), next_steps(&steps)))
     }
 }
 

@@ -9,10 +9,7 @@ use super::eoc;
 use crate::cli::CliError;
 
 /// One series per table, in the first refined direction of the file, with triangles of predicted orders.
-pub(super) fn svg(
-    groups: &[Group],
-    asked: impl Fn(Option<&str>) -> Asked,
-) -> Result<String, CliError> {
+pub(super) fn svg(groups: &[Group], asked: impl Fn(&Group) -> Asked) -> Result<String, CliError> {
     let errors: Vec<&Group> =
         groups.iter().filter(|group| group.quantity == Quantity::Error).collect();
     let directions = Direction::BOTH;
@@ -30,7 +27,7 @@ pub(super) fn svg(
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let name = group.heading().unwrap_or_else(|| "error".into());
-        let order = asked(group.norm.as_deref()).order(direction);
+        let order = asked(group).order(direction);
         let slope =
             order.map(|order| Slope { order, label: order.to_string(), along: points.clone() });
         let parts = vec![Part::Line(points.clone()), Part::Points(points)];

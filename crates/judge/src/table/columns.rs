@@ -1,289 +1,668 @@
-//! Positions of the columns, and rows read by them.
+//! The columns of a block: sizes, errors, and what tells tables apart.
 
-use super::cells::Cells;
-use super::name::{Measure, Role, is_cells, normal, role, understood};
-use super::number::{is_missing, parse};
-use super::{Quantity, Row, TableError};
-use crate::fit::{Point, deviation, is_step, screen};
+use std::collections::{HashMap, HashSet};
+
+use super::name::{Measure, Role, is_rate, likeness, named, normal, role};
+use super::number::{Comma, is_missing, number};
+use super::text::Block;
+use super::{Quantity, TableError};
+use crate::fit::is_step;
 use files::counted;
 
 /// How far the ratio of two columns of sizes may differ from row to row: printed with two digits, each is off by half
 /// as much.
 const SIZES_DIFFER: f64 = 0.1;
-
+/// A level by a count of cells may differ so much from one by its number (as logarithms): unknowns grow at the rate of cells in
+/// the limit only, and a wrong dimension or the cells of a plane taken for those of a side are off by 0.23 or more.
+const LEVELS_DIFFER: f64 = 0.2;
 /// Deeper levels are not levels of refinement.
 const DEEPEST: f64 = 64.0;
 
+/// More columns are no table of a study.
+const MOST_COLUMNS: usize = 1000;
+
 /// What a reader has to know beside the text.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reading {
     /// Dimension of the mesh, if sizes are counts of cells or unknowns.
     pub dimension: Option<u32>,
+    /// Each row refines by it where the table has no sizes; a level does where it has levels.
+    pub ratio: Option<f64>,
+    /// Sizes by the ratio are time steps.
+    pub in_time: bool,
+    /// Columns that tell tables apart.
+    pub by: Vec<String>,
+    /// Rows of one level are runs, and their mean counts.
+    pub runs: bool,
+    /// Columns that are errors, whatever their names.
+    pub errors: Vec<String>,
 }
+
+/// A number of a cell; none where it is missing.
+pub(super) type Entries = Vec<Option<f64>>;
 
 #[derive(Debug, Clone)]
 struct Size {
     at: usize,
-    name: String,
     measure: Measure,
+    rank: usize,
+    /// NaN where it is missing.
+    steps: Vec<f64>,
 }
 
-/// A column of errors or values; named if there may be several.
-#[derive(Debug, Clone)]
 pub(super) struct Measured {
-    pub(super) at: usize,
     pub(super) norm: Option<String>,
+    pub(super) entries: Entries,
+    pub(super) signed: bool,
 }
 
-#[derive(Debug)]
 pub(super) struct Columns {
-    h: Option<Size>,
-    k: Option<Size>,
-    /// Further columns of the kind of h, or of k.
-    beside: Vec<(Size, Size)>,
-    dimension: Option<u32>,
+    /// h and k; none where the table has no such column.
+    pub(super) steps: [Option<Vec<f64>>; 2],
     pub(super) measured: Vec<Measured>,
     pub(super) quantity: Quantity,
-    floor: Option<usize>,
-    sigma: Option<usize>,
+    pub(super) floor: Option<Entries>,
+    pub(super) sigma: Option<Entries>,
     pub(super) scene: Option<usize>,
     pub(super) norm: Option<usize>,
-    status: Option<usize>,
-    count: usize,
-    /// Names not understood, beside known norms.
-    pub(super) unknown: Vec<String>,
+    pub(super) status: Option<usize>,
+    pub(super) by: Vec<usize>,
+    pub(super) runs: bool,
+    /// What was read and what was not.
+    pub(super) said: String,
+}
+
+fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+    let names: Vec<String> = names.into_iter().map(|n| format!("`{}`", n.as_ref())).collect();
+    let more = names.len().saturating_sub(8);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    names[..names.len() - more].join(", ") + &rest
+}
+
+struct Reader<'a> {
+    block: &'a Block,
+    reading: &'a Reading,
+    roles: Vec<Role>,
+    /// Whether a cell of the table has a comma that can be a decimal one alone.
+    decimal: bool,
+    left_out: Vec<usize>,
+    notes: Vec<String>,
 }
 
 impl Columns {
-    pub(super) fn of(header: &Cells, reading: &Reading) -> Result<Self, TableError> {
-        let roles: Vec<Role> = header.cells.iter().map(|name| role(name)).collect();
-        let fail = |what: String| Err(TableError::at(header.line, what));
-        let place = |wanted: Role| roles.iter().position(|role| *role == wanted);
-        let unknown: Vec<String> = (header.cells.iter().zip(&roles))
-            .filter(|(_, role)| **role == Role::Unknown)
-            .map(|(name, _)| format!("`{name}`"))
-            .collect();
-        let names = match unknown.is_empty() {
-            true => format!("; understood are {}", understood()),
-            false => {
-                format!("; not understood: {}; understood are {}", unknown.join(", "), understood())
+    pub(super) fn of(block: &Block, reading: &Reading) -> Result<Self, TableError> {
+        let names = &block.names;
+        let fail = |what: String| Err(TableError::at(block.line, what));
+        if names.is_empty() {
+            let what =
+                "no header: a line above names the columns, `h,error` or `h,L2,H1` for example";
+            return fail(what.into());
+        }
+        if names.len() > MOST_COLUMNS {
+            return fail(format!("{} columns: at most {MOST_COLUMNS} are read", names.len()));
+        }
+        for row in &block.rows {
+            if row.cells.len() != names.len() {
+                let found = counted(row.cells.len(), "field");
+                let hint = match row.cells.len() == 2 * names.len() {
+                    true => "; decimal commas are written as points, or cells parted by `;`",
+                    false => "",
+                };
+                let what = format!("{found}, the header has {}{hint}", names.len());
+                return Err(TableError::at(row.line, what));
+            }
+        }
+        let mut reader = Reader::of(block, reading)?;
+        let (measured, quantity) = reader.measured()?;
+        let runs = reading.runs || reader.roles.contains(&Role::Run);
+        let sizes = [reader.size(false)?, reader.size(true)?];
+        if sizes.iter().all(Option::is_none) && reading.ratio.is_none() {
+            return fail(reader.no_size());
+        }
+        let place = |wanted: Role| reader.roles.iter().position(|role| *role == wanted);
+        let [floor, sigma] = [Role::Floor, Role::Sigma].map(place);
+        let [scene, norm, status] = [Role::Scene, Role::Norm, Role::Status].map(place);
+        let (entries, steps) = (
+            |at: Option<usize>| at.map(|at| reader.column(at, false)).transpose(),
+            |size: &Option<Size>| size.as_ref().map(|size| size.steps.clone()),
+        );
+        let mut columns = Self {
+            steps: [steps(&sizes[0]), steps(&sizes[1])],
+            measured,
+            quantity,
+            floor: entries(floor)?,
+            sigma: entries(sigma)?,
+            scene,
+            norm,
+            status,
+            by: Vec::new(),
+            runs,
+            said: String::new(),
+        };
+        columns.by = reader.by(&columns, &sizes)?;
+        columns.said = reader.said(&columns, &sizes);
+        Ok(columns)
+    }
+}
+
+impl<'a> Reader<'a> {
+    fn of(block: &'a Block, reading: &'a Reading) -> Result<Self, TableError> {
+        let names: Vec<&str> = block.names.iter().map(String::as_str).collect();
+        let mut roles: Vec<Role> = names.iter().map(|name| role(name)).collect();
+        let missing = |what: String| TableError::at(block.line, what);
+        for asked in &reading.errors {
+            // Of a table with a column `norm` it is the name of one.
+            if let Ok(at) = named(asked, &names)
+                && matches!(roles[at], Role::Unknown | Role::Ignored | Role::Parameter | Role::Run)
+            {
+                roles[at] = Role::Wide;
+            }
+        }
+        for asked in &reading.by {
+            let at = named(asked, &names).map_err(|what| missing(format!("--by: {what}")))?;
+            roles[at] = Role::Parameter;
+        }
+        // A column of words alone tells tables apart, whatever it is called.
+        for (at, role) in roles.iter_mut().enumerate() {
+            let words = |row: &super::text::Cells| {
+                is_missing(&row.cells[at]) || number(&row.cells[at]).is_none()
+            };
+            let number_wanted = matches!(role, Role::Wide | Role::Unknown | Role::Ignored);
+            if number_wanted && block.rows.iter().all(words) {
+                let any = block.rows.iter().any(|row| !is_missing(&row.cells[at]));
+                *role = if any { Role::Parameter } else { Role::Ignored };
+            }
+        }
+        // `norm` of numbers is an error.
+        let errors = roles.iter().any(|role| matches!(role, Role::Error | Role::Value));
+        if let Some(at) = roles.iter().position(|role| *role == Role::Norm && !errors) {
+            roles[at] = Role::Wide;
+        }
+        let cells = block.rows.iter().flat_map(|row| &row.cells);
+        let mut commas = cells.filter(|cell| cell.contains(','));
+        let decimal = commas.any(|cell| number(cell).is_some_and(|n| n.comma == Comma::Decimal));
+        Ok(Self { block, reading, roles, decimal, left_out: Vec::new(), notes: Vec::new() })
+    }
+
+    fn name(&self, at: usize) -> &str {
+        &self.block.names[at]
+    }
+
+    /// The numbers of a column; `whole` are counts, in which `2,312` can be no fraction.
+    fn column(&self, at: usize, whole: bool) -> Result<Entries, TableError> {
+        let rows = &self.block.rows;
+        let cell = |row: &'a super::text::Cells| -> Result<_, TableError> {
+            let text = row.cells[at].as_str();
+            if is_missing(text) {
+                return Ok(None);
+            }
+            let read = number(text).ok_or_else(|| {
+                TableError::at(row.line, format!("{} = `{text}` is not a number", self.name(at)))
+            })?;
+            Ok(Some((row.line, text, read)))
+        };
+        let cells = rows.iter().map(cell).collect::<Result<Vec<_>, _>>()?;
+        let mut unit: Option<&str> = None;
+        let grouped = cells.iter().flatten().any(|(.., n)| n.comma == Comma::Thousands);
+        let pointed = cells.iter().flatten().any(|(_, text, _)| text.contains('.'));
+        let entry = |(line, text, read): &(u64, &'a str, super::number::Number)| {
+            let refuse = |what: String| Err(TableError::at(*line, what));
+            match read.comma {
+                Comma::Decimal if grouped || pointed => refuse(format!(
+                    "`{text}` has a decimal comma, other numbers of {} a point: write points",
+                    self.name(at)
+                )),
+                Comma::Either if whole || grouped => Ok(read.value),
+                Comma::Either if self.decimal && !pointed => Ok(read.value / 1000.0),
+                Comma::Either => {
+                    let plain = text.replace(',', "");
+                    let point = text.replace(',', ".");
+                    refuse(format!("`{text}` may be {plain} or {point}: write one of them"))
+                }
+                _ => Ok(read.value),
             }
         };
-        let wide = |(at, name): (usize, &String)| Measured { at, norm: Some(name.clone()) };
-        let (measured, quantity) = match (place(Role::Error), place(Role::Value)) {
+        for (line, text, read) in cells.iter().flatten() {
+            let known = *unit.get_or_insert(&read.unit);
+            if known != read.unit && read.value != 0.0 {
+                let what = format!("`{text}`: {} has numbers of two units", self.name(at));
+                return Err(TableError::at(*line, what));
+            }
+        }
+        cells.iter().map(|cell| cell.as_ref().map(entry).transpose()).collect()
+    }
+
+    fn measured(&mut self) -> Result<(Vec<Measured>, Quantity), TableError> {
+        let fail = |what: String| Err(TableError::at(self.block.line, what));
+        let all = |wanted: Role| -> Vec<usize> {
+            (0..self.roles.len()).filter(|&at| self.roles[at] == wanted).collect()
+        };
+        let (errors, values) = (all(Role::Error), all(Role::Value));
+        let asked = |at: &usize| {
+            let like = |asked: &String| likeness(asked, self.name(*at)) > 0;
+            self.reading.errors.iter().any(like)
+        };
+        let wide = all(Role::Wide);
+        let (places, quantity) = match (errors.first(), values.first()) {
             (Some(_), Some(_)) => {
                 return fail("both `error` and `value`: which of them is judged?".into());
             }
-            (Some(at), None) => (vec![Measured { at, norm: None }], Quantity::Error),
-            (None, Some(at)) => (vec![Measured { at, norm: None }], Quantity::Value),
-            (None, None) => {
-                let norms = header.cells.iter().enumerate().zip(&roles);
-                let norms =
-                    norms.filter(|(_, role)| **role == Role::Wide).map(|(column, _)| wide(column));
-                (norms.collect(), Quantity::Error)
+            (Some(_), None) => {
+                let named = wide.iter().copied().filter(asked);
+                (errors.iter().copied().chain(named).collect(), Quantity::Error)
             }
+            (None, Some(_)) => (values.clone(), Quantity::Value),
+            (None, None) => (wide.clone(), Quantity::Error),
         };
-        if measured.is_empty() {
-            return fail(format!("no column `error` (or `value`), and no norm{names}"));
-        }
-        twice(header, &roles, &measured)?;
-        let sizes = [false, true].map(|time| sizes(header, &roles, time, reading.dimension));
-        let beside = sizes.iter().flat_map(|of| of.iter().skip(1).map(|more| (&of[0], more)));
-        let beside = beside.map(|(first, more)| (first.clone(), more.clone())).collect();
-        let [h, k] = sizes.map(|of| of.into_iter().next());
-        if h.is_none() && k.is_none() {
-            return fail(match roles.contains(&Role::Space(Measure::Count)) {
-                true => "the mesh is known by its cells or unknowns alone: --dimension D says how h follows, h ~ dofs^(-1/D)".into(),
-                false => format!("no column `h` and no column `k`{names}"),
+        let places: Vec<usize> = places;
+        self.refuse_twice(&places)?;
+        if places.is_empty() {
+            let columns: Vec<&str> = (0..self.roles.len())
+                .filter(|&at| matches!(self.roles[at], Role::Unknown | Role::Parameter))
+                .map(|at| self.name(at))
+                .filter(|name| !name.is_empty())
+                .collect();
+            let repeated = self.block.repeated.first();
+            return fail(match (columns.first(), repeated) {
+                (_, Some(name)) => format!(
+                    "`{name}` comes several times between two sizes: which of them is the error of the level?"
+                ),
+                (Some(first), _) => format!(
+                    "no column of errors among {}: --p {first}=2 makes `{first}` one",
+                    listed(&columns)
+                ),
+                _ => "no column of errors: call one `error`, or by its norm, `L2`".into(),
             });
         }
-        let long = measured.iter().all(|column| column.norm.is_none());
-        Ok(Self {
-            h,
-            k,
-            beside,
-            dimension: reading.dimension,
-            measured,
-            quantity,
-            floor: place(Role::Floor),
-            sigma: place(Role::Sigma),
-            scene: place(Role::Scene),
-            norm: place(Role::Norm),
-            status: place(Role::Status),
-            count: header.cells.len(),
-            // A table with a column `error` may have any other column, as `cases.csv` does.
-            unknown: if long { Vec::new() } else { unknown },
-        })
-    }
-
-    pub(super) fn rows(&self, cells: &Cells) -> Result<Vec<Row>, TableError> {
-        let line = cells.line;
-        if cells.cells.len() != self.count {
-            let (found, wanted) = (counted(cells.cells.len(), "field"), self.count);
-            let hint = if cells.cells.len() == 2 * wanted {
-                "; decimal commas are written as points"
-            } else {
-                ""
-            };
-            return Err(TableError::at(line, format!("{found}, the header has {wanted}{hint}")));
-        }
-        let text =
-            |at: Option<usize>| at.and_then(|at| cells.cells.get(at)).filter(|t| !t.is_empty());
-        let number = |at: Option<usize>, absent: f64| -> Result<f64, TableError> {
-            match text(at) {
-                Some(text) if !is_missing(text) => {
-                    parse(text).map_err(|what| TableError::at(line, what))
-                }
-                _ => Ok(absent),
+        self.left_out = (0..self.roles.len())
+            .filter(|at| {
+                matches!(self.roles[*at], Role::Unknown | Role::Ignored | Role::Wide)
+                    && !places.contains(at)
+            })
+            .collect();
+        // A sweep's own file has no signs: a negative error there is broken.
+        let own = self.roles.contains(&Role::Status);
+        let one = places.len() == 1 && quantity == Quantity::Value
+            || errors.len() == 1 && places.len() == 1;
+        let mut measured = Vec::new();
+        for at in places {
+            let entries = self.column(at, false)?;
+            // An error that changes its sign among others is broken, as a lone minus is.
+            let mut signs = entries.iter().flatten();
+            let negative =
+                signs.clone().any(|error| *error < 0.0) && !signs.any(|error| *error > 0.0);
+            let signed = negative && !own && quantity == Quantity::Error;
+            if signed {
+                self.notes.push(format!("`{}` is negative and read by magnitude", self.name(at)));
             }
-        };
-        let step = |size: &Option<Size>| -> Result<f64, TableError> {
-            size.as_ref().map_or(Ok(f64::NAN), |size| self.step(cells, size))
-        };
-        let (h, k) = (step(&self.h)?, step(&self.k)?);
-        let floor = number(self.floor, 0.0)?;
-        let has_sigma = text(self.sigma).is_some_and(|text| !is_missing(text));
-        let sigma = has_sigma.then(|| number(self.sigma, f64::NAN)).transpose()?;
-        let status = text(self.status);
-        let row = |column: &Measured| {
-            let error = number(Some(column.at), f64::NAN)?;
-            let point = Point { h, k, error, floor };
-            let there = text(Some(column.at)).is_some_and(|text| !is_missing(text));
-            let gap = match status {
-                Some(status) if status != "converged" => Some(format!("the case is {status}")),
-                _ => self.gap(&point, there, sigma),
+            let norm = (!one).then(|| self.name(at).to_owned());
+            measured.push(Measured { norm, entries, signed });
+        }
+        Ok((measured, quantity))
+    }
+
+    /// Refuses a column that stands twice: which of them is read?
+    fn refuse_twice(&self, measured: &[usize]) -> Result<(), TableError> {
+        let mut seen: HashMap<(String, bool), usize> = HashMap::new();
+        for (at, role) in self.roles.iter().enumerate() {
+            let key = match role {
+                Role::Ignored | Role::Unknown | Role::Parameter | Role::Run => continue,
+                Role::Wide if !measured.contains(&at) => continue,
+                Role::Space(_) | Role::Time(_) | Role::Wide => (self.name(at).to_owned(), true),
+                _ => (format!("{role:?}"), false),
             };
-            Ok(Row { line, point, sigma, gap })
-        };
-        self.measured.iter().map(row).collect()
-    }
-
-    /// The size of a row by a column; NaN if it is missing.
-    fn step(&self, cells: &Cells, size: &Size) -> Result<f64, TableError> {
-        let Size { at, name, measure, .. } = size;
-        let fail = |what: String| Err(TableError::at(cells.line, what));
-        let text = cells.cells.get(*at).filter(|text| !text.is_empty() && !is_missing(text));
-        let Some(text) = text else { return Ok(f64::NAN) };
-        let step = parse(text).map_err(|what| TableError::at(cells.line, what))?;
-        if *measure == Measure::Level && step.abs() <= DEEPEST {
-            return Ok((-step).exp2());
-        }
-        if !is_step(step) {
-            return fail(format!("{name} = {step} is no step size, which is positive"));
-        }
-        if *measure == Measure::Level {
-            return fail(format!("{name} = {step} is no level of refinement"));
-        }
-        Ok(match (measure, self.dimension) {
-            (Measure::Length | Measure::Level, _) => step,
-            (Measure::Count, Some(dimension)) => step.powf(-1.0 / f64::from(dimension)),
-            (Measure::Number | Measure::Count, _) => 1.0 / step,
-        })
-    }
-
-    /// Refuses two columns of sizes whose ratio is not the same in all rows: which of them is the size?
-    pub(super) fn sizes_agree(&self, rows: &[Cells]) -> Result<(), TableError> {
-        for (first, second) in &self.beside {
-            let mut before: Option<(u64, f64, f64)> = None;
-            for cells in rows {
-                let (a, b) = (self.step(cells, first)?, self.step(cells, second)?);
-                if a.is_nan() || b.is_nan() {
-                    continue;
-                }
-                let Some((line, c, d)) = before else {
-                    before = Some((cells.line, a, b));
-                    continue;
-                };
-                if ((a / b) / (c / d)).ln().abs() > SIZES_DIFFER {
-                    let [one, other] = [&first.name, &second.name];
-                    let what = format!(
-                        "two columns of sizes disagree: `{one}` and `{other}` give {a:.4e} and {b:.4e}, in line {line} {c:.4e} and {d:.4e}; leave one of them out"
-                    );
-                    return Err(TableError::at(cells.line, what));
-                }
+            if let Some(before) = seen.insert(key, at) {
+                let what = format!(
+                    "a column stands twice: `{}` is column {}, `{}` column {}; leave one of them out, or give it another name",
+                    self.name(before),
+                    before + 1,
+                    self.name(at),
+                    at + 1
+                );
+                return Err(TableError::at(self.block.line, what));
             }
         }
         Ok(())
     }
 
-    fn gap(&self, point: &Point, there: bool, sigma: Option<f64>) -> Option<String> {
-        let none = |sigma: f64| format!("sigma {sigma:?} is no standard deviation");
-        match (self.quantity, sigma) {
-            (_, Some(sigma)) if !is_step(sigma) => return Some(none(sigma)),
-            (Quantity::Error, Some(sigma)) if screen(point).is_ok() => {
-                if let Err(why) = deviation(sigma / point.error) {
-                    return Some(why.to_string());
+    /// The column of sizes in one direction. Preference: a length, a number of cells, of unknowns (which need the dimension), a
+    /// number along the side, a level. Columns that contradict it are refused.
+    fn size(&mut self, time: bool) -> Result<Option<Size>, TableError> {
+        let mut found: Vec<Size> = Vec::new();
+        let mut refused = Vec::new();
+        for at in 0..self.roles.len() {
+            let measure = match (self.roles[at], time) {
+                (Role::Space(measure), false) | (Role::Time(measure), true) => measure,
+                _ => continue,
+            };
+            let rank = match measure {
+                Measure::Length => 0,
+                Measure::Cells | Measure::Unknowns if self.reading.dimension.is_none() => {
+                    self.left_out.push(at);
+                    continue;
+                }
+                Measure::Cells => 1,
+                Measure::Unknowns => 2,
+                // Beside cells `n` may be a counter, as in `n cells`: the dimension decides.
+                Measure::Number
+                    if self.reading.dimension.is_none()
+                        && normal(self.name(at)) == "n"
+                        && self.roles.contains(&Role::Space(Measure::Cells)) =>
+                {
+                    self.left_out.push(at);
+                    continue;
+                }
+                Measure::Number => 3,
+                Measure::Level => 4,
+            };
+            match self.steps(at, measure) {
+                Ok(steps) => found.push(Size { at, measure, rank, steps }),
+                Err(error) => {
+                    refused.push((rank, normal(self.name(at)).len(), error));
+                    self.left_out.push(at);
                 }
             }
-            _ => {}
         }
-        match self.quantity {
-            Quantity::Error if !there => Some("no error".into()),
-            Quantity::Value if !there => Some("no value".into()),
-            Quantity::Error => {
-                screen(point).err().filter(|why| why.is_broken()).map(|why| why.to_string())
+        // Of h and hmax, the one called h.
+        found.sort_by_key(|size| (size.rank, normal(self.name(size.at)).len()));
+        let best = found.first().map(|size| (size.rank, normal(self.name(size.at)).len()));
+        refused.sort_by_key(|(rank, length, _)| (*rank, *length));
+        if let Some((rank, length, error)) = refused.into_iter().next()
+            && best.is_none_or(|best| (rank, length) < best)
+        {
+            return Err(error);
+        }
+        // A size that is the same in all rows beside one that is not is a degree, or of another mesh.
+        let constant =
+            |size: &Size| size.rank > 0 && size.steps.iter().all(|step| *step == size.steps[0]);
+        if found.iter().any(|size| !constant(size)) {
+            let (same, refined) = found.into_iter().partition(|size| constant(size));
+            found = refined;
+            let same: Vec<Size> = same;
+            self.left_out.extend(same.iter().map(|size| size.at));
+        }
+        self.drop_counters(&mut found, time)?;
+        let mut found = found.into_iter();
+        let Some(first) = found.next() else { return Ok(None) };
+        for other in found {
+            self.agree(&first, &other)?;
+            self.left_out.push(other.at);
+        }
+        Ok(Some(first))
+    }
+
+    /// `k` or `n` that counts 1, 2, 3 is no size: whole numbers in k beside h are a degree.
+    fn drop_counters(&mut self, found: &mut Vec<Size>, time: bool) -> Result<(), TableError> {
+        let mut kept = Vec::new();
+        for size in found.drain(..) {
+            let name = normal(self.name(size.at));
+            if !["k", "n", "grid", "mesh"].contains(&name.as_str()) {
+                kept.push(size);
+                continue;
             }
-            Quantity::Value if point.error.is_finite() => None,
-            Quantity::Value => Some(format!("the value {} is no number", point.error)),
+            let numbers = self.column(size.at, size.measure != Measure::Length)?;
+            let mut distinct: Vec<f64> = Vec::new();
+            for value in numbers.iter().flatten() {
+                if !distinct.contains(value) && distinct.len() < 64 {
+                    distinct.push(*value);
+                }
+            }
+            let whole = distinct.iter().all(|value| value.fract() == 0.0);
+            let counts = distinct.len() > 2
+                && (distinct[0] == 0.0 || distinct[0] == 1.0)
+                && distinct.windows(2).all(|pair| pair[1] == pair[0] + 1.0);
+            let other = (0..self.roles.len()).any(|at| {
+                at != size.at && matches!(self.roles[at], Role::Space(_) | Role::Time(_))
+            });
+            let grows = distinct.len() > 1 && distinct[1] > distinct[0];
+            let degree = time && name == "k" && whole && grows;
+            match (counts || degree, other) {
+                (true, true) => {
+                    self.roles[size.at] = Role::Parameter;
+                    self.left_out.push(size.at);
+                }
+                (true, false) => {
+                    let (name, line) = (self.name(size.at), self.block.line);
+                    let list: Vec<String> = distinct.iter().take(3).map(f64::to_string).collect();
+                    let what = format!(
+                        "`{name}` is {}, ...: is it a counter? Call it `level` if each level halves the step, or `steps` if it counts steps",
+                        list.join(", ")
+                    );
+                    return Err(TableError::at(line, what));
+                }
+                _ => kept.push(size),
+            }
         }
+        *found = kept;
+        Ok(())
+    }
+
+    /// The sizes of the rows by a column; NaN where one is missing.
+    fn steps(&self, at: usize, measure: Measure) -> Result<Vec<f64>, TableError> {
+        let name = self.name(at);
+        let counts = measure != Measure::Length;
+        let numbers = self.column(at, counts)?;
+        let ratio = self.reading.ratio.unwrap_or(2.0);
+        let mut steps = Vec::with_capacity(numbers.len());
+        let mut before: Option<f64> = None;
+        for (number, row) in numbers.into_iter().zip(&self.block.rows) {
+            let fail = |what: String| Err(TableError::at(row.line, what));
+            let Some(number) = number else {
+                steps.push(f64::NAN);
+                continue;
+            };
+            if measure == Measure::Level {
+                let jump = before
+                    .is_some_and(|before: f64| (number - before).abs() > 4.0 && number > before);
+                if !(0.0..=DEEPEST).contains(&number) || number.fract() != 0.0 || jump {
+                    return fail(format!(
+                        "{name} = {number} is no level of refinement: call the column n if it counts cells along a side"
+                    ));
+                }
+                before = Some(number);
+                steps.push(ratio.powf(-number));
+                continue;
+            }
+            if !is_step(number) {
+                return fail(format!("{name} = {number} is no step size, which is positive"));
+            }
+            if counts && number.fract() != 0.0 {
+                return fail(format!("{name} = {number} is no whole number"));
+            }
+            let dimension = f64::from(self.reading.dimension.unwrap_or(1));
+            steps.push(match measure {
+                Measure::Cells | Measure::Unknowns => number.powf(-1.0 / dimension),
+                Measure::Number => 1.0 / number,
+                _ => number,
+            });
+        }
+        Ok(steps)
+    }
+
+    /// Refuses a second column of sizes that says otherwise.
+    fn agree(&self, first: &Size, second: &Size) -> Result<(), TableError> {
+        let counted = |size: &Size| matches!(size.measure, Measure::Cells | Measure::Unknowns);
+        let allowed = match (first.measure == second.measure, second.measure) {
+            // Unknowns of different kinds grow at one rate in the limit only.
+            (true, Measure::Unknowns) => return Ok(()),
+            (true, _) => Some(SIZES_DIFFER),
+            (_, Measure::Level) if self.reading.ratio.is_none() => Some(LEVELS_DIFFER),
+            // A number beside a length may count all cells: it has to refine where the length does.
+            _ => None,
+        };
+        let [one, other] = [first, second].map(|size| self.name(size.at));
+        let mut before: Option<(u64, f64, f64)> = None;
+        for (row, (&a, &b)) in self.block.rows.iter().zip(first.steps.iter().zip(&second.steps)) {
+            if a.is_nan() || b.is_nan() {
+                continue;
+            }
+            let Some((line, c, d)) = before else {
+                before = Some((row.line, a, b));
+                continue;
+            };
+            let (by_one, by_other) = ((a / c).ln(), (b / d).ln());
+            let levels = if second.measure == Measure::Level {
+                (by_other / 2f64.ln()).abs().max(1.0)
+            } else {
+                1.0
+            };
+            let wrong = match allowed {
+                Some(allowed) => (by_one - by_other).abs() > allowed * levels,
+                None => by_one * by_other < 0.0 && !counted(second),
+            };
+            if wrong {
+                let what = format!(
+                    "two columns of sizes disagree: `{one}` and `{other}` give {a:.4e} and {b:.4e}, in line {line} {c:.4e} and {d:.4e}; leave one of them out"
+                );
+                return Err(TableError::at(row.line, what));
+            }
+        }
+        Ok(())
+    }
+
+    fn no_size(&self) -> String {
+        let count = |role: &Role| matches!(role, Role::Space(Measure::Cells | Measure::Unknowns));
+        if let Some(at) = self.roles.iter().position(count) {
+            return format!(
+                "the mesh is known by `{}` alone: --dimension D says how h follows, h ~ {}^(-1/D)",
+                self.name(at),
+                self.name(at)
+            );
+        }
+        "no column of sizes: --ratio 2 if each row halves the step, or a column h, k, n, level or steps".into()
+    }
+
+    /// The columns that tell tables apart: those asked for, those of words, and what explains a level that comes again.
+    fn by(
+        &mut self,
+        columns: &Columns,
+        sizes: &[Option<Size>; 2],
+    ) -> Result<Vec<usize>, TableError> {
+        let rows = &self.block.rows;
+        let used: HashSet<usize> = sizes.iter().flatten().map(|size| size.at).collect();
+        let cell = |row: usize, at: usize| rows[row].cells[at].as_str();
+        let values = |at: usize| -> HashMap<&str, usize> {
+            let mut found = HashMap::new();
+            (0..rows.len()).for_each(|row| *found.entry(cell(row, at)).or_insert(0) += 1);
+            found
+        };
+        // Each value has a table of its own.
+        let parts = |at: usize| {
+            let values = values(at);
+            values.len() > 1 && values.values().all(|&count| count > 1) && !values.contains_key("")
+        };
+        let candidates: Vec<usize> = (0..self.roles.len())
+            .filter(|at| !used.contains(at))
+            .filter(|&at| match self.roles[at] {
+                Role::Parameter => true,
+                Role::Unknown => true,
+                // A column called order may be that of the scheme: it is known for each row, a rate is not.
+                Role::Ignored => is_rate(self.name(at)),
+                _ => false,
+            })
+            .collect();
+        let mut by: Vec<usize> = Vec::new();
+        for asked in &self.reading.by {
+            let names: Vec<&str> = self.block.names.iter().map(String::as_str).collect();
+            by.extend(named(asked, &names).ok());
+        }
+        if by.is_empty() && !self.reading.runs {
+            let words = |at: usize| rows.iter().all(|row| number(&row.cells[at]).is_none());
+            let apart = |&at: &usize| {
+                self.roles[at] == Role::Parameter && (words(at) || !self.left_out.contains(&at))
+            };
+            by = candidates.iter().copied().filter(apart).filter(|&at| parts(at)).collect();
+        }
+        let again = |by: &[usize]| -> Option<(usize, usize)> {
+            let mut seen = HashMap::new();
+            let step = |direction: usize, row: usize| {
+                columns.steps[direction].as_ref().map_or(0, |steps| steps[row].to_bits())
+            };
+            let fixed: Vec<usize> =
+                columns.scene.into_iter().chain(columns.norm).chain(by.iter().copied()).collect();
+            let sized = |row: &usize| {
+                let there = |steps: &Vec<f64>| !steps[*row].is_nan();
+                columns.steps.iter().flatten().any(there)
+            };
+            (0..rows.len()).filter(sized).find_map(|row| {
+                let cells: Vec<&str> = fixed.iter().map(|&at| cell(row, at)).collect();
+                let before = seen.insert((step(0, row), step(1, row), cells), row)?;
+                Some((before, row))
+            })
+        };
+        if !columns.runs && again(&by).is_some() {
+            let more = candidates.iter().copied().filter(|&at| parts(at) && !by.contains(&at));
+            let more: Vec<usize> = more.collect();
+            let with = |extra: &[usize]| [by.clone(), extra.to_vec()].concat();
+            let one = more.iter().map(|&at| with(&[at])).find(|by| again(by).is_none());
+            let two = || {
+                let pairs = more.iter().flat_map(|&a| more.iter().map(move |&b| [a, b]));
+                pairs.map(|pair| with(&pair)).find(|by| again(by).is_none())
+            };
+            match one.or_else(two) {
+                Some(found) => by = found,
+                None => {
+                    let (first, second) = again(&by).unwrap_or_default();
+                    let what = format!(
+                        "the level of line {} comes again: --runs if these are runs of one level, --by COLUMN if a column tells tables apart",
+                        rows[first].line
+                    );
+                    return Err(TableError::at(rows[second].line, what));
+                }
+            }
+        }
+        Ok(by)
+    }
+
+    fn said(&self, columns: &Columns, sizes: &[Option<Size>; 2]) -> String {
+        let mut read = Vec::new();
+        for (size, direction) in sizes.iter().zip(["h", "k"]) {
+            read.extend(
+                size.as_ref().map(|size| format!("{direction} from `{}`", self.name(size.at))),
+            );
+        }
+        if read.is_empty() {
+            let direction = if self.reading.in_time { "k" } else { "h" };
+            read.push(format!("{direction} by --ratio {}", self.reading.ratio.unwrap_or(2.0)));
+        }
+        let what = if columns.quantity == Quantity::Value { "values" } else { "errors" };
+        let names = columns.measured.iter().map(|m| m.norm.as_deref());
+        let single = self.roles.iter().position(|r| matches!(r, Role::Error | Role::Value));
+        let single = single.map_or("error", |at| self.name(at));
+        read.push(format!("{what} {}", listed(names.map(|name| name.unwrap_or(single)))));
+        let mut parts =
+            vec![format!("read {}: {}", counted(self.block.rows.len(), "row"), read.join(", "))];
+        if !columns.by.is_empty() {
+            let names = columns.by.iter().map(|&at| self.name(at));
+            parts.push(format!("a table for each {}", listed(names)));
+        }
+        if columns.runs {
+            parts.push("rows of one level are runs".into());
+        }
+        parts.extend(self.notes.iter().cloned());
+        let unread = |at: &usize| !columns.by.contains(at) && !self.name(*at).is_empty();
+        let mut left: Vec<usize> = self.left_out.iter().copied().filter(unread).collect();
+        let parameter = |at: &usize| matches!(self.roles[*at], Role::Parameter | Role::Run);
+        left.extend((0..self.roles.len()).filter(parameter).filter(unread));
+        left.sort_unstable();
+        left.dedup();
+        let mut left: Vec<String> = left.iter().map(|&at| self.name(at).to_owned()).collect();
+        left.extend(self.block.repeated.clone());
+        let mut out = Vec::new();
+        if !left.is_empty() {
+            out.push(listed(left));
+        }
+        if let Some(first) = self.block.left_out.first() {
+            let more = self.block.left_out.len();
+            out.push(if more > 1 {
+                format!("{more} lines from line {first}")
+            } else {
+                format!("line {first}")
+            });
+        }
+        if !out.is_empty() {
+            parts.push(format!("left out: {}", out.join(", ")));
+        }
+        parts.join("; ")
     }
 }
-
-/// Refuses a column that stands twice: which of them is read?
-fn twice(header: &Cells, roles: &[Role], measured: &[Measured]) -> Result<(), TableError> {
-    let same = |a: usize, b: usize| match roles[a] {
-        Role::Ignored | Role::Unknown => false,
-        Role::Space(_) | Role::Time(_) => header.cells[a] == header.cells[b],
-        Role::Wide => {
-            let read = |at: usize| measured.iter().any(|column| column.at == at);
-            read(a) && read(b) && header.cells[a] == header.cells[b]
-        }
-        role => role == roles[b],
-    };
-    let mut pairs = (0..roles.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-    let Some((a, b)) = pairs.find(|&(a, b)| same(a, b)) else { return Ok(()) };
-    let (one, other) = (&header.cells[a], &header.cells[b]);
-    let what = format!(
-        "a column stands twice: `{one}` is column {}, `{other}` column {}; leave one of them out, or give it another name",
-        a + 1,
-        b + 1
-    );
-    Err(TableError::at(header.line, what))
-}
-
-/// The column of sizes in one direction, and those of the same kind. Preference: a length, a number along the side, a
-/// count (which needs the dimension). With a dimension given, `n` is a counter.
-fn sizes(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> Vec<Size> {
-    let counted = header.cells.iter().any(|name| is_cells(name));
-    let found = header.cells.iter().enumerate().zip(roles).filter_map(|((at, name), role)| {
-        let measure = match (role, time) {
-            (Role::Space(measure), false) | (Role::Time(measure), true) => *measure,
-            _ => return None,
-        };
-        let rank = match measure {
-            Measure::Length => 0,
-            Measure::Count if dimension.is_none() => return None,
-            Measure::Count if is_cells(name) => 1,
-            Measure::Count => UNKNOWNS,
-            // Beside cells `n` may be a counter, as in `n cells`: the dimension decides.
-            Measure::Number if dimension.is_none() && normal(name) == "n" && counted => {
-                return None;
-            }
-            Measure::Number => 3,
-            Measure::Level => 4,
-        };
-        // Of h and hmax, the one called h.
-        let plain = normal(name).len();
-        Some((rank, plain, Size { at, name: name.clone(), measure }))
-    });
-    let mut found: Vec<(usize, usize, Size)> = found.collect();
-    found.sort_by_key(|(rank, plain, _)| (*rank, *plain));
-    let best = found.first().map(|(rank, ..)| *rank);
-    // Unknowns of different kinds grow at one rate in the limit only.
-    let kept = if best == Some(UNKNOWNS) { 1 } else { found.len() };
-    found.retain(|(rank, ..)| Some(*rank) == best);
-    found.into_iter().take(kept).map(|(.., size)| size).collect()
-}
-
-/// Rank of a count that is not of cells.
-const UNKNOWNS: usize = 2;

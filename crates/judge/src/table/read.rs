@@ -1,56 +1,189 @@
-//! Reads a text into one group per scene and norm.
+//! Reads a text into one group per scene, parameter and norm.
 
 use std::collections::HashMap;
 
-use super::cells::cut;
 use super::columns::Columns;
-use super::{Group, Reading, Row, TableError};
-use crate::fit::Direction;
+use super::text::{Block, is_table, known, readings};
+use super::{Group, Quantity, Reading, Row, TableError};
+use crate::fit::{Direction, Point, deviation, is_step, screen};
+
+/// More rows are no table of a study.
+const MOST_ROWS: usize = 1_000_000;
 
 /// All tables of a text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tables {
-    /// One per scene and norm, in the order of their first rows.
+    /// One per scene, parameter and norm, in the order of their first rows.
     pub groups: Vec<Group>,
-    /// Columns that are not understood, and not read.
-    pub unknown: Vec<String>,
+    /// What was read and what was left out, a line for each table of the text.
+    pub said: Vec<String>,
 }
 
 /// # Errors
-/// A text that is not a table, with the line.
+/// A text without a table, with the line and what to do.
 pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = &bytes[..error.valid_up_to()];
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64;
         TableError::at(line, "not UTF-8: it is no text")
     })?;
-    let cut = cut(text.trim_start_matches('\u{feff}'))?;
-    let columns = Columns::of(&cut.header, reading)?;
-    columns.sizes_agree(&cut.rows)?;
-    let mut groups: Vec<Group> = Vec::new();
+    if let Some(ratio) = reading.ratio.filter(|ratio| !(ratio.is_finite() && *ratio > 1.0)) {
+        return Err(TableError::at(
+            1,
+            format!("--ratio {ratio} is none: it is above 1, 2 halves the step"),
+        ));
+    }
+    let lines = bytes.iter().filter(|&&byte| byte == b'\n').count();
+    if lines > MOST_ROWS + MOST_ROWS / 10 {
+        return Err(TableError::at(1, format!("{lines} lines: at most {MOST_ROWS} rows are read")));
+    }
+    let text = text.trim_start_matches('\u{feff}');
+    let mut best: Option<((usize, usize, usize), TableError)> = None;
+    for blocks in readings(text) {
+        let mut found: Vec<(&Block, Columns)> = Vec::new();
+        for block in &blocks {
+            match Columns::of(block, reading) {
+                Ok(columns) => found.push((block, columns)),
+                Err(error) => {
+                    // What comes closest to a table says what is missing.
+                    let width = block.names.len();
+                    let fits = block.rows.iter().all(|row| row.cells.len() == width);
+                    let rank = (usize::from(fits), known(block), block.rows.len());
+                    if best.as_ref().is_none_or(|(most, _)| rank > *most) {
+                        best = Some((rank, error));
+                    }
+                }
+            }
+        }
+        // A log prints the table again after each level: the last has all rows.
+        let longer = |at: usize| {
+            let (names, rows) = (&found[at].0.names, &found[at].0.rows);
+            found[at + 1..].iter().any(|(later, _)| {
+                let mut pairs = rows.iter().zip(&later.rows);
+                later.names == *names
+                    && later.rows.len() >= rows.len()
+                    && pairs.all(|(a, b)| a.cells == b.cells)
+            })
+        };
+        let again: Vec<bool> = (0..found.len()).map(longer).collect();
+        let mut kept = again.iter();
+        found.retain(|_| kept.next() == Some(&false));
+        if !found.is_empty() {
+            return tables(&found, reading, &blocks);
+        }
+        // A table that is broken is not cut another way until something comes out.
+        if blocks.iter().any(is_table) {
+            break;
+        }
+    }
+    let nothing = "no table: rows of numbers below a line with their names, `h,error` for example";
+    Err(best.map_or_else(|| TableError::at(1, nothing), |(_, error)| error))
+}
+
+fn tables(
+    found: &[(&Block, Columns)],
+    reading: &Reading,
+    blocks: &[Block],
+) -> Result<Tables, TableError> {
+    let (mut groups, mut said) = (Vec::new(), Vec::new());
+    for (at, (block, columns)) in found.iter().enumerate() {
+        let title = (found.len() > 1).then(|| match block.title.is_empty() {
+            true => format!("table {} (line {})", at + 1, block.line),
+            false => block.title.trim_end_matches(':').to_owned(),
+        });
+        let mut of_block = Vec::new();
+        rows(block, columns, reading, title.as_deref(), &mut of_block);
+        share_nameless(&mut of_block);
+        of_block.iter_mut().for_each(mark_missing_steps);
+        groups.extend(of_block);
+        said.push(match &title {
+            Some(title) => format!("{title}: {}", columns.said),
+            None => columns.said.clone(),
+        });
+    }
+    let read: Vec<u64> = found.iter().map(|(block, _)| block.line).collect();
+    let other = blocks.iter().find(|block| !read.contains(&block.line) && block.rows.len() > 1);
+    if let (Some(other), Some(last)) = (other, said.last_mut()) {
+        *last += &format!("; not read: the rows of line {}", other.rows[0].line);
+    }
+    Ok(Tables { groups, said })
+}
+
+fn rows(
+    block: &Block,
+    columns: &Columns,
+    reading: &Reading,
+    title: Option<&str>,
+    groups: &mut Vec<Group>,
+) {
     let mut places = HashMap::new();
-    for cells in &cut.rows {
-        let rows = columns.rows(cells)?;
-        let name = |at: Option<usize>| at.and_then(|at| cells.cells.get(at)).cloned();
-        for (row, column) in rows.into_iter().zip(&columns.measured) {
-            let norms = [name(columns.norm), column.norm.clone()];
+    let mut counts: HashMap<Vec<&str>, i32> = HashMap::new();
+    for (at, cells) in block.rows.iter().enumerate() {
+        let text = |place: usize| cells.cells[place].as_str();
+        let step = |direction: usize| {
+            columns.steps[direction].as_ref().map_or(f64::NAN, |steps| steps[at])
+        };
+        let (mut h, mut k) = (step(0), step(1));
+        let own: Vec<&str> =
+            columns.scene.iter().chain(&columns.by).map(|&place| text(place)).collect();
+        if let (None, None, Some(ratio)) = (&columns.steps[0], &columns.steps[1], reading.ratio) {
+            let count = counts.entry(own.clone()).or_insert(0);
+            let place = if reading.in_time { &mut k } else { &mut h };
+            *place = ratio.powi(-*count);
+            *count += 1;
+        }
+        let by = columns.by.iter().map(|&place| format!("{}={}", block.names[place], text(place)));
+        let scene = columns.scene.map(|place| text(place).to_owned());
+        let scene: Vec<String> =
+            title.map(str::to_owned).into_iter().chain(scene).chain(by).collect();
+        let scene = (!scene.is_empty()).then(|| scene.join(" "));
+        let entry = |entries: &Option<Vec<Option<f64>>>| entries.as_ref().and_then(|e| e[at]);
+        let (floor, sigma) = (entry(&columns.floor).unwrap_or(0.0), entry(&columns.sigma));
+        for (number, measured) in columns.measured.iter().enumerate() {
+            let norms = [columns.norm.map(|place| text(place).to_owned()), measured.norm.clone()];
             let norms: Vec<String> = norms.into_iter().flatten().collect();
             let norm = (!norms.is_empty()).then(|| norms.join(" "));
-            let key = (name(columns.scene), norm, column.at);
+            let there = measured.entries[at];
+            let error =
+                there.map_or(f64::NAN, |error| if measured.signed { error.abs() } else { error });
+            let point = Point { h, k, error, floor };
+            let status = columns.status.map(text).filter(|status| !status.is_empty());
+            let gap = match status {
+                Some(status) if status != "converged" => Some(format!("the case is {status}")),
+                _ => gap(columns.quantity, &point, there.is_some(), sigma),
+            };
+            let key = (scene.clone(), norm, number);
             let place = *places.entry(key.clone()).or_insert(groups.len());
             if place == groups.len() {
                 let (scene, norm, _) = key;
                 groups.push(Group { scene, norm, quantity: columns.quantity, rows: Vec::new() });
             }
-            groups[place].rows.push(row);
+            groups[place].rows.push(Row { line: cells.line, point, sigma, gap });
         }
     }
-    if groups.is_empty() {
-        return Err(TableError::at(cut.header.line, "no rows below the header"));
+}
+
+fn gap(quantity: Quantity, point: &Point, there: bool, sigma: Option<f64>) -> Option<String> {
+    match (quantity, sigma) {
+        (_, Some(sigma)) if !is_step(sigma) => {
+            return Some(format!("sigma {sigma:?} is no standard deviation"));
+        }
+        (Quantity::Error, Some(sigma)) if screen(point).is_ok() => {
+            if let Err(why) = deviation(sigma / point.error) {
+                return Some(why.to_string());
+            }
+        }
+        _ => {}
     }
-    share_nameless(&mut groups);
-    groups.iter_mut().for_each(mark_missing_steps);
-    Ok(Tables { groups, unknown: columns.unknown })
+    match quantity {
+        Quantity::Error if !there => Some("no error".into()),
+        Quantity::Value if !there => Some("no value".into()),
+        Quantity::Error => {
+            screen(point).err().filter(|why| why.is_broken()).map(|why| why.to_string())
+        }
+        Quantity::Value if point.error.is_finite() => None,
+        Quantity::Value => Some(format!("the value {} is no number", point.error)),
+    }
 }
 
 /// A failed case has no norm in `cases.csv`: it is missing in all norms of its scene.

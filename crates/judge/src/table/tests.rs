@@ -4,7 +4,8 @@ use super::*;
 use crate::fit::Direction;
 
 fn tables(text: &str, dimension: Option<u32>) -> Result<Tables, String> {
-    read(text.as_bytes(), &Reading { dimension }).map_err(|error| error.to_string())
+    read(text.as_bytes(), &Reading { dimension, ..Reading::default() })
+        .map_err(|error| error.to_string())
 }
 
 fn groups(text: &str) -> Vec<Group> {
@@ -77,6 +78,10 @@ fn sizes_follow_from_numbers_and_counts() {
 
 #[test]
 fn runs_at_one_level_are_one_point_with_a_spread() {
+    let groups = |text: &str| {
+        let reading = Reading { runs: true, ..Reading::default() };
+        read(text.as_bytes(), &reading).unwrap().groups
+    };
     let text = "h,error\n0.5,1\n0.5,4\n0.25,1\n0.25,1\n";
     let found = groups(text)[0].measurements();
     assert_eq!(found.len(), 2);
@@ -157,23 +162,31 @@ fn gaps_are_named_with_their_lines() {
 #[test]
 fn what_is_no_table_is_refused() {
     let cases = [
-        ("h,x\n1,1\n", "1: no column `error` (or `value`), and no norm; not understood: `x`"),
-        ("x,error\n1,1\n", "1: no column `h` and no column `k`; not understood: `x`"),
+        ("h,x\n1,1\n", "1: no column of errors among `x`: --p x=2 makes `x` one"),
+        ("x,error\n1,1\n", "1: no column of sizes: --ratio 2 if each row halves the step"),
         ("h,error,value\n1,1,1\n", "1: both `error` and `value`"),
-        ("h,error\n", "1: no rows below the header"),
-        ("", "no header"),
+        ("h,error\n", "1: no table"),
+        ("", "1: no table"),
         ("0.5,1\n0.25,2\n", "1: no header"),
         ("h,error\n1,1\n1\n", "3: 1 field, the header has 2"),
         ("h,error\n0,5,0,1\n", "2: 4 fields, the header has 2; decimal commas"),
-        ("h;error\n0,5;1\n", "2: `0,5` has a decimal comma: write 0.5"),
-        ("h error\n0,5 1\n", "2: `0,5` has a decimal comma: write 0.5"),
-        ("h,error\n1,x\n", "2: `x` is not a number"),
+        ("h;error\n0,5;1\n0.25;1\n", "2: `0,5` has a decimal comma, other numbers of h a point"),
+        ("h error\n1,234 1\n", "2: `1,234` may be 1234 or 1.234: write one of them"),
+        ("n,error\n0.5,1\n", "2: n = 0.5 is no whole number"),
+        ("level,error\n1,1\n2.5,1\n", "3: level = 2.5 is no level"),
+        ("h,error\n0.5,1\n0.5,2\n0.25,1\n", "3: the level of line 2 comes again: --runs"),
+        ("k,error\n1,1\n2,1\n3,1\n", "1: `k` is 1, 2, 3, ...: is it a counter?"),
+        (
+            "level,N,error\n1,4,1\n2,16,1\n3,64,1\n",
+            "3: two columns of sizes disagree: `N` and `level`",
+        ),
+        ("h,error\n1ms,1\n2s,1\n", "3: `2s`: h has numbers of two units"),
+        ("h,error\n1,x\n", "2: error = `x` is not a number"),
         ("h,error\n0,1\n", "2: h = 0 is no step size"),
         ("h,k,error\n1,-2,1\n", "2: k = -2 is no step size"),
         ("h,error\nnan,1\n", "2: h = NaN is no step size"),
         ("h,error\ninf,1\n", "2: h = inf is no step size"),
         ("n,error\n0,1\n", "2: n = 0 is no step size"),
-        ("h = 1, E = 2\nand so on\n", "2: `and so on` is no list of `name = value`"),
     ];
     for (text, words) in cases {
         let refused = tables(text, None).map(|_| ()).unwrap_err();
@@ -197,6 +210,7 @@ fn what_is_no_table_is_refused() {
     assert_eq!(groups(fine)[0].points()[1].h, 0.12);
     let binary = read(b"h,error\n\xff,1\n", &Reading::default()).unwrap_err();
     assert_eq!((binary.line, binary.to_string().contains("not UTF-8")), (2, true));
-    // Beside known norms, an unknown column is named and ignored.
-    assert_eq!(tables("h,L2,colour\n1,1,x\n", None).unwrap().unknown, ["`colour`"]);
+    // Beside known norms, an unknown column is named and left out.
+    let said = tables("h,L2,colour\n1,1,7\n", None).unwrap().said;
+    assert_eq!(said, ["read 1 row: h from `h`, errors `L2`; left out: `colour`"]);
 }

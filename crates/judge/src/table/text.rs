@@ -1,0 +1,616 @@
+//! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
+
+use super::name::{Role, is_norm, is_rate, normal, role};
+use super::number::{is_missing, number};
+
+/// A row, cut into cells.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Cells {
+    pub(super) line: u64,
+    pub(super) cells: Vec<String>,
+}
+
+/// Rows that agree, with the names of their columns.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Block {
+    /// The line above the names, which tells tables of one text apart.
+    pub(super) title: String,
+    /// The line of the names.
+    pub(super) line: u64,
+    pub(super) names: Vec<String>,
+    pub(super) rows: Vec<Cells>,
+    /// Lines between the rows that are none: means, column types.
+    pub(super) left_out: Vec<u64>,
+    /// Several values of a name in one record: none of them is read.
+    pub(super) repeated: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Separator {
+    Latex,
+    Pipe,
+    Character(char),
+    Blanks,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Blank, or a drawn rule.
+    Gap,
+    Comment,
+    Text,
+    Row,
+}
+
+const BARS: [char; 2] = ['|', '\u{2502}'];
+
+struct Line<'a> {
+    number: u64,
+    text: &'a str,
+    cells: Vec<String>,
+    kind: Kind,
+}
+
+/// The blocks by every way to cut the text, each as a list: the first with a table in it is meant.
+pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
+    let text = typed(text);
+    let separators = [
+        Separator::Latex,
+        Separator::Pipe,
+        Separator::Character('\t'),
+        Separator::Character(';'),
+        Separator::Character(','),
+        Separator::Blanks,
+    ];
+    let ways = 3 + separators.len();
+    (0..ways).map(move |way| match way.checked_sub(1) {
+        None => arrays(&text),
+        Some(at) if at < separators.len() => blocks(&text, separators[at]),
+        Some(at) if at == separators.len() => records(&text),
+        Some(_) => lying(&text),
+    })
+}
+
+/// Powers of ten as typeset, `1.2 × 10⁻³` or `1.2\times 10^{-3}`, without blanks.
+fn typed(text: &str) -> String {
+    let line = |line: &str| {
+        let mut out = line.replace("\\times", "×").replace("\\cdot", "×").replace("· 10", "×10");
+        out = out.replace("·10", "×10");
+        for (digit, plain) in "⁰¹²³⁴⁵⁶⁷⁸⁹⁻".chars().zip("0123456789-".chars()) {
+            let first = format!("10{digit}");
+            out = out.replace(&first, &format!("10^{plain}")).replace(digit, &plain.to_string());
+        }
+        for times in ["×", " x ", " * 10^"] {
+            let joined = times.trim_matches(' ');
+            for (a, b) in [(" ", " "), (" ", ""), ("", " ")] {
+                let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit() || c == '.');
+                let wide = format!("{a}{}{b}", times.trim());
+                while let Some(at) = out.find(&wide).filter(|&at| {
+                    digit(out[..at].chars().next_back())
+                        && digit(out[at + wide.len()..].chars().next())
+                }) {
+                    out.replace_range(at..at + wide.len(), joined);
+                }
+            }
+        }
+        out
+    };
+    let needed = |text: &str| {
+        !text.is_ascii() || [" x ", "\\times", "\\cdot", "* 10^"].iter().any(|s| text.contains(s))
+    };
+    text.split('\n')
+        .map(|text| if needed(text) { line(text) } else { text.into() })
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+const MOST_PAIRS: usize = 10_000;
+
+fn is_rule(text: &str) -> bool {
+    let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
+    let latex = ["\\hline", "\\toprule", "\\midrule", "\\bottomrule", "\\cline", "\\cmidrule"];
+    let text = text.trim();
+    let bare = latex.iter().any(|rule| text.starts_with(rule)) && !text.contains('&');
+    bare || text.chars().all(drawn) && text.chars().filter(|&c| !" \t".contains(c)).count() > 2
+}
+
+fn cut(text: &str, separator: Separator) -> Vec<String> {
+    let owned = |cell: &str| cell.trim().trim_matches('"').trim().to_owned();
+    match separator {
+        Separator::Latex => {
+            let row = text.split("\\\\").next().unwrap_or_default().replace("\\hline", "");
+            row.split('&').map(|cell| owned(&cell.replace(['$', '~'], ""))).collect()
+        }
+        Separator::Pipe => {
+            let text = text.trim();
+            let inner = text.strip_prefix(BARS);
+            let inner = inner.map_or(text, |inner| inner.strip_suffix(BARS).unwrap_or(inner));
+            inner.split(BARS).map(owned).collect()
+        }
+        Separator::Character(separator) => {
+            // A separator between quotes is text.
+            let (mut cells, mut start, mut quoted) = (Vec::new(), 0, false);
+            for (at, c) in text.char_indices() {
+                quoted ^= c == '"';
+                if c == separator && !quoted {
+                    cells.push(owned(&text[start..at]));
+                    start = at + c.len_utf8();
+                }
+            }
+            cells.push(owned(&text[start..]));
+            cells
+        }
+        Separator::Blanks => {
+            // A bar that stands alone parts columns; `||u-u_h||` is a name.
+            let bare = text.trim().trim_start_matches(BARS).trim_end_matches("\u{2502}");
+            let bare = if text.trim().starts_with('|') { bare.trim_end_matches('|') } else { bare };
+            bare.split_whitespace()
+                .map(|word| owned(word.trim_end_matches([',', ';'])))
+                .filter(|word| !word.is_empty() && !BARS.iter().any(|bar| *word == bar.to_string()))
+                .collect()
+        }
+    }
+}
+
+fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
+    let mut lines = Vec::new();
+    for (at, text) in (1..).zip(text.lines()) {
+        if text.trim().is_empty() || is_rule(text) {
+            lines.push(Line { number: at, text, cells: Vec::new(), kind: Kind::Gap });
+            continue;
+        }
+        let cells = cut(text, separator);
+        let numbers = cells.iter().filter(|cell| number(cell).is_some()).count();
+        let words = cells.iter().filter(|cell| is_word(cell)).count();
+        let row = match separator {
+            Separator::Blanks => numbers > 0 && numbers >= words,
+            _ => numbers > 1 || numbers == 1 && words < 2,
+        };
+        let kind = match (text.trim_start().starts_with(['#', '%']), row) {
+            (true, _) => Kind::Comment,
+            (_, true) => Kind::Row,
+            _ => Kind::Text,
+        };
+        lines.push(Line { number: at, text, cells, kind });
+    }
+    lines
+}
+
+fn is_word(cell: &str) -> bool {
+    !is_missing(cell) && number(cell).is_none()
+}
+
+fn blocks(text: &str, separator: Separator) -> Vec<Block> {
+    let there = match separator {
+        Separator::Latex => text.contains('&') && text.contains('\\'),
+        Separator::Pipe => text.contains(BARS),
+        Separator::Character(c) => text.contains(c),
+        Separator::Blanks => true,
+    };
+    if !there {
+        return Vec::new();
+    }
+    let lines = classify(text, separator);
+    let (mut found, mut at) = (Vec::new(), 0);
+    while at < lines.len() {
+        let first = at;
+        at += 1;
+        if lines[first].kind != Kind::Row {
+            continue;
+        }
+        // The first row may lack a rate, which needs two.
+        let second = lines.get(at).filter(|line| line.kind == Kind::Row);
+        let width = lines[first].cells.len().max(second.map_or(0, |line| line.cells.len()));
+        let (mut rows, mut left_out, mut gap) = (vec![first], Vec::new(), false);
+        while at < lines.len() {
+            let line = &lines[at];
+            let same = line.cells.len() == width;
+            let begins = line.cells.first().map(|cell| is_word(cell));
+            let alike = begins == lines[first].cells.first().map(|cell| is_word(cell));
+            match line.kind {
+                Kind::Gap => gap = true,
+                Kind::Comment => {}
+                _ if begins == Some(true) && !alike && is_summary(line.text) => {
+                    left_out.push(line.number)
+                }
+                // Where cells are parted by a character, a row is one after a blank line too.
+                Kind::Row if same && (alike || separator != Separator::Blanks) => {
+                    rows.push(at);
+                    gap = false;
+                }
+                // Ragged or broken rows are refused where they are read.
+                Kind::Row if !gap && (same || begins == Some(false)) => rows.push(at),
+                Kind::Text if !gap && same && separator != Separator::Blanks => rows.push(at),
+                _ => break,
+            }
+            at += 1;
+        }
+        let cells = |&at: &usize| Cells { line: lines[at].number, cells: lines[at].cells.clone() };
+        let rows = rows.iter().map(cells).collect();
+        let block = head(&lines[..first], separator, width, rows, left_out);
+        // One column alone is one of errors, or a list of something else.
+        let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&']);
+        if width > 1 || block.names.first().is_some_and(one) {
+            found.push(block);
+        }
+    }
+    found
+}
+
+fn is_summary(text: &str) -> bool {
+    let word = text.split(|c: char| !c.is_alphanumeric()).find(|word| !word.is_empty());
+    let words = "mean average avg overall expected theoretical theory exact fitted order rate eoc asymptotic slope";
+    word.is_some_and(|word| words.split(' ').any(|known| word.eq_ignore_ascii_case(known)))
+}
+
+/// The block below `above`, with the names that stand there; no names if there are none that fit.
+fn head(
+    above: &[Line],
+    separator: Separator,
+    width: usize,
+    mut rows: Vec<Cells>,
+    mut left_out: Vec<u64>,
+) -> Block {
+    let mut texts = Vec::new();
+    for line in above.iter().rev() {
+        match line.kind {
+            Kind::Gap => {}
+            Kind::Row => break,
+            _ if line.cells.iter().all(|cell| cell.is_empty() || is_type(cell)) => {
+                left_out.push(line.number);
+            }
+            _ => texts.push(line),
+        }
+        if texts.len() == 3 {
+            break;
+        }
+    }
+    let plain = |line: &Line| line.text.trim().trim_start_matches(['#', '%']).trim().to_owned();
+    let words = |line: &Line| match line.kind {
+        Kind::Comment if separator != Separator::Blanks => cut(&plain(line), separator),
+        Kind::Comment => cut(&plain(line), Separator::Blanks),
+        _ => line.cells.clone(),
+    };
+    let line = texts.first().map_or(rows[0].line, |line| line.number);
+    let title = |at: usize| texts.get(at).map_or(String::new(), |line| plain(line));
+    let block = |names, title, rows, left_out| Block {
+        title,
+        line,
+        names,
+        rows,
+        left_out,
+        repeated: Vec::new(),
+    };
+    let Some(first) = texts.first() else {
+        return block(Vec::new(), String::new(), rows, left_out);
+    };
+    // Two rows of names: `rho` over `error EOC`.
+    if let Some(second) = texts.get(1)
+        && let Some(names) = two_rows(&words(second), &words(first), width)
+    {
+        return block(names, title(2), rows, left_out);
+    }
+    let mut ways = vec![words(first)];
+    if separator == Separator::Blanks {
+        let groups: Vec<String> = (plain(first).replace('\t', "  ").split("  "))
+            .map(|name| name.trim().trim_end_matches([',', ';']).to_owned())
+            .filter(|name| !name.is_empty())
+            .collect();
+        let counts = |group: &String| {
+            let size =
+                |name: &str| matches!(role(name), Role::Space(_) | Role::Time(_) | Role::Ignored);
+            group.split_whitespace().all(size)
+        };
+        let split = |group: &String| match counts(group) {
+            true => group.split_whitespace().map(str::to_owned).collect(),
+            false => vec![group.clone()],
+        };
+        ways.push(groups.iter().flat_map(split).collect());
+        // A unit in brackets belongs to the name before it.
+        let mut united: Vec<String> = Vec::new();
+        for word in words(first) {
+            match united.last_mut().filter(|_| word.starts_with(['[', '('])) {
+                Some(name) => *name += &format!(" {word}"),
+                None => united.push(word),
+            }
+        }
+        ways.push(united);
+        ways.push(groups);
+    } else {
+        ways.push(words(first).into_iter().filter(|name| !name.is_empty()).collect());
+    }
+    let unknown = |names: &Vec<String>| names.iter().filter(|n| role(n) == Role::Unknown).count();
+    let fits = ways.iter().filter_map(|names| fitted(names.clone(), width, &rows));
+    let best = fits.min_by_key(|(names, extra)| (unknown(names), *extra));
+    let Some((names, _)) = best else {
+        return block(ways.swap_remove(0), title(1), rows, left_out);
+    };
+    // Cells of rates that the first rows lack, each beside its norm or all at the end.
+    let rates: Vec<usize> = (0..width).filter(|&at| is_rate(&names[at])).collect();
+    for (at, row) in rows.iter_mut().enumerate() {
+        let there = row.cells.len();
+        let rest = |name: &String| matches!(role(name), Role::Unknown | Role::Ignored);
+        if there + rates.len() == width {
+            rates.iter().for_each(|&at| row.cells.insert(at, String::new()));
+        } else if at == 0 && there < width && names[there..].iter().all(rest) {
+            row.cells.resize(width, String::new());
+        }
+    }
+    block(names, title(1), rows, left_out)
+}
+
+/// The type of a column, or its unit, as Julia and R print them below the names.
+fn is_type(cell: &str) -> bool {
+    let types = ["int64", "float64", "string", "int", "dbl", "chr", "fct", "i64", "f64", "str"];
+    let bracketed = cell.starts_with('[') && cell.ends_with(']');
+    let bare = cell.to_lowercase().replace(['<', '>', '?'], "");
+    bracketed || types.contains(&bare.as_str())
+}
+
+/// Names for `width` columns, and how many were put in: a column of row numbers, or rates after each norm.
+fn fitted(names: Vec<String>, width: usize, rows: &[Cells]) -> Option<(Vec<String>, usize)> {
+    let extra = width.checked_sub(names.len())?;
+    if extra == 0 {
+        return Some((names, 0));
+    }
+    // A last separator without a cell.
+    let last = |row: &Cells| row.cells.last().is_none_or(String::is_empty);
+    if extra == 1 && rows.iter().all(last) {
+        return Some(([names, vec![String::new()]].concat(), 1));
+    }
+    let norms = names.iter().filter(|name| is_norm(name)).count();
+    if norms > 0 && extra.is_multiple_of(norms) {
+        let behind = |name: &String| if is_norm(name) { extra / norms } else { 0 };
+        let with: Vec<String> = names
+            .iter()
+            .flat_map(|name| {
+                let rates = std::iter::repeat_n("rate".to_owned(), behind(name));
+                std::iter::once(name.clone()).chain(rates)
+            })
+            .collect();
+        // The coarsest level has no rate; what has a number there is none.
+        let first = &rows[0].cells;
+        let no_rate = |cell: &String| {
+            is_missing(cell) || number(cell).is_some_and(|n| n.value.is_nan() || n.value == 0.0)
+        };
+        let open = |at: usize| with[at] != "rate" || first.get(at).is_some_and(no_rate);
+        let short = first.len() + extra == width;
+        if short || first.len() == width && (0..width).all(open) {
+            return Some((with, 1));
+        }
+    }
+    (extra == 1 && is_index(rows)).then(|| ([vec![String::new()], names].concat(), 1))
+}
+
+/// Whether the names are of a size and of an error, so that the block is a table, sound or not.
+pub(super) fn is_table(block: &Block) -> bool {
+    let size = |name: &String| matches!(role(name), Role::Space(_) | Role::Time(_));
+    block.names.iter().any(size) && block.names.iter().any(|name| is_norm(name))
+}
+
+/// How many columns have names that say what they are.
+pub(super) fn known(block: &Block) -> usize {
+    block.names.iter().filter(|name| !matches!(role(name), Role::Unknown | Role::Ignored)).count()
+}
+
+/// Whether the first cells are words, or count 0, 1, 2 or 1, 2, 3, before numbers.
+fn is_index(rows: &[Cells]) -> bool {
+    if rows.iter().any(|row| row.cells.iter().skip(1).any(|cell| is_word(cell))) {
+        return false;
+    }
+    let first = |row: &Cells| row.cells.first().map(|cell| cell.trim_end_matches(':').to_owned());
+    let counted = |at: usize, row: &Cells, from: usize| {
+        first(row).is_some_and(|cell| cell.parse() == Ok(at + from))
+    };
+    let words = rows.iter().all(|row| first(row).is_some_and(|cell| is_word(&cell)));
+    let counts = |from| rows.iter().enumerate().all(|(at, row)| counted(at, row, from));
+    words || counts(0) || counts(1)
+}
+
+/// `rho` and `error` of two rows of names as `rho`; what stands beside the errors of the lower row is a rate.
+fn two_rows(above: &[String], below: &[String], width: usize) -> Option<Vec<String>> {
+    let is_error = |name: &String| matches!(normal(name).as_str(), "error" | "err" | "errors");
+    let errors = below.iter().filter(|name| is_error(name)).count();
+    let others = below
+        .iter()
+        .filter(|name| !is_error(name))
+        .all(|name| !matches!(role(name), Role::Wide | Role::Unknown));
+    let sizes = width.checked_sub(below.len())?;
+    if errors == 0 || !others || above.len() < sizes + errors {
+        return None;
+    }
+    let (front, names) = above.split_at(above.len() - errors);
+    // Sizes may stand in either row.
+    let named = |name: &String| matches!(role(name), Role::Space(_) | Role::Time(_));
+    if front.len() != sizes
+        && !(sizes == 0 && front.iter().all(|name| name.is_empty() || named(name)))
+    {
+        return None;
+    }
+    if errors == 1 && sizes == 0 && front.is_empty() {
+        return None;
+    }
+    let mut next = names.iter();
+    let below = below.iter().map(|name| match is_error(name) {
+        true => next.next().map_or(String::new(), |name| match is_norm(name) {
+            true => name.clone(),
+            false => format!("{name} error"),
+        }),
+        false => name.clone(),
+    });
+    let front: &[String] = if sizes > 0 { front } else { &[] };
+    Some(front.iter().cloned().chain(below).collect())
+}
+
+/// `name = value` and `name: value` of a line, in order; what stands between is passed over.
+fn pairs(line: &str) -> Vec<(String, String)> {
+    let bare: String = line.chars().filter(|c| !"{}\"'".contains(*c)).collect();
+    let spaced = bare.replace(":=", "=").replace(['=', ':'], " = ").replace([',', ';'], " , ");
+    let mut found = Vec::new();
+    let mut name: Vec<&str> = Vec::new();
+    let mut words = spaced.split_whitespace().peekable();
+    while let Some(word) = words.next() {
+        match word {
+            "," => name.clear(),
+            "=" => {
+                let value =
+                    words.peek().filter(|value| number(value).is_some() || is_missing(value));
+                let named = name.join(" ");
+                if let Some(value) = value
+                    && named.chars().any(char::is_alphabetic)
+                {
+                    found.push((named, (*value).to_owned()));
+                    words.next();
+                }
+                name.clear();
+            }
+            // What stands in brackets after a value is no name.
+            _ if word.starts_with('(') && name.is_empty() => {}
+            _ => name.push(word),
+        }
+    }
+    found
+}
+
+/// Records of `name = value`: a line with several is one, else one begins where a size, or any name, comes again.
+fn records(text: &str) -> Vec<Block> {
+    let size = |name: &str| matches!(role(name), Role::Space(_) | Role::Time(_));
+    let lines: Vec<(u64, Vec<(String, String)>)> =
+        (1..).zip(text.lines().map(pairs)).filter(|(_, pairs)| !pairs.is_empty()).collect();
+    let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| size(name));
+    let any = lines.iter().any(|(_, pairs)| sized(pairs));
+    // Names are looked up one by one: a log with more of them is none of a study.
+    if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
+        return Vec::new();
+    }
+    let full = |(_, pairs): &&(u64, Vec<(String, String)>)| pairs.len() > 1 && sized(pairs) == any;
+    let mut records: Vec<(u64, Vec<(String, String)>)> =
+        lines.iter().filter(full).cloned().collect();
+    if records.len() < 2 {
+        records.clear();
+        for (line, (name, value)) in lines
+            .iter()
+            .flat_map(|(line, pairs)| pairs.iter().map(move |pair| (*line, pair.clone())))
+        {
+            let again = |pairs: &[(String, String)]| pairs.iter().any(|(known, _)| *known == name);
+            let begins = match records.last() {
+                None => true,
+                Some((_, pairs)) => (size(&name) || !any) && again(pairs),
+            };
+            if begins {
+                records.push((line, Vec::new()));
+            }
+            if let Some((_, pairs)) = records.last_mut() {
+                pairs.push((name, value));
+            }
+        }
+    }
+    // A name of one record alone is a heading of the log.
+    let mut names: Vec<String> = Vec::new();
+    let mut count = std::collections::HashMap::new();
+    let mut repeated = Vec::new();
+    for (_, pairs) in &records {
+        for (at, (name, _)) in pairs.iter().enumerate() {
+            if pairs[..at].iter().any(|(known, _)| known == name) {
+                repeated.push(name.clone());
+            } else if *count.entry(name.clone()).and_modify(|n| *n += 1).or_insert(1) == 1 {
+                names.push(name.clone());
+            }
+        }
+    }
+    names.retain(|name| 2 * count[name] > records.len() && !repeated.contains(name));
+    repeated.sort();
+    repeated.dedup();
+    let row = |(line, pairs): &(u64, Vec<(String, String)>)| {
+        let value = |name: &String| pairs.iter().find(|(key, _)| key == name);
+        let text = |name: &String| value(name).map_or(String::new(), |(_, value)| value.clone());
+        Cells { line: *line, cells: names.iter().map(text).collect() }
+    };
+    let rows: Vec<Cells> = records.iter().map(row).collect();
+    let Some(line) = rows.first().map(|row| row.line).filter(|_| !names.is_empty()) else {
+        return Vec::new();
+    };
+    vec![Block { title: String::new(), line, names, rows, left_out: Vec::new(), repeated }]
+}
+
+/// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
+fn arrays(text: &str) -> Vec<Block> {
+    let mut columns: Vec<(usize, String, Vec<String>)> = Vec::new();
+    for (open, _) in text.match_indices('[') {
+        let Some(close) = text[open + 1..].find([']', '[']).map(|at| open + 1 + at) else { break };
+        let inside = text[open + 1..close].replace("...", " ").replace([',', ';', '\n', '\t'], " ");
+        let cells: Vec<String> = inside.split_whitespace().map(str::to_owned).collect();
+        if cells.len() < 2 || !cells.iter().all(|cell| number(cell).is_some()) {
+            continue;
+        }
+        let start = text[..open].rfind(['\n', ',', '{', ']', ';']).map_or(0, |at| at + 1);
+        let before = &text[start..open];
+        let Some((name, _)) = before.rsplit_once(['=', ':']) else { continue };
+        let name = name.trim_matches(|c: char| c.is_whitespace() || "\"':".contains(c));
+        columns.push((
+            open,
+            name.rsplit_once(' ').map_or(name, |(_, last)| last).to_owned(),
+            cells,
+        ));
+    }
+    let Some((open, _, first)) = columns.first() else { return Vec::new() };
+    let (line, count) = (1 + text[..*open].matches('\n').count() as u64, first.len());
+    if columns.len() < 2 || columns.iter().any(|(.., cells)| cells.len() != count) {
+        return Vec::new();
+    }
+    let names = columns.iter().map(|(_, name, _)| name.clone()).collect();
+    let row =
+        |at: usize| Cells { line, cells: columns.iter().map(|(.., c)| c[at].clone()).collect() };
+    let rows = (0..count).map(row).collect();
+    vec![Block {
+        title: String::new(),
+        line,
+        names,
+        rows,
+        left_out: Vec::new(),
+        repeated: Vec::new(),
+    }]
+}
+
+/// A table on its side: every line is a name and its numbers.
+fn lying(text: &str) -> Vec<Block> {
+    let separator = [
+        ('|', Separator::Pipe),
+        ('\t', Separator::Character('\t')),
+        (';', Separator::Character(';')),
+        (',', Separator::Character(',')),
+    ];
+    let separator =
+        separator.iter().find(|(c, _)| text.contains(*c)).map_or(Separator::Blanks, |s| s.1);
+    let mut lines: Vec<Line> = classify(text, separator);
+    lines.retain(|line| line.kind != Kind::Gap);
+    let Some(width) = lines.iter().map(|line| line.cells.len()).max() else { return Vec::new() };
+    let named = |line: &Line| {
+        let (name, numbers) = line.cells.split_first()?;
+        let sound = numbers.iter().all(|cell| is_missing(cell) || number(cell).is_some());
+        (is_word(name) && sound && line.cells.len() == width).then_some(())
+    };
+    let broken = |line: &&Line| line.kind == Kind::Row && named(line).is_none();
+    if lines.iter().any(|line| broken(&line)) {
+        return Vec::new();
+    }
+    let lines: Vec<&Line> = lines.iter().filter(|line| named(line).is_some()).collect();
+    if lines.len() < 2 || width < 3 {
+        return Vec::new();
+    }
+    let line = lines[0].number;
+    let names = lines.iter().map(|line| line.cells[0].clone()).collect();
+    let row = |at: usize| Cells {
+        line,
+        cells: lines.iter().map(|line| line.cells[at].clone()).collect(),
+    };
+    let rows = (1..width).map(row).collect();
+    vec![Block {
+        title: String::new(),
+        line,
+        names,
+        rows,
+        left_out: Vec::new(),
+        repeated: Vec::new(),
+    }]
+}
