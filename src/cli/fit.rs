@@ -20,7 +20,7 @@ use self::claims::Claims;
 use self::eoc::Style;
 use self::window::Window;
 use self::wording::Part;
-use super::output::write_user_file;
+use super::output::{print_error, write_user_file};
 use super::{CliError, print_json, print_text};
 use files::{FileError, read_at_most, up_to};
 use judge::fit::{Claim, Direction, Point, TOLERANCE, deviation, path};
@@ -153,7 +153,7 @@ impl Fit {
             false => texts.iter().for_each(|text| print_text(text)),
         }
         if self.markdown || self.latex {
-            tables.said.iter().for_each(|line| eprintln!("{}", files::harmless(line)));
+            tables.said.iter().for_each(|line| print_error(line));
         }
         Ok(u8::from(!found.all_pass))
     }

@@ -249,4 +249,4 @@ fn the_pages_stay_short() {
 }
 
 /// Words of all pages that are written by hand.
-const LONGEST: usize = 22_500;
+const LONGEST: usize = 22_900;
