@@ -110,6 +110,10 @@ pub(super) fn role(name: &str) -> Role {
     }
 }
 
+pub(super) fn is_size(name: &str) -> bool {
+    matches!(role(name), Role::Space(_) | Role::Time(_))
+}
+
 pub(super) fn is_norm(name: &str) -> bool {
     matches!(role(name), Role::Wide | Role::Error | Role::Value)
 }

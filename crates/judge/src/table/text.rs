@@ -1,6 +1,6 @@
 //! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
 
-use super::name::{Role, is_norm, is_rate, normal, role};
+use super::name::{Role, is_norm, is_rate, is_size, normal, role};
 use super::number::{is_missing, number};
 
 /// A row, cut into cells.
@@ -23,6 +23,14 @@ pub(super) struct Block {
     pub(super) left_out: Vec<u64>,
     /// Several values of a name in one record: none of them is read.
     pub(super) repeated: Vec<String>,
+}
+
+impl Block {
+    /// Rows below no title, with nothing between them.
+    fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
+        let (left_out, repeated) = (Vec::new(), Vec::new());
+        Self { title: String::new(), line, names, rows, left_out, repeated }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,10 +89,10 @@ fn typed(text: &str) -> String {
             out = out.replace(&first, &format!("10^{plain}")).replace(digit, &plain.to_string());
         }
         for times in ["×", " x ", " * 10^"] {
-            let joined = times.trim_matches(' ');
+            let joined = times.trim();
             for (a, b) in [(" ", " "), (" ", ""), ("", " ")] {
                 let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit() || c == '.');
-                let wide = format!("{a}{}{b}", times.trim());
+                let wide = format!("{a}{joined}{b}");
                 while let Some(at) = out.find(&wide).filter(|&at| {
                     digit(out[..at].chars().next_back())
                         && digit(out[at + wide.len()..].chars().next())
@@ -275,11 +283,8 @@ fn head(
     let title = |at: usize| texts.get(at).map_or(String::new(), |line| plain(line));
     let block = |names, title, rows, left_out| Block {
         title,
-        line,
-        names,
-        rows,
         left_out,
-        repeated: Vec::new(),
+        ..Block::of_rows(line, names, rows)
     };
     let Some(first) = texts.first() else {
         return block(Vec::new(), String::new(), rows, left_out);
@@ -297,9 +302,7 @@ fn head(
             .filter(|name| !name.is_empty())
             .collect();
         let counts = |group: &String| {
-            let size =
-                |name: &str| matches!(role(name), Role::Space(_) | Role::Time(_) | Role::Ignored);
-            group.split_whitespace().all(size)
+            group.split_whitespace().all(|name| is_size(name) || role(name) == Role::Ignored)
         };
         let split = |group: &String| match counts(group) {
             true => group.split_whitespace().map(str::to_owned).collect(),
@@ -384,8 +387,7 @@ fn fitted(names: Vec<String>, width: usize, rows: &[Cells]) -> Option<(Vec<Strin
 
 /// Whether the names are of a size and of an error, so that the block is a table, sound or not.
 pub(super) fn is_table(block: &Block) -> bool {
-    let size = |name: &String| matches!(role(name), Role::Space(_) | Role::Time(_));
-    block.names.iter().any(size) && block.names.iter().any(|name| is_norm(name))
+    block.names.iter().any(|name| is_size(name)) && block.names.iter().any(|name| is_norm(name))
 }
 
 /// How many columns have names that say what they are.
@@ -421,9 +423,8 @@ fn two_rows(above: &[String], below: &[String], width: usize) -> Option<Vec<Stri
     }
     let (front, names) = above.split_at(above.len() - errors);
     // Sizes may stand in either row.
-    let named = |name: &String| matches!(role(name), Role::Space(_) | Role::Time(_));
     if front.len() != sizes
-        && !(sizes == 0 && front.iter().all(|name| name.is_empty() || named(name)))
+        && !(sizes == 0 && front.iter().all(|name| name.is_empty() || is_size(name)))
     {
         return None;
     }
@@ -474,10 +475,9 @@ fn pairs(line: &str) -> Vec<(String, String)> {
 
 /// Records of `name = value`: a line with several is one, else one begins where a size, or any name, comes again.
 fn records(text: &str) -> Vec<Block> {
-    let size = |name: &str| matches!(role(name), Role::Space(_) | Role::Time(_));
     let lines: Vec<(u64, Vec<(String, String)>)> =
         (1..).zip(text.lines().map(pairs)).filter(|(_, pairs)| !pairs.is_empty()).collect();
-    let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| size(name));
+    let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| is_size(name));
     let any = lines.iter().any(|(_, pairs)| sized(pairs));
     // Names are looked up one by one: a log with more of them is none of a study.
     if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
@@ -495,7 +495,7 @@ fn records(text: &str) -> Vec<Block> {
             let again = |pairs: &[(String, String)]| pairs.iter().any(|(known, _)| *known == name);
             let begins = match records.last() {
                 None => true,
-                Some((_, pairs)) => (size(&name) || !any) && again(pairs),
+                Some((_, pairs)) => (is_size(&name) || !any) && again(pairs),
             };
             if begins {
                 records.push((line, Vec::new()));
@@ -530,7 +530,7 @@ fn records(text: &str) -> Vec<Block> {
     let Some(line) = rows.first().map(|row| row.line).filter(|_| !names.is_empty()) else {
         return Vec::new();
     };
-    vec![Block { title: String::new(), line, names, rows, left_out: Vec::new(), repeated }]
+    vec![Block { repeated, ..Block::of_rows(line, names, rows) }]
 }
 
 /// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
@@ -562,14 +562,7 @@ fn arrays(text: &str) -> Vec<Block> {
     let row =
         |at: usize| Cells { line, cells: columns.iter().map(|(.., c)| c[at].clone()).collect() };
     let rows = (0..count).map(row).collect();
-    vec![Block {
-        title: String::new(),
-        line,
-        names,
-        rows,
-        left_out: Vec::new(),
-        repeated: Vec::new(),
-    }]
+    vec![Block::of_rows(line, names, rows)]
 }
 
 /// A table on its side: every line is a name and its numbers.
@@ -586,15 +579,15 @@ fn lying(text: &str) -> Vec<Block> {
     lines.retain(|line| line.kind != Kind::Gap);
     let Some(width) = lines.iter().map(|line| line.cells.len()).max() else { return Vec::new() };
     let named = |line: &Line| {
-        let (name, numbers) = line.cells.split_first()?;
-        let sound = numbers.iter().all(|cell| is_missing(cell) || number(cell).is_some());
-        (is_word(name) && sound && line.cells.len() == width).then_some(())
+        let sound = |cell: &String| !is_word(cell);
+        let split = line.cells.split_first();
+        line.cells.len() == width
+            && split.is_some_and(|(name, cells)| is_word(name) && cells.iter().all(sound))
     };
-    let broken = |line: &&Line| line.kind == Kind::Row && named(line).is_none();
-    if lines.iter().any(|line| broken(&line)) {
+    if lines.iter().any(|line| line.kind == Kind::Row && !named(line)) {
         return Vec::new();
     }
-    let lines: Vec<&Line> = lines.iter().filter(|line| named(line).is_some()).collect();
+    lines.retain(named);
     if lines.len() < 2 || width < 3 {
         return Vec::new();
     }
@@ -605,12 +598,5 @@ fn lying(text: &str) -> Vec<Block> {
         cells: lines.iter().map(|line| line.cells[at].clone()).collect(),
     };
     let rows = (1..width).map(row).collect();
-    vec![Block {
-        title: String::new(),
-        line,
-        names,
-        rows,
-        left_out: Vec::new(),
-        repeated: Vec::new(),
-    }]
+    vec![Block::of_rows(line, names, rows)]
 }
