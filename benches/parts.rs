@@ -5,15 +5,15 @@ use std::path::Path;
 
 use algebra::linalg::Front;
 use criterion::{Criterion, criterion_group, criterion_main};
-use fem::contact::{march, march_in_volume};
+use fem::contact::march;
 use judge::fit::{Claim, Level, infer};
 use judge::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
 use judge::verdict::{Decision, Prediction, Variable, judge};
 use scene::Scene;
 use scene::setup::{MeshData, Setup, TruthLoad};
-use vhi::Newton;
 use vhi::history::{Memory, TimeGrid, Trapezoid};
 use vhi::law::{ExponentialSum, Projection};
+use vhi::{InVolume, Newton};
 
 mod general_kernel;
 
@@ -144,7 +144,7 @@ fn condensed(c: &mut Criterion) {
     c.bench_function("contact: 16 steps in the volume, n=32", |b| {
         b.iter(|| {
             let mut load = TruthLoad(&*data.truth);
-            march_in_volume(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
+            march(&data.space, &setup.model, &grid, &mut load, &InVolume(newton), &mut |_| Ok(()))
         });
     });
 }

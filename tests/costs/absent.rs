@@ -4,14 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use algebra::tensor::Symmetric;
-use fem::contact::{BoundaryRule, CaseInfo, MemoryTerm, Model, Plan, march, march_in_volume};
+use fem::contact::{BoundaryRule, CaseInfo, MemoryTerm, Model, Plan, march};
 use scene::setup::{MeshData, Setup, TruthLoad};
-use vhi::Newton;
 use vhi::history::{TimeGrid, TimeRule};
 use vhi::law::{
     AnyProjection, ExponentialSum, HistoryKernel, NoPotential, Potential, Projection, Response,
     YieldLimit,
 };
+use vhi::{InVolume, Newton};
 
 use super::shipped::{bodies, on_a_mesh};
 
@@ -229,8 +229,8 @@ fn questions(name: &str, rule: BoundaryRule, says_so: bool) -> (usize, usize) {
     (boundary.potential, boundary.rule) = (Arc::new(CountedNothing(asked.clone(), says_so)), rule);
     let data = on_a_mesh(&setup);
     let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));
-    let newton = Newton::default();
-    march_in_volume(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
+    let newton = InVolume(Newton::default());
+    march(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
         .unwrap_or_else(|error| panic!("{name}: {error}"));
     (asked.count(), data.space.trace.points.len() * (STEPS as usize + 1))
 }
@@ -298,8 +298,8 @@ fn projections(name: &str, limit: Option<Far>) -> [usize; 3] {
     let projection = Some(AnyProjection::new(counted));
     let model = Model { projection, ..setup.scene_model() };
     let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));
-    let newton = Newton::default();
-    march_in_volume(&data.space, &model, &grid, &mut load, &newton, &mut |_| Ok(()))
+    let newton = InVolume(Newton::default());
+    march(&data.space, &model, &grid, &mut load, &newton, &mut |_| Ok(()))
         .unwrap_or_else(|error| panic!("{name}: {error}"));
     let checks = data.space.mesh.cell_count() * (STEPS as usize + 1);
     [stresses.count(), tangents.count(), checks]

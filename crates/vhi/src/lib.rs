@@ -32,4 +32,4 @@ pub use polished::Polished;
 pub use state::StepState;
 pub use step::StepInequality;
 pub use step_bounds::{SingularSlot, StepBounds, StepPlace, monotonicity};
-pub use stepper::{StepSolver, Stepper};
+pub use stepper::{InVolume, StepSolver, Stepper};

@@ -33,6 +33,21 @@ impl StepSolver for Newton {
     }
 }
 
+/// Newton's method on a level as it is, also where it could be condensed.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct InVolume(pub Newton);
+
+impl StepSolver for InVolume {
+    fn solve_level(
+        &self,
+        problem: &mut dyn OpenInequality,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        self.0.solve(problem, state, scratch)
+    }
+}
+
 /// The state of a march.
 pub struct Stepper<'a> {
     solver: &'a dyn StepSolver,

@@ -6,7 +6,7 @@ use vhi::Polished;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 
 use super::anew::{Anew, OFF, defective};
-use super::{AGREE, Run, Where, agree, distance, in_volume, run, same_bits, shortest};
+use super::{AGREE, Run, agree, distance, in_volume, run, same_bits, shortest};
 use crate::shipped::{bodies, on_a_mesh, on_mesh, setup};
 
 const STEPS: u32 = 8;
@@ -22,7 +22,7 @@ fn one_jacobian(setup: &Setup) -> bool {
 
 fn anew(setup: &Setup, data: &MeshData, steps: u32, off: f64) -> Run {
     let solver = Anew { off, ..Anew::default() };
-    let run = run(setup, data, steps, Where::Volume, &solver);
+    let run = run(setup, data, steps, &solver);
     let (made, asked) = (run.info.work.linear.factorizations, solver.solves.get());
     let name = &setup.scene.name;
     assert_eq!(asked, run.info.newton_iterations, "{name}");
@@ -96,7 +96,7 @@ fn a_seeded_defect_in_the_equations_of_a_level_is_seen() {
         let setup = setup(name);
         let data = on_a_mesh(&setup);
         let right = shortest(&setup, &data, STEPS);
-        let lagged = run(&setup, &data, STEPS, Where::Volume, &defective());
+        let lagged = run(&setup, &data, STEPS, &defective());
         for wrong in [anew(&setup, &data, STEPS, OFF), lagged] {
             let off = distance(&right, &wrong);
             assert!(off > 2.0 * AGREE, "{name}: {off:e}");
@@ -110,7 +110,7 @@ fn old_factors_do_not_pass_for_fresh_ones() {
     let setup = setup("punch");
     let data = on_a_mesh(&setup);
     let solver = Anew { old: true, ..Anew::default() };
-    let old = run(&setup, &data, STEPS, Where::Volume, &solver);
+    let old = run(&setup, &data, STEPS, &solver);
     assert!(old.info.work.linear.factorizations < solver.solves.get());
     assert!(same_bits(&old, &in_volume(&setup, &data, STEPS)));
     assert!(!same_bits(&old, &anew(&setup, &data, STEPS, 0.0)));
@@ -130,7 +130,7 @@ fn what_large_runs_take_is_what_fresh_factors_give() {
     let off = distance(&fresh, &taken);
     println!("punch, n = {LARGE}: {off:.1e}");
     assert!(off <= AGREE, "{off:e}");
-    let wrong = run(&setup, &data, STEPS, Where::Volume, &defective());
+    let wrong = run(&setup, &data, STEPS, &defective());
     assert!(distance(&fresh, &wrong) > 2.0 * AGREE, "{:e}", distance(&fresh, &wrong));
 }
 
@@ -166,7 +166,7 @@ fn plans_are_those_of_the_terms() {
         let setup = setup(name);
         let data = on_mesh(&setup, 4);
         assert_eq!(Plan::of(&data.space, &setup.model), expected, "{name}");
-        let polished = run(&setup, &data, STEPS, Where::Shortest, &Polished::default());
+        let polished = run(&setup, &data, STEPS, &Polished::default());
         assert!(polished.info.work.residuals > STEPS, "{name}");
     }
 }

@@ -10,7 +10,7 @@ use fem::contact::Plan;
 
 use super::anew::Anew;
 use super::past::by_all_ways;
-use super::{AGREE, Where, distance, in_volume, run, shortest};
+use super::{AGREE, distance, in_volume, run, shortest};
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
 
 const STEPS: u32 = 12;
@@ -51,7 +51,7 @@ fn all_plans_agree_on_unequal_steps() {
             let plan = Plan::of(&data.space, &setup.model);
             assert_eq!(plan, expected, "{name}");
             let short = shortest(&setup, &data, STEPS);
-            let fresh = run(&setup, &data, STEPS, Where::Volume, &Anew::default());
+            let fresh = run(&setup, &data, STEPS, &Anew::default());
             for (way, other) in [("plan", &short), ("volume", &in_volume(&setup, &data, STEPS))] {
                 let off = distance(&fresh, other);
                 assert!(off <= AGREE, "{name} {grid:?} {way}: {off:e}");

@@ -11,9 +11,9 @@ mod factors;
 mod grids;
 mod past;
 
-use fem::contact::{CaseInfo, StepView, march, march_in_volume};
+use fem::contact::{CaseInfo, StepView, march};
 use scene::setup::{MeshData, Setup, TruthLoad};
-use vhi::{Newton, StepSolver};
+use vhi::{InVolume, Newton, StepSolver};
 
 /// A level is accepted at 16 units of rounding of its forces, 3.6e-15, and the condition number of a mesh n, some 10 n²,
 /// makes at most 1.3e-12 of it for n = 6, 2e-11 for n = 24 and 8e-11 for n = 48 in displacements; locked pressures are
@@ -41,14 +41,7 @@ struct Run {
     stress: f64,
 }
 
-/// Whether a run may take a shorter way than its solver in the volume.
-#[derive(Clone, Copy, PartialEq)]
-enum Where {
-    Shortest,
-    Volume,
-}
-
-fn run(setup: &Setup, data: &MeshData, steps: u32, place: Where, solver: &dyn StepSolver) -> Run {
+fn run(setup: &Setup, data: &MeshData, steps: u32, solver: &dyn StepSolver) -> Run {
     let (mut u, mut pressure, mut zeta) = (Vec::new(), Vec::new(), Vec::new());
     let mut load = TruthLoad(&*data.truth);
     let grid = setup.grid(steps);
@@ -59,10 +52,7 @@ fn run(setup: &Setup, data: &MeshData, steps: u32, place: Where, solver: &dyn St
         Ok(())
     };
     let model = &setup.model;
-    let info = match place {
-        Where::Volume => march_in_volume(&data.space, model, &grid, &mut load, solver, &mut see),
-        Where::Shortest => march(&data.space, model, &grid, &mut load, solver, &mut see),
-    };
+    let info = march(&data.space, model, &grid, &mut load, solver, &mut see);
     let info = info.unwrap_or_else(|error| panic!("{}: {error}", setup.scene.name));
     assert_eq!(u.len(), steps as usize + 1);
     let stress = model.elasticity.eigenvalues(setup.scene.dimension).1 * info.strain_norm;
@@ -71,12 +61,12 @@ fn run(setup: &Setup, data: &MeshData, steps: u32, place: Where, solver: &dyn St
 
 /// The run that a user gets.
 fn shortest(setup: &Setup, data: &MeshData, steps: u32) -> Run {
-    run(setup, data, steps, Where::Shortest, &Newton::default())
+    run(setup, data, steps, &Newton::default())
 }
 
 /// Newton's method in the volume.
 fn in_volume(setup: &Setup, data: &MeshData, steps: u32) -> Run {
-    run(setup, data, steps, Where::Volume, &Newton::default())
+    run(setup, data, steps, &InVolume::default())
 }
 
 /// The largest difference of two runs; displacements, pressures and ζ each relative to their largest.

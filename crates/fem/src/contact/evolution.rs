@@ -77,13 +77,6 @@ impl<'a> Evolution<'a> {
         })
     }
 
-    /// The same with levels solved in the volume, also where they can be condensed onto Γ3.
-    #[must_use]
-    pub fn in_volume(mut self) -> Self {
-        self.problem.stay_in_volume();
-        self
-    }
-
     pub(crate) fn space(&self) -> &'a Discretization {
         self.space
     }

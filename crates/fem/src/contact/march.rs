@@ -38,21 +38,6 @@ pub fn march(
     March::new(Evolution::new(space, model, grid, load)?, solver).run(observe)
 }
 
-/// [`march`] in the volume, also where levels can be condensed onto Γ3.
-///
-/// # Errors
-/// As [`march`].
-pub fn march_in_volume(
-    space: &Discretization,
-    model: &Model,
-    grid: &TimeGrid,
-    load: &mut dyn Load,
-    solver: &dyn StepSolver,
-    observe: &mut Observer<'_>,
-) -> Result<CaseInfo, CaseError> {
-    March::new(Evolution::new(space, model, grid, load)?.in_volume(), solver).run(observe)
-}
-
 struct March<'a> {
     space: &'a Discretization,
     model: &'a Model,

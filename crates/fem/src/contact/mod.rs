@@ -46,7 +46,7 @@ pub use kkt::{kkt_residual, out_of_balance};
 pub use last_slot::LastSlot;
 pub use level_fields::LevelFields;
 pub use load::{Load, LoadError};
-pub use march::{march, march_in_volume};
+pub use march::march;
 pub use model::{
     Boundary, BoundaryRule, MemoryTerm, Model, OnContact, relaxation, weighted_memory,
 };

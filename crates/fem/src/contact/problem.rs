@@ -42,7 +42,7 @@ pub struct ContactProblem<'a> {
     elasticity: TensorField,
     linear: Vec<f64>,
     solver: TangentSolver<'a>,
-    /// Where Γ3 is all that is nonlinear, unless the volume is asked for.
+    /// Where Γ3 is all that is nonlinear.
     condensed: Option<Condensed<'a>>,
     /// The open level was solved so: a solver may also take it in the volume.
     by_condensation: bool,
@@ -179,11 +179,6 @@ impl<'a> ContactProblem<'a> {
             self.space.pattern.multiply(memory, x, &mut product);
             axpy(-weight, &product, force);
         }
-    }
-
-    /// Levels are solved in the volume from now on.
-    pub(crate) fn stay_in_volume(&mut self) {
-        self.condensed = None;
     }
 
     /// Whether the open level was solved condensed.
