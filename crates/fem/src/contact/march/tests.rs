@@ -141,3 +141,34 @@ fn the_separate_evaluation_sees_a_wrong_stiff_law() {
         }
     }
 }
+
+/// A load that is not known from some time on.
+struct Until(f64);
+
+impl Load for Until {
+    fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+        out.fill(t);
+        if t < self.0 { Ok(()) } else { Err(LoadError::NoTruth { t }) }
+    }
+}
+
+/// Loads are solved with ahead of their levels; one that fails is the fault of its own level, and those before it are shown.
+#[test]
+fn a_load_that_fails_ends_the_march_at_its_level() {
+    let space = on(Element::P1, lattice([1.0, 1.0], 4, Family::Structured));
+    let model = model(linear(1.0), BoundaryRule::Vertex);
+    let grid = TimeGrid::uniform(1.0, 20);
+    let newton = Newton::default();
+    for failing in [0, 3, 8, 13, 20] {
+        let mut shown = Vec::new();
+        let mut see = |view: &StepView<'_>| {
+            shown.push(view.n);
+            Ok(())
+        };
+        let mut load = Until(grid.time(failing));
+        let outcome = march(&space, &model, &grid, &mut load, &newton, &mut see);
+        let wanted = LoadError::NoTruth { t: grid.time(failing) };
+        assert!(matches!(outcome, Err(CaseError::Load(error)) if error == wanted), "{failing}");
+        assert!(shown.into_iter().eq(0..failing), "{failing}");
+    }
+}
