@@ -113,8 +113,9 @@ const FORMULAS: [&str; 14] = [
     "atan(10*x) - 1/(x - 0.1)",
     "x/(y*y) + y/x",
     "1e-200*x*1e-150*y - x*1e200*y*1e200",
-    "exp(300*x) - exp(-300*y)",
+    OVERFLOWS,
 ];
+const OVERFLOWS: &str = "exp(300*x) - exp(-300*y)";
 
 proptest! {
     /// A value in plain arithmetic lies in the range of each box around it, but for the rounding of plain arithmetic.
@@ -130,7 +131,9 @@ proptest! {
             .with(Variable::X, Interval::new(x - sides[0], x + sides[1]))
             .with(Variable::Y, Interval::new(y - sides[2], y + sides[3]));
         let found = graph.enclosing(f).over(&place);
-        prop_assert!(found.undefined || !value.is_nan());
+        // Two overflows less each other are no number in plain arithmetic, and one without a known bound in real arithmetic.
+        let overflow = FORMULAS[formula] == OVERFLOWS && found.range == Interval::ALL;
+        prop_assert!(found.undefined || overflow || !value.is_nan());
         let slack = 1e-12 * value.abs().max(1.0);
         let inside = found.range.low <= value + slack && value - slack <= found.range.high;
         prop_assert!(!value.is_finite() || inside, "{}: {value} {found:?}", FORMULAS[formula]);
