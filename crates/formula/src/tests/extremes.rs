@@ -139,3 +139,30 @@ proptest! {
         prop_assert!(!value.is_finite() || inside, "{}: {value} {found:?}", FORMULAS[formula]);
     }
 }
+
+/// Where a formula has no value somewhere in a box, its enclosure says so; where it has one throughout, it does not.
+#[test]
+fn boxes_without_a_value_are_known() {
+    let unit = Interval::new(-1.0, 1.0);
+    let positive = Interval::new(0.5, 1.0);
+    for (text, beside) in [
+        ("x/y", positive),
+        ("(x - 0.7)/y", positive),
+        ("(y - 0.7)/(x*x)", positive),
+        ("sqrt(x)", positive),
+        ("log(x)", positive),
+        ("asin(2*x)", Interval::new(-0.5, 0.5)),
+        ("acos(2*x)", Interval::new(-0.5, 0.5)),
+        ("x^0.3", positive),
+        ("x^y", positive),
+    ] {
+        let (graph, f) = parsed(text);
+        let mut enclosing = graph.enclosing(f);
+        let mut undefined = |x: Interval, y: Interval| {
+            let place = Place::origin().with(Variable::X, x).with(Variable::Y, y);
+            enclosing.over(&place).undefined
+        };
+        assert!(undefined(unit, unit), "{text}");
+        assert!(!undefined(beside, positive), "{text}");
+    }
+}
