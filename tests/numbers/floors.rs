@@ -98,6 +98,14 @@ fn every_part_is_measured_where_it_exists() {
     assert!(uncovered(&rows).is_empty(), "{rows:#?}");
 }
 
+/// A level where slip is about to begin is solved at a jump of the law: evaluated with other pieces, its best iterate left
+/// a residual of 1e-9.
+#[test]
+fn a_level_where_slip_begins_keeps_its_pressures() {
+    let rows = floors_of("friction-box-falling-time", 2, 6, &[Norm::VMax]);
+    assert!(!rows.is_empty() && uncovered(&rows).is_empty(), "{rows:#?}");
+}
+
 /// Newton's march with its solutions moved by a relative `share` on the way out: a solver that stops
 /// early and does not say so.
 struct Moved {

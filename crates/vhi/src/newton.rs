@@ -159,7 +159,7 @@ impl Newton {
 /// Vectors of the iteration, kept between steps.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
-    force: Vec<f64>,
+    pub(crate) force: Vec<f64>,
     increment: Vec<f64>,
     pieces: Vec<PieceKey>,
     lines: Vec<SlipLine>,

@@ -17,8 +17,6 @@ const SHARE: f64 = 0.01;
 const PATIENCE: u32 = 3;
 /// Limit of iterations: each divides the residual by 1e4 or meets rounding.
 const LIMIT: u32 = 12;
-/// Above any residual, in units of rounding: an evaluation without iteration.
-const ANY: f64 = 1e200;
 
 impl StepSolver for Polished {
     fn solve_level(
@@ -33,7 +31,7 @@ impl StepSolver for Polished {
             rounding_units: SHARE * self.newton.rounding_units,
             ..self.newton
         };
-        let mut best = state.clone();
+        let mut best = (state.clone(), scratch.clone());
         let mut since_best = 0;
         for _ in 0..LIMIT {
             let residual = match further.solve(problem, state, scratch) {
@@ -48,7 +46,7 @@ impl StepSolver for Polished {
             info.iterations += 1;
             if residual < info.residual {
                 info.residual = residual;
-                best.clone_from(state);
+                best = (state.clone(), scratch.clone());
                 since_best = 0;
             } else {
                 since_best += 1;
@@ -57,10 +55,10 @@ impl StepSolver for Polished {
                 break;
             }
         }
-        // Evaluated once more, so that strains and pressures are those of the best iterate.
-        state.clone_from(&best);
-        Newton { max_iterations: 0, rounding_units: ANY, ..self.newton }
-            .solve(problem, state, scratch)?;
+        // The problem evaluates the best iterate once more, for its strains. Pressures stay: where slip begins, pieces
+        // chosen anew from a state at a jump may be others, which leave more than rounding.
+        (*state, *scratch) = best;
+        problem.residual(&state.u, &mut scratch.force);
         Ok(info)
     }
 }
