@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::machine::{Common, processors, share_threads};
-use super::study::deliver;
-use super::{CliError, Scenes, create_dir, no_case, write_file};
+use super::study::show;
+use super::{CliError, Scenes, no_case};
 use run::sweep::{Overrides, admit_constants};
 use scene::setup::Setup;
-use studies::theory::audit::{AuditError, SceneAudit, audit_runs};
+use studies::theory::audit::{AuditError, audit, audit_runs};
 
 /// Largest n taken from a scene's list.
 const FINEST: u32 = 64;
@@ -17,9 +17,9 @@ const FINEST: u32 = 64;
 /// `sweep audit`.
 #[derive(Args)]
 #[command(
-    after_help = "Eight inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. Rows are sorted by tightness. Columns: left and right where the line is tightest over all levels and runs, left - right there, the accuracy (what rounding allows), the tightness (left/right; - where both sides are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
-JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, history, m0), lines (line, says, relation, n, steps, level, left, right, ratio, tightness, difference, accuracy, power_h, power_k, holds, defined), cases (n, steps, h, k, lines), violations, undefined (lines without a defined constant). Files with --out: SCENE-audit.csv, SCENE-audit.json. \
-Exit code 1: a line is violated beyond its accuracy or has no defined constant (m0 <= 0)."
+    after_help = "Eight inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. \
+JSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing: \"pass\", \"fail\" or \"unresolved\", holds, note: why not), theorem, rule, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, history, m0). Files with --out: SCENE-audit.json, SCENE-audit-claims.csv. \
+Exit code 1: an inequality is violated beyond its accuracy or has no defined constant (m0 <= 0)."
 )]
 pub(crate) struct Audit {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -32,7 +32,7 @@ pub(crate) struct Audit {
     steps: Option<Vec<u32>>,
     #[command(flatten)]
     common: Common,
-    /// Write SCENE-audit.csv and SCENE-audit.json into this directory
+    /// Write SCENE-audit.json and SCENE-audit-claims.csv into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -51,15 +51,8 @@ impl Audit {
         let setup = Setup::new(scene)?;
         let (ns, steps) = self.grids(&setup)?;
         audit_runs(&setup, &ns, &steps, processors()).admit(&self.common.allowance.limit())?;
-        let audit = SceneAudit::new(&setup, &ns, &steps).map_err(CliError::other)?;
-        if let Some(dir) = &self.out {
-            create_dir(dir)?;
-            let rows = audit.csv().map_err(CliError::other)?;
-            write_file(&dir.join(format!("{}-audit.csv", audit.scene)), rows)?;
-        }
-        let json = audit.json().map_err(CliError::other)?;
-        deliver(&json, &audit.document(), self.out.as_deref(), self.common.json)?;
-        Ok(u8::from(!audit.holds()))
+        let findings = audit(&setup, &ns, &steps).map_err(CliError::other)?;
+        show(&findings, self.out.as_deref(), self.common.json)
     }
 
     fn grids(&self, setup: &Setup) -> Result<(Vec<u32>, Vec<u32>), CliError> {

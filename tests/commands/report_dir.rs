@@ -334,7 +334,7 @@ fn studies_of_the_directory_are_chapters() {
     for (words, times) in [
         ("Contraction factor of Λ for a last step", 3),
         ("Bound over error at t = T", 3),
-        ("The inequalities of the proof", 3),
+        ("The claims, the tightest first", 3),
         ("Error, CPU seconds, spread", 3),
         ("Step sizes: bounds on k", 3),
         ("Rungs: what was expected", 3),

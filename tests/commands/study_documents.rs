@@ -7,11 +7,9 @@ use std::collections::BTreeSet;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
-use judge::claim::{Claim, Place};
 use report::StudyDocument;
 use scene::setup::Subject;
 use studies::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
-use studies::theory::audit::SceneAudit;
 use studies::theory::bound::BoundStudy;
 use studies::theory::gronwall::{Study, StudyRuns};
 
@@ -63,19 +61,6 @@ fn a_chain_says_which_link_fails() {
     study.violations.clear();
     study.grids.clear();
     shows(&sound, &study.document(), "nothing was compared");
-}
-
-#[test]
-fn an_audit_says_which_line_fails() {
-    let mut audit = SceneAudit::new(&setup("compliance"), &[4], &[2]).expect("an audit");
-    let sound = audit.document();
-    let worst = &mut audit.cases[0].rows[1].worst;
-    let place = Place { level: 2, ..worst.place };
-    *worst = Claim { place, left: 2.0, right: 1.0, accuracy: 1e-12, ..*worst };
-    shows(&sound, &audit.document(), "(4.7) at level 2 of n = 4, N = 2");
-    assert!(audit.document().text(132).contains("7 of 8 inequalities hold"));
-    audit.cases.clear();
-    shows(&sound, &audit.document(), "nothing was compared");
 }
 
 #[test]

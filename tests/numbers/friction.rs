@@ -15,7 +15,7 @@ use fem::contact::{
 use scene::setup::{Setup, TruthLoad, constants};
 use scene::{Scene, Source};
 use studies::diagnose::diagnose;
-use studies::theory::audit::SceneAudit;
+use studies::theory::audit::audit;
 use vhi::law::{PiecewiseLinear, TensorField};
 use vhi::{Decomposition, HistoryInequality, StepInequality};
 
@@ -344,7 +344,7 @@ fn what_is_wrong_is_refused() {
 fn studies_that_leave_friction_out_refuse_it() {
     let scene = || setup("friction-time").scene;
     for (study, said) in [
-        ("audit", SceneAudit::new(&setup("friction-time"), &[4], &[4]).map(drop).map_err(said)),
+        ("audit", audit(&setup("friction-time"), &[4], &[4]).map(drop).map_err(said)),
         ("diagnose", diagnose(&scene(), &|setup| setup, true).map(drop).map_err(said)),
     ] {
         let said = said.expect_err(study);

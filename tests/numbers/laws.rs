@@ -13,7 +13,7 @@ use scene::setup::{
     AbstractSetup, MeshData, Setup, abstract_decomposition_bound, constants, decomposition_bound,
 };
 use scene::{Body, Hypothesis, Scene, Source};
-use studies::theory::audit::SceneAudit;
+use studies::theory::audit::audit;
 use studies::theory::bound::sampled;
 use vhi::law::{Curve, Curved, PiecewiseLinear, Potential, Scaled};
 use vhi::{Decomposition, Newton};
@@ -365,12 +365,12 @@ fn the_decomposition_serves_every_rule_and_problems_without_a_mesh() {
 fn the_proofs_hold_line_by_line() {
     for name in CURVED.into_iter().chain(["law-scaled", "law-jump"]) {
         let mut setup = setup(name);
-        let audit = SceneAudit::new(&setup, &[8], &[2]).expect("an audit");
-        assert!(audit.holds(), "{name}: {:?}", audit.violations());
+        let found = audit(&setup, &[8], &[2]).expect("an audit");
+        assert!(found.holds(), "{name}: {:?}", found.claims);
         // An audit that ignores the factor is no audit of this scene.
         if name == "law-scaled" {
             setup.model.boundary.as_mut().expect("contact").scale = None;
-            assert!(!SceneAudit::new(&setup, &[8], &[2]).expect("an audit").holds());
+            assert!(!audit(&setup, &[8], &[2]).expect("an audit").holds());
         }
     }
 }

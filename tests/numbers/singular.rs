@@ -10,7 +10,7 @@ use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use scene::setup::{AbstractLoad, AbstractSetup, Subject};
 use scene::{Direction, Extension, Norm, Scene, Source};
 use studies::guarantee::guarantee;
-use studies::theory::audit::SceneAudit;
+use studies::theory::audit::audit;
 use vhi::Newton;
 use vhi::finite::march;
 use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
@@ -217,7 +217,7 @@ fn the_step_bound_counts_the_last_weight() {
 fn commands_that_take_kernels_at_lag_zero_refuse_singular_ones() {
     let body = || setup_of(text("singular-contact"));
     let said = |error: &dyn std::error::Error| error.to_string();
-    let refused = [("audit", SceneAudit::new(&body(), &[2], &[4]).map(drop).map_err(|e| said(&e)))];
+    let refused = [("audit", audit(&body(), &[2], &[4]).map(drop).map_err(|e| said(&e)))];
     for (study, result) in refused {
         let said = result.expect_err(study);
         let expected = format!("`sweep {study}` does not treat kernels that are infinite at s = t");

@@ -171,8 +171,8 @@ impl Witnesses {
                 auditor.observe(view).map_err(CaseError::from)
             });
             // A run without result is not the audit's finding.
-            run.ok()?;
-            let claims = auditor.claims();
+            let floor = run.ok()?.floors.v;
+            let claims = auditor.claims(floor);
             let failed = claims.iter().find(|claim| claim.standing() == Standing::Fails)?;
             Some(format!("{} on {}", failed.statement.source, stage.sound.scene.name))
         })

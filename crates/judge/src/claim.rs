@@ -1,70 +1,133 @@
-//! An inequality at one place: what every study says that compares two numbers. One that points the other way has its sides
-//! exchanged.
+//! A claim: what a study says of one number at one place. An inequality that points the other way has its sides exchanged.
 
 use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-/// An inequality of the theory.
+/// What is claimed, wherever it is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Statement {
-    /// Its number in the paper.
+    /// Its number in the paper, or its name.
     pub source: &'static str,
-    /// What it says, in signs.
+    /// What it says, in signs or words.
     pub says: &'static str,
 }
 
-/// A level of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Where a claim was looked at; what does not apply is absent.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
     /// Cells per unit length.
-    pub n: u32,
+    pub n: Option<u32>,
     /// N.
-    pub steps: u32,
-    pub level: usize,
+    pub steps: Option<u32>,
+    pub level: Option<usize>,
+    /// What else tells the place, such as `k = 0.5` or the part of a study; empty if nothing does.
+    pub at: String,
 }
 
-/// left ≤ right within an accuracy.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// What is said of the left side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Relation {
+    /// left ≤ right. Infinite where a constant in it is not defined.
+    AtMost(f64),
+    /// low ≤ left ≤ high.
+    Within([f64; 2]),
+    /// There is no left side: the run is refused with these words.
+    Refused(&'static str),
+}
+
+/// A statement at a place, with its numbers.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
     pub statement: Statement,
     pub place: Place,
+    /// NaN without an answer.
     pub left: f64,
-    /// Infinite where a constant in it is not defined.
-    pub right: f64,
+    pub relation: Relation,
     /// By how much rounding may spoil it.
     pub accuracy: f64,
+    /// Why there is no answer, or a remark; empty if there is nothing to say.
+    pub note: String,
+}
+
+impl Default for Claim {
+    fn default() -> Self {
+        Self {
+            statement: Statement::default(),
+            place: Place::default(),
+            left: f64::NAN,
+            relation: Relation::AtMost(f64::NAN),
+            accuracy: 0.0,
+            note: String::new(),
+        }
+    }
 }
 
 /// What comes of a claim; of several the last of these.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Standing {
+    #[serde(rename = "pass")]
     Passes,
     /// Its right side is infinite and says nothing.
     Unresolved,
+    #[serde(rename = "fail")]
     Fails,
 }
 
 impl Claim {
-    /// Whether it holds to its accuracy; never with a NaN.
-    pub fn standing(&self) -> Standing {
-        if self.right == f64::INFINITY && self.left < f64::INFINITY {
-            return Standing::Unresolved;
-        }
-        if self.excess() <= self.accuracy { Standing::Passes } else { Standing::Fails }
+    /// left ≤ right within `accuracy`.
+    pub fn at_most(
+        statement: Statement,
+        place: Place,
+        [left, right]: [f64; 2],
+        accuracy: f64,
+    ) -> Self {
+        let (relation, note) = (Relation::AtMost(right), String::new());
+        Self { statement, place, left, relation, accuracy, note }
     }
 
-    /// left - right.
+    /// Whether it holds to its accuracy; never with a NaN.
+    pub fn standing(&self) -> Standing {
+        let undefined = self.relation == Relation::AtMost(f64::INFINITY);
+        if undefined && self.left < f64::INFINITY {
+            return Standing::Unresolved;
+        }
+        let holds = match self.relation {
+            Relation::Refused(words) => self.left.is_nan() && self.note.contains(words),
+            _ => self.excess() <= self.accuracy,
+        };
+        if holds { Standing::Passes } else { Standing::Fails }
+    }
+
+    /// left - right, or by how much left is outside; NaN of a refusal.
     pub fn excess(&self) -> f64 {
-        self.left - self.right
+        match self.relation {
+            Relation::AtMost(right) => self.left - right,
+            // The order of operands keeps a NaN.
+            Relation::Within([low, high]) => {
+                let (below, above) = (low - self.left, self.left - high);
+                if below > above { below } else { above }
+            }
+            Relation::Refused(_) => f64::NAN,
+        }
+    }
+
+    /// The right side of an inequality.
+    pub fn right(&self) -> Option<f64> {
+        match self.relation {
+            Relation::AtMost(right) => Some(right),
+            _ => None,
+        }
     }
 
     /// left/right, 1 where it just holds; `None` where both sides are below the accuracy and it would be noise, and where
     /// the right side is not defined.
     pub fn tightness(&self) -> Option<f64> {
-        let size = self.left.abs().max(self.right.abs());
-        let seen = size > self.accuracy || self.left.is_nan() || self.right.is_nan();
-        (seen && self.standing() != Standing::Unresolved).then(|| self.left / self.right)
+        let right = self.right()?;
+        let size = self.left.abs().max(right.abs());
+        let seen = size > self.accuracy || self.left.is_nan() || right.is_nan();
+        (seen && self.standing() != Standing::Unresolved).then(|| self.left / right)
     }
 
     /// Whether it comes nearer to failing, or fails by more; a NaN by most.
@@ -82,67 +145,138 @@ impl Claim {
 
     /// Why it does not hold, with its numbers; none where it does.
     pub fn reason(&self) -> Option<String> {
-        let Self { statement, place, left, right, accuracy } = self;
-        let excess = self.excess();
-        match self.standing() {
-            Standing::Passes => None,
-            Standing::Unresolved => Some(format!(
-                "{} at {place}: the right side is infinite, a constant in it is not defined",
-                statement.source
-            )),
-            Standing::Fails => Some(format!(
-                "{} at {place}: {left:.9e} <= {right:.9e} does not hold; it exceeds by {excess:.3e}, allowed {accuracy:.1e}",
-                statement.source
-            )),
+        let Self { statement, place, left, accuracy, note, .. } = self;
+        let why = match (self.standing(), self.relation) {
+            (Standing::Passes, _) => return None,
+            (Standing::Unresolved, _) => {
+                "the right side is infinite, a constant in it is not defined".into()
+            }
+            (_, Relation::AtMost(right)) if !left.is_nan() => format!(
+                "{left:.9e} <= {right:.9e} does not hold; it exceeds by {:.3e}, allowed {accuracy:.1e}",
+                self.excess()
+            ),
+            (_, Relation::Within([low, high])) if !left.is_nan() => {
+                format!("{left:.6e} is not in [{low:.6e}, {high:.6e}]")
+            }
+            (_, Relation::Refused(words)) if !left.is_nan() => {
+                format!("not refused with `{words}`: it answered {left:.3e}")
+            }
+            (_, Relation::Refused(words)) => format!("not refused with `{words}`"),
+            _ => "no number".into(),
+        };
+        let place = place.to_string();
+        let at = if place.is_empty() { place } else { format!(" at {place}") };
+        let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
+        Some(format!("{}{at}: {why}{note}", statement.source))
+    }
+
+    /// Of each statement, in the order of their first claims, the one that comes nearest to failing, and how many there are.
+    pub fn worst(claims: &[Self]) -> Vec<(&Self, usize)> {
+        let mut found: Vec<(&Self, usize)> = Vec::new();
+        for claim in claims {
+            match found.iter_mut().find(|(known, _)| known.statement == claim.statement) {
+                Some((worst, count)) => {
+                    *count += 1;
+                    if claim.is_worse_than(worst) {
+                        *worst = claim;
+                    }
+                }
+                None => found.push((claim, 1)),
+            }
+        }
+        found
+    }
+
+    /// Whether all hold, and there are some.
+    pub fn all_hold(claims: &[Self]) -> bool {
+        !claims.is_empty() && claims.iter().all(|claim| claim.standing() == Standing::Passes)
+    }
+
+    /// The rows of claims.csv, one a claim.
+    ///
+    /// # Errors
+    /// The writer's.
+    pub fn csv(claims: &[Self]) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        claims.iter().try_for_each(|claim| writer.serialize(Row::of(claim)))?;
+        writer.into_inner().map_err(|error| error.into_error().into())
+    }
+}
+
+/// What files have of a claim; numbers that are none, or infinite, are null or empty there.
+#[derive(Serialize)]
+struct Row<'a> {
+    line: &'static str,
+    says: &'static str,
+    n: Option<u32>,
+    steps: Option<u32>,
+    level: Option<usize>,
+    at: &'a str,
+    left: Option<f64>,
+    relation: &'static str,
+    right: Option<f64>,
+    /// The lower end of what left is to be within.
+    low: Option<f64>,
+    difference: Option<f64>,
+    accuracy: f64,
+    tightness: Option<f64>,
+    standing: Standing,
+    holds: bool,
+    note: String,
+}
+
+impl<'a> Row<'a> {
+    fn of(claim: &'a Claim) -> Self {
+        let Claim { statement, place, left, accuracy, .. } = claim;
+        let standing = claim.standing();
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        let (relation, low, right) = match claim.relation {
+            Relation::AtMost(right) => ("<=", None, finite(right)),
+            Relation::Within([low, high]) => ("within", finite(low), finite(high)),
+            Relation::Refused(_) => ("refused", None, None),
+        };
+        let note = match claim.reason() {
+            Some(reason) => reason,
+            None => claim.note.clone(),
+        };
+        Self {
+            line: statement.source,
+            says: statement.says,
+            n: place.n,
+            steps: place.steps,
+            level: place.level,
+            at: &place.at,
+            left: finite(*left),
+            relation,
+            right,
+            low,
+            difference: finite(claim.excess()),
+            accuracy: *accuracy,
+            tightness: claim.tightness().and_then(finite),
+            standing,
+            holds: standing == Standing::Passes,
+            note,
         }
     }
 }
 
-/// What files have of a claim; numbers that are none, or infinite, are null there.
 impl Serialize for Claim {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct Row {
-            line: &'static str,
-            says: &'static str,
-            relation: &'static str,
-            n: u32,
-            steps: u32,
-            level: usize,
-            left: f64,
-            right: f64,
-            difference: f64,
-            accuracy: f64,
-            ratio: Option<f64>,
-            tightness: Option<f64>,
-            holds: bool,
-            defined: bool,
-        }
-        let Self { statement, place, left, right, accuracy } = *self;
-        let (standing, ratio) = (self.standing(), self.tightness());
-        let row = Row {
-            line: statement.source,
-            says: statement.says,
-            relation: "<=",
-            n: place.n,
-            steps: place.steps,
-            level: place.level,
-            left,
-            right,
-            difference: self.excess(),
-            accuracy,
-            ratio,
-            tightness: ratio,
-            holds: standing == Standing::Passes,
-            defined: standing != Standing::Unresolved,
-        };
-        row.serialize(serializer)
+        Row::of(self).serialize(serializer)
     }
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "level {} of n = {}, N = {}", self.level, self.n, self.steps)
+        let grid =
+            [self.n.map(|n| format!("n = {n}")), self.steps.map(|steps| format!("N = {steps}"))];
+        let other = Some(self.at.clone()).filter(|at| !at.is_empty());
+        let rest = grid.into_iter().flatten().chain(other).collect::<Vec<_>>().join(", ");
+        match (self.level, rest.is_empty()) {
+            (Some(level), true) => write!(f, "level {level}"),
+            (Some(level), false) => write!(f, "level {level} of {rest}"),
+            (None, _) => f.write_str(&rest),
+        }
     }
 }
 
@@ -150,10 +284,12 @@ impl fmt::Display for Place {
 mod tests {
     use super::*;
 
+    fn of(left: f64, right: f64, accuracy: f64) -> Claim {
+        Claim::at_most(Statement::default(), Place::default(), [left, right], accuracy)
+    }
+
     #[test]
     fn a_claim_holds_to_its_accuracy_and_never_without_numbers() {
-        let of =
-            |left: f64, right: f64, accuracy| Claim { left, right, accuracy, ..Claim::default() };
         use Standing::{Fails, Passes, Unresolved};
         let rising = [
             (of(1e-20, 1e-21, 1e-12), None, Passes),
@@ -164,9 +300,9 @@ mod tests {
             (of(1.6, 1.0, 0.5), Some(1.6), Fails),
             (of(4.0, 2.0, 0.0), Some(2.0), Fails),
         ];
-        for (claim, tightness, standing) in rising {
-            assert_eq!((claim.tightness(), claim.standing()), (tightness, standing), "{claim:?}");
-            assert_eq!(claim.reason().is_none(), standing == Passes);
+        for (claim, tightness, standing) in &rising {
+            assert_eq!((claim.tightness(), claim.standing()), (*tightness, *standing), "{claim:?}");
+            assert_eq!(claim.reason().is_none(), *standing == Passes);
         }
         for pair in rising.windows(2) {
             assert!(pair[1].0.is_worse_than(&pair[0].0) && !pair[0].0.is_worse_than(&pair[1].0));
@@ -178,10 +314,50 @@ mod tests {
                 claim.is_worse_than(&rising[6].0) && claim.tightness().is_some_and(f64::is_nan)
             );
         }
-        let place = Place { n: 4, steps: 2, level: 1 };
+        let place = Place { n: Some(4), steps: Some(2), level: Some(1), at: "k = 3".into() };
         let said = Claim { place, ..of(2.0, 1.0, 1e-12) }.reason().expect("a reason");
-        for part in ["level 1", "n = 4", "N = 2", "2.0", "1.0", "exceeds by 1.0"] {
+        for part in ["level 1 of n = 4, N = 2, k = 3:", "2.0", "1.0", "exceeds by 1.0"] {
             assert!(said.contains(part), "{part}: {said}");
         }
+    }
+
+    /// A number inside, at an end, outside, and none; a refusal with its words, with others, and none.
+    #[test]
+    fn intervals_and_refusals_are_claims() {
+        let within =
+            |left| Claim { left, relation: Relation::Within([1.0, 2.0]), ..of(0.0, 0.0, 0.0) };
+        let outcomes = [1.0, 1.5, 2.0, 0.9, 2.1, f64::NAN].map(|left| within(left).standing());
+        let [passes, fails] = [Standing::Passes, Standing::Fails];
+        assert_eq!(outcomes, [passes, passes, passes, fails, fails, fails]);
+        let refused = |left, note: &str| {
+            let relation = Relation::Refused("other units");
+            Claim { left, relation, note: note.into(), ..of(0.0, 0.0, 0.0) }
+        };
+        assert_eq!(refused(f64::NAN, "state it in other units").standing(), passes);
+        assert_eq!(refused(f64::NAN, "no convergence").standing(), fails);
+        let answered = refused(1.0, "state it in other units");
+        assert_eq!(answered.standing(), fails);
+        assert!(answered.reason().is_some_and(|reason| reason.contains("it answered 1.0")));
+    }
+
+    /// Of each statement the worst claim stands for all; none is no success; files have a row for each.
+    #[test]
+    fn claims_are_summed_up_by_statement() {
+        let [a, b] = ["(1)", "(2)"].map(|source| Statement { source, says: "" });
+        let claims = [
+            Claim { statement: a, ..of(0.5, 1.0, 0.0) },
+            Claim { statement: b, ..of(0.1, 1.0, 0.0) },
+            Claim { statement: a, ..of(0.9, 1.0, 0.0) },
+        ];
+        let worst = Claim::worst(&claims);
+        let numbers: Vec<_> = worst.iter().map(|(c, n)| (c.statement.source, c.left, *n)).collect();
+        assert_eq!(numbers, [("(1)", 0.9, 2), ("(2)", 0.1, 1)]);
+        assert!(Claim::all_hold(&claims) && !Claim::all_hold(&[]));
+        assert!(
+            !Claim::all_hold(&[of(2.0, 1.0, 0.0)])
+                && !Claim::all_hold(&[of(1.0, f64::INFINITY, 0.0)])
+        );
+        let text = String::from_utf8(Claim::csv(&claims).expect("csv")).expect("text");
+        assert_eq!(text.lines().count(), 4, "{text}");
     }
 }

@@ -41,8 +41,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Row, Run, StudyDocument, Terms, Tone, beside, digits, equations, held,
-    number, precise, sides, text_table, verdict_table,
+    Chapter, Equation, Findings, Row, Run, StudyDocument, Terms, Tone, beside, digits, equations,
+    held, number, precise, sides, text_table, verdict_table,
 };
 pub use github::{AnnotationPlace, annotations, step_summary};
 pub use group::Group;
@@ -108,6 +108,8 @@ pub enum ReportError {
     Record(#[from] RecordError),
     #[error(transparent)]
     Document(#[from] DocumentError),
+    #[error("a table of claims: {0}")]
+    Claims(#[from] csv::Error),
     /// An invalid study in the directory.
     #[error("{}:{line}: {reason}; write this study again by `sweep {command} --out DIR`, or delete the file", path.display())]
     Study {

@@ -96,6 +96,8 @@ pub struct Auditor<'a> {
     errors: f64,
     n: u32,
     claims: Vec<Claim>,
+    /// What a unit of the floor in V may add to each.
+    per_floor: Vec<f64>,
 }
 
 /// Integrals over Ω at one level, in the notation of section 4 of the paper.
@@ -201,6 +203,7 @@ impl<'a> Auditor<'a> {
             n: space.mesh.n,
             errors: 0.0,
             claims: Vec::new(),
+            per_floor: Vec::new(),
             setup,
             data,
             constants,
@@ -276,17 +279,26 @@ impl<'a> Auditor<'a> {
             [e, bound, 0.0, size],
             [contact.e_n.abs(), pressures * delta, 0.0, energy],
         ];
-        let place = Place { n: self.n, steps: self.grid.steps() as u32, level: view.n };
         for (statement, [left, right, others, natural]) in STATEMENTS.into_iter().zip(sides) {
+            let place = Place {
+                n: Some(self.n),
+                steps: Some(self.grid.steps() as u32),
+                level: Some(view.n),
+                at: String::new(),
+            };
             let sum = left.abs() + others + if right.is_finite() { right.abs() } else { 0.0 };
             let accuracy = ROUNDING * sum + NATURAL * natural;
-            self.claims.push(Claim { statement, place, left, right, accuracy });
+            self.claims.push(Claim::at_most(statement, place, [left, right], accuracy));
+            self.per_floor.push(if size > 0.0 { natural / size } else { 0.0 });
         }
         Ok(())
     }
 
-    /// The claims at all levels seen.
-    pub fn claims(self) -> Vec<Claim> {
+    /// The claims at all levels seen; `floor` is that of the run in V, by which u^{kh} may be off.
+    pub fn claims(mut self, floor: f64) -> Vec<Claim> {
+        for (claim, natural) in self.claims.iter_mut().zip(&self.per_floor) {
+            claim.accuracy += natural * floor;
+        }
         self.claims
     }
 

@@ -11,4 +11,4 @@ mod scene;
 
 pub use constants::AuditConstants;
 pub use level::{AuditError, Auditor};
-pub use scene::{CaseAudit, CaseLine, SceneAudit, audit_case, audit_runs};
+pub use scene::{audit, audit_case, audit_runs, audit_under};
