@@ -209,7 +209,7 @@ fn a_gate_that_judges_less_than_is_owed_is_red() {
     twice.push(twice[0].clone());
     for (document, said) in [
         (lost, "affine: stress_L2_max in h: the verdict is owed and was not judged"),
-        (with(other), "affine: L2_max in k: the constant C_h is owed and was not compared"),
+        (with(other), "affine: L2_max in k: the constant C_h is owed and was not settled"),
         (with(twice.into()), "affine: V_max in k: the verdict is owed and was not judged"),
         (
             with(serde_json::json!([first])),

@@ -28,7 +28,7 @@ pub enum DocumentError {
 #[derive(Serialize)]
 struct Document<'a> {
     provenance: &'a serde_json::Value,
-    verdicts: &'a [Verdict],
+    verdicts: Vec<serde_json::Value>,
     failures: Vec<Failure>,
     #[serde(skip_serializing_if = "Option::is_none")]
     baseline: Option<&'a Comparison>,
@@ -77,6 +77,7 @@ pub fn document(
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
 ) -> serde_json::Value {
+    let verdicts = verdicts.iter().flat_map(Verdict::rows).collect();
     let document = Document { provenance, verdicts, failures: failures(records), baseline };
     serde_json::json!(document)
 }
@@ -92,7 +93,7 @@ pub fn write_json(
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
 ) -> Result<(), DocumentError> {
-    let document = Document { provenance, verdicts, failures: failures(records), baseline };
+    let document = document(provenance, verdicts, records, baseline);
     let mut bytes = serde_json::to_vec_pretty(&document)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     bytes.push(b'\n');

@@ -43,7 +43,7 @@ pub(super) fn judge_grid(open: Verdict, selection: &Selection, prediction: &Pred
         interval_k: Some(time.interval.into()),
         probability: Some(in_h.probability.min(in_k.probability)),
         constants: constants(selection, fits.best.model, (prediction.order, order_k)),
-        decision,
+        order: decision,
         complete: !in_h.unexplained,
         reason: format!("in h: {words_h}; in k: {words_k}"),
         next: if decision == Decision::Unresolved { [next_h, next_k].concat() } else { Vec::new() },

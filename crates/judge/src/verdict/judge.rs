@@ -7,7 +7,9 @@ use super::joint::judge_grid;
 use super::next::{Next, next_case};
 use super::ruling::{claim, helped, with_help};
 use super::selection::{Cases, Selection};
-use super::{Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict};
+use super::{
+    ConstantClaim, Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict,
+};
 use crate::fit::{
     Direction, Exclusion, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE,
     constant_under, joint_fits, screen, zeros_in_words,
@@ -40,7 +42,7 @@ pub fn judge_foreseen(
     let open = Verdict::open(scene, prediction, expect);
     let mut verdict = match prediction.variable.direction() {
         _ if !selection.gaps.is_empty() => Verdict {
-            decision: Decision::Fail,
+            order: Decision::Fail,
             reason: gaps_in_words(&selection.gaps),
             complete: false,
             ..open
@@ -51,6 +53,7 @@ pub fn judge_foreseen(
     if let Some(Foreseen::Leading(line)) = foreseen {
         compare_with(&mut verdict, &selection, prediction, line);
     }
+    verdict.settle();
     let Selection { used: points_used, left_out: points_left_out, .. } = selection;
     Verdict { points_used, points_left_out, foreseen: foreseen.cloned(), ..verdict }
 }
@@ -74,8 +77,9 @@ fn compare_with(
     };
     finding.constants.insert(name, constant);
     finding.reason = format!("{}; {sentence}", finding.reason);
-    let order_alone = finding.decision;
-    finding.decision = order_alone.and(decision);
+    finding.constant =
+        Some(ConstantClaim { name, decision, reason: sentence, owed: prediction.constant_owed });
+    let order_alone = finding.order;
     let Some(leading) = leading_order else { return };
     match order_alone {
         // Errors that follow the leading error of a sound scheme have its order, whatever their slopes alone show.
@@ -84,7 +88,7 @@ fn compare_with(
         {
             finding.reason +=
                 " on each of the finest cases, and so is the order of the predicted errors";
-            (finding.decision, finding.next) = (Decision::Pass, Vec::new());
+            (finding.order, finding.next) = (Decision::Pass, Vec::new());
         }
         Decision::Pass => {}
         _ if (leading - prediction.order).abs() > TOLERANCE => {
@@ -157,7 +161,7 @@ fn judge_line(
         interval: Some(posterior.interval.into()),
         probability: Some(ruling.probability),
         constants: constants(&samples, prediction, direction),
-        decision: ruling.decision,
+        order: ruling.decision,
         reason,
         complete: !ruling.unexplained,
         next: if helped { next.cases } else { Vec::new() },

@@ -7,7 +7,19 @@ use serde::Serialize;
 use super::{Decision, FittedConstant, Foreseen, JudgedPoint, MeshAndSteps, Prediction, Variable};
 use crate::record::{CaseRecord, Status};
 
-/// A judged prediction, an entry of `verdict.json`.
+/// What is said of a constant, apart from the order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConstantClaim {
+    /// C_h or C_k.
+    pub name: &'static str,
+    #[serde(rename = "verdict")]
+    pub decision: Decision,
+    pub reason: String,
+    /// Whether one that is still drifting is red: the scene states how far it may be off.
+    pub owed: bool,
+}
+
+/// A judged prediction: the claims about an order and about its constant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
     pub scene: String,
@@ -44,7 +56,14 @@ pub struct Verdict {
     /// The predicted constant: leading errors, or why there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foreseen: Option<Foreseen>,
+    /// What comes of the claim about the order.
     #[serde(rename = "verdict")]
+    pub order: Decision,
+    /// The claim about the constant; none without a prediction of it. A row of its own in files.
+    #[serde(skip)]
+    pub constant: Option<ConstantClaim>,
+    /// What comes of both: the order's, unless the constant fails, or is owed and open.
+    #[serde(skip)]
     pub decision: Decision,
     pub reason: String,
     /// The cases that would help an unresolved verdict.
@@ -79,12 +98,40 @@ impl Verdict {
             points_left_out: Vec::new(),
             constants: BTreeMap::new(),
             foreseen: None,
+            order: Decision::Unresolved,
+            constant: None,
             decision: Decision::Unresolved,
             reason: String::new(),
             next: Vec::new(),
             complete: true,
             expect,
         }
+    }
+
+    /// The order's verdict with that of the constant.
+    pub(super) fn settle(&mut self) {
+        self.decision = match &self.constant {
+            Some(claim) if claim.decision == Decision::Fail || claim.owed => {
+                self.order.and(claim.decision)
+            }
+            _ => self.order,
+        };
+    }
+
+    /// Its rows in `verdict.json`: that of the order, and that of the constant if there is one.
+    pub fn rows(&self) -> Vec<serde_json::Value> {
+        let mut order = serde_json::json!(self);
+        order["kind"] = "order".into();
+        let constant = self.constant.as_ref().map(|claim| {
+            let mut row = serde_json::json!(claim);
+            for key in ["scene", "norm", "variable", "predicted", "why"] {
+                row[key] = order[key].clone();
+            }
+            row["kind"] = "constant".into();
+            row["constants"] = serde_json::json!({ claim.name: self.constants.get(claim.name) });
+            row
+        });
+        [Some(order), constant].into_iter().flatten().collect()
     }
 
     /// Whether the verdict is the expected one. An expected failure must come from the order, not from a missing case.

@@ -25,7 +25,7 @@ pub use document::{
 };
 pub use fitted_constant::FittedConstant;
 pub use judge::{judge, judge_foreseen};
-pub use judged::{Verdict, exit_code};
+pub use judged::{ConstantClaim, Verdict, exit_code};
 pub use mesh_and_steps::MeshAndSteps;
 pub use prediction::{FloorSource, Prediction, Variable};
 pub use selection::{JudgedPoint, line_keys, line_points, most_frequent};

@@ -93,6 +93,8 @@ pub struct Prediction {
     pub window_steps: Option<[u32; 2]>,
     /// What the floor of an error comes from, for advice.
     pub floor: FloorSource,
+    /// A constant that is still drifting leaves the prediction open.
+    pub constant_owed: bool,
     /// The solution is unique; otherwise a run may have followed another one.
     pub unique: bool,
 }
@@ -113,6 +115,7 @@ impl Prediction {
             window_n: None,
             window_steps: None,
             floor: FloorSource::Unknown,
+            constant_owed: false,
             unique: true,
         }
     }

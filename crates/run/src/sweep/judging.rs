@@ -34,7 +34,8 @@ pub fn judge_scene(
     let of_scene = records.iter().filter(|record| record.scene == scene.name);
     if let Some(wrong) = of_scene.into_iter().find_map(|record| wrong_size(scene, record)) {
         for verdict in &mut verdicts {
-            (verdict.decision, verdict.complete) = (Decision::Fail, false);
+            (verdict.order, verdict.complete) = (Decision::Fail, false);
+            verdict.decision = Decision::Fail;
             verdict.reason = format!("{wrong}; {}", verdict.reason);
             verdict.next.clear();
         }
@@ -186,6 +187,7 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
         window_n: written.window_n.or(scene.window_n),
         window_steps: written.window_steps.or(scene.window_steps),
         floor: floor_source(scene),
+        constant_owed: written.constant_within.is_some(),
         unique: ![Hypothesis::Smallness, Hypothesis::StepSize]
             .iter()
             .any(|hypothesis| scene.violates.contains(hypothesis)),

@@ -27,10 +27,10 @@ pub(super) fn left_owing(scene: &str, owes: &[Owed], mut settled: Vec<Owed>) -> 
         };
         let judged = settled.remove(at);
         for name in owed.constants.iter().filter(|name| !judged.constants.contains(name)) {
-            say(owed, format!("the constant {name} is owed and was not compared"));
+            say(owed, format!("the constant {name} is owed and was not settled"));
         }
         for name in judged.constants.iter().filter(|name| !owed.constants.contains(name)) {
-            say(owed, format!("the constant {name} was compared and is not owed"));
+            say(owed, format!("the constant {name} was settled and is not owed"));
         }
     }
     for other in &settled {

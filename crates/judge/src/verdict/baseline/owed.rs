@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::verdict::{Variable, Verdict};
+use crate::verdict::{Decision, Variable, Verdict};
 
 /// A verdict that is owed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -11,7 +11,7 @@ use crate::verdict::{Variable, Verdict};
 pub struct Owed {
     pub norm: String,
     pub variable: Variable,
-    /// Constants compared with their prediction.
+    /// Constants compared with their prediction, that pass or fail.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constants: Vec<String>,
 }
@@ -26,11 +26,12 @@ pub struct Owing {
 
 impl Owed {
     fn of(verdict: &Verdict) -> Self {
-        let compared = verdict.constants.iter().filter(|(_, constant)| constant.ratio.is_some());
+        let settled =
+            verdict.constant.iter().filter(|claim| claim.decision != Decision::Unresolved);
         Self {
             norm: verdict.norm.clone(),
             variable: verdict.variable,
-            constants: compared.map(|(name, _)| (*name).to_owned()).collect(),
+            constants: settled.map(|claim| claim.name.to_owned()).collect(),
         }
     }
 

@@ -327,6 +327,38 @@ fn tables_of_slopes_get_what_a_person_says() {
     }
 }
 
+/// Errors 5 k² (1 + 600 k²) beside leading errors 5 k², 0.3 % allowed: the order is certain while the constant still drifts.
+#[test]
+fn order_and_constant_are_two_claims() {
+    let records = table(&[4], &DOUBLING, |_, k| 5.0 * k * k * (1.0 + 600.0 * k * k));
+    let judged = |constant: f64, owed: bool| {
+        let point = |record: &CaseRecord| {
+            let (n, steps, h, k) = (record.n, record.steps, record.h, record.k);
+            LeadingPoint { n, steps, h, k, error: constant * k * k }
+        };
+        let points = records.iter().map(point).collect();
+        let line = Foreseen::Leading(LeadingLine { points, limit: None, tolerance: 0.003 });
+        let prediction = Prediction { constant_owed: owed, ..predict(Variable::K, 2.0) };
+        judge_foreseen("block", &records, &[], &prediction, Some(&line), Decision::Pass)
+    };
+    use Decision::{Fail, Pass, Unresolved};
+    for (constant, owed, claims, outcome) in [
+        (5.0, false, [Pass, Unresolved], Pass),
+        (5.0, true, [Pass, Unresolved], Unresolved),
+        (4.0, false, [Pass, Fail], Fail),
+    ] {
+        let verdict = judged(constant, owed);
+        let of_constant = verdict.constant.as_ref().expect("a claim");
+        assert_eq!([verdict.order, of_constant.decision], claims, "{}", verdict.reason);
+        assert_eq!((verdict.decision, verdict.as_expected()), (outcome, outcome == Pass));
+        let rows = verdict.rows();
+        let names: Vec<_> = rows.iter().map(|row| (&row["kind"], &row["verdict"])).collect();
+        let [order, constant] = claims.map(|decision| decision.name().into());
+        assert_eq!(names, [(&"order".into(), &order), (&"constant".into(), &constant)]);
+        assert_eq!(rows[1]["owed"], owed);
+    }
+}
+
 /// Errors 5 k² beside leading errors of 5 k² or 4 k².
 #[test]
 fn a_constant_that_is_off_fails_whatever_the_order() {
