@@ -5,17 +5,18 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::machine::Common;
-use super::study::deliver;
+use super::study::show;
 use super::{CliError, create_dir, print_text, width, write_file};
 use files::counted;
-use studies::extremes::{Climbed, Ladder, RungRow, UnderTest, admit, catalogue, csv, judge};
+use judge::claim::Claim;
+use studies::extremes::{Climbed, Ladder, UnderTest, admit, catalogue, climb, found};
 
 const WIDTH: u16 = 132;
 
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 every rung as expected; 1 a rung is not; 2 no such ladder, or --out cannot be written.\n\nJSON keys with --json: ladders (name, parameter, quantity, why), rungs (ladder, at, quantity, expected, measured: null without an answer, digits_lost, iterations: per level, kkt, standing: \"as-expected\", \"refused-as-expected\", \"not-as-expected\" or \"failed\", note, seconds).\n\nFiles with --out: extremes.csv (a row as each rung ends), extremes.json, extremes.svg (the map)."
+    after_help = "Exit code: 0 every rung as expected; 1 a rung is not; 2 no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why), rungs (ladder, at, iterations: per level, seconds).\n\nFiles with --out: extremes-claims.csv (as each rung ends), extremes.json, extremes.svg (the map)."
 )]
 pub(crate) struct Extremes {
     /// Ladders to climb [default: all]; --list names them
@@ -28,7 +29,7 @@ pub(crate) struct Extremes {
     list: bool,
     #[command(flatten)]
     common: Common,
-    /// Directory for extremes.csv, extremes.json and extremes.svg
+    /// Directory for extremes-claims.csv, extremes.json and extremes.svg
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -45,26 +46,26 @@ impl Extremes {
         for ladder in &ladders {
             ladder.rungs.iter().try_for_each(|rung| admit(ladder, rung, &under_test, &limit))?;
         }
-        let mut rows = Vec::new();
-        self.write(&rows)?;
+        let mut climbed = Vec::new();
+        self.write(&climbed)?;
         for ladder in &ladders {
             let rungs = counted(ladder.rungs.len(), "rung");
             super::progress::note(&format!("{}: {rungs}", ladder.name));
             for rung in &ladder.rungs {
-                rows.push(judge(ladder, rung, &under_test));
-                self.write(&rows)?;
+                climbed.push(climb(ladder, rung, &under_test));
+                self.write(&climbed)?;
             }
         }
-        let climbed = Climbed { ladders, rungs: rows };
-        deliver(&climbed, &climbed.document(), self.out.as_deref(), self.common.json)?;
-        Ok(u8::from(!climbed.holds()))
+        show(&found(&ladders, &climbed), self.out.as_deref(), self.common.json)
     }
 
-    /// Writes the rows so far.
-    fn write(&self, rows: &[RungRow]) -> Result<(), CliError> {
+    /// Writes the claims so far.
+    fn write(&self, climbed: &[Climbed]) -> Result<(), CliError> {
         let Some(dir) = &self.out else { return Ok(()) };
         create_dir(dir)?;
-        write_file(&dir.join("extremes.csv"), csv(rows).map_err(CliError::other)?)
+        let claims: Vec<Claim> = climbed.iter().flat_map(|rung| rung.claims.clone()).collect();
+        let csv = Claim::csv(&claims).map_err(CliError::other)?;
+        write_file(&dir.join("extremes-claims.csv"), csv)
     }
 
     fn chosen(&self) -> Result<Vec<Ladder>, CliError> {

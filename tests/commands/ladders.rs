@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use studies::extremes::{Expected, Ladder, catalogue};
+use judge::claim::Relation;
+use studies::extremes::{Ladder, catalogue};
 
 fn page(ladders: &[Ladder]) -> String {
     let mut page = String::from(
@@ -24,7 +25,7 @@ fn page(ladders: &[Ladder]) -> String {
 }
 
 fn refusals(ladder: &Ladder) -> usize {
-    ladder.rungs.iter().filter(|rung| matches!(rung.expected, Expected::Refused(_))).count()
+    ladder.rungs.iter().filter(|rung| matches!(rung.expected, Relation::Refused(_))).count()
 }
 
 fn read(name: &str) -> String {

@@ -337,7 +337,7 @@ fn studies_of_the_directory_are_chapters() {
         ("The claims, the tightest first", 3),
         ("Error, CPU seconds, spread", 3),
         ("Step sizes: bounds on k", 3),
-        ("Rungs: what was expected", 3),
+        ("Ladders: what is turned", 3),
     ] {
         let holding = pages.iter().filter(|page| page.contains(words)).count();
         assert!(holding >= times, "{words} is in {holding} renderings");

@@ -9,7 +9,7 @@ use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
 use report::StudyDocument;
 use scene::setup::Subject;
-use studies::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
+use studies::extremes::{UnderTest, catalogue, climb, found};
 use studies::theory::bound::BoundStudy;
 use studies::theory::gronwall::{Study, StudyRuns};
 
@@ -67,14 +67,12 @@ fn a_chain_says_which_link_fails() {
 fn a_rung_that_fails_is_said() {
     let ladders: Vec<_> =
         catalogue(false).into_iter().filter(|ladder| ladder.name == "one-vertex").collect();
-    let rung = judge(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
-    let mut climbed = Climbed { ladders, rungs: vec![rung] };
-    let sound = climbed.document();
-    climbed.rungs[0].standing = Standing::NotAsExpected;
-    let words = format!("one-vertex at {}: not as expected", climbed.rungs[0].at);
-    shows(&sound, &climbed.document(), &words);
-    climbed.rungs.clear();
-    shows(&sound, &climbed.document(), "nothing was compared");
+    let mut rung = climb(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
+    let sound = found(&ladders, std::slice::from_ref(&rung)).document;
+    rung.claims[0].left = f64::NAN;
+    let words = format!("one-vertex at {}: no number", rung.at);
+    shows(&sound, &found(&ladders, &[rung]).document, &words);
+    shows(&sound, &found(&ladders, &[]).document, "nothing was compared");
 }
 
 /// Every key of a value, at every depth.

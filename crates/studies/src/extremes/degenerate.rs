@@ -2,7 +2,7 @@
 
 use super::answer::{SceneAnswer, relative, solve};
 use super::history::opposed;
-use super::rung::{Expected, Ladder, Measured, Rung};
+use super::rung::{Ladder, Measured, Relation, Rung};
 use super::scene_text::SceneText;
 use super::space_error::{SMOOTH, below_bound};
 use algebra::linalg::largest;
@@ -17,7 +17,7 @@ pub(crate) fn subnormal() -> Ladder {
     const LOAD: &str = "[loads]\nbody = [\"0\", \"-3*t*x\"]\n";
     type Body = fn(String) -> SceneText;
     let beside = |label: &'static str, body: Body, with: &'static str, without: &'static str| {
-        Rung::new(label, Expected::AtMost(SAME), move |under_test| {
+        Rung::new(label, Relation::AtMost(SAME), move |under_test| {
             let [found, known] = [with, without].map(|term| {
                 let text = body(format!("{term}{LOAD}")).text();
                 solve(text, 4, 4, under_test.prepare)
@@ -28,7 +28,7 @@ pub(crate) fn subnormal() -> Ladder {
         })
     };
     let load = SceneText::free("[loads]\nbody = [\"0\", \"-1e-310*t*x\"]\n").text();
-    let refused = Expected::Refused("state the scene in other units");
+    let refused = Relation::Refused("state the scene in other units");
     let size = |answer: &SceneAnswer| largest(&answer.displacement);
     let alone = Rung::body("load alone", refused, (load, 4, 4), size);
     let (free, touching): (Body, Body) = (SceneText::free, SceneText::in_contact);

@@ -6,7 +6,7 @@
 //! relative error is below 3ε/(1 - e^{-ck}), and below 3εN for any c, to which the exponential adds ε from its
 //! argument at most.
 
-use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
+use super::rung::{Ladder, Measured, Relation, Rung, power_of_ten};
 use super::under_test::{UnderTest, value};
 use vhi::history::{Accumulated, TimeGrid, Trapezoid};
 
@@ -38,7 +38,7 @@ fn allowed(rate: f64, k: f64, steps: usize) -> f64 {
 }
 
 fn against_the_sum(at: String, rate: f64, k: f64, steps: usize) -> Rung {
-    Rung::new(at, Expected::AtMost(allowed(rate, k, steps)), move |under_test| {
+    Rung::new(at, Relation::AtMost(allowed(rate, k, steps)), move |under_test| {
         let full = in_full(rate, k, steps);
         let value = ((under_test.history)(rate, k, steps) - full).abs() / full;
         Ok(Measured::number(value))
@@ -48,7 +48,7 @@ fn against_the_sum(at: String, rate: f64, k: f64, steps: usize) -> Rung {
 /// The kernel e^{-t} - w e^{-2t}: two recursions, and the difference of what they give.
 pub(super) fn opposed(weight: f64, k: f64, steps: usize) -> Rung {
     let bound = allowed(1.0, k, steps).max(allowed(2.0, k, steps)) + f64::EPSILON;
-    Rung::new(format!("{weight:e}"), Expected::AtMost(bound), move |under_test: &UnderTest<'_>| {
+    Rung::new(format!("{weight:e}"), Relation::AtMost(bound), move |under_test: &UnderTest<'_>| {
         let parts = [1.0, 2.0].map(|rate| in_full(rate, k, steps));
         let found = [1.0, 2.0].map(|rate| (under_test.history)(rate, k, steps));
         let difference = |[first, second]: [f64; 2]| first - weight * second;
@@ -94,7 +94,7 @@ pub(crate) fn accumulated() -> Ladder {
     let rung = |e: i32| {
         let steps = 10usize.pow(e as u32);
         let bound = f64::EPSILON * (steps as f64 + 4.0);
-        Rung::new(format!("1e{e}"), Expected::AtMost(bound), move |_| {
+        Rung::new(format!("1e{e}"), Relation::AtMost(bound), move |_| {
             let grid = TimeGrid::uniform(1.0, steps as u32);
             let mut zeta = Accumulated::default();
             (0..=steps).for_each(|j| zeta.commit(&grid, value(j)));

@@ -2,7 +2,7 @@
 
 use super::UnderTest;
 use super::answer::solve;
-use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
+use super::rung::{Ladder, Measured, Relation, Rung, power_of_ten};
 use super::units::{Unitless, Units};
 use algebra::linalg::larger;
 
@@ -41,9 +41,9 @@ fn ladder(
     parameter: &'static str,
     why: &'static str,
     scenes: &'static [Unitless],
-    units: Vec<(String, Expected, Units)>,
+    units: Vec<(String, Relation, Units)>,
 ) -> Ladder {
-    let rung = |(label, expected, units): (String, Expected, Units)| {
+    let rung = |(label, expected, units): (String, Relation, Units)| {
         Rung::new(label, expected, move |under_test| difference(scenes, units, under_test))
     };
     Ladder {
@@ -56,9 +56,9 @@ fn ladder(
 }
 
 /// The powers of ten of one unit; at 1e±200 the scene is refused with the words `beyond`, where there are any.
-fn powers(with: fn(f64) -> Units, beyond: Option<&'static str>) -> Vec<(String, Expected, Units)> {
-    let end = |e: i32| beyond.map(|saying| (e, Expected::Refused(saying)));
-    let inner = EXPONENTS.map(|e| (e, Expected::AtMost(INVARIANT)));
+fn powers(with: fn(f64) -> Units, beyond: Option<&'static str>) -> Vec<(String, Relation, Units)> {
+    let end = |e: i32| beyond.map(|saying| (e, Relation::Refused(saying)));
+    let inner = EXPONENTS.map(|e| (e, Relation::AtMost(INVARIANT)));
     let all = end(-200).into_iter().chain(inner).chain(end(200));
     all.map(|(e, expected)| (format!("1e{e}"), expected, with(power_of_ten(e)))).collect()
 }
@@ -102,7 +102,7 @@ pub(crate) fn together() -> Ladder {
         ("km", Units { length: 1e3, stiffness: 1e9, time: 3.2e7, displacement: 1.0 }),
         ("1e50", Units { length: 1e50, stiffness: 1e50, time: 1e50, displacement: 1e50 }),
     ];
-    let units = units.map(|(label, units)| (label.into(), Expected::AtMost(INVARIANT), units));
+    let units = units.map(|(label, units)| (label.into(), Relation::AtMost(INVARIANT), units));
     let parameter = "all units: nm GPa ns pm, mm MPa s µm, km GPa years m, 1e50 each";
     ladder("units", parameter, "as for each unit alone", &Unitless::PLANE, units.into())
 }

@@ -1,7 +1,7 @@
 //! Ladders of the projection, μ and κ, and of u(t) through zero, on exact solutions in V^h.
 
 use super::answer::{SceneAnswer, solve};
-use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
+use super::rung::{Ladder, Measured, Relation, Rung, power_of_ten};
 use super::scene_text::SceneText;
 use super::small::step_in_words;
 use algebra::linalg::largest;
@@ -39,7 +39,7 @@ fn projected(mu: f64, kappa: f64) -> (String, u32, u32) {
 /// μ from 0 to 1e6 μ_L with κ = 0.1.
 pub(crate) fn projection() -> Ladder {
     let rung = |at: &str, mu: f64| {
-        let bound = Expected::AtMost(ROUNDING * (1.0 + mu));
+        let bound = Relation::AtMost(ROUNDING * (1.0 + mu));
         Rung::body(at, bound, projected(mu, 0.1), strain_error)
     };
     let mut rungs = vec![rung("0", 0.0)];
@@ -56,7 +56,7 @@ pub(crate) fn projection() -> Ladder {
 /// κ from 1e-300 (nothing is below it) to 1e300 (everything is).
 pub(crate) fn yield_limit() -> Ladder {
     let rung = |e: i32| {
-        let bound = Expected::AtMost(2.0 * ROUNDING);
+        let bound = Relation::AtMost(2.0 * ROUNDING);
         Rung::body(format!("1e{e}"), bound, projected(1.0, power_of_ten(e)), stress_error)
     };
     Ladder {
@@ -87,7 +87,7 @@ pub(crate) fn through_zero() -> Ladder {
     };
     let between = |label: &str, at: f64| {
         let slope = 2.0 + (kink(at, 8) / kink(at, 64)).log2() / 3.0;
-        let expected = Expected::Within([slope - NEXT_ORDER, slope + NEXT_ORDER]);
+        let expected = Relation::Within([slope - NEXT_ORDER, slope + NEXT_ORDER]);
         Rung::new(label, expected, move |under_test| {
             let [coarse, fine] = [8, 64].map(|n| solve(moving(at), 4, n, under_test.prepare));
             let (coarse, fine) = (coarse?, fine?);
@@ -96,7 +96,7 @@ pub(crate) fn through_zero() -> Ladder {
         })
     };
     let on_level = |label: &str, at: f64| {
-        let expected = Expected::AtMost(2.0 * ROUNDING);
+        let expected = Relation::AtMost(2.0 * ROUNDING);
         Rung::body(label, expected, (moving(at), 4, 8), strain_error)
     };
     Ladder {
@@ -119,8 +119,8 @@ pub(crate) fn through_zero() -> Ladder {
 pub(crate) fn body_step() -> Ladder {
     let rung = |k: f64| {
         let expected = match k < 2.0 {
-            true => Expected::AtMost(ROUNDING / (1.0 - 0.5 * k)),
-            false => Expected::Refused("not positive definite"),
+            true => Relation::AtMost(ROUNDING / (1.0 - 0.5 * k)),
+            false => Relation::Refused("not positive definite"),
         };
         Rung::body(step_in_words(k), expected, (remembering(-1.0, k), 8, 1), strain_error)
     };
@@ -138,7 +138,7 @@ pub(crate) fn body_step() -> Ladder {
 pub(crate) fn long_march(most: i32) -> Ladder {
     let rung = |e: i32| {
         let steps = 10u32.pow(e as u32);
-        let bound = Expected::AtMost(ROUNDING + 3.0 * f64::EPSILON * f64::from(steps));
+        let bound = Relation::AtMost(ROUNDING + 3.0 * f64::EPSILON * f64::from(steps));
         Rung::body(format!("1e{e}"), bound, (remembering(0.1, 1.0), 2, steps), strain_error)
             .with_largest(remembering(0.1, 1.0), 2, steps)
     };

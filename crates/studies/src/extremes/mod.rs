@@ -3,28 +3,24 @@
 //! refusal it must meet, and is measured; nothing may be lost, and nothing may be silently wrong.
 
 mod answer;
+mod climb;
 mod degenerate;
-mod document;
 mod history;
 mod invariance;
-mod judge;
 mod material;
 mod memory;
 mod rung;
 mod scene_text;
 mod small;
 mod space_error;
-mod table;
 mod touching;
 mod under_test;
 mod units;
 
 pub use answer::{Prepare, SceneAnswer, Unanswered, solve};
-pub use document::Climbed;
-pub use judge::{RungRow, Standing, judge, standing};
+pub use climb::{Climbed, claims, climb, found};
 pub use memory::admit;
-pub use rung::{Expected, Ladder, Largest, Measured, Run, Rung};
-pub use table::csv;
+pub use rung::{Ladder, Largest, Measured, Run, Rung};
 pub use under_test::{UnderTest, by_recursion};
 pub use units::{Unitless, Units};
 

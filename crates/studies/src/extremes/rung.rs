@@ -2,15 +2,7 @@
 
 use super::UnderTest;
 use super::answer::{SceneAnswer, Unanswered, solve};
-
-/// What a rung must show.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Expected {
-    AtMost(f64),
-    Within([f64; 2]),
-    /// A typed error whose first line holds these words.
-    Refused(&'static str),
-}
+pub(super) use judge::claim::Relation;
 
 /// What a run measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,8 +42,8 @@ pub type Run = dyn Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + S
 pub struct Rung {
     /// The value in words.
     pub at: String,
-    /// What it must show.
-    pub expected: Expected,
+    /// What it must show of its number, or the words in the first line of a typed error.
+    pub expected: Relation,
     /// The run.
     pub run: Box<Run>,
     /// The largest run of a body in it, if that has more than a few thousand unknowns and levels together.
@@ -71,7 +63,7 @@ pub struct Largest {
 impl Rung {
     pub(crate) fn new(
         at: impl Into<String>,
-        expected: Expected,
+        expected: Relation,
         run: impl Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync + 'static,
     ) -> Self {
         Self { at: at.into(), expected, run: Box::new(run), largest: None }
@@ -80,7 +72,7 @@ impl Rung {
     /// A rung that is one run of a body, its text with n and N, and a number about the answer.
     pub(super) fn body(
         at: impl Into<String>,
-        expected: Expected,
+        expected: Relation,
         (text, n, steps): (String, u32, u32),
         value: impl Fn(&SceneAnswer) -> f64 + Send + Sync + 'static,
     ) -> Self {

@@ -2,7 +2,7 @@
 
 use super::UnderTest;
 use super::answer::Unanswered;
-use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
+use super::rung::{Ladder, Measured, Relation, Rung, power_of_ten};
 use scene::setup::{AbstractSetup, Subject, check_step_sizes};
 use scene::{Scene, Source};
 use vhi::{FixedPoint, StepSolver};
@@ -52,8 +52,8 @@ fn error(text: String, steps: u32, solver: &dyn StepSolver) -> Result<Measured, 
 pub(crate) fn smallness() -> Ladder {
     let rung = |m0: f64| {
         let expected = match m0 > 0.0 {
-            true => Expected::AtMost(UNITS * f64::EPSILON / m0),
-            false => Expected::Refused("(2.9)"),
+            true => Relation::AtMost(UNITS * f64::EPSILON / m0),
+            false => Relation::Refused("(2.9)"),
         };
         Rung::new(format!("{m0:e}"), expected, move |under_test: &UnderTest<'_>| {
             let text = scalar(0.0, 1.0 - m0, 1.0, "1 + 0.5*sin(t)");
@@ -73,7 +73,7 @@ pub(crate) fn smallness() -> Ladder {
 
 /// One step k from u linear in time, which the trapezoidal rule integrates exactly: what is left is rounding.
 /// The step's equation is (1 + (k/2) q) u_1 = …, so the condition is (1 + k/2)/|1 + (k/2) q|.
-fn one_step(k: f64, q: f64, expected: Expected, solver: Solver) -> Rung {
+fn one_step(k: f64, q: f64, expected: Relation, solver: Solver) -> Rung {
     Rung::new(step_in_words(k), expected, move |under_test| {
         let text = scalar(q, 0.0, k, &format!("1 + t/{k:?}"));
         error(text, 1, &*solver(under_test))
@@ -101,8 +101,8 @@ pub(super) fn step_in_words(k: f64) -> String {
     }
 }
 
-fn conditioned(k: f64, q: f64) -> Expected {
-    Expected::AtMost(UNITS * f64::EPSILON * (1.0 + 0.5 * k) / (1.0 + 0.5 * k * q).abs())
+fn conditioned(k: f64, q: f64) -> Relation {
+    Relation::AtMost(UNITS * f64::EPSILON * (1.0 + 0.5 * k) / (1.0 + 0.5 * k * q).abs())
 }
 
 /// Newton's method with memory -1: (3.4) is k < 1, sharpened k < 2. From k = 2 on the level is not monotone, at
@@ -111,7 +111,7 @@ pub(crate) fn falling_memory() -> Ladder {
     let rung = |k: f64| {
         let expected = match k < 2.0 {
             true => conditioned(k, -1.0),
-            false => Expected::Refused("one solution per step is guaranteed only"),
+            false => Relation::Refused("one solution per step is guaranteed only"),
         };
         one_step(k, -1.0, expected, newton)
     };
@@ -142,8 +142,8 @@ pub(crate) fn rising_memory() -> Ladder {
 pub(crate) fn fixed_point() -> Ladder {
     let rung = |k: f64| {
         let expected = match k < 2.0 {
-            true => Expected::AtMost(4e-13 * k / (2.0 - k) + UNITS * f64::EPSILON),
-            false => Expected::Refused("Λ does not contract"),
+            true => Relation::AtMost(4e-13 * k / (2.0 - k) + UNITS * f64::EPSILON),
+            false => Relation::Refused("Λ does not contract"),
         };
         one_step(k, 1.0, expected, lambda)
     };

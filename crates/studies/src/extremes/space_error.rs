@@ -12,7 +12,7 @@
 
 use super::UnderTest;
 use super::answer::{SceneAnswer, Unanswered, march, set_up};
-use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
+use super::rung::{Ladder, Measured, Relation, Rung, power_of_ten};
 use super::scene_text::SceneText;
 use fem::norms::strain_error;
 use formula::EvaluationPoint;
@@ -90,7 +90,7 @@ pub(crate) fn locking() -> Ladder {
             );
             Ok(Measured::of(fine.locked_ratio(lame), &fine.answer).noted(note))
         };
-        Rung::new(format!("1e{e}"), Expected::AtMost(1.0 + QUADRATURE), run)
+        Rung::new(format!("1e{e}"), Relation::AtMost(1.0 + QUADRATURE), run)
     };
     Ladder {
         name: "locking",
@@ -126,7 +126,7 @@ pub(crate) fn locking_order(finest: u32) -> Ladder {
             Ok(Measured::of(fine.locked_ratio(lame), &fine.answer)
                 .noted(format!("order {order:.2}")))
         };
-        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(
+        Rung::new(n.to_string(), Relation::AtMost(1.0 + QUADRATURE), run).with_largest(
             solenoidal(lame),
             n,
             1,
@@ -154,7 +154,7 @@ pub(super) fn below_bound(
     note: impl Fn(&InSpace) -> String + Send + Sync + 'static,
 ) -> Rung {
     let text = scene.text();
-    Rung::new(at, Expected::AtMost(1.0 + QUADRATURE), move |under_test| {
+    Rung::new(at, Relation::AtMost(1.0 + QUADRATURE), move |under_test| {
         let found = InSpace::run(text.clone(), n, under_test)?;
         Ok(Measured::of(found.ratio([1.0, 1.0]), &found.answer).noted(note(&found)))
     })

@@ -3,7 +3,7 @@
 use super::UnderTest;
 use super::answer::{relative, solve};
 use super::material::strain_error;
-use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
+use super::rung::{Ladder, Measured, Relation, Rung, power_of_ten};
 use super::scene_text::{SceneText, punch};
 use algebra::linalg::largest;
 
@@ -15,13 +15,13 @@ const SAME: f64 = 1e-12;
 /// of reach, and the rest is homogeneous of degree one: the answer is that at 1e-6 to scale, while the pressures that
 /// the law gives to u_ν scale as well. At 1e20 and above, gap, law and κ are nothing beside the load: homogeneous again.
 pub(crate) fn load() -> Ladder {
-    let nothing = Rung::new("0", Expected::AtMost(0.0), |under_test| {
+    let nothing = Rung::new("0", Relation::AtMost(0.0), |under_test| {
         let answer = solve(punch("0.10", 0.0), 4, 4, under_test.prepare)?;
         let size = largest(&answer.displacement) + f64::from(answer.iterations);
         Ok(Measured::of(size, &answer).noted("u = 0 without an iteration"))
     });
     let to_scale = |e: i32, of: i32| {
-        Rung::new(format!("1e{e}"), Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
+        Rung::new(format!("1e{e}"), Relation::AtMost(SAME), move |under_test: &UnderTest<'_>| {
             let found = solve(punch("0.10", power_of_ten(e)), 4, 4, under_test.prepare)?;
             let known = solve(punch("0.10", power_of_ten(of)), 4, 4, under_test.prepare)?;
             let scaled = |field: &[f64], e: i32| -> Vec<f64> {
@@ -48,7 +48,7 @@ pub(crate) fn load() -> Ladder {
 pub(crate) fn gap() -> Ladder {
     const NOT_FINITE: &str = "`gap` is";
     let like = |gap: &'static str, other: &'static str| {
-        Rung::new(gap, Expected::AtMost(SAME), move |under_test| {
+        Rung::new(gap, Relation::AtMost(SAME), move |under_test| {
             let found = solve(punch(gap, 1.0), 4, 4, under_test.prepare)?;
             let known = solve(punch(other, 1.0), 4, 4, under_test.prepare)?;
             Ok(Measured::of(found.distance(&known), &found).noted(format!("against g = {other}")))
@@ -56,7 +56,7 @@ pub(crate) fn gap() -> Ladder {
     };
     let refused = |gap: &'static str, saying: &'static str| {
         let run = (punch(gap, 1.0), 4, 4);
-        Rung::body(gap, Expected::Refused(saying), run, |found| largest(&found.displacement))
+        Rung::body(gap, Relation::Refused(saying), run, |found| largest(&found.displacement))
     };
     Ladder {
         name: "gap",
@@ -81,7 +81,7 @@ pub(crate) fn gap() -> Ladder {
 /// open for c ≤ 0.3, q = -c/3, and locked beyond, the pressure being c/3 - 0.1.
 pub(crate) fn one_vertex() -> Ladder {
     let rung = |(label, c): (&str, f64)| {
-        let bound = Expected::AtMost(16.0 * f64::EPSILON);
+        let bound = Relation::AtMost(16.0 * f64::EPSILON);
         let domain = "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]\nsides = [\"bottom\", \"slope\", \"left\"]\nclamped = [\"left\"]\ntraction = [\"slope\"]\ncontact = [\"bottom\"]\n".to_owned();
         let rest = format!(
             "[contact]\ngap = \"0.1\"\nlaw = {{ kind = \"none\" }}\n[loads]\nbody = [\"0\", \"{:?}\"]\n",
@@ -121,11 +121,11 @@ pub(crate) fn one_vertex() -> Ladder {
 pub(crate) fn short_clamp() -> Ladder {
     let rung = |e: i32| {
         let expected = match e {
-            ..=5 => Expected::AtMost(160.0 * 16.0 * f64::EPSILON * power_of_ten(2 * e)),
-            6..=7 => Expected::Refused("KKT residual"),
-            8..=10 => Expected::Refused("not positive definite"),
-            11 => Expected::Refused("has no area"),
-            _ => Expected::Refused("are the same point"),
+            ..=5 => Relation::AtMost(160.0 * 16.0 * f64::EPSILON * power_of_ten(2 * e)),
+            6..=7 => Relation::Refused("KKT residual"),
+            8..=10 => Relation::Refused("not positive definite"),
+            11 => Relation::Refused("has no area"),
+            _ => Relation::Refused("are the same point"),
         };
         let end = 0.5 + power_of_ten(-e);
         let domain = format!(
