@@ -56,7 +56,7 @@ pub(super) enum Command {
     Gronwall(gronwall::Gronwall),
     /// Climb ladders of extreme parameters: units, moduli, steps, meshes, gaps, loads
     Extremes(extremes::Extremes),
-    /// Speed against accuracy: work-precision over the knobs of a scene, cost model, best n and N
+    /// Speed against accuracy: work-precision over the settings of a scene, cost model, best n and N
     Trade(trade::TradeCommand),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),

@@ -5,9 +5,7 @@ use clap::Args;
 use super::machine::{Common, processors, share_threads};
 use super::{CliError, Scenes, print_json, print_text, verdict_table, width};
 use files::counted;
-use studies::diagnose::{
-    Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, admit_diagnosis, diagnose,
-};
+use studies::diagnose::{EXACT_WITHIN, Finding, Outcome, Question, admit_diagnosis, diagnose};
 
 const WIDTH: u16 = 100;
 
@@ -38,7 +36,13 @@ impl DiagnoseCommand {
         ));
         let diagnosis = diagnose(&scene, &|setup| setup, self.always)?;
         if self.common.json {
-            print_json(&document(&diagnosis))?;
+            print_json(&serde_json::json!({
+                "scene": diagnosis.scene,
+                "verdicts": diagnosis.verdicts,
+                "trials": diagnosis.outcomes,
+                "culprits": diagnosis.finding.as_ref().map_or(Vec::new(), Finding::culprits),
+                "sentence": diagnosis.sentence,
+            }))?;
         } else {
             if !diagnosis.verdicts.is_empty() {
                 print_text(&verdict_table(&diagnosis.verdicts));
@@ -65,59 +69,20 @@ fn trials(outcomes: &[Outcome]) -> String {
 
 /// What a trial had to show.
 fn asked(outcome: &Outcome) -> String {
-    match (&outcome.question, &outcome.verdict) {
-        (Question::Exact, _) => format!("error below {EXACT_WITHIN:.0e}"),
-        (Question::Order, Some(verdict)) => {
-            format!("{} order ≥ {} in {}", verdict.norm, verdict.predicted, verdict.variable.name())
+    match (&outcome.question, &outcome.norm, outcome.predicted.zip(outcome.variable)) {
+        (Question::Exact, ..) => format!("error below {EXACT_WITHIN:.0e}"),
+        (Question::Order, Some(norm), Some((order, variable))) => {
+            format!("{norm} order ≥ {order} in {}", variable.name())
         }
-        (Question::Order, None) => "an order".into(),
+        _ => "an order".into(),
     }
 }
 
 /// What it showed: an order with its interval, a relative error with its norm, or why neither.
 fn observed(outcome: &Outcome) -> String {
-    if let Some((norm, relative)) = &outcome.error {
-        return format!("{norm} {relative:.1e}");
+    match (&outcome.norm, outcome.error, outcome.observed.zip(outcome.interval)) {
+        (Some(norm), Some(relative), _) => format!("{norm} {relative:.1e}"),
+        (.., Some((order, [lo, hi]))) => format!("{order:.2} [{lo:.2}, {hi:.2}]"),
+        _ => outcome.reason.clone(),
     }
-    let order = outcome.verdict.as_ref().and_then(|verdict| {
-        let ([lo, hi], order) = (verdict.interval?, verdict.observed?);
-        Some(format!("{order:.2} [{lo:.2}, {hi:.2}]"))
-    });
-    order.unwrap_or_else(|| outcome.reason.clone())
-}
-
-fn document(diagnosis: &Diagnosis) -> serde_json::Value {
-    let culprits: Vec<&str> = match &diagnosis.finding {
-        Some(Finding::One(suspects)) => suspects.iter().map(|suspect| suspect.name()).collect(),
-        Some(Finding::Two(a, b)) => vec![a.name(), b.name()],
-        Some(Finding::Prediction) => vec!["prediction"],
-        Some(Finding::Unexplained | Finding::NothingFails) | None => Vec::new(),
-    };
-    serde_json::json!({
-        "scene": diagnosis.scene,
-        "verdicts": diagnosis.verdicts,
-        "trials": diagnosis.outcomes.iter().map(trial).collect::<Vec<_>>(),
-        "culprits": culprits,
-        "sentence": diagnosis.sentence,
-    })
-}
-
-fn trial(outcome: &Outcome) -> serde_json::Value {
-    let verdict = outcome.verdict.as_ref();
-    let names: Vec<&str> = outcome.suspects.iter().map(|suspect| suspect.name()).collect();
-    let measured = outcome.error.as_ref().map(|(norm, _)| norm.as_str());
-    serde_json::json!({
-        "name": outcome.name,
-        "terms": outcome.terms,
-        "removed": outcome.removed.map(|suspect| suspect.name()),
-        "question": outcome.question,
-        "verdict": outcome.decision.name(),
-        "predicted": verdict.map(|verdict| verdict.predicted),
-        "observed": verdict.and_then(|verdict| verdict.observed),
-        "interval": verdict.and_then(|verdict| verdict.interval),
-        "norm": measured.or(verdict.map(|verdict| verdict.norm.as_str())),
-        "error": outcome.error.as_ref().map(|(_, relative)| relative),
-        "reason": outcome.reason,
-        "suspects": names,
-    })
 }

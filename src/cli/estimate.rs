@@ -195,17 +195,17 @@ fn print_advice(advice: &Advice, found: &Companions, norm: Norm, estimate: &Esti
 }
 
 fn advised_words(advised: &Advised) -> String {
-    let far = advised.extrapolates.as_ref();
+    let (choice, far) = (advised.run, advised.extrapolates.as_ref());
     let warning = far.map_or(String::new(), |text| format!("\n    far: {text}"));
     format!(
         "n = {}, N = {} (h = {:.5}, k = {:.5}), predicted: error {:.3e} in {}, {:.3} CPU s, {}{warning}",
-        advised.n,
-        advised.steps,
-        advised.h,
-        advised.k,
-        advised.error,
+        choice.n,
+        choice.steps,
+        choice.h,
+        choice.k,
+        choice.error,
         bracketed(advised.interval),
-        advised.seconds,
+        choice.seconds,
         megabytes(advised.bytes),
     )
 }
@@ -221,7 +221,7 @@ fn orders_words(estimate: &Estimate) -> String {
 fn source_words(source: CostSource) -> &'static str {
     match source {
         CostSource::Timed => "fitted to the CPU times of this run and its companions",
-        CostSource::Counted => "by unknowns times steps: a companion is too short to time",
+        CostSource::Counted => "by cells times levels: a companion is too short to time",
     }
 }
 

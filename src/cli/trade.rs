@@ -1,29 +1,29 @@
-//! `sweep trade`: speed against accuracy over the knobs of a scene, and the cheapest way to an error.
+//! `sweep trade`: speed against accuracy over the settings of a scene, and the cheapest run with an error.
 
-mod answer;
-
+use std::convert::Infallible;
 use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
+use serde_json::Value;
 
 use super::machine::Common;
 use super::study::write;
 use super::target::Wanted;
-use super::{CliError, Scenes, create_dir, print_json, print_text, subject, width};
-use answer::Confirmed;
+use super::{CliError, Scenes, create_dir, print_json, print_text, width};
 use report::StudyDocument;
 use run::sweep::{Overrides, ScenePlan};
-use scene::{Extension, Scene};
+use scene::setup::Setup;
+use scene::{Change, Extension, Scene};
 use studies::trade::{
-    Answered, Bench, Knob, Study, Table, TradeRuns, Trial, Variant, admit_trade, element_meshes,
-    held, knobs, scene_grid,
+    Answered, Bench, Study, Table, TradeRuns, Trial, admit_trade, element_meshes, elements,
+    scene_grid,
 };
 
 /// `sweep trade`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is run --repeats times from nothing (mesh, analysis, loads, march); its time is the least CPU time of the thread, errors are measured in a separate run. Knobs beside h and k are changed one at a time, on three cases, in rounds: each round runs the case as written and with every knob, and a price is the ratio of two times of one round, over --repeats rounds, with its 95 % interval; a ratio whose interval holds 1 is no difference. A round whose case as written takes 1.25 times the least is not believed and is run again. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row as soon as its case ends; failures have status `failed`), SCENE-trade.json, SCENE-trade.svg (error against time), SCENE-trade-memory.svg (error against predicted memory).\n\nJSON keys with --json: scene, fingerprint (of its text), norm, size (largest strain norm of the truth), trials (knob, n, steps, h, k, dofs, error, floor, cpu_seconds, cpu_slowest, repeats, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a knob that changes neither time nor error by more than 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one, front_memory: nor in time, error and memory), error_model (model, space and time with constant, order, interval; source, residual), cost_model (base, constant, space and time with exponent and interval; residual), composition (seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level), coupling (exponent, factor, space_share, cost_exponent), paths (exponent, modelled, measured), prices (what, n, steps, speed, range: its 95 % interval, error, bytes, words), extrapolation (what, step, rows, orders: last, interval), elements (the other elements: knob, their error_model, cost_model and composition, equal_error: error, the cheapest runs as_written and rival, speed, extrapolates; words), answer (target, n, steps, h, k, knob, error, cpu_seconds, bytes, optimum, extrapolates), confirmed (error, cpu_seconds, cpu_slowest, bytes, ratios). Exit code 2: no error can be measured, or none of the wanted size is in reach."
+    after_help = "Each case is run once from nothing (mesh, analysis, loads, march): its error and its CPU seconds, those of one thread of this machine, without what measures the error. Settings beside h and k are those that the scene file may say otherwise, changed one at a time on three cases; times of two runs that differ by less than 1.25 times are no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row as soon as its case ends; failures have status `failed`), SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), norm, size (largest strain norm of the truth), trials (change: what is different from the scene as written, n, steps, h, k, dofs, error, floor, cpu_seconds, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a setting that moves neither time by 1.25 times nor error by 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one), error_model (model, space and time with constant, order, interval; source, residual), cost_model (parts: seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what, n, steps, speed, error, bytes, words), extrapolation (what, step, rows, orders: last, interval), elements (the other elements: change, their error_model and cost_model, equal_error: error, the cheapest runs as_written and rival, speed, extrapolates; words), answer (target, n, steps, h, k, change, error, cpu_seconds, bytes, extrapolates), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 2: no error can be measured, or none of the wanted size is in reach."
 )]
 pub(crate) struct TradeCommand {
     /// Name of a scene, or path of a TOML file
@@ -37,17 +37,14 @@ pub(crate) struct TradeCommand {
     /// Norm of the errors: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
     #[arg(long, default_value = "V_max")]
     norm: String,
-    /// Timed runs per case, and rounds in which knobs are compared
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
-    repeats: u32,
-    /// Predicted CPU seconds that the grid may take; the knobs may take as much again
+    /// Predicted CPU seconds that the grid may take; the settings may take as much again
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     budget: f64,
-    /// Say which n, N and knobs reach this error at least cost; `1%` is a hundredth of the largest
+    /// Say which n, N and setting reach this error at least cost; `1%` is a hundredth of the largest
     /// strain norm of the truth (V_max alone), a plain number is an error in the norm
     #[arg(long, value_name = "E")]
     target: Option<String>,
-    /// Run the answer and print predicted against real (CPU time: the least of five runs)
+    /// Run the answer and print predicted against real
     #[arg(long, requires = "target")]
     confirm: bool,
     #[command(flatten)]
@@ -64,25 +61,25 @@ struct Found<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     answer: Option<Answered>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    confirmed: Option<Confirmed>,
+    confirmed: Option<Value>,
 }
 
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let why = "it compares rules in time that take the value of a kernel at s = t";
+        let limit = self.common.allowance.limit();
+        let why = "its extrapolation takes the order of the time rule for granted";
         scene.without(&[Extension::SingularKernel], "sweep trade", why)?;
-        let plain = as_written(&scene)?;
-        let wanted = Wanted::read(&plain.setup, &self.norm, self.target.as_deref())?;
-        let norm = wanted.norm;
-        let mut plan = self.plan(&plain)?;
-        let scene_plan = self.cases(&scene, [&plan.n, &plan.steps])?;
-        admit_trade(&scene_plan, 0.0, &self.common.allowance.limit())?;
-        self.elements(&mut plan, &plain, &scene_plan)?;
-        let mut bench = Bench::new(plain, norm, self.repeats)?;
+        let setup = measurable(&scene)?;
+        let wanted = Wanted::read(&setup, &self.norm, self.target.as_deref())?;
+        let mut plan = self.plan(&setup)?;
+        self.admit(&scene, &plan.n, &plan.steps)?;
+        plan.elements = self.elements(&plan, &setup)?;
+        let mut bench = Bench::new(setup, wanted.norm)?;
         create_dir(&self.out)?;
+        let path = self.out.join(format!("{}-trade.csv", scene.name));
         let table =
-            Table::create(self.at(&scene), &scene.name, norm.name()).map_err(CliError::other)?;
+            Table::create(path.clone(), &scene.name, wanted.norm).map_err(CliError::other)?;
         let mut heard = |trial: &Trial| super::progress::note(&row(trial));
         let study = Study::run(&mut bench, &plan, &table, &mut heard).map_err(CliError::other)?;
         let mut document = study.document(None);
@@ -94,134 +91,138 @@ impl TradeCommand {
                 print_text(text);
             }
         };
-        let asked = wanted
-            .error(study.size)
-            .map(|target| self.answer(&mut bench, &plan, target, scenes, &study, &mut document));
+        let answer =
+            wanted.error(study.size).map(|target| Answered::new(&bench, &study, target, &limit));
+        let confirmed = match &answer {
+            Some(Ok(answer)) => {
+                document = study.document(Some(answer));
+                document.answer(answer.words(&study));
+                self.confirm.then(|| self.confirm(&scene, answer, &mut bench)).transpose()
+            }
+            _ => Ok(None),
+        };
+        if let Ok(Some((words, _))) = &confirmed {
+            document.below_answer(words);
+        }
+        // The words are complete even if the answer is refused, or its run.
         say(&document.text(width(StudyDocument::WIDTH)));
-        if let Some((answer, confirmed)) = asked.transpose()? {
-            (found.answer, found.confirmed) = (Some(answer), confirmed);
+        let none = |none| CliError::other(format!("no answer: {none}"));
+        if let Some(answer) = answer.transpose().map_err(none)? {
+            found.answer = Some(answer);
+            found.confirmed = confirmed?.map(|(_, real)| real);
             write(&found, &document, Some(&self.out))?;
         }
         if self.common.json {
             print_json(&found)?;
         }
-        say(&format!("table: {}", self.at(&scene).display()));
+        say(&format!("table: {}", path.display()));
         Ok(0)
     }
 
-    /// The best n and N for a target, run if it is to be confirmed; the document begins with them.
-    fn answer(
+    /// Runs the answer: predicted against real, in words and for JSON.
+    fn confirm(
         &self,
+        scene: &Scene,
+        answer: &Answered,
         bench: &mut Bench,
-        plan: &TradeRuns,
-        target: f64,
-        scenes: &Scenes,
-        study: &Study,
-        document: &mut StudyDocument,
-    ) -> Result<(Answered, Option<Confirmed>), CliError> {
-        let answer = Answered::new(bench, study, plan, target, &self.common.allowance.limit())
-            .map_err(|none| CliError::other(format!("no answer: {none}")))?;
-        *document = study.document(Some(&answer));
-        document.answer(answer.words(study));
-        if !self.confirm {
-            return Ok((answer, None));
-        }
-        // The words are complete even if the run is refused.
-        let scene = match answer.knob {
-            Knob::Element(element) => scenes.scene(&self.scene)?.with_element(element)?,
-            _ => scenes.scene(&self.scene)?,
-        };
-        let scene_plan = self.cases(&scene, [&[answer.choice.n], &[answer.choice.steps]])?;
-        admit_trade(&scene_plan, 0.0, &self.common.allowance.limit())?;
-        let real = Confirmed::run(&answer, bench, scenes, &self.scene)?;
-        document.below_answer(real.words());
-        Ok((answer, Some(real)))
+    ) -> Result<(String, Value), CliError> {
+        let Answered { choice, change, .. } = answer;
+        self.admit(&change.of(scene)?, &[choice.n], &[choice.steps])?;
+        let mut found = None;
+        let Ok(()) = bench.runs(change, choice.n, &[choice.steps], &mut |trial| {
+            found = Some(trial.outcome);
+            Ok::<(), Infallible>(())
+        });
+        let run = found.unwrap_or_else(|| Err("no run".into()));
+        let run = run.map_err(|why| CliError::other(format!("the answer does not run: {why}")))?;
+        let ratios = [choice.error / run.error, choice.seconds / run.seconds];
+        let [error, seconds] = ratios.map(|ratio| format!("{:+.0} %", 100.0 * (ratio - 1.0)));
+        let words = format!(
+            "real: error {:.4e} ({error}), {:.3} CPU s ({seconds}); in brackets: predicted over real, less one",
+            run.error, run.seconds
+        );
+        let real = serde_json::json!({
+            "error": run.error,
+            "cpu_seconds": run.seconds,
+            "ratios": { "error": ratios[0], "cpu_seconds": ratios[1] },
+        });
+        Ok((words, real))
     }
 
-    fn cases(&self, scene: &Scene, [n, steps]: [&[u32]; 2]) -> Result<ScenePlan, CliError> {
+    /// Refuses cases of a scene that do not fit into memory.
+    fn admit(&self, scene: &Scene, n: &[u32], steps: &[u32]) -> Result<(), CliError> {
         let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
-        Ok(ScenePlan::new(subject(scene.clone(), &self.common.allowance.limit())?, &overrides))
+        let limit = self.common.allowance.limit();
+        let plan = ScenePlan::new(super::subject(scene.clone(), &limit)?, &overrides);
+        Ok(admit_trade(&plan, &limit)?)
     }
 
-    /// Adds the other elements of the scene to the plan, with separate meshes; one that does not fit into memory beside
-    /// the other runs is left out with a message.
+    /// The other elements of the scene with their meshes; one that does not fit into memory is left out with a message.
     fn elements(
         &self,
-        plan: &mut TradeRuns,
-        plain: &Variant,
-        written: &ScenePlan,
-    ) -> Result<(), CliError> {
-        for knob in knobs(&plain.setup) {
-            let Knob::Element(element) = knob else { continue };
+        plan: &TradeRuns,
+        setup: &Setup,
+    ) -> Result<Vec<(Change, Vec<u32>)>, CliError> {
+        let mut found = Vec::new();
+        for (element, change) in elements(setup) {
             let left_out = |why: &str| {
-                super::progress::note(&format!("{} left out: {why}", knob.name()));
+                super::progress::note(&format!("{} left out: {why}", change.words()));
             };
-            let higher = element.degree() > plain.setup.body.element.degree();
-            if higher && plain.setup.exact.is_none() {
+            let higher = element.degree() > setup.body.element.degree();
+            if higher && setup.exact.is_none() {
                 left_out("the reference run is of lower degree, and no truth for it");
                 continue;
             }
-            let n = element_meshes(&plain.setup.scene, &plan.n, element);
-            // Also compared on the meshes of the runs as written.
-            let both = [&n[..], &plan.n[..]].concat();
-            let scene = plain.setup.scene.with_element(element)?;
-            let cases = self.cases(&scene, [&both, &plan.steps])?;
-            match admit_trade(&cases, held(written), &self.common.allowance.limit()) {
-                Ok(()) => plan.elements.push((element, n)),
+            let n = element_meshes(&setup.scene, &plan.n, element);
+            // It is compared on the meshes of the scene as written, too.
+            let all = [&n[..], &plan.n[..]].concat();
+            match self.admit(&change.of(&setup.scene)?, &all, &plan.steps) {
+                Ok(()) => found.push((change, n)),
                 Err(refused) => left_out(&refused.to_string()),
             }
         }
-        Ok(())
+        Ok(found)
     }
 
-    fn at(&self, scene: &Scene) -> PathBuf {
-        self.out.join(format!("{}-trade.csv", scene.name))
-    }
-
-    fn plan(&self, plain: &Variant) -> Result<TradeRuns, CliError> {
-        let scene = &plain.setup.scene;
+    fn plan(&self, setup: &Setup) -> Result<TradeRuns, CliError> {
         if self.budget.is_nan() || self.budget <= 0.0 {
             return Err(CliError::other(format!("`{}` is no number of seconds", self.budget)));
         }
-        let default_grid = match (&self.n, &self.steps) {
-            (Some(_), Some(_)) => [Vec::new(), Vec::new()],
-            _ => scene_grid(plain, self.repeats + 1, self.budget)?,
+        let [n, steps] = match (&self.n, &self.steps) {
+            (Some(n), Some(steps)) => [n.clone(), steps.clone()],
+            (n, steps) => {
+                let [of_scene, own_steps] = scene_grid(setup, self.budget)?;
+                [n.clone().unwrap_or(of_scene), steps.clone().unwrap_or(own_steps)]
+            }
         };
-        let listed = |given: &Option<Vec<u32>>, defaults: &Vec<u32>| {
-            let mut list = given.clone().unwrap_or_else(|| defaults.clone());
+        let [n, steps] = [n, steps].map(|mut list| {
             list.sort_unstable();
             list.dedup();
             list
-        };
-        let plan = TradeRuns {
-            n: listed(&self.n, &default_grid[0]),
-            steps: listed(&self.steps, &default_grid[1]),
-            budget: self.budget,
-            elements: Vec::new(),
-        };
-        scene.check_cases(&plan.n, &plan.steps)?;
-        Ok(plan)
+        });
+        setup.scene.check_cases(&n, &steps)?;
+        Ok(TradeRuns { n, steps, budget: self.budget, elements: Vec::new() })
     }
 }
 
-/// The scene as written, if errors can be measured in it.
-fn as_written(scene: &Scene) -> Result<Variant, CliError> {
+/// The scene set up, if errors can be measured in it.
+fn measurable(scene: &Scene) -> Result<Setup, CliError> {
     let message = "an abstract problem has one step and no mesh to trade against";
     let hint = "sweep run measures its errors over k";
     scene.refuse_if(scene.as_contact().is_none(), "scene.kind", message, hint)?;
-    let plain = Variant::new(scene, Knob::AsWritten)?;
+    let setup = Setup::new(scene.clone())?;
     let reference = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
-    let unmeasured = plain.setup.exact.is_none() && !reference;
+    let unmeasured = setup.exact.is_none() && !reference;
     let message =
         "the scene has neither an exact solution nor a reference run: no error can be measured";
     let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
     scene.refuse_if(unmeasured, "scene.name", message, hint)?;
-    Ok(plain)
+    Ok(setup)
 }
 
-/// Prints a finished run on stderr.
+/// A finished run in words.
 fn row(trial: &Trial) -> String {
-    let place = format!("{} n={} N={}", trial.knob.name(), trial.n, trial.steps);
+    let place = format!("{} n={} N={}", trial.change, trial.n, trial.steps);
     match &trial.outcome {
         Ok(run) => format!("{place} error {:.4e} in {:.4} s", run.error, run.seconds),
         Err(reason) => format!("{place} failed: {reason}"),

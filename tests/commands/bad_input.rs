@@ -388,7 +388,7 @@ fn worst() -> Vec<Malformed> {
         let scene = edited(&text("affine"), "name = \"affine\"", &format!("name = \"{to}\""));
         all.push(Malformed { name, text: scene, at: "name = ", phrases: &["cannot name a scene"] });
     }
-    // `NAME-trade-memory.svg` would be no name of a file: said before anything is run.
+    // `NAME-gronwall-printed-k.svg` would be no name of a file: said before anything is run.
     let long = format!("name = \"{}\"", "a".repeat(250));
     let scene = edited(&text("affine"), "name = \"affine\"", &long);
     let phrases = &["a name of 250 characters", "use at most 200"];

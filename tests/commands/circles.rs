@@ -72,7 +72,6 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     ),
     ("scene", "setup", 14, "a setup is admitted and measured by functions of a setup"),
     ("studies", "trade/study", 2, "an extrapolation is of a study, and kept in it"),
-    ("studies", "trade/trial", 2, "a price compares two trials, and tables of trials print prices"),
 ];
 
 type Path = Vec<String>;

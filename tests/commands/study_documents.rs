@@ -102,8 +102,6 @@ fn the_help_names_every_key() {
             "4,8,16",
             "--steps",
             "2,4,8",
-            "--repeats",
-            "1",
             "--target",
             "0.03",
             "--out",

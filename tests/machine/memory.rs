@@ -94,10 +94,7 @@ const SOLVING: [(&[&str], &str); 9] = [
     ),
     (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 8, N = 4: about "),
     (&["check", "affine", "--floors", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
-    (
-        &["trade", "affine", "--n", "2,4,8", "--steps", "2,4,8", "--repeats", "1"],
-        "affine n = 8, N = 8: about ",
-    ),
+    (&["trade", "affine", "--n", "2,4,8", "--steps", "2,4,8"], "affine n = 8, N = 8: about "),
     (&["diagnose", "affine"], "affine n = "),
     (
         &["solve", "signorini", "--n", "8", "--steps", "4", "--estimate"],
@@ -324,7 +321,7 @@ fn long_other_commands_take_what_is_predicted_of_them() {
         ("bound viscoelastic --n 32 --steps 4", "viscoelastic --n 32 --steps 4"),
         ("check pure-mild --floors --n 64 --steps 8", "pure-mild --n 64 --steps 8"),
         (
-            "trade signorini --n 32,64 --steps 8,16 --repeats 1 --memory-limit 100M",
+            "trade signorini --n 32,64 --steps 8,16 --memory-limit 100M",
             "signorini --n 64 --steps 16",
         ),
     ];
@@ -340,7 +337,7 @@ fn long_other_commands_take_what_is_predicted_of_them() {
     // A prediction of one run alone would be seen; of `bound` on this small mesh one run is within a hair of the factor.
     assert!(seen >= 4, "{seen} of {}", commands.len());
     // Under that limit a trade left another element out; it says what that would take, and with it takes that.
-    let trade = ["trade", "signorini", "--n", "32,64", "--steps", "8,16", "--repeats", "1"];
+    let trade = ["trade", "signorini", "--n", "32,64", "--steps", "8,16"];
     let trade = [&trade[..], &["--out", &out]].concat();
     let left_out = stderr(&sweep(&[&trade[..], &["--memory-limit", "100M"]].concat()));
     let line = left_out.lines().find(|line| line.contains("element P2 left out"));

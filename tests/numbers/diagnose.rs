@@ -476,13 +476,17 @@ fn outcome(suspects: &[Suspect], decision: Decision) -> Outcome {
     Outcome {
         name: "a trial".into(),
         terms: String::new(),
+        removed: None,
         question: Question::Exact,
         decision,
-        verdict: None,
+        predicted: None,
+        observed: None,
+        interval: None,
+        variable: None,
+        norm: None,
         error: None,
         reason: String::new(),
         suspects: suspects.to_vec(),
-        removed: None,
     }
 }
 

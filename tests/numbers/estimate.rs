@@ -78,22 +78,22 @@ fn faults(setup: &Setup, advice: &Advice) -> Vec<String> {
 /// how much more, the interval says: finer meshes may converge faster than the orders that can be counted on.
 fn faults_in(norm: Norm, setup: &Setup, advice: &Advice) -> Vec<String> {
     let choice = &advice.choice;
-    let real = errors(setup, [choice.n, choice.steps], &[norm])[0];
+    let real = errors(setup, [choice.run.n, choice.run.steps], &[norm])[0];
     println!(
         "{} {}: target {:.3e}, n = {}, N = {}: predicted {:.3e}, real {real:.3e}",
         setup.scene.name,
         norm.name(),
         advice.target,
-        choice.n,
-        choice.steps,
-        choice.error
+        choice.run.n,
+        choice.run.steps,
+        choice.run.error
     );
     let aligned = if matches!(norm, Norm::VMax | Norm::StressL2Max) { 1.0 } else { 3f64.sqrt() };
     let least = (1.0 - TOLERANCE) / aligned;
     let most = if norm == Norm::VMax { 1.0 + TOLERANCE } else { f64::INFINITY };
     let mut found = Vec::new();
-    if !(least..=most).contains(&(choice.error / real)) {
-        found.push(format!("predicted over real is {:.3}", choice.error / real));
+    if !(least..=most).contains(&(choice.run.error / real)) {
+        found.push(format!("predicted over real is {:.3}", choice.run.error / real));
     }
     if real > (1.0 + TOLERANCE) * aligned * advice.target {
         found.push(format!("the error is {:.3} targets", real / advice.target));
@@ -134,17 +134,23 @@ fn recommended(wanted: &[(&str, u32, u32, f64)]) {
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
         let choice = &advice.choice;
         assert!(
-            choice.error <= goal.target && choice.interval.contains(choice.error),
+            choice.run.error <= goal.target && choice.interval.contains(choice.run.error),
             "{name}: {choice:?}"
         );
         assert_eq!(faults(&setup, &advice), Vec::<String>::new(), "{name}");
         // The pair to check with has companions.
         let [m, levels] = advice.check;
-        assert!(m >= choice.n && levels >= choice.steps && m % 4 == 0 && levels % 4 == 0, "{name}");
+        assert!(
+            m >= choice.run.n && levels >= choice.run.steps && m % 4 == 0 && levels % 4 == 0,
+            "{name}"
+        );
         // A cautious pair is finer, and its whole interval is below the target.
         if let Ok(cautious) = &advice.cautious {
-            assert!(cautious.interval.hi <= goal.target && cautious.error < choice.error, "{name}");
-            assert!(cautious.seconds >= choice.seconds, "{name}: {cautious:?}");
+            assert!(
+                cautious.interval.hi <= goal.target && cautious.run.error < choice.run.error,
+                "{name}"
+            );
+            assert!(cautious.run.seconds >= choice.run.seconds, "{name}: {cautious:?}");
         }
     }
 }
@@ -167,7 +173,7 @@ fn long_so_has_a_run_that_is_recommended_in_another_norm() {
         let found = found(&setup, n, steps);
         let goal = goal_in(norm, &setup, [n, steps], &found, fraction);
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(advice.choice.error <= goal.target, "{name}");
+        assert!(advice.choice.run.error <= goal.target, "{name}");
         assert_eq!(faults_in(norm, &setup, &advice), Vec::<String>::new(), "{name}");
         let mut wrong = found;
         for differences in &mut wrong.norms {
@@ -188,7 +194,7 @@ fn a_cautious_run_meets_its_target() {
         let goal = goal(&setup, [n, steps], &found, fraction);
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
         let choice = advice.cautious.unwrap_or_else(|error| panic!("{name}: {error}"));
-        let real = errors(&setup, [choice.n, choice.steps], &[Norm::VMax])[0];
+        let real = errors(&setup, [choice.run.n, choice.run.steps], &[Norm::VMax])[0];
         assert!(real <= goal.target, "{name}: {real:e} {choice:?}");
         // With a fourth of the differences it would miss: the least of the interval is 0.6 of the error.
         let mut wrong = found;
@@ -198,7 +204,7 @@ fn a_cautious_run_meets_its_target() {
         }
         let advice = advise(&goal, &wrong).unwrap_or_else(|error| panic!("{name}: {error}"));
         let choice = advice.cautious.unwrap_or_else(|error| panic!("{name}: {error}"));
-        let real = errors(&setup, [choice.n, choice.steps], &[Norm::VMax])[0];
+        let real = errors(&setup, [choice.run.n, choice.run.steps], &[Norm::VMax])[0];
         assert!(real > goal.target, "{name}: {real:e} {choice:?}");
     }
 }
@@ -303,13 +309,13 @@ fn costs_are_those_of_the_companions_where_they_can_be_timed() {
     // 20 ms and 4 ms a thousand cells (of 1/h²) and level.
     let law = |n: u32, steps: u32| 0.02 + 4e-6 * f64::from(n * n * (steps + 1));
     found.times.iter_mut().for_each(|run| run.seconds = law(run.n, run.steps));
-    let (model, source) = costs(&setup, &found).expect("meshes").expect("costs");
+    let (model, source) = costs(&setup, &found).expect("costs");
     assert_eq!(source, CostSource::Timed);
     // Five times and five parts: roundings are magnified by a few digits.
     let ratio = model.seconds(1.0 / 64.0, 1.0 / 20.0) / law(64, 20);
     assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
     found.times[4].seconds = 1e-5;
-    let (model, source) = costs(&setup, &found).expect("meshes").expect("costs");
+    let (model, source) = costs(&setup, &found).expect("costs");
     assert_eq!(source, CostSource::Counted);
     // Counts grow with cells and with levels.
     let seconds = |n: f64, steps: f64| model.seconds(1.0 / n, 1.0 / steps);

@@ -7,6 +7,7 @@
 //! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by `Scene::span`.
 
 mod abstract_scene;
+mod change;
 mod choices;
 mod contact;
 mod curve;
@@ -44,6 +45,7 @@ mod values;
 mod wording;
 
 pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
+pub use change::Change;
 pub use contact::Contact;
 pub use data::Data;
 pub use diagnostic::{SceneError, TextFault};

@@ -112,17 +112,24 @@ fn evidence(suspect: Suspect, outcomes: &[Outcome]) -> String {
 
 impl Outcome {
     /// What was observed, in a few words.
-    pub(crate) fn shown(&self) -> String {
-        if let Some((norm, relative)) = &self.error {
-            return match self.decision {
-                Decision::Pass => "exactness".to_owned(),
-                _ => format!("{norm} is {relative:.1e} of the solution"),
-            };
+    fn shown(&self) -> String {
+        match (&self.norm, self.error, self.observed.zip(self.variable)) {
+            (_, Some(_), _) if self.decision == Decision::Pass => "exactness".to_owned(),
+            (Some(norm), Some(relative), _) => format!("{norm} is {relative:.1e} of the solution"),
+            (.., Some((order, variable))) => format!("order {order:.2} in {}", variable.name()),
+            _ => self.reason.clone(),
         }
-        let order = self.verdict.as_ref().and_then(|verdict| {
-            let variable = verdict.variable.name();
-            verdict.observed.map(|order| format!("order {order:.2} in {variable}"))
-        });
-        order.unwrap_or_else(|| self.reason.clone())
+    }
+}
+
+impl Finding {
+    /// Their names in JSON.
+    pub fn culprits(&self) -> Vec<&'static str> {
+        match self {
+            Self::One(suspects) => suspects.iter().map(|suspect| suspect.name()).collect(),
+            Self::Two(a, b) => vec![a.name(), b.name()],
+            Self::Prediction => vec!["prediction"],
+            Self::Unexplained | Self::NothingFails => Vec::new(),
+        }
     }
 }

@@ -24,9 +24,7 @@ pub use trial::Question;
 pub(crate) use trial::{Trial, trials_in_space, trials_in_time};
 
 use judge::verdict::{Decision, Variable, Verdict};
-use run::sweep::{
-    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, judge_plan,
-};
+use run::sweep::{CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan};
 use scene::setup::{SetupError, Subject};
 use scene::{Body, Data, Direction, Extension, Scene};
 
@@ -61,10 +59,9 @@ pub fn diagnose(
         "its variants change the stresses on the contact side, and so what friction must be there",
     )?;
     has_exact_solution(scene)?;
-    let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
     let mut found = Diagnosis {
         scene: scene.name.clone(),
-        verdicts: judge_plan(&plan, &records, true),
+        verdicts: outcome::run_cases(scene.clone(), prepare, outcome::verdicts)?,
         outcomes: Vec::new(),
         finding: None,
         sentence: String::new(),
@@ -114,7 +111,7 @@ pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Resul
     if has_exact_solution(scene).is_err() {
         return Ok(());
     }
-    let first = |trials: Vec<Trial>| trials.into_iter().next().map(|trial| (trial.scene, jobs));
+    let first = |trials: Vec<Trial>| Some((trials.first()?.of(scene).ok()?, jobs));
     let ladders = [first(trials_in_time(scene)), first(trials_in_space(scene))];
     // Trials run side by side, and share no mesh.
     for (scene, times) in std::iter::once((scene.clone(), 1)).chain(ladders.into_iter().flatten()) {
@@ -132,7 +129,7 @@ pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Resul
 /// everything in V^h is sound.
 pub fn examine(scene: &Scene, prepare: &Prepare<'_>, in_space: bool) -> (Vec<Outcome>, Finding) {
     let run_all = |trials: Vec<Trial>| -> Vec<Outcome> {
-        trials.par_iter().map(|trial| outcome::run(trial, prepare)).collect()
+        trials.par_iter().map(|trial| outcome::run(scene, trial, prepare)).collect()
     };
     let mut outcomes = run_all(trials_in_time(scene));
     let sound = outcomes.iter().all(|outcome| outcome.decision != Decision::Fail);

@@ -1,5 +1,7 @@
 //! A trial run and judged.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use rayon::prelude::*;
 
 use super::term::{SceneTerms, Suspect};
@@ -7,7 +9,7 @@ use super::trial::{Question, Trial};
 use algebra::linalg::larger;
 use fem::contact::{KKT_ALLOWED, LoadError, kkt_residual};
 use judge::record::{CaseRecord, Status};
-use judge::verdict::{Decision, Verdict};
+use judge::verdict::{Decision, Variable, Verdict};
 use run::sweep::{CasePlan, Overrides, ScenePlan, judge_plan, run_contact_case};
 use scene::Scene;
 use scene::setup::{MeshData, Setup, SetupError, Subject};
@@ -20,120 +22,134 @@ pub type Prepare<'a> = dyn Fn(Setup) -> Setup + Sync + 'a;
 pub const EXACT_WITHIN: f64 = 1e-9;
 
 /// What a trial showed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Outcome {
     /// Name of the variant.
     pub name: String,
     /// Its terms in words.
     pub terms: String,
+    /// The term that it lacks, in the ladder of removals.
+    pub removed: Option<Suspect>,
     /// What it had to show.
     pub question: Question,
     /// Pass: a sound solver shows this. Fail: it does not.
+    #[serde(rename = "verdict")]
     pub decision: Decision,
-    /// The verdict where an order was asked.
-    pub verdict: Option<Verdict>,
-    /// The largest relative error and its norm, where exactness was asked.
-    pub error: Option<(String, f64)>,
+    /// Where an order was asked: that of a sound solver, and what was observed, with its interval.
+    pub predicted: Option<f64>,
+    pub observed: Option<f64>,
+    pub interval: Option<[f64; 2]>,
+    /// What was refined.
+    #[serde(skip)]
+    pub variable: Option<Variable>,
+    /// The norm of the order, or of the error.
+    pub norm: Option<String>,
+    /// The largest relative error, where exactness was asked.
+    pub error: Option<f64>,
     /// Why, in one sentence.
     pub reason: String,
     /// What took part.
     pub suspects: Vec<Suspect>,
-    /// The term that it lacks, in the ladder of removals.
-    pub removed: Option<Suspect>,
 }
 
-/// A scene run by the solver under test.
-pub(crate) struct Cases {
-    pub plan: ScenePlan,
-    /// One per case, in order.
-    pub records: Vec<CaseRecord>,
-    /// One per mesh.
-    meshes: Vec<(u32, MeshData)>,
-}
+impl Outcome {
+    /// Of a trial that showed nothing yet.
+    fn of(trial: &Trial) -> Self {
+        Self {
+            name: trial.change.words().to_owned(),
+            terms: trial.terms.words(),
+            removed: trial.removed,
+            question: trial.question,
+            decision: Decision::Unresolved,
+            predicted: None,
+            observed: None,
+            interval: None,
+            variable: None,
+            norm: None,
+            error: None,
+            reason: String::new(),
+            suspects: trial.suspects.clone(),
+        }
+    }
 
-impl Cases {
-    /// The cases with the setup and the mesh of each, of a body.
-    fn run(&self) -> impl Iterator<Item = (&Setup, &MeshData, &CaseRecord)> {
-        self.records.iter().filter_map(|record| match &self.plan.subject {
-            Subject::Contact(setup) => Some((&**setup, mesh(&self.meshes, record.n)?, record)),
-            Subject::Abstract(_) => None,
-        })
+    fn judged(self, verdict: &Verdict) -> Self {
+        Self {
+            decision: verdict.decision,
+            predicted: Some(verdict.predicted),
+            observed: verdict.observed,
+            interval: verdict.interval,
+            variable: Some(verdict.variable),
+            norm: Some(verdict.norm.clone()),
+            reason: verdict.reason.clone(),
+            ..self
+        }
     }
 }
 
-fn mesh(meshes: &[(u32, MeshData)], n: Option<u32>) -> Option<&MeshData> {
-    meshes.iter().find(|(known, _)| Some(*known) == n).map(|(_, data)| data)
-}
+/// A case that was run, by its setup on its mesh.
+pub(crate) type Case<'a> = (&'a Setup, &'a MeshData, CaseRecord);
 
-/// Runs the cases of a scene with the solver that `prepare` puts in.
+/// Runs the cases of a scene with the solver that `prepare` puts in, and shows all of them to `see`.
 ///
 /// # Errors
 /// What the setup refuses.
-pub(crate) fn run_cases(scene: &Scene, prepare: &Prepare<'_>) -> Result<Cases, SetupError> {
-    let setup = prepare(Setup::new(scene.clone())?);
-    let plan = ScenePlan::new(Subject::Contact(Box::new(setup)), &Overrides::default());
-    let Subject::Contact(setup) = &plan.subject else {
-        return Ok(Cases { plan, records: Vec::new(), meshes: Vec::new() });
-    };
-    let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
-    ns.sort_unstable();
-    ns.dedup();
-    let meshes: Vec<(u32, MeshData)> = ns
+pub(crate) fn run_cases<T>(
+    scene: Scene,
+    prepare: &Prepare<'_>,
+    see: impl FnOnce(&ScenePlan, &[Case<'_>]) -> T,
+) -> Result<T, SetupError> {
+    let setup = Box::new(prepare(Setup::new(scene)?));
+    let plan = ScenePlan::new(Subject::Contact(setup), &Overrides::default());
+    let Subject::Contact(setup) = &plan.subject else { return Ok(see(&plan, &[])) };
+    let ns: BTreeSet<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
+    let meshes: BTreeMap<u32, MeshData> = ns
         .into_par_iter()
         .map(|n| MeshData::new(setup, n, None).map(|data| (n, data)))
         .collect::<Result<_, _>>()?;
-    let one = |case: &CasePlan| {
-        let data = mesh(&meshes, case.n)?;
-        Some(plan.record(case, || Ok(run_contact_case(setup, data, case))))
+    let one = |case: &CasePlan| -> Option<Case<'_>> {
+        let data = meshes.get(&case.n?)?;
+        Some((&**setup, data, plan.record(case, || Ok(run_contact_case(setup, data, case)))))
     };
-    let records = plan.cases.par_iter().filter_map(one).collect();
-    Ok(Cases { plan, records, meshes })
+    let cases: Vec<Case<'_>> = plan.cases.par_iter().filter_map(one).collect();
+    Ok(see(&plan, &cases))
 }
 
-pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
-    let mut outcome = Outcome {
-        name: trial.scene.name.clone(),
-        terms: trial.terms.words(),
-        question: trial.question,
-        decision: Decision::Unresolved,
-        verdict: None,
-        error: None,
-        reason: String::new(),
-        suspects: trial.suspects.clone(),
-        removed: trial.removed,
-    };
-    let cases = match run_cases(&trial.scene, prepare) {
-        Ok(cases) => cases,
-        Err(error) => {
-            let said = error.to_string();
-            outcome.reason = format!("not run: {}", said.lines().next().unwrap_or_default());
-            return outcome;
-        }
-    };
-    match trial.question {
-        Question::Order => {
-            let verdicts = judge_plan(&cases.plan, &cases.records, true);
-            let rising = [Decision::Pass, Decision::Unresolved, Decision::Fail];
-            let badness = |verdict: &Verdict| rising.iter().position(|d| *d == verdict.decision);
-            let verdict = verdicts.into_iter().max_by_key(badness);
-            if let Some(verdict) = verdict {
-                outcome.decision = verdict.decision;
-                outcome.reason = verdict.reason.clone();
-                outcome.verdict = Some(verdict);
+/// The verdicts of cases.
+pub(crate) fn verdicts(plan: &ScenePlan, cases: &[Case<'_>]) -> Vec<Verdict> {
+    let records: Vec<CaseRecord> = cases.iter().map(|(.., record)| record.clone()).collect();
+    judge_plan(plan, &records, true)
+}
+
+pub(crate) fn run(scene: &Scene, trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
+    let see = |plan: &ScenePlan, cases: &[Case<'_>]| {
+        let outcome = Outcome::of(trial);
+        let mut outcome = match trial.question {
+            Question::Order => {
+                let rising = [Decision::Pass, Decision::Unresolved, Decision::Fail];
+                let badness =
+                    |verdict: &Verdict| rising.iter().position(|d| *d == verdict.decision);
+                let worst = verdicts(plan, cases).into_iter().max_by_key(badness);
+                worst.map_or(outcome.clone(), |verdict| outcome.judged(&verdict))
             }
+            Question::Exact => exactness(cases, outcome),
+        };
+        if trial.terms == SceneTerms::NONE && outcome.decision == Decision::Fail {
+            outcome.suspects.retain(|&suspect| suspect != acquitted(cases));
         }
-        Question::Exact => exactness(&cases, &mut outcome),
-    }
-    if trial.terms == SceneTerms::NONE && outcome.decision == Decision::Fail {
-        outcome.suspects.retain(|&suspect| suspect != acquitted(&cases));
-    }
-    outcome
+        outcome
+    };
+    let found = trial.of(scene).map_err(SetupError::from).and_then(|s| run_cases(s, prepare, see));
+    found.unwrap_or_else(|error| {
+        let said = error.to_string();
+        let reason = format!("not run: {}", said.lines().next().unwrap_or_default());
+        Outcome { reason, ..Outcome::of(trial) }
+    })
 }
 
 /// Of elasticity and loads the one that is not at fault: what solves the equations of its 𝒜 under
 /// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
-fn acquitted(cases: &Cases) -> Suspect {
-    let solves = |(setup, data, record): (&Setup, &MeshData, &CaseRecord)| -> bool {
+fn acquitted(cases: &[Case<'_>]) -> Suspect {
+    let solves = |(setup, data, record): &Case<'_>| -> bool {
         let mut largest = 0.0f64;
         let marched = setup.scheme.march(setup, data, record.steps, &mut |view| {
             let load = data.truth.load(view.t)?;
@@ -142,43 +158,36 @@ fn acquitted(cases: &Cases) -> Suspect {
         });
         marched.is_ok() && largest <= KKT_ALLOWED
     };
-    if cases.run().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
+    if cases.iter().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
 }
 
 /// The errors of an exact variant, relative to the solution.
-fn exactness(cases: &Cases, outcome: &mut Outcome) {
-    let mut worst: Option<(String, f64)> = None;
-    for (setup, data, record) in cases.run() {
+fn exactness(cases: &[Case<'_>], outcome: Outcome) -> Outcome {
+    let mut worst: Option<(&str, f64)> = None;
+    for (setup, data, record) in cases {
         if let Status::Failed { reason } = &record.status {
-            outcome.decision = Decision::Fail;
-            outcome.reason = format!("no solution: {reason}");
-            return;
+            let reason = format!("no solution: {reason}");
+            return Outcome { decision: Decision::Fail, reason, ..outcome };
         }
         let sizes = match sizes(data, setup.grid(record.steps).times()) {
             Ok(sizes) => sizes,
-            Err(reason) => {
-                outcome.reason = format!("not run: {reason}");
-                return;
-            }
+            Err(reason) => return Outcome { reason: format!("not run: {reason}"), ..outcome },
         };
         for entry in &record.errors {
             let size = if entry.norm == judge::record::V_MAX { sizes[0] } else { sizes[1] };
             let relative = entry.error.unwrap_or(f64::NAN) / size;
-            let larger = worst.as_ref().is_none_or(|(_, known)| {
-                !known.is_nan() && (relative.is_nan() || relative > *known)
-            });
-            if larger {
-                worst = Some((entry.norm.clone(), relative));
+            if worst.is_none_or(|(_, most)| relative > most || relative.is_nan()) {
+                worst = Some((&entry.norm, relative));
             }
         }
     }
-    let Some((norm, relative)) = worst else { return };
-    let met = relative <= EXACT_WITHIN;
-    outcome.decision = if met { Decision::Pass } else { Decision::Fail };
-    let compared = if met { "within" } else { "above" };
-    outcome.reason =
-        format!("{norm} is {relative:.1e} of the solution, {compared} {EXACT_WITHIN:.0e}");
-    outcome.error = Some((norm, relative));
+    let Some((norm, relative)) = worst else { return outcome };
+    let (decision, compared) = match relative <= EXACT_WITHIN {
+        true => (Decision::Pass, "within"),
+        false => (Decision::Fail, "above"),
+    };
+    let reason = format!("{norm} is {relative:.1e} of the solution, {compared} {EXACT_WITHIN:.0e}");
+    Outcome { decision, reason, norm: Some(norm.to_owned()), error: Some(relative), ..outcome }
 }
 
 /// Largest ‖ε(u_n)‖ and ‖σ_n‖ of the truth; the latter measures pressures too.

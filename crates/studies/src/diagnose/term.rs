@@ -1,6 +1,7 @@
 //! What a defect can sit in: the terms of a scene that a variant can do without, and what is always there.
 
 use scene::ContactScene;
+use serde::{Serialize, Serializer};
 
 /// How many suspects are terms: the first of [`Suspect::ALL`].
 const TERMS: usize = 5;
@@ -99,6 +100,12 @@ pub enum Suspect {
     Loads,
     /// What only runs have whose exact solution is not in V^h: quadrature of the loads and of the error.
     Space,
+}
+
+impl Serialize for Suspect {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Suspect {

@@ -5,7 +5,7 @@ use super::variant::{
     Course, asked, at_least, factor_rate, in_space, on_course, single_rate, with_memory,
     with_projection, with_terms,
 };
-use scene::{ContactScene, Direction, Hypothesis, Prediction, Scene, TimeRule};
+use scene::{Change, Direction, Hypothesis, Prediction, Scene, SceneError, TimeRule};
 
 /// What a variant must show of a sound solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -20,8 +20,8 @@ pub enum Question {
 /// One variant to run.
 #[derive(Debug, Clone)]
 pub(crate) struct Trial {
-    /// The variant; its name says what it is.
-    pub scene: Scene,
+    /// What is different from the scene.
+    pub change: Change,
     /// What is asked of it.
     pub question: Question,
     /// Its terms.
@@ -32,6 +32,28 @@ pub(crate) struct Trial {
     pub removed: Option<Suspect>,
 }
 
+impl Trial {
+    /// The scene with the terms `kept`, varied, on a grid of n and N: an order is asked for, or exactness.
+    fn new(
+        name: impl Into<String>,
+        kept: SceneTerms,
+        order: Option<Prediction>,
+        (n, steps): (Vec<u32>, Vec<u32>),
+        vary: impl Fn(Scene) -> Scene + Send + Sync + 'static,
+    ) -> Self {
+        let question = if order.is_some() { Question::Order } else { Question::Exact };
+        let change = Change::new(name, move |scene| {
+            Ok(asked(vary(with_terms(scene, kept)), &n, &steps, order.clone()))
+        });
+        Self { change, question, terms: kept, suspects: kept.suspects(), removed: None }
+    }
+
+    /// The variant; its name says what it is.
+    pub(crate) fn of(&self, scene: &Scene) -> Result<Scene, SceneError> {
+        Ok(Scene { name: self.change.words().to_owned(), ..self.change.of(scene)? })
+    }
+}
+
 /// Numbers of steps of an order in k: from the coarsest at which contact events are told apart to one
 /// at which an error of 1e-5 of the solution that does not fall outweighs one that falls like k².
 const STEPS: [u32; 5] = [16, 32, 64, 128, 256];
@@ -40,23 +62,79 @@ const FINEST: u32 = 64;
 /// Steps of a trial in h: the time error of the shipped scenes is then below 5 % of that in space.
 const STEPS_IN_SPACE: u32 = 8;
 
-struct Design<'a> {
-    scene: &'a Scene,
-    body: &'a ContactScene,
-    terms: SceneTerms,
-    n: u32,
-    trials: Vec<Trial>,
-}
-
 /// The trials in V^h: all terms, each term removed, each term alone. Without contact scene: none.
 pub(crate) fn trials_in_time(scene: &Scene) -> Vec<Trial> {
     let Some(body) = scene.as_contact() else { return Vec::new() };
     let terms = SceneTerms::of(body);
-    let n = coarse_mesh(scene);
-    let mut design = Design { scene, body, terms, n, trials: Vec::new() };
-    design.removals();
-    design.alone();
-    design.trials
+    // Exactness needs no fine grid; four levels see every kind of weight, and the scene's coarsest step is known to be
+    // solvable.
+    let listed = scene.sweep.as_ref().map(|sweep| [&sweep.n, &sweep.steps]);
+    let least = |i: usize| listed.and_then(|lists| lists[i].iter().min().copied());
+    let coarsest = (vec![coarse_mesh(scene, least(0))], vec![least(1).unwrap_or(4).max(4)]);
+    // A trial with u(t) of the scene, in V^h: exact unless there is a history.
+    let of_scene = |name: String, kept: SceneTerms| {
+        let order = kept.has_history().then(|| order_in_k(scene));
+        let fine = (coarsest.0.clone(), STEPS.to_vec());
+        let grid = if order.is_some() { fine } else { coarsest.clone() };
+        Trial::new(name, kept, order, grid, in_space)
+    };
+    // On a course on which the history is integrated exactly; `control` adds a term that the scene lacks.
+    let exact = |name: &str, kept: SceneTerms, course: Course, control: fn(Scene) -> Scene| {
+        Trial::new(name, kept, None, coarsest.clone(), move |scene| {
+            control(on_course(scene, course))
+        })
+    };
+    let mut trials = vec![of_scene("all terms".into(), terms)];
+    for (suspect, rest) in terms.removals().filter(|(_, rest)| *rest != SceneTerms::NONE) {
+        let trial = of_scene(format!("without {}", suspect.name()), rest);
+        trials.push(Trial { removed: Some(suspect), ..trial });
+    }
+    trials.push(of_scene("elasticity alone".into(), SceneTerms::NONE));
+    for term in [Suspect::Projection, Suspect::Compliance, Suspect::Gap] {
+        let kept = SceneTerms::NONE.with(term);
+        if terms.has(term) && kept != terms {
+            trials.push(of_scene(format!("{} alone", term.name()), kept));
+        }
+    }
+    let still = terms.without(Suspect::Memory);
+    if terms.has_history() && still != SceneTerms::NONE {
+        trials.push(exact("u constant in time", still, Course::Constant, |scene| scene));
+    }
+    // κ(ζ) of the scene, or of a control: the time rule must serve it as well as memory.
+    let zeta = SceneTerms::NONE.with(Suspect::Projection).with(Suspect::Accumulation);
+    // What the rule integrates exactly.
+    let whole = scene.time.rule.order() < 2.0;
+    let course = if whole { Course::Constant } else { Course::Linear };
+    trials.push(match terms.has(Suspect::Accumulation) {
+        true => exact("zeta alone", zeta, course, |scene| scene),
+        false => exact("zeta alone, a control", zeta, course, with_projection),
+    });
+    let memory = SceneTerms::NONE.with(Suspect::Memory);
+    // Of several terms none is taken alone: their course is that of the scene.
+    let written = &body.material.memory;
+    let course = match (scene.time.rule, &written[..]) {
+        (TimeRule::Trapezoid, []) => Some(Course::Fading(1.0 / scene.time.horizon)),
+        (TimeRule::Trapezoid, [memory]) => single_rate(memory).map(Course::Fading),
+        // v, or the product of it with what a singular kernel has beside its power, is interpolated linearly.
+        (TimeRule::ProductIntegration, [memory]) if memory.singular.is_some() => {
+            factor_rate(&scene.formulas, memory).map(Course::Fading)
+        }
+        (TimeRule::ProductIntegration, several) => {
+            several.iter().all(|term| term.singular.is_none()).then_some(Course::Linear)
+        }
+        _ => None,
+    };
+    match course {
+        Some(course) if written.is_empty() => {
+            trials.push(exact("memory alone, a control", memory, course, with_memory));
+        }
+        Some(course) => trials.push(exact("memory alone", memory, course, |scene| scene)),
+        None if !written.is_empty() && memory != terms => {
+            trials.push(of_scene("memory alone".into(), memory));
+        }
+        None => {}
+    }
+    trials
 }
 
 /// The trials outside V^h, for an order in h: all terms, each term removed, elasticity alone.
@@ -72,128 +150,26 @@ pub(crate) fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     // C_h must be.
     let singular = scene.violates.contains(&Hypothesis::RegularInSpace);
     let constant = !singular && promised.is_none_or(|prediction| prediction.constant);
-    let why = "(5.26)";
-    let mut variants = vec![("all terms, in h".to_owned(), None, terms)];
+    let trial = |name: String, kept: SceneTerms, removed| {
+        let order = Prediction { constant, ..at_least(Direction::H, order, "(5.26)") };
+        let grid = (n.clone(), vec![STEPS_IN_SPACE]);
+        let mut trial = Trial::new(name, kept, Some(order), grid, |scene| scene);
+        trial.suspects.push(Suspect::Space);
+        Trial { removed, ..trial }
+    };
+    let mut trials = vec![trial("all terms, in h".to_owned(), terms, None)];
     for (suspect, rest) in terms.removals() {
-        variants.push((format!("without {}, in h", suspect.name()), Some(suspect), rest));
+        trials.push(trial(format!("without {}, in h", suspect.name()), rest, Some(suspect)));
     }
     if terms != SceneTerms::NONE {
-        variants.push(("elasticity alone, in h".into(), None, SceneTerms::NONE));
+        trials.push(trial("elasticity alone, in h".into(), SceneTerms::NONE, None));
     }
-    let trial = |(name, removed, kept): (String, Option<Suspect>, SceneTerms)| {
-        let mut suspects = kept.suspects();
-        suspects.push(Suspect::Space);
-        let question = Prediction { constant, ..at_least(Direction::H, order, why) };
-        let scene = asked(with_terms(scene, kept), &name, &n, &[STEPS_IN_SPACE], Some(question));
-        Trial { scene, question: Question::Order, terms: kept, suspects, removed }
-    };
-    variants.into_iter().map(trial).collect()
-}
-
-impl Design<'_> {
-    /// u(t) in V^h with all terms, and with each term removed.
-    fn removals(&mut self) {
-        let terms = self.terms;
-        self.course_of_scene("all terms".into(), terms, None);
-        for (suspect, rest) in terms.removals() {
-            if rest != SceneTerms::NONE {
-                self.course_of_scene(format!("without {}", suspect.name()), rest, Some(suspect));
-            }
-        }
-    }
-
-    /// Each term alone, on a course on which its history is integrated exactly where there is one.
-    fn alone(&mut self) {
-        self.course_of_scene("elasticity alone".into(), SceneTerms::NONE, None);
-        for term in [Suspect::Projection, Suspect::Compliance, Suspect::Gap] {
-            let kept = SceneTerms::NONE.with(term);
-            if self.terms.has(term) && kept != self.terms {
-                self.course_of_scene(format!("{} alone", term.name()), kept, None);
-            }
-        }
-        let still = self.terms.without(Suspect::Memory);
-        if self.terms.has_history() && still != SceneTerms::NONE {
-            self.exact("u constant in time", still, Course::Constant, |scene| scene);
-        }
-        self.zeta_alone();
-        self.memory_alone();
-    }
-
-    /// κ(ζ) of the scene, or of a control: the time rule must serve it as well as memory.
-    fn zeta_alone(&mut self) {
-        let kept = SceneTerms::NONE.with(Suspect::Projection).with(Suspect::Accumulation);
-        // What the rule integrates exactly.
-        let whole = self.scene.time.rule.order() < 2.0;
-        let course = if whole { Course::Constant } else { Course::Linear };
-        if self.terms.has(Suspect::Accumulation) {
-            self.exact("zeta alone", kept, course, |scene| scene);
-        } else {
-            self.exact("zeta alone, a control", kept, course, with_projection);
-        }
-    }
-
-    fn memory_alone(&mut self) {
-        let kept = SceneTerms::NONE.with(Suspect::Memory);
-        let control = 1.0 / self.scene.time.horizon;
-        // Of several terms none is taken alone: their course is that of the scene.
-        let terms = &self.body.material.memory;
-        let course = match (self.scene.time.rule, &terms[..]) {
-            (TimeRule::Trapezoid, []) => Some(Course::Fading(control)),
-            (TimeRule::Trapezoid, [memory]) => single_rate(memory).map(Course::Fading),
-            // v, or the product of it with what a singular kernel has beside its power, is interpolated linearly.
-            (TimeRule::ProductIntegration, [memory]) if memory.singular.is_some() => {
-                factor_rate(&self.scene.formulas, memory).map(Course::Fading)
-            }
-            (TimeRule::ProductIntegration, several) => {
-                several.iter().all(|term| term.singular.is_none()).then_some(Course::Linear)
-            }
-            _ => None,
-        };
-        match (terms.first(), course) {
-            (Some(_), Some(course)) => self.exact("memory alone", kept, course, |scene| scene),
-            (Some(_), None) if kept != self.terms => {
-                self.course_of_scene("memory alone".into(), kept, None);
-            }
-            (None, Some(course)) => {
-                self.exact("memory alone, a control", kept, course, with_memory)
-            }
-            _ => {}
-        }
-    }
-
-    /// A trial with u(t) of the scene, in V^h: exact unless there is a history.
-    fn course_of_scene(&mut self, name: String, kept: SceneTerms, removed: Option<Suspect>) {
-        let order = kept.has_history().then(|| order_in_k(self.scene));
-        let variant = in_space(with_terms(self.scene, kept));
-        let coarsest = [self.coarse_steps()];
-        let steps = if order.is_some() { &STEPS[..] } else { &coarsest[..] };
-        let scene = asked(variant, &name, &[self.n], steps, order);
-        let question = if kept.has_history() { Question::Order } else { Question::Exact };
-        let suspects = kept.suspects();
-        self.trials.push(Trial { scene, question, terms: kept, suspects, removed });
-    }
-
-    fn exact(&mut self, name: &str, kept: SceneTerms, course: Course, change: fn(Scene) -> Scene) {
-        let variant = change(on_course(with_terms(self.scene, kept), course));
-        let scene = asked(variant, name, &[self.n], &[self.coarse_steps()], None);
-        let (question, suspects) = (Question::Exact, kept.suspects());
-        self.trials.push(Trial { scene, question, terms: kept, suspects, removed: None });
-    }
-
-    /// Exactness needs no fine grid; four levels see every kind of weight, and the scene's coarsest
-    /// step is known to be solvable.
-    fn coarse_steps(&self) -> u32 {
-        let coarsest =
-            self.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
-        coarsest.unwrap_or(4).max(4)
-    }
+    trials
 }
 
 /// The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
-fn coarse_mesh(scene: &Scene) -> u32 {
-    let coarsest =
-        scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(8);
-    if coarsest > 8 && scene.check_cells(8).is_ok() { 8 } else { coarsest }
+fn coarse_mesh(scene: &Scene, coarsest: Option<u32>) -> u32 {
+    coarsest.filter(|&n| n <= 8 || scene.check_cells(8).is_err()).unwrap_or(8)
 }
 
 fn predicted(scene: &Scene, variable: Direction) -> Option<&Prediction> {

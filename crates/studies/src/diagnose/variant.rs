@@ -34,8 +34,7 @@ fn changed(mut scene: Scene, change: impl FnOnce(&mut ContactScene, &mut Graph))
 }
 
 /// The scene with no terms but `kept`; u stays what it is.
-pub(super) fn with_terms(scene: &Scene, kept: SceneTerms) -> Scene {
-    let mut scene = scene.clone();
+pub(super) fn with_terms(mut scene: Scene, kept: SceneTerms) -> Scene {
     // Claims about regularity speak of terms that may be gone.
     scene
         .violates
@@ -193,32 +192,21 @@ fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, points: &[EvaluationPoin
 }
 
 /// The grid of a variant, and what is asked of it.
-pub(super) fn asked(
-    mut scene: Scene,
-    name: &str,
-    n: &[u32],
-    steps: &[u32],
-    question: Option<Prediction>,
-) -> Scene {
-    scene.name = name.to_owned();
-    scene.judge = question.is_some();
-    scene.expect = Expectation::Pass;
-    scene.window_n = None;
-    scene.window_steps = None;
+pub(super) fn asked(scene: Scene, n: &[u32], steps: &[u32], question: Option<Prediction>) -> Scene {
     let norms = match &question {
         Some(prediction) => vec![prediction.norm],
         None => vec![Norm::VMax, Norm::StressL2Max, Norm::PressureL2Max],
     };
-    scene.predicts = question.into_iter().collect();
-    scene.sweep = Some(Sweep {
-        by_state: false,
-        n: n.to_vec(),
-        steps: steps.to_vec(),
-        pairs: None,
-        reference: None,
-        norms: Some(norms),
-    });
-    scene
+    let (n, steps) = (n.to_vec(), steps.to_vec());
+    Scene {
+        judge: question.is_some(),
+        expect: Expectation::Pass,
+        window_n: None,
+        window_steps: None,
+        predicts: question.into_iter().collect(),
+        sweep: Some(Sweep { n, steps, norms: Some(norms), ..Sweep::default() }),
+        ..scene
+    }
 }
 
 /// Share by which the constant of a variant may be off. A variant without its gap or its memory may stand at a kink of its

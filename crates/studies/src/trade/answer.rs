@@ -1,20 +1,20 @@
-//! The cheapest n, N and knob for an error, by the models of a trade.
+//! The cheapest n, N and setting for an error, by the models of a trade.
 
 use serde::Serialize;
 
-use super::candidates::finest;
-use super::rival::Known;
-use super::{
-    Answer, Bench, Candidates, Knob, MOST, Models, NoAnswer, Optimum, Price, Study, TradeRuns,
-    Variant, knobs, optimum,
-};
+use super::optimum::{Choice, Choices, Law, NoAnswer};
+use super::settings::{elements, settings};
+use super::study::plain;
+use super::{Bench, Study};
 use files::{digits, megabytes};
-use run::sweep::{MemoryLimit, admit_run, run_cost};
-use scene::Norm;
+use run::sweep::MemoryLimit;
 use scene::setup::Setup;
+use scene::{Change, Norm};
 
-/// A knob is taken where it saves this part of the time at least, and moves the error by less.
-const WORTH: f64 = 0.05;
+/// A setting is taken where it saves this part of the time at least, which single runs tell, and moves the error by less
+/// than `MOVES`.
+const SAVES: f64 = 0.2;
+const MOVES: f64 = 0.05;
 
 /// The answer with what it rests on.
 #[derive(Debug, Clone, Serialize)]
@@ -23,149 +23,103 @@ pub struct Answered {
     pub target: f64,
     /// The run that has it.
     #[serde(flatten)]
-    pub choice: Answer,
-    /// The knob to turn.
-    pub knob: Knob,
+    pub choice: Choice,
+    /// The setting to change.
+    pub change: Change,
     /// Memory, as predicted.
     pub bytes: f64,
-    h: f64,
-    k: f64,
-    optimum: Option<Optimum>,
     /// How many times n and N exceed the largest that were run, where they do.
     extrapolates: Option<String>,
 }
 
 impl Answered {
-    /// The cheapest run whose predicted error is at most `target`, for a study whose runs are in `bench`.
+    /// The cheapest run whose predicted error is at most `target`, for a study of the scene in `bench`.
     ///
     /// # Errors
     /// [`NoAnswer`].
     pub fn new(
         bench: &Bench,
         study: &Study,
-        plan: &TradeRuns,
         target: f64,
         limit: &MemoryLimit,
     ) -> Result<Self, NoAnswer> {
-        let setup = &bench.plain.setup;
-        let plain = known(study, &study.models, Knob::AsWritten)?;
-        let floor = study.plain().filter_map(|trial| Some(trial.done()?.floor)).fold(0.0, f64::max);
-        NoAnswer::admit(target, floor)?;
-        let most = finest(setup).unwrap_or(MOST);
-        let candidates = Candidates::new(setup, true)?;
-        if plan.n.is_empty() || plan.steps.is_empty() {
-            return Err(nothing_run());
-        }
-        let by = |known: &Known<'_>, target: f64| known.cheapest(&candidates, most, target);
-        let as_written = by(&plain, target).and_then(|mut choice| {
-            let (knob, factors) = best_knob(setup, study, choice);
-            let inner = target / factors[1].max(1.0);
-            if inner < target {
-                choice = by(&plain, inner)?;
+        let setup = &bench.setup;
+        let floors = plain(&study.trials).filter_map(|trial| Some(trial.done()?.floor));
+        NoAnswer::admit(target, floors.fold(0.0, f64::max))?;
+        let choices = Choices::new(setup, true)?;
+        let most = choices.most();
+        let law = study.models.law(most)?;
+        let plain = choices.cheapest(&law, target, limit);
+        let mut all = Vec::new();
+        if let Ok((choice, bytes)) = plain {
+            all.push((Change::none(), &study.models, choice, bytes));
+            if let Some((change, [time, error])) = best_setting(setup, study, choice) {
+                let law = Law {
+                    error: Box::new(|h, k| error * (law.error)(h, k)),
+                    seconds: Box::new(|h, k| time * (law.seconds)(h, k)),
+                    ..law
+                };
+                let found = choices.cheapest(&law, target, limit);
+                all.extend(
+                    found.ok().map(|(choice, bytes)| (change, &study.models, choice, bytes)),
+                );
             }
-            choice.seconds *= factors[0];
-            choice.error *= factors[1];
-            Ok((&plain, knob, choice, inner))
-        });
-        let rivals = study.elements.iter().map(|rival| known(study, &rival.models, rival.knob));
-        let rivals: Vec<Known<'_>> = rivals.filter_map(Result::ok).collect();
-        let others = rivals
-            .iter()
-            .filter_map(|rival| Some((rival, rival.knob, by(rival, target).ok()?, target)));
-        let all = as_written.iter().copied().chain(others);
-        let best = all.min_by(|a, b| a.2.seconds.total_cmp(&b.2.seconds));
-        let Some((known, knob, choice, inner)) = best else {
-            return Err(as_written.err().unwrap_or_else(nothing_run));
+        }
+        for rival in &study.elements {
+            let change =
+                elements(setup).into_iter().find(|(_, other)| other.words() == rival.change);
+            let Some(((_, change), law)) = change.zip(rival.models.law(most).ok()) else {
+                continue;
+            };
+            let changed =
+                Setup::new(change.of(&setup.scene).map_err(scene::setup::SetupError::from)?)?;
+            let found = Choices::new(&changed, true)?.cheapest(&law, target, limit);
+            all.extend(found.ok().map(|(choice, bytes)| (change, &rival.models, choice, bytes)));
+        }
+        let best = all.into_iter().min_by(|a, b| a.2.seconds.total_cmp(&b.2.seconds));
+        let Some((change, models, choice, bytes)) = best else {
+            return Err(plain.err().unwrap_or_else(|| NoAnswer::Refused("nothing was run".into())));
         };
-        let variant = Variant::new(&setup.scene, knob)?;
-        let setup = bench.judging(&variant);
-        // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
-        let Answer { n, steps, .. } = choice;
-        admit_run(setup, None, (n, steps), limit).map_err(|source| NoAnswer::Memory {
-            target,
-            n,
-            steps,
-            source,
-        })?;
-        let space = setup.space(choice.n)?;
-        let bytes = run_cost(setup, &space, choice.steps).memory_bytes;
-        Ok(Self {
-            target,
-            knob,
-            bytes,
-            h: (candidates.h)(choice.n),
-            k: (candidates.k)(choice.steps),
-            optimum: optimum(known.error, known.cost, inner),
-            extrapolates: known.beyond(&choice),
-            choice,
-        })
+        Ok(Self { target, change, bytes, extrapolates: models.beyond(&choice), choice })
     }
 
     /// The answer in words.
     pub fn words(&self, study: &Study) -> String {
-        let Answer { n, steps, error, seconds } = self.choice;
-        let relative = 100.0 * self.target / study.size;
+        let Choice { n, steps, h, k, error, seconds } = self.choice;
         let part = match study.norm {
-            Norm::VMax => format!(" ({relative:.3} % of the solution)"),
+            Norm::VMax => format!(" ({:.3} % of the solution)", 100.0 * self.target / study.size),
             _ => String::new(),
         };
-        let real = |value: Option<f64>| value.map_or("any".into(), |value| digits(value, 5));
-        let best = self.optimum.map_or(String::new(), |optimum| {
-            format!("; real numbers would be h = {}, k = {}", real(optimum.h), real(optimum.k))
-        });
         let warning = self
             .extrapolates
             .as_ref()
             .map_or(String::new(), |text| format!("\n  beyond what was measured: {text}"));
         format!(
-            "target {:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {}, k = {}{best})\n  predicted: error {error:.4e}, {seconds:.3} CPU s, {}{warning}",
+            "target {:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {}, k = {})\n  predicted: error {error:.4e}, {seconds:.3} CPU s, {}{warning}",
             self.target,
             study.norm.name(),
-            self.knob.name(),
-            digits(self.h, 5),
-            digits(self.k, 5),
+            self.change.words(),
+            digits(h, 5),
+            digits(k, 5),
             megabytes(self.bytes),
         )
     }
 }
 
-fn nothing_run() -> NoAnswer {
-    NoAnswer::Refused("nothing was run".into())
-}
-
-/// The models of a knob, or which of them is missing.
-fn known<'a>(study: &Study, models: &'a Models, knob: Knob) -> Result<Known<'a>, NoAnswer> {
-    Known::new(models, knob, &study.trials).ok_or_else(|| {
-        let missing = models.error.as_ref().err().map(|reason| ("errors", reason));
-        let missing = missing.or_else(|| Some(("times", models.cost.as_ref().err()?)));
-        missing.map_or_else(nothing_run, |(what, reason)| {
-            NoAnswer::Refused(format!("the {what} have no model: {reason}"))
-        })
-    })
-}
-
-/// The knob that saves most time at next to no error, with its factors of time and error in the run nearest to the
-/// answer; it must save time wherever it was turned. Extrapolation in k is another scheme, and is left to the reader of the price list.
-fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
-    let factors = |knob: Knob| -> Option<[f64; 2]> {
-        let prices: Vec<_> =
-            study.prices.iter().filter(|price| price.what == knob.name()).collect();
-        let serves = |price: &&Price| {
-            price.shows() && 1.0 / price.speed <= 1.0 - WORTH && price.error.abs() <= WORTH
-        };
-        let all = !prices.is_empty() && prices.iter().all(serves);
-        all.then(|| {
-            let away = |price: &Price| {
-                let ratio = |a: u32, b: u32| (f64::from(a) / f64::from(b)).ln().abs();
-                ratio(price.n, choice.n) + ratio(price.steps, choice.steps)
-            };
-            let nearest = prices.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-            nearest.map_or([1.0; 2], |price| [1.0 / price.speed, 1.0 + price.error])
-        })
+/// The setting that saves most time at next to no error, with its factors of time and error in the run nearest to the
+/// answer; it must save time wherever it was changed. Extrapolation in k is another scheme, and is left to the reader of
+/// the price list.
+fn best_setting(setup: &Setup, study: &Study, choice: Choice) -> Option<(Change, [f64; 2])> {
+    let factors = |change: Change| {
+        let prices = || study.prices.iter().filter(|price| price.what == change.words());
+        let ratio = |a: u32, b: u32| (f64::from(a) / f64::from(b)).ln().abs();
+        let away = |n, steps| ratio(n, choice.n) + ratio(steps, choice.steps);
+        let nearest = prices()
+            .min_by(|a, b| away(a.n, a.steps).total_cmp(&away(b.n, b.steps)))
+            .map(|price| [1.0 / price.speed, 1.0 + price.error])?;
+        let saves =
+            prices().all(|price| 1.0 / price.speed <= 1.0 - SAVES && price.error.abs() <= MOVES);
+        saves.then_some((change, nearest))
     };
-    // Sums over a short past do not know the knobs of a long one.
-    let offered = knobs(setup).into_iter().filter(|knob| knob.matters(setup, choice.steps));
-    let turned = offered.filter_map(|knob| Some((knob, factors(knob)?)));
-    let best = turned.min_by(|a, b| a.1[0].total_cmp(&b.1[0]));
-    best.unwrap_or((Knob::AsWritten, [1.0; 2]))
+    settings(setup).into_iter().filter_map(factors).min_by(|a, b| a.1[0].total_cmp(&b.1[0]))
 }

@@ -1,11 +1,15 @@
-//! A trade in words and tables.
+//! A trade in words, tables and a picture.
 
+use super::bench::{EXTRAPOLATED, Outcome, Trial};
 use super::extrapolation::{Extrapolated, LastOrder};
-use super::picture::AGAINST;
-use super::{Answer, Answered, Equal, Outcome, Price, Rival, Study, Term, Trial};
-use files::megabytes;
+use super::study::{AS_WRITTEN, Equal, Price, Rival, plain};
+use super::{Answered, Choice, Study, Term};
+use files::{counted, megabytes};
 use judge::fit::Interval;
-use report::{Chapter, Row, Run, StudyDocument, Tone, digits};
+use judge::record::norm_label;
+use report::{
+    Axis, Chapter, Chart, Datum, Mark, Part, Row, Run, Scale, Series, StudyDocument, Tone, digits,
+};
 
 impl Study {
     /// The trade as a document; its pictures mark the answer, where a target was named.
@@ -19,31 +23,19 @@ impl Study {
             digits(self.size, 5)
         ));
         self.models(&mut document);
-        let price = |price: &Price| [("what a knob changes", Run::plain(&*price.words))];
+        let price = |price: &Price| [("what a setting changes", Run::plain(&*price.words))];
         document.table(
-            "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
+            "One setting at a time, against the run as written. Seconds are those of single runs on this machine.",
             self.prices.iter().map(price),
-        );
-        let cost = |value: Option<f64>| {
-            Run::plain(value.map_or("unknown".into(), |value| format!("E^-{value:.2}")))
-        };
-        document.table(
-            "What an error E costs along k ~ h^s: by the models, and between the ends of the grid.",
-            self.paths.iter().map(|path| {
-                let s = Run::plain(format!("{:.2}", path.exponent));
-                [(">s", s), (">models", cost(path.modelled)), (">measured", cost(path.measured))]
-            }),
         );
         self.elements.iter().for_each(|rival| at_equal_error(&mut document, rival));
         self.extrapolated.iter().for_each(|found| extrapolated(&mut document, found));
         document.table(
-            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
+            "Error, CPU seconds of one run on this machine, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; tie: the run as written within 1.25 times the time and 1 % of the error.",
             self.trials.iter().map(trial),
         );
-        for against in &AGAINST {
-            let caption = format!("{}, with the Pareto front (sweep trade).", against.shows);
-            document.figure(against.stem, &caption, self.svg(against, answer));
-        }
+        let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
+        document.figure("trade", caption, self.svg(answer));
         document
     }
 
@@ -61,24 +53,15 @@ impl Study {
             Err(reason) => format!("Error: no model; the reason: {reason}."),
         });
         document.words(match &models.cost {
-            Ok(cost) => format!(
-                "Cost: t = {:.2e} s + {:.2e} s h^-a k^-b, a = {:.2} in {}, b = {:.2} in {} (off by {:.0} % at most).",
-                cost.base,
-                cost.constant,
-                cost.space.exponent,
-                bracketed(cost.space.interval),
-                cost.time.exponent,
-                bracketed(cost.time.interval),
-                100.0 * cost.residual.exp_m1()
-            ),
+            Ok(cost) => {
+                let [constant, cell, level, factor, factors] = cost.parts;
+                format!(
+                    "Cost: {constant:.1e} s + {cell:.1e} s a cell + {level:.1e} s a cell and level + {factor:.1e} s an operation of a factorization + {factors:.1e} s one and level (cells h^-d, operations h^-3(d-1); off by {:.0} % at most).",
+                    100.0 * cost.residual.exp_m1()
+                )
+            }
             Err(reason) => format!("Cost: no model; the reason: {reason}."),
         });
-        if let Some(sum) = &models.composition {
-            let [constant, cell, level, factor, factors] = sum.parts;
-            document.words(format!(
-                "For predictions {constant:.1e} s + {cell:.1e} s a cell + {level:.1e} s a cell and level + {factor:.1e} s an operation of a factorization + {factors:.1e} s one and level (cells h^-d, operations h^-3(d-1))."
-            ));
-        }
         if let Some(path) = &self.coupling {
             document.words(format!(
                 "Cheapest coupling: k = {} h^{:.3}, where space has {:.0} % of the error (of its square, for root-sum-square); an error E costs E^-{:.2}.",
@@ -106,12 +89,11 @@ fn bracketed(interval: Interval) -> String {
     }
 }
 
-fn trial(trial: &Trial) -> Row<'static, 10> {
+fn trial(trial: &Trial) -> Row<'static, 9> {
     let of_run = |cell: fn(&Outcome) -> String| Run::plain(trial.done().map_or("–".into(), cell));
-    let front = match (&trial.outcome, trial.front, trial.front_memory, trial.tie) {
+    let front = match (&trial.outcome, trial.front, trial.tie) {
         (Err(_), ..) => "–",
-        (_, true, ..) => "on it",
-        (_, _, true, _) => "memory",
+        (_, true, _) => "on it",
         (.., true) => "tie",
         _ => "",
     };
@@ -120,12 +102,11 @@ fn trial(trial: &Trial) -> Row<'static, 10> {
         Err(reason) => Run::of(format!("failed: {reason}"), Tone::Miss),
     };
     [
-        ("knob", Run::plain(trial.knob.name())),
+        ("setting", Run::plain(trial.change.clone())),
         (">n", Run::plain(trial.n.to_string())),
         (">N", Run::plain(trial.steps.to_string())),
         (">error", of_run(|run| format!("{:.4e}", run.error))),
         (">CPU s", of_run(|run| format!("{:.4}", run.seconds))),
-        (">spread", of_run(|run| format!("+{:.0} %", 100.0 * (run.slowest / run.seconds - 1.0)))),
         (">in loads", of_run(|run| format!("{:.0} %", 100.0 * run.load_share))),
         (">memory", of_run(|run| megabytes(run.bytes))),
         ("front", Run::plain(front)),
@@ -135,16 +116,16 @@ fn trial(trial: &Trial) -> Row<'static, 10> {
 
 fn at_equal_error(document: &mut StudyDocument, rival: &Rival) {
     document.words(format!("{}.", rival.words));
-    let run = |answer: &Answer, beyond: bool| {
+    let run = |answer: &Choice, beyond: bool| {
         let sign = if beyond { "*" } else { "" };
         format!("n = {}, N = {}, {:.2e} s{sign}", answer.n, answer.steps, answer.seconds)
     };
-    let knob = rival.knob.name();
-    let head = format!(">{knob}");
+    let change = &rival.change;
+    let head = format!(">{change}");
     let row = |at: &Equal| {
         let [plain, other] = at.extrapolates;
         let faster = match at.speed >= 1.0 {
-            true => format!("{knob}, {:.1} times", at.speed),
+            true => format!("{change}, {:.1} times", at.speed),
             false => format!("as written, {:.1} times", 1.0 / at.speed),
         };
         [
@@ -155,7 +136,7 @@ fn at_equal_error(document: &mut StudyDocument, rival: &Rival) {
         ]
     };
     document.table(
-        format!("{knob} at equal error: the cheapest runs by the models of error and cost; * finer than what was run."),
+        format!("{change} at equal error: the cheapest runs by the models of error and cost; * finer than what was run."),
         rival.equal_error.iter().map(row),
     );
 }
@@ -179,4 +160,64 @@ fn extrapolated(document: &mut StudyDocument, found: &Extrapolated) {
         format!("Extrapolated: {}; last order {plain}, extrapolated {better}.", found.what),
         found.rows.iter().map(row),
     );
+}
+
+impl Study {
+    /// Error against CPU time, a marker per run, with the Pareto front; none without two runs.
+    fn svg(&self, answer: Option<&Answered>) -> Option<String> {
+        let mut chart = Chart::new(
+            &format!("{}: speed against accuracy", self.scene),
+            "The error that is reached in a given time. Lines: one mesh each, from few steps to many. CPU time of one thread on this machine: mesh, loads and march.",
+            Axis::new("CPU time in seconds", Scale::Log),
+            Axis::new(format!("error {}", norm_label(self.norm.name())), Scale::Log),
+        );
+        let place = |trial: &Trial| trial.done().map(|run| (run.seconds, run.error));
+        let mut ns: Vec<u32> = plain(&self.trials).map(|trial| trial.n).collect();
+        ns.dedup();
+        for n in ns {
+            let runs = plain(&self.trials).filter(|trial| trial.n == n);
+            let data: Vec<Datum> = runs.filter_map(place).collect();
+            let parts = vec![Part::Line(data.clone()), Part::Points(data)];
+            chart.series.push(Series::new(format!("n = {n}"), parts));
+        }
+        let elements = self.elements.iter().map(|rival| rival.change.as_str());
+        let named: Vec<&str> = std::iter::once(EXTRAPOLATED).chain(elements).collect();
+        let those = |wanted: &dyn Fn(&str) -> bool| -> Vec<Datum> {
+            self.trials.iter().filter(|t| wanted(&t.change)).filter_map(place).collect()
+        };
+        for &name in &named {
+            let data = those(&|change| change == name);
+            if !data.is_empty() {
+                chart.series.push(Series::new(name, vec![Part::Points(data)]));
+            }
+        }
+        let settings = those(&|change| change != AS_WRITTEN && !named.contains(&change));
+        if !settings.is_empty() {
+            let hollow = Series::new("", vec![Part::Hollow(settings)]);
+            chart.series.push(Series { grey: true, ..hollow });
+            chart.keys.push((Part::Hollow(Vec::new()), "another setting".into()));
+        }
+        let mut best: Vec<&Trial> = self.trials.iter().filter(|trial| trial.front).collect();
+        best.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(std::cmp::Ordering::Equal));
+        let label = |trial: &&Trial| {
+            let grid = format!("n = {}, N = {}", trial.n, trial.steps);
+            let other = format!("{grid}, {}", trial.change);
+            Some((place(trial)?, if trial.change == AS_WRITTEN { grid } else { other }))
+        };
+        chart.labels = best.iter().filter_map(label).collect();
+        let front = Part::Dashed(chart.labels.iter().map(|(place, _)| *place).collect());
+        chart.series.push(Series { grey: true, ..Series::new("Pareto front", vec![front]) });
+        let failed = self.trials.iter().filter(|trial| trial.done().is_none()).count();
+        if failed > 0 {
+            chart.note = format!("{} failed, in the table", counted(failed, "run"));
+        }
+        if let Some(Answered { target, choice, .. }) = answer {
+            let label = format!("target {}", digits(*target, 4));
+            chart.horizontals.push(Mark { at: *target, label });
+            let name = format!("recommended, predicted: n = {}, N = {}", choice.n, choice.steps);
+            let place = vec![(choice.seconds, choice.error)];
+            chart.series.push(Series::new(name, vec![Part::Points(place)]));
+        }
+        chart.svg()
+    }
 }

@@ -10,14 +10,12 @@
 
 mod advice;
 mod companions;
-mod costs;
 mod quantity;
 
-pub use advice::{Advice, Advised, Goal, advise};
+pub use advice::{Advice, Advised, CostSource, Goal, advise, costs};
 pub use companions::{
     Companions, NormDifferences, RunTime, companion_runs, companions, companions_and_bound,
 };
-pub use costs::{CostSource, costs};
 use quantity::LEAST_ORDER;
 pub use quantity::QuantityEstimate;
 

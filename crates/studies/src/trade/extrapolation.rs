@@ -1,10 +1,10 @@
 //! What Richardson's extrapolation is worth: errors with and without it, and the orders of both.
 
-use super::measure::Bench;
+use super::Trial;
+use super::bench::EXTRAPOLATED;
 use super::study::plain;
-use super::{Knob, Trial};
-use fem::contact::strain_norm;
 use judge::fit::{Interval, Sample, local_slopes, order as infer_order};
+use scene::setup::Setup;
 use serde::Serialize;
 
 /// Errors by step, with and without extrapolation.
@@ -50,11 +50,11 @@ fn order(samples: &[Sample]) -> Option<LastOrder> {
 
 /// (4 u_k - u_2k)/3 on the finest mesh, in the V norm.
 pub(super) fn in_time(trials: &[Trial]) -> Option<Extrapolated> {
-    let better = |t: &&Trial| t.knob == Knob::Extrapolated;
+    let better = |t: &&Trial| t.change == EXTRAPOLATED;
     let n = trials.iter().filter(better).map(|t| t.n).max()?;
     let error = |trial: &Trial| trial.done().map(|run| run.error);
     let rows = plain(trials).filter(|trial| trial.n == n).filter_map(|plain| {
-        let other = trials.iter().find(|t| better(t) && t.n == n && t.steps == plain.steps);
+        let other = trials.iter().find(|t| better(t) && [t.n, t.steps] == [n, plain.steps]);
         Some((plain.k, error(plain)?, other.and_then(error)))
     });
     let what = format!("(4 u_k - u_2k)/3 on n = {n}, V_max");
@@ -64,28 +64,22 @@ pub(super) fn in_time(trials: &[Trial]) -> Option<Extrapolated> {
 /// ‖ε(u_h(T))‖ by (4^p Q_h - Q_2h)/(4^p - 1) with the most steps: the discrete solutions of nested meshes are nearly
 /// orthogonal, so that Q has twice the degree p of the element as its order. The strain itself gains nothing: it is of
 /// lower degree on cells. None where the data depend on the mesh.
-pub(super) fn in_space(bench: &Bench, trials: &[Trial]) -> Option<Extrapolated> {
-    let setup = &bench.plain.setup;
+pub(super) fn in_space(trials: &[Trial], setup: &Setup) -> Option<Extrapolated> {
     if setup.body.data.is_interpolated() {
         return None;
     }
     let steps = plain(trials).map(|trial| trial.steps).max()?;
-    let values: Vec<(u32, f64, f64)> = plain(trials)
-        .filter(|trial| trial.steps == steps && trial.done().is_some())
-        .filter_map(|trial| {
-            let (space, u, exact) = bench.last_level(trial.n, steps)?;
-            Some((trial.n, strain_norm(space, u), exact))
-        })
-        .collect();
+    let runs =
+        || plain(trials).filter(|t| t.steps == steps).filter_map(|t| Some((t, t.done()?.strain)));
     let gain = 4f64.powi(setup.body.element.degree() as i32);
-    let row = |&(n, fine, exact): &(u32, f64, f64)| {
-        let coarse = values.iter().find(|(other, ..)| 2 * other == n);
+    let row = |(trial, [fine, exact]): (&Trial, [f64; 2])| {
+        let coarse = runs().find(|(other, _)| 2 * other.n == trial.n);
         let better =
-            coarse.map(|(_, coarse, _)| ((gain * fine - coarse) / (gain - 1.0) - exact).abs());
-        (setup.body.domain.h(n), (fine - exact).abs(), better)
+            coarse.map(|(_, [coarse, _])| ((gain * fine - coarse) / (gain - 1.0) - exact).abs());
+        (trial.h, (fine - exact).abs(), better)
     };
     let what = format!("({gain} Q_h - Q_2h)/{} of Q = |eps(u(T))|, N = {steps}", gain - 1.0);
-    let rows: Vec<_> = values.iter().map(row).collect();
+    let rows: Vec<_> = runs().map(row).collect();
     (rows.len() > 1).then(|| Extrapolated::new(what, "h", rows))
 }
 

@@ -1,15 +1,11 @@
 //! Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
 //! orders and exponents have something to rest on, and no more than the budget bears.
 
-use super::candidates::finest;
-use super::{Candidates, Variant};
+use super::optimum::Choices;
 use fem::space::Element;
-use run::sweep::{
-    CasePlan, Cost, MemoryLimit, Overrides, PlanCost, Refused, ScenePlan, admit_plan,
-    kept_by_meshes,
-};
+use run::sweep::{CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan};
 use scene::Scene;
-use scene::setup::{SetupError, Subject};
+use scene::setup::{Setup, SetupError, Subject};
 
 /// Levels of each direction that orders need.
 const LEVELS: usize = 3;
@@ -21,20 +17,20 @@ const RATE: f64 = 3e-6;
 const LEAST: [u32; 2] = [2, 2];
 
 /// The grid of a scene: its lists, completed by halves (or doubles) up to three levels, and without its finest
-/// levels while all runs, `runs` per case, are above what `budget` seconds bear at `RATE`.
+/// levels while all runs are above what `budget` seconds bear at `RATE`.
 ///
 /// # Errors
 /// The scene cannot be set up.
-pub fn scene_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
-    let scene = &plain.setup.scene;
+pub fn scene_grid(setup: &Setup, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
+    let scene = &setup.scene;
     let (listed_n, listed_steps) = match &scene.sweep {
         Some(sweep) => (sweep.n.clone(), sweep.steps.clone()),
         None => (vec![8, 16, 32], vec![4, 8, 16]),
     };
-    let finest = finest(&plain.setup).unwrap_or([u32::MAX; 2]);
-    let candidates = Candidates::new(&plain.setup, true)?;
-    let cells = |n: u32| n <= finest[0] && (candidates.cells)(n);
-    let steps = |steps: u32| steps <= finest[1] && (candidates.steps)(steps);
+    let choices = Choices::new(setup, true)?;
+    let finest = choices.most();
+    let cells = |n: u32| n <= finest[0] && choices.has_cells(n);
+    let steps = |steps: u32| steps <= finest[1] && choices.has_steps(steps);
     let mut ns = completed(listed_n, LEAST[0], &cells);
     let mut numbers = completed(listed_steps, LEAST[1], &steps);
     ns.truncate(MOST[0]);
@@ -43,7 +39,7 @@ pub fn scene_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 
         let overrides = Overrides { n: Some(ns.clone()), steps: Some(numbers.clone()) };
         let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
         let seconds: f64 = plan.costs()?.cases.iter().map(|case| RATE * case.work).sum();
-        if seconds * f64::from(runs) <= budget {
+        if seconds <= budget {
             break;
         }
         // Meshes cost more than steps: they go first.
@@ -65,26 +61,15 @@ pub fn element_meshes(scene: &Scene, n: &[u32], other: Element) -> Vec<u32> {
     completed(n.iter().map(nodes).filter(|&n| admitted(n)).collect(), LEAST[0], &admitted)
 }
 
-/// Refuses a trade of the cases of `plan` that would take more memory than there may be: a bench holds the truth on every
-/// mesh, and the displacements of every run as written, `beside` bytes in all for what is [`held`] of another element. A
-/// knob is predicted to take no more than the scene as written.
+/// Refuses a trade of the cases of `plan` that would take more memory than there may be: beside a run a bench holds the
+/// truth on its mesh and the displacements of all runs there.
 ///
 /// # Errors
 /// [`Refused`].
-pub fn admit_trade(plan: &ScenePlan, beside: f64, limit: &MemoryLimit) -> Result<(), Refused> {
-    admit_plan(plan, 1, limit, |cases| beside + cases.iter().map(displacements).sum::<f64>())
-}
-
-/// Bytes of truth and displacements that a bench holds at the end of the cases of a plan.
-pub fn held(plan: &ScenePlan) -> f64 {
-    let Ok(PlanCost { cases: costs, .. }) = plan.costs() else { return 0.0 };
-    let cases = || plan.cases.iter().zip(&costs);
-    kept_by_meshes(cases().map(|(case, cost)| (case.n, cost)))
-        + cases().map(|case| displacements(&case)).sum::<f64>()
-}
-
-fn displacements((case, cost): &(&CasePlan, &Cost)) -> f64 {
-    8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0)
+pub fn admit_trade(plan: &ScenePlan, limit: &MemoryLimit) -> Result<(), Refused> {
+    let displacements =
+        |(case, cost): &(&CasePlan, &Cost)| 8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0);
+    admit_plan(plan, 1, limit, |cases| cases.iter().map(displacements).sum())
 }
 
 /// A list with at least three levels, rising.

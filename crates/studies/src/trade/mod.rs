@@ -1,42 +1,29 @@
-//! Speed against accuracy, measured: runs over the knobs that a scene offers, models of error and cost, the cheapest
-//! way to an error, and what each knob saves; and the error of a single run from coarser ones.
+//! Speed against accuracy, measured: runs over h, k and the settings that a scene offers, models of error and cost, the
+//! cheapest way to an error, and what each setting saves; and the error of a single run from coarser ones. Seconds are
+//! those of single runs on one machine.
 
 mod answer;
-mod candidates;
-mod composition;
-mod cost_model;
+mod bench;
+mod cost;
 mod document;
 mod error_model;
 pub mod estimate;
 mod extrapolation;
 mod grid;
-mod knob;
-mod measure;
-mod models;
 mod optimum;
-mod pareto;
-mod picture;
-mod prices;
-mod rival;
-mod rounds;
+mod settings;
 mod study;
-mod trial;
-mod turned;
 
 pub use answer::Answered;
-pub use candidates::{Answer, NoAnswer};
-pub(crate) use candidates::{AtSteps, Candidates, MOST};
-pub use composition::Composition;
-pub(crate) use cost_model::{CostModel, CostSample};
+pub use bench::{Bench, Outcome, Table, Trial};
+pub use cost::Cost;
 pub(crate) use error_model::{ErrorModel, Term};
-pub use grid::{admit_trade, element_meshes, held, scene_grid};
-pub use knob::{Knob, Variant, knobs};
-pub use measure::Bench;
-pub(crate) use models::Models;
-pub(crate) use optimum::{Optimum, optimum};
-pub use pareto::front;
-pub(crate) use prices::Price;
-pub(crate) use rival::{Equal, Rival};
+pub use grid::{admit_trade, element_meshes, scene_grid};
+pub use optimum::{Choice, NoAnswer};
 pub use run::sweep::NORMS;
-pub use study::{Study, TradeError, TradeRuns};
-pub use trial::{Outcome, Table, Trial};
+pub use settings::elements;
+pub use study::{Study, TradeError, TradeRuns, front};
+
+/// Companions of a run go down to a fourth of n and N, and meshes up to four times the n of a run are made to foresee
+/// another one.
+pub(crate) const SPAN: u32 = 4;

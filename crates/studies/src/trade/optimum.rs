@@ -1,20 +1,17 @@
-//! Which h and k reach an error at least cost.
+//! Which n and N have an error at least cost.
 //!
-//! With S = C_h h^p and T = C_k k^q the cost c h^-a k^-b is a multiple of S^(-a/p) T^(-b/q), least under a given error
+//! With S = C_h h^p and T = C_k k^q a cost c h^-a k^-b is a multiple of S^(-a/p) T^(-b/q), least under a given error
 //! where p S^m / a = q T^m / b, m = 1 for E = S + T and m = 2 for E² = S² + T² (Lagrange: the slopes of log cost and
 //! of E^m in log h and log k are parallel). Hence S^m = E^m (a/p)/(a/p + b/q), T^m is the rest, k is a multiple of
-//! h^(p/q), and the cost of an error grows like E^-(a/p + b/q). A constant t₀ changes none of it.
+//! h^(p/q), and the cost of an error grows like E^-(a/p + b/q). Runs have whole n and N, among which [`Choices`] searches.
 
-use super::{CostModel, ErrorModel, Term};
+use std::cell::RefCell;
+use std::collections::HashMap;
 
-/// The cheapest h and k for an error.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub(crate) struct Optimum {
-    /// Mesh size; none where the error does not depend on it.
-    pub h: Option<f64>,
-    /// Time step, likewise.
-    pub k: Option<f64>,
-}
+use super::ErrorModel;
+use judge::fit::FLOORS_ABOVE;
+use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost, scene_reference};
+use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
 
 /// The path k = c h^s of the optima of all errors.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -29,58 +26,257 @@ pub(crate) struct Coupling {
     pub cost_exponent: f64,
 }
 
-/// The coupling, where both terms are there and both exponents of the cost are positive.
-pub(crate) fn coupling(error: &ErrorModel, cost: &CostModel) -> Option<Coupling> {
+/// The coupling, where both terms are there and the cost grows with either refinement.
+pub(crate) fn coupling(error: &ErrorModel, [a, b]: [f64; 2]) -> Option<Coupling> {
     let (space, time) = (error.space?, error.time?);
-    let (a, b) = (cost.space.exponent, cost.time.exponent);
     let (alpha, beta) = (a / space.order, b / time.order);
     if !(alpha > 0.0 && beta > 0.0) {
         return None;
     }
     // T^m = S^m β/α.
     let ratio = (beta / alpha).powf(1.0 / error.model.exponent());
-    let factor = (ratio * space.constant / time.constant).powf(1.0 / time.order);
     Some(Coupling {
         exponent: space.order / time.order,
-        factor,
+        factor: (ratio * space.constant / time.constant).powf(1.0 / time.order),
         space_share: alpha / (alpha + beta),
         cost_exponent: alpha + beta,
     })
 }
 
-/// The cheapest real h and k for the error `target`; none where a cost falls with a finer step, so that there is none.
-pub(crate) fn optimum(error: &ErrorModel, cost: &CostModel, target: f64) -> Option<Optimum> {
-    let step = |term: Term, share: f64| {
-        let part = target * share.powf(1.0 / error.model.exponent());
-        (part / term.constant).powf(1.0 / term.order)
-    };
-    match (error.space, error.time) {
-        (Some(space), Some(time)) => {
-            let share = coupling(error, cost)?.space_share;
-            Some(Optimum { h: Some(step(space, share)), k: Some(step(time, 1.0 - share)) })
-        }
-        (space, time) => Some(Optimum {
-            h: space.map(|term| step(term, 1.0)),
-            k: time.map(|term| step(term, 1.0)),
-        }),
+/// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a separate campaign.
+pub(crate) const MOST: [u32; 2] = [4096, 100_000];
+
+/// A number at (h, k).
+pub(crate) type AtSteps<'a> = dyn Fn(f64, f64) -> f64 + 'a;
+
+/// What errors and costs are, the one growing and the other falling with either step, and where that may be believed.
+pub(crate) struct Law<'a> {
+    pub error: Box<AtSteps<'a>>,
+    /// CPU seconds.
+    pub seconds: Box<AtSteps<'a>>,
+    /// The least and the largest n and N.
+    pub range: [[u32; 2]; 2],
+    /// Meshes up to this n are made to know their memory; that of finer ones follows from them.
+    pub made: u32,
+}
+
+/// A run that is proposed.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Choice {
+    /// Cells per unit length.
+    pub n: u32,
+    /// Number of steps.
+    pub steps: u32,
+    /// Mesh size.
+    pub h: f64,
+    /// Largest time step.
+    pub k: f64,
+    /// Predicted error.
+    pub error: f64,
+    /// Predicted CPU seconds.
+    #[serde(rename = "cpu_seconds")]
+    pub seconds: f64,
+}
+
+/// Why no run is the answer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoAnswer {
+    /// Nothing is known of the errors or of the costs, or a mesh cannot be made.
+    #[error("{0}")]
+    Refused(String),
+    #[error("an error of {target} cannot be aimed at: it must be positive")]
+    NotPositive { target: f64 },
+    /// Below what solver and rounding leave.
+    #[error(
+        "an error of {target:.3e} is out of reach: solver and rounding leave up to {floor:.1e}, and {FLOORS_ABOVE} times that is the least that can be seen"
+    )]
+    BelowFloor { target: f64, floor: f64 },
+    /// Finer than the finest choice, where the error is `least`.
+    #[error(
+        "an error of {target:.3e} is out of reach: the least on n <= {n}, N <= {steps} is {least:.3e}{way_out}"
+    )]
+    OutOfReach { target: f64, n: u32, steps: u32, least: f64, way_out: &'static str },
+    /// The cheapest choice does not fit into memory, nor any other that has the error.
+    #[error("an error of {target:.3e} asks for n = {n}, N = {steps}: {source}")]
+    Memory { target: f64, n: u32, steps: u32, source: TooLarge },
+}
+
+impl From<SetupError> for NoAnswer {
+    fn from(error: SetupError) -> Self {
+        Self::Refused(error.to_string())
     }
 }
 
-/// The exponent with which cost grows as the error falls along k = c h^s, and that of the error itself in h there: the
-/// worse of p and s q.
-pub(crate) fn along_path(error: &ErrorModel, cost: &CostModel, s: f64) -> Option<f64> {
-    let (space, time) = (error.space?, error.time?);
-    let order = space.order.min(s * time.order);
-    Some((cost.space.exponent + s * cost.time.exponent) / order)
+impl NoAnswer {
+    /// Refuses a target that is no size of an error, or that solver and rounding hide.
+    pub(super) fn admit(target: f64, floor: f64) -> Result<(), Self> {
+        match target {
+            none if none.is_nan() || none <= 0.0 => Err(Self::NotPositive { target }),
+            hidden if hidden <= FLOORS_ABOVE * floor => Err(Self::BelowFloor { target, floor }),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The whole numbers n and N that suit a scene.
+pub(crate) struct Choices<'a> {
+    setup: &'a Setup,
+    subject: Subject,
+    /// Errors are to be measured against the scene's reference run, whose n and N these must divide.
+    measured: bool,
+    /// What was found for numbers of steps: k, and whether they suit.
+    known: RefCell<HashMap<u32, (f64, Option<bool>)>>,
+}
+
+impl<'a> Choices<'a> {
+    /// # Errors
+    /// The scene cannot be set up.
+    pub(crate) fn new(setup: &'a Setup, measured: bool) -> Result<Self, SetupError> {
+        let subject = Subject::new(setup.scene.clone())?;
+        Ok(Self { setup, subject, measured, known: RefCell::default() })
+    }
+
+    /// The finest n and N whose errors show: half of those of the reference run, which has no error against itself.
+    pub(crate) fn most(&self) -> [u32; 2] {
+        let reference = scene_reference(self.setup).filter(|_| self.measured);
+        reference.map_or(MOST, |run| [run.n / 2, run.steps / 2])
+    }
+
+    pub(crate) fn h(&self, n: u32) -> f64 {
+        self.setup.body.domain.h(n)
+    }
+
+    /// The largest time step; 0 for numbers of steps without a grid, which do not suit.
+    pub(crate) fn k(&self, steps: u32) -> f64 {
+        let made = || self.setup.scene.time.grid(steps).map_or(0.0, |grid| grid.largest_step());
+        self.known.borrow_mut().entry(steps).or_insert_with(|| (made(), None)).0
+    }
+
+    /// Whether n suits the domain, and the reference run.
+    pub(crate) fn has_cells(&self, n: u32) -> bool {
+        match self.measured {
+            true => self.setup.scene.check_cases(&[n], &[]).is_ok(),
+            false => self.setup.scene.check_cells(n).is_ok(),
+        }
+    }
+
+    /// Whether N suits (3.4), and the reference run.
+    pub(crate) fn has_steps(&self, steps: u32) -> bool {
+        let k = self.k(steps);
+        if let Some((_, Some(suits))) = self.known.borrow().get(&steps) {
+            return *suits;
+        }
+        let divides = !self.measured || self.setup.scene.check_cases(&[], &[steps]).is_ok();
+        let suits = divides && check_step_sizes(&self.subject, &[steps]).is_ok();
+        self.known.borrow_mut().insert(steps, (k, Some(suits)));
+        suits
+    }
+
+    /// The cheapest run of a law with at most `target` of error, on meshes up to n = `most`.
+    pub(crate) fn by(&self, law: &Law<'_>, target: f64, most: u32) -> Option<Choice> {
+        let [least, [_, most_steps]] = law.range;
+        let mut best: Option<Choice> = None;
+        for n in (least[0]..=most).filter(|&n| self.has_cells(n)) {
+            let h = self.h(n);
+            // Where N is the smallest, cost still grows with n: no later n can do better.
+            if best.is_some_and(|best| (law.seconds)(h, self.k(least[1])) > best.seconds) {
+                break;
+            }
+            // The fewest steps that have the error, where more have it as well.
+            let (mut lo, mut hi) = (least[1], most_steps);
+            while lo < hi {
+                let middle = lo + (hi - lo) / 2;
+                match (law.error)(h, self.k(middle)) <= target {
+                    true => hi = middle,
+                    false => lo = middle + 1,
+                }
+            }
+            let Some(steps) = (lo..=most_steps).find(|&steps| self.has_steps(steps)) else {
+                continue;
+            };
+            let k = self.k(steps);
+            let (error, seconds) = ((law.error)(h, k), (law.seconds)(h, k));
+            if error <= target && best.is_none_or(|best| seconds < best.seconds) {
+                best = Some(Choice { n, steps, h, k, error, seconds });
+            }
+        }
+        best
+    }
+
+    /// The cheapest run of a law with at most `target` of error that fits into memory, and its bytes.
+    ///
+    /// # Errors
+    /// [`NoAnswer`].
+    pub(crate) fn cheapest(
+        &self,
+        law: &Law<'_>,
+        target: f64,
+        limit: &MemoryLimit,
+    ) -> Result<(Choice, f64), NoAnswer> {
+        let [least, [mut most, steps]] = law.range;
+        let mut refused = None;
+        while let Some(choice) = self.by(law, target, most) {
+            let source = match self.bytes(law.made, choice, limit)? {
+                Ok(bytes) => return Ok((choice, bytes)),
+                Err(source) => source,
+            };
+            // Bytes grow at least like cells. What was refused by a coarse mesh was the finest that is made.
+            let n = if source.at_least { choice.n.min(law.made) } else { choice.n };
+            let part = (source.limit / source.bytes).powf(1.0 / self.setup.scene.dimension as f64);
+            most = ((f64::from(n) * part) as u32).min(n - 1);
+            refused.get_or_insert(NoAnswer::Memory {
+                target,
+                n: choice.n,
+                steps: choice.steps,
+                source,
+            });
+            if most < least[0] {
+                break;
+            }
+        }
+        Err(refused.unwrap_or_else(|| NoAnswer::OutOfReach {
+            target,
+            n: most,
+            steps,
+            least: (law.error)(self.h(most), self.k(steps)),
+            way_out: if self.measured { "" } else { "; start from a finer run" },
+        }))
+    }
+
+    /// The memory of a choice, or that it is too much. A mesh up to `made` is made for that, unless a coarse one shows
+    /// that it does not fit; a finer one may be more than any machine holds. It has the bytes b(m) of the finest that is
+    /// made, with the exponent of n that they have on the way there: b(n) = b(m) (n/m)^e, e = log₂ b(m)/b(m/2), of mesh
+    /// and march; the program itself does not grow.
+    fn bytes(
+        &self,
+        made: u32,
+        Choice { n, steps, .. }: Choice,
+        limit: &MemoryLimit,
+    ) -> Result<Result<f64, TooLarge>, SetupError> {
+        if let Err(source) = admit_run(self.setup, None, (n.min(made), steps), limit) {
+            return Ok(Err(source));
+        }
+        let cost = |n: u32| self.setup.space(n).map(|space| run_cost(self.setup, &space, steps));
+        let whole = cost(n.min(made))?;
+        let mut bytes = whole.memory_bytes;
+        if n > made {
+            let half = cost(made / 2)?;
+            let [half, whole] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
+            let finer = f64::from(n) / f64::from(made);
+            bytes += whole * (finer.powf((whole / half).log2()) - 1.0);
+        }
+        Ok(limit.admit(bytes, false).map(|()| bytes))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::cost_model::Exponent;
+    use super::super::Term;
     use super::*;
     use judge::fit::{ErrorCombination, Interval};
+    use scene::Scene;
 
-    fn error(model: ErrorCombination, [ch, p]: [f64; 2], [ck, q]: [f64; 2]) -> ErrorModel {
+    fn model(model: ErrorCombination, [ch, p]: [f64; 2], [ck, q]: [f64; 2]) -> ErrorModel {
         let term = |constant, order| {
             Some(Term { constant, order, interval: Interval::around(order, 0.0) })
         };
@@ -88,88 +284,94 @@ mod tests {
         ErrorModel { model, space: term(ch, p), time: term(ck, q), source, residual: 0.0 }
     }
 
-    fn cost(a: f64, b: f64) -> CostModel {
-        let estimate = |exponent| Exponent { exponent, interval: Interval::around(exponent, 0.0) };
-        CostModel {
-            base: 0.0,
-            constant: 1e-6,
-            space: estimate(a),
-            time: estimate(b),
-            residual: 0.0,
-        }
+    fn cost([a, b]: [f64; 2], h: f64, k: f64) -> f64 {
+        1e-6 * h.powf(-a) * k.powf(-b)
     }
 
     /// The least cost under E(h, k) = target, by search over h alone: k is what the target leaves.
-    fn searched(error: &ErrorModel, cost: &CostModel, target: f64) -> f64 {
-        let time = error.time.expect("a term of k");
-        let at = |log_h: f64| {
-            let (m, space) =
-                (error.model.exponent(), error.space.map_or(0.0, |s| s.at(log_h.exp())));
-            let left = (target.powf(m) - space.powf(m)).max(0.0).powf(1.0 / m);
+    fn searched(error: &ErrorModel, exponents: [f64; 2], target: f64) -> (f64, [f64; 2]) {
+        let (space, time) = (error.space.expect("h"), error.time.expect("k"));
+        let m = error.model.exponent();
+        let at = |i: u32| {
+            let h = (-12.0 + 14.0 * f64::from(i) / 2e5).exp();
+            let left = (target.powf(m) - space.at(h).powf(m)).max(0.0).powf(1.0 / m);
             let k = (left / time.constant).powf(1.0 / time.order);
-            if k > 0.0 { cost.seconds(log_h.exp(), k) } else { f64::INFINITY }
+            (if k > 0.0 { cost(exponents, h, k) } else { f64::INFINITY }, [h, k])
         };
-        (0..200_000).map(|i| at(-12.0 + 14.0 * f64::from(i) / 2e5)).fold(f64::INFINITY, f64::min)
+        (0..200_000).map(at).min_by(|a, b| a.0.total_cmp(&b.0)).expect("a least")
     }
 
     #[test]
-    fn the_optimum_is_the_least_cost_of_a_search() {
-        for model in [ErrorCombination::Sum, ErrorCombination::RootSumSquare] {
-            for (space, time, a, b) in [
-                ([0.5, 1.0], [2.0, 2.0], 2.4, 0.9),
-                ([3.0, 0.6], [0.1, 2.0], 3.0, 1.0),
-                ([1.0, 2.0], [5.0, 1.0], 2.0, 1.7),
+    fn the_coupling_is_the_least_cost_of_a_search() {
+        for kind in [ErrorCombination::Sum, ErrorCombination::RootSumSquare] {
+            for (space, time, exponents) in [
+                ([0.5, 1.0], [2.0, 2.0], [2.4, 0.9]),
+                ([3.0, 0.6], [0.1, 2.0], [3.0, 1.0]),
+                ([1.0, 2.0], [5.0, 1.0], [2.0, 1.7]),
             ] {
-                let (error, cost) = (error(model, space, time), cost(a, b));
-                for target in [0.1, 0.003] {
-                    let found = optimum(&error, &cost, target).expect("an optimum");
-                    let (h, k) = (found.h.expect("h"), found.k.expect("k"));
-                    // On the constraint, but for roundings of powers.
-                    assert!((error.error(h, k) / target - 1.0).abs() < 1e-12);
-                    let least = searched(&error, &cost, target);
-                    let seconds = cost.seconds(h, k);
-                    // The search looks at every 7e-5 of log h, where the cost is flat.
-                    assert!((seconds / least - 1.0).abs() < 1e-6, "{seconds} {least}");
-                    let path = coupling(&error, &cost).expect("a path");
-                    assert!((path.factor * h.powf(path.exponent) / k - 1.0).abs() < 1e-12);
-                    // The balance of the doc comment with a wrong exponent of the cost is dearer.
-                    let four = Exponent { exponent: 4.0 * b, ..cost.time };
-                    let wrong = CostModel { time: four, ..cost.clone() };
-                    let off = optimum(&error, &wrong, target).expect("an optimum");
-                    let dear = cost.seconds(off.h.expect("h"), off.k.expect("k"));
-                    assert!(dear > 1.01 * least, "{dear} {least}");
+                let error = model(kind, space, time);
+                let path = coupling(&error, exponents).expect("a path");
+                let found = [0.1, 0.003].map(|target| searched(&error, exponents, target));
+                for ((_, [h, k]), target) in found.iter().zip([0.1f64, 0.003]) {
+                    // The search looks at every 7e-5 of log h, and the cost is flat over the root of its rounding.
+                    assert!((path.factor * h.powf(path.exponent) / k - 1.0).abs() < 1e-2);
+                    let m = kind.exponent();
+                    let share = (error.space.expect("h").at(*h) / target).powf(m);
+                    assert!((share - path.space_share).abs() < 1e-2, "{share} {path:?}");
                 }
+                let grows = (found[1].0 / found[0].0).ln() / (0.1f64 / 0.003).ln();
+                assert!((grows - path.cost_exponent).abs() < 1e-6, "{grows} {path:?}");
             }
         }
-    }
-
-    #[test]
-    fn the_cost_of_an_error_grows_with_its_exponent() {
-        let (error, cost) = (error(ErrorCombination::Sum, [0.5, 1.0], [2.0, 2.0]), cost(2.4, 0.9));
-        let seconds = |target: f64| {
-            let found = optimum(&error, &cost, target).expect("an optimum");
-            cost.seconds(found.h.expect("h"), found.k.expect("k"))
-        };
-        let exponent = (seconds(0.001) / seconds(0.01)).log10();
-        assert!((exponent - (2.4 + 0.45)).abs() < 1e-12);
-        let path = coupling(&error, &cost).expect("a path");
-        assert!((path.cost_exponent - exponent).abs() < 1e-12 && path.exponent == 0.5);
-        // Another path has no smaller one.
-        for s in [0.25, 0.4, 0.6, 1.0, 2.0] {
-            assert!(along_path(&error, &cost, s).expect("an exponent") > exponent, "{s}");
-        }
-        assert!((along_path(&error, &cost, 0.5).expect("an exponent") - exponent).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_term_that_is_not_there_asks_for_nothing() {
-        let mut error = error(ErrorCombination::Sum, [0.5, 1.0], [2.0, 2.0]);
+        let mut error = model(ErrorCombination::Sum, [0.5, 1.0], [2.0, 2.0]);
+        assert!(coupling(&error, [2.0, -0.1]).is_none());
         error.space = None;
-        let found = optimum(&error, &cost(2.0, 1.0), 0.02).expect("an optimum");
-        assert!(found.h.is_none() && (found.k.expect("k") - 0.1).abs() < 1e-15);
-        assert!(coupling(&error, &cost(2.0, 1.0)).is_none());
-        // Cost that falls with a finer step has no least.
-        error.space = error.time;
-        assert!(optimum(&error, &cost(2.0, -0.1), 0.02).is_none());
+        assert!(coupling(&error, [2.0, 1.0]).is_none());
+    }
+
+    fn setup(name: &str) -> Setup {
+        let path = format!("{}/../../manufactured/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        Setup::new(Scene::read(path.as_ref()).expect("a scene")).expect("a setup")
+    }
+
+    /// Of a scene with an exact solution, and of one whose n and N divide those of its reference run.
+    #[test]
+    fn the_answer_is_the_cheapest_of_all_pairs() {
+        let error = model(ErrorCombination::RootSumSquare, [0.5, 1.0], [0.3, 2.0]);
+        for (name, target) in [("compliance", 0.02), ("compliance", 0.1), ("punch", 0.03)] {
+            let setup = setup(name);
+            let choices = Choices::new(&setup, true).expect("choices");
+            let law = Law {
+                error: Box::new(|h, k| error.error(h, k)),
+                seconds: Box::new(|h, k| cost([2.2, 0.9], h, k)),
+                range: [[4, 2], [128, 64]],
+                made: 8,
+            };
+            let found = choices.by(&law, target, 128).expect("an answer");
+            let mut least = f64::INFINITY;
+            for n in (4..=128).filter(|&n| setup.scene.check_cases(&[n], &[]).is_ok()) {
+                for steps in (2..=64).filter(|&m| setup.scene.check_cases(&[], &[m]).is_ok()) {
+                    let (h, k) = (setup.body.domain.h(n), setup.grid(steps).largest_step());
+                    if error.error(h, k) <= target {
+                        least = least.min(cost([2.2, 0.9], h, k));
+                    }
+                }
+            }
+            assert_eq!(found.seconds, least, "{name}: {found:?}");
+            assert!(found.error <= target && choices.has_cells(found.n));
+            assert!(choices.has_steps(found.steps));
+            // h = 1/128 leaves 0.0039, and 1 MB holds no mesh at all.
+            let all = MemoryLimit::NONE;
+            let refused = choices.cheapest(&law, 0.002, &all).expect_err("out of reach");
+            assert!(
+                matches!(refused, NoAnswer::OutOfReach { n: 128, least, .. } if least > 0.0039)
+            );
+            let refused = choices.cheapest(&law, target, &MemoryLimit::of_bytes(1e6));
+            assert!(matches!(refused, Err(NoAnswer::Memory { .. })), "{refused:?}");
+        }
+        for target in [0.0, -1.0, f64::NAN] {
+            assert!(matches!(NoAnswer::admit(target, 0.0), Err(NoAnswer::NotPositive { .. })));
+        }
+        assert!(matches!(NoAnswer::admit(1.9e-11, 1e-12), Err(NoAnswer::BelowFloor { .. })));
     }
 }

@@ -64,8 +64,8 @@ pub(super) fn trade() -> Section {
     Section::opening(
         "chapter-trade",
         "Speed against accuracy",
-        "What the mesh, the step and every other knob of a scene cost and buy. Times are CPU seconds of one thread on the machine of the study, \
-         from nothing, the least of several runs; errors are the same everywhere.",
+        "What the mesh, the step and every other setting of a scene cost and buy. Times are CPU seconds of one thread on the machine of the study, \
+         from nothing, in single runs; errors are the same everywhere.",
     )
 }
 

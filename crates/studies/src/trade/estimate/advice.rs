@@ -2,24 +2,27 @@
 //!
 //! The law of [`Estimate::at`] carries the error of the run to other steps,
 //! E(h, k)² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)², with an interval from the hull over all readings of the differences;
-//! towards finer steps no reading falls faster than elements, rule or theorem allow. [`Candidates::cheapest`] takes the pair of
+//! towards finer steps no reading falls faster than elements, rule or theorem allow. [`Choices::cheapest`] takes the pair of
 //! least cost with E ≤ target, and once more with the upper end of the interval in place of E.
 
-use super::{Companions, CostSource, Estimate, costs, norm_estimate};
-use crate::trade::{Answer, AtSteps, Candidates, MOST, NoAnswer};
+use super::{Companions, Estimate, norm_estimate};
+use crate::trade::SPAN;
+use crate::trade::cost::{Cost, CostSample};
+use crate::trade::optimum::{Choice, Choices, Law, MOST, NoAnswer};
 use judge::fit::Interval;
-use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
+use run::sweep::MemoryLimit;
 use scene::Norm;
-use scene::setup::{Setup, SetupError};
+use scene::setup::Setup;
 
-/// Companions go down to a fourth of n and N.
-const SPAN: u32 = 4;
 /// No pair is proposed with more than so many times the n or N of the run: twice the span of the companions, on
 /// logarithms. Farther off half an order of doubt is more than a factor 4.
 const REACH: u32 = 16;
 /// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
 /// that is admitted around an order, and another one as in [`super::Part::of`].
 const ABOVE: f64 = 1.0;
+/// Least CPU seconds that can be told from noise: page faults and a cold cache take about a millisecond, a tenth of it.
+const TIMED: f64 = 0.01;
+
 /// What is wanted of which run.
 pub struct Goal<'a> {
     /// The scene.
@@ -37,21 +40,10 @@ pub struct Goal<'a> {
 /// A pair that is proposed.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Advised {
-    /// Cells per unit length.
-    pub n: u32,
-    /// Number of steps.
-    pub steps: u32,
-    /// Mesh size.
-    pub h: f64,
-    /// Largest time step.
-    pub k: f64,
-    /// Predicted error.
-    pub error: f64,
-    /// Its interval.
+    #[serde(flatten)]
+    pub run: Choice,
+    /// The interval of its error.
     pub interval: Interval,
-    /// Predicted CPU seconds.
-    #[serde(rename = "cpu_seconds")]
-    pub seconds: f64,
     /// Predicted peak memory of a process that does this run alone.
     pub bytes: f64,
     /// h₀/h and k₀/k, the steps of the run over these.
@@ -62,14 +54,40 @@ pub struct Advised {
 
 /// What reaches farther than the companions, in words.
 fn extrapolates([h, k]: [f64; 2]) -> Option<String> {
-    let span = f64::from(SPAN);
     let far = |&(name, finer): &(&str, f64)| {
-        (finer > span).then(|| {
-            format!("{name} is 1/{finer:.1} of the run's, and its companions span a factor {span}: nothing shows that the order holds so far")
+        (finer > f64::from(SPAN)).then(|| {
+            format!("{name} is 1/{finer:.1} of the run's, and its companions span a factor {SPAN}: nothing shows that the order holds so far")
         })
     };
     let all: Vec<String> = [("h", h), ("k", k)].iter().filter_map(far).collect();
     (!all.is_empty()).then(|| all.join("; "))
+}
+
+/// Where predicted seconds come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub enum CostSource {
+    /// The CPU times of the run and its companions.
+    #[serde(rename = "times")]
+    Timed,
+    /// Their sum, shared out by cells times levels: the runs are too short for a clock.
+    #[serde(rename = "counts")]
+    Counted,
+}
+
+/// The cost of runs: parts fitted to the CPU times of the companions, or to cells times levels where one is too short
+/// to time. None where nothing fits.
+pub fn costs(setup: &Setup, found: &Companions) -> Option<(Cost, CostSource)> {
+    let samples = found.times.iter().map(|run| CostSample {
+        h: setup.body.domain.h(run.n),
+        k: setup.grid(run.steps).largest_step(),
+        seconds: run.seconds,
+    });
+    let samples: Vec<CostSample> = samples.collect();
+    let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
+    match samples.iter().all(|run| run.seconds >= TIMED) {
+        true => Some((Cost::fit(&samples, dimension, horizon)?, CostSource::Timed)),
+        false => Some((Cost::counted(&samples, dimension, horizon), CostSource::Counted)),
+    }
 }
 
 /// The recommendation.
@@ -93,165 +111,64 @@ pub struct Advice {
 /// [`NoAnswer`].
 pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let none = || NoAnswer::Refused("the costs of the runs have no model".into());
-    let (composition, source) = costs(goal.setup, found)?.ok_or_else(none)?;
-    let seconds = |h: f64, k: f64| composition.seconds(h, k);
-    let candidates = Candidates::new(goal.setup, false)?;
-    let search = Search::new(goal, found, &candidates, &seconds)?;
-    let choice = search.advised(&|error, _| error)?;
-    let cautious = search.advised(&|_, interval| interval.hi);
-    let check = search.check(&choice);
+    let (cost, source) = costs(goal.setup, found).ok_or_else(none)?;
+    let choices = Choices::new(goal.setup, false)?;
+    let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
+    let differences = differences.ok_or_else(|| unknown(goal.norm, "the scene has no contact"))?;
+    let estimate = norm_estimate(goal.setup, found, differences);
+    asymptotic(goal, differences.floor, &estimate)?;
+    let [n, steps] = goal.run;
+    let [h, k] = [choices.h(n), choices.k(steps)];
+    let nowhere = (f64::INFINITY, Interval { lo: 0.0, hi: f64::INFINITY });
+    let at = |choice: [f64; 2]| estimate.at([choice[0] / h, choice[1] / k]).unwrap_or(nowhere);
+    let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
+    // Where the data depend on the mesh, another mesh is another problem.
+    let [least, most] = if found.on_mesh { [n, n] } else { [n / SPAN, reach(n, MOST[0])] };
+    let advised = |read: fn((f64, Interval)) -> f64| {
+        let law = Law {
+            error: Box::new(|h, k| read(at([h, k]))),
+            seconds: Box::new(|h, k| cost.seconds(h, k)),
+            range: [[least, steps / SPAN], [most, reach(steps, MOST[1])]],
+            made: SPAN * n,
+        };
+        let (mut run, bytes) = choices.cheapest(&law, goal.target, &goal.limit)?;
+        let interval;
+        (run.error, interval) = at([run.h, run.k]);
+        let finer = [h / run.h, k / run.k];
+        Ok(Advised { run, interval, bytes, finer, extrapolates: extrapolates(finer) })
+    };
+    let choice = advised(|(error, _)| error)?;
+    let cautious = advised(|(_, interval)| interval.hi);
+    let suits =
+        |n: &u32| n.is_multiple_of(SPAN) && choices.has_cells(*n) && choices.has_cells(n / SPAN);
+    let next = match found.on_mesh {
+        true => None,
+        // The n of the run suits, and so do its multiples.
+        false => (choice.run.n..=MOST[0]).find(suits),
+    };
+    let check = [next.unwrap_or(choice.run.n), choice.run.steps.next_multiple_of(SPAN)];
     Ok(Advice { target: goal.target, choice, cautious, source, check })
 }
 
-/// The law of the errors and the numbers to choose from.
-struct Search<'a> {
-    goal: &'a Goal<'a>,
-    estimate: Estimate,
-    candidates: &'a Candidates<'a>,
-    seconds: &'a AtSteps<'a>,
-    /// h₀ and k₀.
-    steps: [f64; 2],
-    least: [u32; 2],
-    most: [u32; 2],
-}
-
-impl<'a> Search<'a> {
-    fn new(
-        goal: &'a Goal<'a>,
-        found: &Companions,
-        candidates: &'a Candidates<'a>,
-        seconds: &'a AtSteps<'a>,
-    ) -> Result<Self, NoAnswer> {
-        let norm = goal.norm.name();
-        let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
-        let differences = differences.ok_or_else(|| unknown(norm, "the scene has no contact"))?;
-        let estimate = norm_estimate(goal.setup, found, differences);
-        asymptotic(goal, differences.floor, &estimate)?;
-        let [n, steps] = goal.run;
-        // Where the data depend on the mesh, another mesh is another problem.
-        let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
-        let [least, most] = match found.on_mesh {
-            true => [n, n],
-            false => [n / SPAN, reach(n, MOST[0])],
-        };
-        Ok(Self {
-            goal,
-            estimate,
-            candidates,
-            seconds,
-            steps: [(candidates.h)(n), (candidates.k)(steps)],
-            least: [least, steps / SPAN],
-            most: [most, reach(steps, MOST[1])],
-        })
-    }
-
-    /// The error and its interval at (h, k).
-    fn at(&self, h: f64, k: f64) -> (f64, Interval) {
-        let [h0, k0] = self.steps;
-        let nowhere = (f64::INFINITY, Interval { lo: 0.0, hi: f64::INFINITY });
-        self.estimate.at([h / h0, k / k0]).unwrap_or(nowhere)
-    }
-
-    /// The cheapest pair that fits into memory and at which `read`, of the error and its interval, is the target or less.
-    fn advised(&self, read: &dyn Fn(f64, Interval) -> f64) -> Result<Advised, NoAnswer> {
-        let (target, mut most) = (self.goal.target, self.most[0]);
-        let error = |h: f64, k: f64| {
-            let (value, interval) = self.at(h, k);
-            read(value, interval)
-        };
-        let mut refused: Option<NoAnswer> = None;
-        while most >= self.least[0] {
-            let range = [self.least, [most, self.most[1]]];
-            let cheapest = self.candidates.cheapest(&error, self.seconds, target, range);
-            let answer = cheapest.map_err(|none| refused.clone().unwrap_or(none))?;
-            let source = match self.bytes(answer)? {
-                Ok(bytes) => return Ok(self.in_full(answer, bytes)),
-                Err(source) => source,
-            };
-            let Answer { n, steps, .. } = answer;
-            most = self.smaller(n, &source);
-            refused.get_or_insert(NoAnswer::Memory { target, n, steps, source });
-        }
-        Err(refused.unwrap_or_else(|| NoAnswer::Refused("no n is admitted".into())))
-    }
-
-    /// The memory of an answer, or that it is too much. A mesh within the span of the companions is made for that, unless a
-    /// coarse one shows that it does not fit; a finer one may be more than any machine holds, and has the bytes of the
-    /// finest in the span, with the exponent of n that they have on the way there.
-    fn bytes(&self, answer: Answer) -> Result<Result<f64, TooLarge>, SetupError> {
-        let (setup, limit, [n, _]) = (self.goal.setup, &self.goal.limit, self.goal.run);
-        let made = answer.n.min(SPAN * n);
-        if let Err(source) = admit_run(setup, None, (made, answer.steps), limit) {
-            return Ok(Err(source));
-        }
-        let bytes = if answer.n <= SPAN * n {
-            let space = setup.space(answer.n)?;
-            run_cost(setup, &space, answer.steps).memory_bytes
-        } else {
-            self.far_bytes(answer)?
-        };
-        Ok(limit.admit(bytes, false).map(|()| bytes))
-    }
-
-    /// b(n) = b(4n₀) (n/4n₀)^e, e = log₂ b(4n₀)/b(2n₀), of mesh and march; the program itself does not grow.
-    fn far_bytes(&self, answer: Answer) -> Result<f64, SetupError> {
-        let (setup, [n, _]) = (self.goal.setup, self.goal.run);
-        let (half, whole) = (setup.space(SPAN * n / 2)?, setup.space(SPAN * n)?);
-        let half = run_cost(setup, &half, answer.steps);
-        let whole = run_cost(setup, &whole, answer.steps);
-        let [at_half, at_whole] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
-        let finer = f64::from(answer.n) / f64::from(SPAN * n);
-        Ok(whole.memory_bytes + at_whole * (finer.powf((at_whole / at_half).log2()) - 1.0))
-    }
-
-    /// The next pair whose companions exist.
-    fn check(&self, choice: &Advised) -> [u32; 2] {
-        let cells = |n: u32| (self.candidates.cells)(n);
-        let serves = |n: &u32| n.is_multiple_of(SPAN) && cells(*n) && cells(n / SPAN);
-        let n = match self.least[0] == self.most[0] {
-            true => choice.n,
-            // The n of the run serves, and so do its multiples.
-            false => (choice.n..=MOST[0]).find(serves).unwrap_or(choice.n),
-        };
-        [n, choice.steps.next_multiple_of(SPAN)]
-    }
-
-    /// The next n to try: bytes grow at least like cells. What was refused by a coarse mesh was the finest in the span.
-    fn smaller(&self, n: u32, source: &TooLarge) -> u32 {
-        let refused = if source.at_least { n.min(SPAN * self.goal.run[0]) } else { n };
-        let part = (source.limit / source.bytes).powf(1.0 / self.goal.setup.scene.dimension as f64);
-        ((f64::from(refused) * part) as u32).min(refused - 1)
-    }
-
-    fn in_full(&self, answer: Answer, bytes: f64) -> Advised {
-        let Answer { n, steps, seconds, .. } = answer;
-        let [h0, k0] = self.steps;
-        let (h, k) = ((self.candidates.h)(n), (self.candidates.k)(steps));
-        let (error, interval) = self.at(h, k);
-        let finer = [h0 / h, k0 / k];
-        let extrapolates = extrapolates(finer);
-        Advised { n, steps, h, k, error, interval, seconds, bytes, finer, extrapolates }
-    }
-}
-
-fn unknown(norm: &str, reasons: &str) -> NoAnswer {
+fn unknown(norm: Norm, reasons: &str) -> NoAnswer {
     NoAnswer::Refused(format!(
-        "the error of this run in {norm} is unknown: {reasons}; start from a run with other n or N"
+        "the error of this run in {} is unknown: {reasons}; start from a run with other n or N",
+        norm.name()
     ))
 }
 
 /// Refuses an unknown error, an order that is too high to be believed, and a target at the floor of the solver.
 fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAnswer> {
-    let norm = goal.norm.name();
     let reasons = estimate.reasons();
     if !reasons.is_empty() {
-        return Err(unknown(norm, &reasons.join("; ")));
+        return Err(unknown(goal.norm, &reasons.join("; ")));
     }
     for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
         let observed = part.order().zip(part.counted_on().map(|[_, most]| most));
         if let Some((order, most)) = observed.filter(|(order, most)| *order > most + ABOVE) {
             return Err(NoAnswer::Refused(format!(
-                "pre-asymptotic in {step}: order {order:.2} observed in {norm}, and no more than {most} is possible; start from a run with a finer {step}"
+                "pre-asymptotic in {step}: order {order:.2} observed in {}, and no more than {most} is possible; start from a run with a finer {step}",
+                goal.norm.name()
             )));
         }
     }
