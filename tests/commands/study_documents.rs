@@ -1,17 +1,15 @@
 //! Source: every study is one type: its numbers as JSON, its words as a document.
 //! Goal: what a study found wrong is said in its document, and a document of nothing proves nothing; `--help` of a command
 //!   names every key of its JSON.
-//! Data: memory-minus-identity, compliance and affine on small grids; one seeded defect each.
+//! Data: memory-minus-identity and compliance on small grids; one seeded defect each.
 
 use std::collections::BTreeSet;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
 use report::StudyDocument;
-use scene::setup::Subject;
 use studies::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
 use studies::theory::bound::BoundStudy;
-use studies::theory::gronwall::{Study, StudyRuns};
 
 /// The document is sound without the defect, and says `words` with it.
 #[track_caller]
@@ -37,30 +35,6 @@ fn a_bound_says_what_is_violated() {
     let threshold = document(&sound).threshold.expect("a threshold");
     let k: f64 = threshold.split(' ').next().and_then(|k| k.parse().ok()).expect("a number");
     assert!((k - 4.0).abs() < 2e-6, "{threshold}");
-}
-
-#[test]
-fn a_chain_says_which_link_fails() {
-    let subject = Subject::Contact(Box::new(setup("affine")));
-    let plan = StudyRuns { n: Some(4), steps: vec![8], horizons: Vec::new() };
-    let mut study = Study::run(&subject, plan).expect("a study");
-    let sound = study.document();
-    let violation = studies::theory::gronwall::LinkViolation {
-        link: "e <= weighted envelope",
-        n: 3,
-        t: 0.375,
-        left: 0.5,
-        right: f64::NAN,
-    };
-    study
-        .violations
-        .push(studies::theory::gronwall::FailedLink { part: "N = 8".into(), violation });
-    let words =
-        "N = 8: e <= weighted envelope at n = 3 (t = 0.375): 5.000000000e-1 against no number";
-    shows(&sound, &study.document(), words);
-    study.violations.clear();
-    study.grids.clear();
-    shows(&sound, &study.document(), "nothing was compared");
 }
 
 #[test]
