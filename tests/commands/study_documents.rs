@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
+use judge::claim::{Claim, Place};
 use report::StudyDocument;
 use studies::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
 use studies::theory::bound::BoundStudy;
@@ -21,16 +22,15 @@ fn shows(sound: &StudyDocument, defect: &StudyDocument, words: &str) {
 #[test]
 fn a_bound_says_what_is_violated() {
     let sound = BoundStudy::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
-    let document = |bound: &BoundStudy| bound.document();
+    let document = |bound: &BoundStudy| bound.findings().document;
     let mut defect = sound.clone();
-    defect.violations.push(studies::theory::bound::gate::BoundViolation {
-        k: Some(0.5),
-        what: "|DLambda| <= (3.15)".into(),
-        left: 2.0,
-        right: 0.6,
-    });
-    let words = "k = 0.5: |DLambda| <= (3.15): 2.000000000e0 against 6.000000000e-1";
+    let place = Place { at: "k = 0.5".into(), ..Place::default() };
+    let statement = sound.claims[0].statement;
+    defect.claims.push(Claim::at_most(statement, place, [2.0, 0.6], 0.0));
+    let words = "at k = 0.5: 2.000000000e0 <= 6.000000000e-1 does not hold";
     shows(&document(&sound), &document(&defect), words);
+    defect.claims.clear();
+    shows(&document(&sound), &document(&defect), "nothing was compared");
     // The table of all scenes has where Λ stops contracting: k = 4, to the width of its bracket.
     let threshold = document(&sound).threshold.expect("a threshold");
     let k: f64 = threshold.split(' ').next().and_then(|k| k.parse().ok()).expect("a number");

@@ -14,8 +14,7 @@ use scene::{Scene, Source};
 use serde_json::Value;
 use studies::solution::FinalState;
 use studies::theory::audit::{AuditConstants, Auditor};
-use studies::theory::bound::contact::at_level;
-use studies::theory::bound::factor::contraction;
+use studies::theory::bound::{at_level, contraction};
 use studies::theory::gronwall::{
     ContactInTime, Envelopes, Estimate, InTime, TruthAtLevel, prepare,
 };
