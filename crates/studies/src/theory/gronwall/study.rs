@@ -147,7 +147,7 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallEr
     if let Some(run) = grids.iter().max_by_key(|run| run.estimate.grid.steps()) {
         document.answer(answer(run));
         let shows = "measured error and the envelopes of (3.24) over t (sweep gronwall).";
-        document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run).svg());
+        document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
     }
     document.words(format!("The truth is{mesh}: {}.", in_time.truth()));
     document.table(
@@ -208,7 +208,7 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallEr
             ),
         );
         let shows = "error and bounds over the horizon (sweep gronwall --horizons).";
-        document.figure("gronwall-horizon", shows, over_horizon(&scene.name, k, &rows).svg());
+        document.figure("gronwall-horizon", shows, over_horizon(&scene.name, k, &rows));
     }
     Ok(findings)
 }
@@ -389,56 +389,55 @@ pub(super) fn perturbed_row((size, run): &(f64, Bounded)) -> Value {
     })
 }
 
-/// Error and bounds stand on a logarithmic axis, where the distance of two curves is their ratio.
-fn chart(scene: &str, question: &str, x: Axis, y: &str, series: Vec<Series>) -> Chart {
-    let y = Axis::new(y, Scale::Log);
-    let title = format!("{scene}: Gronwall");
-    Chart { direct: true, series, ..Chart::new(&title, question, x, y) }
+/// Error and three of its bounds, by their keys, on a logarithmic axis, where the distance of two curves is their ratio.
+fn picture(
+    scene: &str,
+    question: &str,
+    x: Axis,
+    y: &str,
+    of: impl Fn(&str) -> Vec<Datum>,
+) -> Option<String> {
+    let bounds = [
+        ("weighted", "weighted envelope"),
+        ("primed", "primed envelope"),
+        ("closed", "its closed form"),
+    ];
+    let curve = |(key, name): (&str, &str)| Series::new(name, vec![Part::Line(of(key))]);
+    let mut series: Vec<Series> = bounds.map(curve).into();
+    // Above the bounds: where one is attained, both are seen.
+    let error = Series::new("measured error", vec![Part::Dashed(of("error"))]);
+    series.push(Series { grey: true, ..error });
+    let chart = Chart::new(&format!("{scene}: Gronwall"), question, x, Axis::new(y, Scale::Log));
+    Chart { direct: true, series, ..chart }.svg()
 }
 
-/// The bounds in pictures: the parts of the history apart, together, and in closed form.
-const SHOWN: [(&str, &str); 3] = [
-    ("weighted", "weighted envelope"),
-    ("primed", "primed envelope"),
-    ("closed", "its closed form"),
-];
-
-fn measured(parts: Vec<Part>) -> Series {
-    Series { grey: true, ..Series::new("measured error", parts) }
-}
-
-fn over_time(scene: &str, mesh: &str, Bounded { estimate, envelopes, .. }: &Bounded) -> Chart {
+fn over_time(scene: &str, mesh: &str, run: &Bounded) -> Option<String> {
     let question = format!(
         "Error in time and its bounds on [0, T], N = {}{mesh}. From the weighted envelope to the closed form each bound lies above the one before.",
-        estimate.grid.steps()
+        run.estimate.grid.steps()
     );
-    let data = |values: &[f64]| -> Vec<Datum> {
-        estimate.grid.times().iter().copied().zip(values.iter().copied()).skip(1).collect()
-    };
-    let bounds = [&envelopes.weighted, &envelopes.primed, &envelopes.closed];
-    let lines = bounds.into_iter().zip(SHOWN);
-    let mut series: Vec<Series> =
-        lines.map(|(bound, (_, name))| Series::new(name, vec![Part::Line(data(bound))])).collect();
-    series.push(measured(vec![Part::Dashed(data(&estimate.error))]));
-    chart(scene, &question, Axis::new("time t_n", Scale::Linear), "norm of the error", series)
+    let x = Axis::new("time t_n", Scale::Linear);
+    picture(scene, &question, x, "norm of the error", |key| {
+        let values = match key {
+            "weighted" => &run.envelopes.weighted,
+            "primed" => &run.envelopes.primed,
+            "closed" => &run.envelopes.closed,
+            _ => &run.estimate.error,
+        };
+        let times = run.estimate.grid.times().iter().copied();
+        times.zip(values.iter().copied()).skip(1).collect()
+    })
 }
 
-fn over_horizon(scene: &str, k: f64, rows: &[Value]) -> Chart {
+fn over_horizon(scene: &str, k: f64, rows: &[Value]) -> Option<String> {
     let question = format!(
         "Error and bounds over the horizon at the fixed step k = {k}: uniform in T, or like exp(C₂T)?"
     );
-    let data = |key: &str| -> Vec<Datum> {
+    let x = Axis::new("horizon T", Scale::Log);
+    picture(scene, &question, x, "maximum over [0, T]", |key| {
         let value = |row: &Value, key: &str| row[key].as_f64().unwrap_or(f64::NAN);
         rows.iter().map(|row| (value(row, "horizon"), value(row, key))).collect()
-    };
-    let curve = |(key, name): (&str, &str)| {
-        Series::new(name, vec![Part::Line(data(key)), Part::Points(data(key))])
-    };
-    let mut series: Vec<Series> = SHOWN.into_iter().map(curve).collect();
-    // Above the bounds: where one is attained, both are seen.
-    series.push(measured(vec![Part::Dashed(data("error")), Part::Hollow(data("error"))]));
-    let x = Axis::new("horizon T", Scale::Log);
-    chart(scene, &question, x, "maximum over [0, T]", series)
+    })
 }
 
 /// Nodal vectors of a level that the perturbations hold: f, δf, f + δf, and u of f and of f + δf.
