@@ -66,13 +66,13 @@ impl BoundStudy {
             _ => "for no k".into(),
         };
         document.answer(format!(
-            "Proved: Λ contracts {} by (3.4), {} by the sharpened bound; one solution per step is guaranteed {}. {}",
+            "Proved: Λ contracts {} by (3.4), {} by the sharpened bound; one solution per step is guaranteed {}. Measured: {}.",
             below(limits.limit()),
             below(limits.sharpened_limit()),
             below(limits.solvable_limit()),
             match &study.not_followed {
-                Some(reason) => format!("Measured: nothing, {reason}."),
-                None => format!("Measured: it contracts up to k: {}.", crossing(study.thresholds.norm)),
+                Some(reason) => format!("nothing, {reason}"),
+                None => format!("‖DΛ‖ < 1 for k below {}", crossing(study.thresholds.norm)),
             }
         ));
         document.table("The bound in four numbers, k below each.", self.numbers());

@@ -134,7 +134,9 @@ const ITERATIONS: u32 = 400;
 /// The loss is bisected to this width, relative to k, in at most so many step sizes: nearer to a singular tangent Newton's
 /// method does not come.
 const WIDTH: f64 = 1e-7;
-const EVALUATIONS: u32 = 200;
+const EVALUATIONS: u32 = 100;
+/// Solutions that a ladder holds at most.
+pub(super) const SOLUTIONS: usize = (RUNGS + EVALUATIONS) as usize;
 /// The tolerance of Newton's method shrinks with the tangent where that becomes singular, rounding does
 /// not: a residual that stalls at this multiple of it is a solution.
 const STALLED: f64 = 64.0;

@@ -264,10 +264,10 @@ fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
 /// The runs of a study.
 pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
     let grid = meshes_beside(setup, n).map(|n| (n, steps)).collect();
-    // The factors of the volume's tangent and of the inner product, and the vectors of an eigenvalue; beside them the
-    // solutions of a ladder are few.
-    let beside = |space: &Discretization, _| {
-        8.0 * (2.0 * space.factor_size()[0] + (KRYLOV_VECTORS * space.dofs()) as f64)
+    // The factors of the volume's tangent and of the inner product, the vectors of an eigenvalue and a ladder's solutions.
+    let vectors = KRYLOV_VECTORS + ladder::SOLUTIONS;
+    let beside = move |space: &Discretization, _| {
+        8.0 * (2.0 * space.factor_size()[0] + (vectors * space.dofs()) as f64)
     };
     Runs { setup, grid, beside: Box::new(beside) }
 }
