@@ -7,13 +7,13 @@ use super::{CliError, Scenes, study};
 use clap::Args;
 use scene::Extension;
 use scene::setup::Subject;
-use studies::theory::bound::BoundStudy;
-use studies::theory::bound::contact::study_runs;
+use studies::theory::bound::{BoundStudy, study_runs};
 
 /// `sweep bound`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, fingerprint (of its text), n, steps, constants (name, value, uncertainty, how, safe, note), samples (what, declared, needed, samples, holds), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, loss_tensors, loss_mesh, not_followed: why norm_one, radius_one and loss are null and rungs is empty, where m0 <= 0), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, finite_random, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), violations (k, what, left, right), m0_unknown (between what m0 lies, where its sign is unknown; else null). Exit code 1: an inequality or a declared constant does not hold."
+    after_help = "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples <= declared constants. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. \
+JSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, steps, constants (name, value, uncertainty, how, safe, note), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, not_followed: why norm_one, radius_one and loss are null and rungs is empty, where m0 <= 0), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), m0_unknown (between what m0 lies, where its sign is unknown; else null). Files with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg. Exit code 1: a claim does not hold."
 )]
 pub(crate) struct BoundCommand {
     /// Name of a scene, or path of a TOML file
@@ -26,7 +26,7 @@ pub(crate) struct BoundCommand {
     steps: Option<u32>,
     #[command(flatten)]
     common: Common,
-    /// Write SCENE-bound.json and SCENE-bound.svg into this directory
+    /// Write SCENE-bound.json, its claims as CSV and its picture into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -57,7 +57,6 @@ impl BoundCommand {
             }
         }
         .map_err(|error| CliError::about(&scene.name, error))?;
-        study::deliver(&bound, &bound.document(), self.out.as_deref(), self.common.json)?;
-        Ok(u8::from(!bound.holds()))
+        study::show(&bound.findings(), self.out.as_deref(), self.common.json)
     }
 }

@@ -5,17 +5,17 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::machine::Common;
-use super::study::deliver;
-use super::{CliError, Scenes, create_dir, write_file};
+use super::study::show;
+use super::{CliError, Scenes};
 use run::sweep::admit_constants;
 use scene::Scene;
 use scene::setup::Subject;
-use studies::theory::gronwall::{Study, StudyRuns, study_runs};
+use studies::theory::gronwall::{StudyRuns, study, study_runs};
 
 /// `sweep gronwall`.
 #[derive(Args)]
 #[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is checked at every n of every run; exit code 1 names the first n at which a link fails.\n\nJSON keys with --json: scene, fingerprint (of its text), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, of_maxima, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, limit, printed, printed_closed, c2, growth), perturbations (shape, size, steps, load, difference, growth, weighted, primed, least_effectivity), violations (part, link, n, t, left, right), verdict.\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-*.svg."
+    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run, and that the difference of two solutions under perturbed loads stays below its recurrence; exit code 1: a claim does not hold, and is named with the first n at which it fails.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, limit, printed, printed_closed, c2, growth), perturbations (size, steps, load, difference, growth, weighted, primed, least_effectivity).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg, SCENE-gronwall-horizon.svg."
 )]
 pub(crate) struct Gronwall {
     /// Name of a scene, or path of a TOML file
@@ -31,7 +31,7 @@ pub(crate) struct Gronwall {
     horizons: Vec<f64>,
     #[command(flatten)]
     common: Common,
-    /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json and the pictures
+    /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json, its claims as CSV and the pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -53,14 +53,8 @@ impl Gronwall {
         if let (Subject::Contact(setup), Some(n)) = (&subject, plan.n) {
             study_runs(setup, n, &plan).admit(&self.common.allowance.limit())?;
         }
-        let study = Study::run(&subject, plan).map_err(CliError::other)?;
-        if let Some(dir) = &self.out {
-            create_dir(dir)?;
-            let levels = study.csv().map_err(CliError::other)?;
-            write_file(&dir.join(format!("{}-gronwall.csv", study.scene)), levels)?;
-        }
-        deliver(&study, &study.document(), self.out.as_deref(), self.common.json)?;
-        Ok(u8::from(!study.violations.is_empty()))
+        let found = study(&subject, &plan).map_err(CliError::other)?;
+        show(&found, self.out.as_deref(), self.common.json)
     }
 
     fn plan(&self, scene: &Scene) -> Result<StudyRuns, CliError> {

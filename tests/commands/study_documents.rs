@@ -1,17 +1,16 @@
 //! Source: every study is one type: its numbers as JSON, its words as a document.
 //! Goal: what a study found wrong is said in its document, and a document of nothing proves nothing; `--help` of a command
 //!   names every key of its JSON.
-//! Data: memory-minus-identity, compliance and affine on small grids; one seeded defect each.
+//! Data: memory-minus-identity and compliance on small grids; one seeded defect each.
 
 use std::collections::BTreeSet;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
+use judge::claim::{Claim, Place};
 use report::StudyDocument;
-use scene::setup::Subject;
 use studies::extremes::{UnderTest, catalogue, climb, found};
 use studies::theory::bound::BoundStudy;
-use studies::theory::gronwall::{Study, StudyRuns};
 
 /// The document is sound without the defect, and says `words` with it.
 #[track_caller]
@@ -23,44 +22,19 @@ fn shows(sound: &StudyDocument, defect: &StudyDocument, words: &str) {
 #[test]
 fn a_bound_says_what_is_violated() {
     let sound = BoundStudy::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
-    let document = |bound: &BoundStudy| bound.document();
+    let document = |bound: &BoundStudy| bound.findings().document;
     let mut defect = sound.clone();
-    defect.violations.push(studies::theory::bound::gate::BoundViolation {
-        k: Some(0.5),
-        what: "|DLambda| <= (3.15)".into(),
-        left: 2.0,
-        right: 0.6,
-    });
-    let words = "k = 0.5: |DLambda| <= (3.15): 2.000000000e0 against 6.000000000e-1";
+    let place = Place { at: "k = 0.5".into(), ..Place::default() };
+    let statement = sound.claims[0].statement;
+    defect.claims.push(Claim::at_most(statement, place, [2.0, 0.6], 0.0));
+    let words = "at k = 0.5: 2.000000000e0 <= 6.000000000e-1 does not hold";
     shows(&document(&sound), &document(&defect), words);
+    defect.claims.clear();
+    shows(&document(&sound), &document(&defect), "nothing was compared");
     // The table of all scenes has where Λ stops contracting: k = 4, to the width of its bracket.
     let threshold = document(&sound).threshold.expect("a threshold");
     let k: f64 = threshold.split(' ').next().and_then(|k| k.parse().ok()).expect("a number");
     assert!((k - 4.0).abs() < 2e-6, "{threshold}");
-}
-
-#[test]
-fn a_chain_says_which_link_fails() {
-    let subject = Subject::Contact(Box::new(setup("affine")));
-    let plan = StudyRuns { n: Some(4), steps: vec![8], horizons: Vec::new() };
-    let mut study = Study::run(&subject, plan).expect("a study");
-    let sound = study.document();
-    let violation = studies::theory::gronwall::LinkViolation {
-        link: "e <= weighted envelope",
-        n: 3,
-        t: 0.375,
-        left: 0.5,
-        right: f64::NAN,
-    };
-    study
-        .violations
-        .push(studies::theory::gronwall::FailedLink { part: "N = 8".into(), violation });
-    let words =
-        "N = 8: e <= weighted envelope at n = 3 (t = 0.375): 5.000000000e-1 against no number";
-    shows(&sound, &study.document(), words);
-    study.violations.clear();
-    study.grids.clear();
-    shows(&sound, &study.document(), "nothing was compared");
 }
 
 #[test]

@@ -20,10 +20,11 @@
 
 use crate::shipped::{edited, setup, setup_of, text};
 use fem::contact::Model;
+use judge::claim::{Claim, Place};
 use scene::setup::{Setup, Subject};
 use scene::{Hypothesis, Registry, Scene, Source};
 use studies::theory::gronwall::{
-    ContactInTime, Estimate, GronwallConstants, GronwallError, InTime, KernelNorms, LinkViolation,
+    ContactInTime, Envelopes, Estimate, GronwallConstants, GronwallError, InTime, KernelNorms,
     TemporalTruth, prepare,
 };
 use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
@@ -49,13 +50,18 @@ fn run_of(case: &ContactInTime<'_>, model: &Model) -> Estimate {
     case.measure_model(model, STEPS).unwrap()
 }
 
-fn violations(run: &Estimate) -> Vec<LinkViolation> {
-    run.envelopes().unwrap().violations(run)
+fn violations(run: &Estimate) -> Vec<Claim> {
+    violated(&run.envelopes().unwrap(), run)
+}
+
+fn violated(envelopes: &Envelopes, run: &Estimate) -> Vec<Claim> {
+    let claims = envelopes.claims(run, &Place::default());
+    claims.into_iter().filter(|claim| claim.reason().is_some()).collect()
 }
 
 /// True if a measured error is above the weighted envelope.
 fn caught(run: &Estimate) -> bool {
-    violations(run).iter().any(|v| v.link == "e <= weighted envelope" && v.left > v.right)
+    violations(run).iter().any(|v| v.statement.says == "e <= weighted envelope" && v.excess() > 0.0)
 }
 
 #[test]
@@ -290,7 +296,7 @@ fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
     let changed = |change: &dyn Fn(&mut Estimate)| {
         let mut wrong = run.clone();
         change(&mut wrong);
-        violations(&wrong).iter().map(|violation| violation.link).collect::<Vec<_>>()
+        violations(&wrong).iter().map(|claim| claim.statement.says).collect::<Vec<_>>()
     };
     assert!(changed(&|run| run.m0 *= 4.0).contains(&"e <= weighted envelope"));
     // A bound of C alone without its norm: the weights of (t - s)^-a no longer bound those of the kernel.
@@ -329,7 +335,7 @@ fn every_link_can_fail() {
     let failing = |change: &dyn Fn(&mut Estimate)| -> Vec<&'static str> {
         let mut wrong = run.clone();
         change(&mut wrong);
-        violations(&wrong).iter().map(|violation| violation.link).collect()
+        violations(&wrong).iter().map(|claim| claim.statement.says).collect()
     };
     assert_eq!(failing(&|_| ()), Vec::<&str>::new());
     // A supremum below the norms it bounds, a β_φ below 1.
@@ -345,6 +351,8 @@ fn every_link_can_fail() {
         run.error.pop();
     });
     assert_eq!(short, ["one value per step"]);
+    let endless = failing(&|run| run.error[7] = f64::INFINITY);
+    assert_eq!(endless, ["e <= weighted envelope"]);
     let envelopes = run.envelopes().expect("envelopes");
     for (n, change) in [(5, 0), (9, 1), (11, 2), (13, 3)] {
         let mut wrong = envelopes.clone();
@@ -356,9 +364,9 @@ fn every_link_can_fail() {
             2 => closed[n] = 0.5 * printed[n],
             _ => wrong.weighted[n] = 0.5 * run.error[n],
         }
-        let found = wrong.violations(&run);
+        let found = violated(&wrong, &run);
         assert!(
-            found.iter().all(|v| v.n == n && v.left > v.right) && !found.is_empty(),
+            found.iter().all(|v| v.place.level == Some(n) && v.excess() > 0.0) && !found.is_empty(),
             "{found:?}"
         );
     }

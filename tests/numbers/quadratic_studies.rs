@@ -18,9 +18,7 @@ use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, TruthLoad, constants, reference_run};
 use studies::theory::audit::{AuditConstants, Auditor, audit};
-use studies::theory::bound::contact::at_level;
-use studies::theory::bound::factor::{contraction, finite_factor};
-use studies::theory::bound::{BoundStudy, sampled};
+use studies::theory::bound::{BoundStudy, at_level, contraction, finite_factor, sampled};
 use studies::trade::estimate::{companions, norm_estimate};
 use vhi::Newton;
 use vhi::law::{MemoryKernel, PiecewiseLinear, TensorField};
@@ -161,21 +159,22 @@ fn the_step_bound_holds_and_wrong_constants_do_not() {
     for name in ["quadratic-memory", "quadratic-front"] {
         let setup = setup(name);
         let bound = BoundStudy::new(&setup, 2, 4).unwrap_or_else(|error| panic!("{error}"));
-        assert!(bound.holds(), "{name}: {:?}", bound.violations);
+        assert!(bound.holds(), "{name}: {:?}", bound.claims);
         assert!(bound.study.thresholds.norm.is_some(), "{name}: memory makes a threshold");
     }
     // Samples at the strain points need the constants, and no smaller ones.
     let setup = setup("quadratic-memory");
     let (space, sound) = (setup.space(4).expect("a mesh"), constants(&setup).expect("constants"));
-    let fails = |wrong| -> Vec<String> {
+    let fails = |wrong| -> Vec<&'static str> {
         let rows =
             sampled::sample(&setup, &wrong, &space).unwrap_or_else(|error| panic!("{error}"));
-        rows.into_iter().filter(|row| !row.holds).map(|row| row.what).collect()
+        let failing = rows.iter().filter(|row| row.reason().is_some());
+        failing.map(|row| row.statement.source).collect()
     };
     let half = 0.5 * sound.alpha_phi;
     let mut spoilt = constants(&setup).expect("constants");
     spoilt.beta_phi *= 0.5;
-    assert_eq!(fails(sound), Vec::<String>::new());
+    assert_eq!(fails(sound), Vec::<&str>::new());
     let told = fails(spoilt);
     assert!(half > 0.0 && told.iter().any(|what| what.contains("beta_phi")), "{told:?}");
 }

@@ -8,14 +8,13 @@ use std::sync::Arc;
 use algebra::linalg::axpy;
 use exact::{Exact, Status, Truth, check};
 use fem::contact::{CaseError, Discretization, StepView, strain_distance, strain_norm};
-use judge::claim::Standing;
+use judge::claim::{Place, Standing};
 use scene::setup::{AbstractSetup, MeshData, Setup, Subject, sides, step_bounds};
 use scene::{Scene, Source};
 use serde_json::Value;
 use studies::solution::FinalState;
 use studies::theory::audit::{AuditConstants, Auditor};
-use studies::theory::bound::contact::at_level;
-use studies::theory::bound::factor::contraction;
+use studies::theory::bound::{at_level, contraction};
 use studies::theory::gronwall::{
     ContactInTime, Envelopes, Estimate, InTime, TruthAtLevel, prepare,
 };
@@ -48,6 +47,13 @@ impl Stage {
         let data = data(defect, &program, &self.sound, &self.space, &self.truth);
         (program, data)
     }
+}
+
+/// The first link of the chain that does not hold.
+fn violated(envelopes: &Envelopes, run: &Estimate) -> Option<&'static str> {
+    let claims = envelopes.claims(run, &Place::default());
+    let failed = claims.iter().find(|claim| claim.standing() != Standing::Passes)?;
+    Some(failed.statement.says)
 }
 
 /// A run that broke off is no result, whatever else is said of it.
@@ -209,17 +215,16 @@ impl Witnesses {
                 Ok(())
             });
             run.ok()?;
-            let violations = enveloped.envelopes.violations(&estimate);
-            let first = violations.first()?;
-            Some(format!("{} on {}", first.link, enveloped.stage.sound.scene.name))
+            let says = violated(&enveloped.envelopes, &estimate)?;
+            Some(format!("{says} on {}", enveloped.stage.sound.scene.name))
         });
         contact.or_else(|| {
             let sound = AbstractSetup::new(self.finite.clone()).expect("a setup");
             let program = (defect.abstract_program)(sound);
             let subject = Subject::Abstract(Box::new(program));
             let run = prepare(&subject, None, &[64]).ok()?.measure(64).ok()?;
-            let violations = run.envelopes().ok()?.violations(&run);
-            violations.first().map(|first| format!("{} on abstract-smooth", first.link))
+            let says = violated(&run.envelopes().ok()?, &run)?;
+            Some(format!("{says} on abstract-smooth"))
         })
     }
 

@@ -1,18 +1,37 @@
-//! Tables of a study as CSV.
+//! Tables of a study: as CSV, and of its JSON in its document.
+
+use report::{Row, Run, precise};
+use serde_json::Value;
+
+/// Rows of JSON as rows of a document: each column with its head, the place of its value in a row and its digits.
+pub(crate) fn rows<'a, const N: usize>(
+    rows: &'a [Value],
+    columns: [(&'static str, &'static str, usize); N],
+) -> impl Iterator<Item = Row<'static, N>> + 'a {
+    let cell = |value: Option<&Value>, digits| match value {
+        Some(Value::String(text)) => Run::plain(text.clone()),
+        Some(value) if value.is_u64() => Run::plain(value.to_string()),
+        value => precise(value.and_then(Value::as_f64), digits),
+    };
+    rows.iter().map(move |row| {
+        columns.map(|(head, place, digits)| (head, cell(row.pointer(place), digits)))
+    })
+}
 
 /// Rows of named cells as CSV, below the names of the cells.
 ///
 /// # Errors
 /// The writer's.
-pub(crate) fn csv<const N: usize>(
-    rows: impl IntoIterator<Item = [(&'static str, String); N]>,
+pub(crate) fn csv<R: AsRef<[(&'static str, String)]>>(
+    rows: impl IntoIterator<Item = R>,
 ) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (i, row) in rows.into_iter().enumerate() {
+        let row = row.as_ref();
         if i == 0 {
-            writer.write_record(row.each_ref().map(|(name, _)| *name))?;
+            writer.write_record(row.iter().map(|(name, _)| *name))?;
         }
-        writer.write_record(row.each_ref().map(|(_, cell)| cell))?;
+        writer.write_record(row.iter().map(|(_, cell)| cell))?;
     }
     writer.into_inner().map_err(|error| error.into_error().into())
 }

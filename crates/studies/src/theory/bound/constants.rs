@@ -1,29 +1,78 @@
-//! The trace constants of a contact scene, and its constants on one mesh.
+//! The constants of a scene as a table: name, value, how it was obtained, what it is; and those of one mesh.
 
-use super::ladder::BoundError;
+use serde::Serialize;
+
+use super::BoundError;
+use Obtained::{Computed, Declared, Extrapolated, Proved};
 use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
-use scene::setup::{Constants, Setup, TraceConstant, trace_constant, with_trace_constants};
-use vhi::law::TensorField;
+use files::digits;
+use scene::setup::{
+    AbstractConstants, Constants, Setup, TraceConstant, trace_constant, with_trace_constants,
+};
+use vhi::finite::FiniteModel;
+use vhi::law::{Potential, TensorField};
+
+/// How a number was obtained.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Obtained {
+    /// By an argument on paper.
+    Proved,
+    /// As a number: of one mesh to rounding, or as the largest of many samples.
+    Computed,
+    /// As the limit of numbers of several meshes.
+    Extrapolated,
+    /// By the scene or the law, and checked by samples.
+    Declared,
+}
+
+/// A constant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Constant {
+    /// Its symbol.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// How far off it may be; none if it is exact to rounding or a bound.
+    pub uncertainty: Option<f64>,
+    /// How it was obtained.
+    pub how: Obtained,
+    /// Whether the true constant is certainly on the safe side of it: an upper bound, or for m_A, m0 a
+    /// lower one.
+    pub safe: bool,
+    /// What it is, or the argument.
+    pub note: String,
+}
+
+impl Constant {
+    /// A constant that is safe where it is proved or declared: what is computed of one mesh or of samples, and limits of
+    /// those, may lie on either side.
+    fn new(name: impl Into<String>, value: f64, how: Obtained, note: impl Into<String>) -> Self {
+        let safe = matches!(how, Proved | Declared);
+        Self { name: name.into(), value, uncertainty: None, how, safe, note: note.into() }
+    }
+}
 
 /// A trace constant, and what it is on a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct OnMesh {
+pub(super) struct OnMesh {
     /// None where it is that of a tensor that varies: meshes for constants do not follow regions.
     pub limit: Option<TraceConstant>,
     /// By the consistent mass, and by the vertex rule.
     pub values: [f64; 2],
 }
 
+/// The trace constants of a contact scene.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TraceConstants {
+pub(super) struct TraceConstants {
     /// The mesh.
     pub n: u32,
     /// sup ‖v_ν‖²/‖ε(v)‖².
     pub strain: OnMesh,
     /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)).
-    pub energy: OnMesh,
+    energy: OnMesh,
     /// sup ‖v_τ‖²/‖ε(v)‖², where there is friction.
-    pub tangential: Option<OnMesh>,
+    tangential: Option<OnMesh>,
 }
 
 impl TraceConstants {
@@ -31,7 +80,7 @@ impl TraceConstants {
     ///
     /// # Errors
     /// A stiffness matrix that cannot be factorized.
-    pub(crate) fn new(setup: &Setup, space: &Discretization) -> Result<Option<Self>, BoundError> {
+    pub(super) fn new(setup: &Setup, space: &Discretization) -> Result<Option<Self>, BoundError> {
         let domain = &setup.body.domain;
         if domain.contact.is_empty() {
             return Ok(None);
@@ -54,7 +103,7 @@ impl TraceConstants {
 
     /// The constants that judge the discrete problem on the mesh: c_j² is the largest of what it may be and the values of
     /// both masses.
-    pub(crate) fn on_mesh(&self, setup: &Setup) -> Constants {
+    pub(super) fn on_mesh(&self, setup: &Setup) -> Constants {
         let largest = |of: &OnMesh| {
             let most = of.limit.as_ref().map_or(0.0, |limit| limit.range()[1]);
             TraceConstant::exactly(of.values.into_iter().fold(most, f64::max))
@@ -62,4 +111,158 @@ impl TraceConstants {
         let tangential = self.tangential.as_ref().map_or(TraceConstant::ZERO, largest);
         with_trace_constants(setup, &largest(&self.strain), &tangential)
     }
+
+    fn rows(&self, c: &Constants) -> Vec<Constant> {
+        let mut rows = Vec::new();
+        let korn = "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it";
+        let tangential = self.tangential.as_ref().map(|of| ("c_tau^2", of, korn));
+        let normal = [
+            ("c_j^2", &self.strain, "sup |v_nu|^2/|eps(v)|^2"),
+            ("energy constant", &self.energy, "sup |v_nu|^2/(A eps(v), eps(v))"),
+        ];
+        for (symbol, of, meaning) in normal.into_iter().chain(tangential) {
+            for (value, mass, note) in [
+                (of.values[0], "consistent mass", "not above the limit"),
+                (of.values[1], "vertex rule", "no side is sure"),
+            ] {
+                let name = format!("{symbol}, n = {}, {mass}", self.n);
+                rows.push(Constant::new(name, value, Computed, note));
+            }
+            let Some(limit) = &of.limit else { continue };
+            let note = format!("{meaning}, {}", limit.how());
+            let row = Constant::new(format!("{symbol}, limit"), limit.value, Extrapolated, note);
+            rows.push(Constant { uncertainty: Some(limit.uncertainty), ..row });
+        }
+        if let Some(bound) = c.c_j_squared_bound {
+            let note = "distance of Gamma3 from the clamped side";
+            rows.push(Constant::new("c_j^2, bound", bound, Proved, note));
+        }
+        rows.extend(self.energy.limit.as_ref().map(|energy| {
+            let asked = digits(c.m_elastic / c.c_j_squared, 7);
+            let note = format!(
+                "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {asked}"
+            );
+            let uncertainty = Some(energy.uncertainty / (energy.value * energy.value));
+            let value = 1.0 / energy.value;
+            let row = Constant::new("alpha_j lost, k -> 0", value, Extrapolated, note);
+            Constant { uncertainty, ..row }
+        }));
+        rows
+    }
+}
+
+/// `c` are the constants of the problem, `m0_on_mesh` that of the discrete one.
+pub(super) fn table(
+    setup: &Setup,
+    c: &Constants,
+    m0_on_mesh: f64,
+    traces: Option<&TraceConstants>,
+) -> Vec<Constant> {
+    let potential = setup.model.boundary.as_ref().map(|boundary| &*boundary.potential);
+    let (c0, c1) = potential.map_or((0.0, 0.0), Potential::growth);
+    let alpha = potential.map_or(0.0, Potential::alpha);
+    // A law with a factor c(x): (2.8b) and (2.8c) hold on all of Γ3 with the largest c.
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let largest = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
+    let (alpha_phi, how, note) = match c.coulomb {
+        None => (c.alpha_phi, Proved, "mu: the projection is nonexpansive"),
+        Some(_) => {
+            (c.alpha_phi_as_printed(), Extrapolated, "mu + mu_f L_p c_j c_tau, with the limits")
+        }
+    };
+    let kappa = setup.kappa.how();
+    let growth = "|dj_nu(r)| <= c0 + c1 |r|; in (2.8b) it counts c0 sqrt|Gamma3|";
+    let descent = "steepest descent of the law (2.8c), with the largest factor on Gamma3";
+    let friction = "steepest descent of the friction bound over the slip";
+    let mut rows: Vec<(&str, f64, Obtained, &str)> = vec![
+        (
+            "m_A",
+            c.m_a,
+            Proved,
+            "smallest eigenvalue of the elasticity tensor (of all regions) + mu",
+        ),
+        ("L_A", c.l_a, Proved, "largest eigenvalue of the elasticity tensor (of all regions) + mu"),
+        ("alpha_phi", alpha_phi, how, note),
+        ("beta_phi", c.beta_phi, Proved, "max(mu L_kappa sqrt|Omega|, 1), for |r| + |theta| on Y"),
+        ("c_phi", 0.0, Proved, "(4.1): phi is linear in its last argument"),
+        ("sqrt|Omega|", c.root_area, Proved, ""),
+        ("L_kappa", c.lipschitz_kappa, Proved, &kappa),
+        ("c0", largest * c0, Declared, growth),
+        ("c1", largest * c1, Declared, "steepest slope of the law at infinity; the same in (2.8b)"),
+        ("alpha_j", largest * alpha, Declared, descent),
+    ];
+    rows.extend(
+        setup.model.friction.as_ref().map(|_| ("alpha_tau", c.alpha_tau, Declared, friction)),
+    );
+    if let Some(friction) = &c.coulomb {
+        rows.push(("mu_f", friction.coefficient, Declared, "S = mu_f p(u_nu)"));
+        rows.push(("L_p", friction.rise, Declared, "steepest rise of p"));
+    }
+    let row = |(name, value, how, note): (&str, f64, Obtained, &str)| {
+        Constant::new(name, value, how, note)
+    };
+    let mut rows: Vec<Constant> = rows.into_iter().map(row).collect();
+    rows.extend(traces.map(|traces| traces.rows(c)).unwrap_or_default());
+    // m0 of (2.9).
+    let other = c.alpha_tau > 0.0 || c.coulomb.is_some();
+    let monotone = c.alpha_nu == 0.0 && !other;
+    let note = match setup.model.friction {
+        None => "m_A - alpha_phi - alpha_j c_j^2 (2.9)",
+        Some(_) if c.coulomb.is_some() => "m_A - mu - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md)",
+        Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2",
+    };
+    let off = c.m0_range.map(|end| (end - c.m0).abs()).into_iter().reduce(f64::max);
+    let m0 = Constant::new("m0", c.m0, if monotone { Proved } else { Extrapolated }, note);
+    rows.push(Constant { uncertainty: off.filter(|_| !monotone), ..m0 });
+    if let Some(bound) = c.c_j_squared_bound.filter(|_| c.alpha_nu > 0.0 && !other) {
+        let value = c.m_elastic - c.alpha_nu * bound;
+        rows.push(Constant::new("m0, proved", value, Proved, "with the proved bound of c_j^2"));
+    }
+    if let Some(TraceConstants { n, .. }) = traces {
+        let note = "the same with the largest c_j^2 and c_tau^2 of this table, for the bounds on this mesh";
+        rows.push(Constant::new(format!("m0, n = {n}"), m0_on_mesh, Extrapolated, note));
+    }
+    let [operator, entries] = [c.memory.operator, c.memory.entries];
+    let memory = [
+        ("|B|", operator, Proved, "largest operator norm on S^d on [0, T]"),
+        ("|B|_Q", entries, Proved, "the paper's norm: sum of |entries|"),
+        ("|B(0)|", c.memory.at_zero, Proved, "operator norm on S^d"),
+        ("lambda_min B(0)", c.memory.spectrum_at_zero.0, Proved, "smallest eigenvalue on S^d"),
+        ("|R||q|", 1.0 + operator, Proved, "Lipschitz constant of S: 1 + |B|"),
+        ("|R||q|_Q", 1.0 + entries, Proved, "the same with the paper's norm"),
+    ];
+    rows.extend(memory.map(row));
+    rows
+}
+
+/// The constants of an abstract problem with how each was obtained.
+pub(super) fn finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
+    // Eigenvalues are exact to rounding; norms and slopes are bounds where they hold for all arguments.
+    let everywhere = c.slopes_up_to == f64::INFINITY;
+    let slopes = match everywhere {
+        true => "; slopes for all arguments".into(),
+        false => format!("; slopes for |r|, |y| <= {}", c.slopes_up_to),
+    };
+    let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
+    let rows = [
+        ("m_A", c.m_a, bent, "smallest eigenvalue of the symmetric part in X"),
+        ("L_A", c.l_a, bent, "norm X -> X*"),
+        ("alpha_phi", c.alpha_phi, forced, "slopes of N in u"),
+        ("beta_phi", c.beta_phi, forced, "slopes of N in y"),
+        ("alpha_j", c.alpha_j, false, "steepest descent of the laws (2.8c)"),
+        ("c_j^2", c.c_j_squared, false, "largest eigenvalue of sum w_i a_i a_i^T in X"),
+        ("m0", c.m0, bent || forced, "m_A - alpha_phi - alpha_j c_j^2 (2.9)"),
+        ("|R|", c.r_norm, false, "norm on X*"),
+    ];
+    let row = |(name, value, by_slopes, note): (&str, f64, bool, &str)| {
+        let (how, by) = if by_slopes { (Proved, &*slopes) } else { (Computed, "") };
+        let safe = !by_slopes || everywhere;
+        Constant { safe, ..Constant::new(name, value, how, format!("{note}{by}")) }
+    };
+    let note = "largest norm X -> X* over 0 <= s <= t <= T";
+    let norms = [
+        Constant::new("|q|", c.q_norm, Proved, note),
+        Constant::new("|q(t,t)|", c.q_norm_now, Proved, "the same over s = t"),
+    ];
+    rows.into_iter().map(row).chain(norms).collect()
 }

@@ -1,23 +1,57 @@
-//! A step-size study in words and tables.
+//! A step-size study in words, tables and a picture.
 
-use super::BoundStudy;
-use super::branch::Loss;
-use super::constant_table::Constant;
-use super::crossing::Crossing;
-use super::ladder::{StepOutcome, StepRung};
-use super::run::FactorAtLevel;
-use super::sampled::Sampled;
-use report::{Chapter, Row, Run, StudyDocument, digits, held, number, precise, sides};
+use super::{BoundStudy, Constant, Crossing, StepRung};
+use crate::table;
+use report::{
+    Axis, Chapter, Chart, Findings, Mark, Part, Row, Run, Scale, Series, digits, precise,
+};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// The bound is called attained if the measured factor comes this close.
+const ATTAINED: f64 = 1e-6;
 
 impl BoundStudy {
-    /// The study as a document.
-    pub fn document(&self) -> StudyDocument {
-        let title = format!("The bound measured: {}", self.scene);
-        let mut document =
-            StudyDocument::new(Chapter::Bound, title).of_scene(&self.scene, &self.fingerprint);
-        document.threshold = Some(match self.study.not_followed {
+    /// What was found: claims, numbers, words.
+    pub fn findings(&self) -> Findings {
+        let (study, limits) = (&self.study, &self.limits);
+        let title = (Chapter::Bound, format!("The bound measured: {}", self.scene));
+        let scene = Some([&*self.scene, &*self.fingerprint]);
+        let mut findings = Findings::new(title, scene, self.claims.clone());
+        let (found, loss) = (&study.thresholds, study.thresholds.loss.as_ref());
+        // Step sizes up to which something holds: null where it does for every k.
+        let thresholds = json!({
+            "paper_norm": limits.paper_limit(),
+            "theorem": limits.limit(),
+            "sharpened": limits.sharpened_limit(),
+            "solvable": limits.solvable_limit(),
+            "norm_one": found.norm,
+            "radius_one": found.radius,
+            "loss": loss.map(|loss| loss.bracket),
+            "loss_reason": loss.map(|loss| &loss.reason),
+            "loss_eigenvalue": loss.map(|loss| loss.rightmost),
+            "not_followed": study.not_followed,
+        });
+        for (key, value) in [
+            ("n", json!(self.n)),
+            ("steps", json!(self.steps)),
+            ("constants", json!(self.constants)),
+            ("thresholds", thresholds),
+            ("ratio", json!(self.ratio())),
+            ("attained", json!(self.attained())),
+            ("m0_unknown", json!(self.unknown)),
+            ("levels", json!(study.levels)),
+            ("worst", json!(study.worst)),
+            ("meshes", json!(study.meshes)),
+            ("starts", json!(study.starts)),
+            ("rungs", json!(study.rungs)),
+        ] {
+            findings.number(key, value);
+        }
+        let document = &mut findings.document;
+        document.threshold = Some(match study.not_followed {
             Some(_) => "–".into(),
-            None => crossing(self.study.thresholds.radius),
+            None => crossing(study.thresholds.radius),
         });
         if let Some([low, high]) = self.unknown {
             document.words(format!(
@@ -26,143 +60,183 @@ impl BoundStudy {
                 digits(high, 6)
             ));
         }
-        document.words(self.answer());
-        document.table("The bound in four numbers, k below each.", self.numbers());
-        let violated = self.violations.iter().map(|v| {
-            let at = v.k.map_or_else(String::new, |k| format!("k = {}: ", digits(k, 7)));
-            format!("{at}{}: {}", v.what, sides(v.left, v.right))
-        });
-        let all = "Every inequality between measured and proved factors holds, and every declared constant.";
-        document.verdict(self.holds(), all, violated.collect());
-        let worst = &self.study.worst;
-        document.words(format!(
-            "Measured in a run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k.",
-            self.grids(),
-            worst.level,
-            digits(worst.t, 5)
-        ));
-        self.ladder(&mut document);
-        document.table(
-            "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
-            self.constants.iter().map(constant),
-        );
-        document.table(
-            "Declared constants, and what samples need of them.",
-            self.samples.iter().map(sampled),
-        );
-        document.figure(
-            "bound",
-            "contraction factor of Λ against k, with the bounds of (3.4) (sweep bound).",
-            self.svg(),
-        );
-        document
-    }
-
-    /// The four numbers in a sentence each.
-    fn answer(&self) -> String {
-        let limits = &self.limits;
         let below = |k: f64| match k {
             k if k.is_infinite() => "for every k".into(),
             k if k > 0.0 => format!("for k < {}", digits(k, 4)),
             _ => "for no k".into(),
         };
-        let proved = format!(
-            "Proved: Λ contracts {} by (3.4), {} by the sharpened bound; one solution per step is guaranteed {}.",
+        document.answer(format!(
+            "Proved: Λ contracts {} by (3.4), {} by the sharpened bound; one solution per step is guaranteed {}. Measured: {}.",
             below(limits.limit()),
             below(limits.sharpened_limit()),
-            below(limits.solvable_limit())
-        );
-        let measured = match (&self.study.not_followed, self.study.thresholds.norm) {
-            (Some(reason), _) => format!("Measured: nothing, {reason}."),
-            (None, crossing) => {
-                let ends = match crossing {
-                    None => "at every k".into(),
-                    Some([0.0, k]) => format!("for no k above {}", digits(k, 4)),
-                    Some([k, f64::INFINITY]) => format!("at least up to k = {}", digits(k, 4)),
-                    Some([low, high]) => format!("up to k = {}", digits(0.5 * (low + high), 4)),
-                };
-                format!("Measured: it contracts {ends}.")
+            below(limits.solvable_limit()),
+            match &study.not_followed {
+                Some(reason) => format!("nothing, {reason}"),
+                None => format!("‖DΛ‖ < 1 for k below {}", crossing(study.thresholds.norm)),
             }
-        };
-        format!("{proved} {measured}")
-    }
-
-    /// The last step taken with other k.
-    fn ladder(&self, document: &mut StudyDocument) {
-        let (study, k) = (&self.study, digits(self.study.worst.k, 6));
+        ));
+        document.table("The bound in four numbers, k below each.", self.numbers());
         document.words(format!(
-            "{} random starts at k = {k}: {} at the same solution, {} elsewhere, {} nowhere.",
+            "Measured in a run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k. Of {} random starts at k = {} {} end at the same solution, {} elsewhere, {} nowhere.",
+            self.grids(),
+            study.worst.level,
+            digits(study.worst.t, 5),
             study.starts.same + study.starts.distinct + study.starts.failed,
+            digits(study.worst.k, 6),
             study.starts.same,
             study.starts.distinct,
             study.starts.failed
         ));
         document.table(
             "The contraction factor of Λ at that level, on this and other meshes.",
-            study.meshes.iter().map(on_mesh),
+            table::rows(
+                &values(&study.meshes),
+                [
+                    (">n", "/mesh", 0),
+                    (">k", "/k", 6),
+                    (">‖DΛ‖", "/norm", 11),
+                    (">spectral radius", "/radius", 11),
+                    (">sharpened", "/sharpened", 11),
+                ],
+            ),
         );
-        if let Some(reason) = &study.not_followed {
-            document.words(format!(
-                "A last step of size k after the same past: not followed: {reason}."
-            ));
+        let mut rungs = values(&study.rungs);
+        for row in &mut rungs {
+            for solver in ["newton", "fixed_point"] {
+                if row[solver].is_string() {
+                    row[solver] = json!("fails");
+                }
+            }
         }
         document.table(
-            "Contraction factor of Λ for a last step of size k after the same past, bounds, what solves the step, and other solutions from random starts.",
-            study.rungs.iter().map(rung),
+            "Contraction factor of Λ for a last step of size k after the same past, bounds, the iterations that solve the step, and other solutions from random starts.",
+            table::rows(
+                &rungs,
+                [
+                    (">k", "/k", 5),
+                    (">spectral radius", "/radius", 5),
+                    (">‖DΛ‖", "/norm", 5),
+                    (">sharpened", "/sharpened", 5),
+                    (">(3.15)", "/theorem", 5),
+                    (">paper's norm", "/paper_norm", 5),
+                    ("Newton", "/newton", 0),
+                    ("Λ", "/fixed_point", 0),
+                    (">others", "/distinct", 0),
+                ],
+            ),
         );
+        document.table(
+            "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
+            self.constants.iter().map(constant),
+        );
+        document.figure(
+            "bound",
+            "contraction factor of Λ against k, with the bounds of (3.4) (sweep bound).",
+            self.svg(),
+        );
+        findings
+    }
+
+    /// The measured threshold of Λ over (3.4) with the paper's norms: how many times too strict that is; none if Λ has no
+    /// threshold.
+    pub fn ratio(&self) -> Option<f64> {
+        self.study.thresholds.radius.map(|[low, _]| low / self.limits.paper_limit())
+    }
+
+    /// Whether the measured factor equals the sharpened bound at some step size.
+    pub fn attained(&self) -> bool {
+        let rungs = &self.study.rungs;
+        rungs.iter().any(|r| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened)
+    }
+
+    fn grids(&self) -> String {
+        let mesh = self.n.map_or(String::new(), |n| format!("n = {n}, "));
+        format!("{mesh}N = {}", self.steps)
     }
 
     fn numbers(&self) -> Vec<Row<'static, 2>> {
         let (limits, study, found) = (&self.limits, &self.study, &self.study.thresholds);
-        let row =
-            |what: &str, value: String| [("number", Run::plain(what)), (">k", Run::plain(value))];
         let limit = |k: f64| match k {
             k if k.is_infinite() => "every k".into(),
             k if k > 0.0 => digits(k, 9),
             _ => format!("no k: m0 = {}", digits(limits.m0, 7)),
         };
         let mut rows = vec![
-            row("1: (3.4), the paper's norm of ℬ", limit(limits.paper_limit())),
-            row("1: (3.4), operator norm", limit(limits.limit())),
-            row("2: sharpened, half weight, terms apart", limit(limits.sharpened_limit())),
+            ("1: (3.4), the paper's norm of ℬ".into(), limit(limits.paper_limit())),
+            ("1: (3.4), operator norm".into(), limit(limits.limit())),
+            ("2: sharpened, half weight, terms apart".into(), limit(limits.sharpened_limit())),
+            ("4: one solution guaranteed, by monotonicity".into(), limit(limits.solvable_limit())),
         ];
         if study.not_followed.is_none() {
-            rows.push(row("3: ‖DΛ‖ = 1, measured", crossing(found.norm)));
-            rows.push(row("3: spectral radius of DΛ = 1, measured", crossing(found.radius)));
+            let end = match &found.loss {
+                Some(loss) => (
+                    format!("4: the step loses its solution: {}", loss.reason),
+                    crossing(Some(loss.bracket)),
+                ),
+                None => {
+                    let last = study.rungs.last().map_or(0.0, |rung| rung.k);
+                    ("4: the step has its solution".into(), format!("> {}", digits(last, 5)))
+                }
+            };
+            let measured = [
+                ("3: ‖DΛ‖ = 1, measured".into(), crossing(found.norm)),
+                ("3: spectral radius of DΛ = 1, measured".into(), crossing(found.radius)),
+            ];
+            rows.splice(3..3, measured);
+            rows.push(end);
         }
-        rows.push(row(
-            "4: one solution guaranteed, by monotonicity",
-            limit(limits.solvable_limit()),
-        ));
-        if let Some(loss) = study.linear {
-            for (on, k) in [("S^d", loss.tensors), ("the mesh", loss.mesh)] {
-                let what = format!("4: linear, 𝒜 + (k/2)ℬ(0) singular on {on}");
-                rows.push(row(&what, limit(k)));
-            }
-        }
-        let last = study.rungs.last().map_or(0.0, |rung| rung.k);
-        match &found.loss {
-            _ if study.not_followed.is_some() => {}
-            Some(Loss { bracket: (low, high), reason, .. }) => {
-                let what = format!("4: the solution followed in k ends: {reason}");
-                rows.push(row(&what, format!("{} ± {:.0e}", digits(*high, 9), high - low)));
-            }
-            None => {
-                let what = "4: the solution followed in k does not end";
-                rows.push(row(what, format!("> {}", digits(last, 5))));
-            }
-        }
-        let precise = |value: Option<f64>| value.map(|value| digits(value, 6));
-        let more = [
-            (
-                "largest real eigenvalue of DΛ there",
-                precise(found.loss.as_ref().map(|loss| loss.rightmost)),
+        let there = found.loss.as_ref().map(|loss| digits(loss.rightmost, 6));
+        rows.extend(there.map(|value| ("largest real eigenvalue of DΛ there".into(), value)));
+        rows.extend(self.ratio().map(|k| ("3 over 1, the paper's norm".into(), digits(k, 6))));
+        let attained = if self.attained() { "yes" } else { "no" };
+        rows.push(("sharpened attained, to 1e-6".into(), attained.into()));
+        let row = |(what, value): (String, String)| {
+            [("number", Run::plain(what)), (">k", Run::plain(value))]
+        };
+        rows.into_iter().map(row).collect()
+    }
+
+    /// Factors of Λ against k with their bounds; none if no number can be drawn.
+    fn svg(&self) -> Option<String> {
+        let question = format!(
+            "Contraction factor of Λ for a last step of size k after the past of level {} ({})",
+            self.study.worst.level,
+            self.grids()
+        );
+        let x = Axis::new("step size k (time)", Scale::Log);
+        let y = Axis::new("contraction factor", Scale::Log);
+        let mut chart = Chart::new(&self.scene, &question, x, y);
+        let rungs = &self.study.rungs;
+        let points = |of: fn(&StepRung) -> f64| -> Vec<(f64, f64)> {
+            rungs.iter().map(|rung| (rung.k, of(rung))).collect()
+        };
+        let norm = points(|rung| rung.norm);
+        let one = |name: &str, part: Part| Series::new(name, vec![part]);
+        chart.series = vec![
+            Series::new(
+                "measured: ‖DΛ‖, worst direction",
+                vec![Part::Line(norm.clone()), Part::Points(norm)],
             ),
-            ("3 over 1, the paper's norm", precise(self.ratio)),
-            ("sharpened attained, to 1e-6", Some(if self.attained { "yes" } else { "no" }.into())),
+            one("measured: spectral radius of DΛ", Part::Line(points(|at| at.radius))),
+            one("sharpened bound", Part::Dashed(points(|rung| rung.sharpened))),
+            one("(3.15), operator norm", Part::Dotted(points(|rung| rung.theorem))),
+            one("(3.15), the paper's norm", Part::Line(points(|rung| rung.paper))),
         ];
-        rows.extend(more.into_iter().filter_map(|(what, value)| Some(row(what, value?))));
-        rows
+        chart.horizontals = vec![Mark { at: 1.0, label: "Λ contracts below 1".into() }];
+        let found = &self.study.thresholds;
+        let stops = found.radius.filter(|[low, high]| *low > 0.0 && high.is_finite());
+        let marks = [
+            (Some(self.limits.paper_limit()), "(3.4), the paper's norm"),
+            (Some(self.limits.sharpened_limit()), "sharpened"),
+            (stops.map(|[low, _]| low), "Λ stops converging"),
+            (found.loss.as_ref().map(|loss| loss.bracket[1]), "the solution ends"),
+        ];
+        chart.verticals.extend(marks.into_iter().filter_map(|(at, label)| {
+            let at = at?;
+            let value = if at.is_finite() { digits(at, 4) } else { "every k".into() };
+            Some(Mark { at, label: format!("{label}: {value}") })
+        }));
+        chart.svg()
     }
 }
 
@@ -179,39 +253,13 @@ fn crossing(found: Option<Crossing>) -> String {
     }
 }
 
-fn on_mesh(at: &FactorAtLevel) -> Row<'static, 5> {
-    [
-        (">n", Run::plain(at.mesh.map_or_else(|| "–".into(), |n| n.to_string()))),
-        (">k", precise(at.k, 6)),
-        (">‖DΛ‖", precise(at.norm, 11)),
-        (">spectral radius", precise(at.radius, 11)),
-        (">sharpened", precise(at.sharpened, 11)),
-    ]
-}
-
-fn rung(rung: &StepRung) -> Row<'static, 11> {
-    let solved = |outcome: &StepOutcome| match outcome {
-        Ok(iterations) => Run::plain(format!("{iterations} it.")),
-        Err(_) => Run::plain("fails"),
-    };
-    [
-        (">k", precise(rung.k, 5)),
-        (">spectral radius", precise(rung.radius, 5)),
-        (">‖DΛ‖", precise(rung.norm, 5)),
-        (">finite", precise(rung.finite_worst, 5)),
-        (">random", precise(rung.finite_random, 5)),
-        (">sharpened", precise(rung.sharpened, 5)),
-        (">(3.15)", precise(rung.theorem, 5)),
-        (">paper's norm", precise(rung.paper, 5)),
-        ("Newton", solved(&rung.newton)),
-        ("Λ", solved(&rung.fixed_point)),
-        (">others", Run::plain(rung.distinct.to_string())),
-    ]
+fn values<T: Serialize>(rows: &[T]) -> Vec<Value> {
+    rows.iter().map(|row| json!(row)).collect()
 }
 
 fn constant(constant: &Constant) -> Row<'static, 5> {
     let off = constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"));
-    let how = constant.how.name();
+    let how = format!("{:?}", constant.how).to_lowercase();
     let side = if constant.safe { "safe side" } else { "no bound" };
     [
         ("constant", Run::formula(&constant.name)),
@@ -219,15 +267,5 @@ fn constant(constant: &Constant) -> Row<'static, 5> {
         (">±", Run::plain(off)),
         ("how", Run::plain(format!("{how}, {side}"))),
         ("note", Run::formula(&constant.note)),
-    ]
-}
-
-fn sampled(sample: &Sampled) -> Row<'static, 5> {
-    [
-        ("constant", Run::formula(&sample.what)),
-        (">declared", precise(sample.declared, 9)),
-        (">needed", precise(sample.needed, 9)),
-        (">samples", number(f64::from(sample.samples))),
-        ("", held(sample.holds)),
     ]
 }

@@ -1,10 +1,41 @@
-//! Λ and Newton's method at one level over a ladder of step sizes.
+//! The step-size study of any run: factors at all its levels, and at the worst of them Λ and Newton's method over a
+//! ladder of step sizes. It knows no mesh: it asks for a [`vhi::FrozenDerivative`] and for [`StepBounds`].
+//!
+//! With J the tangent of the step and J_0 that of the frozen level, J = J_0 (I - DΛ): the tangent is
+//! singular exactly where DΛ has the eigenvalue one. So the step loses its solution where Λ does not
+//! contract any more because of a positive eigenvalue; where the eigenvalues are negative, as for
+//! ℬ(0) ≥ 0, Λ stops converging and the step stays solvable.
 
-use super::factor::{contraction, finite_factor, random_finite_factor, solve};
-use super::starts::random_starts;
+use super::factor::{
+    Contraction, Crossing, Starts, contraction, crossing, finite_factor, random_starts,
+    random_state, solve,
+};
 use algebra::linalg::EigenError;
+use files::digits;
 use serde::{Serialize, Serializer};
-use vhi::{FixedPoint, FrozenDerivative, Scratch, StepBounds, StepError, StepSolver, StepState};
+use vhi::history::TimeGrid;
+use vhi::{
+    FailedStep, FixedPoint, FrozenDerivative, Scratch, StepBounds, StepError, StepSolver, StepState,
+};
+
+/// The factor of Λ at a level of the run, with the step size of the run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct FactorAtLevel {
+    /// Cells per unit length; none without a mesh.
+    pub mesh: Option<u32>,
+    /// n.
+    pub level: usize,
+    /// t_n.
+    pub t: f64,
+    /// The step size there.
+    pub k: f64,
+    /// ‖DΛ‖.
+    pub norm: f64,
+    /// Spectral radius of DΛ.
+    pub radius: f64,
+    /// The sharpened bound.
+    pub sharpened: f64,
+}
 
 /// The iterations in which a solver found a solution, or why it found none; as JSON the number, or the reason.
 pub type StepOutcome = Result<u32, StepError>;
@@ -29,8 +60,6 @@ pub struct StepRung {
     pub rightmost: f64,
     /// ‖Λ(η + δd) - Λη‖/‖δd‖ in the worst direction of the derivative.
     pub finite_worst: f64,
-    /// The largest such ratio of some random directions.
-    pub finite_random: f64,
     /// True if η is the solution of the step; false where Newton's method found none, and η is the
     /// solution of the largest step that had one.
     pub at_solution: bool,
@@ -51,37 +80,163 @@ pub struct StepRung {
     pub paper: f64,
 }
 
-/// Random directions of finite perturbations, and random starts, at each step size.
-const DIRECTIONS: u64 = 3;
-const STARTS: u64 = 3;
+/// Where the step loses its solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loss {
+    /// The last k with a solution whose tangent is regular, and the first without one.
+    pub bracket: Crossing,
+    /// The largest real eigenvalue of DΛ at the last k: one where the tangent is singular.
+    pub rightmost: f64,
+    /// What is seen beyond it.
+    pub reason: String,
+}
 
+/// Where factors reach one and solvability ends.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Thresholds {
+    /// The k at which ‖DΛ‖ reaches one; none if Λ does not depend on η.
+    pub norm: Option<Crossing>,
+    /// The k at which the spectral radius of DΛ reaches one; none if Λ does not depend on η.
+    pub radius: Option<Crossing>,
+    /// Where the solution ends, if it does.
+    pub loss: Option<Loss>,
+}
+
+/// What the study found.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct ContractionStudy {
+    /// Every level of the run.
+    pub levels: Vec<FactorAtLevel>,
+    /// The level of the ladder: the one with the largest factor.
+    pub worst: FactorAtLevel,
+    /// That level on this and other meshes; empty without a mesh.
+    pub meshes: Vec<FactorAtLevel>,
+    /// Uniqueness at the step size of the run, by many starts.
+    pub starts: Starts,
+    /// The ladder.
+    pub rungs: Vec<StepRung>,
+    #[serde(skip)]
+    pub thresholds: Thresholds,
+    /// Why there are neither rungs nor thresholds, where there are none.
+    #[serde(skip)]
+    pub not_followed: Option<String>,
+}
+
+/// Rungs of a ladder, and how far it goes beyond the largest finite threshold that is known.
+const RUNGS: u32 = 17;
+const REACH: f64 = 4.0;
+/// Random starts at the step size of the run, and at each of the ladder.
+const MANY_STARTS: u64 = 24;
+const STARTS: u64 = 3;
 /// Iterations of Λ after which a step size is not followed further: 400 reach 1e-13 for factors up
 /// to 0.93.
 const ITERATIONS: u32 = 400;
+/// The loss is bisected to this width, relative to k, in at most so many step sizes: nearer to a singular tangent Newton's
+/// method does not come.
+const WIDTH: f64 = 1e-7;
+const EVALUATIONS: u32 = 100;
+/// Solutions that a ladder holds at most.
+pub(super) const SOLUTIONS: usize = (RUNGS + EVALUATIONS) as usize;
+/// The tolerance of Newton's method shrinks with the tangent where that becomes singular, rounding does
+/// not: a residual that stalls at this multiple of it is a solution.
+const STALLED: f64 = 64.0;
+/// A largest eigenvalue above this at the end of the solution says that the tangent is singular there.
+const NEARLY_ONE: f64 = 0.99;
+/// Factors are solved for to 1e-10 of themselves or better: of levels that agree to ten times that the last one is taken,
+/// so that rounding does not choose.
+const EQUAL: f64 = 1e-9;
 
-/// Λ at the open level, with solutions followed from one step size to the next.
+impl ContractionStudy {
+    /// The factors of a run, before its level with the largest one is looked at.
+    ///
+    /// # Errors
+    /// [`BoundError::NoLevel`] if there is none.
+    pub(super) fn of_levels(levels: Vec<FactorAtLevel>, steps: u32) -> Result<Self, BoundError> {
+        let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
+            if next.norm >= best.norm * (1.0 - EQUAL) { *next } else { best }
+        };
+        let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
+        let worst = levels.iter().fold(first, worse);
+        Ok(Self { worst, levels, ..Self::default() })
+    }
+
+    /// Starts, thresholds and ladder at the open `level` whose solution is `state`; neither thresholds nor rungs where
+    /// m0 ≤ 0, with the reason.
+    ///
+    /// # Errors
+    /// [`BoundError`].
+    pub(super) fn climb<L: FrozenDerivative>(
+        &mut self,
+        level: &mut L,
+        state: StepState,
+        bounds: &StepBounds,
+    ) -> Result<(), BoundError> {
+        self.starts = random_starts(level, &state, MANY_STARTS);
+        if bounds.m0.is_nan() || bounds.m0 <= 0.0 {
+            self.not_followed = Some(format!(
+                "the least m0 = {} is not positive, (2.9) is violated or unknown: no k is known to have one solution, from which a ladder could begin",
+                digits(bounds.m0, 7)
+            ));
+            return Ok(());
+        }
+        // A geometric ladder from a quarter of (3.4) to beyond all thresholds that are known.
+        let known = [bounds.limit(), bounds.sharpened_limit(), bounds.solvable_limit()];
+        let largest = known.into_iter().filter(|k| k.is_finite()).fold(0.0, f64::max);
+        let (low, high) = (0.25 * bounds.paper_limit(), REACH * largest);
+        let mut ladder = StepLadder::new(level, *bounds, state);
+        for i in 0..RUNGS {
+            let k = low * (high / low).powf(f64::from(i) / f64::from(RUNGS - 1));
+            self.rungs.push(ladder.rung(k)?);
+        }
+        self.thresholds = ladder.thresholds(&self.rungs)?;
+        Ok(())
+    }
+}
+
+/// Λ at the open level over step sizes.
 pub struct StepLadder<'a, L> {
     level: &'a mut L,
     bounds: StepBounds,
     /// The solution of the level in the run.
     of_run: StepState,
-    /// The last solution found.
-    followed: StepState,
+    /// The solutions at the rungs, the last one found where there is none.
+    solutions: Vec<StepState>,
+}
+
+/// A solution with the factors there.
+struct At {
+    k: f64,
+    state: StepState,
+    /// ‖DΛ‖ and its spectral radius.
+    factors: [f64; 2],
+    rightmost: f64,
 }
 
 impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     /// The open `level` whose solution in the run is `of_run`.
     pub fn new(level: &'a mut L, bounds: StepBounds, of_run: StepState) -> Self {
-        Self { level, bounds, followed: of_run.clone(), of_run }
+        Self { level, bounds, of_run, solutions: Vec::new() }
     }
 
-    /// The solution at step size k, from the last one found.
-    fn follow(&mut self, k: f64) -> StepOutcome {
+    /// A solution at step size k by Newton's method from `near`.
+    fn solve(&mut self, k: f64, near: &StepState) -> Result<(StepState, u32), StepError> {
         self.level.set_step(k);
-        let mut state = self.followed.clone();
-        let info = solve(self.level, None, &mut state)?;
-        self.followed = state;
-        Ok(info.iterations)
+        let mut state = near.clone();
+        match solve(self.level, None, &mut state) {
+            Ok(info) => Ok((state, info.iterations)),
+            Err(StepError::NotConverged { iterations, residual, tolerance })
+                if residual <= STALLED * tolerance =>
+            {
+                Ok((state, iterations))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn measure(&mut self, k: f64, state: &StepState) -> Result<Contraction, BoundError> {
+        self.level.set_step(k);
+        let found = contraction(self.level, &state.u, state);
+        found.map_err(|source| BoundError::Factor { k, source })
     }
 
     /// Measures at one step size.
@@ -89,44 +244,191 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     /// # Errors
     /// A frozen level that cannot be solved, an eigenvalue that does not settle.
     pub fn rung(&mut self, k: f64) -> Result<StepRung, BoundError> {
-        let newton = self.follow(k);
+        let near = self.solutions.last().unwrap_or(&self.of_run).clone();
+        let (followed, newton) = match self.solve(k, &near) {
+            Ok((state, iterations)) => (state, Ok(iterations)),
+            Err(error) => (near, Err(error)),
+        };
+        self.solutions.push(followed.clone());
         let at = |source: StepError| BoundError::Frozen { k, source };
         // η: the solution at k where there is one; and Λη.
-        let (eta, mut state) = (self.followed.u.clone(), self.followed.clone());
-        solve(self.level, Some(&eta), &mut state).map_err(at)?;
-        let found = contraction(self.level, &eta, &state)
+        let (eta, mut state) = (&followed.u, followed.clone());
+        solve(self.level, Some(eta), &mut state).map_err(at)?;
+        let found = contraction(self.level, eta, &state)
             .map_err(|source| BoundError::Factor { k, source })?;
         let finite_worst = match found.norm {
             0.0 => 0.0,
-            _ => finite_factor(self.level, &eta, &state, &found.direction).map_err(at)?,
+            _ => finite_factor(self.level, eta, &state, &found.direction).map_err(at)?,
         };
-        let finite_random =
-            random_finite_factor(self.level, &eta, &state, DIRECTIONS).map_err(at)?;
+        let solver = FixedPoint { max_iterations: ITERATIONS, ..FixedPoint::default() };
+        let mut of_run = self.of_run.clone();
+        let fixed = solver.solve_level(self.level, &mut of_run, &mut Scratch::default());
         Ok(StepRung {
             k,
             norm: found.norm,
             radius: found.radius,
             rightmost: found.rightmost,
             finite_worst,
-            finite_random,
             at_solution: newton.is_ok(),
             newton,
-            fixed_point: self.fixed_point(k),
-            distinct: random_starts(self.level, &self.followed, STARTS).distinct,
+            fixed_point: fixed.map(|info| info.fixed_point_iterations),
+            distinct: random_starts(self.level, &followed, STARTS).distinct,
             sharpened: self.bounds.sharpened_factor(k),
             theorem: self.bounds.factor(k),
             paper: self.bounds.paper_factor(k),
         })
     }
 
-    /// The iteration from the solution of the run.
-    fn fixed_point(&mut self, k: f64) -> StepOutcome {
-        self.level.set_step(k);
-        let solver = FixedPoint { max_iterations: ITERATIONS, ..FixedPoint::default() };
-        let mut state = self.of_run.clone();
-        let info = solver.solve_level(self.level, &mut state, &mut Scratch::default())?;
-        Ok(info.fixed_point_iterations)
+    /// A solution at k with a regular tangent by Newton's method from the last of the known solutions, then from a line
+    /// through the last two, from earlier ones, that of the run and a random state; else what the first of them says.
+    fn regular(&mut self, k: f64, known: &[At]) -> Result<Result<At, String>, BoundError> {
+        let back = |places: usize| known.len().checked_sub(places).map(|i| &known[i]);
+        let Some(last) = back(1) else { return Ok(Err(String::new())) };
+        let mut starts = vec![last.state.clone()];
+        starts.extend(back(2).map(|before| {
+            let share = (k - last.k) / (last.k - before.k);
+            let pairs = last.state.u.iter().zip(&before.state.u);
+            let u = pairs.map(|(u, v)| u + share * (u - v)).collect();
+            StepState { u, pressure: last.state.pressure.clone() }
+        }));
+        starts.extend([2, 4, 8, 16].into_iter().filter_map(back).map(|at| at.state.clone()));
+        starts.extend([self.of_run.clone(), random_state(self.level, &last.state, 0)]);
+        let mut reason = None;
+        for from in starts {
+            let said = match self.solve(k, &from) {
+                Ok((state, _)) => {
+                    let found = self.measure(k, &state)?;
+                    let (factors, rightmost) = ([found.norm, found.radius], found.rightmost);
+                    if rightmost < 1.0 {
+                        return Ok(Ok(At { k, state, factors, rightmost }));
+                    }
+                    "the tangent is singular".to_owned()
+                }
+                Err(StepError::Factor { .. }) => {
+                    "the tangent is not positive definite beyond it".to_owned()
+                }
+                Err(StepError::NotConverged { .. }) => {
+                    "Newton's method finds no solution beyond it".to_owned()
+                }
+                Err(error) => error.to_string(),
+            };
+            reason.get_or_insert(said);
+        }
+        Ok(Err(reason.unwrap_or_default()))
     }
+
+    /// Where factors reach one, and where the step loses its solution, by bisection between the last rung that has one and
+    /// the first that has not: what Newton's method does not reach from afar it may reach from nearer, so a solution that
+    /// is found doubles the next step.
+    fn thresholds(&mut self, rungs: &[StepRung]) -> Result<Thresholds, BoundError> {
+        let (mut path, mut loss): (Vec<At>, Option<Loss>) = (Vec::new(), None);
+        let solutions = std::mem::take(&mut self.solutions);
+        for (rung, state) in rungs.iter().zip(solutions) {
+            if rung.at_solution && rung.rightmost < 1.0 {
+                let (factors, rightmost) = ([rung.norm, rung.radius], rung.rightmost);
+                path.push(At { k: rung.k, state, factors, rightmost });
+                continue;
+            }
+            let mut low = path.last().map_or(rung.k, |at| at.k);
+            let (mut step, mut high, mut reason) = (rung.k - low, rung.k, String::new());
+            for _ in 0..EVALUATIONS {
+                if low >= rung.k || step <= WIDTH * low {
+                    break;
+                }
+                let k = (low + step).min(rung.k);
+                match self.regular(k, &path)? {
+                    Ok(at) => {
+                        path.push(at);
+                        (low, step) = (k, 2.0 * step);
+                    }
+                    Err(said) => (high, step, reason) = (k, 0.5 * (k - low), said),
+                }
+            }
+            if low < rung.k {
+                let rightmost = path.last().map_or(f64::NAN, |at| at.rightmost);
+                loss = Some(Loss { bracket: [low, high], rightmost, reason });
+                break;
+            }
+        }
+        let mut reaches = |which: usize| -> Result<_, BoundError> {
+            if path.iter().all(|at| at.factors[which] == 0.0) {
+                return Ok(None);
+            }
+            let ladder: Vec<_> = path.iter().map(|at| (at.k, at.factors[which])).collect();
+            crossing(&ladder, |k| {
+                let below = path.partition_point(|at| at.k <= k).max(1) - 1;
+                // Where no solution is found the factor counts as one.
+                let at = self.regular(k, &path[..=below])?;
+                Ok(at.map_or(f64::NAN, |at| at.factors[which]))
+            })
+        };
+        let found = [reaches(0)?, reaches(1)?];
+        // At a singular tangent DΛ has the eigenvalue one, so norm and radius reach it there at the latest.
+        let singular = loss.as_ref().filter(|loss| loss.rightmost > NEARLY_ONE);
+        let [norm, radius] = found.map(|crossing| match (crossing, singular) {
+            (Some([_, f64::INFINITY]), Some(loss)) => Some(loss.bracket),
+            _ => crossing,
+        });
+        Ok(Thresholds { norm, radius, loss })
+    }
+}
+
+/// The factor at every level n ≥ 1 of a run that has not begun.
+///
+/// # Errors
+/// The run's, or a factor that is not found.
+pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
+    level: &mut L,
+    bounds: &StepBounds,
+    mesh: Option<u32>,
+) -> Result<Vec<FactorAtLevel>, BoundError> {
+    let grid: TimeGrid = level.grid().clone();
+    let mut found = Vec::new();
+    run_to(level, grid.steps(), |level, number, state| {
+        if number == 0 {
+            return Ok(());
+        }
+        let (k, t) = (grid.step(number), grid.time(number));
+        let Contraction { norm, radius, .. } = contraction(level, &state.u, state)
+            .map_err(|source| BoundError::Factor { k, source })?;
+        let sharpened = bounds.sharpened_factor(k);
+        found.push(FactorAtLevel { mesh, level: number, t, k, norm, radius, sharpened });
+        // Once more with the last slot implicit, which commit records.
+        implicit(level, state, number)
+    })?;
+    Ok(found)
+}
+
+/// Runs to level `last`, which stays open, and returns its solution; `see` gets each level with its number and solution.
+///
+/// # Errors
+/// The run's.
+pub(super) fn run_to<L: FrozenDerivative<Error: Into<BoundError>>>(
+    level: &mut L,
+    last: usize,
+    mut see: impl FnMut(&mut L, usize, &mut StepState) -> Result<(), BoundError>,
+) -> Result<StepState, BoundError> {
+    let graphs = level.graph().coordinates.len();
+    let mut state = StepState { u: vec![0.0; level.dofs()], pressure: vec![0.0; graphs] };
+    for number in 0..=last {
+        if number > 0 {
+            level.commit(&state);
+        }
+        level.open().map_err(Into::into)?;
+        implicit(level, &mut state, number)?;
+        see(level, number, &mut state)?;
+    }
+    Ok(state)
+}
+
+fn implicit<L: FrozenDerivative>(
+    level: &mut L,
+    state: &mut StepState,
+    n: usize,
+) -> Result<(), BoundError> {
+    let t = level.grid().time(n);
+    solve(level, None, state).map_err(|source| FailedStep { n, t, source })?;
+    Ok(())
 }
 
 /// Why a step-size study could not be made.
@@ -144,7 +446,7 @@ pub enum BoundError {
     #[error("the run to the level: {0}")]
     Finite(#[from] vhi::finite::FiniteError),
     #[error("the run to the level: {0}")]
-    Step(#[from] vhi::FailedStep),
+    Step(#[from] FailedStep),
     /// The rule gives the last slot no weight: Λ is constant.
     #[error("the time rule gives the last slot no weight: every k is within (3.4)")]
     NoLastSlot,

@@ -1,42 +1,32 @@
 //! The bound (3.4) on the step size, made measurable: constants, the contraction factor of Λ, and the
-//! step size at which the discrete problem itself loses its unique solution.
-//!
-//! `factor`, `crossing`, `branch`, `ladder`, `starts`, `run` and `gate` know no mesh: they ask for a
-//! [`vhi::FrozenDerivative`] and for [`StepBounds`]. `contact`, `constants`, `linear` and
-//! `sampled` are about Problem 14, `finite` about Problem 9 in ℝ^m.
+//! step size at which the discrete problem itself loses its unique solution. Every inequality is a claim: measured factors ≤
+//! sharpened ≤ (3.15) at every k, thresholds the other way, samples ≤ declared constants.
 
-pub mod branch;
-mod constant_table;
 mod constants;
-pub mod contact;
-mod crossing;
 mod document;
-pub mod factor;
-mod finite;
-pub mod gate;
-pub mod ladder;
-mod linear;
-mod picture;
-pub mod run;
+mod factor;
+mod ladder;
 pub mod sampled;
-mod starts;
 
-pub use crossing::Crossing;
+pub use constants::{Constant, Obtained};
+pub use factor::{Contraction, Crossing, Starts, contraction, finite_factor};
+pub use ladder::{
+    BoundError, ContractionStudy, FactorAtLevel, Loss, StepLadder, StepRung, Thresholds,
+};
 
-use constant_table::Constant;
+use ::run::sweep::Runs;
+use algebra::linalg::KRYLOV_VECTORS;
 use constants::TraceConstants;
-use gate::BoundViolation;
-use ladder::{BoundError, StepRung};
-use run::ContractionStudy;
-use sampled::Sampled;
-
+use fem::contact::{Discretization, Evolution};
+use files::digits;
+use judge::claim::{Claim, Place, Statement};
 use scene::Scene;
-use scene::setup::{Setup, Smallness};
-use serde::Serialize;
-use vhi::StepBounds;
+use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, TruthLoad};
+use vhi::finite::FiniteEvolution;
+use vhi::{StepBounds, StepState};
 
 /// Everything that `sweep bound` says of a scene.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct BoundStudy {
     /// Name of the scene.
     pub scene: String,
@@ -48,32 +38,30 @@ pub struct BoundStudy {
     pub steps: u32,
     /// Every constant.
     pub constants: Vec<Constant>,
-    /// Declared constants against samples.
-    pub samples: Vec<Sampled>,
     /// The bounds, with the constants of the mesh n.
-    #[serde(skip)]
     pub limits: StepBounds,
     /// Factors.
-    #[serde(flatten)]
     pub study: ContractionStudy,
-    /// Step sizes up to which something holds, as JSON: null where it does for every k.
-    pub thresholds: serde_json::Value,
-    /// The measured threshold of Λ over (3.4) with the paper's norms: how many times too strict that is; none if Λ has no
-    /// threshold.
-    pub ratio: Option<f64>,
-    /// Whether the measured factor equals the sharpened bound at some step size.
-    pub attained: bool,
-    /// Inequalities that do not hold.
-    pub violations: Vec<BoundViolation>,
+    /// Every inequality.
+    pub claims: Vec<Claim>,
     /// Between what m0 lies, where its sign is unknown.
-    #[serde(rename = "m0_unknown")]
     pub unknown: Option<[f64; 2]>,
 }
 
 /// The mesh of the samples: eight unknowns a unit length suffice for tensors of every kind.
 const SAMPLE_MESH: u32 = 4;
-/// The bound is called attained if the measured factor comes this close.
-const ATTAINED: f64 = 1e-6;
+/// Rounding of a norm: eigenvalues settle to 1e-13, and the norm is their root.
+const NORM: f64 = 1e-9;
+/// Rounding of finite perturbations: 1e-13 over 1e-6, with room for the condition.
+const FINITE: f64 = 1e-5;
+/// Derivative against differences. A kink of Λ that a perturbation of 1e-6 crosses concerns few cells.
+const DERIVATIVE: f64 = 0.02;
+/// Thresholds are bracketed to 1e-7 relative, a singular tangent is approached to 1e-6.
+const THRESHOLD: f64 = 5e-6;
+/// Below this bound of the factor Λ reaches 1e-13 within the iterations it is given.
+const SURE: f64 = 0.9;
+/// Rounding of an eigenvalue that settles to 1e-13.
+const EIGENVALUE: f64 = 1e-10;
 
 impl BoundStudy {
     /// Studies a scene on the mesh `n`, along a run with `steps` steps.
@@ -91,109 +79,224 @@ impl BoundStudy {
         let fits = setup.scene.check_cells(SAMPLE_MESH).is_ok();
         let small = setup.space(if fits { SAMPLE_MESH } else { n })?;
         let samples = sampled::sample(setup, &constants, &small)?;
-        let study = contact::study(setup, &limits, n, steps)?;
-        let mut found = trace_violations(traces.as_ref(), &constants);
-        found.extend(smallness_violation(whole.smallness(), whole.m0));
-        let table = constant_table::table(setup, &whole, constants.m0, traces.as_ref());
+        let study = study(setup, &limits, n, steps)?;
+        let table = constants::table(setup, &whole, constants.m0, traces.as_ref());
+        let (known, m0) = (whole.smallness(), whole.m0);
         let grid = (Some(n), steps);
-        let mut study = Self::of(&setup.scene, grid, table, samples, limits, study, found);
-        if whole.smallness() == Smallness::Unknown {
-            study.unknown = Some(whole.m0_range);
+        let mut study = Self::of(&setup.scene, grid, table, samples, limits, study, (known, m0));
+        // The proved bound of c_j² against the eigenvalues of the mesh, in both masses, and of the meshes for the limit.
+        if let (Some(traces), Some(bound)) = (traces, constants.c_j_squared_bound) {
+            let on_mesh = traces.strain.values.map(|value| (format!("n = {n}"), value));
+            let of_limit = traces.strain.limit.iter().flat_map(|limit| &limit.values);
+            let of_limit = of_limit.map(|(cells, value)| (format!("{cells} cells"), *value));
+            study.claims.extend(on_mesh.into_iter().chain(of_limit).map(|(at, value)| {
+                let says = ("c_j^2", "on a mesh <= its proved bound");
+                claim(at, says, [value, bound], EIGENVALUE * bound)
+            }));
         }
+        study.unknown = (known == Smallness::Unknown).then_some(whole.m0_range);
         Ok(study)
     }
 
-    /// What follows from all that was found; `of_traces` are violations that only a mesh can have.
+    /// Studies an abstract scene along a run with `steps` steps.
+    ///
+    /// # Errors
+    /// [`BoundError`].
+    pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self, BoundError> {
+        let (model, c) = (&setup.model, &setup.constants);
+        if model.time_rule.last_share() == 0.0 {
+            return Err(BoundError::NoLastSlot);
+        }
+        let limits = c.step_bounds(model.time_rule.as_ref());
+        let (grid, mut load) = (setup.grid(steps), AbstractLoad(setup));
+        let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
+        let levels = ladder::all_levels(&mut level, &limits, None)?;
+        let mut study = ContractionStudy::of_levels(levels, steps)?;
+        let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
+        let state = ladder::run_to(&mut level, study.worst.level, |_, _, _| Ok(()))?;
+        study.climb(&mut level, state, &limits)?;
+        let samples = sampled::finite(model, c);
+        let known = if c.m0 > 0.0 { Smallness::Holds } else { Smallness::Fails };
+        let (table, m0) = (constants::finite(c, model), (known, c.m0));
+        Ok(Self::of(&setup.scene, (None, steps), table, samples, limits, study, m0))
+    }
+
+    /// What follows from all that was found.
     fn of(
         scene: &Scene,
         (n, steps): (Option<u32>, u32),
         constants: Vec<Constant>,
-        samples: Vec<Sampled>,
+        samples: Vec<Claim>,
         limits: StepBounds,
         study: ContractionStudy,
-        of_traces: Vec<BoundViolation>,
+        (known, m0): (Smallness, f64),
     ) -> Self {
-        let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
-        violations.extend(of_traces);
-        violations.extend(samples.iter().filter(|sample| !sample.holds).map(|sample| {
-            let what = format!("{}: needed <= declared", sample.what);
-            BoundViolation::new(what, sample.needed, sample.declared)
-        }));
-        let k = study.worst.k;
-        if k < limits.solvable_limit() {
-            let others = f64::from(study.starts.distinct);
-            let what = "other solutions from random starts <= 0";
-            violations.extend(gate::broken(Some(k), what, others, 0.0));
+        let mut claims = claims(&limits, &study.rungs, &study.thresholds);
+        // 0 < m0: everything that the bound says rests on it.
+        if known == Smallness::Fails {
+            claims.push(claim("", ("(2.9)", "0 < m0"), [0.0, m0], -f64::MIN_POSITIVE));
         }
-        let attained = |r: &StepRung| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened;
-        let measured = study.thresholds.radius.map(|[low, _]| low);
+        claims.extend(samples);
+        if study.worst.k < limits.solvable_limit() {
+            let others = f64::from(study.starts.distinct);
+            let says = ("uniqueness in the run", "other solutions from random starts <= 0");
+            claims.push(claim(at(study.worst.k), says, [others, 0.0], 0.0));
+        }
         Self {
             scene: scene.name.clone(),
             fingerprint: scene.source.hash.clone(),
             n,
             steps,
             constants,
-            samples,
-            thresholds: thresholds(&limits, &study),
-            ratio: measured.map(|k| k / limits.paper_limit()),
-            attained: study.rungs.iter().any(attained),
             limits,
             study,
-            violations,
+            claims,
             unknown: None,
         }
     }
 
-    pub(crate) fn grids(&self) -> String {
-        let mesh = self.n.map_or(String::new(), |n| format!("n = {n}, "));
-        format!("{mesh}N = {}", self.steps)
-    }
-
     /// Whether every inequality and every declared constant holds.
     pub fn holds(&self) -> bool {
-        self.violations.is_empty()
+        Claim::all_hold(&self.claims)
     }
 }
 
-/// 0 < m0: everything that the bound says rests on it.
-fn smallness_violation(known: Smallness, m0: f64) -> Option<BoundViolation> {
-    (known == Smallness::Fails).then(|| BoundViolation::new("0 < m0, (2.9)", 0.0, m0))
+fn at(k: f64) -> String {
+    format!("k = {}", digits(k, 7))
 }
 
-/// The proved bound of c_j² against the eigenvalues of the mesh, in both masses, and of the meshes for the limit.
-fn trace_violations(
-    traces: Option<&TraceConstants>,
-    constants: &scene::setup::Constants,
-) -> Vec<BoundViolation> {
-    let (Some(traces), Some(bound)) = (traces, constants.c_j_squared_bound) else {
-        return Vec::new();
+fn claim(
+    at: impl Into<String>,
+    (source, says): (&'static str, &'static str),
+    sides: [f64; 2],
+    accuracy: f64,
+) -> Claim {
+    let place = Place { at: at.into(), ..Place::default() };
+    Claim::at_most(Statement { source, says }, place, sides, accuracy)
+}
+
+/// The inequalities of a ladder and its thresholds.
+pub fn claims(bounds: &StepBounds, rungs: &[StepRung], found: &Thresholds) -> Vec<Claim> {
+    let mut claims = Vec::new();
+    let one = |solved: bool| f64::from(u8::from(solved));
+    for rung in rungs {
+        let StepRung { norm, sharpened, theorem, .. } = *rung;
+        let rounded = FINITE * if sharpened == 0.0 { 1.0 } else { sharpened };
+        let (off, allowed) = ((rung.finite_worst - norm).abs(), DERIVATIVE * norm);
+        let mut say = |source, says, left, right, accuracy| {
+            claims.push(claim(at(rung.k), (source, says), [left, right], accuracy));
+        };
+        say("sharpened", "|DLambda| <= sharpened factor", norm, sharpened, NORM * sharpened);
+        say("radius", "spectral radius <= |DLambda|", rung.radius, norm, FINITE * norm);
+        let finite = "finite factor, worst direction <= sharpened";
+        say("finite", finite, rung.finite_worst, sharpened, rounded);
+        say("derivative", "|finite - derivative| <= 2 % of it", off, allowed, 0.0);
+        say("(3.15)", "sharpened factor <= (3.15)", sharpened, theorem, NORM * theorem);
+        say("(3.15)", "(3.15) <= (3.15) in the paper's norm", theorem, rung.paper, 0.0);
+        if rung.k < bounds.solvable_limit() {
+            let newton = one(rung.newton.is_ok());
+            say("solvable", "1 <= Newton finds the guaranteed solution", 1.0, newton, 0.0);
+            let others = f64::from(rung.distinct);
+            say("uniqueness", "solutions beside the one guaranteed <= 0", others, 0.0, 0.0);
+        }
+        if sharpened < SURE {
+            let solved = one(rung.fixed_point.is_ok());
+            say("contraction", "1 <= Lambda converges where it must", 1.0, solved, 0.0);
+        }
+    }
+    let (norm, radius) = (found.norm, found.radius);
+    let lost = found.loss.as_ref().map(|loss| loss.bracket[1]);
+    let [paper, proved] = [bounds.paper_limit(), bounds.limit()].map(Some);
+    let [sharpened, solvable] = [bounds.sharpened_limit(), bounds.solvable_limit()].map(Some);
+    let [lower, upper] = [0, 1].map(|end: usize| move |crossing: Crossing| crossing[end]);
+    let ordered = [
+        ("k of (3.4), the paper's norm <= k of (3.4)", paper, proved),
+        ("k of (3.4) <= sharpened k", proved, sharpened),
+        ("sharpened k <= solvable k", sharpened, solvable),
+        ("sharpened k <= k with |DLambda| = 1", sharpened, norm.map(upper)),
+        ("k with |DLambda| = 1 <= k with spectral radius 1", norm.map(lower), radius.map(upper)),
+        ("solvable k <= k that loses solvability", solvable, lost),
+        ("k with spectral radius 1 <= k that loses solvability", radius.map(lower), lost),
+    ];
+    for (says, left, right) in ordered {
+        // What was not found, or holds for every k, is in no order.
+        if let (Some(left), Some(right)) = (left, right.filter(|k| *k != f64::INFINITY)) {
+            claims.push(claim("", ("threshold", says), [left, right], THRESHOLD * right));
+        }
+    }
+    claims
+}
+
+/// Runs the scene on the mesh `n` with `steps` steps and studies its worst level.
+///
+/// # Errors
+/// [`BoundError`].
+pub fn study(
+    setup: &Setup,
+    bounds: &StepBounds,
+    n: u32,
+    steps: u32,
+) -> Result<ContractionStudy, BoundError> {
+    let levels_on = |n: u32| {
+        let data = MeshData::new(setup, n, None)?;
+        on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds, Some(n)))
     };
-    // Rounding of an eigenvalue that settles to 1e-13.
-    let most = bound * (1.0 + 1e-10);
-    let on_mesh = traces.strain.values.map(|value| (format!("the mesh n = {}", traces.n), value));
-    let of_limit = traces.strain.limit.iter().flat_map(|limit| &limit.values);
-    let of_limit = of_limit.map(|(cells, value)| (format!("a mesh of {cells} cells"), *value));
-    let above = on_mesh.into_iter().chain(of_limit);
-    let above = above.filter(|(_, value)| value.is_nan() || *value > most);
-    let what = |mesh: &str| format!("c_j^2 on {mesh} <= its proved bound");
-    above.map(|(mesh, value)| BoundViolation::new(what(&mesh), value, bound)).collect()
+    let mut study = ContractionStudy::of_levels(levels_on(n)?, steps)?;
+    let worst = study.worst.level;
+    for other in meshes_beside(setup, n) {
+        let at_worst = match other == n {
+            true => Some(study.worst),
+            false => levels_on(other)?.get(worst - 1).copied(),
+        };
+        study.meshes.extend(at_worst);
+    }
+    let data = MeshData::new(setup, n, None)?;
+    at_level(setup, &data, steps, worst, |level, state| study.climb(level, state, bounds))?;
+    Ok(study)
 }
 
-/// The step sizes that are proved, and those that were found.
-fn thresholds(limits: &StepBounds, study: &ContractionStudy) -> serde_json::Value {
-    let (found, loss) = (&study.thresholds, study.thresholds.loss.as_ref());
-    serde_json::json!({
-        "paper_norm": limits.paper_limit(),
-        "theorem": limits.limit(),
-        "sharpened": limits.sharpened_limit(),
-        "solvable": limits.solvable_limit(),
-        "norm_one": found.norm,
-        "radius_one": found.radius,
-        "loss": loss.map(|loss| loss.bracket),
-        "loss_reason": loss.map(|loss| loss.reason.to_string()),
-        "loss_eigenvalue": loss.map(|loss| loss.rightmost),
-        "not_followed": study.not_followed,
-        "loss_tensors": study.linear.map(|loss| loss.tensors),
-        "loss_mesh": study.linear.map(|loss| loss.mesh),
+/// The mesh n and its neighbours, as far as the domain has them.
+fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
+    let fits = |&other: &u32| other > 0 && setup.scene.check_cells(other).is_ok();
+    [n / 2, n, 2 * n].into_iter().filter(fits)
+}
+
+/// The runs of a study.
+pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
+    let grid = meshes_beside(setup, n).map(|n| (n, steps)).collect();
+    // The factors of the volume's tangent and of the inner product, the vectors of an eigenvalue and a ladder's solutions.
+    let vectors = KRYLOV_VECTORS + ladder::SOLUTIONS;
+    let beside = move |space: &Discretization, _| {
+        8.0 * (2.0 * space.factor_size()[0] + (vectors * space.dofs()) as f64)
+    };
+    Runs { setup, grid, beside: Box::new(beside) }
+}
+
+/// Runs to level `number`, leaves it open, and shows it with its solution.
+///
+/// # Errors
+/// The run's, and those of `see`.
+pub fn at_level<T>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    number: usize,
+    see: impl FnOnce(&mut Evolution<'_>, StepState) -> Result<T, BoundError>,
+) -> Result<T, BoundError> {
+    on_run(setup, data, steps, |level| {
+        let state = ladder::run_to(level, number, |_, _, _| Ok(()))?;
+        see(level, state)
     })
+}
+
+/// Shows a run before its first level.
+fn on_run<T>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    see: impl FnOnce(&mut Evolution<'_>) -> Result<T, BoundError>,
+) -> Result<T, BoundError> {
+    let grid = setup.grid(steps);
+    let mut load = TruthLoad(&*data.truth);
+    see(&mut Evolution::new(&data.space, &setup.model, &grid, &mut load)?)
 }

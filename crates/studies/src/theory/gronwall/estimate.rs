@@ -1,11 +1,8 @@
 //! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
-//! mesh, fills an [`Estimate`] and has its [`Envelopes`].
+//! mesh, fills an [`Estimate`] and has its [`Envelopes`] and claims.
 
-use super::GronwallError;
-use super::bounds::Bounds;
-use super::recurrence::{HistoryPart, StepTooLarge, unprimed, unprimed_closed, weighted};
-use super::rule::Weights;
-use algebra::linalg::largest;
+use super::recurrence::{HistoryPart, StepTooLarge, Weights, unprimed, unprimed_closed, weighted};
+use judge::claim::{Claim, Place, Standing, Statement};
 use serde::Serialize;
 use vhi::history::TimeGrid;
 
@@ -44,37 +41,71 @@ pub struct Estimate {
     pub truncation: [Vec<f64>; 2],
 }
 
+/// One thing for each bound of e_n, in the order weighted ≤ primed ≤ closed ≤ …; primed ≤ printed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Bounds<T> {
+    /// m0 E_n = s_n + Σ_p ω_p Σ' w κ_p E_j: the parts of the history apart.
+    pub weighted: T,
+    /// E_n = C1 g_n + C2 Σ' w_nj E_j.
+    pub primed: T,
+    /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k, or what [`super::Weights::closed`] says of another rule.
+    pub closed: T,
+    /// C1 max g e^{C2 t_n}, or what [`super::Weights::limit`] says of product integration.
+    pub limit: T,
+    /// E_n = C1 g_n + C2 k Σ_{j ≤ n} E_j, as printed in (3.24); absent where C2 k ≥ 1.
+    pub printed: Option<T>,
+    /// C1 max g/(1 - c) exp(C2 t_n/(1 - c)).
+    pub printed_closed: Option<T>,
+}
+
+/// The bounds of e_n at every n.
+pub type Envelopes = Bounds<Vec<f64>>;
+
+impl<T> Bounds<T> {
+    pub(super) fn map<U>(&self, of: impl Fn(&T) -> U) -> Bounds<U> {
+        Bounds {
+            weighted: of(&self.weighted),
+            primed: of(&self.primed),
+            closed: of(&self.closed),
+            limit: of(&self.limit),
+            printed: self.printed.as_ref().map(&of),
+            printed_closed: self.printed_closed.as_ref().map(&of),
+        }
+    }
+}
+
 impl Estimate {
     /// One with these constants, before anything is measured.
     pub(super) fn blank(
         grid: &TimeGrid,
         weights: Weights,
-        m0: f64,
-        beta: f64,
+        (m0, beta): (f64, f64),
         parts: Vec<HistoryPart>,
     ) -> Self {
+        let (grid, truncation) = (grid.clone(), [Vec::new(), Vec::new()]);
+        let (error, weighted_source, source) = (Vec::new(), Vec::new(), Vec::new());
         Self {
-            grid: grid.clone(),
+            grid,
             weights,
+            error,
+            weighted_source,
+            source,
             m0,
             beta,
             parts,
-            error: Vec::new(),
-            weighted_source: Vec::new(),
-            source: Vec::new(),
             floor: 0.0,
-            truncation: [Vec::new(), Vec::new()],
+            truncation,
         }
     }
 
     /// C2 = β_φ ‖S‖/m0, ‖S‖ being ‖R‖‖q‖ or the Lipschitz constant of S: Σ_p sup κ_p.
-    pub(crate) fn c2(&self) -> f64 {
+    pub(super) fn c2(&self) -> f64 {
         self.beta / self.m0 * self.parts.iter().map(|part| part.supremum).sum::<f64>()
     }
 
     /// The estimate up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
     /// horizon.
-    pub(crate) fn up_to(&self, last: usize) -> Self {
+    pub(super) fn up_to(&self, last: usize) -> Self {
         let kept = |values: &[f64]| values[..=last].to_vec();
         let part = |part: &HistoryPart| {
             let supremum = part.norms.maximum(last).unwrap_or(part.supremum);
@@ -97,42 +128,18 @@ impl Estimate {
     /// C2 w_nn ≥ 1. The printed sum, which needs C2 k < 1, is `None` where it fails, and by rules with other weights.
     pub fn envelopes(&self) -> Result<Envelopes, StepTooLarge> {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
-        let (grid, c2, weights) = (&self.grid, self.c2(), self.weights);
+        let (grid, c2, weights, rule) = (&self.grid, self.c2(), self.weights, self.weights.rule());
         // (3.24) has its printed sum where its weights bound those of the trapezoidal rule.
         let as_printed = weights.are_the_papers();
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
             limit: weights.limit(grid, &scaled, c2),
-            weighted: weighted(
-                &*weights.rule(),
-                grid,
-                &self.weighted_source,
-                self.m0,
-                &self.parts,
-            )?,
+            weighted: weighted(&*rule, grid, &self.weighted_source, self.m0, &self.parts)?,
             printed: unprimed(grid, &scaled, c2).ok().filter(|_| as_printed),
             printed_closed: unprimed_closed(grid, &scaled, c2).ok().filter(|_| as_printed),
         })
     }
-}
-
-/// The bounds of e_n at every n.
-pub type Envelopes = Bounds<Vec<f64>>;
-
-/// A link of the chain that does not hold.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LinkViolation {
-    /// Which inequality, such as "e <= weighted envelope".
-    pub link: &'static str,
-    /// The first n at which it fails.
-    pub n: usize,
-    /// t_n.
-    pub t: f64,
-    /// Left side.
-    pub left: f64,
-    /// Right side.
-    pub right: f64,
 }
 
 /// Rounding of sums of up to some thousands of positive terms, relative: N·2^-53 for N = 4096 is
@@ -140,87 +147,50 @@ pub struct LinkViolation {
 const ROUNDING: f64 = 1e-12;
 
 impl Envelopes {
-    /// Every link e ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ printed closed that fails, by
-    /// its first n. A number that is not finite fails.
-    pub fn violations(&self, estimate: &Estimate) -> Vec<LinkViolation> {
-        let measured = "e <= weighted envelope";
+    /// Every link e ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ printed closed, at the first n at which it fails, or where
+    /// it is tightest; the first of them, with which all stands or falls, is "e <= weighted envelope".
+    pub fn claims(&self, estimate: &Estimate, place: &Place) -> Vec<Claim> {
         // What the floor of one step can grow to in e_n: its primed envelope.
-        let floor = vec![estimate.floor; estimate.error.len()];
-        let allowance = estimate.weights.envelope(&estimate.grid, &floor, estimate.c2());
-        let allowance = allowance.unwrap_or_else(|_| vec![0.0; floor.len()]);
-        let mut links: Vec<(&'static str, &[f64], &[f64])> = vec![
-            (measured, &estimate.error, &self.weighted),
-            ("weighted <= primed envelope", &self.weighted, &self.primed),
-            ("primed envelope <= closed form", &self.primed, &self.closed),
+        let none = vec![0.0; estimate.grid.times().len()];
+        let floor = vec![estimate.floor; none.len()];
+        let allowed = estimate.weights.envelope(&estimate.grid, &floor, estimate.c2());
+        let (allowed, error) = (allowed.unwrap_or_else(|_| none.clone()), &estimate.error);
+        let mut links = vec![
+            ("error", "e <= weighted envelope", error, &self.weighted, &allowed),
+            ("weighted", "weighted <= primed envelope", &self.weighted, &self.primed, &none),
+            ("primed", "primed envelope <= closed form", &self.primed, &self.closed, &none),
         ];
         if let (Some(printed), Some(closed)) = (&self.printed, &self.printed_closed) {
-            links.push(("primed <= printed envelope", &self.primed, printed));
-            links.push(("printed envelope <= its closed form", printed, closed));
-            links.push(("closed form <= closed form of the printed sum", &self.closed, closed));
+            let says = "closed form <= closed form of the printed sum";
+            links.extend([
+                ("(3.24)", "primed <= printed envelope", &self.primed, printed, &none),
+                ("(3.24)", "printed envelope <= its closed form", printed, closed, &none),
+                ("(3.24)", says, &self.closed, closed, &none),
+            ]);
         }
-        let steps = estimate.grid.times();
-        let failing = |(link, left, right): (&'static str, &[f64], &[f64])| {
-            if left.len() != steps.len() || right.len() != steps.len() {
-                let (left, right) = (left.len() as f64, right.len() as f64);
-                return Some(LinkViolation {
-                    link: "one value per step",
-                    n: 0,
-                    t: 0.0,
-                    left,
-                    right,
-                });
-            }
-            let n = (0..steps.len()).find(|&n| {
-                let allowed = if link == measured { allowance[n] } else { 0.0 };
-                let bound = right[n] * (1.0 + ROUNDING) + allowed;
-                // NaN and infinity fail.
-                !(left[n] <= bound && bound.is_finite() && left[n] >= 0.0)
-            })?;
-            Some(LinkViolation { link, n, t: steps[n], left: left[n], right: right[n] })
-        };
-        links.into_iter().filter_map(failing).collect()
-    }
-}
-
-/// A run with its envelopes and the links of the chain that do not hold; the table of all levels holds its curves.
-pub struct Judged {
-    pub estimate: Estimate,
-    pub envelopes: Envelopes,
-    pub violations: Vec<LinkViolation>,
-}
-
-impl Judged {
-    /// # Errors
-    /// [`GronwallError::Step`].
-    pub(super) fn new(estimate: Estimate) -> Result<Self, GronwallError> {
-        let steps = estimate.grid.steps() as u32;
-        let envelopes =
-            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-        let violations = envelopes.violations(&estimate);
-        Ok(Self { estimate, envelopes, violations })
-    }
-}
-
-/// bound/e of one grid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Effectivity {
-    /// At t_N = T; absent if e_N is at its floor.
-    pub at_end: Option<f64>,
-    /// max_n bound/max_n e.
-    pub of_maxima: f64,
-    /// The least over n ≥ 1: how close the bound comes to being attained.
-    pub least: Option<f64>,
-}
-
-impl Effectivity {
-    pub(crate) fn new(bound: &[f64], estimate: &Estimate) -> Self {
-        // Where e_n is not above 20 floors there is none.
-        let serves = |n: usize| n > 0 && estimate.error[n] > 20.0 * estimate.floor;
-        let ratio = |n: usize| serves(n).then(|| bound[n] / estimate.error[n]);
-        Self {
-            at_end: bound.len().checked_sub(1).and_then(ratio),
-            of_maxima: largest(bound) / largest(&estimate.error),
-            least: (0..bound.len()).filter_map(ratio).reduce(f64::min),
-        }
+        let levels = estimate.grid.times().len();
+        let link =
+            |(source, says, left, right, allowed): (_, _, &Vec<f64>, &Vec<f64>, &Vec<f64>)| {
+                if left.len() != levels || right.len() != levels {
+                    let statement = Statement { source, says: "one value per step" };
+                    return Claim { statement, place: place.clone(), ..Claim::default() };
+                }
+                let at = |n: usize| {
+                    let place = Place { level: Some(n), ..place.clone() };
+                    let accuracy = ROUNDING * right[n] + allowed[n];
+                    Claim::at_most(Statement { source, says }, place, [left[n], right[n]], accuracy)
+                };
+                let mut worst = at(0);
+                for claim in (1..levels).map(at) {
+                    if worst.standing() != Standing::Passes {
+                        break;
+                    }
+                    if claim.is_worse_than(&worst) {
+                        worst = claim;
+                    }
+                }
+                worst
+            };
+        links.into_iter().map(link).collect()
     }
 }

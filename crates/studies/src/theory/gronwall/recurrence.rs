@@ -6,7 +6,8 @@
 
 use algebra::linalg::larger;
 use files::digits;
-use vhi::history::{TimeGrid, TimeRule};
+use statrs::function::gamma::{gamma, ln_gamma};
+use vhi::history::{ClosedForm, TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
 
 /// The lemma's hypothesis fails: e_n stands on both sides with a factor of at least 1, so that the
@@ -28,7 +29,7 @@ pub struct StepTooLarge {
 /// E_n, or a bound of it, at every n; none where the lemma's hypothesis fails.
 pub type Solved = Result<Vec<f64>, StepTooLarge>;
 
-pub(super) fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTooLarge> {
+fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTooLarge> {
     let remaining = 1.0 - factor * weight;
     // NaN is refused as well.
     if remaining > 0.0 { Ok(remaining) } else { Err(StepTooLarge { n, factor, weight }) }
@@ -38,7 +39,7 @@ pub(super) fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTo
 ///
 /// # Errors
 /// C2 a_nn ≥ 1.
-pub(super) fn solved(source: &[f64], c2: f64, row: impl Fn(usize) -> Vec<f64>) -> Solved {
+fn solved(source: &[f64], c2: f64, row: impl Fn(usize) -> Vec<f64>) -> Solved {
     let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
     for (n, s) in source.iter().enumerate() {
         let row = row(n);
@@ -50,7 +51,7 @@ pub(super) fn solved(source: &[f64], c2: f64, row: impl Fn(usize) -> Vec<f64>) -
 }
 
 /// max_{j ≤ n} s_j times the factor of n.
-pub(super) fn amplified(source: &[f64], factors: impl IntoIterator<Item = f64>) -> Vec<f64> {
+fn amplified(source: &[f64], factors: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut largest = 0.0f64;
     let bound = |(s, factor): (&f64, f64)| {
         largest = larger(largest, *s);
@@ -79,11 +80,6 @@ pub(crate) fn primed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Solved 
     };
     let factors: Vec<f64> = (0..source.len()).map(factor).collect::<Result<_, _>>()?;
     Ok(amplified(source, factors))
-}
-
-/// The limit of [`primed_closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}.
-pub(crate) fn closed_limit(grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
-    amplified(source, grid.times().iter().map(|t| (c2 * t).exp()))
 }
 
 /// The printed form (3.24), E_n = s_n + C2 k Σ_{j=0..n} E_j, k the largest step.
@@ -150,8 +146,6 @@ impl HistoryPart {
 /// κ(n, j) on the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub enum KernelNorms {
-    /// One number for all n and j.
-    Constant(f64),
     /// κ(n, j) = `values[n - j]`: a convolution on a uniform grid.
     Lags(Vec<f64>),
     /// κ(n, j) = `rows[n][j]`: any kernel on any grid.
@@ -195,7 +189,6 @@ impl KernelNorms {
     /// κ(n, j), j ≤ n.
     pub(crate) fn at(&self, n: usize, j: usize) -> f64 {
         match self {
-            Self::Constant(value) => *value,
             Self::Lags(values) => values[n - j],
             Self::Pairs(rows) | Self::Weighed(rows) => rows[n][j],
         }
@@ -204,10 +197,190 @@ impl KernelNorms {
     /// The largest κ(n, j) with n ≤ `last`; NaN if one is. None where they are not known apart from their weights.
     pub(crate) fn maximum(&self, last: usize) -> Option<f64> {
         Some(match self {
-            Self::Constant(value) => *value,
             Self::Lags(values) => values[..=last].iter().fold(0.0, |m, v| larger(m, *v)),
             Self::Pairs(rows) => rows[..=last].iter().flatten().fold(0.0, |m, v| larger(m, *v)),
             Self::Weighed(_) => return None,
         })
+    }
+}
+
+/// Weights in Gronwall's inequality that are not negative, the same for every kernel: those of a rule, or bounds of them.
+/// By product integration they are those of (t - s)^{-power} alone, which bound those of kernels by what these have
+/// beside it; of kernels that are finite, power = 0, those of the trapezoidal rule.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights {
+    rule: scene::TimeRule,
+    form: ClosedForm,
+    /// 0 ≤ power < 1, 0 by other rules than product integration.
+    power: f64,
+}
+
+/// (t - s)^{-a}.
+struct Power(f64);
+
+impl HistoryKernel for Power {
+    fn at(&self, t: f64, s: f64) -> f64 {
+        (t - s).powf(-self.0)
+    }
+
+    fn power(&self) -> f64 {
+        self.0
+    }
+
+    fn factor(&self, _: f64, _: f64) -> f64 {
+        1.0
+    }
+}
+
+impl Weights {
+    /// The weights of a rule on kernels with this largest power; none where they depend on the kernel in another way.
+    pub fn of(rule: scene::TimeRule, power: f64) -> Option<Self> {
+        let form = rule.weights().closed_form()?;
+        let power = if form == ClosedForm::MittagLeffler { power } else { 0.0 };
+        Some(Self { rule, form, power })
+    }
+
+    /// The rule, if it integrates kernels, so that its weights are theirs.
+    pub(super) fn integrating(self) -> Option<Box<dyn TimeRule>> {
+        (self.form == ClosedForm::MittagLeffler).then(|| self.rule())
+    }
+
+    /// Whether they are those of Σ'.
+    pub(crate) fn are_the_papers(self) -> bool {
+        self.form == ClosedForm::Paper
+    }
+
+    /// The rule.
+    pub fn rule(self) -> Box<dyn TimeRule> {
+        self.rule.weights()
+    }
+
+    /// w_n0, …, w_nn.
+    pub fn row(self, grid: &TimeGrid, n: usize) -> Vec<f64> {
+        self.rule().kernel_row(&Power(self.power), grid, n)
+    }
+
+    /// What C2 stands beside on a step k: k, or k^{1-a}.
+    pub(crate) fn of_step(self, k: f64) -> f64 {
+        if self.power > 0.0 { k.powf(1.0 - self.power) } else { k }
+    }
+
+    /// By how much a bound of κ(n, j) beside the weights of the trapezoidal rule is to be multiplied beside these, up to the
+    /// horizon: (t - s)^{-a} ≥ T^{-a}.
+    pub(crate) fn beside_plain(self, horizon: f64) -> f64 {
+        horizon.powf(self.power)
+    }
+
+    /// E_n = s_n + C2 Σ_{j ≤ n} w_nj E_j.
+    ///
+    /// # Errors
+    /// C2 w_nn ≥ 1.
+    pub fn envelope(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
+        solved(source, c2, |n| self.row(grid, n))
+    }
+
+    /// Above E_n of [`Self::envelope`]: max_{j ≤ n} s_j times what [`ClosedForm`] says. Where s_0 > 0 the power of
+    /// 1 + c/(1 - θ) is n. The limit for k → 0 is e^{C2 t}. By the trapezoidal rule it is `primed_closed`.
+    ///
+    /// By product integration, on any grid with largest step k, it is max s/(1 - θ) · E_α(C2 Γ(α) t^α/(1 - θ)), α = 1 - a,
+    /// θ = C2 k^α/α, with the function of Mittag-Leffler. Let y be that, which solves
+    /// y(t) = y(0) + C2/(1 - θ) ∫_0^t (t - s)^{-a} y(s) ds and increases. Its interpolant is below y(s + k), and below y(t_n) in
+    /// the last k, so the sum of w_nj y(t_j) is below ∫_0^{t_n} (t_n - s)^{-a} y ds + y(t_n) k^α/α; with max s added and C2 before
+    /// it that is y(t_n) at most, and induction over n puts E_n below y(t_n).
+    ///
+    /// # Errors
+    /// θ ≥ 1, or c > 1 by Gregory's rules.
+    pub fn closed(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
+        let (share, beyond, most) = match self.form {
+            ClosedForm::Paper => return primed_closed(grid, source, c2),
+            ClosedForm::Corrected { share, beyond, most } => (share, beyond, most),
+            ClosedForm::MittagLeffler => {
+                let exponent = 1.0 - self.power;
+                let whole = grid.largest_step().powf(exponent) / exponent;
+                let remaining = solvable(1, c2, whole)?;
+                return Ok(fractional(grid, source, exponent, c2, remaining));
+            }
+        };
+        let k = grid.largest_step();
+        // Beyond c = 1 the form is not shown to be a bound.
+        let weight = if c2 * k <= most { share * k } else { f64::INFINITY };
+        let remaining = solvable(1, c2, weight)?;
+        let from_rest = source.first().is_none_or(|s| *s == 0.0);
+        let mut amplification = 1.0;
+        let factor = |n: usize| {
+            let grown = || 1.0 + c2 * grid.step(n) / remaining;
+            amplification *= match n {
+                0 => 1.0,
+                1 if from_rest => (1.0 + beyond * c2 * k / remaining) / remaining,
+                1 => grown() * (1.0 + beyond * c2 * k / remaining) / remaining,
+                _ => grown(),
+            };
+            amplification
+        };
+        Ok(amplified(source, (0..source.len()).map(factor)))
+    }
+
+    /// The limit of [`Self::closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}, or E_α(C2 Γ(α) t_n^α) in place of e.
+    pub fn limit(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
+        match self.power {
+            0.0 => amplified(source, grid.times().iter().map(|t| (c2 * t).exp())),
+            power => fractional(grid, source, 1.0 - power, c2, 1.0),
+        }
+    }
+}
+
+/// max_{j ≤ n} s_j/r · E_α(C2 Γ(α) t_n^α/r).
+fn fractional(grid: &TimeGrid, source: &[f64], exponent: f64, c2: f64, r: f64) -> Vec<f64> {
+    let growth = c2 * gamma(exponent) / r;
+    let factor = |t: &f64| mittag_leffler(exponent, growth * t.powf(exponent)) / r;
+    amplified(source, grid.times().iter().map(factor))
+}
+
+/// E_α(x) = Σ_i x^i/Γ(αi + 1), x ≥ 0, 0 < α ≤ 1: the solution of y(t) = 1 + (1/Γ(α)) ∫_0^t (t - s)^{α-1} y(s) ds is E_α(t^α), and
+/// E_1 = exp. All terms are positive; ∞ where it is beyond the doubles.
+fn mittag_leffler(alpha: f64, x: f64) -> f64 {
+    if x == 0.0 {
+        return 1.0;
+    }
+    let log = x.ln();
+    // Terms rise up to αi ≈ x^{1/α}, and E is about e to that power over α.
+    let peak = (log / alpha).exp();
+    if peak.is_nan() || peak > f64::MAX.ln() {
+        return f64::INFINITY;
+    }
+    let mut sum = 0.0;
+    for i in 0u32.. {
+        let place = alpha * f64::from(i);
+        let term = (f64::from(i) * log - ln_gamma(place + 1.0)).exp();
+        sum += term;
+        if place > peak && term <= f64::EPSILON * f64::EPSILON * sum {
+            break;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mittag_leffler;
+
+    /// E_1(x) = e^x; E_{1/2}(x) = e^{x²} erfc(-x), by tables of erfc.
+    #[test]
+    fn known_values_are_met() {
+        for x in [0.0, 0.1, 1.0, 10.0, 300.0] {
+            let off = mittag_leffler(1.0, x) / f64::exp(x) - 1.0;
+            // Logarithms of terms as large as 300 · 6 lose three digits.
+            assert!(off.abs() < 1e-11, "{x}: {off:e}");
+        }
+        // erfc(-1/2) = 1.520499877813046537…, erfc(-1) = 1.842700792949714869…, erfc(-2) = 1.995322265018952734….
+        for (x, erfc) in [
+            (0.5, 1.520_499_877_813_046_5),
+            (1.0, 1.842_700_792_949_715),
+            (2.0, 1.995_322_265_018_952_7),
+        ] {
+            let off = mittag_leffler(0.5, x) / (f64::exp(x * x) * erfc) - 1.0;
+            assert!(off.abs() < 1e-12, "{x}: {off:e}");
+        }
+        assert!(mittag_leffler(0.3, 10.0).is_infinite());
     }
 }

@@ -1,15 +1,25 @@
-//! The study of a scene: grids, horizons and perturbations, with every link of the chain checked.
+//! The study of a scene: errors on grids and over horizons, and differences under perturbed loads, each under its bounds.
+//!
+//! Two discrete solutions with loads f and f + δf satisfy
+//!
+//! ```text
+//! m0 ‖u_n - ũ_n‖ ≤ ‖δf_n‖_* + Σ_p ω_p Σ'_j w_nj κ_p(n, j) ‖u_j - ũ_j‖
+//! ```
+//!
+//! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
+//! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::GronwallError;
-use super::bounds::Bounds;
-use super::constants::InequalityConstants;
-use super::estimate::{Effectivity, Estimate, Judged, LinkViolation};
-use super::horizon::{Horizons, horizons};
-use super::prepare::prepare;
-use super::stability::{Perturbation, perturbations};
-use algebra::linalg::largest;
-use scene::setup::Subject;
-use serde::Serialize;
+use super::contact::REFERENCE_STEPS;
+use super::estimate::{Bounds, Envelopes, Estimate};
+use super::in_time::{GronwallError, InTime, prepare};
+use crate::table;
+use algebra::linalg::{largest, signed_unit};
+use fem::contact::Discretization;
+use judge::claim::{Claim, Place, Statement};
+use report::{Axis, Chapter, Chart, Datum, Findings, Part, Run, Scale, Series, digits, precise};
+use run::sweep::{Runs, lowest_common_multiple};
+use scene::setup::{Setup, Subject};
+use serde_json::{Value, json};
 
 /// What is asked of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,141 +32,434 @@ pub struct StudyRuns {
     pub horizons: Vec<f64>,
 }
 
-/// One grid with its bounds; as JSON without its curves, which the table of all levels holds.
-#[derive(Serialize)]
-pub struct StudiedGrid {
-    /// N.
-    pub steps: u32,
-    /// Largest step.
-    pub k: f64,
-    /// C2 k.
-    #[serde(rename = "C2_k")]
-    pub c2_k: f64,
-    /// e_N, and max_n e_n.
-    pub error_end: f64,
-    pub error_max: f64,
-    /// g_N, and max_n g_n.
-    pub truncation_end: f64,
-    pub truncation_max: f64,
-    /// Floor of e_n.
-    pub floor: f64,
-    /// Bound over error of every envelope.
-    pub effectivity: Bounds<Effectivity>,
-    #[serde(skip)]
-    pub judged: Judged,
+/// A run with its bounds.
+pub(super) struct Bounded {
+    /// Its name in the table of levels.
+    part: String,
+    pub estimate: Estimate,
+    pub envelopes: Envelopes,
 }
 
-/// All that was found.
-#[derive(Serialize)]
-pub struct Study {
-    pub scene: String,
-    /// Fingerprint of the scene's text.
-    pub fingerprint: String,
-    /// Mesh cells per unit length; none for abstract scenes.
-    pub n: Option<u32>,
-    pub constants: InequalityConstants,
-    /// Where the truth of the error comes from.
-    pub truth: String,
-    pub grids: Vec<StudiedGrid>,
-    pub horizons: Option<Horizons>,
-    pub perturbations: Vec<Perturbation>,
-    /// Every link that fails.
-    pub violations: Vec<FailedLink>,
-    /// "pass" where none does, "fail" otherwise.
-    pub verdict: &'static str,
-}
-
-/// A link that fails, with the part of the study it belongs to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FailedLink {
-    pub part: String,
-    #[serde(flatten)]
-    pub violation: LinkViolation,
-}
-
-impl StudiedGrid {
-    fn new(estimate: Estimate) -> Result<Self, GronwallError> {
-        let judged = Judged::new(estimate)?;
-        let estimate = &judged.estimate;
-        let [zeta, memory] = &estimate.truncation;
-        let truncation: Vec<f64> = zeta.iter().zip(memory).map(|(z, b)| z + b).collect();
-        let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
-        let k = estimate.grid.largest_step();
-        Ok(Self {
-            steps: estimate.grid.steps() as u32,
-            k,
-            c2_k: estimate.c2() * estimate.weights.of_step(k),
-            error_end: last(&estimate.error),
-            error_max: largest(&estimate.error),
-            truncation_end: last(&truncation),
-            truncation_max: largest(&truncation),
-            floor: estimate.floor,
-            effectivity: judged.envelopes.map(|bound| Effectivity::new(bound, estimate)),
-            judged,
-        })
+impl Bounded {
+    pub(super) fn new(part: String, estimate: Estimate) -> Result<Self, GronwallError> {
+        let steps = estimate.grid.steps() as u32;
+        let envelopes =
+            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        Ok(Self { part, estimate, envelopes })
     }
-}
 
-impl Study {
-    /// Runs everything.
-    ///
-    /// # Errors
-    /// [`GronwallError`].
-    pub fn run(subject: &Subject, plan: StudyRuns) -> Result<Self, GronwallError> {
-        let scene = subject.scene();
-        let in_time = prepare(subject, plan.n, &plan.steps)?;
-        let mut grids = Vec::new();
-        for &steps in &plan.steps {
-            grids.push(StudiedGrid::new(in_time.measure(steps)?)?);
-        }
-        let finest = plan.steps.iter().copied().max().unwrap_or(1);
-        let perturbations = perturbations(&*in_time, finest)?;
-        let horizons = match plan.horizons[..] {
-            [] => None,
-            _ => {
-                let k = scene.time.horizon / f64::from(finest);
-                Some(horizons(subject, plan.n, k, &plan.horizons)?)
-            }
+    /// Every link of the chain, on a mesh with so many cells.
+    pub(super) fn claims(&self, n: Option<u32>) -> Vec<Claim> {
+        let steps = Some(self.estimate.grid.steps() as u32);
+        let at = if self.part == "time" { String::new() } else { self.part.clone() };
+        self.envelopes.claims(&self.estimate, &Place { n, steps, level: None, at })
+    }
+
+    /// The bound over e_n at every n ≥ 1, none where e_n is not above 20 floors: at T, and the least.
+    fn over_error(&self, bound: &[f64]) -> [Option<f64>; 2] {
+        let Estimate { error, floor, .. } = &self.estimate;
+        let ratio = |n: usize| (error[n] > 20.0 * floor).then(|| bound[n] / error[n]);
+        let last = bound.len().saturating_sub(1);
+        [ratio(last), (1..=last).filter_map(ratio).reduce(f64::min)]
+    }
+
+    /// Its rows in the table of levels.
+    fn levels(&self) -> Vec<Vec<(&'static str, String)>> {
+        let Self { part, estimate, envelopes } = self;
+        let (grid, [zeta, memory]) = (&estimate.grid, &estimate.truncation);
+        let none = Vec::new();
+        let columns = [
+            ("error", &estimate.error),
+            ("g_zeta", zeta),
+            ("g_memory", memory),
+            ("source", &estimate.source),
+            ("weighted", &envelopes.weighted),
+            ("primed", &envelopes.primed),
+            ("closed", &envelopes.closed),
+            ("limit", &envelopes.limit),
+            ("printed", envelopes.printed.as_ref().unwrap_or(&none)),
+            ("printed_closed", envelopes.printed_closed.as_ref().unwrap_or(&none)),
+        ];
+        let level = |n: usize| {
+            let [k, t] = [grid.largest_step(), grid.time(n)].map(|value| format!("{value:e}"));
+            let (steps, number) = (grid.steps().to_string(), n.to_string());
+            let place =
+                [("part", part.clone()), ("steps", steps), ("k", k), ("n", number), ("t", t)];
+            let value = |(name, values): (&'static str, &Vec<f64>)| {
+                (name, values.get(n).map_or_else(String::new, |value| format!("{value:e}")))
+            };
+            place.into_iter().chain(columns.map(value)).collect()
         };
-        let mut study = Self {
-            scene: scene.name.clone(),
-            fingerprint: scene.source.hash.clone(),
-            n: plan.n,
-            constants: in_time.constants(),
-            truth: in_time.truth(),
-            grids,
-            horizons,
-            perturbations,
-            violations: Vec::new(),
-            verdict: "pass",
+        (0..=grid.steps()).map(level).collect()
+    }
+}
+
+/// Runs everything.
+///
+/// # Errors
+/// [`GronwallError`].
+pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallError> {
+    let (scene, n) = (subject.scene(), plan.n);
+    let in_time = prepare(subject, n, &plan.steps)?;
+    let measured = |&steps: &u32| Bounded::new("time".into(), in_time.measure(steps)?);
+    let grids = plan.steps.iter().map(measured).collect::<Result<Vec<_>, _>>()?;
+    let finest = plan.steps.iter().copied().max().unwrap_or(1);
+    let perturbed = perturbations(&*in_time, finest)?;
+    let k = scene.time.horizon / f64::from(finest);
+    let horizons = match plan.horizons.is_empty() {
+        true => None,
+        false => Some(horizons(subject, n, k, &plan.horizons)?),
+    };
+
+    let over = horizons.iter().flat_map(|(_, rows)| rows);
+    let mut claims: Vec<Claim> = grids.iter().chain(over).flat_map(|run| run.claims(n)).collect();
+    claims.extend(perturbed.iter().map(|(_, run)| stability(run, n)));
+    let title = (Chapter::Gronwall, format!("Envelopes: {}", scene.name));
+    let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
+    let longest = horizons.iter().filter_map(|(_, rows)| rows.last());
+    let all = grids.iter().chain(longest).chain(perturbed.iter().map(|(_, run)| run));
+    let rows = all.flat_map(Bounded::levels);
+    findings.tables.push((".csv", table::csv(rows).map_err(GronwallError::Table)?));
+    let constants = in_time.constants();
+    let map: serde_json::Map<String, Value> =
+        constants.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+    let of_grids: Vec<Value> = grids.iter().map(grid_row).collect();
+    let of_loads: Vec<Value> = perturbed.iter().map(perturbed_row).collect();
+    let of_horizons = horizons.as_ref().map(|(truth, runs)| (truth, horizon_rows(runs)));
+    for (key, value) in [
+        ("n", json!(n)),
+        ("truth", json!(in_time.truth())),
+        ("constants", json!(map)),
+        ("grids", json!(of_grids)),
+        ("perturbations", json!(of_loads)),
+        (
+            "horizons",
+            json!(
+                of_horizons.as_ref().map(|(t, rows)| json!({ "k": k, "truth": t, "rows": rows }))
+            ),
+        ),
+    ] {
+        findings.number(key, value);
+    }
+
+    let document = &mut findings.document;
+    let mesh = n.map_or_else(String::new, |n| format!(", n = {n}"));
+    if let Some(run) = grids.iter().max_by_key(|run| run.estimate.grid.steps()) {
+        document.answer(answer(run));
+        let shows = "measured error and the envelopes of (3.24) over t (sweep gronwall).";
+        document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
+    }
+    document.words(format!("The truth is{mesh}: {}.", in_time.truth()));
+    document.table(
+        "Bound over error at t = T for N steps; e and g at T; the bounds as printed need C₂k < 1.",
+        table::rows(
+            &of_grids,
+            [
+                (">N", "/steps", 0),
+                (">C₂k", "/C2_k", 6),
+                (">e_N", "/error_end", 5),
+                (">g_N", "/truncation_end", 5),
+                (">weighted", "/effectivity/weighted/at_end", 7),
+                (">primed", "/effectivity/primed/at_end", 7),
+                (">closed", "/effectivity/closed/at_end", 7),
+                (">k → 0", "/effectivity/limit/at_end", 7),
+                (">printed", "/effectivity/printed/at_end", 7),
+                (">(3.24)", "/effectivity/printed_closed/at_end", 7),
+            ],
+        ),
+    );
+    document.table(
+        "Two loads f and f + δf at the largest N, δf at random and of this size; growth is m0 max‖u − v‖/max‖δf‖, then the least bound over difference.",
+        table::rows(
+            &of_loads,
+            [
+                (">size", "/size", 5),
+                (">max ‖δf‖", "/load", 5),
+                (">max ‖u − v‖", "/difference", 5),
+                (">growth", "/growth", 5),
+                (">least", "/least_effectivity", 5),
+            ],
+        ),
+    );
+    document.table(
+        "Constants of the inequality.",
+        constants.iter().map(|(name, value)| {
+            [("constant", Run::formula(written(name))), (">value", precise(*value, 7))]
+        }),
+    );
+    if let Some((truth, rows)) = of_horizons {
+        document.table(
+            format!(
+                "Long times at k = {}; maxima over [0, T]; the truth is: {truth}. Growth is d(log error)/dT, to compare with C₂.",
+                digits(k, 5)
+            ),
+            table::rows(
+                &rows,
+                [
+                    (">T", "/horizon", 5),
+                    (">error", "/error", 5),
+                    (">weighted", "/weighted", 5),
+                    (">primed", "/primed", 5),
+                    (">closed", "/closed", 5),
+                    (">(3.24)", "/printed_closed", 5),
+                    (">growth", "/growth", 5),
+                    (">C₂", "/c2", 5),
+                ],
+            ),
+        );
+        let shows = "error and bounds over the horizon (sweep gronwall --horizons).";
+        document.figure("gronwall-horizon", shows, over_horizon(&scene.name, k, &rows));
+    }
+    Ok(findings)
+}
+
+/// How far each bound is above the error at the end of the finest run.
+fn answer(finest: &Bounded) -> String {
+    let times = |bound: &[f64]| digits(finest.over_error(bound)[0].unwrap_or(f64::NAN), 3);
+    let Bounds { weighted, primed, closed, .. } = &finest.envelopes;
+    let halved = finest.estimate.weights.are_the_papers();
+    format!(
+        "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with {} {} times, its closed form {} times.",
+        finest.estimate.grid.steps(),
+        times(weighted),
+        if halved { "halved ends" } else { "one β_φ for all" },
+        times(primed),
+        times(closed)
+    )
+}
+
+/// A constant as a reader writes it, by its key in files.
+fn written(key: &'static str) -> &'static str {
+    match key {
+        "lipschitz" => "Lipschitz constant of S",
+        "yielding" => "μ L_κ √|Ω|",
+        "memory_norm" => "‖ℬ‖",
+        "c_j_squared_bound" => "c_j², upper bound",
+        "c_j_squared" => "c_j²",
+        "r_norm" => "‖R‖",
+        "q_norm" => "‖q‖",
+        other => other,
+    }
+}
+
+fn grid_row(run: &Bounded) -> Value {
+    let (estimate, [zeta, memory]) = (&run.estimate, &run.estimate.truncation);
+    let g: Vec<f64> = zeta.iter().zip(memory).map(|(z, b)| z + b).collect();
+    let k = estimate.grid.largest_step();
+    let effectivity = run.envelopes.map(|bound| {
+        let [at_end, least] = run.over_error(bound);
+        json!({ "at_end": at_end, "least": least })
+    });
+    json!({
+        "steps": estimate.grid.steps(),
+        "k": k,
+        "C2_k": estimate.c2() * estimate.weights.of_step(k),
+        "error_end": estimate.error.last(),
+        "error_max": largest(&estimate.error),
+        "truncation_end": g.last(),
+        "truncation_max": largest(&g),
+        "floor": estimate.floor,
+        "effectivity": effectivity,
+    })
+}
+
+/// The run with the step k to the longest of `horizons` up to each of them, the longest last, and where the truth comes from:
+/// on a uniform grid the run to a shorter horizon is its beginning.
+///
+/// # Errors
+/// A horizon that is no multiple of k; those of the run.
+pub(super) fn horizons(
+    subject: &Subject,
+    n: Option<u32>,
+    k: f64,
+    horizons: &[f64],
+) -> Result<(String, Vec<Bounded>), GronwallError> {
+    let scene = subject.scene();
+    if scene.time.grid != scene::TimeGrid::Uniform {
+        return Err(GronwallError::NotUniform { scene: scene.name.clone() });
+    }
+    let mut sorted = horizons.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let steps: Vec<u32> =
+        sorted.iter().map(|&horizon| whole_steps(horizon, k)).collect::<Result<_, _>>()?;
+    let (longest, last) = (sorted[sorted.len() - 1], steps[steps.len() - 1]);
+    // Formulas are defined for all t; what validation samples over the horizon (exact contact state,
+    // constants) is sampled again.
+    let mut longer = scene.clone();
+    longer.time.horizon = longest;
+    let longer = Subject::new(longer)?;
+    let in_time = prepare(&longer, n, &[last])?;
+    let run = in_time.measure(last)?;
+    let upto = |&steps: &u32| Bounded::new("horizon".into(), run.up_to(steps as usize));
+    Ok((in_time.truth(), steps.iter().map(upto).collect::<Result<_, _>>()?))
+}
+
+/// T/k, if that is a whole number.
+fn whole_steps(horizon: f64, k: f64) -> Result<u32, GronwallError> {
+    let steps = horizon / k;
+    let whole = steps.round();
+    let fits =
+        whole >= 1.0 && whole <= f64::from(u32::MAX) && (steps - whole).abs() <= 1e-9 * whole;
+    if fits { Ok(whole as u32) } else { Err(GronwallError::Horizon { horizon, k }) }
+}
+
+/// Error and bounds on each [0, T]: maxima, and log(error(T)/error(T'))/(T - T') from the horizon T' before, to compare with
+/// C2.
+pub(super) fn horizon_rows(runs: &[Bounded]) -> Vec<Value> {
+    let mut before: Option<[f64; 2]> = None;
+    let row = |Bounded { estimate, envelopes, .. }: &Bounded| {
+        let (steps, error) = (estimate.grid.steps(), largest(&estimate.error));
+        let horizon = estimate.grid.time(steps);
+        let seen = before.replace([horizon, error]).filter(|[_, e]| *e > 20.0 * estimate.floor);
+        let mut row = json!(envelopes.map(|bound| largest(bound)));
+        row["horizon"] = json!(horizon);
+        row["steps"] = json!(steps);
+        row["error"] = json!(error);
+        row["truncation"] = json!(largest(&estimate.source) / estimate.m0);
+        row["c2"] = json!(estimate.c2());
+        row["growth"] = json!(seen.map(|[t, e]| (error / e).ln() / (horizon - t)));
+        row
+    };
+    runs.iter().map(row).collect()
+}
+
+/// Relative sizes δ of the perturbations. The difference stays far above the floor, and the largest
+/// changes contact and yielding states.
+const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
+
+/// Adds to the load of a scene at each t_n a random vector of dual norm δ max_m ‖f_m‖_*, for each size δ, and measures the
+/// difference of the solutions.
+///
+/// # Errors
+/// A load or a run fails.
+pub(super) fn perturbations(
+    scene: &dyn InTime,
+    steps: u32,
+) -> Result<Vec<(f64, Bounded)>, GronwallError> {
+    let grid = scene.grid(steps);
+    let loads = scene.loads(&grid)?;
+    let size = largest(&scene.dual_norms(&loads)?);
+    let (undisturbed, floor) = scene.solutions(&grid, &loads)?;
+    let mut seed = 1;
+    let mut unit: Vec<Vec<f64>> =
+        loads.iter().map(|load| load.iter().map(|_| signed_unit(&mut seed)).collect()).collect();
+    let norms = scene.dual_norms(&unit)?;
+    for (vector, norm) in unit.iter_mut().zip(norms) {
+        vector.iter_mut().for_each(|x| *x *= size / norm);
+    }
+    let one = |share: f64| {
+        let moved =
+            |(f, d): (&Vec<f64>, &Vec<f64>)| f.iter().zip(d).map(|(f, d)| f + share * d).collect();
+        let changed: Vec<Vec<f64>> = loads.iter().zip(&unit).map(moved).collect();
+        let (disturbed, other) = scene.solutions(&grid, &changed)?;
+        let pairs = undisturbed.iter().zip(&disturbed);
+        let source = vec![share * size; unit.len()];
+        let estimate = Estimate {
+            error: pairs.map(|(u, v)| scene.distance(u, v)).collect(),
+            weighted_source: source.clone(),
+            source,
+            floor: floor + other,
+            ..scene.blank(&grid)
         };
-        study.violations = study.failed_links();
-        if !study.violations.is_empty() {
-            study.verdict = "fail";
-        }
-        Ok(study)
-    }
+        Ok((share, Bounded::new(format!("perturbed-{share:e}"), estimate)?))
+    };
+    SIZES.into_iter().map(one).collect()
+}
 
-    /// All runs, each with its name in the table of levels and in words.
-    pub(super) fn judged(&self) -> impl Iterator<Item = (String, String, &Judged)> {
-        let grids = self.grids.iter();
-        let grids = grids.map(|g| ("time".into(), format!("N = {}", g.steps), &g.judged));
-        let horizons = self.horizons.iter();
-        let horizons =
-            horizons.map(|h| ("horizon".into(), format!("horizons, k = {}", h.k), &h.judged));
-        let perturbations = self.perturbations.iter().map(|p| {
-            let (shape, size) = (p.shape.name(), p.size);
-            (format!("{shape}-{size:e}"), format!("{shape} perturbation {size:e}"), &p.judged)
-        });
-        grids.chain(horizons).chain(perturbations)
-    }
+/// The difference of two solutions stays below its recurrence.
+pub(super) fn stability(run: &Bounded, n: Option<u32>) -> Claim {
+    let claim = run.claims(n).swap_remove(0);
+    let says = "|u - v| <= weighted envelope of |df|";
+    Claim { statement: Statement { source: "stability", says }, ..claim }
+}
 
-    fn failed_links(&self) -> Vec<FailedLink> {
-        let failed = self.judged().flat_map(|(_, part, judged)| {
-            let of =
-                move |v: &LinkViolation| FailedLink { part: part.clone(), violation: v.clone() };
-            judged.violations.iter().map(of)
-        });
-        failed.collect()
-    }
+pub(super) fn perturbed_row((size, run): &(f64, Bounded)) -> Value {
+    let (estimate, envelopes) = (&run.estimate, &run.envelopes);
+    let (load, difference) = (largest(&estimate.source), largest(&estimate.error));
+    json!({
+        "size": size,
+        "steps": estimate.grid.steps(),
+        "load": load,
+        "difference": difference,
+        "growth": estimate.m0 * difference / load,
+        "weighted": largest(&envelopes.weighted),
+        "primed": largest(&envelopes.primed),
+        "least_effectivity": run.over_error(&envelopes.weighted)[1],
+    })
+}
+
+/// Error and three of its bounds, by their keys, on a logarithmic axis, where the distance of two curves is their ratio.
+fn picture(
+    scene: &str,
+    question: &str,
+    x: Axis,
+    y: &str,
+    of: impl Fn(&str) -> Vec<Datum>,
+) -> Option<String> {
+    let bounds = [
+        ("weighted", "weighted envelope"),
+        ("primed", "primed envelope"),
+        ("closed", "its closed form"),
+    ];
+    let curve = |(key, name): (&str, &str)| Series::new(name, vec![Part::Line(of(key))]);
+    let mut series: Vec<Series> = bounds.map(curve).into();
+    // Above the bounds: where one is attained, both are seen.
+    let error = Series::new("measured error", vec![Part::Dashed(of("error"))]);
+    series.push(Series { grey: true, ..error });
+    let chart = Chart::new(&format!("{scene}: Gronwall"), question, x, Axis::new(y, Scale::Log));
+    Chart { direct: true, series, ..chart }.svg()
+}
+
+fn over_time(scene: &str, mesh: &str, run: &Bounded) -> Option<String> {
+    let question = format!(
+        "Error in time and its bounds on [0, T], N = {}{mesh}. From the weighted envelope to the closed form each bound lies above the one before.",
+        run.estimate.grid.steps()
+    );
+    let x = Axis::new("time t_n", Scale::Linear);
+    picture(scene, &question, x, "norm of the error", |key| {
+        let values = match key {
+            "weighted" => &run.envelopes.weighted,
+            "primed" => &run.envelopes.primed,
+            "closed" => &run.envelopes.closed,
+            _ => &run.estimate.error,
+        };
+        let times = run.estimate.grid.times().iter().copied();
+        times.zip(values.iter().copied()).skip(1).collect()
+    })
+}
+
+fn over_horizon(scene: &str, k: f64, rows: &[Value]) -> Option<String> {
+    let question = format!(
+        "Error and bounds over the horizon at the fixed step k = {k}: uniform in T, or like exp(C₂T)?"
+    );
+    let x = Axis::new("horizon T", Scale::Log);
+    picture(scene, &question, x, "maximum over [0, T]", |key| {
+        let value = |row: &Value, key: &str| row[key].as_f64().unwrap_or(f64::NAN);
+        rows.iter().map(|row| (value(row, "horizon"), value(row, key))).collect()
+    })
+}
+
+/// Nodal vectors of a level that the perturbations hold: f, δf, f + δf, and u of f and of f + δf.
+const PERTURBED: f64 = 5.0;
+
+/// The runs of a study of `setup` on the mesh n. Whether u(t) lies in V^h is known on the mesh alone: unless the scene
+/// says so, the truth counts as a run with more steps.
+pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &StudyRuns) -> Runs<'a> {
+    let finest = plan.steps.iter().copied().max().unwrap_or(1);
+    let common = plan.steps.iter().copied().fold(1, lowest_common_multiple);
+    let k = setup.scene.time.horizon / f64::from(finest);
+    // Horizons that cannot be are refused by the study.
+    let longest = plan.horizons.iter().filter_map(|&horizon| whole_steps(horizon, k).ok()).max();
+    let in_space = setup.body.data.is_interpolated();
+    let finer = |steps: u32| if in_space { steps } else { REFERENCE_STEPS.saturating_mul(steps) };
+    let grid = [Some(common), longest].into_iter().flatten().map(|steps| (n, finer(steps)));
+    // u and its histories at the levels of the truth, of another with half the steps, and of the grid itself.
+    let a_level = 1.0 + setup.body.material.memory.len() as f64;
+    let truth = f64::from(common.max(longest.unwrap_or(0))) + 1.0;
+    let truth = if in_space { 0.0 } else { 2.0 * truth };
+    let of_grid = f64::from(finest.max(longest.unwrap_or(0))) + 1.0;
+    let vectors = a_level * (truth + of_grid) + PERTURBED * (f64::from(finest) + 1.0);
+    let beside = move |space: &Discretization, _| 8.0 * space.nodes.len() as f64 * vectors;
+    Runs { setup, grid: grid.collect(), beside: Box::new(beside) }
 }

@@ -1,8 +1,8 @@
 //! Abstract scenes: the chain on every kind of grid, and defects of the solver.
 
-use super::super::finite_scene::FiniteInTime;
+use super::super::finite::FiniteInTime;
 use super::super::*;
-use super::subject;
+use super::{subject, violations};
 use scene::setup::{AbstractSetup, Subject};
 use vhi::history::{CorrectedEnd, TimeGrid, TimeRule, Trapezoid};
 
@@ -11,10 +11,6 @@ fn abstract_setup(name: &str) -> AbstractSetup {
         Subject::Abstract(setup) => *setup,
         Subject::Contact(_) => panic!("{name} has a body"),
     }
-}
-
-fn violations(run: &Estimate) -> Vec<LinkViolation> {
-    run.envelopes().unwrap().violations(run)
 }
 
 /// Uniform, graded and random steps, convolutions and general kernels, contact events.
@@ -61,7 +57,10 @@ fn wrong_last_weights_are_caught() {
             wrong.model.time_rule = rule;
             let run = scene.measure_model(&wrong.model, 128).unwrap();
             let found = violations(&run);
-            assert!(found.iter().any(|v| v.link == "e <= weighted envelope"), "{name} {i}");
+            assert!(
+                found.iter().any(|v| v.statement.says == "e <= weighted envelope"),
+                "{name} {i}"
+            );
         }
     }
 }

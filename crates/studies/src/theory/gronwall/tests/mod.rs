@@ -7,8 +7,15 @@ mod stability;
 
 use std::path::Path;
 
+use super::Estimate;
+use judge::claim::{Claim, Place};
 use scene::Registry;
 use scene::setup::{Setup, Subject};
+
+fn violations(run: &Estimate) -> Vec<Claim> {
+    let claims = run.envelopes().unwrap().claims(run, &Place::default());
+    claims.into_iter().filter(|claim| claim.reason().is_some()).collect()
+}
 
 fn setup(name: &str) -> Setup {
     match subject(name) {

@@ -1,14 +1,18 @@
 //! The recurrences against their definitions, the closed forms, and the counter-example to the lemma
 //! without its hypothesis.
 
-use super::super::recurrence::{closed_limit, primed_closed, unprimed, unprimed_closed, weighted};
+use super::super::recurrence::{primed_closed, unprimed, unprimed_closed, weighted};
 use super::super::*;
 use algebra::linalg::signed_unit;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 
 /// E_n = s_n + C2 Σ'_{j ≤ n} w_nj E_j.
 fn primed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
-    Weights::of(scene::TimeRule::Trapezoid, 0.0).unwrap().envelope(grid, source, c2)
+    papers().envelope(grid, source, c2)
+}
+
+fn papers() -> Weights {
+    Weights::of(scene::TimeRule::Trapezoid, 0.0).unwrap()
 }
 
 fn grids() -> [TimeGrid; 3] {
@@ -87,7 +91,7 @@ fn closed_forms_are_attained_by_constant_truncation_and_bound_the_rest() {
     let fine = TimeGrid::uniform(2.0, 4000);
     let mut s = vec![g; 4001];
     s[0] = 0.0;
-    let (closed, limit) = (primed_closed(&fine, &s, 1.3).unwrap(), closed_limit(&fine, &s, 1.3));
+    let (closed, limit) = (primed_closed(&fine, &s, 1.3).unwrap(), papers().limit(&fine, &s, 1.3));
     // 1/(1 - c/2)·ρ^{n-1}·e^{-cn} = 1 - c/2 + c/2·… + O(c²): below c = 6.5e-4 relatively.
     assert!((closed[4000] / limit[4000] - 1.0).abs() < 1.3 * 2.0 / 4000.0);
 }
@@ -103,8 +107,8 @@ fn the_weighted_form_reduces_to_the_primed_one() {
         let part = |norms| HistoryPart { coefficient: 0.5, norms, supremum: 1.0 };
         // ω κ/m0 = 0.5·1/0.25 = C2, source/m0.
         let scaled: Vec<f64> = s.iter().map(|s| s / 0.25).collect();
-        let same =
-            weighted(&Trapezoid, &grid, &s, 0.25, &[part(KernelNorms::Constant(1.0))]).unwrap();
+        let same = weighted(&Trapezoid, &grid, &s, 0.25, &[part(KernelNorms::Lags(vec![1.0; 41]))])
+            .unwrap();
         let primed = primed(&grid, &scaled, 2.0).unwrap();
         assert!(distance(&same, &primed) < 1e-12);
         let fading =
@@ -145,6 +149,7 @@ fn for_any_c2_the_lemma_is_false() {
     );
     assert!(primed_closed(&grid, &g, 2.0).is_err());
     assert!(primed(&grid, &g, f64::NAN).is_err());
-    let part = HistoryPart { coefficient: 1.0, norms: KernelNorms::Constant(2.0), supremum: 2.0 };
+    let part =
+        HistoryPart { coefficient: 1.0, norms: KernelNorms::Lags(vec![2.0; 3]), supremum: 2.0 };
     assert!(weighted(&Trapezoid, &grid, &g, 1.0, &[part]).is_err());
 }

@@ -1,16 +1,11 @@
 //! An abstract problem in ℝ^m as a scene in time: no mesh, u(t) and (S u)(t) known, any kernel q(t, s),
 //! uniform, graded and random grids.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::GronwallError;
-use super::constants::InequalityConstants;
 use super::estimate::Estimate;
-use super::in_time::{InTime, Levels};
-use super::recurrence::KernelNorms;
-use super::rule::Weights;
+use super::in_time::{GronwallError, InTime, Levels, named};
+use super::recurrence::{KernelNorms, Weights};
 use scene::setup::{AbstractLoad, AbstractSetup};
 use vhi::Newton;
 use vhi::finite::{FiniteError, FiniteLoad, FiniteModel, march};
@@ -21,12 +16,14 @@ use vhi::law::HistoryKernel;
 const EXACT: f64 = 1e-12;
 
 /// An abstract scene with the square roots of its inner product.
-pub(crate) struct FiniteInTime<'a> {
+pub(super) struct FiniteInTime<'a> {
     setup: &'a AbstractSetup,
     /// G^{-1/2}: ‖y‖_{X*} = |G^{-1/2} y|.
     inverse_root: DMatrix<f64>,
-    /// m0 and its kin; a test may spoil them.
-    pub constants: InequalityConstants,
+    /// m0, β_φ and ‖R‖‖q‖; a test may spoil them.
+    pub constants: [f64; 3],
+    /// ‖q‖, of kernels with (t - s)^{-a} of what stands beside it.
+    q_norm: f64,
     weights: Weights,
 }
 
@@ -35,7 +32,7 @@ impl<'a> FiniteInTime<'a> {
     ///
     /// # Errors
     /// A rule with weights for each kernel, no history, m0 ≤ 0.
-    pub(crate) fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
+    pub(super) fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
         let (found, name) = (&setup.constants, || setup.scene.name.clone());
         let Some(weights) = Weights::of(setup.scene.time.rule, found.power) else {
             return Err(GronwallError::OwnWeights { scene: name() });
@@ -44,26 +41,18 @@ impl<'a> FiniteInTime<'a> {
             return Err(GronwallError::Smallness { scene: name(), m0: found.m0 });
         }
         let plain = weights.beside_plain(setup.scene.time.horizon) * found.q_norm;
-        let lipschitz = found.r_norm * (plain + found.b_norm);
-        if lipschitz == 0.0 {
+        let q_norm = plain + found.b_norm;
+        let constants = [found.m0, found.beta_phi, found.r_norm * q_norm];
+        if constants[2] == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
-        let details = BTreeMap::from([
-            ("m_A", found.m_a),
-            ("alpha_phi", found.alpha_phi),
-            ("alpha_j", found.alpha_j),
-            ("c_j_squared", found.c_j_squared),
-            ("r_norm", found.r_norm),
-            ("q_norm", plain + found.b_norm),
-        ]);
-        let constants = InequalityConstants::new(found.m0, found.beta_phi, lipschitz, details);
         let gram = SymmetricEigen::new(setup.model.inner_product.clone());
         if gram.eigenvalues.min() <= 0.0 {
             return Err(GronwallError::InnerProduct);
         }
         let scale = DMatrix::from_diagonal(&gram.eigenvalues.map(|value| value.sqrt().recip()));
         let inverse_root = &gram.eigenvectors * scale * gram.eigenvectors.transpose();
-        Ok(Self { setup, inverse_root, constants, weights })
+        Ok(Self { setup, inverse_root, constants, q_norm, weights })
     }
 
     /// Runs `model`, which a test may have changed, against the exact solution. The truncation error
@@ -71,7 +60,7 @@ impl<'a> FiniteInTime<'a> {
     ///
     /// # Errors
     /// The run fails.
-    pub(crate) fn measure_model(
+    pub(super) fn measure_model(
         &self,
         model: &FiniteModel,
         steps: u32,
@@ -87,7 +76,7 @@ impl<'a> FiniteInTime<'a> {
         })
         .map_err(|source| GronwallError::FiniteCase { steps, source })?;
         let truncation = self.truncation(&grid);
-        let source: Vec<f64> = truncation.iter().map(|g| self.constants.beta * g).collect();
+        let source: Vec<f64> = truncation.iter().map(|g| self.constants[1] * g).collect();
         Ok(Estimate {
             error,
             weighted_source: source.clone(),
@@ -145,8 +134,17 @@ impl<'a> FiniteInTime<'a> {
 }
 
 impl InTime for FiniteInTime<'_> {
-    fn constants(&self) -> InequalityConstants {
-        self.constants.clone()
+    fn constants(&self) -> Vec<(&'static str, f64)> {
+        let c = &self.setup.constants;
+        let details = [
+            ("m_A", c.m_a),
+            ("alpha_phi", c.alpha_phi),
+            ("alpha_j", c.alpha_j),
+            ("c_j_squared", c.c_j_squared),
+            ("r_norm", c.r_norm),
+            ("q_norm", self.q_norm),
+        ];
+        named(self.constants, details)
     }
 
     fn truth(&self) -> String {
@@ -191,10 +189,9 @@ impl InTime for FiniteInTime<'_> {
     }
 
     fn blank(&self, grid: &TimeGrid) -> Estimate {
-        let Self { constants: InequalityConstants { m0, beta, lipschitz, .. }, weights, .. } =
-            *self;
+        let [m0, beta, lipschitz] = self.constants;
         let part = self.kernel_norms(grid).part(beta, lipschitz, grid);
-        Estimate::blank(grid, weights, m0, beta, vec![part])
+        Estimate::blank(grid, self.weights, (m0, beta), vec![part])
     }
 }
 
