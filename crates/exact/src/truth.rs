@@ -39,10 +39,12 @@ pub trait Truth: Send + Sync {
     }
 }
 
-/// Values by time, computed once.
+/// Values by time, computed once: who asks for one that another thread computes waits for it.
 pub struct ByTime<T> {
-    values: Mutex<HashMap<u64, Arc<T>>>,
+    values: Mutex<HashMap<u64, Slot<T>>>,
 }
+
+type Slot<T> = Arc<Mutex<Option<Arc<T>>>>;
 
 impl<T> Default for ByTime<T> {
     fn default() -> Self {
@@ -51,10 +53,14 @@ impl<T> Default for ByTime<T> {
 }
 
 impl<T> ByTime<T> {
+    fn slot(&self, t: f64) -> Slot<T> {
+        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        values.entry(t.to_bits()).or_default().clone()
+    }
+
     /// The value at t, if it was computed.
     pub(super) fn known(&self, t: f64) -> Option<Arc<T>> {
-        let values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
-        values.get(&t.to_bits()).cloned()
+        self.slot(t).lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The value at t, computed if necessary.
@@ -62,13 +68,12 @@ impl<T> ByTime<T> {
     /// # Errors
     /// Those of `compute`.
     pub fn get_or<E>(&self, t: f64, compute: impl FnOnce() -> Result<T, E>) -> Result<Arc<T>, E> {
-        if let Some(value) = self.known(t) {
-            return Ok(value);
+        let slot = self.slot(t);
+        let mut value = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(value) = &*value {
+            return Ok(value.clone());
         }
-        // Computed outside the lock: two threads may both do it, with identical results.
-        let value = Arc::new(compute()?);
-        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(values.entry(t.to_bits()).or_insert(value).clone())
+        Ok(value.insert(Arc::new(compute()?)).clone())
     }
 
     /// The value at t, computed if necessary; for infallible computations.

@@ -1,5 +1,6 @@
-//! Schedule: the longest ready task begins next, while the predicted bytes of running tasks and kept data stay below
-//! the limit.
+//! Schedule: of the ready tasks, those that share data with the longest one begin next, the longest first, while the
+//! predicted bytes of running tasks and kept data stay below the limit. What they share is then dropped before the next
+//! is made.
 
 use std::collections::BTreeMap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -50,7 +51,22 @@ impl Schedule {
     /// The schedule of tasks; each fits below the limit alone.
     pub(super) fn new(tasks: Vec<Task>, limit: f64) -> Self {
         let mut waiting: Vec<usize> = (0..tasks.len()).collect();
-        waiting.sort_by(|&a, &b| tasks[b].rank.total_cmp(&tasks[a].rank));
+        // Of a scene with a reference run all share that, of another those on one mesh.
+        let mut longest: BTreeMap<Kept, f64> = BTreeMap::new();
+        for task in &tasks {
+            if let Some((widest, _)) = task.shares.first() {
+                let rank = longest.entry(*widest).or_insert(0.0);
+                *rank = rank.max(task.rank);
+            }
+        }
+        let rank = |task: &Task| {
+            let group = task.shares.first().map(|(widest, _)| *widest);
+            (group.map_or(task.rank, |group| longest[&group]), group, task.rank)
+        };
+        waiting.sort_by(|&a, &b| {
+            let ((of_a, group_a, a), (of_b, group_b, b)) = (rank(&tasks[a]), rank(&tasks[b]));
+            of_b.total_cmp(&of_a).then(group_a.cmp(&group_b)).then(b.total_cmp(&a))
+        });
         let mut users = BTreeMap::new();
         for (kept, _) in tasks.iter().flat_map(|task| &task.shares) {
             *users.entry(*kept).or_insert(0) += 1;
@@ -165,6 +181,28 @@ mod tests {
         });
     }
 
+    /// In pairs of a scene and a mesh: what shares a reference run, and what shares a mesh, is not left for longer tasks.
+    #[test]
+    fn what_shares_data_with_the_longest_comes_next() {
+        let on = |kept: &[Kept], rank| {
+            let shares = kept.iter().map(|kept| (*kept, 1.0)).collect();
+            Task { shares, ..task(rank, 1.0) }
+        };
+        let (reference, fine, coarse) = ((0, None), (0, Some(16)), (0, Some(8)));
+        let tasks = vec![
+            on(&[(1, Some(8))], 6.0),
+            on(&[reference], 9.0),
+            on(&[(1, Some(4))], 2.0),
+            on(&[reference, coarse], 1.0),
+            on(&[(1, Some(8))], 3.0),
+            on(&[reference, fine], 5.0),
+            task(4.0, 1.0),
+        ];
+        let schedule = Schedule::new(tasks, 9.0);
+        let order: Vec<_> = (0..7).filter_map(|_| next(&schedule)).collect();
+        assert_eq!(order, [1, 5, 3, 0, 4, 6, 2]);
+    }
+
     #[test]
     fn what_waits_for_another_begins_after_it() {
         let waits = Task { after: Some(1), ..task(9.0, 1.0) };
@@ -178,7 +216,8 @@ mod tests {
     fn the_most_that_is_kept_counts_whichever_case_ends_last() {
         let mesh = (0, Some(8));
         let on = |rank, kept| Task { shares: vec![(mesh, kept)], ..task(rank, 5.0) };
-        let tasks = || vec![on(4.0, 2.0), on(3.0, 4.0), task(2.0, 7.0), on(1.0, 4.0)];
+        let other = || Task { after: Some(1), ..task(5.0, 7.0) };
+        let tasks = || vec![on(4.0, 2.0), on(3.0, 4.0), other(), on(1.0, 4.0)];
         for ends in [[0, 1], [1, 0]] {
             let schedule = Schedule::new(tasks(), 10.0);
             assert_eq!([next(&schedule), next(&schedule)], [Some(0), Some(1)]);
@@ -192,8 +231,11 @@ mod tests {
     fn what_is_kept_counts_until_nobody_needs_it() {
         let (mesh, other) = ((0, Some(8)), (1, Some(8)));
         let on = |kept, rank, bytes| Task { shares: vec![(kept, 2.0)], ..task(rank, bytes) };
-        let tasks = vec![on(mesh, 4.0, 5.0), on(other, 3.0, 4.0), on(mesh, 2.0, 5.0)];
-        let schedule = Schedule::new(tasks, 6.0);
+        let apart = || {
+            let last = Task { after: Some(1), ..on(mesh, 2.0, 5.0) };
+            vec![on(mesh, 4.0, 5.0), on(other, 3.0, 4.0), last]
+        };
+        let schedule = Schedule::new(apart(), 6.0);
         assert_eq!(next(&schedule), Some(0));
         assert_eq!(schedule.end(0), []);
         // 2 bytes are kept for task 2: task 1 fits beside them, and frees its data at its end.
@@ -209,12 +251,7 @@ mod tests {
         // The other task on the mesh needs no more than its bytes.
         assert_eq!(tight.begin(|| false), Some(Start { task: 2, dropped: vec![] }));
         tight.end(2);
-        let tasks = vec![
-            on(mesh, 4.0, 5.0),
-            on(other, 3.0, 4.0),
-            Task { after: Some(1), ..on(mesh, 2.0, 5.0) },
-        ];
-        let tight = Schedule::new(tasks, 5.0);
+        let tight = Schedule::new(apart(), 5.0);
         assert_eq!(next(&tight), Some(0));
         tight.end(0);
         assert_eq!(tight.begin(|| false), Some(Start { task: 1, dropped: vec![mesh] }));
