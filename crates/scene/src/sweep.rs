@@ -18,7 +18,7 @@ pub struct Reference {
     pub steps: u32,
 }
 
-/// A grid of n and numbers of steps; or the pairs of a path.
+/// Every n with every number of steps; or the pairs of a path.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Sweep {
     /// Mesh cells per unit length, h = 1/n; each divides the sides of a rectangle into whole cells. Empty for abstract

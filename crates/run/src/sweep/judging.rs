@@ -1,13 +1,13 @@
 //! From a scene's predictions to verdicts on records.
 
-use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE, line_cases};
+use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors};
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{
     self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, Verdict,
 };
 use scene::setup::Subject;
-use scene::{Data, Hypothesis, LoadForm, Prediction, Scene, Time, TimeGrid};
+use scene::{Data, Direction, Hypothesis, LoadForm, Prediction, Scene, Time, TimeGrid};
 
 /// The verdicts of a scene; none if it is not judged. `foreseen` has predicted constants, of this scene and others.
 pub fn judge_scene(
@@ -96,7 +96,7 @@ pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstan
 /// The predicted constants of a scene, on the cases of a plan, before anything is solved.
 pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
     constants(&plan.subject, |written, _| {
-        line_cases(plan.scene(), &plan.cases, written).into_iter().map(CasePlan::place).collect()
+        line_cases(plan, written).into_iter().map(CasePlan::place).collect()
     })
 }
 
@@ -116,6 +116,27 @@ fn constants(
         }
     };
     scene.predicts.iter().map(one).collect()
+}
+
+fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&'a CasePlan> {
+    let prediction = prediction(plan.scene(), written);
+    let inside = |window: Option<[u32; 2]>, value: u32| {
+        window.is_none_or(|[first, last]| (first..=last).contains(&value))
+    };
+    let serves = |case: &&CasePlan| {
+        case.norms.contains(&written.norm)
+            && inside(prediction.window_steps, case.steps)
+            && case.n.is_none_or(|n| inside(prediction.window_n, n))
+    };
+    let cases: Vec<&CasePlan> = plan.cases.iter().filter(serves).collect();
+    let steps = cases.iter().map(|case| case.steps).max();
+    let finest = cases.iter().filter_map(|case| case.n).max();
+    let on_line = |case: &&CasePlan| match written.variable {
+        Direction::H => Some(case.steps) == steps,
+        Direction::K => case.n == finest,
+        Direction::Joint | Direction::Path => true,
+    };
+    cases.into_iter().filter(on_line).collect()
 }
 
 fn foreseen(

@@ -1,4 +1,4 @@
-//! The cases of a scene, and the norms of each: of a grid those on the lines of its predictions.
+//! The cases of a scene: every n with every number of steps, and the norms of each.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -8,7 +8,7 @@ use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
 use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
-use scene::{Body, Direction, Norm, Prediction, Reference, Scene, SceneError};
+use scene::{Body, Norm, Prediction, Reference, Scene, SceneError};
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -185,8 +185,7 @@ impl ScenePlan {
     }
 }
 
-/// The cases of a scene; `overrides` replace its grids, and take every n with every number of steps. On its own grid a
-/// judged scene has the cases that some prediction is read from.
+/// The cases of a scene; `overrides` replace its grids.
 pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan> {
     let own = scene.sweep.clone().unwrap_or_default();
     let ns = overrides.n.clone().unwrap_or(own.n);
@@ -201,51 +200,7 @@ pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan>
         None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
     };
     let case = |(n, steps)| CasePlan { n, steps, norms: norms(scene, n) };
-    let mut cases: Vec<CasePlan> = places.into_iter().map(case).collect();
-    if scene.judge && *overrides == Overrides::default() {
-        let along = |written: &Prediction| {
-            let line = line_cases(scene, &cases, written);
-            (written.variable, line.first().map(|case| case.place()))
-        };
-        let lines: Vec<_> = scene.predicts.iter().map(along).collect();
-        // Cases outside a window are on the line all the same: they are shown, and said to be left out.
-        let is_on = |case: &CasePlan, line: MeshAndSteps, variable| match variable {
-            Direction::H => case.steps == line.steps,
-            Direction::K => case.n == line.n,
-            Direction::Joint | Direction::Path => true,
-        };
-        cases.retain(|case| {
-            let mut lines = lines.iter();
-            lines.any(|&(variable, line)| line.is_none_or(|line| is_on(case, line, variable)))
-        });
-    }
-    cases
-}
-
-/// The cases on the line of a prediction: along h those of the most steps, along k those of the finest mesh.
-pub(super) fn line_cases<'a>(
-    scene: &Scene,
-    cases: &'a [CasePlan],
-    written: &Prediction,
-) -> Vec<&'a CasePlan> {
-    let inside = |window: Option<[u32; 2]>, value: u32| {
-        window.is_none_or(|[first, last]| (first..=last).contains(&value))
-    };
-    let steps = written.window_steps.or(scene.window_steps);
-    let serves = |case: &&CasePlan| {
-        case.norms.contains(&written.norm)
-            && inside(steps, case.steps)
-            && serves(scene, written, case.n)
-    };
-    let cases: Vec<&CasePlan> = cases.iter().filter(serves).collect();
-    let steps = cases.iter().map(|case| case.steps).max();
-    let finest = cases.iter().filter_map(|case| case.n).max();
-    let on_line = |case: &&CasePlan| match written.variable {
-        Direction::H => Some(case.steps) == steps,
-        Direction::K => case.n == finest,
-        Direction::Joint | Direction::Path => true,
-    };
-    cases.into_iter().filter(on_line).collect()
+    places.into_iter().map(case).collect()
 }
 
 /// Runs `run`; a panic becomes an error with its message.
