@@ -20,21 +20,7 @@ pub(super) fn show(findings: &Findings, out: Option<&Path>, as_json: bool) -> Re
     Ok(u8::from(!findings.holds()))
 }
 
-/// Prints a study, and writes SCENE-STUDY.json, its document and its pictures if a directory is given.
-pub(super) fn deliver(
-    study: &impl Serialize,
-    document: &StudyDocument,
-    out: Option<&Path>,
-    as_json: bool,
-) -> Result<(), CliError> {
-    write(study, document, out)?;
-    if as_json {
-        return print_json(study);
-    }
-    print_text(&document.text(width(StudyDocument::WIDTH)));
-    Ok(())
-}
-
+/// Writes SCENE-STUDY.json, the document of a study and its pictures if a directory is given.
 pub(super) fn write(
     study: &impl Serialize,
     document: &StudyDocument,
