@@ -101,12 +101,11 @@ impl Analysis {
         self.symbolic.len_val()
     }
 
-    /// Solves with a lagged factor, beyond those that any takes, after which a new one is cheaper: 0.03 multiplications per
-    /// entry. From 0.02 to 0.05 times differ by 5 %; at 0 `punch` 64/32 takes an eighth longer, at 0.08 `pure-strong` 128/8 a
-    /// tenth. One factorization alone costs 2 to 3 solves in the plane, 5.6 in space at n = 12.
+    /// Cost of one factorization in solves with it: on meshes of the square 1.8 at n = 32, 3.0 at 64, 2.7 at 128, of the
+    /// cube 5.6 at n = 12.
     pub fn solves_of_a_factor(&self) -> u32 {
         let entries = (self.factor_entries() as f64).max(1.0);
-        (2.0 + 0.03 * self.multiplications() / entries) as u32
+        (2.0 + 0.01 * self.multiplications() / entries) as u32
     }
 
     /// Multiplications of one factorization: Σ over columns of their length squared.
