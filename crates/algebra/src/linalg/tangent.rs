@@ -58,8 +58,6 @@ pub struct TangentSolver<'a> {
     /// Solves with the factor beyond [`LEAST`] each, since it was made, and those that a factorization costs.
     extra: u32,
     worth: u32,
-    /// Those of the next iteration with a lagged factor: of the last one, and one less with each factorization since.
-    expected: u32,
     /// K⁻¹a/(1 + bᵀK⁻¹a) and b of the factorized Jacobian.
     correction: Option<(Vec<f64>, Vec<f64>)>,
     memory: Option<MemBuffer>,
@@ -79,7 +77,6 @@ impl<'a> TangentSolver<'a> {
             exact: false,
             extra: 0,
             worth: analysis.solves_of_a_factor(),
-            expected: 0,
             correction: None,
             memory: None,
             right: Vec::new(),
@@ -96,11 +93,11 @@ impl<'a> TangentSolver<'a> {
             return Ok(());
         }
         self.exact = false;
-        // A lagged factor is used until its extra solves would cost as much as a new one.
-        if self.factor.is_some() && self.extra + self.expected < self.worth {
+        // A lagged factor is used until its extra solves cost as much as a new one, so at most twice the optimal cost is
+        // spent.
+        if self.factor.is_some() && self.extra < self.worth {
             return Ok(());
         }
-        self.expected = self.expected.saturating_sub(1);
         self.factorize(jacobian)
     }
 
@@ -216,11 +213,7 @@ impl<'a> TangentSolver<'a> {
             MemStack::new(memory),
         );
         let solves = lagged.solves.into_inner();
-        let extra = solves.saturating_sub(LEAST);
-        self.extra += extra;
-        if !self.exact {
-            self.expected = extra;
-        }
+        self.extra += solves.saturating_sub(LEAST);
         self.work.solves += solves;
         self.work.seconds_solve += start.elapsed().as_secs_f64();
         if outcome.is_err() {
