@@ -22,6 +22,12 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "findings and the points where they are sampled stand in the module of the checks",
     ),
     (
+        "studies",
+        "theory/gronwall/in_time",
+        3,
+        "what a study asks of a scene in time, and the body and the abstract problem that answer it",
+    ),
+    (
         "fem",
         "contact/evolution",
         2,

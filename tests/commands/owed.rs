@@ -7,7 +7,7 @@ use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::edited;
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{
-    Baseline, ComparedRun, Comparison, Decision, DeviationKind, FittedConstant, Prediction,
+    Baseline, ComparedRun, Comparison, ConstantClaim, Decision, DeviationKind, Prediction,
     Variable, Verdict, judge,
 };
 use scene::setup::{NewtonMarch, Scheme};
@@ -275,9 +275,12 @@ fn verdict(scene: &str, norm: &str, compared: bool) -> Verdict {
     let records: Vec<CaseRecord> = [8, 16, 32, 64].map(record).into();
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     let mut verdict = judge(scene, &records, &keys, &prediction, Decision::Pass);
-    for constant in verdict.constants.values_mut() {
-        *constant = FittedConstant { ratio: compared.then_some(1.0), ..*constant };
-    }
+    verdict.constant = compared.then(|| ConstantClaim {
+        name: "C_k",
+        decision: Decision::Pass,
+        reason: String::new(),
+        owed: false,
+    });
     verdict
 }
 
@@ -308,8 +311,13 @@ fn gates_that_forget_are_red() {
     // The first prediction of each scene alone; no constant at all; a scene that is not judged.
     let first: Vec<Verdict> = all().into_iter().filter(|v| v.norm == V_MAX).collect();
     let mut without = all();
-    without.iter_mut().flat_map(|v| v.constants.values_mut()).for_each(|c| c.ratio = None);
+    without.iter_mut().for_each(|v| v.constant = None);
+    let mut drifting = all();
+    drifting.iter_mut().filter_map(|v| v.constant.as_mut()).for_each(|claim| {
+        claim.decision = Decision::Unresolved;
+    });
     for (verdicts, said, count) in [
+        (drifting, "a: V_max in k: the constant C_k is owed and was not settled", 2),
         (first, "a: L2_max in k: the verdict is owed", 1),
         (without, "b: V_max in k: the constant C_k is owed", 2),
         (all()[..2].to_vec(), "b: V_max in k: the verdict is owed", 1),

@@ -28,7 +28,7 @@ pub enum DocumentError {
 #[derive(Serialize)]
 struct Document<'a> {
     provenance: &'a serde_json::Value,
-    verdicts: Vec<serde_json::Value>,
+    verdicts: &'a [Verdict],
     failures: Vec<Failure>,
     #[serde(skip_serializing_if = "Option::is_none")]
     baseline: Option<&'a Comparison>,
@@ -77,7 +77,6 @@ pub fn document(
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
 ) -> serde_json::Value {
-    let verdicts = verdicts.iter().flat_map(Verdict::rows).collect();
     let document = Document { provenance, verdicts, failures: failures(records), baseline };
     serde_json::json!(document)
 }

@@ -12,7 +12,7 @@ use crate::record::{CaseRecord, Status};
 pub struct ConstantClaim {
     /// C_h or C_k.
     pub name: &'static str,
-    #[serde(rename = "verdict")]
+    #[serde(rename = "standing")]
     pub decision: Decision,
     pub reason: String,
     /// Whether one that is still drifting is red: the scene states how far it may be off.
@@ -57,13 +57,12 @@ pub struct Verdict {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foreseen: Option<Foreseen>,
     /// What comes of the claim about the order.
-    #[serde(rename = "verdict")]
     pub order: Decision,
-    /// The claim about the constant; none without a prediction of it. A row of its own in files.
-    #[serde(skip)]
+    /// The claim about the constant; none without a prediction of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub constant: Option<ConstantClaim>,
     /// What comes of both: the order's, unless the constant fails, or is owed and open.
-    #[serde(skip)]
+    #[serde(rename = "verdict")]
     pub decision: Decision,
     pub reason: String,
     /// The cases that would help an unresolved verdict.
@@ -116,22 +115,6 @@ impl Verdict {
             }
             _ => self.order,
         };
-    }
-
-    /// Its rows in `verdict.json`: that of the order, and that of the constant if there is one.
-    pub fn rows(&self) -> Vec<serde_json::Value> {
-        let mut order = serde_json::json!(self);
-        order["kind"] = "order".into();
-        let constant = self.constant.as_ref().map(|claim| {
-            let mut row = serde_json::json!(claim);
-            for key in ["scene", "norm", "variable", "predicted", "why"] {
-                row[key] = order[key].clone();
-            }
-            row["kind"] = "constant".into();
-            row["constants"] = serde_json::json!({ claim.name: self.constants.get(claim.name) });
-            row
-        });
-        [Some(order), constant].into_iter().flatten().collect()
     }
 
     /// Whether the verdict is the expected one. An expected failure must come from the order, not from a missing case.

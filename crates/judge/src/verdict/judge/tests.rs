@@ -351,11 +351,10 @@ fn order_and_constant_are_two_claims() {
         let of_constant = verdict.constant.as_ref().expect("a claim");
         assert_eq!([verdict.order, of_constant.decision], claims, "{}", verdict.reason);
         assert_eq!((verdict.decision, verdict.as_expected()), (outcome, outcome == Pass));
-        let rows = verdict.rows();
-        let names: Vec<_> = rows.iter().map(|row| (&row["kind"], &row["verdict"])).collect();
-        let [order, constant] = claims.map(|decision| decision.name().into());
-        assert_eq!(names, [(&"order".into(), &order), (&"constant".into(), &constant)]);
-        assert_eq!(rows[1]["owed"], owed);
+        let row = serde_json::json!(verdict);
+        let said = [&row["order"], &row["constant"]["standing"], &row["verdict"]];
+        let names = [claims[0], claims[1], outcome].map(|decision| decision.name().into());
+        assert_eq!((said, &row["constant"]["owed"]), (names.each_ref(), &owed.into()));
     }
 }
 
