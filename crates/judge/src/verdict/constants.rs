@@ -45,9 +45,9 @@ pub struct ForeseenConstant {
     pub foreseen: Foreseen,
 }
 
-/// Errors this near the leading ones have their order: over a refinement by 4 a ratio that stays within 2 % moves a slope by
-/// at most log₄(1.02/0.98) = 0.03, a fifth of the tolerance of orders.
-const AGREES: f64 = 0.02;
+/// Errors this near the leading ones, for each factor of e in the step, have their order: a ratio that stays within ±0.015 ln r
+/// over a refinement by r moves a slope by at most 0.03, a fifth of the tolerance of orders.
+const AGREES: f64 = 0.015;
 
 pub(super) struct ConstantComparison {
     pub(super) constant: FittedConstant,
@@ -97,8 +97,10 @@ pub(super) fn compare_constant(
     let previous = pairs.len().checked_sub(2).map(|at| pairs[at].1);
     let (decision, sentence) =
         decide(ratio, previous, line.tolerance, direction, prediction.unique);
-    let within = |(_, ratio): &(Sample, f64)| (ratio - 1.0).abs() <= line.tolerance.max(AGREES);
     let finest = &pairs[pairs.len().saturating_sub(FEWEST)..];
+    let refined = (finest[0].0.step / finest[finest.len() - 1].0.step).ln();
+    let near = line.tolerance.max(AGREES * refined);
+    let within = |(_, ratio): &(Sample, f64)| (ratio - 1.0).abs() <= near;
     let agree = finest.len() == FEWEST && finest.iter().all(within);
     let leading_order = local_slopes(&samples).last().copied().filter(|_| agree);
     Some(ConstantComparison { constant, decision, sentence, leading_order })
