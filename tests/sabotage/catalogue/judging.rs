@@ -167,6 +167,7 @@ fn by_order_alone(verdict: Verdict) -> Verdict {
 fn without_comparison(verdict: Verdict) -> Verdict {
     let mut verdict = by_order_alone(verdict);
     verdict.constants.values_mut().for_each(|constant| constant.ratio = None);
+    verdict.constant = None;
     verdict
 }
 
