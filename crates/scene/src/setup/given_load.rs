@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::Side;
+use algebra::linalg::dot;
 use exact::{ByTime, Truth};
 use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
@@ -59,7 +60,7 @@ struct Term {
     components: Vec<usize>,
     /// f at the points of the rule.
     bound: Mutex<BoundProgram>,
-    /// The shape functions at the points of the rule, times their weights.
+    /// Of each shape function its values at the points of the rule, times their weights.
     shapes: Vec<Vec<f64>>,
     /// Of each simplex in turn.
     measures: Vec<f64>,
@@ -85,11 +86,11 @@ impl Term {
             true => Simplex::facet(dimension),
             false => Simplex::cell(dimension),
         };
-        let of_point = |(b, weight): (&Vec<f64>, &f64)| {
-            let values = space.element.values_on(simplex, b);
-            values.into_iter().map(|value| weight * value).collect()
-        };
-        let shapes = rule.points.iter().zip(&rule.weights).map(of_point).collect();
+        let values: Vec<_> =
+            rule.points.iter().map(|b| space.element.values_on(simplex, b)).collect();
+        let of_points =
+            |a: usize| values.iter().zip(&rule.weights).map(|(v, w)| w * v[a]).collect();
+        let shapes = (0..values[0].len()).map(of_points).collect();
         let (mut points, mut measures, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
         for (corners, measure, of_simplex) in simplices {
             points.extend(rule.points.iter().map(|b| space.mesh.point(corners, b)));
@@ -105,13 +106,12 @@ impl Term {
     fn add_to(&self, t: f64, force: &mut [f64]) {
         let values = self.bound.lock().unwrap_or_else(PoisonError::into_inner).values_at(t, 0.0);
         for (component, values) in self.components.iter().zip(&values) {
-            let nodes = self.nodes.chunks_exact(self.shapes[0].len());
-            let of_simplices = nodes.zip(values.chunks_exact(self.shapes.len()));
+            let nodes = self.nodes.chunks_exact(self.shapes.len());
+            let of_simplices = nodes.zip(values.chunks_exact(self.shapes[0].len()));
             for (measure, (nodes, values)) in self.measures.iter().zip(of_simplices) {
-                for (a, &node) in nodes.iter().enumerate() {
-                    let at_points = values.iter().zip(&self.shapes);
-                    let sum: f64 = at_points.map(|(value, shapes)| value * shapes[a]).sum();
-                    force[self.dimension * node as usize + component] += measure * sum;
+                for (shape, &node) in self.shapes.iter().zip(nodes) {
+                    force[self.dimension * node as usize + component] +=
+                        measure * dot(shape, values);
                 }
             }
         }

@@ -13,9 +13,7 @@ use crate::{Data, Scene, Side};
 use exact::{Exact, ExactOnMesh, LoadForm, Shapes, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
-use fem::space::quadrature::{
-    Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8, triangle_product,
-};
+use fem::space::quadrature::{Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8};
 use formula::{Node, Program};
 
 /// Shares of [0, T] at which a load is checked.
@@ -95,36 +93,29 @@ struct Sums {
 }
 
 impl Sums {
-    fn zero(dimension: usize) -> (Vec<f64>, Vec<f64>) {
-        (vec![0.0; dimension * (dimension + 1)], vec![0.0; dimension * (dimension + 1)])
-    }
-
-    fn new((values, sizes): (Vec<f64>, Vec<f64>)) -> Self {
-        Self { values, size: sizes.into_iter().fold(0.0, f64::max) }
-    }
-
-    fn of(space: &Discretization, force: &[f64]) -> Self {
+    /// Those of forces over nodes, with the sizes of what each is summed from.
+    fn of_sized(space: &Discretization, forces: &[f64], sizes: &[f64]) -> Self {
         let d = space.mesh.dimension;
-        let mut sums = Self::zero(d);
-        for (dof, &f) in force.iter().enumerate() {
-            Self::add(space, ((dof / d) as u32, dof % d), [f, f.abs()], &mut sums);
+        let mut values = vec![0.0; d * (d + 1)];
+        let mut of_sizes = values.clone();
+        let nodes = forces.chunks_exact(d).zip(sizes.chunks_exact(d)).zip(&space.nodes.vertex);
+        for ((forces, sizes), &vertex) in nodes {
+            let place = space.mesh.vertex(vertex);
+            for (component, (force, size)) in forces.iter().zip(sizes).enumerate() {
+                let first = (d + 1) * component;
+                values[first] += force;
+                of_sizes[first] += size;
+                for (m, at) in (first + 1..).zip(place) {
+                    values[m] += force * at;
+                    of_sizes[m] += size * at.abs();
+                }
+            }
         }
-        Self::new(sums)
+        Self { values, size: of_sizes.into_iter().fold(0.0, f64::max) }
     }
 
-    /// Adds a component of the force at a node with its size, times 1 and the coordinates there.
-    fn add(
-        space: &Discretization,
-        (node, component): (u32, usize),
-        [force, size]: [f64; 2],
-        sums: &mut (Vec<f64>, Vec<f64>),
-    ) {
-        let place = space.mesh.vertex(space.nodes.vertex[node as usize]);
-        let first = (place.len() + 1) * component;
-        for (m, at) in std::iter::once(1.0).chain(place.iter().copied()).enumerate() {
-            sums.0[first + m] += force * at;
-            sums.1[first + m] += size * at.abs();
-        }
+    fn of(space: &Discretization, forces: &[f64]) -> Self {
+        Self::of_sized(space, forces, &forces.iter().map(|force| force.abs()).collect::<Vec<_>>())
     }
 
     fn largest_difference(a: &Self, b: &Self) -> f64 {
@@ -186,7 +177,7 @@ impl<'a> Integrals<'a> {
         let (mesh, graph) = (&space.mesh, scene.formulas.clone());
         let rules = TruthRules::for_element(space.element, mesh.dimension);
         let (inside, outside) = match mesh.dimension {
-            2 => ([rules.load, triangle_product(5)], [rules.traction, edge(7)]),
+            2 => ([rules.load, triangle_degree_8()], [rules.traction, edge(7)]),
             _ => ([rules.load, tetrahedron_product(4)], [rules.traction, triangle_degree_8()]),
         };
         let mut acting = Vec::new();
@@ -216,20 +207,18 @@ impl<'a> Integrals<'a> {
 
     /// The sums at the times, by one of the two rules.
     fn at(&self, times: [f64; 2], which: usize) -> [Sums; 2] {
-        let mut sums = [(); 2].map(|()| Sums::zero(self.space.mesh.dimension));
+        let space = self.space;
+        let mut forces = times.map(|t| (t, [(); 2].map(|()| vec![0.0; space.nodes.len()])));
         for acting in &self.acting {
-            self.add(acting, &acting.rules[which], times, &mut sums);
+            self.add(acting, &acting.rules[which], &mut forces);
         }
-        sums.map(Sums::new)
+        // v vanishes on Γ1.
+        let free = space.mesh.dimension * space.nodes.free;
+        forces.map(|(_, [forces, sizes])| Sums::of_sized(space, &forces[..free], &sizes[..free]))
     }
 
-    fn add(
-        &self,
-        acting: &Acting<'_>,
-        rule: &Rule,
-        times: [f64; 2],
-        sums: &mut [(Vec<f64>, Vec<f64>); 2],
-    ) {
+    /// Adds forces and the sizes of their terms, over nodes, at each time.
+    fn add(&self, acting: &Acting<'_>, rule: &Rule, forces: &mut [(f64, [Vec<f64>; 2]); 2]) {
         let space = self.space;
         let simplices = acting.simplices.iter();
         let points: Vec<[f64; 3]> = simplices
@@ -243,24 +232,17 @@ impl<'a> Integrals<'a> {
         let measures: Vec<f64> =
             acting.simplices.iter().map(|simplex| measure(space, simplex.corners)).collect();
         let mut formula = acting.formula.bind(&points);
-        let mut values = vec![Vec::new()];
-        for (t, sums) in times.into_iter().zip(sums) {
-            formula.evaluate(t, 0.0, &mut values);
-            let of_simplices = values[0].chunks_exact(rule.points.len());
+        for (t, [forces, sizes]) in forces {
+            let values = formula.values_at(*t, 0.0).swap_remove(0);
+            let of_simplices = values.chunks_exact(rule.points.len());
             for ((simplex, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices)
             {
-                for (a, &node) in simplex.nodes.iter().enumerate() {
-                    // v vanishes on Γ1.
-                    if node as usize >= space.nodes.free {
-                        continue;
+                for ((weight, shapes), f) in rule.weights.iter().zip(&shapes).zip(f) {
+                    for (shape, &node) in shapes.iter().zip(&simplex.nodes) {
+                        let (at, share) = (d * node as usize, weight * measure * f * shape);
+                        forces[at + acting.component] += share;
+                        sizes[at + acting.component] += share.abs();
                     }
-                    let (mut force, mut size) = (0.0, 0.0);
-                    for ((weight, shapes), f) in rule.weights.iter().zip(&shapes).zip(f) {
-                        let share = weight * measure * f * shapes[a];
-                        force += share;
-                        size += share.abs();
-                    }
-                    Sums::add(space, (node, acting.component), [force, size], sums);
                 }
             }
         }
