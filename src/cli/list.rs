@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::{CliError, Scenes, create_dir, print_beside, print_json, print_text, write_file};
 use files::counted;
-use run::sweep::scene_picture;
 use scene::{Body, Data, Scene};
+use studies::portrait::scene_picture;
 
 /// `sweep list`.
 #[derive(Args)]

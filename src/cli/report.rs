@@ -13,10 +13,10 @@ use report::write_all;
 use run::merge::unfinished_in_words;
 use run::sweep::{
     OutputDirectory, OutputError, Provenance, foresee, judge_scene, missing_cases, planned,
-    scene_summary,
 };
 use scene::Scene;
 use scene::setup::Subject;
+use studies::portrait::scene_summary;
 
 /// `sweep report`. Scenes are judged by the text that DIR keeps of them, unless --scenes names a
 /// folder.

@@ -10,7 +10,8 @@ use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
 use judge::verdict::{Comparison, Verdict, document, exit_code, failures};
 use report::{SceneSummary, write_all};
-use run::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
+use run::sweep::{OutputDirectory, ScenePlan, reference_in_words};
+use studies::portrait::scene_summary;
 
 /// Records of all cases of the plans, and their verdicts.
 #[derive(Default)]

@@ -63,7 +63,12 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         5,
         "cases of either kind of problem are planned, sized and measured from a plan",
     ),
-    ("run", "sweep/picture/space", 2, "bodies in space are drawn by parts of the plane picture"),
+    (
+        "studies",
+        "portrait/picture/space",
+        2,
+        "bodies in space are drawn by parts of the plane picture",
+    ),
     (
         "run",
         "sweep/run",

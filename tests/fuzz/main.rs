@@ -22,9 +22,10 @@ use judge::verdict::{Baseline, ComparedRun, read_earlier};
 use program::{Folder, code, stderr, sweep};
 use report::{convergence_svg, split_svg};
 use run::external::{Wanted, decode, encode, read_displacements};
-use run::sweep::{Provenance, judge_scene, scene_summary};
+use run::sweep::{Provenance, judge_scene};
 use scene::setup::Subject;
 use scene::{Scene, Source};
+use studies::portrait::scene_summary;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured")

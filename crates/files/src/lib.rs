@@ -6,6 +6,7 @@ mod counted;
 mod error;
 mod foreign;
 mod hash;
+mod listed;
 mod quoted;
 
 pub use atomic::{Replacement, make_directory, remove_if_there, replace_file, write_named};
@@ -14,4 +15,5 @@ pub use counted::{counted, digits, megabytes};
 pub use error::{FileError, if_there};
 pub use foreign::{harmless, harmless_json, shortened};
 pub use hash::fnv_1a;
+pub use listed::{ListError, remove_listed, write_listed};
 pub use quoted::quoted;

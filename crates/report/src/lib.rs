@@ -30,7 +30,6 @@ mod split;
 mod symbols;
 mod thumbnail;
 mod ticks;
-mod written;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -54,16 +53,14 @@ pub use slope::Slope;
 pub use space_time::{Panel, SpaceTime, Zone};
 pub use split::split_svg;
 pub use symbols::escaped;
-pub use written::remove_earlier;
 
 use document::{
     DATA, Drawn, Figure, Report, TEMPLATE, data, document, group, markdown, page, tables,
 };
-use files::{FileError, make_directory};
+use files::{FileError, ListError, make_directory, write_listed};
 use judge::fit::Direction;
 use judge::record::{CaseRecord, RecordError, write_sorted};
 use judge::verdict::{Comparison, DocumentError, Verdict, write_json};
-use written::write_listed;
 
 /// A scene in a report, beside its results.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -119,9 +116,8 @@ pub enum ReportError {
         /// The command that writes such files.
         command: String,
     },
-    /// An invalid list of the files of an earlier report.
-    #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
-    List { path: PathBuf, reason: String },
+    #[error(transparent)]
+    Listed(#[from] ListError),
     #[error("typesetting: {what}")]
     Typesetting { what: String },
     #[error("JUnit: {source}")]
@@ -181,7 +177,7 @@ pub fn write_all(
     let figures = figures.chain(&forest).map(|figure| (figure.file.clone(), &*figure.svg));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
     let files: Vec<(String, &str)> = figures.chain(pages).collect();
-    write_listed(dir, &files)
+    Ok(write_listed(dir, &files)?)
 }
 
 /// The forest plot of all verdicts in two columns, and in three pieces.

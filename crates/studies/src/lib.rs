@@ -1,8 +1,9 @@
-//! What is asked of a scene beside its orders: the theorems as runs, speed against accuracy, extremes, diagnosis, solutions.
+//! What is asked of a scene beside its orders: the theorems as runs, speed against accuracy, extremes, diagnosis, solutions, portraits.
 
 pub mod diagnose;
 pub mod extremes;
 pub mod guarantee;
+pub mod portrait;
 mod quotients;
 pub mod solution;
 mod table;

@@ -13,10 +13,9 @@ use super::shared::Shared;
 use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
 use rayon::prelude::*;
 
-use files::{FileError, counted, make_directory, remove_if_there};
+use files::{FileError, ListError, counted, make_directory, remove_if_there, remove_listed};
 use judge::record::{CaseRecord, Journal, Key, RecordError, read_finished};
 use judge::verdict::{failures, restore_reasons};
-use report::{ReportError, remove_earlier};
 use scene::setup::Subject;
 
 /// Why a sweep ended without records.
@@ -30,7 +29,7 @@ pub enum SweepError {
     Io(#[from] FileError),
     /// Files of an earlier report cannot be removed.
     #[error(transparent)]
-    Report(#[from] ReportError),
+    Listed(#[from] ListError),
     #[error("starting {}: {reason}", counted(*jobs, "thread"))]
     Threads { jobs: usize, reason: String },
 }
@@ -162,7 +161,7 @@ pub fn run_more(
 /// are removed first, but not a table that is `kept` until it is replaced.
 pub fn replace_records(out: &Path, provenance: &Provenance, kept: bool) -> Result<(), SweepError> {
     make_directory(out)?;
-    remove_earlier(out)?;
+    remove_listed(out)?;
     let removed = if kept { &["verdict.json"][..] } else { &["verdict.json", "cases.csv"] };
     for name in removed {
         remove_if_there(&out.join(name))?;

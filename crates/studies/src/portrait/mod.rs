@@ -1,6 +1,9 @@
 //! A scene as a report shows it: equations, data and remarks.
 
-use super::picture::scene_picture;
+mod picture;
+
+pub use picture::scene_picture;
+
 use report::{Group, SceneSummary, StepLimits, Terms, equations};
 use scene::setup::{Subject, subject_bounds};
 use scene::{Body, Data, Expectation, Scene};

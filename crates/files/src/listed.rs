@@ -1,19 +1,28 @@
-//! List of the files that a report wrote; only these are removed when obsolete.
+//! A list of the files that were written into a directory; only these are removed when obsolete.
 
 use std::collections::BTreeSet;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
-use super::ReportError;
-use files::{if_there, read_text, remove_if_there, replace_file};
+use crate::{FileError, if_there, read_text, remove_if_there, replace_file};
+
+/// Why listed files cannot be written or removed.
+#[derive(Debug, thiserror::Error)]
+pub enum ListError {
+    #[error(transparent)]
+    Io(#[from] FileError),
+    /// An invalid list of earlier files.
+    #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
+    List { path: PathBuf, reason: String },
+}
 
 const LIST: &str = "files.json";
 
 /// The names listed in a directory; empty without a list.
-fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
+fn listed(dir: &Path) -> Result<BTreeSet<String>, ListError> {
     let path = dir.join(LIST);
     let Some(text) = if_there(read_text(&path))? else { return Ok(BTreeSet::new()) };
     let names: BTreeSet<String> = serde_json::from_str(&text)
-        .map_err(|error| ReportError::List { path: path.clone(), reason: error.to_string() })?;
+        .map_err(|error| ListError::List { path: path.clone(), reason: error.to_string() })?;
     // A list that points out of its directory is not ours: nothing may be removed by it.
     let outside = |name: &&String| {
         let mut parts = Path::new(name.as_str()).components();
@@ -22,24 +31,27 @@ fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
     match names.iter().find(outside) {
         Some(name) => {
             let reason = format!("`{name}` is no file of this directory");
-            Err(ReportError::List { path, reason })
+            Err(ListError::List { path, reason })
         }
         None => Ok(names),
     }
 }
 
-fn write_list(dir: &Path, names: &BTreeSet<String>) -> Result<(), ReportError> {
+fn write_list(dir: &Path, names: &BTreeSet<String>) -> Result<(), ListError> {
     let text = serde_json::json!(names).to_string() + "\n";
     Ok(replace_file(&dir.join(LIST), text.as_bytes())?)
 }
 
-fn remove(dir: &Path, name: &str) -> Result<(), ReportError> {
+fn remove(dir: &Path, name: &str) -> Result<(), ListError> {
     Ok(remove_if_there(&dir.join(name))?)
 }
 
 /// Writes the files, lists them, and removes obsolete ones of an earlier list. If killed at any point, the list
 /// includes every written file.
-pub(super) fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), ReportError> {
+///
+/// # Errors
+/// [`ListError`].
+pub fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), ListError> {
     let earlier = listed(dir)?;
     let now: BTreeSet<String> = files.iter().map(|(name, _)| name.clone()).collect();
     write_list(dir, &earlier.union(&now).cloned().collect())?;
@@ -50,8 +62,11 @@ pub(super) fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), R
     write_list(dir, &now)
 }
 
-/// Removes the pages and pictures of an earlier report.
-pub fn remove_earlier(dir: &Path) -> Result<(), ReportError> {
+/// Removes the files of an earlier list.
+///
+/// # Errors
+/// [`ListError`].
+pub fn remove_listed(dir: &Path) -> Result<(), ListError> {
     let earlier = listed(dir)?;
     if earlier.is_empty() {
         return Ok(());
@@ -83,15 +98,15 @@ mod tests {
         write_listed(&dir, &[file("b-h.svg"), file("index.html")]).unwrap();
         let expected = ["b-h.svg", "c-h.svg", LIST, "index.html"];
         assert_eq!(names(), expected.map(str::to_owned).into());
-        remove_earlier(&dir).unwrap();
+        remove_listed(&dir).unwrap();
         assert_eq!(names(), ["c-h.svg".to_owned()].into());
-        remove_earlier(&dir).unwrap();
+        remove_listed(&dir).unwrap();
         // A list that was tampered with removes nothing.
         fs::write(root.join("mine.svg"), "mine").unwrap();
         for list in [r#"["c-h.svg", "../mine.svg"]"#, r#"["/etc/mine"]"#, r#"{"a": 1}"#, r#"[""]"#]
         {
             fs::write(dir.join(LIST), list).unwrap();
-            assert!(matches!(remove_earlier(&dir), Err(ReportError::List { .. })), "{list}");
+            assert!(matches!(remove_listed(&dir), Err(ListError::List { .. })), "{list}");
             assert!(write_listed(&dir, &[file("b-h.svg")]).is_err());
             assert!(root.join("mine.svg").exists() && dir.join("c-h.svg").exists());
         }
