@@ -48,7 +48,7 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
         "report",
         "document",
-        24,
+        23,
         "the error of a report and the summary of a scene stand in the root that draws all of them",
     ),
     (

@@ -19,17 +19,17 @@ const HOUSE: [(&str, &[&str], &[&str]); 11] = [
     // σ, ζ and histories are evaluated apart from the solver: no law, no history, no inequality.
     ("exact", &["fem", "formula"], &[]),
     ("judge", &["files"], &["record", "fit", "table", "verdict"]),
-    ("report", &["files", "judge"], &[]),
     ("scene", &["algebra", "exact", "fem", "files", "formula", "judge", "vhi"], &["setup"]),
     (
         "run",
-        &["algebra", "exact", "fem", "files", "formula", "judge", "report", "scene", "vhi"],
+        &["algebra", "exact", "fem", "files", "formula", "judge", "scene", "vhi"],
         &["external", "leading_error", "sweep", "merge"],
     ),
+    ("report", &["files", "judge"], &[]),
     (
         "studies",
         &["algebra", "exact", "fem", "files", "formula", "judge", "report", "run", "scene", "vhi"],
-        &["guarantee", "solution", "trade", "theory", "diagnose", "extremes"],
+        &["guarantee", "portrait", "solution", "trade", "theory", "diagnose", "extremes"],
     ),
 ];
 
