@@ -110,11 +110,6 @@ impl StudyDocument {
         self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
     }
 
-    /// A paragraph directly below the answer.
-    pub fn below_answer(&mut self, text: impl Into<String>) {
-        self.blocks.insert(1.min(self.blocks.len()), Block::Text(vec![Run::plain(text)]));
-    }
-
     /// A table; omitted without rows.
     pub fn table<'a, const N: usize>(
         &mut self,
