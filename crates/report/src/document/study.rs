@@ -20,6 +20,8 @@ pub enum Chapter {
     /// The proofs of Theorems 10 and 11.
     Audit,
     Trade,
+    /// Which term is at fault.
+    Diagnose,
     /// Ladders of extreme parameters.
     Extremes,
 }
@@ -36,6 +38,7 @@ impl Chapter {
             Self::Gronwall => "gronwall SCENE",
             Self::Audit => "audit SCENE",
             Self::Trade => "trade SCENE",
+            Self::Diagnose => "diagnose SCENE",
             Self::Extremes => "extremes",
         }
     }
