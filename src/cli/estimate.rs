@@ -2,19 +2,17 @@
 
 use serde_json::{Value, json};
 
-use super::target::Wanted;
-use super::{CliError, print_json, print_text};
+use super::{CliError, TABLE_WIDTH, print_json, print_text, width};
 use files::{digits, megabytes};
-use judge::fit::Interval;
 use run::sweep::MemoryLimit;
 use scene::setup::Setup;
 use scene::{Extension, Norm};
 use studies::guarantee::Guarantee;
-use studies::trade::NoAnswer;
 use studies::trade::estimate::{
-    Advice, Advised, Companions, CostSource, Estimate, Goal, Part, QuantityEstimate, advise,
-    companions_and_bound, norm_estimate,
+    Advised, Companions, CostSource, Estimate, Goal, Part, advise, companions_and_bound,
+    norm_estimate,
 };
+use studies::trade::{Choice, NoAnswer, Wanted};
 
 /// Runs a case with its companions; prints its estimated error, and the recommendation for a wanted error.
 pub(super) fn execute(
@@ -34,179 +32,180 @@ pub(super) fn execute(
         .map(|measured| (measured.norm, norm_estimate(setup, &found, measured)))
         .collect();
     let norm = wanted.norm;
+    let target = wanted.error(found.size);
     let goal = |target| Goal { setup, run: [n, steps], norm, target, limit };
-    let advice = wanted.error(found.size).map(|target| advise(&goal(target), &found));
+    let advice = target.map(|target| advise(&goal(target), &found));
+    let recommended = match &advice {
+        None => Value::Null,
+        Some(Err(none)) => json!({ "norm": norm, "refused": refusal(none) }),
+        Some(Ok(advice)) => json!({
+            "norm": norm,
+            "target": target,
+            "relative": (norm == Norm::VMax && found.size > 0.0).then(|| advice.target / found.size),
+            "choice": advice.choice,
+            "cautious": advice.cautious.as_ref().ok(),
+            "cautious_refused": advice.cautious.as_ref().err().map(refusal),
+            "seconds_from": advice.source,
+            "check": { "n": advice.check[0], "steps": advice.check[1] },
+            "refused": null,
+        }),
+    };
+    let mut document = json!({
+        "scene": setup.scene.name,
+        "n": n,
+        "steps": steps,
+        "norms": estimates.iter().map(|(norm, of)| norm_json(&found, *norm, of)).collect::<Value>(),
+        "quantities": found.quantities,
+        "state": found.state,
+        "bound": bound.as_ref().map_or_else(|reason| json!({ "refused": reason }), |found| json!({
+            "largest": found.largest(),
+            "effectivity": found.effectivity(),
+            "levels": found.levels,
+        })),
+    });
+    if advice.is_some() {
+        document["recommendation"] = recommended;
+    }
     if as_json {
-        let mut document = json!({
-            "scene": setup.scene.name,
-            "n": n,
-            "steps": steps,
-            "norms": estimates.iter().map(|(norm, estimate)| norm_json(&found, *norm, estimate)).collect::<Vec<_>>(),
-            "quantities": found.quantities,
-            "state": found.state,
-            "bound": bound_json(&bound),
-        });
-        if let Some(advice) = &advice {
-            document["recommendation"] = advice_json(advice, &found, norm);
-        }
         print_json(&document)?;
     } else {
-        let name = &setup.scene.name;
-        print_text(&format!("{name} n = {n}, N = {steps}: estimated error of this run"));
-        print(&found, &estimates);
-        print_text(&format!("\n{}", bound_words(&bound)));
+        print_text(&format!(
+            "{} n = {n}, N = {steps}: estimated error of this run",
+            setup.scene.name
+        ));
+        print_text(&tables(&document));
+        print_text(&bound_words(&bound));
     }
     // The estimate is printed before a target is refused.
     let Some(advice) = advice else { return Ok(0) };
     let advice = advice.map_err(|none| CliError::other(refusal(&none)))?;
-    let wanted_estimate = estimates.iter().find(|(of, _)| *of == norm);
-    if let Some((_, estimate)) = wanted_estimate.filter(|_| !as_json) {
-        print_advice(&advice, &found, norm, estimate);
+    let estimate = estimates.iter().find(|(of, _)| *of == norm);
+    if let Some((_, estimate)) = estimate.filter(|_| !as_json) {
+        let cautious = advice.cautious.as_ref().map_or_else(refusal, advised_words);
+        let [n, steps] = advice.check;
+        let seconds = match advice.source {
+            CostSource::Timed => "fitted to the CPU times of this run and its companions",
+            CostSource::Counted => "by cells times levels: a companion is too short to time",
+        };
+        print_text(&format!(
+            "\ntarget {:.4e} in {}\n  recommended: {}\n  cautious:    {cautious}\n  orders counted on: {}\n  seconds: {seconds}\n  to check: --n {n} --steps {steps} --estimate, a run whose own companions narrow the interval",
+            advice.target,
+            norm.name(),
+            advised_words(&advice.choice),
+            orders_words(estimate),
+        ));
     }
     Ok(0)
 }
 
-fn print(found: &Companions, estimates: &[(Norm, Estimate)]) {
-    estimates.iter().for_each(|(norm, of)| print_text(&norm_words(found, *norm, of)));
-    print_text(
-        "\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k",
-    );
-    found.quantities.iter().for_each(|quantity| print_text(&quantity_words(quantity)));
-}
-
-fn part_words(part: &Part) -> String {
-    match (part, part.order().zip(part.at(1.0))) {
-        (Part::Below(0.0), _) => "none".into(),
-        (Part::Below(bound), _) => format!("below {bound:.1e} (rounding)"),
-        (_, Some((order, (value, interval)))) => {
-            format!("{value:.3e} in {} (order {order:.2})", bracketed(interval))
-        }
-        _ => "unknown".into(),
-    }
-}
-
-/// The V error relative to ‖ε(u(T))‖.
-fn relative(found: &Companions, norm: Norm, value: f64) -> Option<f64> {
-    let size = found.state.strain_norm;
-    (norm == Norm::VMax && size > 0.0).then(|| value / size)
-}
-
-fn norm_words(found: &Companions, norm: Norm, estimate: &Estimate) -> String {
-    let parts = format!("h: {}; k: {}", part_words(&estimate.space), part_words(&estimate.time));
-    match estimate.total() {
-        Some((value, interval)) => {
-            let part = relative(found, norm, value)
-                .map_or(String::new(), |part| format!(", {:.2} % of |eps(u(T))|", 100.0 * part));
-            format!("{:<17} {value:.3e} in {}{part}  ({parts})", norm.name(), bracketed(interval))
-        }
-        None => format!("{:<17} unknown: {}", norm.name(), estimate.reasons().join("; ")),
-    }
-}
-
-fn quantity_words(estimate: &QuantityEstimate) -> String {
-    let order = |order: Option<f64>| order.map_or("-".into(), |order| format!("{order:.2}"));
-    let [h, k] = estimate.orders.map(order);
-    let value = format!("{:<24} {}", estimate.name, digits(estimate.value, 9));
-    let reason = estimate.reason.as_deref().unwrap_or("no companions");
-    match (estimate.uncertainty, estimate.extrapolated) {
-        (Some(bound), Some(limit)) => format!("{value}  ± {bound:.1e}  {limit:.8}  {h} {k}"),
-        _ => format!("{value}  unknown: {reason}"),
-    }
-}
-
-/// The guaranteed bound where it is largest, or why there is none.
-fn bound_words(bound: &Result<Guarantee, String>) -> String {
-    let Some((found, level)) =
-        bound.as_ref().ok().and_then(|found| Some((found, found.largest()?)))
-    else {
-        let reason = bound.as_ref().err().map_or("no level was solved", String::as_str);
-        return format!("no guaranteed bound: {reason}");
-    };
-    let part = match level.size > 0.0 {
-        true => format!(", {:.2} % of the norm of u", 100.0 * level.bound / level.size),
-        false => String::new(),
-    };
-    let mut words = format!(
-        "guaranteed: error in space <= {:.3e} in the energy norm at all t_n (largest at t = {}{part}); not bounded: the error in time",
-        level.bound,
-        digits(level.t, 4)
-    );
-    if let (Some(error), Some(quotient)) = (level.error, found.effectivity()) {
-        // The bound knows nothing of the error in time.
-        words += &match error > level.bound {
-            true => format!("\nexact solution: error {error:.3e} there, most of it in time"),
-            false => format!(
-                "\nexact solution: error {error:.3e} there, time included; bound / error {quotient:.2} in the median over t_n"
-            ),
-        };
-    }
-    words
-}
-
-fn bound_json(bound: &Result<Guarantee, String>) -> Value {
-    match bound {
-        Ok(found) => json!({
-            "largest": found.largest(),
-            "effectivity": found.effectivity(),
-            "levels": found.levels,
-        }),
-        Err(reason) => json!({ "refused": reason }),
-    }
-}
-
 fn norm_json(found: &Companions, norm: Norm, estimate: &Estimate) -> Value {
-    let part = |part: &Part| match (part, part.order().zip(part.at(1.0))) {
-        (Part::Below(bound), _) => json!({ "value": 0.0, "interval": [0.0, bound] }),
+    let part = |part: &Part| match (part, part.at(1.0)) {
         (Part::Unknown(reason), _) => json!({ "reason": reason }),
-        (_, Some((order, (value, interval)))) => {
-            json!({ "order": order, "value": value, "interval": interval })
+        (_, Some((value, interval))) => {
+            json!({ "order": part.order(), "value": value, "interval": interval })
         }
         _ => json!({ "reason": "no admissible order" }),
     };
     let (value, interval) = estimate.total().unzip();
+    let size = found.state.strain_norm;
     json!({
         "norm": norm,
         "value": value,
         "interval": interval,
-        "relative": value.and_then(|value| relative(found, norm, value)),
+        "relative": value.filter(|_| norm == Norm::VMax && size > 0.0).map(|value| value / size),
         "space": part(&estimate.space),
         "time": part(&estimate.time),
         "unknown": estimate.reasons(),
     })
 }
 
-/// Prints the recommendation with its estimate.
-fn print_advice(advice: &Advice, found: &Companions, norm: Norm, estimate: &Estimate) {
-    let percent = 100.0 * advice.target / found.size;
-    let part = match norm {
-        Norm::VMax => format!(" ({percent:.3} % of the largest |eps(u)|)"),
-        _ => String::new(),
+/// Norms and quantities in tables; below them what is unknown, and why.
+fn tables(document: &Value) -> String {
+    let norms = [
+        ("norm", "/norm"),
+        (">error", "/value"),
+        ("in", "/interval"),
+        (">of |eps(u(T))|", "/relative"),
+        (">in h", "/space/value"),
+        (">order", "/space/order"),
+        (">in k", "/time/value"),
+        (">order", "/time/order"),
+    ];
+    let quantities = [
+        ("quantity at t = T", "/name"),
+        (">value", "/value"),
+        (">bound of its distance to the limit", "/uncertainty"),
+        (">limit", "/extrapolated"),
+        (">order in h", "/orders/0"),
+        (">order in k", "/orders/1"),
+    ];
+    let number = |value: &Value, sure| value.as_f64().map_or("–".into(), |v| digits(v, sure));
+    let cell = |value: Option<&Value>| match value {
+        Some(Value::String(text)) => text.clone(),
+        Some(Value::Array(ends)) => {
+            format!("[{}, {}]", number(&ends[0], 4), number(&ends[1], 4))
+        }
+        value => number(value.unwrap_or(&Value::Null), 6),
     };
-    print_text(&format!("\ntarget {:.4e} in {}{part}", advice.target, norm.name()));
-    print_text(&format!("  recommended: {}", advised_words(&advice.choice)));
-    let cautious = advice.cautious.as_ref().map_or_else(refusal, advised_words);
-    print_text(&format!("  cautious:    {cautious}"));
-    print_text(&format!("  orders counted on: {}", orders_words(estimate)));
-    print_text(&format!("  seconds: {}", source_words(advice.source)));
-    let [n, steps] = advice.check;
-    print_text(&format!(
-        "  to check: --n {n} --steps {steps} --estimate, a run whose own companions narrow the interval"
-    ));
+    let mut text = String::new();
+    for (key, columns, why) in
+        [("norms", &norms[..], "/unknown"), ("quantities", &quantities[..], "/reason")]
+    {
+        let (mut rows, mut unknown) = (Vec::new(), String::new());
+        for row in document[key].as_array().into_iter().flatten() {
+            let cells = columns.iter().map(|(_, at)| cell(row.pointer(at)));
+            let reasons: Vec<&str> = match row.pointer(why) {
+                Some(Value::Array(all)) => all.iter().filter_map(Value::as_str).collect(),
+                one => one.and_then(Value::as_str).into_iter().collect(),
+            };
+            match reasons.is_empty() {
+                true => rows.push(cells.collect()),
+                false => {
+                    let name = cell(row.pointer(columns[0].1));
+                    unknown += &format!("{name} unknown: {}\n", reasons.join("; "));
+                }
+            }
+        }
+        let heads: Vec<&str> = columns.iter().map(|(head, _)| *head).collect();
+        if !rows.is_empty() {
+            text +=
+                &format!("{}\n", report::text_table(&heads, &rows, width(TABLE_WIDTH)).trim_end());
+        }
+        text += &unknown;
+    }
+    text
+}
+
+/// The guaranteed bound where it is largest, or why there is none.
+fn bound_words(bound: &Result<Guarantee, String>) -> String {
+    let (found, level) = match bound.as_ref().map(|found| (found, found.largest())) {
+        Ok((found, Some(level))) => (found, level),
+        Ok((_, None)) => return "no guaranteed bound: no level was solved".into(),
+        Err(reason) => return format!("no guaranteed bound: {reason}"),
+    };
+    let mut words = format!(
+        "guaranteed: error in space <= {:.3e} in the energy norm at all t_n (largest at t = {}, where u has {:.3e}); not bounded: the error in time",
+        level.bound,
+        digits(level.t, 4),
+        level.size
+    );
+    if let (Some(error), Some(quotient)) = (level.error, found.effectivity()) {
+        // The bound knows nothing of the error in time.
+        words += &format!(
+            "\nexact solution: error {error:.3e} there, time included; bound / error {quotient:.2} in the median over t_n"
+        );
+    }
+    words
 }
 
 fn advised_words(advised: &Advised) -> String {
-    let (choice, far) = (advised.run, advised.extrapolates.as_ref());
-    let warning = far.map_or(String::new(), |text| format!("\n    far: {text}"));
+    let Choice { n, steps, h, k, error, seconds, bytes, .. } = advised.run;
+    let far = advised.extrapolates.as_ref().map_or(String::new(), |far| format!("; far: {far}"));
     format!(
-        "n = {}, N = {} (h = {:.5}, k = {:.5}), predicted: error {:.3e} in {}, {:.3} CPU s, {}{warning}",
-        choice.n,
-        choice.steps,
-        choice.h,
-        choice.k,
-        choice.error,
-        bracketed(advised.interval),
-        choice.seconds,
-        megabytes(advised.bytes),
+        "n = {n}, N = {steps} (h = {h:.5}, k = {k:.5}), predicted: error {error:.3e} in [{:.3e}, {:.3e}], {seconds:.3} CPU s, {}{far}",
+        advised.interval.lo,
+        advised.interval.hi,
+        megabytes(bytes),
     )
 }
 
@@ -218,36 +217,6 @@ fn orders_words(estimate: &Estimate) -> String {
     [("h", &estimate.space), ("k", &estimate.time)].map(of).join(", ")
 }
 
-fn source_words(source: CostSource) -> &'static str {
-    match source {
-        CostSource::Timed => "fitted to the CPU times of this run and its companions",
-        CostSource::Counted => "by cells times levels: a companion is too short to time",
-    }
-}
-
-/// The key `recommendation`.
-fn advice_json(advice: &Result<Advice, NoAnswer>, found: &Companions, norm: Norm) -> Value {
-    let advice = match advice {
-        Ok(advice) => advice,
-        Err(none) => return json!({ "norm": norm, "refused": refusal(none) }),
-    };
-    json!({
-        "norm": norm,
-        "target": advice.target,
-        "relative": (norm == Norm::VMax && found.size > 0.0).then(|| advice.target / found.size),
-        "choice": advice.choice,
-        "cautious": advice.cautious.as_ref().ok(),
-        "cautious_refused": advice.cautious.as_ref().err().map(refusal),
-        "seconds_from": advice.source,
-        "check": { "n": advice.check[0], "steps": advice.check[1] },
-        "refused": null,
-    })
-}
-
 fn refusal(none: &NoAnswer) -> String {
     format!("no recommendation: {none}")
-}
-
-fn bracketed(interval: Interval) -> String {
-    format!("[{:.3e}, {:.3e}]", interval.lo, interval.hi)
 }

@@ -31,7 +31,6 @@ mod shell;
 mod solve;
 mod study;
 mod swept;
-mod target;
 mod trade;
 mod typesetter;
 mod verify;
@@ -50,7 +49,7 @@ use build::BUILD;
 use error::COULD_NOT_JUDGE;
 use output::{
     TABLE_WIDTH, create_dir, delivered, print_as_it_is, print_beside, print_error, print_json,
-    print_text, print_verdicts, verdict_table, width, write_file, write_json,
+    print_text, print_verdicts, verdict_table, width, write_file,
 };
 use scenes::{Scenes, meshes_fit, no_case, subject};
 

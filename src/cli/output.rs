@@ -108,7 +108,3 @@ pub(crate) fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<()
 pub(crate) fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
     Ok(write_named(to, &read_file(from)?)?)
 }
-
-pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), CliError> {
-    write_file(path, format!("{}\n", sorted(value)?))
-}

@@ -9,7 +9,6 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::machine::Common;
-use super::target::Wanted;
 use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
 };
@@ -22,13 +21,14 @@ use scene::setup::{
 };
 use serde_json::{Value, json};
 use studies::solution::{FinalState, VtuSeries};
+use studies::trade::Wanted;
 use studies::trade::estimate::companion_runs;
 use vhi::{Decomposition, FixedPoint, Newton, StepSolver};
 
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), friction_force (sum of w s over Gamma3 by components, s = -sigma_tau), stick_vertices, slip_vertices (0 without friction), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and (alpha_nu c_j^2 + alpha_tau c_tau^2)/m, which bounds it; else null), factorizations, linear_solves, kkt_residual, seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it), element (of displacements) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run), bound (largest and levels: n, t, residual, oscillation, gap, bound, size, error: the guaranteed bound of the error in space in the energy norm with its parts, the norm of u and, where it is known, the distance to the exact solution; effectivity: the median of bound over error; or refused: the reason); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), friction_force (sum of w s over Gamma3 by components, s = -sigma_tau), stick_vertices, slip_vertices (0 without friction), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and (alpha_nu c_j^2 + alpha_tau c_tau^2)/m, which bounds it; else null), factorizations, linear_solves, kkt_residual, seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it), element (of displacements) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run), bound (largest and levels: n, t, residual, oscillation, gap, bound, size, error: the guaranteed bound of the error in space in the energy norm with its parts, the norm of u and, where it is known, the distance to the exact solution; effectivity: the median of bound over error; or refused: the reason); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, target, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
 )]
 pub(crate) struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -124,7 +124,8 @@ impl Solve {
     /// Estimates the error and recommends n and N; invalid arguments are refused before any run.
     fn estimated(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
         let limit = self.common.allowance.limit();
-        let wanted = Wanted::read(setup, &self.norm, self.target.as_deref())?;
+        let wanted =
+            Wanted::read(setup, &self.norm, self.target.as_deref()).map_err(CliError::other)?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
         super::estimate::execute(setup, [n, self.steps], wanted, limit, self.common.json)
     }

@@ -82,7 +82,6 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "each part of a scene is read with the errors and the source of the whole",
     ),
     ("scene", "setup", 14, "a setup is admitted and measured by functions of a setup"),
-    ("studies", "trade/study", 2, "an extrapolation is of a study, and kept in it"),
 ];
 
 type Path = Vec<String>;

@@ -8,12 +8,11 @@ use std::sync::Arc;
 use crate::shipped::{edited, text};
 use fem::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observer, march};
 use formula::{EvaluationPoint, Variable};
+use judge::claim::Claim;
 use judge::verdict::Decision;
 use scene::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
 use scene::{Data, Extension, Registry, Scene, Source};
-use studies::diagnose::{
-    Finding, Outcome, Question, Suspect, culprit, diagnose, examine, sentence,
-};
+use studies::diagnose::{Finding, Outcome, Suspect, culprit, diagnose, examine, sentence};
 use vhi::Newton;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{
@@ -32,8 +31,8 @@ fn shipped_scene(name: &str) -> Scene {
 fn show(defect: &str, outcomes: &[Outcome]) {
     println!("--- {defect}");
     for outcome in outcomes {
-        let Outcome { name, terms, decision, reason, .. } = outcome;
-        println!("  {name:<26} {terms:<44} {:<10} {reason}", decision.name());
+        let Outcome { name, terms, decision, claim, .. } = outcome;
+        println!("  {name:<26} {terms:<44} {:<10} {}", decision.name(), claim.note);
     }
 }
 
@@ -477,16 +476,9 @@ fn outcome(suspects: &[Suspect], decision: Decision) -> Outcome {
         name: "a trial".into(),
         terms: String::new(),
         removed: None,
-        question: Question::Exact,
-        decision,
-        predicted: None,
-        observed: None,
-        interval: None,
-        variable: None,
-        norm: None,
-        error: None,
-        reason: String::new(),
         suspects: suspects.to_vec(),
+        decision,
+        claim: Claim::default(),
     }
 }
 
@@ -534,10 +526,10 @@ fn a_singular_solution_is_asked_for_its_order_alone() {
     assert_eq!(found.finding, Some(Finding::NothingFails), "{}", found.sentence);
     let order = found.outcomes.iter().find(|outcome| outcome.name == "all terms, in h");
     let order = order.expect("a trial in h");
-    assert_eq!(order.decision, Decision::Pass, "{}", order.reason);
-    assert!(!order.reason.contains("C_h"), "{}", order.reason);
+    assert_eq!(order.decision, Decision::Pass, "{}", order.claim.note);
+    assert!(!order.claim.note.contains("C_h"), "{}", order.claim.note);
     // Of a smooth solution the constant is asked for.
     let smooth = diagnose(&shipped_scene("viscoelastic"), &|setup| setup, true).expect("a scene");
     let order = smooth.outcomes.iter().find(|outcome| outcome.name == "all terms, in h");
-    assert!(order.is_some_and(|order| order.reason.contains("C_h is ")));
+    assert!(order.is_some_and(|order| order.claim.note.contains("C_h is ")));
 }

@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
+use crate::fit::Decision;
+
 /// What is claimed, wherever it is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Statement {
@@ -32,6 +34,8 @@ pub enum Relation {
     AtMost(f64),
     /// low ≤ left ≤ high.
     Within([f64; 2]),
+    /// Left is an observed order and this the predicted one; an inference has decided, and says why in the note.
+    Order(f64, Decision),
     /// There is no left side: the run is refused with these words.
     Refused(&'static str),
 }
@@ -94,13 +98,15 @@ impl Claim {
             return Standing::Unresolved;
         }
         let holds = match self.relation {
+            Relation::Order(_, Decision::Unresolved) => return Standing::Unresolved,
+            Relation::Order(_, decision) => decision == Decision::Pass,
             Relation::Refused(words) => self.left.is_nan() && self.note.contains(words),
             _ => self.excess() <= self.accuracy,
         };
         if holds { Standing::Passes } else { Standing::Fails }
     }
 
-    /// left - right, or by how much left is outside; NaN of a refusal.
+    /// left - right, or by how much left is outside; NaN of a refusal and of an order.
     pub fn excess(&self) -> f64 {
         match self.relation {
             Relation::AtMost(right) => self.left - right,
@@ -109,7 +115,7 @@ impl Claim {
                 let (below, above) = (low - self.left, self.left - high);
                 if below > above { below } else { above }
             }
-            Relation::Refused(_) => f64::NAN,
+            Relation::Order(..) | Relation::Refused(_) => f64::NAN,
         }
     }
 
@@ -148,7 +154,10 @@ impl Claim {
         let Self { statement, place, left, accuracy, note, .. } = self;
         let why = match (self.standing(), self.relation) {
             (Standing::Passes, _) => return None,
-            (Standing::Unresolved, _) => {
+            (_, Relation::Order(order, _)) if !left.is_nan() => {
+                format!("order {left:.3}, predicted {order}")
+            }
+            (Standing::Unresolved, Relation::AtMost(_)) => {
                 "the right side is infinite, a constant in it is not defined".into()
             }
             (_, Relation::AtMost(right)) if !left.is_nan() => format!(
@@ -233,6 +242,7 @@ impl<'a> Row<'a> {
         let (relation, low, right) = match claim.relation {
             Relation::AtMost(right) => ("<=", None, finite(right)),
             Relation::Within([low, high]) => ("within", finite(low), finite(high)),
+            Relation::Order(order, _) => ("order", None, finite(order)),
             Relation::Refused(_) => ("refused", None, None),
         };
         let note = match claim.reason() {
@@ -338,6 +348,23 @@ mod tests {
         let answered = refused(1.0, "state it in other units");
         assert_eq!(answered.standing(), fails);
         assert!(answered.reason().is_some_and(|reason| reason.contains("it answered 1.0")));
+    }
+
+    /// Of an order the inference decides, not its number.
+    #[test]
+    fn an_order_is_as_the_inference_has_decided() {
+        let order = |left, decision| {
+            let relation = Relation::Order(2.0, decision);
+            Claim { left, relation, note: "a drift".into(), ..of(0.0, 0.0, 0.0) }
+        };
+        let outcomes = [Decision::Pass, Decision::Unresolved, Decision::Fail]
+            .map(|decision| order(1.9, decision).standing());
+        assert_eq!(outcomes, [Standing::Passes, Standing::Unresolved, Standing::Fails]);
+        assert!(order(1.9, Decision::Fail).is_worse_than(&order(1.9, Decision::Pass)));
+        let said = order(1.2, Decision::Fail).reason().expect("a reason");
+        assert!(said.ends_with("order 1.200, predicted 2 (a drift)"), "{said}");
+        let silent = order(f64::NAN, Decision::Unresolved).reason().expect("a reason");
+        assert!(silent.ends_with("no number (a drift)"), "{silent}");
     }
 
     /// Of each statement the worst claim stands for all; none is no success; files have a row for each.

@@ -109,11 +109,12 @@ fn row(claim: &Claim, count: usize) -> Row<'_, 9> {
         Relation::Within([low, high]) => {
             [Run::plain("in"), Run::plain(format!("[{low:.3}, {high:.3}]"))]
         }
+        Relation::Order(order, _) => [Run::plain("for"), number(finite(order))],
         Relation::Refused(_) => [Run::plain("refused"), Run::plain("–")],
     };
     let is = match claim.standing() {
         Standing::Passes => Run::of("holds", Tone::Pass),
-        Standing::Unresolved => Run::of("not defined", Tone::Miss),
+        Standing::Unresolved => Run::of("unresolved", Tone::Miss),
         Standing::Fails => Run::of("does not hold", Tone::Miss),
     };
     let place = match count {

@@ -20,6 +20,8 @@ pub enum Chapter {
     /// The proofs of Theorems 10 and 11.
     Audit,
     Trade,
+    /// Which term is at fault.
+    Diagnose,
     /// Ladders of extreme parameters.
     Extremes,
 }
@@ -36,6 +38,7 @@ impl Chapter {
             Self::Gronwall => "gronwall SCENE",
             Self::Audit => "audit SCENE",
             Self::Trade => "trade SCENE",
+            Self::Diagnose => "diagnose SCENE",
             Self::Extremes => "extremes",
         }
     }
@@ -108,11 +111,6 @@ impl StudyDocument {
     /// The first paragraph: the answer to the question.
     pub fn answer(&mut self, text: impl Into<String>) {
         self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
-    }
-
-    /// A paragraph directly below the answer.
-    pub fn below_answer(&mut self, text: impl Into<String>) {
-        self.blocks.insert(1.min(self.blocks.len()), Block::Text(vec![Run::plain(text)]));
     }
 
     /// A table; omitted without rows.

@@ -2,6 +2,7 @@
 
 use super::outcome::Outcome;
 use super::term::Suspect;
+use judge::claim::{Claim, Relation};
 use judge::verdict::Decision;
 
 /// Whom the trials convict.
@@ -113,11 +114,13 @@ fn evidence(suspect: Suspect, outcomes: &[Outcome]) -> String {
 impl Outcome {
     /// What was observed, in a few words.
     fn shown(&self) -> String {
-        match (&self.norm, self.error, self.observed.zip(self.variable)) {
-            (_, Some(_), _) if self.decision == Decision::Pass => "exactness".to_owned(),
-            (Some(norm), Some(relative), _) => format!("{norm} is {relative:.1e} of the solution"),
-            (.., Some((order, variable))) => format!("order {order:.2} in {}", variable.name()),
-            _ => self.reason.clone(),
+        let Claim { statement, left, note, .. } = &self.claim;
+        match self.claim.relation {
+            Relation::Order(..) if !left.is_nan() => {
+                statement.source.replacen("order", &format!("order {left:.2}"), 1)
+            }
+            Relation::AtMost(_) if self.decision == Decision::Pass => "exactness".to_owned(),
+            _ => note.clone(),
         }
     }
 }

@@ -20,10 +20,11 @@ use rayon::prelude::*;
 pub use culprit::{Finding, culprit, sentence};
 pub use outcome::{EXACT_WITHIN, Outcome, Prepare};
 pub use term::Suspect;
-pub use trial::Question;
 pub(crate) use trial::{Trial, trials_in_space, trials_in_time};
 
+use judge::claim::{Claim, Relation};
 use judge::verdict::{Decision, Variable, Verdict};
+use report::{Chapter, Findings, Row, Run, precise};
 use run::sweep::{CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan};
 use scene::setup::{SetupError, Subject};
 use scene::{Body, Data, Direction, Extension, Scene};
@@ -31,8 +32,8 @@ use scene::{Body, Data, Direction, Extension, Scene};
 /// What a diagnosis found.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// Name of the scene.
-    pub scene: String,
+    /// Name of the scene, and the fingerprint of its text.
+    pub scene: [String; 2],
     /// Verdicts of the scene, before any trial.
     pub verdicts: Vec<Verdict>,
     /// The trials, empty where nothing had to be diagnosed.
@@ -60,7 +61,7 @@ pub fn diagnose(
     )?;
     has_exact_solution(scene)?;
     let mut found = Diagnosis {
-        scene: scene.name.clone(),
+        scene: [scene.name.clone(), scene.source.hash.clone()],
         verdicts: outcome::run_cases(scene.clone(), prepare, outcome::verdicts)?,
         outcomes: Vec::new(),
         finding: None,
@@ -70,11 +71,10 @@ pub fn diagnose(
         found.verdicts.iter().filter(|verdict| !verdict.as_expected()).collect();
     let contradicted: Vec<String> =
         wrongly.iter().filter_map(|verdict| contradiction(verdict)).collect();
+    // Of a scene that is not judged the trials alone say something.
+    let always = always || found.verdicts.is_empty();
     if !always && wrongly.is_empty() {
-        found.sentence = match found.verdicts.is_empty() {
-            true => "nothing to diagnose: the scene is not judged (judge = false)".into(),
-            false => "nothing to diagnose: every verdict is as expected".into(),
-        };
+        found.sentence = "nothing to diagnose: every verdict is as expected".into();
     } else if !always && contradicted.len() == wrongly.len() {
         let finding = found.finding.insert(Finding::Prediction);
         found.sentence = format!("{}: {}", sentence(finding, &[]), contradicted.join("; "));
@@ -88,6 +88,47 @@ pub fn diagnose(
         (found.outcomes, found.finding) = (outcomes, Some(finding));
     }
     Ok(found)
+}
+
+impl Diagnosis {
+    /// The claims of verdicts and trials; trials that are unresolved or could not be run claim nothing.
+    pub fn findings(&self) -> Findings {
+        let verdict = |of: &Verdict| {
+            let decision = match of.as_expected() {
+                true => Decision::Pass,
+                false if of.decision == Decision::Unresolved => Decision::Unresolved,
+                false => Decision::Fail,
+            };
+            outcome::order(of, "the scene", decision)
+        };
+        let says = |outcome: &&Outcome| outcome.decision != Decision::Unresolved;
+        let trials = self.outcomes.iter().filter(says).map(|outcome| outcome.claim.clone());
+        let claims: Vec<Claim> = self.verdicts.iter().map(verdict).chain(trials).collect();
+        let [name, hash] = &self.scene;
+        let title = (Chapter::Diagnose, format!("Which term is at fault: {name}"));
+        let mut findings = Findings::new(title, Some([name, hash]), claims);
+        findings.document.answer(self.sentence.clone());
+        let row = |outcome: &Outcome| -> Row<'_, 5> {
+            let claim = &outcome.claim;
+            let asked = match claim.relation {
+                Relation::Order(order, _) => format!("order ≥ {order}"),
+                _ => format!("error below {EXACT_WITHIN:.0e}"),
+            };
+            [
+                ("trial", Run::plain(&*outcome.name)),
+                ("terms", Run::plain(&*outcome.terms)),
+                ("must show", Run::plain(asked)),
+                (">shows", precise(Some(claim.left).filter(|left| left.is_finite()), 3)),
+                ("because", Run::plain(&*claim.note)),
+            ]
+        };
+        findings.document.table("Variants of the scene.", self.outcomes.iter().map(row));
+        findings.number("verdicts", &self.verdicts);
+        findings.number("trials", &self.outcomes);
+        findings.number("culprits", self.finding.as_ref().map_or(Vec::new(), Finding::culprits));
+        findings.number("sentence", &self.sentence);
+        findings
+    }
 }
 
 /// Where the errors are those that the exact solution predicts, and the scene predicts another order of them.

@@ -8,6 +8,7 @@ use super::term::{SceneTerms, Suspect};
 use super::trial::{Question, Trial};
 use algebra::linalg::larger;
 use fem::contact::{KKT_ALLOWED, LoadError, kkt_residual};
+use judge::claim::{Claim, Place, Relation, Standing, Statement};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Variable, Verdict};
 use run::sweep::{CasePlan, Overrides, ScenePlan, judge_plan, run_contact_case};
@@ -30,59 +31,44 @@ pub struct Outcome {
     pub terms: String,
     /// The term that it lacks, in the ladder of removals.
     pub removed: Option<Suspect>,
-    /// What it had to show.
-    pub question: Question,
-    /// Pass: a sound solver shows this. Fail: it does not.
-    #[serde(rename = "verdict")]
-    pub decision: Decision,
-    /// Where an order was asked: that of a sound solver, and what was observed, with its interval.
-    pub predicted: Option<f64>,
-    pub observed: Option<f64>,
-    pub interval: Option<[f64; 2]>,
-    /// What was refined.
-    #[serde(skip)]
-    pub variable: Option<Variable>,
-    /// The norm of the order, or of the error.
-    pub norm: Option<String>,
-    /// The largest relative error, where exactness was asked.
-    pub error: Option<f64>,
-    /// Why, in one sentence.
-    pub reason: String,
     /// What took part.
     pub suspects: Vec<Suspect>,
+    /// Pass: a sound solver shows this. Fail: it does not. Unresolved: it says nothing.
+    #[serde(rename = "verdict")]
+    pub decision: Decision,
+    /// What it had to show; its note says why it does or does not.
+    pub claim: Claim,
 }
 
 impl Outcome {
-    /// Of a trial that showed nothing yet.
-    fn of(trial: &Trial) -> Self {
+    /// Of a trial that says nothing.
+    fn silent(trial: &Trial, note: String) -> Self {
         Self {
             name: trial.change.words().to_owned(),
             terms: trial.terms.words(),
             removed: trial.removed,
-            question: trial.question,
-            decision: Decision::Unresolved,
-            predicted: None,
-            observed: None,
-            interval: None,
-            variable: None,
-            norm: None,
-            error: None,
-            reason: String::new(),
             suspects: trial.suspects.clone(),
+            decision: Decision::Unresolved,
+            claim: Claim { note, ..Claim::default() },
         }
     }
+}
 
-    fn judged(self, verdict: &Verdict) -> Self {
-        Self {
-            decision: verdict.decision,
-            predicted: Some(verdict.predicted),
-            observed: verdict.observed,
-            interval: verdict.interval,
-            variable: Some(verdict.variable),
-            norm: Some(verdict.norm.clone()),
-            reason: verdict.reason.clone(),
-            ..self
-        }
+/// What a verdict says of an order, decided like this.
+pub(super) fn order(verdict: &Verdict, at: &str, decision: Decision) -> Claim {
+    let source = match verdict.variable {
+        Variable::H => "order in h",
+        Variable::K => "order in k",
+        Variable::Joint => "order in h and k",
+        Variable::Path => "order along a path",
+    };
+    Claim {
+        statement: Statement { source, says: "as predicted" },
+        place: Place { at: format!("{at}, {}", verdict.norm), ..Place::default() },
+        left: verdict.observed.unwrap_or(f64::NAN),
+        relation: Relation::Order(verdict.predicted, decision),
+        accuracy: 0.0,
+        note: verdict.reason.clone(),
     }
 }
 
@@ -121,19 +107,24 @@ pub(crate) fn verdicts(plan: &ScenePlan, cases: &[Case<'_>]) -> Vec<Verdict> {
 }
 
 pub(crate) fn run(scene: &Scene, trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
+    let name = trial.change.words();
     let see = |plan: &ScenePlan, cases: &[Case<'_>]| {
-        let outcome = Outcome::of(trial);
-        let mut outcome = match trial.question {
+        let found = match trial.question {
             Question::Order => {
                 let rising = [Decision::Pass, Decision::Unresolved, Decision::Fail];
-                let badness =
-                    |verdict: &Verdict| rising.iter().position(|d| *d == verdict.decision);
+                let badness = |of: &Verdict| rising.iter().position(|d| *d == of.decision);
                 let worst = verdicts(plan, cases).into_iter().max_by_key(badness);
-                worst.map_or(outcome.clone(), |verdict| outcome.judged(&verdict))
+                Ok(worst.map(|verdict| (verdict.decision, order(&verdict, name, verdict.decision))))
             }
-            Question::Exact => exactness(cases, outcome),
+            Question::Exact => exactness(cases, name),
         };
-        if trial.terms == SceneTerms::NONE && outcome.decision == Decision::Fail {
+        let (decision, claim) = match found {
+            Ok(Some(found)) => found,
+            Ok(None) => return Outcome::silent(trial, String::new()),
+            Err(reason) => return Outcome::silent(trial, format!("not run: {reason}")),
+        };
+        let mut outcome = Outcome { decision, claim, ..Outcome::silent(trial, String::new()) };
+        if trial.terms == SceneTerms::NONE && decision == Decision::Fail {
             outcome.suspects.retain(|&suspect| suspect != acquitted(cases));
         }
         outcome
@@ -141,8 +132,7 @@ pub(crate) fn run(scene: &Scene, trial: &Trial, prepare: &Prepare<'_>) -> Outcom
     let found = trial.of(scene).map_err(SetupError::from).and_then(|s| run_cases(s, prepare, see));
     found.unwrap_or_else(|error| {
         let said = error.to_string();
-        let reason = format!("not run: {}", said.lines().next().unwrap_or_default());
-        Outcome { reason, ..Outcome::of(trial) }
+        Outcome::silent(trial, format!("not run: {}", said.lines().next().unwrap_or_default()))
     })
 }
 
@@ -161,18 +151,21 @@ fn acquitted(cases: &[Case<'_>]) -> Suspect {
     if cases.iter().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
 }
 
-/// The errors of an exact variant, relative to the solution.
-fn exactness(cases: &[Case<'_>], outcome: Outcome) -> Outcome {
+/// The largest error of an exact variant, relative to the solution; none without a norm.
+fn exactness(cases: &[Case<'_>], name: &str) -> Result<Option<(Decision, Claim)>, LoadError> {
+    let statement = Statement { source: "exact", says: "error / solution <= 1e-9" };
+    let claim = |left: f64, at: String, note: String| {
+        let place = Place { at, ..Place::default() };
+        let claim = Claim { note, ..Claim::at_most(statement, place, [left, EXACT_WITHIN], 0.0) };
+        let holds = claim.standing() == Standing::Passes;
+        (if holds { Decision::Pass } else { Decision::Fail }, claim)
+    };
     let mut worst: Option<(&str, f64)> = None;
     for (setup, data, record) in cases {
         if let Status::Failed { reason } = &record.status {
-            let reason = format!("no solution: {reason}");
-            return Outcome { decision: Decision::Fail, reason, ..outcome };
+            return Ok(Some(claim(f64::NAN, name.into(), format!("no solution: {reason}"))));
         }
-        let sizes = match sizes(data, setup.grid(record.steps).times()) {
-            Ok(sizes) => sizes,
-            Err(reason) => return Outcome { reason: format!("not run: {reason}"), ..outcome },
-        };
+        let sizes = sizes(data, setup.grid(record.steps).times())?;
         for entry in &record.errors {
             let size = if entry.norm == judge::record::V_MAX { sizes[0] } else { sizes[1] };
             let relative = entry.error.unwrap_or(f64::NAN) / size;
@@ -181,13 +174,11 @@ fn exactness(cases: &[Case<'_>], outcome: Outcome) -> Outcome {
             }
         }
     }
-    let Some((norm, relative)) = worst else { return outcome };
-    let (decision, compared) = match relative <= EXACT_WITHIN {
-        true => (Decision::Pass, "within"),
-        false => (Decision::Fail, "above"),
+    let found = |(norm, relative)| {
+        let note = format!("{norm} is {relative:.1e} of the solution");
+        claim(relative, format!("{name}, {norm}"), note)
     };
-    let reason = format!("{norm} is {relative:.1e} of the solution, {compared} {EXACT_WITHIN:.0e}");
-    Outcome { decision, reason, norm: Some(norm.to_owned()), error: Some(relative), ..outcome }
+    Ok(worst.map(found))
 }
 
 /// Largest ‖ε(u_n)‖ and ‖σ_n‖ of the truth; the latter measures pressures too.

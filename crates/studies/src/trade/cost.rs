@@ -9,7 +9,7 @@ use judge::fit::linear_fit;
 
 /// A measured run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CostSample {
+pub(super) struct CostSample {
     pub h: f64,
     pub k: f64,
     /// CPU seconds.
@@ -35,7 +35,7 @@ pub struct Cost {
 impl Cost {
     /// Least squares of the relative error over all non-negative c: the best of all choices of parts whose least
     /// squares have no negative coefficient (the minimum has such a support). None without a choice that fits.
-    pub(crate) fn fit(samples: &[CostSample], dimension: usize, horizon: f64) -> Option<Self> {
+    pub(super) fn fit(samples: &[CostSample], dimension: usize, horizon: f64) -> Option<Self> {
         let ones = DVector::from_element(samples.len(), 1.0);
         let mut best: Option<(f64, [f64; PARTS])> = None;
         for chosen in 1u32..1 << PARTS {
@@ -64,7 +64,7 @@ impl Cost {
     }
 
     /// The seconds of all runs, shared out by cells times levels: for runs that are too short for a clock.
-    pub(crate) fn counted(samples: &[CostSample], dimension: usize, horizon: f64) -> Self {
+    pub(super) fn counted(samples: &[CostSample], dimension: usize, horizon: f64) -> Self {
         let work = |s: &CostSample| features(dimension, horizon, s.h, s.k)[2];
         let taken: f64 = samples.iter().map(|s| s.seconds).sum();
         // A clock that stands still gives no rate, and any will do.
@@ -86,7 +86,7 @@ impl Cost {
     }
 
     /// The exponents a and b of t ~ h^-a k^-b around (h, k).
-    pub(crate) fn exponents(&self, h: f64, k: f64) -> [f64; 2] {
+    pub(super) fn exponents(&self, h: f64, k: f64) -> [f64; 2] {
         let shares = features(self.dimension, self.horizon, h, k);
         let all = self.seconds(h, k);
         let share = |i: usize| shares[i] * self.parts[i] / all;

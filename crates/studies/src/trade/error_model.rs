@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// C s^p of one step s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Term {
+pub(super) struct Term {
     /// C.
     pub constant: f64,
     /// p.
@@ -19,7 +19,7 @@ pub(crate) struct Term {
 
 /// E^m = (C_h h^p)^m + (C_k k^q)^m.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct ErrorModel {
+pub(super) struct ErrorModel {
     /// m = 1 or 2.
     pub model: ErrorCombination,
     /// The term of h; none where the error does not depend on it.
@@ -34,14 +34,14 @@ pub(crate) struct ErrorModel {
 
 impl Term {
     /// C s^p.
-    pub(crate) fn at(&self, step: f64) -> f64 {
+    pub(super) fn at(&self, step: f64) -> f64 {
         self.constant * step.powf(self.order)
     }
 }
 
 impl ErrorModel {
     /// The error at (h, k).
-    pub(crate) fn error(&self, h: f64, k: f64) -> f64 {
+    pub(super) fn error(&self, h: f64, k: f64) -> f64 {
         let parts = [self.space.map(|term| term.at(h)), self.time.map(|term| term.at(k))];
         let m = self.model.exponent();
         parts.into_iter().flatten().map(|part| part.powf(m)).sum::<f64>().powf(1.0 / m)
@@ -54,7 +54,7 @@ impl ErrorModel {
     ///
     /// # Errors
     /// What is missing, in words.
-    pub(crate) fn fit(
+    pub(super) fn fit(
         points: &[Point],
         differences: &[Sample],
         on_mesh: bool,

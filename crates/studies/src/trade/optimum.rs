@@ -10,12 +10,13 @@ use std::collections::HashMap;
 
 use super::ErrorModel;
 use judge::fit::FLOORS_ABOVE;
-use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost, scene_reference};
+use run::sweep::{MemoryLimit, NORMS, TooLarge, admit_run, run_cost, scene_reference};
+use scene::Norm;
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
 
 /// The path k = c h^s of the optima of all errors.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub(crate) struct Coupling {
+pub(super) struct Coupling {
     /// s = p/q.
     pub exponent: f64,
     /// c.
@@ -27,7 +28,7 @@ pub(crate) struct Coupling {
 }
 
 /// The coupling, where both terms are there and the cost grows with either refinement.
-pub(crate) fn coupling(error: &ErrorModel, [a, b]: [f64; 2]) -> Option<Coupling> {
+pub(super) fn coupling(error: &ErrorModel, [a, b]: [f64; 2]) -> Option<Coupling> {
     let (space, time) = (error.space?, error.time?);
     let (alpha, beta) = (a / space.order, b / time.order);
     if !(alpha > 0.0 && beta > 0.0) {
@@ -44,13 +45,13 @@ pub(crate) fn coupling(error: &ErrorModel, [a, b]: [f64; 2]) -> Option<Coupling>
 }
 
 /// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a separate campaign.
-pub(crate) const MOST: [u32; 2] = [4096, 100_000];
+pub(super) const MOST: [u32; 2] = [4096, 100_000];
 
 /// A number at (h, k).
-pub(crate) type AtSteps<'a> = dyn Fn(f64, f64) -> f64 + 'a;
+pub(super) type AtSteps<'a> = dyn Fn(f64, f64) -> f64 + 'a;
 
 /// What errors and costs are, the one growing and the other falling with either step, and where that may be believed.
-pub(crate) struct Law<'a> {
+pub(super) struct Law<'a> {
     pub error: Box<AtSteps<'a>>,
     /// CPU seconds.
     pub seconds: Box<AtSteps<'a>>,
@@ -63,6 +64,8 @@ pub(crate) struct Law<'a> {
 /// A run that is proposed.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Choice {
+    /// The error that is wanted.
+    pub target: f64,
     /// Cells per unit length.
     pub n: u32,
     /// Number of steps.
@@ -76,6 +79,71 @@ pub struct Choice {
     /// Predicted CPU seconds.
     #[serde(rename = "cpu_seconds")]
     pub seconds: f64,
+    /// Predicted peak memory of a process that does this run alone.
+    pub bytes: f64,
+}
+
+impl Choice {
+    /// How far beyond n and N that were run it lies, in words; none within so many times of them.
+    pub(super) fn beyond(&self, run: [u32; 2], within: f64) -> Option<String> {
+        let part = |(name, value, run): (&str, u32, u32)| {
+            let times = f64::from(value) / f64::from(run);
+            (times > within).then(|| format!("{name} is {times:.1} times the largest that was run"))
+        };
+        let parts = [("n", self.n, run[0]), ("N", self.steps, run[1])];
+        let parts: Vec<String> = parts.into_iter().filter_map(part).collect();
+        (!parts.is_empty()).then(|| parts.join(", "))
+    }
+}
+
+/// A wanted error and its norm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    pub norm: Norm,
+    error: Option<f64>,
+    /// Whether the error is one relative to the largest ‖ε(u)‖.
+    relative: bool,
+}
+
+impl Wanted {
+    /// Reads both words; only norms with a value at every time level, and norms on Γ3 only with Γ3.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn read(setup: &Setup, norm: &str, error: Option<&str>) -> Result<Self, NoAnswer> {
+        let refused = |text: String| Err(NoAnswer::Refused(text));
+        let Some(norm) = NORMS.into_iter().find(|known| known.name() == norm) else {
+            let known: Vec<&str> = NORMS.iter().map(|norm| norm.name()).collect();
+            return refused(format!("no norm `{norm}` here: choose one of {}", known.join(", ")));
+        };
+        let name = norm.name();
+        if norm.needs_contact() && setup.model.boundary.is_none() {
+            return refused(format!("`{name}` is a norm on Γ3, and the scene has none"));
+        }
+        let Some(text) = error else { return Ok(Self { norm, error: None, relative: false }) };
+        let percent = text.trim().strip_suffix('%');
+        let Ok(target) = percent.unwrap_or(text).trim().parse::<f64>() else {
+            return refused(format!(
+                "--target {text}: not a number; `0.01` is an error in the norm, `1%` a hundredth of the solution"
+            ));
+        };
+        if !(target.is_finite() && target > 0.0) {
+            return Err(NoAnswer::NotPositive { target });
+        }
+        let relative = percent.is_some();
+        if relative && norm != Norm::VMax {
+            return refused(format!(
+                "--target {text}: a part of the solution is known in V_max alone; give an error in {name}"
+            ));
+        }
+        let error = if relative { target / 100.0 } else { target };
+        Ok(Self { norm, error: Some(error), relative })
+    }
+
+    /// The absolute error, for a solution of this size.
+    pub fn error(&self, size: f64) -> Option<f64> {
+        self.error.map(|error| if self.relative { error * size } else { error })
+    }
 }
 
 /// Why no run is the answer.
@@ -119,7 +187,7 @@ impl NoAnswer {
 }
 
 /// The whole numbers n and N that suit a scene.
-pub(crate) struct Choices<'a> {
+pub(super) struct Choices<'a> {
     setup: &'a Setup,
     subject: Subject,
     /// Errors are to be measured against the scene's reference run, whose n and N these must divide.
@@ -131,29 +199,29 @@ pub(crate) struct Choices<'a> {
 impl<'a> Choices<'a> {
     /// # Errors
     /// The scene cannot be set up.
-    pub(crate) fn new(setup: &'a Setup, measured: bool) -> Result<Self, SetupError> {
+    pub(super) fn new(setup: &'a Setup, measured: bool) -> Result<Self, SetupError> {
         let subject = Subject::new(setup.scene.clone())?;
         Ok(Self { setup, subject, measured, known: RefCell::default() })
     }
 
     /// The finest n and N whose errors show: half of those of the reference run, which has no error against itself.
-    pub(crate) fn most(&self) -> [u32; 2] {
+    pub(super) fn most(&self) -> [u32; 2] {
         let reference = scene_reference(self.setup).filter(|_| self.measured);
         reference.map_or(MOST, |run| [run.n / 2, run.steps / 2])
     }
 
-    pub(crate) fn h(&self, n: u32) -> f64 {
+    pub(super) fn h(&self, n: u32) -> f64 {
         self.setup.body.domain.h(n)
     }
 
     /// The largest time step; 0 for numbers of steps without a grid, which do not suit.
-    pub(crate) fn k(&self, steps: u32) -> f64 {
+    pub(super) fn k(&self, steps: u32) -> f64 {
         let made = || self.setup.scene.time.grid(steps).map_or(0.0, |grid| grid.largest_step());
         self.known.borrow_mut().entry(steps).or_insert_with(|| (made(), None)).0
     }
 
     /// Whether n suits the domain, and the reference run.
-    pub(crate) fn has_cells(&self, n: u32) -> bool {
+    pub(super) fn has_cells(&self, n: u32) -> bool {
         match self.measured {
             true => self.setup.scene.check_cases(&[n], &[]).is_ok(),
             false => self.setup.scene.check_cells(n).is_ok(),
@@ -161,7 +229,7 @@ impl<'a> Choices<'a> {
     }
 
     /// Whether N suits (3.4), and the reference run.
-    pub(crate) fn has_steps(&self, steps: u32) -> bool {
+    pub(super) fn has_steps(&self, steps: u32) -> bool {
         let k = self.k(steps);
         if let Some((_, Some(suits))) = self.known.borrow().get(&steps) {
             return *suits;
@@ -173,7 +241,7 @@ impl<'a> Choices<'a> {
     }
 
     /// The cheapest run of a law with at most `target` of error, on meshes up to n = `most`.
-    pub(crate) fn by(&self, law: &Law<'_>, target: f64, most: u32) -> Option<Choice> {
+    fn by(&self, law: &Law<'_>, target: f64, most: u32) -> Option<Choice> {
         let [least, [_, most_steps]] = law.range;
         let mut best: Option<Choice> = None;
         for n in (least[0]..=most).filter(|&n| self.has_cells(n)) {
@@ -197,27 +265,27 @@ impl<'a> Choices<'a> {
             let k = self.k(steps);
             let (error, seconds) = ((law.error)(h, k), (law.seconds)(h, k));
             if error <= target && best.is_none_or(|best| seconds < best.seconds) {
-                best = Some(Choice { n, steps, h, k, error, seconds });
+                best = Some(Choice { target, n, steps, h, k, error, seconds, bytes: f64::NAN });
             }
         }
         best
     }
 
-    /// The cheapest run of a law with at most `target` of error that fits into memory, and its bytes.
+    /// The cheapest run of a law with at most `target` of error that fits into memory.
     ///
     /// # Errors
     /// [`NoAnswer`].
-    pub(crate) fn cheapest(
+    pub(super) fn cheapest(
         &self,
         law: &Law<'_>,
         target: f64,
         limit: &MemoryLimit,
-    ) -> Result<(Choice, f64), NoAnswer> {
+    ) -> Result<Choice, NoAnswer> {
         let [least, [mut most, steps]] = law.range;
         let mut refused = None;
         while let Some(choice) = self.by(law, target, most) {
             let source = match self.bytes(law.made, choice, limit)? {
-                Ok(bytes) => return Ok((choice, bytes)),
+                Ok(bytes) => return Ok(Choice { bytes, ..choice }),
                 Err(source) => source,
             };
             // Bytes grow at least like cells. What was refused by a coarse mesh was the finest that is made.
@@ -271,7 +339,7 @@ impl<'a> Choices<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Term;
+    use super::super::error_model::Term;
     use super::*;
     use judge::fit::{ErrorCombination, Interval};
     use scene::Scene;

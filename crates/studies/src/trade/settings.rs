@@ -15,7 +15,7 @@ fn of_body(words: &str, change: impl Fn(&mut ContactScene) + Send + Sync + 'stat
 }
 
 /// The settings that a scene offers beside h, k and the element.
-pub(crate) fn settings(setup: &Setup) -> Vec<Change> {
+pub(super) fn settings(setup: &Setup) -> Vec<Change> {
     let mut found = Vec::new();
     if let Data::Exact { interpolated: false, form: written, .. } = setup.body.data {
         let (words, other) = match written {
@@ -46,7 +46,7 @@ pub(crate) fn settings(setup: &Setup) -> Vec<Change> {
 }
 
 /// The other elements that a scene may have.
-pub fn elements(setup: &Setup) -> Vec<(Element, Change)> {
+pub(super) fn elements(setup: &Setup) -> Vec<(Element, Change)> {
     let others = Element::ALL.into_iter().filter(|&other| other != setup.body.element);
     let admitted = others.filter(|&other| setup.scene.with_element(other).is_ok());
     let change = |element: Element| {

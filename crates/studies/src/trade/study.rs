@@ -1,627 +1,461 @@
-//! The trade of a scene: a grid of runs, each setting at three of them, and what the rows say: pure functions of rows.
+//! The trade of a scene: a grid of runs, each setting at three of them, and what they say. What is said is a function of the
+//! runs alone.
 
-use super::bench::{Bench, EXTRAPOLATED, Table, Trial};
-use super::cost::CostSample;
-use super::extrapolation::{Extrapolated, in_space, in_time};
-use super::optimum::{Choice, Choices, Coupling, Law, MOST, NoAnswer, coupling};
-use super::settings::settings;
-use super::{Cost, ErrorModel, Outcome, SPAN};
-use files::FileError;
-use judge::fit::{Point, Sample, local_slopes};
+use super::bench::{Bench, Trial};
+use super::grid::{element_meshes, trade_grid};
+use super::optimum::{Choice, NoAnswer, Wanted, coupling};
+use super::runs::{Candidate, Models, Price, at, candidates, mark_front, of, places, prices};
+use super::settings::{elements, settings};
+use crate::table;
+use files::megabytes;
+use judge::claim::{Claim, Place, Statement};
+use judge::fit::FLOORS_ABOVE;
+use judge::record::norm_label;
+use report::{
+    Axis, Chapter, Chart, Datum, Findings, Mark, Part, Run, Scale, Series, StudyDocument, digits,
+};
+use run::sweep::{
+    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_constants, admit_plan,
+};
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
-use scene::{Change, Norm};
-use serde::{Serialize, Serializer};
+use scene::{Change, Extension, Norm, Scene};
+use serde_json::{Value, json};
 
-/// What a trade runs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TradeRuns {
-    /// Cells per unit length.
-    pub n: Vec<u32>,
-    /// Numbers of steps.
-    pub steps: Vec<u32>,
-    /// CPU seconds for the settings.
+/// What a trade is asked.
+pub struct Trade<'a> {
+    pub setup: &'a Setup,
+    pub wanted: Wanted,
+    /// Cells per unit length and numbers of steps, in place of the scene's.
+    pub n: Option<Vec<u32>>,
+    pub steps: Option<Vec<u32>>,
+    /// Predicted CPU seconds of the grid; the settings take as much again.
     pub budget: f64,
-    /// The other elements, with the n of their meshes.
-    pub elements: Vec<(Change, Vec<u32>)>,
+    /// Whether the answer is run.
+    pub confirm: bool,
+    pub limit: MemoryLimit,
 }
 
 /// Why a trade has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum TradeError {
-    /// A scene or mesh is at fault.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The table could not be written.
     #[error(transparent)]
-    Table(#[from] FileError),
-    /// Not one run came to its end.
+    Memory(#[from] Refused),
     #[error("every run failed; the first: {first}")]
     AllFailed {
         /// The message of the first run.
         first: String,
     },
+    #[error(transparent)]
+    Table(#[from] csv::Error),
 }
 
-/// A finished trade.
-#[derive(Serialize)]
-pub struct Study {
-    /// The scene's name.
-    pub scene: String,
-    /// The fingerprint of the scene's text.
-    pub fingerprint: String,
-    /// The norm of the errors.
-    pub norm: Norm,
-    /// Largest ‖ε(u)‖ of the truth.
-    pub size: f64,
-    /// All rows in the order in which they were run.
-    pub trials: Vec<Trial>,
-    /// What the runs as written say.
-    #[serde(flatten)]
-    pub(crate) models: Models,
-    /// The path of optima.
-    pub(crate) coupling: Option<Coupling>,
-    /// What each setting changes.
-    pub(crate) prices: Vec<Price>,
-    /// What Richardson's extrapolation is worth, in time and in space.
-    #[serde(rename = "extrapolation")]
-    pub(crate) extrapolated: Vec<Extrapolated>,
-    /// The other elements, compared at equal error.
-    pub(crate) elements: Vec<Rival>,
+/// The scene set up, if errors can be measured in it.
+///
+/// # Errors
+/// It has no mesh, no truth, or a rule in time whose order is not known.
+pub fn measurable(scene: &Scene) -> Result<Setup, SetupError> {
+    let why = "its models take the order of the time rule for granted";
+    scene.without(&[Extension::SingularKernel], "sweep trade", why)?;
+    let message = "an abstract problem has one step and no mesh to trade against";
+    let hint = "sweep run measures its errors over k";
+    scene.refuse_if(scene.as_contact().is_none(), "scene.kind", message, hint)?;
+    let setup = Setup::new(scene.clone())?;
+    let reference = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
+    let unmeasured = setup.exact.is_none() && !reference;
+    let message =
+        "the scene has neither an exact solution nor a reference run: no error can be measured";
+    let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
+    scene.refuse_if(unmeasured, "scene.name", message, hint)?;
+    Ok(setup)
 }
 
-impl Study {
-    /// Runs the trade; every row is in `table` as soon as it is known.
-    ///
-    /// # Errors
-    /// [`TradeError`]; a run that fails is a row.
-    pub fn run(
-        bench: &mut Bench,
-        plan: &TradeRuns,
-        table: &Table,
-        heard: &mut dyn FnMut(&Trial),
-    ) -> Result<Self, TradeError> {
-        let scene = bench.setup.scene.clone();
-        check_step_sizes(&Subject::new(scene.clone())?, &plan.steps)?;
-        let mut trials: Vec<Trial> = Vec::new();
-        let mut keep = |trials: &mut Vec<Trial>, trial: Trial| {
-            heard(&trial);
-            trials.push(trial);
-            table.write(trials)
-        };
-        for &n in &plan.n {
-            let keep = &mut |trial| keep(&mut trials, trial);
-            bench.runs(&Change::none(), n, &plan.steps, keep)?;
-        }
-        if trials.iter().all(|trial| trial.done().is_none()) {
-            let first = trials.iter().find_map(|trial| trial.outcome.as_ref().err().cloned());
-            return Err(TradeError::AllFailed { first: first.unwrap_or_default() });
-        }
-        for (element, meshes) in &plan.elements {
-            for &n in meshes {
-                bench.runs(element, n, &plan.steps, &mut |trial| keep(&mut trials, trial))?;
+/// Runs a trade; `heard` is told of each run. If no run has the error that is wanted, the reason stands beside the findings.
+///
+/// # Errors
+/// [`TradeError`]; a run that fails is a claim that does.
+pub fn trade(
+    asked: &Trade<'_>,
+    heard: &dyn Fn(&str),
+) -> Result<(Findings, Option<NoAnswer>), TradeError> {
+    let Trade { setup, wanted, limit, .. } = asked;
+    let [n, steps] = trade_grid(setup, &asked.n, &asked.steps, asked.budget)?;
+    admit_trade(&setup.scene, &n, &steps, limit)?;
+    check_step_sizes(&Subject::new(setup.scene.clone())?, &steps)?;
+    let others = other_elements(setup, [&n, &steps], limit, heard)?;
+    let mut bench = Bench::new(setup, wanted.norm)?;
+    n.iter().for_each(|&n| bench.runs(&Change::none(), n, &steps, heard));
+    if !bench.trials.iter().any(|trial| trial.record.converged()) {
+        let first = bench.trials.first().and_then(Trial::failure).unwrap_or_default().into();
+        return Err(TradeError::AllFailed { first });
+    }
+    for (element, meshes) in &others {
+        meshes.iter().for_each(|&n| bench.runs(element, n, &steps, heard));
+    }
+    let elements = others.iter().map(|(element, _)| element.clone());
+    let changes: Vec<Change> = settings(setup).into_iter().chain(elements.clone()).collect();
+    let dimension = setup.scene.dimension;
+    let places = places(&bench.trials, dimension, changes.len() as u32, asked.budget);
+    for &[n, steps] in &places {
+        for change in &changes {
+            // Another element may have been run there on one of its meshes.
+            if at(change, &bench.trials, [n, steps]).is_none() {
+                bench.runs(change, n, &[steps], heard);
             }
         }
-        let elements = plan.elements.iter().map(|(element, _)| element.clone());
-        let changes: Vec<Change> = settings(&bench.setup).into_iter().chain(elements).collect();
-        let places = places(&trials, scene.dimension, changes.len() as u32, plan.budget);
-        for &[n, steps] in &places {
-            for change in &changes {
-                // Another element may have been run there on one of its meshes.
-                if at(change.words(), &trials, [n, steps]).is_none() {
-                    bench.runs(change, n, &[steps], &mut |trial| keep(&mut trials, trial))?;
-                }
-            }
+    }
+    let on_mesh = setup.body.data.is_interpolated();
+    let prices = prices(&bench.trials, &places, &changes, on_mesh);
+    mark_front(&mut bench.trials, &prices);
+    let models = |change| Models::of(change, &bench.trials, setup);
+    let models: Vec<Models> = std::iter::once(Change::none()).chain(elements).map(models).collect();
+    let target = wanted.error(bench.size);
+    let candidates =
+        target.map(|target| candidates(setup, &bench.trials, &models, &prices, target, limit));
+    let (candidates, refused) = match candidates.transpose() {
+        Ok(found) => (found.unwrap_or_default(), None),
+        Err(none) => (Vec::new(), Some(none)),
+    };
+    let answer = candidates.iter().min_by(|a, b| a.choice.seconds.total_cmp(&b.choice.seconds));
+    let confirmed = match answer.filter(|_| asked.confirm) {
+        Some(Candidate { change, choice, .. }) => {
+            let changed = change.of(&setup.scene).map_err(SetupError::from)?;
+            admit_trade(&changed, &[choice.n], &[choice.steps], limit)?;
+            bench.runs(change, choice.n, &[choice.steps], heard);
+            bench.trials.pop()
         }
-        let on_mesh = bench.setup.body.data.is_interpolated();
-        let prices = prices(&trials, &places, &changes, on_mesh);
-        mark_front(&mut trials, &prices);
-        let models = Models::of(AS_WRITTEN, &trials, &bench.setup);
-        let finest = || plain(&trials).filter(|t| t.done().is_some());
-        let finest = finest()
-            .map(|t| t.h)
-            .zip(finest().map(|t| t.k))
-            .reduce(|a, b| (a.0.min(b.0), a.1.min(b.1)));
-        let exponents = finest.and_then(|(h, k)| Some(models.cost.as_ref().ok()?.exponents(h, k)));
-        let choices = Choices::new(&bench.setup, true)?;
-        let elements = plan.elements.iter().map(|(element, _)| {
-            Rival::new(&choices, &models, element.words(), &trials, &bench.setup)
-        });
-        Ok(Self {
-            elements: elements.collect(),
-            coupling: models.error.as_ref().ok().zip(exponents).and_then(|(e, ab)| coupling(e, ab)),
-            extrapolated: [in_time(&trials), in_space(&trials, &bench.setup)]
-                .into_iter()
-                .flatten()
-                .collect(),
-            fingerprint: scene.source.hash,
-            scene: scene.name,
-            norm: bench.norm,
-            size: bench.size,
-            models,
-            prices,
-            trials,
-        })
-    }
-}
-
-/// The words of no change.
-pub(super) const AS_WRITTEN: &str = "as written";
-
-/// The rows of the scene as written.
-pub(super) fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> {
-    of(AS_WRITTEN, trials)
-}
-
-fn of<'a>(change: &str, trials: &'a [Trial]) -> impl Iterator<Item = &'a Trial> {
-    trials.iter().filter(move |trial| trial.change == change)
-}
-
-fn at<'a>(change: &str, trials: &'a [Trial], [n, steps]: [u32; 2]) -> Option<&'a Trial> {
-    of(change, trials).find(|trial| [trial.n, trial.steps] == [n, steps])
-}
-
-/// Runs at which settings are changed: the largest that the budget bears `runs` times, the one with the next coarser mesh
-/// and the same steps, and the one with the fewest steps on the same mesh, to see on what a price depends.
-fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u32; 2]> {
-    let done = |trial: &&Trial| trial.done().is_some();
-    let seconds = |trial: &Trial| trial.done().map_or(f64::INFINITY, |run| run.seconds);
-    // The others cost less than the first.
-    let borne = |trial: &&Trial| 3.0 * f64::from(runs) * seconds(trial) <= budget;
-    // That of most cells and steps: the seconds of short runs depend on chance. Of equal ones that with more steps, so
-    // that there are fewer steps to compare with.
-    let size = |trial: &Trial| f64::from(trial.n).powi(dimension as i32) * f64::from(trial.steps);
-    let by_size = |a: &&Trial, b: &&Trial| size(a).total_cmp(&size(b)).then(a.steps.cmp(&b.steps));
-    let first = plain(trials).filter(done).filter(borne).max_by(by_size);
-    let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_size)) else {
-        return Vec::new();
+        None => None,
     };
-    let coarser = plain(trials).filter(done).filter(|t| t.steps == first.steps && t.n < first.n);
-    let second = coarser.max_by_key(|trial| trial.n);
-    let fewer = plain(trials).filter(done).filter(|t| t.n == first.n && t.steps < first.steps);
-    let third = fewer.min_by_key(|trial| trial.steps);
-    [Some(first), second, third].into_iter().flatten().map(|trial| [trial.n, trial.steps]).collect()
+    let answer = answer.map(|answer| (answer, confirmed));
+    Ok((found(&bench, &models, &prices, &candidates, answer)?, refused))
 }
 
-/// Errors that differ by a smaller part are one: a setting that buys the sixth digit buys nothing.
-const TIE: f64 = 0.01;
-
-/// Times of two single runs that differ by a smaller factor are one: a machine that does other work slows down by as much.
-const NOISE: f64 = 1.25;
-
-/// What a setting does to time and error.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Price {
-    /// The setting, or the coarser step.
-    pub what: String,
-    /// Where: n and N of the run that it is compared with.
-    pub n: u32,
-    /// Number of steps there.
-    pub steps: u32,
-    /// Seconds of that run over seconds with the setting.
-    pub speed: f64,
-    /// Error with the setting over error without, less one.
-    pub error: f64,
-    /// Memory with the setting over memory without.
-    pub bytes: f64,
-    /// All of it in one sentence.
-    pub words: String,
+/// Refuses runs of a scene that would take more memory than there may be: beside a run a bench holds the truth on its mesh
+/// and the displacements of all runs there.
+fn admit_trade(
+    scene: &Scene,
+    n: &[u32],
+    steps: &[u32],
+    limit: &MemoryLimit,
+) -> Result<(), TradeError> {
+    admit_constants(scene, false, limit)?;
+    let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
+    let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
+    let displacements =
+        |(case, cost): &(&CasePlan, &Cost)| 8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0);
+    Ok(admit_plan(&plan, 1, limit, |cases| cases.iter().map(displacements).sum())?)
 }
 
-impl Price {
-    fn new(what: &str, plain: &Trial, other: &Trial) -> Option<Self> {
-        let without = plain.done()?;
-        let over = |part: fn(&Outcome) -> f64| {
-            other.done().map_or(f64::NAN, |with| part(with) / part(without))
-        };
-        let [time, error, bytes] =
-            [over(|run| run.seconds), over(|run| run.error) - 1.0, over(|run| run.bytes)];
-        let speed = 1.0 / time;
-        let place = format!("n = {}, N = {}", plain.n, plain.steps);
-        let words = match &other.outcome {
-            Err(reason) => format!("{what}: fails ({place}): {reason}"),
-            Ok(_) => {
-                let time = match speed {
-                    fast if fast >= NOISE => format!("{fast:.2} times faster"),
-                    slow if slow <= 1.0 / NOISE => format!("{time:.2} times slower"),
-                    _ => format!("no difference in time beyond {NOISE} times"),
-                };
-                let memory = match bytes {
-                    ratio if !(0.95..1.05).contains(&ratio) => {
-                        format!(", {ratio:.2} times the memory")
-                    }
-                    _ => String::new(),
-                };
-                format!("{what}: {time}, {}{memory} ({place})", change_of_error(error))
-            }
-        };
-        Some(Self { what: what.into(), n: plain.n, steps: plain.steps, speed, error, bytes, words })
-    }
-
-    fn is_tie(&self) -> bool {
-        self.speed < NOISE && self.speed > 1.0 / NOISE && self.error.abs() <= TIE
-    }
-}
-
-/// A relative change with two digits, at least a ten-thousandth of a percent.
-fn change_of_error(change: f64) -> String {
-    let percent = 100.0 * change;
-    if percent.abs() < 1e-4 {
-        return "same error".to_owned();
-    }
-    let digits = (1.0 - percent.abs().log10().floor()).max(0.0) as usize;
-    format!("{percent:+.digits$} % error")
-}
-
-/// The price list: half the cells and half the steps of the first place, as far as the grid has them, then each change,
-/// and Richardson's scheme last. Where the data depend on the mesh, half the cells are another problem.
-fn prices(trials: &[Trial], places: &[[u32; 2]], changes: &[Change], on_mesh: bool) -> Vec<Price> {
-    let price = |what: &str, change: &str, place, other| {
-        Price::new(what, at(AS_WRITTEN, trials, place)?, at(change, trials, other)?)
-    };
-    let half = |&place: &[u32; 2]| {
-        let [n, steps] = place;
-        let cells = (!on_mesh && n % 2 == 0).then_some(("half the cells", [n / 2, steps]));
-        let fewer = (steps % 2 == 0).then_some(("half the steps", [n, steps / 2]));
-        [cells, fewer].into_iter().flatten().map(move |(what, other)| (what, place, other))
-    };
-    let halves = places.iter().take(1).flat_map(half);
-    let halves = halves.filter_map(|(what, place, other)| price(what, AS_WRITTEN, place, other));
-    let changes = changes.iter().map(Change::words).chain([EXTRAPOLATED]);
-    let all = changes.flat_map(|words| {
-        places.iter().filter_map(move |&place| price(words, words, place, place))
-    });
-    halves.chain(all).collect()
-}
-
-/// Indices of the points (cost, error) that no other point beats: none is as good in both and better in one. They are
-/// sorted by cost; of equal points the first is kept, and of errors that differ by a part below `tie` that which costs less.
-/// A point that is not finite is not on the front.
-pub fn front(points: &[[f64; 2]], tie: f64) -> Vec<usize> {
-    let finite = |i: &usize| points[*i].iter().all(|value| value.is_finite());
-    let mut order: Vec<usize> = (0..points.len()).filter(finite).collect();
-    order.sort_by(|&a, &b| {
-        let [[x, e], [y, f]] = [points[a], points[b]];
-        x.total_cmp(&y).then(e.total_cmp(&f)).then(a.cmp(&b))
-    });
-    let mut least = f64::INFINITY;
-    order.retain(|&i| {
-        let better = points[i][1] < (1.0 - tie) * least;
-        least = if better { points[i][1] } else { least };
-        better
-    });
-    order
-}
-
-/// Marks the settings that are ties, and the runs that no other beats in error and time.
-fn mark_front(trials: &mut [Trial], prices: &[Price]) {
-    for trial in &mut *trials {
-        let is_of = |p: &&Price| p.what == trial.change && [p.n, p.steps] == [trial.n, trial.steps];
-        trial.tie = prices.iter().find(is_of).is_some_and(Price::is_tie);
-    }
-    let place = |trial: &Trial| match trial.done().filter(|_| !trial.tie) {
-        Some(run) => [run.seconds, run.error],
-        None => [f64::NAN; 2],
-    };
-    let places: Vec<[f64; 2]> = trials.iter().map(place).collect();
-    front(&places, TIE).into_iter().for_each(|i| trials[i].front = true);
-}
-
-/// Models of error and cost.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct Models {
-    /// The error, or why it was not fitted.
-    #[serde(rename = "error_model", serialize_with = "or_reason")]
-    pub error: Result<ErrorModel, String>,
-    /// The cost, likewise.
-    #[serde(rename = "cost_model", serialize_with = "or_reason")]
-    pub cost: Result<Cost, String>,
-    /// The least and the largest n and N that they rest on.
-    #[serde(skip)]
-    range: [[u32; 2]; 2],
-}
-
-impl Models {
-    /// Fits the rows of a change.
-    fn of(change: &str, trials: &[Trial], setup: &Setup) -> Self {
-        let done = || of(change, trials).filter_map(|trial| Some((trial, trial.done()?)));
-        let point = |(t, run): (&Trial, &Outcome)| Point {
-            h: t.h,
-            k: t.k,
-            error: run.error,
-            floor: run.floor,
-        };
-        let points: Vec<Point> = done().map(point).collect();
-        let sample =
-            |(t, run): (&Trial, &Outcome)| CostSample { h: t.h, k: t.k, seconds: run.seconds };
-        let samples: Vec<CostSample> = done().map(sample).collect();
-        let rows = || of(change, trials).map(|t| [t.n, t.steps]);
-        let least = rows().fold([u32::MAX; 2], |a, b| [a[0].min(b[0]), a[1].min(b[1])]);
-        let most = rows().fold([0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let one = done().all(|(t, _)| t.n == most[0]) || done().all(|(t, _)| t.steps == most[1]);
-        let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
-        let cost = match one {
-            true => Err("the runs are on one mesh or have one number of steps: what each costs cannot be told apart".to_owned()),
-            false => Cost::fit(&samples, dimension, horizon).ok_or_else(|| "no parts fit the times".into()),
-        };
-        let differences = differences(change, trials);
-        let error = ErrorModel::fit(&points, &differences, setup.body.data.is_interpolated());
-        Self { error, cost, range: [least, most] }
-    }
-
-    /// What they say of runs up to `most`.
-    pub(super) fn law(&self, most: [u32; 2]) -> Result<Law<'_>, NoAnswer> {
-        let missing = |what, reason: &String| {
-            NoAnswer::Refused(format!("the {what} have no model: {reason}"))
-        };
-        let error = self.error.as_ref().map_err(|reason| missing("errors", reason))?;
-        let cost = self.cost.as_ref().map_err(|reason| missing("times", reason))?;
-        Ok(Law {
-            error: Box::new(|h, k| error.error(h, k)),
-            seconds: Box::new(|h, k| cost.seconds(h, k)),
-            range: [self.range[0], most],
-            made: SPAN * self.range[1][0],
-        })
-    }
-
-    /// How many times beyond the runs a choice lies, in words; none within them.
-    pub(super) fn beyond(&self, choice: &Choice) -> Option<String> {
-        let part = |name: &str, value: u32, most: u32| {
-            let times = f64::from(value) / f64::from(most);
-            (value > most).then(|| format!("{name} is {times:.1} times the largest that was run"))
-        };
-        let most = self.range[1];
-        let parts = [part("n", choice.n, most[0]), part("N", choice.steps, most[1])];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        (!parts.is_empty()).then(|| parts.join(", "))
-    }
-}
-
-/// A model, or `{"reason": …}`.
-fn or_reason<T: Serialize, S: Serializer>(
-    found: &Result<T, String>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    match found {
-        Ok(model) => model.serialize(serializer),
-        Err(reason) => serializer.collect_map([("reason", reason)]),
-    }
-}
-
-/// C k^q without space error, from runs with k and k/2 on the finest mesh that has them: ‖u_k - u_{k/2}‖ = C k^q (1 - 2^-q). The factor
-/// is that of the order which the differences themselves show.
-fn differences(change: &str, trials: &[Trial]) -> Vec<Sample> {
-    let halved = |t: &&Trial| t.done().is_some_and(|run| run.apart.is_some());
-    let Some(n) = of(change, trials).filter(halved).map(|t| t.n).max() else { return Vec::new() };
-    let pair = |fine: &Trial| {
-        let coarse = at(change, trials, [n, fine.steps / 2])?;
-        let error = fine.done()?.apart.filter(|apart| *apart > 0.0)?;
-        Some(Sample { step: coarse.k, error })
-    };
-    let apart: Vec<Sample> = of(change, trials).filter(|t| t.n == n).filter_map(pair).collect();
-    let Some(order) = local_slopes(&apart).last().copied().filter(|order| *order > 0.0) else {
-        return Vec::new();
-    };
-    let missing = 1.0 - 2f64.powf(-order);
-    apart.into_iter().map(|s| Sample { error: s.error / missing, ..s }).collect()
-}
-
-/// Errors at which elements are compared.
-const LEVELS: u32 = 5;
-
-/// Another element, on meshes of about as many nodes, beside the scene as written.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct Rival {
-    /// The change.
-    pub change: String,
-    /// What its runs say.
-    #[serde(flatten)]
-    pub models: Models,
-    /// Errors from the largest that was measured to the least, with the cheapest run of each. Empty where a model is missing.
-    pub equal_error: Vec<Equal>,
-    /// Who wins where, in words.
-    pub words: String,
-}
-
-/// The cheapest runs of the scene as written and of the rival whose errors are predicted to be at most this.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Equal {
-    /// The error.
-    pub error: f64,
-    /// The scene as written.
-    pub as_written: Choice,
-    /// The rival.
-    pub rival: Choice,
-    /// Seconds of the one over seconds of the other.
-    pub speed: f64,
-    /// Whether they are finer than what was run.
-    pub extrapolates: [bool; 2],
-}
-
-impl Rival {
-    /// Compares the rows of a change with those of the scene as written.
-    fn new(
-        choices: &Choices<'_>,
-        plain: &Models,
-        change: &str,
-        trials: &[Trial],
-        setup: &Setup,
-    ) -> Self {
-        let models = Models::of(change, trials, setup);
-        let errors = || {
-            let rows = of(AS_WRITTEN, trials).chain(of(change, trials));
-            rows.filter_map(|t| Some(t.done()?.error)).filter(|error| *error > 0.0)
-        };
-        let (lo, hi) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));
-        let level = |i: u32| hi * (lo / hi).powf(f64::from(i) / f64::from(LEVELS - 1));
-        let (mut words, mut equal_error) =
-            (format!("{change}: not compared at equal error, for want of a model"), Vec::new());
-        if let (Ok(first), Ok(second)) = (plain.law(MOST), models.law(MOST)) {
-            let equal = |error: f64| {
-                let as_written = choices.by(&first, error, MOST[0])?;
-                let rival = choices.by(&second, error, MOST[0])?;
-                let far = [plain.beyond(&as_written), models.beyond(&rival)];
-                let (speed, extrapolates) =
-                    (as_written.seconds / rival.seconds, far.map(|far| far.is_some()));
-                Some(Equal { error, as_written, rival, speed, extrapolates })
-            };
-            equal_error = (0..LEVELS).map(level).filter_map(equal).collect();
-            // Times are told apart where they differ by more than what both models miss of the runs.
-            let missed =
-                [plain, &models].map(|of| of.cost.as_ref().map_or(0.0, |cost| cost.residual));
-            words = verdict(change, &equal_error, missed[0] + missed[1]);
+/// The other elements with meshes of about as many nodes; what does not fit into memory is left out, and said.
+fn other_elements(
+    setup: &Setup,
+    [n, steps]: [&[u32]; 2],
+    limit: &MemoryLimit,
+    heard: &dyn Fn(&str),
+) -> Result<Vec<(Change, Vec<u32>)>, SetupError> {
+    let mut found = Vec::new();
+    for (element, change) in elements(setup) {
+        let left_out = |why: &str| heard(&format!("{} left out: {why}", change.words()));
+        if element.degree() > setup.body.element.degree() && setup.exact.is_none() {
+            left_out("the reference run is of lower degree, and no truth for it");
+            continue;
         }
-        Self { change: change.into(), models, equal_error, words }
-    }
-}
-
-/// Who wins where: neighbours with the same winner are one range of errors.
-fn verdict(name: &str, levels: &[Equal], unsure: f64) -> String {
-    let winner = |at: &Equal| match at.speed.ln() {
-        log if log > unsure => Some(true),
-        log if log < -unsure => Some(false),
-        _ => None,
-    };
-    let ranges = levels.chunk_by(|a, b| winner(a) == winner(b)).map(|range| {
-        let [first, last] = [range[0], range[range.len() - 1]];
-        let span = |a: String, b: String| if a == b { a } else { format!("{a} to {b}") };
-        let errors = span(format!("{:.1e}", first.error), format!("{:.1e}", last.error));
-        let times = |invert: bool| {
-            let of = |at: Equal| format!("{:.1}", if invert { 1.0 / at.speed } else { at.speed });
-            span(of(first), of(last))
-        };
-        match winner(&first) {
-            Some(true) => format!("{name} wins at {errors} ({} times faster)", times(false)),
-            Some(false) => format!("as written wins at {errors} ({} times faster)", times(true)),
-            None => format!("no difference at {errors}"),
+        let meshes = element_meshes(&setup.scene, n, element);
+        // It is compared on the meshes of the scene as written, too.
+        match admit_trade(&change.of(&setup.scene)?, &[&meshes[..], n].concat(), steps, limit) {
+            Ok(()) => found.push((change, meshes)),
+            Err(refused) => left_out(&refused.to_string()),
         }
-    });
-    let ranges: Vec<String> = ranges.collect();
-    match ranges.is_empty() {
-        true => format!("{name}: no error is in reach of both"),
-        false => format!("at equal error {}", ranges.join("; ")),
     }
+    Ok(found)
 }
 
-#[cfg(test)]
-pub(super) fn row(change: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
-    Trial {
-        change: change.into(),
-        n,
-        steps,
-        h: 1.0 / f64::from(n),
-        k: 1.0 / f64::from(steps),
-        dofs: 0,
-        tie: false,
-        front: false,
-        outcome: Ok(Outcome { error, seconds, ..Outcome::default() }),
+/// By what part of itself a predicted error may be off.
+const OFF: f64 = 0.25;
+
+/// What can be false in a trade. Nothing is claimed of seconds, which are those of a clock.
+fn claims(trials: &[Trial], written: &Models, answer: Option<(&Trial, f64)>) -> Vec<Claim> {
+    let place = |trial: &Trial| {
+        let ([n, steps], at) = (trial.place(), trial.change.words().to_owned());
+        Place { n: Some(n), steps: Some(steps), level: None, at }
+    };
+    let note = |trial: &Trial, claim: Claim| Claim {
+        note: trial.failure().unwrap_or_default().into(),
+        ..claim
+    };
+    let statement =
+        Statement { source: "error", says: "20 floors of solver and rounding <= error" };
+    let measured = trials.iter().map(|trial| {
+        let sides = [FLOORS_ABOVE * trial.floor(), trial.error()];
+        note(trial, Claim::at_most(statement, place(trial), sides, 0.0))
+    });
+    let statement = Statement { source: "error model", says: "|predicted/error - 1| <= 1/4" };
+    let fitted = written.error.iter().flat_map(|model| {
+        let off = move |trial: &Trial| {
+            let [h, k] = trial.steps();
+            (model.error(h, k) / trial.error() - 1.0).abs()
+        };
+        let runs = trials.iter().filter(|trial| trial.change == written.change);
+        let runs = runs.filter(|trial| trial.record.converged());
+        runs.map(move |trial| Claim::at_most(statement, place(trial), [off(trial), OFF], 0.0))
+    });
+    let statement = Statement { source: "target", says: "error of the answer <= target" };
+    let held = answer.map(|(trial, target)| {
+        note(trial, Claim::at_most(statement, place(trial), [trial.error(), target], OFF * target))
+    });
+    measured.chain(fitted).chain(held).collect()
+}
+
+fn found(
+    bench: &Bench<'_>,
+    models: &[Models],
+    prices: &[Price],
+    candidates: &[Candidate],
+    answer: Option<(&Candidate, Option<Trial>)>,
+) -> Result<Findings, TradeError> {
+    let (scene, written, norm) = (&bench.setup.scene, &models[0], bench.norm);
+    let target = answer.as_ref().map_or(f64::NAN, |(answer, _)| answer.choice.target);
+    let real = answer.as_ref().and_then(|(_, real)| real.as_ref());
+    let claims = claims(&bench.trials, written, real.map(|real| (real, target)));
+    let title = (Chapter::Trade, format!("Cost and error: {}", scene.name));
+    let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
+    let trials: Vec<Value> = bench.trials.iter().map(Trial::json).collect();
+    let document = &mut findings.document;
+    if let Some((answer, _)) = &answer {
+        document.answer(answer_words(bench, answer, real));
     }
+    document.words(format!(
+        "Errors in {}; the largest strain norm of the truth is {}.",
+        norm.name(),
+        digits(bench.size, 5)
+    ));
+    let finest = of(&written.change, &bench.trials).filter(|trial| trial.record.converged());
+    let finest = finest.map(Trial::steps).reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
+    let exponents =
+        written.cost.as_ref().ok().zip(finest).map(|(cost, [h, k])| cost.exponents(h, k));
+    let path = written.error.as_ref().ok().zip(exponents).and_then(|(e, ab)| coupling(e, ab));
+    if let Some(path) = &path {
+        document.words(format!(
+            "Cheapest coupling: k = {} h^{:.3}, where space has {:.0} % of the error (of its square, for root-sum-square); an error E costs E^-{:.2}.",
+            digits(path.factor, 4),
+            path.exponent,
+            100.0 * path.space_share,
+            path.cost_exponent
+        ));
+    }
+    let models_json: Vec<Value> = models.iter().map(Models::json).collect();
+    let rows: Vec<Value> = candidates.iter().map(|found| json!(found)).collect();
+    let words = |price: &Price| [("what a setting changes", Run::plain(&*price.words))];
+    tables(document, &models_json, &rows, &trials);
+    document.table(
+        "One setting at a time, against the run as written. Seconds are those of single runs on this machine.",
+        prices.iter().map(words),
+    );
+    let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
+    let picture = picture(bench, models, answer.as_ref().map(|(answer, _)| *answer));
+    document.figure("trade", caption, picture);
+    let cells = |row: &'_ Value| -> Vec<(String, String)> {
+        let cells = row.as_object().into_iter().flatten();
+        cells.map(|(key, value)| (key.clone(), table::text(value))).collect()
+    };
+    findings.tables.push((".csv", table::csv(trials.iter().map(cells))?));
+    let [error, cost] = ["error_model", "cost_model"].map(|key| models_json[0][key].clone());
+    for (key, value) in [
+        ("norm", json!(norm)),
+        ("size", json!(bench.size)),
+        ("trials", trials.into()),
+        ("error_model", error),
+        ("cost_model", cost),
+        ("coupling", json!(path)),
+        ("prices", json!(prices)),
+        ("elements", models_json[1..].into()),
+        ("candidates", rows.into()),
+        ("answer", json!(answer.as_ref().map(|(answer, _)| answer))),
+    ] {
+        findings.number(key, value);
+    }
+    if let Some((Candidate { choice, .. }, Some(real))) = &answer {
+        let ratios = json!({ "error": choice.error / real.error(), "cpu_seconds": choice.seconds / real.seconds() });
+        let (error, seconds) = (real.error(), real.seconds());
+        findings.number(
+            "confirmed",
+            json!({ "error": error, "cpu_seconds": seconds, "ratios": ratios }),
+        );
+    }
+    Ok(findings)
+}
+
+/// The answer in a sentence, and what its run showed.
+fn answer_words(bench: &Bench<'_>, answer: &Candidate, real: Option<&Trial>) -> String {
+    let Candidate { change, choice, extrapolates } = answer;
+    let Choice { target, n, steps, h, k, error, seconds, bytes } = choice;
+    let part = match bench.norm {
+        Norm::VMax => format!(" ({:.3} % of the solution)", 100.0 * target / bench.size),
+        _ => String::new(),
+    };
+    let far = extrapolates.as_ref().map_or(String::new(), |far| format!("; far: {far}"));
+    let real = real.map_or(String::new(), |real| {
+        format!("; real: error {:.4e}, {:.3} CPU s", real.error(), real.seconds())
+    });
+    format!(
+        "target {target:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {}, k = {}); predicted: error {error:.4e}, {seconds:.3} CPU s, {}{real}{far}",
+        bench.norm.name(),
+        change.words(),
+        digits(*h, 5),
+        digits(*k, 5),
+        megabytes(*bytes),
+    )
+}
+
+/// Models, candidates and runs as tables, the first of them those as written.
+fn tables(document: &mut StudyDocument, models: &[Value], candidates: &[Value], trials: &[Value]) {
+    let columns = [
+        ("with", "/change", 0),
+        (">C_h", "/error_model/space/constant", 5),
+        (">p", "/error_model/space/order", 4),
+        (">from", "/error_model/space/interval/0", 3),
+        (">to", "/error_model/space/interval/1", 3),
+        (">C_k", "/error_model/time/constant", 5),
+        (">q", "/error_model/time/order", 4),
+        ("found by", "/error_model/source", 0),
+        (">off by", "/error_model/residual", 2),
+        ("none because", "/error_model/reason", 0),
+    ];
+    document.table(
+        "Error: C_h h^p and C_k k^q, and by what factor a run differs at most (its logarithm).",
+        table::rows(models, columns),
+    );
+    let columns = [
+        ("with", "/change", 0),
+        (">run", "/cost_model/parts/0", 2),
+        (">cell", "/cost_model/parts/1", 2),
+        (">cell and level", "/cost_model/parts/2", 2),
+        (">operation", "/cost_model/parts/3", 2),
+        (">operation and level", "/cost_model/parts/4", 2),
+        (">off by", "/cost_model/residual", 2),
+        ("none because", "/cost_model/reason", 0),
+    ];
+    document.table(
+        "Cost: CPU seconds a run, a cell (h^-d), an operation of a factorization (h^-3(d-1)), once and a level.",
+        table::rows(models, columns),
+    );
+    let columns = [
+        ("with", "/change", 0),
+        (">n", "/n", 0),
+        (">N", "/steps", 0),
+        (">predicted error", "/error", 4),
+        (">CPU s", "/cpu_seconds", 3),
+        (">bytes", "/bytes", 3),
+    ];
+    document
+        .table("Cheapest runs with the error that is wanted.", table::rows(candidates, columns));
+    let columns = [
+        ("setting", "/change", 0),
+        (">n", "/n", 0),
+        (">N", "/steps", 0),
+        (">error", "/error", 5),
+        (">CPU s", "/cpu_seconds", 3),
+        (">in loads", "/load_share", 2),
+        (">bytes", "/predicted_bytes", 3),
+        ("front", "/front", 0),
+        ("tie", "/tie", 0),
+    ];
+    document.table(
+        "Error, CPU seconds of one run on this machine, the part of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; tie: the run as written within 1.25 times the time and 1 % of the error.",
+        table::rows(trials, columns),
+    );
+}
+
+/// Error against CPU time, a marker per run, with the Pareto front; none without two runs.
+fn picture(bench: &Bench<'_>, models: &[Models], answer: Option<&Candidate>) -> Option<String> {
+    let mut chart = Chart::new(
+        &format!("{}: speed against accuracy", bench.setup.scene.name),
+        "The error that is reached in a given time. Lines: one mesh each, from few steps to many. CPU time of one thread on this machine: mesh, loads and march.",
+        Axis::new("CPU time in seconds", Scale::Log),
+        Axis::new(format!("error {}", norm_label(bench.norm.name())), Scale::Log),
+    );
+    let done = || bench.trials.iter().filter(|trial| trial.record.converged());
+    let datum = |trial: &Trial| -> Datum { (trial.seconds(), trial.error()) };
+    let written = Change::none();
+    let mut ns: Vec<u32> = of(&written, &bench.trials).map(|trial| trial.place()[0]).collect();
+    ns.dedup();
+    for n in ns {
+        let runs = done().filter(|trial| trial.change == written && trial.place()[0] == n);
+        let data: Vec<Datum> = runs.map(datum).collect();
+        let parts = vec![Part::Line(data.clone()), Part::Points(data)];
+        chart.series.push(Series::new(format!("n = {n}"), parts));
+    }
+    for of_element in &models[1..] {
+        let data = done().filter(|trial| trial.change == of_element.change).map(datum).collect();
+        chart.series.push(Series::new(of_element.change.words(), vec![Part::Points(data)]));
+    }
+    let named = |trial: &&Trial| models.iter().any(|of_change| of_change.change == trial.change);
+    let settings: Vec<Datum> = done().filter(|trial| !named(trial)).map(datum).collect();
+    if !settings.is_empty() {
+        let hollow = Series::new("", vec![Part::Hollow(settings)]);
+        chart.series.push(Series { grey: true, ..hollow });
+        chart.keys.push((Part::Hollow(Vec::new()), "another setting".into()));
+    }
+    let mut best: Vec<&Trial> = done().filter(|trial| trial.front).collect();
+    best.sort_by(|a, b| a.seconds().total_cmp(&b.seconds()));
+    let label = |trial: &&Trial| {
+        let [n, steps] = trial.place();
+        let other =
+            if trial.change == written { "" } else { &format!(", {}", trial.change.words()) };
+        (datum(trial), format!("n = {n}, N = {steps}{other}"))
+    };
+    chart.labels = best.iter().map(label).collect();
+    let front = Part::Dashed(chart.labels.iter().map(|(place, _)| *place).collect());
+    chart.series.push(Series { grey: true, ..Series::new("Pareto front", vec![front]) });
+    if let Some(Candidate { choice, .. }) = answer {
+        let label = format!("target {}", digits(choice.target, 4));
+        chart.horizontals.push(Mark { at: choice.target, label });
+        let name = format!("recommended, predicted: n = {}, N = {}", choice.n, choice.steps);
+        let place = vec![(choice.seconds, choice.error)];
+        chart.series.push(Series::new(name, vec![Part::Points(place)]));
+    }
+    chart.svg()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::runs::tests::{failed, row};
     use super::*;
 
-    /// Even where the run with the fewest steps took longest there are three places.
-    #[test]
-    fn settings_are_changed_at_the_same_places_whatever_the_clock_says() {
-        let written = |n, steps, seconds| row(AS_WRITTEN, [n, steps], 1.0, seconds);
-        let expected = vec![[8, 4], [4, 4], [8, 2]];
-        for slow in [[4, 2], [4, 4], [8, 2], [8, 4]] {
-            let seconds = |n, steps| if [n, steps] == slow { 2.0 } else { 1.0 };
-            let of = |n: u32| [2, 4].map(|steps| written(n, steps, seconds(n, steps)));
-            let trials = [of(4), of(8)].concat();
-            assert_eq!(places(&trials, 2, 1, 60.0), expected, "{slow:?}");
-        }
-        // Of 4² · 8 and 8² · 2 the first.
-        let trials = [(4, 2), (4, 8), (8, 2)].map(|(n, steps)| written(n, steps, 1.0));
-        assert_eq!(places(&trials, 2, 1, 60.0), [[4, 8], [4, 2]]);
-        assert_eq!(places(&trials, 3, 1, 60.0), [[8, 2], [4, 2]]);
-        // What the budget does not bear is left out.
-        let trials = [written(4, 4, 1.0), written(8, 4, 100.0)];
-        assert_eq!(places(&trials, 2, 1, 60.0), [[4, 4]]);
-        assert_eq!(places(&trials, 2, 100, 60.0), [[4, 4]]);
+    /// Whether a trade of these runs, with the error h/2, holds what it claims.
+    fn holds(trials: &[Trial], answer: Option<(&Trial, f64)>) -> bool {
+        use crate::trade::error_model::{ErrorModel, Term};
+        use judge::fit::{ErrorCombination, Interval};
+        let interval = Interval::around(1.0, 0.0);
+        let error = ErrorModel {
+            model: ErrorCombination::Sum,
+            space: Some(Term { constant: 0.5, order: 1.0, interval }),
+            time: None,
+            source: String::new(),
+            residual: 0.0,
+        };
+        let (change, cost) = (Change::none(), Err(String::new()));
+        let models = Models { change, error: Ok(error), cost, range: [[4, 2], [8, 2]] };
+        Claim::all_hold(&claims(trials, &models, answer))
     }
 
     #[test]
-    fn a_price_says_what_is_bought_and_paid() {
-        let plain = row(AS_WRITTEN, [64, 16], 0.5, 3.1);
-        let price = |error, seconds| {
-            let other = row("strong loads", [64, 16], error, seconds);
-            Price::new("strong loads", &plain, &other).expect("a price")
-        };
-        let words = price(0.5001, 1.0).words;
-        assert!(words.starts_with("strong loads: 3.10 times faster, +0.020 % error"), "{words}");
-        let words = price(0.25, 6.2).words;
-        assert!(words.contains("2.00 times slower, -50 % error"), "{words}");
-        // Single runs tell no fifth of the time, and a setting that moves nothing else is a tie.
-        let same = price(0.5 + 1e-8, 2.6);
+    fn a_failed_run_a_wrong_model_and_a_missed_target_are_said() {
+        let of = |change: &str, n: u32, part: f64| row(change, [n, 2], part / f64::from(n), 1.0);
+        let sound = [of("as written", 4, 0.5), of("as written", 8, 0.52), of("contact", 8, 5.0)];
+        let answer = of("as written", 16, 0.5);
+        assert!(holds(&sound, None) && holds(&sound, Some((&answer, 0.03))));
         assert!(
-            same.is_tie()
-                && same.words.contains("no difference")
-                && same.words.contains(", same error")
+            !holds(&sound, Some((&answer, 0.02))) && !holds(&sound, Some((&failed(&answer), 0.1)))
         );
-        assert!(!price(0.25, 3.1).is_tie() && !price(0.5, 1.0).is_tie());
-        let failed = Trial { outcome: Err("KKT".into()), ..plain.clone() };
-        let none = Price::new("contact exact", &plain, &failed).expect("a price");
-        assert!(none.words.contains("fails") && none.speed.is_nan() && !none.is_tie());
-        assert!(Price::new("x", &failed, &plain).is_none());
-        for (change, words) in
-            [(0.000123, "+0.012 %"), (-0.0456, "-4.6 %"), (1.0, "+100 %"), (0.0099, "+0.99 %")]
-        {
-            assert!(change_of_error(change).starts_with(words), "{words}");
+        for wrong in [of("as written", 8, 0.8), of("as written", 8, 0.3), failed(&sound[1])] {
+            assert!(!holds(&[sound[0].clone(), wrong], None));
         }
-    }
-
-    #[test]
-    fn the_front_by_hand() {
-        let points = [[1.0, 3.0], [2.0, 2.0], [2.0, 1.0], [3.0, 1.0], [0.5, f64::NAN], [4.0, 0.5]];
-        assert_eq!(front(&points, 0.0), [0, 2, 5]);
-        assert_eq!(front(&[[1.0, 1.0], [1.0, 1.0]], 0.0), [0]);
-        // The sixth digit at four times the time is no better error; many small steps down are one in the end.
-        let ties = [[1.0, 1.0], [4.0, 0.999_999], [5.0, 0.995], [6.0, 0.985]];
-        assert_eq!(front(&ties, 0.01), [0, 3]);
-    }
-
-    /// (4 u_k - u_2k)/3 and differences of order 2 hide below an error of h: their constant is found all the same.
-    #[test]
-    fn hidden_errors_are_known_from_differences() {
-        let run = |steps: u32| {
-            let k = 1.0 / f64::from(steps);
-            let mut trial = row(AS_WRITTEN, [8, steps], 0.5, 1.0);
-            // ‖u_k - u_2k‖ = 3 · 4 k², of 4 k² and 16 k².
-            trial.outcome.as_mut().expect("a run").apart = (steps > 2).then_some(12.0 * k * k);
-            trial
-        };
-        // A finer mesh with one number of steps has no differences.
-        let runs = [[2, 4, 8].map(run).to_vec(), vec![row(AS_WRITTEN, [16, 8], 0.5, 1.0)]].concat();
-        let found = differences(AS_WRITTEN, &runs);
-        for (sample, k) in found.iter().zip([0.5f64, 0.25]) {
-            // 16 digits through two powers.
-            assert!(
-                (sample.error / (4.0 * k * k) - 1.0).abs() < 1e-12 && sample.step == k,
-                "{found:?}"
-            );
-        }
-        assert_eq!(found.len(), 2);
-    }
-
-    #[test]
-    fn ranges_name_their_winner() {
-        let answer = |seconds| Choice { n: 8, steps: 4, h: 0.125, k: 0.25, error: 0.1, seconds };
-        let level = |error: f64, speed: f64| Equal {
-            error,
-            as_written: answer(speed),
-            rival: answer(1.0),
-            speed,
-            extrapolates: [false; 2],
-        };
-        let levels = [level(0.1, 0.5), level(0.05, 1.02), level(0.02, 3.0), level(0.01, 8.0)];
-        assert_eq!(
-            verdict("element P2", &levels, 0.1),
-            "at equal error as written wins at 1.0e-1 (2.0 times faster); no difference at 5.0e-2; element P2 wins at 2.0e-2 to 1.0e-2 (3.0 to 8.0 times faster)"
-        );
-        // What the models miss decides nothing.
-        assert!(verdict("element P2", &levels[..1], 0.7).ends_with("no difference at 1.0e-1"));
-        assert!(verdict("element P2", &[], 0.1).contains("no error is in reach"));
+        assert!(!holds(&[sound[0].clone(), failed(&sound[2])], None));
+        // An error that is rounding is none.
+        let mut rounding = sound[0].clone();
+        rounding.record.errors[0].floor = Some(0.01);
+        assert!(!holds(&[rounding], None) && !holds(&[], None));
     }
 }

@@ -40,6 +40,7 @@ fn failure(study: &StudyDocument) -> String {
         Chapter::Gronwall => "Gronwall's inequality",
         Chapter::Audit => "the inequalities of the proof",
         Chapter::Trade => "trade",
+        Chapter::Diagnose => "which term is at fault",
         Chapter::Extremes => return "extremes: not every rung is as expected".into(),
     };
     format!("{what}, {}: not everything holds", study.scene.as_deref().unwrap_or("no scene"))

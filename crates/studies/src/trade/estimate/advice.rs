@@ -44,23 +44,10 @@ pub struct Advised {
     pub run: Choice,
     /// The interval of its error.
     pub interval: Interval,
-    /// Predicted peak memory of a process that does this run alone.
-    pub bytes: f64,
     /// h₀/h and k₀/k, the steps of the run over these.
     pub finer: [f64; 2],
     /// What reaches farther than the companions, in words.
     pub extrapolates: Option<String>,
-}
-
-/// What reaches farther than the companions, in words.
-fn extrapolates([h, k]: [f64; 2]) -> Option<String> {
-    let far = |&(name, finer): &(&str, f64)| {
-        (finer > f64::from(SPAN)).then(|| {
-            format!("{name} is 1/{finer:.1} of the run's, and its companions span a factor {SPAN}: nothing shows that the order holds so far")
-        })
-    };
-    let all: Vec<String> = [("h", h), ("k", k)].iter().filter_map(far).collect();
-    (!all.is_empty()).then(|| all.join("; "))
 }
 
 /// Where predicted seconds come from.
@@ -131,11 +118,11 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
             range: [[least, steps / SPAN], [most, reach(steps, MOST[1])]],
             made: SPAN * n,
         };
-        let (mut run, bytes) = choices.cheapest(&law, goal.target, &goal.limit)?;
+        let mut run = choices.cheapest(&law, goal.target, &goal.limit)?;
         let interval;
         (run.error, interval) = at([run.h, run.k]);
-        let finer = [h / run.h, k / run.k];
-        Ok(Advised { run, interval, bytes, finer, extrapolates: extrapolates(finer) })
+        let extrapolates = run.beyond(goal.run, f64::from(SPAN));
+        Ok(Advised { run, interval, finer: [h / run.h, k / run.k], extrapolates })
     };
     let choice = advised(|(error, _)| error)?;
     let cautious = advised(|(_, interval)| interval.hi);

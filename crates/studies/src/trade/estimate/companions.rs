@@ -7,11 +7,11 @@ use serde_json::Value;
 use super::quantity::{QuantityEstimate, quantity};
 use crate::guarantee::{self, Bounding, Guarantee, GuaranteeError};
 use crate::solution::FinalState;
+use crate::trade::SPAN;
 use crate::trade::bench::Meshed;
-use crate::trade::{NORMS, SPAN};
 use fem::contact::{CaseError, Discretization, Floors, LevelFields, LoadError, Observer};
 use fem::norms::{ReferenceError, ReferenceRun, step_errors};
-use run::sweep::{Runs, as_floors, floor_in};
+use run::sweep::{NORMS, Runs, as_floors, floor_in};
 use scene::Norm;
 use scene::setup::{Setup, SetupError};
 
