@@ -47,8 +47,6 @@ pub(crate) struct Solve {
     /// part of j explicit, which converges where (2.9) holds
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     solver: Solver,
-    #[command(flatten)]
-    common: Common,
     /// Estimate the error of this run in h and k from coarser companions (2h, 4h and 2k, 4k), for
     /// scenes without an exact solution; n and N must be multiples of 4. Convex problems in the plane have a
     /// guaranteed bound of the error in space beside it
@@ -69,6 +67,8 @@ pub(crate) struct Solve {
     /// over time, and SCENE-body.svg, the deformed body with its stress at t = T
     #[arg(long, value_name = "DIR", conflicts_with = "estimate")]
     pictures: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 /// The solver of a time level.

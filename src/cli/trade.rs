@@ -36,11 +36,11 @@ pub(crate) struct TradeCommand {
     /// Run the answer and print predicted against real
     #[arg(long, requires = "target")]
     confirm: bool,
-    #[command(flatten)]
-    common: Common,
     /// Directory for tables, JSON and picture
     #[arg(long, value_name = "DIR", default_value = "reports/latest/trade")]
     out: PathBuf,
+    #[command(flatten)]
+    common: Common,
 }
 
 impl From<TradeError> for CliError {
