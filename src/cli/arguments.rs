@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
+use super::machine::COMMON;
 use super::{
     audit, baseline, bound, check, diagnose, extremes, fit, gronwall, list, merge, report, run,
     shell, solve, trade, verify,
@@ -16,17 +17,18 @@ use super::{
 #[command(
     name = "sweep",
     version,
+    max_term_width = 120,
     after_help = "Examples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep check punch                          what holds of a scene, and what it requires\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge. Colour is used on a terminal alone, and not with NO_COLOR."
 )]
 pub(super) struct Arguments {
     /// Folder of the scenes [default: manufactured, where that folder is; else those inside the program]
-    #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true)]
+    #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true, help_heading = COMMON)]
     pub(super) scenes: Option<PathBuf>,
     /// No progress, notes or warnings on stderr; errors are still printed
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = COMMON)]
     pub(super) quiet: bool,
     /// A line for each case that ends, also beside the bar of a terminal
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, help_heading = COMMON)]
     pub(super) verbose: bool,
     #[command(subcommand)]
     pub(super) command: Option<Command>,

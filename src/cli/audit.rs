@@ -30,11 +30,11 @@ pub(crate) struct Audit {
     /// Numbers N of time steps, k = T/N, in place of the scene's list
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<Vec<u32>>,
-    #[command(flatten)]
-    common: Common,
     /// Write SCENE-audit.json and SCENE-audit-claims.csv into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 impl From<AuditError> for CliError {

@@ -24,11 +24,11 @@ pub(crate) struct BoundCommand {
     /// Number N of time steps of the run whose worst level is studied [default: the scene's smallest]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<u32>,
-    #[command(flatten)]
-    common: Common,
     /// Write SCENE-bound.json, its claims as CSV and its picture into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 /// Default mesh of the measured factors.

@@ -27,11 +27,11 @@ pub(crate) struct Extremes {
     /// List the ladders with what they expect, and run nothing
     #[arg(long)]
     list: bool,
-    #[command(flatten)]
-    common: Common,
     /// Directory for extremes-claims.csv, extremes.json and extremes.svg
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 impl Extremes {

@@ -29,11 +29,11 @@ pub(crate) struct Gronwall {
     /// Horizons T at the step of the largest N, multiples of it
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     horizons: Vec<f64>,
-    #[command(flatten)]
-    common: Common,
     /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json, its claims as CSV and the pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 /// Most steps taken from the scene's list: the weighted envelope takes O(N²).

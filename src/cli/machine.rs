@@ -14,8 +14,12 @@ pub(super) struct Allowance {
     memory_limit: Option<MemoryLimit>,
 }
 
+/// Heading in help of what most commands take, below their own options.
+pub(super) const COMMON: &str = "Options of most commands";
+
 /// What most commands take.
 #[derive(Args)]
+#[command(next_help_heading = COMMON)]
 pub(super) struct Common {
     #[command(flatten)]
     pub(super) allowance: Allowance,

@@ -12,7 +12,6 @@ mod colour;
 mod constants;
 mod diagnose;
 mod error;
-mod estimate;
 mod extremes;
 mod fit;
 mod github;

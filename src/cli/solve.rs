@@ -10,19 +10,22 @@ use clap::{Args, ValueEnum};
 
 use super::machine::Common;
 use super::{
-    CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
+    CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, width,
+    write_file,
 };
 use fem::contact::{CaseInfo, Discretization, StepView};
 use files::digits;
 use pictures::Pictures;
+use report::StudyDocument;
 use run::sweep::admit_run;
+use scene::Extension;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
 use serde_json::{Value, json};
 use studies::solution::{FinalState, VtuSeries};
 use studies::trade::Wanted;
-use studies::trade::estimate::companion_runs;
+use studies::trade::estimate::{companion_runs, estimate};
 use vhi::{Decomposition, FixedPoint, Newton, StepSolver};
 
 /// `sweep solve`.
@@ -44,8 +47,6 @@ pub(crate) struct Solve {
     /// part of j explicit, which converges where (2.9) holds
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     solver: Solver,
-    #[command(flatten)]
-    common: Common,
     /// Estimate the error of this run in h and k from coarser companions (2h, 4h and 2k, 4k), for
     /// scenes without an exact solution; n and N must be multiples of 4. Convex problems in the plane have a
     /// guaranteed bound of the error in space beside it
@@ -66,6 +67,8 @@ pub(crate) struct Solve {
     /// over time, and SCENE-body.svg, the deformed body with its stress at t = T
     #[arg(long, value_name = "DIR", conflicts_with = "estimate")]
     pictures: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 /// The solver of a time level.
@@ -126,8 +129,17 @@ impl Solve {
         let limit = self.common.allowance.limit();
         let wanted =
             Wanted::read(setup, &self.norm, self.target.as_deref()).map_err(CliError::other)?;
+        let singular = "its extrapolation takes the order of the time rule for granted";
+        setup.scene.without(&[Extension::SingularKernel], "sweep solve --estimate", singular)?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
-        super::estimate::execute(setup, [n, self.steps], wanted, limit, self.common.json)
+        let found = estimate(setup, [n, self.steps], wanted, &limit).map_err(CliError::other)?;
+        match self.common.json {
+            true => print_json(&found.json)?,
+            false => print_text(&found.document.text(width(StudyDocument::WIDTH))),
+        }
+        // The estimate is printed before a target is refused.
+        let refused = |none| Err(CliError::other(format!("no recommendation: {none}")));
+        found.refused.map_or(Ok(0), refused)
     }
 
     fn decomposes(&self) -> bool {

@@ -133,13 +133,10 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
         false => compliance,
     };
     assert!((v_error(&chosen, n, steps) / real - 1.0).abs() < 0.06);
-    let prices: Vec<&str> = document["prices"]
-        .as_array()
-        .expect("prices")
-        .iter()
-        .map(|price| price["words"].as_str().expect("words"))
-        .collect();
-    assert!(prices.iter().any(|words| words.starts_with("half the cells: ")));
+    let prices = document["prices"].as_array().expect("prices");
+    let half = prices.iter().find(|price| price["what"] == "half the cells").expect("a price");
+    // Space error of order 1, at n = 16 and N = 8.
+    assert!((0.8..1.2).contains(&number(&half["error"])), "{half}");
 }
 
 fn with_quadratics(scene: &str) -> String {
@@ -341,11 +338,7 @@ fn the_bound_of_a_quantity_contains_its_limit() {
 fn what_has_no_companions_is_unknown_with_its_reason() {
     let output = sweep(&["solve", "compliance", "--n", "6", "--steps", "8", "--estimate"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
-    assert!(
-        stdout(&output).contains("unknown: h: n = 6 is no multiple of 4"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stdout(&output).contains("h: n = 6 is no multiple of 4"), "{}", stdout(&output));
     let arguments = ["solve", "compliance", "--n", "8", "--steps", "6", "--estimate", "--json"];
     let document = json(&sweep(&arguments));
     let v = &document["norms"][0];

@@ -82,7 +82,7 @@ impl Trial {
             "error": self.error(),
             "floor": self.floor(),
             "cpu_seconds": self.seconds(),
-            "load_share": (self.record.seconds_load / self.seconds()).min(1.0),
+            "load_share": (self.record.seconds_load / self.seconds()).clamp(0.0, 1.0),
             "predicted_bytes": self.bytes,
             "history_bytes": self.record.peak_history_bytes,
             "newton_iterations": newton_iterations,

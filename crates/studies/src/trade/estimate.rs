@@ -9,10 +9,12 @@
 //! within that half. Outside of these no number is given, but the reason.
 
 mod advice;
+mod answer;
 mod companions;
 mod quantity;
 
 pub use advice::{Advice, Advised, CostSource, Goal, advise, costs};
+pub use answer::{Estimated, estimate};
 pub use companions::{
     Companions, NormDifferences, RunTime, companion_runs, companions, companions_and_bound,
 };

@@ -62,51 +62,20 @@ pub(super) struct Price {
     pub error: f64,
     /// Memory with the setting over memory without.
     pub bytes: f64,
-    /// All of it in one sentence.
-    pub words: String,
 }
 
 impl Price {
+    /// NaN where the run with the setting fails; none where that without it does.
     fn new(what: &str, plain: &Trial, other: &Trial) -> Option<Self> {
-        if !plain.record.converged() {
-            return None;
-        }
-        let time = other.seconds() / plain.seconds();
+        let (what, [n, steps]) = (what.to_owned(), plain.place());
+        let speed = plain.seconds() / other.seconds();
         let (error, bytes) = (other.error() / plain.error() - 1.0, other.bytes / plain.bytes);
-        let (speed, [n, steps]) = (1.0 / time, plain.place());
-        let words = match other.failure() {
-            Some(reason) => format!("{what}: fails (n = {n}, N = {steps}): {reason}"),
-            None => {
-                let time = match speed {
-                    fast if fast >= NOISE => format!("{fast:.2} times faster"),
-                    slow if slow <= 1.0 / NOISE => format!("{time:.2} times slower"),
-                    _ => format!("no difference in time beyond {NOISE} times"),
-                };
-                let memory = match bytes {
-                    ratio if !(0.95..1.05).contains(&ratio) => {
-                        format!(", {ratio:.2} times the memory")
-                    }
-                    _ => String::new(),
-                };
-                format!("{what}: {time}, {}{memory} (n = {n}, N = {steps})", change_of_error(error))
-            }
-        };
-        Some(Self { what: what.into(), n, steps, speed, error, bytes, words })
+        plain.record.converged().then_some(Self { what, n, steps, speed, error, bytes })
     }
 
     fn is_tie(&self) -> bool {
         self.speed < NOISE && self.speed > 1.0 / NOISE && self.error.abs() <= TIE
     }
-}
-
-/// A relative change with two digits, at least a ten-thousandth of a percent.
-fn change_of_error(change: f64) -> String {
-    let percent = 100.0 * change;
-    if percent.abs() < 1e-4 {
-        return "same error".to_owned();
-    }
-    let digits = (1.0 - percent.abs().log10().floor()).max(0.0) as usize;
-    format!("{percent:+.digits$} % error")
 }
 
 /// The price list: half the cells and half the steps of the first place, as far as the grid has them, then each change.
@@ -387,23 +356,14 @@ pub(super) mod tests {
             let other = row("strong loads", [64, 16], error, seconds);
             Price::new("strong loads", &plain, &other).expect("a price")
         };
-        let words = price(0.5001, 1.0).words;
-        assert!(words.starts_with("strong loads: 3.10 times faster, +0.020 % error"), "{words}");
-        let words = price(0.25, 6.2).words;
-        assert!(words.contains("2.00 times slower, -50 % error"), "{words}");
+        let Price { speed, error, bytes, .. } = price(0.25, 6.2);
+        assert_eq!((speed, error, bytes), (0.5, -0.5, 1.0));
         // Single runs tell no fifth of the time, and a setting that moves nothing else is a tie.
-        let same = price(0.5 + 1e-8, 2.6);
-        assert!(same.is_tie() && same.words.contains("no difference"));
-        assert!(same.words.contains(", same error"), "{}", same.words);
+        assert!(price(0.5 + 1e-8, 2.6).is_tie());
         assert!(!price(0.25, 3.1).is_tie() && !price(0.5, 1.0).is_tie());
         let none = Price::new("contact exact", &plain, &failed(&plain)).expect("a price");
-        assert!(none.words.contains("fails") && none.speed.is_nan() && !none.is_tie());
+        assert!(none.speed.is_nan() && none.error.is_nan() && !none.is_tie());
         assert!(Price::new("x", &failed(&plain), &plain).is_none());
-        for (change, words) in
-            [(0.000123, "+0.012 %"), (-0.0456, "-4.6 %"), (1.0, "+100 %"), (0.0099, "+0.99 %")]
-        {
-            assert!(change_of_error(change).starts_with(words), "{words}");
-        }
     }
 
     /// Of a few settings that which saves most time is taken, unless it moves the error or saves none somewhere.

@@ -12,7 +12,7 @@ use judge::claim::{Claim, Place, Statement};
 use judge::fit::FLOORS_ABOVE;
 use judge::record::norm_label;
 use report::{
-    Axis, Chapter, Chart, Datum, Findings, Mark, Part, Run, Scale, Series, StudyDocument, digits,
+    Axis, Chapter, Chart, Datum, Findings, Mark, Part, Scale, Series, StudyDocument, digits,
 };
 use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_constants, admit_plan,
@@ -246,11 +246,19 @@ fn found(
     }
     let models_json: Vec<Value> = models.iter().map(Models::json).collect();
     let rows: Vec<Value> = candidates.iter().map(|found| json!(found)).collect();
-    let words = |price: &Price| [("what a setting changes", Run::plain(&*price.words))];
     tables(document, &models_json, &rows, &trials);
+    let columns = [
+        ("what a setting changes", "/what", 0),
+        (">n", "/n", 0),
+        (">N", "/steps", 0),
+        (">times faster", "/speed", 3),
+        (">error, its part", "/error", 2),
+        (">memory, times", "/bytes", 3),
+    ];
+    let prices: Vec<Value> = prices.iter().map(|price| json!(price)).collect();
     document.table(
-        "One setting at a time, against the run as written. Seconds are those of single runs on this machine.",
-        prices.iter().map(words),
+        "One setting at a time, against the run as written. Seconds are those of single runs on this machine: 1.25 times are no difference.",
+        table::rows(&prices, columns),
     );
     let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
     let picture = picture(bench, models, answer.as_ref().map(|(answer, _)| *answer));
@@ -268,7 +276,7 @@ fn found(
         ("error_model", error),
         ("cost_model", cost),
         ("coupling", json!(path)),
-        ("prices", json!(prices)),
+        ("prices", prices.into()),
         ("elements", models_json[1..].into()),
         ("candidates", rows.into()),
         ("answer", json!(answer.as_ref().map(|(answer, _)| answer))),
