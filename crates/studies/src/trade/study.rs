@@ -432,7 +432,7 @@ fn picture(bench: &Bench<'_>, models: &[Models], answer: Option<&Candidate>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::runs::tests::{failed, row};
+    use super::super::runs::{failed, row};
     use super::*;
 
     /// Whether a trade of these runs, with the error h/2, holds what it claims.
