@@ -303,30 +303,33 @@ fn best_setting(
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
+pub(super) fn row(change: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
     use judge::record::{CaseRecord, NormError, Status};
+    let k = 1.0 / f64::from(steps);
+    let entry = NormError { norm: "V_max".into(), error: Some(error), floor: Some(0.0) };
+    let record = CaseRecord {
+        status: Status::Converged,
+        seconds_total: seconds,
+        errors: vec![entry],
+        ..CaseRecord::without_work("scene", Some(n), steps, k)
+    };
+    Trial { bytes: 1e7, ..Trial::new(&Change::new(change, Ok), record) }
+}
 
-    pub fn row(change: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
-        let k = 1.0 / f64::from(steps);
-        let entry = NormError { norm: "V_max".into(), error: Some(error), floor: Some(0.0) };
-        let record = CaseRecord {
-            status: Status::Converged,
-            seconds_total: seconds,
-            errors: vec![entry],
-            ..CaseRecord::without_work("scene", Some(n), steps, k)
-        };
-        Trial { bytes: 1e7, ..Trial::new(&Change::new(change, Ok), record) }
-    }
+#[cfg(test)]
+pub(super) fn failed(trial: &Trial) -> Trial {
+    use judge::record::{CaseRecord, Status};
+    let status = Status::Failed { reason: "KKT".into() };
+    let record = CaseRecord { status, errors: Vec::new(), ..trial.record.clone() };
+    Trial { record, ..trial.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
 
     fn written(n: u32, steps: u32, seconds: f64) -> Trial {
         row(Change::none().words(), [n, steps], 1.0, seconds)
-    }
-
-    pub fn failed(trial: &Trial) -> Trial {
-        let status = Status::Failed { reason: "KKT".into() };
-        let record = CaseRecord { status, errors: Vec::new(), ..trial.record.clone() };
-        Trial { record, ..trial.clone() }
     }
 
     /// Even where the run with the fewest steps took longest there are three places.

@@ -395,7 +395,11 @@ fn picture(bench: &Bench<'_>, models: &[Models], answer: Option<&Candidate>) -> 
         chart.series.push(Series::new(format!("n = {n}"), parts));
     }
     for of_element in &models[1..] {
-        let data = done().filter(|trial| trial.change == of_element.change).map(datum).collect();
+        let runs = done().filter(|trial| trial.change == of_element.change);
+        let data: Vec<Datum> = runs.map(datum).collect();
+        if data.is_empty() {
+            continue;
+        }
         chart.series.push(Series::new(of_element.change.words(), vec![Part::Points(data)]));
     }
     let named = |trial: &&Trial| models.iter().any(|of_change| of_change.change == trial.change);
@@ -428,7 +432,7 @@ fn picture(bench: &Bench<'_>, models: &[Models], answer: Option<&Candidate>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::runs::tests::{failed, row};
+    use super::super::runs::{failed, row};
     use super::*;
 
     /// Whether a trade of these runs, with the error h/2, holds what it claims.

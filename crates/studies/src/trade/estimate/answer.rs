@@ -62,9 +62,15 @@ pub fn estimate(
         (">order", "/space/order", 3),
         (">in k", "/time/value", 3),
         (">order", "/time/order", 3),
-        ("unknown because", "/unknown/0", 0),
+        ("unknown because", "/unknown", 0),
     ];
-    document.table("Errors, with their intervals.", table::rows(&norms, columns));
+    let in_words = |(row, (_, of)): (&Value, &(Norm, Estimate))| {
+        let (mut row, reasons) = (row.clone(), of.reasons().join("; "));
+        row["unknown"] = json!(Some(reasons).filter(|reasons| !reasons.is_empty()));
+        row
+    };
+    let rows: Vec<Value> = norms.iter().zip(&estimates).map(in_words).collect();
+    document.table("Errors, with their intervals.", table::rows(&rows, columns));
     let quantities: Vec<Value> = found.quantities.iter().map(|found| json!(found)).collect();
     let columns = [
         ("quantity", "/name", 0),
