@@ -4,8 +4,8 @@ use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::abscissae::Abscissae;
 use super::block::{BLOCK, Registers};
+use super::history::HistoryPlan;
 use super::past::Past;
 use super::program::{EvaluationPlan, StageTape};
 use super::sampler::Surroundings;
@@ -14,8 +14,7 @@ use super::tape::{Register, Source};
 
 /// A program bound to points, with its fixed values, the past of hereditary integrals and scratch memory.
 ///
-/// Values at (t, zeta) are independent of earlier evaluations and of the other points, to the last bit; except that
-/// integrals at thousands of values of a coordinate are interpolated, to 1e-13.
+/// Values at (t, zeta) are independent of earlier evaluations and of the other points, to the last bit.
 #[derive(Clone, Debug)]
 pub struct BoundProgram {
     plan: Arc<EvaluationPlan>,
@@ -24,7 +23,8 @@ pub struct BoundProgram {
     slots: Vec<Vec<f64>>,
     /// Number of moving stages that write slots: all, or all but the last if that has a lane per point.
     stored: usize,
-    outputs: Vec<Output>,
+    /// The slot of each output, its register if the last stage computes it, and its values on a block.
+    outputs: Vec<(usize, Option<Register>, Vec<f64>)>,
     pasts: Vec<Past>,
     registers: Registers,
     taken: Vec<Vec<f64>>,
@@ -37,26 +37,9 @@ pub struct BoundProgram {
     values: Vec<f64>,
 }
 
-#[derive(Clone, Debug)]
-enum Output {
-    Computed(Register),
-    Stored(usize),
-    /// A slot with one value, and room to repeat it over a block.
-    Same(usize, Vec<f64>),
-    /// A slot with a value per tuple, and room to expand it over a block.
-    Spread(usize, Vec<f64>),
-}
-
 impl BoundProgram {
-    /// The integrals of a group at all points, which differ along its only axis.
-    pub(super) fn integrals(&mut self, group: usize, t: f64, zeta: f64) -> Vec<f64> {
-        self.take_zeta(zeta);
-        self.values_of(group, t, zeta);
-        self.values.clone()
-    }
-
-    /// A plan at points; integrals are interpolated if it `interpolates` and they are many.
-    pub(super) fn new(plan: Arc<EvaluationPlan>, points: &[[f64; 3]], interpolates: bool) -> Self {
+    /// A plan at points.
+    pub(super) fn new(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
         let (masks, pairs) = plan.stages();
         let stages = Stages::new(points, &masks, &pairs);
         // Only outputs read slots of the last stage.
@@ -65,13 +48,8 @@ impl BoundProgram {
             let place = last?.slots.iter().position(|&result| result == slot)?;
             Some(last?.tape.results[place])
         };
-        let outputs = plan.outputs.iter().map(|&slot| match computed(slot) {
-            Some(register) => Output::Computed(register),
-            None if stages.count(plan.masks[slot]) == points.len() => Output::Stored(slot),
-            None if plan.masks[slot] == 0 => Output::Same(slot, Vec::new()),
-            None => Output::Spread(slot, Vec::new()),
-        });
-        let outputs = outputs.collect();
+        let output = |&slot: &usize| (slot, computed(slot), Vec::new());
+        let outputs = plan.outputs.iter().map(output).collect();
         let room = |(slot, &mask): (usize, &u8)| match computed(slot) {
             Some(_) => Vec::new(),
             None => vec![0.0; stages.count(mask)],
@@ -81,16 +59,10 @@ impl BoundProgram {
             let first = stages.first_points(plan.masks[slot]);
             slots[slot] = first.iter().map(|&p| points[p as usize][axis]).collect();
         }
-        let pasts = plan
-            .histories
-            .iter()
-            .enumerate()
-            .map(|(group, history)| {
-                let may = interpolates && !plan.adds_remainders;
-                let abscissae = may.then(|| Abscissae::of(history, &stages, points)).flatten();
-                Past::new(history, group, stages.count(history.mask), abscissae)
-            })
-            .collect();
+        let past = |(group, history): (usize, &HistoryPlan)| {
+            Past::new(history, group, stages.count(history.mask))
+        };
+        let pasts = plan.histories.iter().enumerate().map(past).collect();
         let mut bound = Self {
             plan: Arc::clone(&plan),
             points: points.len(),
@@ -160,27 +132,20 @@ impl BoundProgram {
                 let fetch = |source, out: &mut [f64]| inputs.fetch(source, &lanes, out);
                 registers.run(&last.tape, lanes.len(), fetch);
             }
-            for output in outputs.iter_mut() {
-                match output {
-                    Output::Same(slot, room) if lanes.start == 0 => {
-                        room.clear();
-                        room.resize(lanes.len(), slots[*slot][0]);
+            for (slot, register, values) in outputs.iter_mut() {
+                values.clear();
+                match register {
+                    Some(register) => {
+                        values.extend_from_slice(registers.lanes(*register, lanes.len()))
                     }
-                    Output::Spread(slot, room) => {
+                    None => {
                         let tuples = &stages.of_points(plan.masks[*slot])[lanes.clone()];
-                        room.clear();
-                        room.extend(tuples.iter().map(|&tuple| slots[*slot][tuple as usize]));
+                        values.extend(tuples.iter().map(|&tuple| slots[*slot][tuple as usize]));
                     }
-                    _ => {}
                 }
             }
-            let values = outputs.iter().map(|output| match output {
-                Output::Computed(register) => registers.lanes(*register, lanes.len()),
-                Output::Stored(slot) => &slots[*slot][lanes.clone()],
-                Output::Same(_, values) => &values[..lanes.len()],
-                Output::Spread(_, values) => values,
-            });
-            visit(lanes.clone(), &values.collect::<Vec<&[f64]>>())?;
+            let values: Vec<&[f64]> = outputs.iter().map(|(_, _, values)| &values[..]).collect();
+            visit(lanes, &values)?;
         }
         Ok(())
     }

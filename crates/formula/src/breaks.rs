@@ -4,21 +4,28 @@
 //! sign change is enclosed down to neighbouring numbers, or the rounding of the panel's times, and the panel is broken
 //! there.
 
-use super::bracket::{Bracket, End, Found};
 use super::history::HistoryPlan;
 use super::past::Past;
 use super::sampler::{Sampler, Surroundings};
+use super::vocabulary::class;
 
 /// Lanes whose guards are watched at once and stay in cache.
 const WATCHED: usize = 128;
 /// Breaks closer than this, relative to the times, are merged.
 const APART: f64 = 1e-14;
+/// A bracket is closed at this share of that distance, a unit in the last place.
+const CLOSED: f64 = 1e-2;
+/// Sections of an interval between two watches at which a guard has different signs, and most changes sought there.
+const SECTIONS: usize = 16;
+const CHANGES: usize = 6;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lane {
     pub(super) tuple: u32,
     pub(super) from: f64,
     pub(super) to: f64,
+    /// The time up to which kernels count lags.
+    pub(super) end: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +56,14 @@ impl Piece {
         let middle = 0.5 * (self.from + self.to);
         [Self { to: middle, ..*self }, Self { from: middle, ..*self }]
     }
+}
+
+/// An interval at whose ends a guard has different signs.
+#[derive(Clone, Copy, Debug)]
+struct Bracket {
+    lane: usize,
+    guard: usize,
+    ends: [(f64, i8); 2],
 }
 
 #[derive(Clone, Debug)]
@@ -85,8 +100,9 @@ impl Breaks {
             for (index, some) in lanes.chunks(WATCHED).enumerate() {
                 self.watch(plan, below, all, some, WATCHED * index);
             }
+            self.divide(plan, below, all, lanes, (SECTIONS, CHANGES));
             while !self.brackets.is_empty() {
-                self.narrow(plan, below, all, lanes);
+                self.divide(plan, below, all, lanes, (2, 1));
             }
         }
         let order = |s: f64, lane: usize| (s - lanes[lane].from).abs();
@@ -131,51 +147,58 @@ impl Breaks {
         for (guard, values) in self.sampler.values.iter().enumerate() {
             let mut first = 0;
             for (lane, &watches) in self.watches.iter().enumerate() {
-                let apart = lanes[lane].apart();
                 let (values, times) = (&values[first..], &self.sampler.times[first..]);
                 first += watches + 1;
                 if is_of_one_sign(&values[..=watches]) {
                     continue;
                 }
                 for k in 0..watches {
-                    let [low, high] = [k, k + 1].map(|k| End::new(times[k], values[k]));
-                    if low.sign != high.sign {
-                        self.brackets.push(Bracket::new(before + lane, guard, [low, high], apart));
+                    let ends = [k, k + 1].map(|k| (times[k], class(values[k])));
+                    if ends[0].1 != ends[1].1 {
+                        self.brackets.push(Bracket { lane: before + lane, guard, ends });
                     }
                 }
             }
         }
     }
 
-    fn narrow(
+    /// Divides brackets into sections and keeps the first of those that are brackets, at most `kept`. What is closed
+    /// becomes a cut.
+    fn divide(
         &mut self,
         plan: &HistoryPlan,
         below: &mut [Past],
         all: Surroundings,
         lanes: &[Lane],
+        (sections, kept): (usize, usize),
     ) {
+        let cuts = &mut self.cuts;
+        self.brackets.retain(|Bracket { lane, ends: [(low, _), (high, _)], .. }| {
+            let middle = 0.5 * (low + high);
+            let closed = (high - low).abs() <= CLOSED * lanes[*lane].apart();
+            let open = !closed && middle != *low && middle != *high;
+            if !open {
+                cuts.push((*lane, *high));
+            }
+            open
+        });
         self.sampler.clear();
-        for bracket in &self.brackets {
-            let times = (0..bracket.count()).map(|k| bracket.time(k));
-            self.sampler.extend(lanes[bracket.lane].tuple, times);
+        for Bracket { lane, ends: [(low, _), (high, _)], .. } in &self.brackets {
+            let inside = (1..sections).map(|k| low + (high - low) * (k as f64 / sections as f64));
+            self.sampler.extend(lanes[*lane].tuple, inside);
         }
         self.sampler.run(&plan.watch, plan.mask, below, all);
         let (values, times) = (&self.sampler.values, &self.sampler.times);
-        let (cuts, mut place) = (&mut self.cuts, 0);
-        self.brackets.retain_mut(|bracket| {
-            let mine = place..place + bracket.count();
-            place = mine.end;
-            let values = &values[bracket.guard][mine.clone()];
-            let found = times[mine].iter().zip(values).map(|(t, v)| End::new(*t, *v));
-            match bracket.narrow(found) {
-                Found::Nothing => true,
-                Found::End => false,
-                Found::Break(time) => {
-                    cuts.push((bracket.lane, time));
-                    bracket.reopen()
-                }
-            }
-        });
+        let mut found = Vec::new();
+        for (index, bracket) in self.brackets.iter().enumerate() {
+            let range = (sections - 1) * index..(sections - 1) * (index + 1);
+            let inside = range.map(|k| (times[k], class(values[bracket.guard][k])));
+            let [mut low, high] = bracket.ends;
+            let pairs = inside.chain([high]).map(|next| [std::mem::replace(&mut low, next), next]);
+            let changes = pairs.filter(|[low, high]| low.1 != high.1).take(kept);
+            found.extend(changes.map(|ends| Bracket { ends, ..*bracket }));
+        }
+        self.brackets = found;
     }
 }
 

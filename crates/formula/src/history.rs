@@ -1,6 +1,6 @@
 //! Groups of hereditary integrals.
 //!
-//! Integrals at one stage and depth of nesting form a group: one tape computes their integrands at common times, and
+//! Integrals at one stage and depth of nesting, all with exponential kernels or none, form a group: one tape computes their integrands at common times, and
 //! panels are broken where any of their guards changes sign.
 
 use super::graph::{Graph, Node, Op, Variable};
@@ -42,6 +42,7 @@ pub(super) struct Member {
 pub(super) struct HistoryPlan {
     pub(super) mask: u8,
     pub(super) on_zeta: bool,
+    general: bool,
     width: f64,
     watch_width: f64,
     pub(super) members: Vec<Member>,
@@ -56,29 +57,32 @@ impl HistoryPlan {
     /// The groups of all integrals in `outputs`, nested ones first.
     pub(super) fn groups(graph: &Graph, outputs: &[Node], horizon: f64) -> Vec<Self> {
         let all = graph.reachable(outputs, |_| true);
-        let mut keyed: Vec<((usize, u8, bool), Node)> = Vec::new();
+        let mut keyed: Vec<((usize, u8, bool, bool), Node)> = Vec::new();
         for node in all.into_iter().filter(|&n| is_hereditary(graph, n)) {
             let inside: Vec<Node> = graph.op(node).operands().collect();
             let inside = graph.reachable(&inside, |_| true);
             let depths = keyed.iter().filter(|(_, n)| inside.contains(n));
             let depth = depths.map(|((d, ..), _)| d + 1).max().unwrap_or(0);
             let on_zeta = graph.depends_on(node, Variable::Zeta);
-            keyed.push(((depth, graph.dependence(node).space(), on_zeta), node));
+            let general = matches!(graph.op(node), Op::Convolve(..));
+            keyed.push(((depth, graph.dependence(node).space(), on_zeta, general), node));
         }
         keyed.sort_by_key(|(key, n)| (*key, n.0));
         keyed
             .chunk_by(|(a, _), (b, _)| a == b)
             .map(|group| {
                 let nodes: Vec<Node> = group.iter().map(|(_, n)| *n).collect();
-                Self::new(graph, &nodes, group[0].0.2, horizon)
+                let (_, _, on_zeta, general) = group[0].0;
+                Self::new(graph, &nodes, (on_zeta, general), horizon)
             })
             .collect()
     }
 
-    fn new(graph: &Graph, nodes: &[Node], on_zeta: bool, horizon: f64) -> Self {
+    fn new(graph: &Graph, nodes: &[Node], (on_zeta, general): (bool, bool), horizon: f64) -> Self {
         let mut plan = Self {
             mask: graph.dependence(nodes[0]).space(),
             on_zeta,
+            general,
             width: 0.0,
             watch_width: 0.0,
             members: Vec::new(),
@@ -117,6 +121,11 @@ impl HistoryPlan {
         plan.width = plan.panel_width(horizon);
         plan.watch_width = (horizon / WATCHES).min(plan.width / LEAST_WATCHES);
         plan
+    }
+
+    /// Whether the kernels are no exponentials.
+    pub(super) fn is_general(&self) -> bool {
+        self.general
     }
 
     fn panel_width(&self, horizon: f64) -> f64 {

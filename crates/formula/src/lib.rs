@@ -4,10 +4,8 @@
 //! A [`Graph`] holds expressions in x, y, z, t and zeta; equal subexpressions are one node. A [`Program`] is a set of
 //! nodes prepared for evaluation, a [`BoundProgram`] a program with its points.
 
-mod abscissae;
 mod block;
 mod bound;
-mod bracket;
 mod breaks;
 mod build;
 mod cost;
@@ -23,7 +21,6 @@ mod hereditary;
 mod history;
 mod lexer;
 mod meaning;
-mod memory;
 mod nearest;
 mod operand;
 mod parser;

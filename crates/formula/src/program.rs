@@ -79,7 +79,8 @@ impl Program {
         // A number per point for its tuple, and one per tuple for its first point.
         let numbering: f64 = masks.iter().map(|&mask| 4.0 * (points + count(mask))).sum();
         let past = |history: &HistoryPlan| {
-            8.0 * (history.members.len() * (history.panel(t) + 1)) as f64 * count(history.mask)
+            let panels = if history.is_general() { 0 } else { history.panel(t) };
+            8.0 * (history.members.len() * (panels + 1)) as f64 * count(history.mask)
         };
         let pasts: f64 = self.plan.histories.iter().map(past).sum();
         let coordinates = 24.0 * points;
@@ -88,7 +89,7 @@ impl Program {
 
     /// Binds the program to points; fixed values are computed here.
     pub fn bind(&self, points: &[[f64; 3]]) -> BoundProgram {
-        BoundProgram::new(Arc::clone(&self.plan), points, true)
+        BoundProgram::new(Arc::clone(&self.plan), points)
     }
 
     /// All outputs at these points at t alone.

@@ -8,9 +8,6 @@ use rustc_hash::FxHashMap;
 /// Sets of space variables: bit 0 for x, 1 for y, 2 for z.
 pub(super) const MASKS: usize = 8;
 
-/// Limit of a table of all combinations, in lengths of the list of points.
-const WIDEST: usize = 4;
-
 #[derive(Clone, Debug, Default)]
 struct Tuples {
     of_point: Vec<u32>,
@@ -29,15 +26,11 @@ impl Stages {
     pub(super) fn new(points: &[[f64; 3]], masks: &[u8], pairs: &[(u8, u8)]) -> Self {
         let mut stages = Self { tuples: Default::default(), maps: Default::default() };
         let varying = varying(points);
-        let needed = masks.iter().map(|mask| mask & varying).filter(|part| *part != varying);
-        let needed = needed.fold(0, |all, part| all | part);
-        let places =
-            [0, 1, 2].map(|axis| (needed >> axis & 1 == 1).then(|| numbered(points, axis)));
         for &mask in masks {
             stages.tuples[mask as usize].get_or_insert_with(|| match mask & varying {
                 part if part == varying => Tuples::one_a_point(points.len()),
                 0 => Tuples::one(points.len()),
-                part => Tuples::new(points.len(), part, &places),
+                part => Tuples::new(points, part),
             });
         }
         for &(mask, part) in pairs {
@@ -88,62 +81,36 @@ impl Tuples {
         Self { of_point: vec![0; points], first: vec![0; points.min(1)] }
     }
 
-    /// Numbers the tuples over the axes of `mask`; `places` has for each axis the numbered coordinate of each point and
-    /// their count.
-    fn new(points: usize, mask: u8, places: &[Option<(Vec<u32>, usize)>; 3]) -> Self {
-        let axes: Vec<&(Vec<u32>, usize)> = (0..3)
-            .filter(|axis| mask >> axis & 1 == 1)
-            .filter_map(|k| places[k].as_ref())
-            .collect();
-        let numbers = |p: usize| {
-            axes.iter().fold(0, |number, (place, count)| number * count + place[p] as usize)
-        };
-        let all = axes.iter().map(|(_, count)| count).product();
-        if all <= WIDEST * points {
-            let mut known = vec![u32::MAX; all];
-            return Self::in_order(points, |p, next| {
-                let number = &mut known[numbers(p)];
-                *number = next.min(*number);
-                *number
-            });
-        }
-        let mut known: FxHashMap<usize, u32> = FxHashMap::default();
-        Self::in_order(points, |p, next| *known.entry(numbers(p)).or_insert(next))
+    /// Numbers the tuples over the axes of `mask`.
+    fn new(points: &[[f64; 3]], mask: u8) -> Self {
+        let mut axes = (0..3).filter(|axis| mask >> axis & 1 == 1);
+        let along = |axis: usize| Self::numbered(points.iter().map(|point| point[axis].to_bits()));
+        let first = axes.next().map_or_else(|| Self::one(points.len()), along);
+        axes.map(along).fold(first, |tuples, next| {
+            let pairs = tuples.of_point.iter().zip(&next.of_point);
+            Self::numbered(pairs.map(|(&a, &b)| u64::from(a) << 32 | u64::from(b)))
+        })
     }
 
-    /// Numbers the tuples as they appear; `known` returns the number of a point's tuple, given that of a new one.
-    fn in_order(points: usize, mut known: impl FnMut(usize, u32) -> u32) -> Self {
-        let mut tuples = Self { of_point: Vec::with_capacity(points), first: Vec::new() };
-        for p in 0..points {
-            let tuple = known(p, tuples.first.len() as u32);
-            if tuple as usize == tuples.first.len() {
+    /// Numbers the keys of all points in order of appearance.
+    fn numbered(keys: impl ExactSizeIterator<Item = u64>) -> Self {
+        let mut known: FxHashMap<u64, u32> = FxHashMap::default();
+        let mut tuples = Self { of_point: Vec::with_capacity(keys.len()), first: Vec::new() };
+        let mut last = None;
+        for (p, key) in keys.enumerate() {
+            let number = match last {
+                // Points come in rows.
+                Some((previous, number)) if previous == key => number,
+                _ => *known.entry(key).or_insert(tuples.first.len() as u32),
+            };
+            if number as usize == tuples.first.len() {
                 tuples.first.push(p as u32);
             }
-            tuples.of_point.push(tuple);
+            last = Some((key, number));
+            tuples.of_point.push(number);
         }
         tuples
     }
-}
-
-/// Numbers the distinct coordinates along an axis by bit pattern, in order of appearance.
-fn numbered(points: &[[f64; 3]], axis: usize) -> (Vec<u32>, usize) {
-    let mut known: FxHashMap<u64, u32> = FxHashMap::default();
-    let mut numbers: Vec<u32> = Vec::with_capacity(points.len());
-    let mut last = None;
-    for point in points {
-        let bits = point[axis].to_bits();
-        let number = match last {
-            // Points come in rows.
-            Some((previous, number)) if previous == bits => number,
-            _ => {
-                let next = known.len() as u32;
-                *known.entry(bits).or_insert(next)
-            }
-        };
-        last = Some((bits, number));
-        numbers.push(number);
-    }
-    (numbers, known.len())
 }
 
 #[cfg(test)]
@@ -155,13 +122,11 @@ mod tests {
 
     type Place = fn(usize) -> [usize; 3];
 
-    /// Against a search of all points; numbering by table and by hash: 12 of 12 combinations occur, or 50 of 31 · 29.
+    /// Against a search of all points; 12 of 12 combinations occur, or 50 of 31 · 29.
     #[test]
     fn tuples_are_numbered_in_order_of_appearance() {
         let on_a_grid: Place = |k| [k % 4, k / 4 % 3, k];
         let scattered: Place = |k| [k % 50 * 7 % 31, k % 50 * 11 % 29, k];
-        let few = |count: usize, points: usize| count <= WIDEST * points;
-        assert!(few(4 * 3, 60) && !few(31 * 29, 60));
         for (place, distinct) in [(on_a_grid, 12), (scattered, 50)] {
             let points: Vec<[f64; 3]> = (0..60).map(|k| place(k).map(|i| i as f64)).collect();
             let stages = Stages::new(&points, &[X, Y, X | Y], &[(X | Y, X), (X | Y, Y)]);
