@@ -87,9 +87,14 @@ fn tables(
 ) -> Result<Tables, TableError> {
     let (mut groups, mut said) = (Vec::new(), Vec::new());
     for (at, (block, columns)) in found.iter().enumerate() {
-        let title = (found.len() > 1).then(|| match block.title.is_empty() {
-            true => format!("table {} (line {})", at + 1, block.line),
-            false => block.title.trim_end_matches(':').to_owned(),
+        let title = (found.len() > 1).then(|| {
+            let same = found.iter().filter(|(other, _)| other.title == block.title).count();
+            let place = format!("table {} (line {})", at + 1, block.line);
+            match (block.title.trim_end_matches(':'), same) {
+                ("", _) => place,
+                (title, 1) => title.to_owned(),
+                (title, _) => format!("{title}, {place}"),
+            }
         });
         let mut of_block = Vec::new();
         rows(block, columns, reading, title.as_deref(), &mut of_block);
