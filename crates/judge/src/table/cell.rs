@@ -164,6 +164,9 @@ pub(super) enum Role {
     Unknown,
 }
 
+/// A longer one is prose, or a line that is torn.
+const LONGEST_NAME: usize = 200;
+
 // Names of columns in normal form, as `normal` gives it.
 const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing spacing meshwidth";
 const TIMES: &str = "k dt deltat tau timestep timestepsize stepsize htime";
@@ -196,6 +199,9 @@ pub(super) fn normal(name: &str) -> String {
 }
 
 pub(super) fn role(name: &str) -> Role {
+    if name.len() > LONGEST_NAME {
+        return Role::Unknown;
+    }
     // A unit in brackets is no part of the name.
     let bare = name.split_once(['[', '(']).map_or(name, |(bare, _)| bare);
     let normalised = if normal(bare).is_empty() { normal(name) } else { normal(bare) };

@@ -5,6 +5,9 @@ use super::text::{BARS, Block, Cells, Kind, Line, Separator, classify, is_rule, 
 
 const MOST_PAIRS: usize = 10_000;
 
+/// Words of a name.
+const MOST_WORDS: usize = 12;
+
 /// `name = value` and `name: value` of a line, in order, and `l-2 0.25` for a norm; what stands between is passed over.
 fn pairs(line: &str) -> Vec<(String, String)> {
     let bare: String = line.chars().filter(|c| !"{}\"'".contains(*c)).collect();
@@ -29,7 +32,11 @@ fn pairs(line: &str) -> Vec<(String, String)> {
                 found.push((named, word.to_owned()));
                 name.clear();
             }
-            _ => name.push(word),
+            _ => {
+                name.push(word);
+                // More words are prose.
+                name.drain(..name.len().saturating_sub(MOST_WORDS));
+            }
         }
     }
     found

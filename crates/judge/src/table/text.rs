@@ -302,6 +302,10 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                 // Ragged or broken rows are refused where they are read.
                 Kind::Row if !gap && (same || begins == Some(false)) => rows.push(at),
                 Kind::Text if !gap && same && separator != Separator::Blanks => rows.push(at),
+                // So is one that is torn, between rows that are whole.
+                _ if !gap && separator != Separator::Blanks && goes_on(&lines, at + 1, width) => {
+                    rows.push(at);
+                }
                 _ => break,
             }
             at += 1;
@@ -316,6 +320,10 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         }
     }
     found
+}
+
+fn goes_on(lines: &[Line], at: usize, width: usize) -> bool {
+    lines.get(at).is_some_and(|line| line.kind == Kind::Row && line.cells.len() == width)
 }
 
 fn is_summary(text: &str) -> bool {
