@@ -20,12 +20,14 @@ use self::claims::Claims;
 use self::eoc::Style;
 use self::window::Window;
 use self::wording::Part;
+use super::github::{announce, in_file, on_github};
 use super::output::{print_error, write_user_file};
 use super::{CliError, print_json, print_text};
 use files::{FileError, read_at_most, up_to};
 use judge::fit::{Claim, Direction, Point, TOLERANCE, deviation, path};
 use judge::table::{Group, Quantity, Reading, Tables, read};
-use judge::verdict::Decision;
+use judge::verdict::{Decision, Prediction, Variable, Verdict};
+use report::{AnnotationPlace, write_junit};
 
 /// `sweep fit`.
 #[derive(Args)]
@@ -105,6 +107,13 @@ pub(crate) struct Fit {
     /// Draw the errors into this file, with triangles of the predicted orders
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    /// Write the verdicts as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print annotations for GitHub Actions, and append the verdicts to the file that GITHUB_STEP_SUMMARY names; set by
+    /// GITHUB_ACTIONS=true as well, unless JSON, Markdown or LaTeX is printed
+    #[arg(long)]
+    github: bool,
 }
 
 impl Fit {
@@ -152,10 +161,26 @@ impl Fit {
             true => print_json(&found.objects)?,
             false => texts.iter().for_each(|text| print_text(text)),
         }
+        if let Some(path) = &self.junit {
+            let version = serde_json::json!({ "version": env!("CARGO_PKG_VERSION") });
+            write_junit(path, &found.verdicts, &version, None)?;
+        }
+        if self.github || on_github(false) && !(self.json || self.markdown || self.latex) {
+            announce(&[], &found.verdicts, |_, of| self.place(&tables, of?))?;
+        }
         if self.markdown || self.latex {
             tables.said.iter().for_each(|line| print_error(line));
         }
         Ok(u8::from(!found.all_pass))
+    }
+
+    /// The first line of the table of a verdict.
+    fn place(&self, tables: &Tables, verdict: &Verdict) -> Option<AnnotationPlace> {
+        let path = Some(&self.file).filter(|file| file.as_os_str() != "-")?;
+        let wanted = (verdict.scene.as_str(), verdict.norm.as_str());
+        let mut groups = tables.groups.iter();
+        let group = groups.find(|group| of_group(&self.name(), group) == wanted)?;
+        Some(in_file(path, usize::try_from(group.rows.first()?.line).ok()?))
     }
 
     fn name(&self) -> String {
@@ -218,6 +243,8 @@ pub struct Fitted {
     pub texts: Vec<String>,
     /// The parts as JSON, without headings.
     pub objects: Vec<serde_json::Value>,
+    /// One for each predicted order.
+    pub verdicts: Vec<Verdict>,
     /// No predicted order fails or is unresolved.
     pub all_pass: bool,
 }
@@ -239,12 +266,14 @@ fn judged(
     asked: impl Fn(&Group) -> Asked,
     left_out: &[Vec<Point>],
 ) -> Result<Fitted, CliError> {
-    let mut found = Fitted { texts: Vec::new(), objects: Vec::new(), all_pass: true };
+    let mut found =
+        Fitted { texts: Vec::new(), objects: Vec::new(), verdicts: Vec::new(), all_pass: true };
     found.texts = eoc::tables(&tables.groups, Style::Text);
     for (at, group) in tables.groups.iter().enumerate() {
         let asked = asked(group);
         let outside = left_out.get(at).map_or(&[][..], Vec::as_slice);
         for mut part in parts(group, asked, outside).map_err(|why| CliError::about(name, why))? {
+            found.verdicts.extend(verdict(of_group(name, group), &part));
             found.all_pass &= part.decision.is_none_or(|d| d == Decision::Pass);
             part.json["read"] = tables.said.join("\n").into();
             part.json["scene"] = group.scene.clone().into();
@@ -262,6 +291,38 @@ fn judged(
     }
     found.texts.extend(tables.said.iter().cloned());
     Ok(found)
+}
+
+/// What a suite and a test of JUnit are called: the file or the scene in it, and the norm.
+fn of_group<'a>(file: &'a str, group: &'a Group) -> (&'a str, &'a str) {
+    (group.scene.as_deref().unwrap_or(file), group.norm.as_deref().unwrap_or("error"))
+}
+
+/// A result as a verdict; none if no order is predicted.
+fn verdict((scene, norm): (&str, &str), part: &Part) -> Option<Verdict> {
+    let (decision, json) = (part.decision?, &part.json);
+    let number = |key: &str| json[key].as_f64();
+    let interval = |key: &str| Some([json[key][0].as_f64()?, json[key][1].as_f64()?]);
+    let variable = [Variable::H, Variable::K, Variable::Joint, Variable::Path];
+    let variable = variable.into_iter().find(|variable| json["variable"] == variable.name())?;
+    // Along a path h and k are refined together: an order in k alone is that of the path.
+    let order = number("predicted").or(number("predicted_k"))?;
+    let prediction = Prediction {
+        order_k: number("predicted_k"),
+        at_least: json["at_least"] == true,
+        why: "the caller".into(),
+        ..Prediction::new(norm, variable, order)
+    };
+    Some(Verdict {
+        observed: number("observed"),
+        interval: interval("interval"),
+        observed_k: number("observed_k"),
+        interval_k: interval("interval_k"),
+        order: decision,
+        decision,
+        reason: json["reason"].as_str().unwrap_or_default().to_owned(),
+        ..Verdict::open(scene, &prediction, Decision::Pass)
+    })
 }
 
 /// All results for one table.

@@ -1,4 +1,4 @@
-//! Verdicts of `sweep gate` and `sweep verify` on GitHub Actions: beside the scene file, and in the summary.
+//! Verdicts on GitHub Actions: beside the scene file or the table, and in the summary.
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -22,7 +22,15 @@ pub(crate) fn annotate(
     records: &[CaseRecord],
     verdicts: &[Verdict],
 ) -> Result<(), CliError> {
-    let place = |scene: &str, of: Option<&Verdict>| place(plans, scene, of);
+    announce(records, verdicts, |scene, of| place(plans, scene, of))
+}
+
+/// The same for verdicts of whatever origin.
+pub(super) fn announce(
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    place: impl Fn(&str, Option<&Verdict>) -> Option<AnnotationPlace>,
+) -> Result<(), CliError> {
     print_as_it_is(annotations(records, verdicts, place).trim_end());
     let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) else {
         return Ok(());
@@ -49,6 +57,10 @@ fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<A
     let path = Some(&scene.source.path).filter(|path| path.exists())?;
     let here = std::env::current_dir().ok();
     let path = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
-    let file = path.display().to_string().replace('\\', "/");
-    Some(AnnotationPlace { file, line: 1 + before.matches('\n').count() })
+    Some(in_file(path, 1 + before.matches('\n').count()))
+}
+
+/// A line of a file that is named from here.
+pub(super) fn in_file(path: &Path, line: usize) -> AnnotationPlace {
+    AnnotationPlace { file: path.display().to_string().replace('\\', "/"), line }
 }

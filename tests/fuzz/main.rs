@@ -18,6 +18,7 @@ use formula::{EvaluationPoint, Graph, Program, Scope, Variable};
 use gronwall::cli::fitted;
 use judge::fit::Direction;
 use judge::record::{CaseRecord, Key, read};
+use judge::table::Reading;
 use judge::verdict::{Baseline, ComparedRun, read_earlier};
 use program::{Folder, code, stderr, sweep};
 use report::{convergence_svg, split_svg};
@@ -176,6 +177,16 @@ fn pasted() -> Vec<String> {
         bodies.map(|body| body.split("'''").next().unwrap_or_default().to_owned()).collect()
     };
     paths.iter().map(read).flat_map(texts).collect()
+}
+
+/// The reader alone, with what a caller may say: a hundred texts for one that is fitted.
+#[test]
+fn no_text_breaks_the_reader_of_tables() {
+    fuzz("text of a table", &pasted(), 50_000, |text| {
+        let asked = Reading { dimension: Some(2), ratio: Some(2.0), ..Reading::default() };
+        let read = |reading| judge::table::read(text.as_bytes(), reading);
+        [asked, Reading { runs: true, ..Reading::default() }].iter().all(|r| read(r).is_ok())
+    });
 }
 
 #[test]

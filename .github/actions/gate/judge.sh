@@ -15,7 +15,7 @@ while IFS= read -r -d '' word; do words+=("$word"); done < <(xargs printf '%s\0'
 scenes=${SCENES:-}
 mkdir -p "$REPORT"
 case ${words[0]} in
-fit) exec "$SWEEP" "${words[@]}" ;;
+fit) exec "$SWEEP" "${words[@]}" --junit "$REPORT/junit.xml" ;;
 gate)
     status=0
     "$SWEEP" ${scenes:+--scenes "$scenes"} "${words[@]}" --out "$REPORT" --junit "$REPORT/junit.xml" || status=$?

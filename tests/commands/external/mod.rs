@@ -446,5 +446,9 @@ fn the_gate_of_other_repositories_takes_words_in_quotes_and_passes_the_exit_code
     let table = folder.file("table.csv", "h,error\n0.5,0.5\n0.25,0.25\n0.125,0.125\n");
     assert_eq!(code(&judged_elsewhere(&format!("fit {table} --p 1"), &report)), 0);
     assert_eq!(code(&judged_elsewhere(&format!("fit {table} --p 2"), &report)), 1);
+    let junit = written("junit.xml").expect("JUnit");
+    assert!(junit.contains("<failure") && junit.contains("table.csv"), "{junit}");
+    let annotated = stdout(&sweep(&["fit", &table, "--p", "2", "--github"]));
+    assert!(annotated.contains(&format!("::error file={table},line=2,title=")), "{annotated}");
     assert_eq!(code(&judged_elsewhere("list", &report)), 2);
 }

@@ -2,9 +2,10 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::name::{Measure, Role, is_rate, likeness, named, normal, role};
-use super::number::{Comma, is_missing, number};
-use super::text::Block;
+use super::cell::{
+    Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role, sides,
+};
+use super::text::{Block, Cells};
 use super::{Quantity, TableError};
 use crate::fit::is_step;
 use files::counted;
@@ -115,7 +116,15 @@ impl Columns {
         let mut reader = Reader::of(block, reading)?;
         let (measured, quantity) = reader.measured()?;
         let runs = reading.runs || reader.roles.contains(&Role::Run);
-        let sizes = [reader.size(false)?, reader.size(true)?];
+        let mut sizes = [reader.size(false)?, reader.size(true)?];
+        reader.drop_level(&mut sizes);
+        if let Some(measured) = measured.iter().find(|m| are_orders(&block.title, m)) {
+            let name = measured.norm.as_deref().unwrap_or("error");
+            let title = &block.title;
+            return fail(format!(
+                "`{name}` seems to hold orders, not errors: `{title}` stands above"
+            ));
+        }
         if sizes.iter().all(Option::is_none) && reading.ratio.is_none() {
             return fail(reader.no_size());
         }
@@ -145,6 +154,15 @@ impl Columns {
     }
 }
 
+/// Numbers between 0.2 and 15 that change by less than a factor of three, below a line that speaks of rates. An error that is refined
+/// twice changes by more, unless its order is below 0.8.
+fn are_orders(title: &str, measured: &Measured) -> bool {
+    let said = ["rate", "order", "eoc", "slope"].iter().any(|w| title.to_lowercase().contains(w));
+    let all = || measured.entries.iter().flatten().copied();
+    let (least, most) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
+    said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
+}
+
 impl<'a> Reader<'a> {
     fn of(block: &'a Block, reading: &'a Reading) -> Result<Self, TableError> {
         let names: Vec<&str> = block.names.iter().map(String::as_str).collect();
@@ -162,11 +180,16 @@ impl<'a> Reader<'a> {
             let at = named(asked, &names).map_err(|what| missing(format!("--by: {what}")))?;
             roles[at] = Role::Parameter;
         }
+        // What a rate follows is an error, whatever its name; of several such the caller may name some.
+        for at in 1..roles.len() {
+            if roles[at - 1] == Role::Unknown && is_rate(names[at]) && reading.errors.is_empty() {
+                roles[at - 1] = Role::Wide;
+            }
+        }
         // A column of words alone tells tables apart, whatever it is called.
         for (at, role) in roles.iter_mut().enumerate() {
-            let words = |row: &super::text::Cells| {
-                is_missing(&row.cells[at]) || number(&row.cells[at]).is_none()
-            };
+            let words =
+                |row: &Cells| is_missing(&row.cells[at]) || number(&row.cells[at]).is_none();
             let number_wanted = matches!(role, Role::Wide | Role::Unknown | Role::Ignored);
             if number_wanted && block.rows.iter().all(words) {
                 let any = block.rows.iter().any(|row| !is_missing(&row.cells[at]));
@@ -191,7 +214,7 @@ impl<'a> Reader<'a> {
     /// The numbers of a column; `whole` are counts, in which `2,312` can be no fraction.
     fn column(&self, at: usize, whole: bool) -> Result<Entries, TableError> {
         let rows = &self.block.rows;
-        let cell = |row: &'a super::text::Cells| -> Result<_, TableError> {
+        let cell = |row: &'a Cells| -> Result<_, TableError> {
             let text = row.cells[at].as_str();
             if is_missing(text) {
                 return Ok(None);
@@ -205,7 +228,7 @@ impl<'a> Reader<'a> {
         let mut unit: Option<&str> = None;
         let grouped = cells.iter().flatten().any(|(.., n)| n.comma == Comma::Thousands);
         let pointed = cells.iter().flatten().any(|(_, text, _)| text.contains('.'));
-        let entry = |(line, text, read): &(u64, &'a str, super::number::Number)| {
+        let entry = |(line, text, read): &(u64, &'a str, Number)| {
             let refuse = |what: String| Err(TableError::at(*line, what));
             match read.comma {
                 Comma::Decimal if grouped || pointed => refuse(format!(
@@ -337,7 +360,9 @@ impl<'a> Reader<'a> {
             };
             let rank = match measure {
                 Measure::Length => 0,
-                Measure::Cells | Measure::Unknowns if self.reading.dimension.is_none() => {
+                Measure::Cells | Measure::Unknowns
+                    if self.reading.dimension.is_none() && !self.has_sides(at) =>
+                {
                     self.left_out.push(at);
                     continue;
                 }
@@ -391,6 +416,20 @@ impl<'a> Reader<'a> {
         Ok(Some(first))
     }
 
+    /// Beside a time step that changes with it a level counts the rows.
+    fn drop_level(&mut self, sizes: &mut [Option<Size>; 2]) {
+        let [Some(level), Some(time)] = &*sizes else { return };
+        let name = normal(self.name(level.at));
+        let both = level.steps.windows(2).zip(time.steps.windows(2));
+        if level.measure == Measure::Level
+            && ["level", "levels", "lvl"].contains(&name.as_str())
+            && both.into_iter().all(|(level, time)| level[0] != level[1] && time[0] != time[1])
+        {
+            self.left_out.push(level.at);
+            sizes[0] = None;
+        }
+    }
+
     /// `k` or `n` that counts 1, 2, 3 is no size: whole numbers in k beside h are a degree.
     fn drop_counters(&mut self, found: &mut Vec<Size>, time: bool) -> Result<(), TableError> {
         let mut kept = Vec::new();
@@ -437,11 +476,19 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    fn has_sides(&self, at: usize) -> bool {
+        sides(self.block.rows.iter().map(|row| row.cells[at].as_str())).is_some()
+    }
+
     /// The sizes of the rows by a column; NaN where one is missing.
     fn steps(&self, at: usize, measure: Measure) -> Result<Vec<f64>, TableError> {
         let name = self.name(at);
         let counts = measure != Measure::Length;
-        let numbers = self.column(at, counts)?;
+        let cells = || self.block.rows.iter().map(|row| row.cells[at].as_str());
+        let (numbers, measure) = match sides(cells()).filter(|_| counts) {
+            Some(sides) => (sides.into_iter().map(Some).collect(), Measure::Number),
+            None => (self.column(at, counts)?, measure),
+        };
         let ratio = self.reading.ratio.unwrap_or(2.0);
         let mut steps = Vec::with_capacity(numbers.len());
         let mut before: Option<f64> = None;

@@ -1,22 +1,18 @@
-//! Tables as people have them: lines are classified (`text`), the block of rows that agree is found and its columns
-//! are named (`name`), sizes and errors are read (`columns`), and rows become groups (`read`). What is guessed is said.
+//! Tables as people have them: lines are classified, rows that agree make a block with the names above it (`text`), what stands in
+//! no rows is gathered (`loose`), sizes and errors are found among the columns by their names and numbers (`columns`, `cell`), and
+//! rows become groups (`read`, `group`). What is guessed is said.
 
+mod cell;
 mod columns;
-mod error;
 mod group;
-mod name;
-mod number;
+mod loose;
 mod read;
-mod row;
-mod runs;
 mod text;
 
+pub use cell::named;
 pub use columns::Reading;
-pub use error::TableError;
-pub use group::Group;
-pub use name::named;
+pub use group::{Group, Measurement, Quantity, Row, TableError};
 pub use read::{Tables, read};
-pub use row::{Measurement, Quantity, Row};
 
 #[cfg(test)]
 mod tests;

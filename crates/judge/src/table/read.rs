@@ -10,6 +10,9 @@ use crate::fit::{Direction, Point, deviation, is_step, screen};
 /// More rows are no table of a study.
 const MOST_ROWS: usize = 1_000_000;
 
+/// Tables are compared with one another.
+const MOST_TABLES: usize = 1000;
+
 /// All tables of a text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tables {
@@ -55,6 +58,10 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
                 }
             }
         }
+        if let Some((block, _)) = found.get(MOST_TABLES) {
+            let what = format!("{} tables: at most {MOST_TABLES} are read", found.len());
+            return Err(TableError::at(block.line, what));
+        }
         // A log prints the table again after each level: the last has all rows.
         let longer = |at: usize| {
             let (names, rows) = (&found[at].0.names, &found[at].0.rows);
@@ -87,9 +94,14 @@ fn tables(
 ) -> Result<Tables, TableError> {
     let (mut groups, mut said) = (Vec::new(), Vec::new());
     for (at, (block, columns)) in found.iter().enumerate() {
-        let title = (found.len() > 1).then(|| match block.title.is_empty() {
-            true => format!("table {} (line {})", at + 1, block.line),
-            false => block.title.trim_end_matches(':').to_owned(),
+        let title = (found.len() > 1).then(|| {
+            let same = found.iter().filter(|(other, _)| other.title == block.title).count();
+            let place = format!("table {} (line {})", at + 1, block.line);
+            match (block.title.trim_end_matches(':'), same) {
+                ("", _) => place,
+                (title, 1) => title.to_owned(),
+                (title, _) => format!("{title}, {place}"),
+            }
         });
         let mut of_block = Vec::new();
         rows(block, columns, reading, title.as_deref(), &mut of_block);
@@ -102,7 +114,10 @@ fn tables(
         });
     }
     let read: Vec<u64> = found.iter().map(|(block, _)| block.line).collect();
-    let other = blocks.iter().find(|block| !read.contains(&block.line) && block.rows.len() > 1);
+    // A single row is noise of a log, unless it has the cells of a table.
+    let widths: Vec<usize> = found.iter().map(|(block, _)| block.names.len()).collect();
+    let rows = |block: &Block| block.rows.len() > 1 || widths.contains(&block.rows[0].cells.len());
+    let other = blocks.iter().find(|block| !read.contains(&block.line) && rows(block));
     if let (Some(other), Some(last)) = (other, said.last_mut()) {
         *last += &format!("; not read: the rows of line {}", other.rows[0].line);
     }

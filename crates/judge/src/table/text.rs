@@ -1,7 +1,7 @@
 //! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
 
-use super::name::{Role, is_norm, is_rate, is_size, normal, role};
-use super::number::{is_missing, number};
+use super::cell::{Role, is_missing, is_norm, is_rate, is_size, normal, number, role};
+use super::loose::{self, Records};
 
 /// A row, cut into cells.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,14 +27,14 @@ pub(super) struct Block {
 
 impl Block {
     /// Rows below no title, with nothing between them.
-    fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
+    pub(super) fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
         let (left_out, repeated) = (Vec::new(), Vec::new());
         Self { title: String::new(), line, names, rows, left_out, repeated }
     }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Separator {
+pub(super) enum Separator {
     Latex,
     Pipe,
     Character(char),
@@ -42,7 +42,7 @@ enum Separator {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     /// Blank, or a drawn rule.
     Gap,
     Comment,
@@ -50,71 +50,144 @@ enum Kind {
     Row,
 }
 
-const BARS: [char; 2] = ['|', '\u{2502}'];
+const SEPARATORS: [Separator; 6] = [
+    Separator::Latex,
+    Separator::Pipe,
+    Separator::Character('\t'),
+    Separator::Character(';'),
+    Separator::Character(','),
+    Separator::Blanks,
+];
 
-struct Line<'a> {
-    number: u64,
+/// A longer line is no row that somebody set.
+const LONGEST: usize = 10_000;
+
+pub(super) const BARS: [char; 2] = ['|', '\u{2502}'];
+
+pub(super) struct Line<'a> {
+    pub(super) number: u64,
     text: &'a str,
-    cells: Vec<String>,
-    kind: Kind,
+    pub(super) cells: Vec<String>,
+    pub(super) kind: Kind,
 }
 
-/// The blocks by every way to cut the text, each as a list: the first with a table in it is meant.
+/// The blocks by every way to cut the text, each as a list: the first with a table in it is meant. What nothing is found in is
+/// read once more without the signs of comments, quotations and changes before its lines.
 pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
-    let text = typed(text);
-    let separators = [
-        Separator::Latex,
-        Separator::Pipe,
-        Separator::Character('\t'),
-        Separator::Character(';'),
-        Separator::Character(','),
-        Separator::Blanks,
-    ];
-    let ways = 3 + separators.len();
-    (0..ways).map(move |way| match way.checked_sub(1) {
-        None => arrays(&text),
-        Some(at) if at < separators.len() => blocks(&text, separators[at]),
-        Some(at) if at == separators.len() => records(&text),
-        Some(_) => lying(&text),
+    let text = plain(text);
+    let mut bare = None;
+    let ways = 6 + SEPARATORS.len();
+    (0..2 * ways).map(move |way| {
+        if way == ways {
+            let without = text.lines().map(uncommented).collect::<Vec<_>>().join("\n");
+            bare = (without != text).then_some(without);
+        }
+        let (text, way) = match (way < ways, &bare) {
+            (true, _) => (&text, way),
+            (false, Some(bare)) => (bare, way - ways),
+            (false, None) => return Vec::new(),
+        };
+        match (way, way.checked_sub(2).and_then(|at| SEPARATORS.get(at))) {
+            (0, _) => loose::arrays(text),
+            (1, _) => loose::across(text),
+            (_, Some(separator)) => blocks(text, *separator),
+            (8, _) => loose::records(text, Records::Lines),
+            (9, _) => loose::records(text, Records::BySize),
+            (10, _) => loose::records(text, Records::InTurn),
+            _ => loose::lying(text),
+        }
     })
 }
 
-/// Powers of ten as typeset, `1.2 × 10⁻³` or `1.2\times 10^{-3}`, without blanks.
-fn typed(text: &str) -> String {
-    let line = |line: &str| {
-        let mut out = line.replace("\\times", "×").replace("\\cdot", "×").replace("· 10", "×10");
-        out = out.replace("·10", "×10");
-        for (digit, plain) in "⁰¹²³⁴⁵⁶⁷⁸⁹⁻".chars().zip("0123456789-".chars()) {
-            let first = format!("10{digit}");
-            out = out.replace(&first, &format!("10^{plain}")).replace(digit, &plain.to_string());
-        }
-        for times in ["×", " x ", " * 10^"] {
-            let joined = times.trim();
-            for (a, b) in [(" ", " "), (" ", ""), ("", " ")] {
-                let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit() || c == '.');
-                let wide = format!("{a}{joined}{b}");
-                while let Some(at) = out.find(&wide).filter(|&at| {
-                    digit(out[..at].chars().next_back())
-                        && digit(out[at + wide.len()..].chars().next())
-                }) {
-                    out.replace_range(at..at + wide.len(), joined);
-                }
+/// The text with cells of one row in one line, and numbers as programs write them: `1.2×10⁻³` for `1.2\times 10^{-3}`.
+fn plain(text: &str) -> String {
+    let (html, list) = (text.contains("<td"), text.contains("* - "));
+    let mut out: Vec<String> = Vec::new();
+    // The line on which the row begins whose cells are read.
+    let mut row = None;
+    for line in text.split('\n') {
+        let bare = line.trim();
+        let cell = bare.strip_prefix("- ").or((bare == "-").then_some(""));
+        match (row, cell) {
+            _ if html && (row.is_some() || bare.contains("<tr")) => {
+                let at = *row.get_or_insert(out.len());
+                out.resize(out.len() + 1, String::new());
+                out[at] += &untagged(bare);
+                row = row.filter(|_| !bare.contains("</tr"));
+            }
+            _ if html => out.push(untagged(line)),
+            _ if list && bare.starts_with("* - ") => {
+                row = Some(out.len());
+                out.push(typed(&bare[4..]));
+            }
+            (Some(at), Some(cell)) => {
+                out[at] += &format!("\t{}", typed(cell.trim()));
+                out.push(String::new());
+            }
+            _ => {
+                row = None;
+                out.push(typed(line));
             }
         }
-        out
-    };
-    let needed = |text: &str| {
-        !text.is_ascii() || [" x ", "\\times", "\\cdot", "* 10^"].iter().any(|s| text.contains(s))
-    };
-    text.split('\n')
-        .map(|text| if needed(text) { line(text) } else { text.into() })
-        .collect::<Vec<_>>()
-        .join("\n")
+    }
+    out.join("\n")
 }
 
-const MOST_PAIRS: usize = 10_000;
+/// A line of HTML, its cells parted by tabs.
+fn untagged(line: &str) -> String {
+    let (mut out, mut rest) = (String::new(), line);
+    while let Some((before, behind)) = rest.split_once('<') {
+        out += before;
+        let Some((tag, behind)) = behind.split_once('>') else { break };
+        out += if tag == "/td" || tag == "/th" { "\t" } else { "" };
+        rest = behind;
+    }
+    typed(&(out + rest).replace("&nbsp;", " "))
+}
 
-fn is_rule(text: &str) -> bool {
+fn uncommented(line: &str) -> &str {
+    let bare = line.trim_start_matches(|c: char| "%#>!/".contains(c) || c.is_whitespace());
+    bare.strip_prefix("+ ")
+        .or(bare.strip_prefix('+').filter(|b| b.starts_with('|')))
+        .unwrap_or(bare)
+}
+
+/// Powers of ten as typeset, without blanks.
+fn typed(line: &str) -> String {
+    let marks = [" x ", "\\times", "\\cdot", "* 10^", ":math:"];
+    let plain = line.is_ascii() && !marks.iter().any(|mark| line.contains(mark));
+    if plain || line.len() > LONGEST {
+        return line.into();
+    }
+    let (mut out, mut raised) = (String::new(), false);
+    for c in line.chars() {
+        let digit = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻".chars().position(|raised| raised == c);
+        if digit.is_some() && !raised && out.ends_with(|c: char| c.is_ascii_digit()) {
+            out.push('^');
+        }
+        out.push(digit.map_or(c, |at| char::from(b"0123456789-"[at])));
+        raised = digit.is_some();
+    }
+    for times in ["\\times", "\\cdot", "· 10", "·10"] {
+        out = out.replace(times, if times.ends_with('0') { "×10" } else { "×" });
+    }
+    out = out.replace(":math:", "");
+    for times in ["×", " x ", " * 10^"] {
+        let joined = times.trim();
+        for (a, b) in [(" ", " "), (" ", ""), ("", " ")] {
+            let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit() || c == '.');
+            let wide = format!("{a}{joined}{b}");
+            while let Some(at) = out.find(&wide).filter(|&at| {
+                digit(out[..at].chars().next_back()) && digit(out[at + wide.len()..].chars().next())
+            }) {
+                out.replace_range(at..at + wide.len(), joined);
+            }
+        }
+    }
+    out
+}
+
+pub(super) fn is_rule(text: &str) -> bool {
     let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
     let latex = ["\\hline", "\\toprule", "\\midrule", "\\bottomrule", "\\cline", "\\cmidrule"];
     let text = text.trim();
@@ -160,7 +233,7 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
     }
 }
 
-fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
+pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
     let mut lines = Vec::new();
     for (at, text) in (1..).zip(text.lines()) {
         if text.trim().is_empty() || is_rule(text) {
@@ -184,7 +257,7 @@ fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
     lines
 }
 
-fn is_word(cell: &str) -> bool {
+pub(super) fn is_word(cell: &str) -> bool {
     !is_missing(cell) && number(cell).is_none()
 }
 
@@ -229,6 +302,10 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                 // Ragged or broken rows are refused where they are read.
                 Kind::Row if !gap && (same || begins == Some(false)) => rows.push(at),
                 Kind::Text if !gap && same && separator != Separator::Blanks => rows.push(at),
+                // So is one that is torn, between rows that are whole.
+                _ if !gap && separator != Separator::Blanks && goes_on(&lines, at + 1, width) => {
+                    rows.push(at);
+                }
                 _ => break,
             }
             at += 1;
@@ -243,6 +320,10 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         }
     }
     found
+}
+
+fn goes_on(lines: &[Line], at: usize, width: usize) -> bool {
+    lines.get(at).is_some_and(|line| line.kind == Kind::Row && line.cells.len() == width)
 }
 
 fn is_summary(text: &str) -> bool {
@@ -418,7 +499,9 @@ fn two_rows(above: &[String], below: &[String], width: usize) -> Option<Vec<Stri
         .filter(|name| !is_error(name))
         .all(|name| !matches!(role(name), Role::Wide | Role::Unknown));
     let sizes = width.checked_sub(below.len())?;
-    if errors == 0 || !others || above.len() < sizes + errors {
+    // One name above a row with a size is a title.
+    let title = errors == 1 && sizes == 0 && below.iter().any(|name| is_size(name));
+    if errors == 0 || !others || title || above.len() < sizes + errors {
         return None;
     }
     let (front, names) = above.split_at(above.len() - errors);
@@ -426,9 +509,6 @@ fn two_rows(above: &[String], below: &[String], width: usize) -> Option<Vec<Stri
     if front.len() != sizes
         && !(sizes == 0 && front.iter().all(|name| name.is_empty() || is_size(name)))
     {
-        return None;
-    }
-    if errors == 1 && sizes == 0 && front.is_empty() {
         return None;
     }
     let mut next = names.iter();
@@ -441,162 +521,4 @@ fn two_rows(above: &[String], below: &[String], width: usize) -> Option<Vec<Stri
     });
     let front: &[String] = if sizes > 0 { front } else { &[] };
     Some(front.iter().cloned().chain(below).collect())
-}
-
-/// `name = value` and `name: value` of a line, in order; what stands between is passed over.
-fn pairs(line: &str) -> Vec<(String, String)> {
-    let bare: String = line.chars().filter(|c| !"{}\"'".contains(*c)).collect();
-    let spaced = bare.replace(":=", "=").replace(['=', ':'], " = ").replace([',', ';'], " , ");
-    let mut found = Vec::new();
-    let mut name: Vec<&str> = Vec::new();
-    let mut words = spaced.split_whitespace().peekable();
-    while let Some(word) = words.next() {
-        match word {
-            "," => name.clear(),
-            "=" => {
-                let value =
-                    words.peek().filter(|value| number(value).is_some() || is_missing(value));
-                let named = name.join(" ");
-                if let Some(value) = value
-                    && named.chars().any(char::is_alphabetic)
-                {
-                    found.push((named, (*value).to_owned()));
-                    words.next();
-                }
-                name.clear();
-            }
-            // What stands in brackets after a value is no name.
-            _ if word.starts_with('(') && name.is_empty() => {}
-            _ => name.push(word),
-        }
-    }
-    found
-}
-
-/// Records of `name = value`: a line with several is one, else one begins where a size, or any name, comes again.
-fn records(text: &str) -> Vec<Block> {
-    let lines: Vec<(u64, Vec<(String, String)>)> =
-        (1..).zip(text.lines().map(pairs)).filter(|(_, pairs)| !pairs.is_empty()).collect();
-    let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| is_size(name));
-    let any = lines.iter().any(|(_, pairs)| sized(pairs));
-    // Names are looked up one by one: a log with more of them is none of a study.
-    if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
-        return Vec::new();
-    }
-    let full = |(_, pairs): &&(u64, Vec<(String, String)>)| pairs.len() > 1 && sized(pairs) == any;
-    let mut records: Vec<(u64, Vec<(String, String)>)> =
-        lines.iter().filter(full).cloned().collect();
-    if records.len() < 2 {
-        records.clear();
-        for (line, (name, value)) in lines
-            .iter()
-            .flat_map(|(line, pairs)| pairs.iter().map(move |pair| (*line, pair.clone())))
-        {
-            let again = |pairs: &[(String, String)]| pairs.iter().any(|(known, _)| *known == name);
-            let begins = match records.last() {
-                None => true,
-                Some((_, pairs)) => (is_size(&name) || !any) && again(pairs),
-            };
-            if begins {
-                records.push((line, Vec::new()));
-            }
-            if let Some((_, pairs)) = records.last_mut() {
-                pairs.push((name, value));
-            }
-        }
-    }
-    // A name of one record alone is a heading of the log.
-    let mut names: Vec<String> = Vec::new();
-    let mut count = std::collections::HashMap::new();
-    let mut repeated = Vec::new();
-    for (_, pairs) in &records {
-        for (at, (name, _)) in pairs.iter().enumerate() {
-            if pairs[..at].iter().any(|(known, _)| known == name) {
-                repeated.push(name.clone());
-            } else if *count.entry(name.clone()).and_modify(|n| *n += 1).or_insert(1) == 1 {
-                names.push(name.clone());
-            }
-        }
-    }
-    names.retain(|name| 2 * count[name] > records.len() && !repeated.contains(name));
-    repeated.sort();
-    repeated.dedup();
-    let row = |(line, pairs): &(u64, Vec<(String, String)>)| {
-        let value = |name: &String| pairs.iter().find(|(key, _)| key == name);
-        let text = |name: &String| value(name).map_or(String::new(), |(_, value)| value.clone());
-        Cells { line: *line, cells: names.iter().map(text).collect() }
-    };
-    let rows: Vec<Cells> = records.iter().map(row).collect();
-    let Some(line) = rows.first().map(|row| row.line).filter(|_| !names.is_empty()) else {
-        return Vec::new();
-    };
-    vec![Block { repeated, ..Block::of_rows(line, names, rows) }]
-}
-
-/// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
-fn arrays(text: &str) -> Vec<Block> {
-    let mut columns: Vec<(usize, String, Vec<String>)> = Vec::new();
-    for (open, _) in text.match_indices('[') {
-        let Some(close) = text[open + 1..].find([']', '[']).map(|at| open + 1 + at) else { break };
-        let inside = text[open + 1..close].replace("...", " ").replace([',', ';', '\n', '\t'], " ");
-        let cells: Vec<String> = inside.split_whitespace().map(str::to_owned).collect();
-        if cells.len() < 2 || !cells.iter().all(|cell| number(cell).is_some()) {
-            continue;
-        }
-        let start = text[..open].rfind(['\n', ',', '{', ']', ';']).map_or(0, |at| at + 1);
-        let before = &text[start..open];
-        let Some((name, _)) = before.rsplit_once(['=', ':']) else { continue };
-        let name = name.trim_matches(|c: char| c.is_whitespace() || "\"':".contains(c));
-        columns.push((
-            open,
-            name.rsplit_once(' ').map_or(name, |(_, last)| last).to_owned(),
-            cells,
-        ));
-    }
-    let Some((open, _, first)) = columns.first() else { return Vec::new() };
-    let (line, count) = (1 + text[..*open].matches('\n').count() as u64, first.len());
-    if columns.len() < 2 || columns.iter().any(|(.., cells)| cells.len() != count) {
-        return Vec::new();
-    }
-    let names = columns.iter().map(|(_, name, _)| name.clone()).collect();
-    let row =
-        |at: usize| Cells { line, cells: columns.iter().map(|(.., c)| c[at].clone()).collect() };
-    let rows = (0..count).map(row).collect();
-    vec![Block::of_rows(line, names, rows)]
-}
-
-/// A table on its side: every line is a name and its numbers.
-fn lying(text: &str) -> Vec<Block> {
-    let separator = [
-        ('|', Separator::Pipe),
-        ('\t', Separator::Character('\t')),
-        (';', Separator::Character(';')),
-        (',', Separator::Character(',')),
-    ];
-    let separator =
-        separator.iter().find(|(c, _)| text.contains(*c)).map_or(Separator::Blanks, |s| s.1);
-    let mut lines: Vec<Line> = classify(text, separator);
-    lines.retain(|line| line.kind != Kind::Gap);
-    let Some(width) = lines.iter().map(|line| line.cells.len()).max() else { return Vec::new() };
-    let named = |line: &Line| {
-        let sound = |cell: &String| !is_word(cell);
-        let split = line.cells.split_first();
-        line.cells.len() == width
-            && split.is_some_and(|(name, cells)| is_word(name) && cells.iter().all(sound))
-    };
-    if lines.iter().any(|line| line.kind == Kind::Row && !named(line)) {
-        return Vec::new();
-    }
-    lines.retain(named);
-    if lines.len() < 2 || width < 3 {
-        return Vec::new();
-    }
-    let line = lines[0].number;
-    let names = lines.iter().map(|line| line.cells[0].clone()).collect();
-    let row = |at: usize| Cells {
-        line,
-        cells: lines.iter().map(|line| line.cells[at].clone()).collect(),
-    };
-    let rows = (1..width).map(row).collect();
-    vec![Block::of_rows(line, names, rows)]
 }

@@ -77,7 +77,7 @@ pub struct Verdict {
 
 impl Verdict {
     /// Before any point is judged.
-    pub(super) fn open(scene: &str, prediction: &Prediction, expect: Decision) -> Self {
+    pub fn open(scene: &str, prediction: &Prediction, expect: Decision) -> Self {
         let joint = prediction.variable == Variable::Joint;
         Self {
             scene: scene.to_owned(),

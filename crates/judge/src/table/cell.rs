@@ -1,0 +1,315 @@
+//! What a cell says: a number as programs print it and papers set it, or the name of a column.
+
+/// What the commas of a number are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Comma {
+    None,
+    Decimal,
+    Thousands,
+    /// Three digits follow, as in `2,312`: the value is that of 2312.
+    Either,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Number {
+    pub(super) value: f64,
+    pub(super) comma: Comma,
+    /// `ms` of `0.5ms`, or nothing.
+    pub(super) unit: String,
+}
+
+pub(super) fn is_missing(cell: &str) -> bool {
+    let missing = ["", "-", "--", "---", "–", "—", "*", "n/a", "na", "none", "missing", "..."];
+    missing.iter().any(|word| cell.eq_ignore_ascii_case(word))
+}
+
+pub(super) fn number(cell: &str) -> Option<Number> {
+    let plain = |value, comma| Some(Number { value, comma, unit: String::new() });
+    if let Ok(value) = cell.parse::<f64>() {
+        return plain(value, Comma::None);
+    }
+    // Words are many: nothing but `nan` and `inf` begins with a letter.
+    let first = cell.trim_start_matches([' ', '$', '`', '*', '{']).chars().next()?;
+    if first.is_alphabetic() && !"nNiIπ".contains(first) {
+        return None;
+    }
+    let mut text = cell.trim().trim_matches(['$', '`']).replace("\\%", "%");
+    text = text
+        .trim_start_matches("**")
+        .trim_end_matches("**")
+        .replace(['\u{2212}', '–'], "-")
+        .replace("\\pi", "π");
+    for command in ["\\num", "\\textbf", "\\mathbf", "\\text", "\\,", "~"] {
+        text = text.replace(command, "");
+    }
+    text.retain(|c| !"{}$_'\u{2009}\u{202f}\u{a0}".contains(c));
+    for times in ["×10^", "x10^", "*10^"] {
+        text = text.replace(times, "e");
+    }
+    let text = text.trim();
+    if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.π".contains(c)) {
+        return text.parse().ok().and_then(|value| plain(value, Comma::None));
+    }
+    if let Some(percent) = text.strip_suffix('%') {
+        return number(percent.trim_end()).map(|n| Number { value: n.value / 100.0, ..n });
+    }
+    let float = |text: &str| match text.trim().strip_suffix('π') {
+        Some("") => Some(std::f64::consts::PI),
+        Some(factor) => factor.trim().parse().ok().map(|factor: f64| factor * std::f64::consts::PI),
+        None => text.trim().parse::<f64>().ok(),
+    };
+    let fortran = text.replace(['d', 'D'], "e");
+    if let Some(value) = float(text).or_else(|| float(&fortran)).or_else(|| wide_exponent(text)) {
+        return plain(value, Comma::None);
+    }
+    if let Some((a, b)) = text.split_once('/') {
+        return float(a).zip(float(b)).and_then(|(a, b)| plain(a / b, Comma::None));
+    }
+    if let Some((a, b)) = text.split_once('^') {
+        return float(a).zip(float(b)).and_then(|(a, b)| plain(a.powf(b), Comma::None));
+    }
+    if text.contains(['x', '×']) {
+        // `32x32` are 32 along each side.
+        let mut sides = text.split(['x', '×']).map(float);
+        let first = sides.next().flatten()?;
+        return sides.all(|side| side == Some(first)).then(|| plain(first, Comma::None))?;
+    }
+    if text.contains(',') {
+        return commas(text).and_then(|(value, comma)| plain(value, comma));
+    }
+    let letters = text.trim_end_matches(|c: char| c.is_alphabetic());
+    let unit = &text[letters.len()..];
+    let value = float(letters).filter(|_| (1..=3).contains(&unit.chars().count()))?;
+    // `1e`, `2D` are numbers cut short.
+    (!["e", "E", "d", "D"].contains(&unit)).then(|| Number {
+        value,
+        comma: Comma::None,
+        unit: unit.into(),
+    })
+}
+
+/// Cells along a side, where all cells of a column are meshes, `32x32` or `50^3`.
+pub(super) fn sides<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Vec<f64>> {
+    let mut power = None;
+    let side = |cell: &str| {
+        let cell = cell.trim_matches(['$', '`', '*', ' ']).replace('×', "x");
+        if cell.contains('x') {
+            return number(&cell).map(|number| number.value);
+        }
+        let (side, exponent) = cell.split_once('^')?;
+        let same = *power.get_or_insert(exponent.to_owned()) == exponent;
+        (same && ["2", "3"].contains(&exponent)).then(|| side.parse().ok())?
+    };
+    cells.map(side).collect()
+}
+
+/// Fortran prints 1.5E-103 as `1.5-103`.
+fn wide_exponent(text: &str) -> Option<f64> {
+    let at = text.rfind(['+', '-']).filter(|&at| at > 0 && text.len() - at == 4)?;
+    let (digits, exponent) = text.split_at(at);
+    let whole = digits.contains('.') && digits.ends_with(|c: char| c.is_ascii_digit() || c == '.');
+    whole.then(|| format!("{digits}e{exponent}").parse().ok())?
+}
+
+fn commas(text: &str) -> Option<(f64, Comma)> {
+    let joined: f64 = text.replace(',', "").parse().ok()?;
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let mut groups = whole.trim_start_matches(['+', '-']).split(',');
+    let first = groups.next()?;
+    let digits = |group: &str| group.bytes().all(|byte| byte.is_ascii_digit());
+    let grouped = (1..=3).contains(&first.len())
+        && !first.starts_with('0')
+        && digits(first)
+        && groups.clone().all(|group| group.len() == 3 && digits(group))
+        && !fraction.contains(',');
+    match (grouped, groups.count()) {
+        (true, 1) if !text.contains('.') => Some((joined, Comma::Either)),
+        (true, _) => Some((joined, Comma::Thousands)),
+        (false, 1) => Some((text.replace(',', ".").parse().ok()?, Comma::Decimal)),
+        _ => None,
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Measure {
+    Length,
+    /// Cells or steps along one side: size 1/n.
+    Number,
+    /// Cells of the mesh: size n^{-1/D}.
+    Cells,
+    /// Unknowns of the mesh: size n^{-1/D} in the limit.
+    Unknowns,
+    /// Refinements of the mesh: size R^{-n}.
+    Level,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Space(Measure),
+    Time(Measure),
+    Error,
+    Value,
+    Floor,
+    Sigma,
+    Scene,
+    Norm,
+    Status,
+    Wide,
+    /// A rate, or a count of no interest.
+    Ignored,
+    /// Tells runs of one level apart.
+    Run,
+    /// Tells tables apart: a degree, a scheme.
+    Parameter,
+    Unknown,
+}
+
+/// A longer one is prose, or a line that is torn.
+const LONGEST_NAME: usize = 200;
+
+// Names of columns in normal form, as `normal` gives it.
+const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing spacing meshwidth";
+const TIMES: &str = "k dt deltat tau timestep timestepsize stepsize htime";
+const SIDES: &str = "n nx cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny res";
+const STEPS: &str = "steps nsteps nt timesteps numberofsteps 1dt 1k";
+const CELLS: &str = "cells ncells numcells numberofcells activecells nactivecells numberofactivecells \
+    elements nelements numelements numberofelements nel ne nelem triangles elems";
+const DOFS: &str = "dofs dof ndof ndofs numdofs numberofdofs degreesoffreedom numberofdegreesoffreedom \
+    unknowns nodes vertices points";
+const RATES: &str = "rate eoc ooc order reduction slope roc ratio convergence";
+const LEVELS: &str =
+    "level levels lvl refinement refinements refinementlevel numberofrefinements nref";
+const COUNTERS: &str = "cycle cycles ref iter iters iterations its it time times cpu seconds walltime cost newton cg \
+    gmres nnz conv red red2 row index unnamed0";
+const RUNS: &str = "seed run runs trial sample repetition rep";
+const PARAMETERS: &str = "degree deg p polynomialdegree polydeg scheme method element fe cfl solver case problem test type integrator";
+const NORM_NAMES: &str = "e eu ep eh u v uh velocity pressure displacement stress gradient grad flux dg temperature \
+    div curl semi rms inf max sup maximum";
+const SPACES: &str = "l1 l2 l4 l8 linf h0 h1 h2 w1";
+
+/// A name in lower case without signs and LaTeX commands.
+pub(super) fn normal(name: &str) -> String {
+    let mut text =
+        name.to_lowercase().replace('δ', "delta").replace('τ', "tau").replace('∞', "inf");
+    for command in ["\\textrm", "\\mathrm", "\\mathbf", "\\textbf", "\\text", "\\mbox", "\\bm"] {
+        text = text.replace(command, "");
+    }
+    text.retain(|c| c.is_ascii_alphanumeric());
+    text
+}
+
+pub(super) fn role(name: &str) -> Role {
+    if name.len() > LONGEST_NAME {
+        return Role::Unknown;
+    }
+    // A unit in brackets is no part of the name.
+    let bare = name.split_once(['[', '(']).map_or(name, |(bare, _)| bare);
+    let normalised = if normal(bare).is_empty() { normal(name) } else { normal(bare) };
+    let lower = name.to_lowercase().replace('∞', "inf");
+    let is = |names: &str| names.split_whitespace().any(|name| name == normalised);
+    let has = |parts: &str| parts.split(' ').any(|part| normalised.contains(part));
+    // Of a vector normal no norm is taken.
+    let measures = ["err", "norm", "energy", "hdiv", "hcurl"];
+    let measures = || measures.iter().any(|part| normalised.replace("normal", "").contains(part));
+    match normalised.as_str() {
+        "error" | "err" => Role::Error,
+        "value" => Role::Value,
+        "floor" => Role::Floor,
+        "sigma" => Role::Sigma,
+        "scene" => Role::Scene,
+        "norm" => Role::Norm,
+        "status" => Role::Status,
+        _ if is(LENGTHS) => Role::Space(Measure::Length),
+        _ if is(TIMES) => Role::Time(Measure::Length),
+        _ if is(SIDES) => Role::Space(Measure::Number),
+        _ if is(STEPS) => Role::Time(Measure::Number),
+        _ if is(CELLS) => Role::Space(Measure::Cells),
+        _ if is(DOFS) => Role::Space(Measure::Unknowns),
+        _ if is(LEVELS) => Role::Space(Measure::Level),
+        _ if is(RUNS) => Role::Run,
+        _ if is(PARAMETERS) => Role::Parameter,
+        _ if has(RATES) || is(COUNTERS) => Role::Ignored,
+        "" if name.contains(['‖', '|', '误', '誤']) || lower.contains("ошиб") => Role::Wide,
+        "" => Role::Ignored,
+        // A logarithm of an error is none, nor is what theory expects.
+        _ if normalised.starts_with("log") || has("iter residual expect predict theor") => {
+            Role::Unknown
+        }
+        _ if measures() || is(NORM_NAMES) || name.contains('‖') || name.contains("||") => {
+            Role::Wide
+        }
+        _ => {
+            let known = |word: &str| {
+                SPACES.split(' ').any(|space| word.contains(space))
+                    || NORM_NAMES.split_whitespace().any(|norm| norm == word && norm.len() > 2)
+            };
+            let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).any(known);
+            match words(&lower) || known(&normalised) {
+                true => Role::Wide,
+                false => part(bare).unwrap_or(Role::Unknown),
+            }
+        }
+    }
+}
+
+/// A name that begins or ends with that of a size: `mesh size h`, `coarse_res`.
+fn part(name: &str) -> Option<Role> {
+    let words: Vec<&str> =
+        name.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
+    let ends = (1..words.len()).map(|at| words[at..].concat());
+    let parts = ends.chain((1..words.len()).map(|at| words[..at].concat()));
+    // `u_h` is a solution.
+    let sized = |part: &String| part.len() > 1 || name.split_whitespace().any(|word| word == "h");
+    parts
+        .filter(sized)
+        .map(|part| role(&part))
+        .find(|role| matches!(role, Role::Space(_) | Role::Time(_)))
+}
+
+pub(super) fn is_size(name: &str) -> bool {
+    matches!(role(name), Role::Space(_) | Role::Time(_))
+}
+
+pub(super) fn is_norm(name: &str) -> bool {
+    matches!(role(name), Role::Wide | Role::Error | Role::Value)
+}
+
+pub(super) fn is_rate(name: &str) -> bool {
+    let normalised = normal(name);
+    RATES.split(' ').any(|rate| normalised.contains(rate))
+}
+
+/// How well a column answers to a name that a caller gives: 3 for the name itself, 2 but for case and signs, 1 if `L2`
+/// is asked and it is `error_L2` or `L2 norm`.
+pub(super) fn likeness(asked: &str, column: &str) -> u8 {
+    let core = |name: &str| {
+        let mut text = normal(name);
+        for part in ["errors", "error", "err", "norm"] {
+            let without = text.replacen(part, "", 1);
+            text = if without.is_empty() { text } else { without };
+        }
+        text
+    };
+    let same = [asked == column, normal(asked) == normal(column), core(asked) == core(column)];
+    same.iter().position(|same| *same).map_or(0, |at| 3 - at as u8)
+}
+
+/// Which of several names is asked for: the one that is most alike.
+///
+/// # Errors
+/// What is wrong, and which names there are.
+pub fn named(asked: &str, names: &[&str]) -> Result<usize, String> {
+    let most = names.iter().map(|name| likeness(asked, name)).max().unwrap_or(0);
+    let mut alike = (0..names.len()).filter(|&at| most > 0 && likeness(asked, names[at]) == most);
+    match (alike.next(), alike.next()) {
+        (Some(at), None) => Ok(at),
+        (Some(a), Some(b)) => {
+            Err(format!("`{asked}` may be `{}` or `{}`: write one of them", names[a], names[b]))
+        }
+        _ => {
+            let first: Vec<String> = names.iter().take(6).map(|name| format!("`{name}`")).collect();
+            let dots = if names.len() > first.len() { ", ..." } else { "" };
+            Err(format!("no `{asked}`; there is {}{dots}", first.join(", ")))
+        }
+    }
+}
