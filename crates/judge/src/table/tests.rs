@@ -181,6 +181,7 @@ fn what_is_no_table_is_refused() {
             "3: two columns of sizes disagree: `N` and `level`",
         ),
         ("h,error\n1ms,1\n2s,1\n", "3: `2s`: h has numbers of two units"),
+        ("h,error\n0.5,1\nfoo\n0.25,1\n", "3: 1 field, the header has 2"),
         ("h,error\n1,x\n", "2: error = `x` is not a number"),
         ("h,error\n0,1\n", "2: h = 0 is no step size"),
         ("h,k,error\n1,-2,1\n", "2: k = -2 is no step size"),
@@ -210,6 +211,9 @@ fn what_is_no_table_is_refused() {
     assert_eq!(groups(fine)[0].points()[1].h, 0.12);
     let binary = read(b"h,error\n\xff,1\n", &Reading::default()).unwrap_err();
     assert_eq!((binary.line, binary.to_string().contains("not UTF-8")), (2, true));
+    // A line of a log that names nothing took minutes.
+    let long = format!("{}\n\nh error\n0.5 1\n0.25 1\n", "mean 3.91 ".repeat(1700));
+    assert_eq!(groups(&long)[0].points().len(), 2);
     // Beside known norms, an unknown column is named and left out.
     let said = tables("h,L2,colour\n1,1,7\n", None).unwrap().said;
     assert_eq!(said, ["read 1 row: h from `h`, errors `L2`; left out: `colour`"]);
