@@ -36,7 +36,7 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
         "formula",
         "history",
-        10,
+        8,
         "memory integrals stand inside formulas, and formulas inside memory integrals",
     ),
     (
@@ -44,6 +44,12 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "fit/screen",
         3,
         "a level is screened, and a point may be left out because it is no level",
+    ),
+    (
+        "judge",
+        "table/loose",
+        2,
+        "loose forms are found in lines, and lines are searched for loose forms where no block of rows agrees",
     ),
     (
         "report",
