@@ -1,5 +1,8 @@
 //! What a cell says: a number as programs print it and papers set it, or the name of a column.
 
+use std::collections::{HashMap, HashSet};
+use std::sync::LazyLock;
+
 /// What the commas of a number are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Comma {
@@ -198,6 +201,38 @@ pub(super) fn normal(name: &str) -> String {
     text
 }
 
+/// Names that say what a column is; the first list with a name counts.
+const ROLES: [(Role, &str); 16] = [
+    (Role::Error, "error err"),
+    (Role::Value, "value"),
+    (Role::Floor, "floor"),
+    (Role::Sigma, "sigma"),
+    (Role::Scene, "scene"),
+    (Role::Norm, "norm"),
+    (Role::Status, "status"),
+    (Role::Space(Measure::Length), LENGTHS),
+    (Role::Time(Measure::Length), TIMES),
+    (Role::Space(Measure::Number), SIDES),
+    (Role::Time(Measure::Number), STEPS),
+    (Role::Space(Measure::Cells), CELLS),
+    (Role::Space(Measure::Unknowns), DOFS),
+    (Role::Space(Measure::Level), LEVELS),
+    (Role::Run, RUNS),
+    (Role::Parameter, PARAMETERS),
+];
+
+/// Every column of every way to read a text is looked up: the lists are cut once.
+static KNOWN: LazyLock<HashMap<&str, Role>> = LazyLock::new(|| {
+    let names = |(role, list): &(Role, &'static str)| {
+        let role = *role;
+        list.split_whitespace().map(move |name| (name, role))
+    };
+    // Of equal keys the last is kept.
+    ROLES.iter().rev().flat_map(names).collect()
+});
+static IGNORED: LazyLock<HashSet<&str>> = LazyLock::new(|| COUNTERS.split_whitespace().collect());
+static NORMS: LazyLock<HashSet<&str>> = LazyLock::new(|| NORM_NAMES.split_whitespace().collect());
+
 pub(super) fn role(name: &str) -> Role {
     if name.len() > LONGEST_NAME {
         return Role::Unknown;
@@ -205,43 +240,33 @@ pub(super) fn role(name: &str) -> Role {
     // A unit in brackets is no part of the name.
     let bare = name.split_once(['[', '(']).map_or(name, |(bare, _)| bare);
     let normalised = if normal(bare).is_empty() { normal(name) } else { normal(bare) };
+    if let Some(&role) = KNOWN.get(&*normalised) {
+        return role;
+    }
     let lower = name.to_lowercase().replace('∞', "inf");
-    let is = |names: &str| names.split_whitespace().any(|name| name == normalised);
     let has = |parts: &str| parts.split(' ').any(|part| normalised.contains(part));
     // Of a vector normal no norm is taken.
     let measures = ["err", "norm", "energy", "hdiv", "hcurl"];
     let measures = || measures.iter().any(|part| normalised.replace("normal", "").contains(part));
-    match normalised.as_str() {
-        "error" | "err" => Role::Error,
-        "value" => Role::Value,
-        "floor" => Role::Floor,
-        "sigma" => Role::Sigma,
-        "scene" => Role::Scene,
-        "norm" => Role::Norm,
-        "status" => Role::Status,
-        _ if is(LENGTHS) => Role::Space(Measure::Length),
-        _ if is(TIMES) => Role::Time(Measure::Length),
-        _ if is(SIDES) => Role::Space(Measure::Number),
-        _ if is(STEPS) => Role::Time(Measure::Number),
-        _ if is(CELLS) => Role::Space(Measure::Cells),
-        _ if is(DOFS) => Role::Space(Measure::Unknowns),
-        _ if is(LEVELS) => Role::Space(Measure::Level),
-        _ if is(RUNS) => Role::Run,
-        _ if is(PARAMETERS) => Role::Parameter,
-        _ if has(RATES) || is(COUNTERS) => Role::Ignored,
+    match &*normalised {
+        _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,
         "" if name.contains(['‖', '|', '误', '誤']) || lower.contains("ошиб") => Role::Wide,
         "" => Role::Ignored,
         // A logarithm of an error is none, nor is what theory expects.
         _ if normalised.starts_with("log") || has("iter residual expect predict theor") => {
             Role::Unknown
         }
-        _ if measures() || is(NORM_NAMES) || name.contains('‖') || name.contains("||") => {
+        _ if measures()
+            || NORMS.contains(&*normalised)
+            || name.contains('‖')
+            || name.contains("||") =>
+        {
             Role::Wide
         }
         _ => {
             let known = |word: &str| {
                 SPACES.split(' ').any(|space| word.contains(space))
-                    || NORM_NAMES.split_whitespace().any(|norm| norm == word && norm.len() > 2)
+                    || word.len() > 2 && NORMS.contains(word)
             };
             let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).any(known);
             match words(&lower) || known(&normalised) {

@@ -50,13 +50,20 @@ pub(super) enum Kind {
     Row,
 }
 
-const SEPARATORS: [Separator; 6] = [
-    Separator::Latex,
-    Separator::Pipe,
-    Separator::Character('\t'),
-    Separator::Character(';'),
-    Separator::Character(','),
-    Separator::Blanks,
+/// The ways to cut a text into blocks.
+const WAYS: [fn(&str) -> Vec<Block>; 12] = [
+    loose::arrays,
+    loose::across,
+    |text| blocks(text, Separator::Latex),
+    |text| blocks(text, Separator::Pipe),
+    |text| blocks(text, Separator::Character('\t')),
+    |text| blocks(text, Separator::Character(';')),
+    |text| blocks(text, Separator::Character(',')),
+    |text| blocks(text, Separator::Blanks),
+    |text| loose::records(text, Records::Lines),
+    |text| loose::records(text, Records::BySize),
+    |text| loose::records(text, Records::InTurn),
+    loose::lying,
 ];
 
 /// A longer line is no row that somebody set.
@@ -75,28 +82,13 @@ pub(super) struct Line<'a> {
 /// read once more without the signs of comments, quotations and changes before its lines.
 pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
     let text = plain(text);
-    let mut bare = None;
-    let ways = 6 + SEPARATORS.len();
-    (0..2 * ways).map(move |way| {
-        if way == ways {
-            let without = text.lines().map(uncommented).collect::<Vec<_>>().join("\n");
-            bare = (without != text).then_some(without);
-        }
-        let (text, way) = match (way < ways, &bare) {
-            (true, _) => (&text, way),
-            (false, Some(bare)) => (bare, way - ways),
-            (false, None) => return Vec::new(),
-        };
-        match (way, way.checked_sub(2).and_then(|at| SEPARATORS.get(at))) {
-            (0, _) => loose::arrays(text),
-            (1, _) => loose::across(text),
-            (_, Some(separator)) => blocks(text, *separator),
-            (8, _) => loose::records(text, Records::Lines),
-            (9, _) => loose::records(text, Records::BySize),
-            (10, _) => loose::records(text, Records::InTurn),
-            _ => loose::lying(text),
-        }
-    })
+    let signed = text.clone();
+    let bare = std::iter::once_with(move || {
+        let bare = signed.lines().map(uncommented).collect::<Vec<_>>().join("\n");
+        (bare != signed).then_some(bare)
+    });
+    let texts = std::iter::once(text).chain(bare.flatten());
+    texts.flat_map(|text| WAYS.iter().map(move |way| way(&text)))
 }
 
 /// The text with cells of one row in one line, and numbers as programs write them: `1.2×10⁻³` for `1.2\times 10^{-3}`.
