@@ -1,6 +1,6 @@
 //! A picture of series over two axes.
 
-use super::canvas::{Anchor, Canvas, CanvasPoint, DASHES};
+use super::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE};
 use super::direct;
 use super::frame::{Frame, LARGE, Layout, SMALL, TITLE_ROOM};
 use super::legend::{Legend, wrapped};
@@ -72,6 +72,7 @@ pub struct Chart {
     pub series: Vec<Series>,
     pub verticals: Vec<Mark>,
     pub horizontals: Vec<Mark>,
+    /// Words beside points; those that would stand on others before them are left out.
     pub labels: Vec<(Datum, String)>,
     /// Signs that no series explains, with their meaning.
     pub keys: Vec<(Part, String)>,
@@ -200,15 +201,22 @@ impl Chart {
         for placed in &slopes {
             placed.draw(&mut canvas, self.inks()[placed.series].0);
         }
+        // The ends and heights of the labels that are drawn: none stands on one before it.
+        let mut taken: Vec<[f64; 3]> = Vec::new();
         for (point, words) in &self.labels {
             let (x, y) = frame.place(*point);
-            let end = x + LABEL.0 + CHARACTER * words.chars().count() as f64;
-            let right = layout.room[2];
-            let (x, anchor) = match end > right {
-                true => (right - LABEL.0, Anchor::Right),
-                false => (x + LABEL.0, Anchor::Left),
+            let (width, right) = (CHARACTER * words.chars().count() as f64, layout.room[2]);
+            let (place, anchor, left) = match x + LABEL.0 + width > right {
+                true => (right - LABEL.0, Anchor::Right, right - LABEL.0 - width),
+                false => (x + LABEL.0, Anchor::Left, x + LABEL.0),
             };
-            canvas.text(words, (x, y + LABEL.1), anchor);
+            let clear = |[from, to, height]: &[f64; 3]| {
+                (y - height).abs() >= LINE || *to <= left || left + width <= *from
+            };
+            if taken.iter().all(clear) {
+                canvas.text(words, (place, y + LABEL.1), anchor);
+                taken.push([left, left + width, y]);
+            }
         }
         self.draw_legend(&mut canvas, &frame, !slopes.is_empty());
         let has_head = self.small || !self.title.is_empty();
