@@ -367,6 +367,9 @@ mod tests {
         let none = Price::new("contact exact", &plain, &failed(&plain)).expect("a price");
         assert!(none.speed.is_nan() && none.error.is_nan() && !none.is_tie());
         assert!(Price::new("x", &failed(&plain), &plain).is_none());
+        // A run that failed has no numbers: loads are no part of its time.
+        let [ran, lost] = [&plain, &failed(&plain)].map(|trial| trial.json()["load_share"].clone());
+        assert!(ran.is_number() && lost.is_null(), "{ran} {lost}");
     }
 
     /// Of a few settings that which saves most time is taken, unless it moves the error or saves none somewhere.
