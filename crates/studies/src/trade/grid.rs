@@ -49,9 +49,10 @@ fn scene_grid(setup: &Setup, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
     let suit = |steps: u32| steps <= finest[1] && choices.has_steps(steps);
     let mut grid = [completed(listed_n, &cells), completed(listed_steps, &suit)];
     grid.iter_mut().zip(MOST).for_each(|(list, most)| list.truncate(most));
+    let mut subject = Subject::new(scene.clone())?;
     loop {
         let [n, steps] = grid.clone().map(Some);
-        let plan = ScenePlan::new(Subject::new(scene.clone())?, &Overrides { n, steps });
+        let plan = ScenePlan::new(subject, &Overrides { n, steps });
         let seconds: f64 = plan.costs()?.cases.iter().map(|case| RATE * case.work).sum();
         // Meshes cost more than steps: they go first.
         let long = grid.iter_mut().find(|list| list.len() > LEVELS);
@@ -59,6 +60,7 @@ fn scene_grid(setup: &Setup, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
             Some(list) => list.pop(),
             None => return Ok(grid),
         };
+        subject = plan.subject;
     }
 }
 

@@ -81,8 +81,8 @@ pub fn trade(
 ) -> Result<(Findings, Option<NoAnswer>), TradeError> {
     let Trade { setup, wanted, limit, .. } = asked;
     let [n, steps] = trade_grid(setup, &asked.n, &asked.steps, asked.budget)?;
-    admit_trade(&setup.scene, &n, &steps, limit)?;
-    check_step_sizes(&Subject::new(setup.scene.clone())?, &steps)?;
+    let admitted = admit_trade(&setup.scene, &n, &steps, limit)?;
+    check_step_sizes(&admitted.subject, &steps)?;
     let others = other_elements(setup, [&n, &steps], limit, heard)?;
     let mut bench = Bench::new(setup, wanted.norm)?;
     n.iter().for_each(|&n| bench.runs(&Change::none(), n, &steps, heard));
@@ -138,13 +138,14 @@ fn admit_trade(
     n: &[u32],
     steps: &[u32],
     limit: &MemoryLimit,
-) -> Result<(), TradeError> {
+) -> Result<ScenePlan, TradeError> {
     admit_constants(scene, false, limit)?;
     let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
     let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
     let displacements =
         |(case, cost): &(&CasePlan, &Cost)| 8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0);
-    Ok(admit_plan(&plan, 1, limit, |cases| cases.iter().map(displacements).sum())?)
+    admit_plan(&plan, 1, limit, |cases| cases.iter().map(displacements).sum())?;
+    Ok(plan)
 }
 
 /// The other elements with meshes of about as many nodes; what does not fit into memory is left out, and said.
@@ -164,7 +165,7 @@ fn other_elements(
         let meshes = element_meshes(&setup.scene, n, element);
         // It is compared on the meshes of the scene as written, too.
         match admit_trade(&change.of(&setup.scene)?, &[&meshes[..], n].concat(), steps, limit) {
-            Ok(()) => found.push((change, meshes)),
+            Ok(_) => found.push((change, meshes)),
             Err(refused) => left_out(&refused.to_string()),
         }
     }
