@@ -1,7 +1,7 @@
 //! Groups of hereditary integrals.
 //!
-//! Integrals at one stage and depth of nesting, all with exponential kernels or none, form a group: one tape computes their integrands at common times, and
-//! panels are broken where any of their guards changes sign.
+//! Integrals at one stage and depth of nesting form a group, if their kernels are all exponential or none is: one tape computes
+//! their integrands at common times, and panels are broken where any of their guards changes sign.
 
 use super::graph::{Graph, Node, Op, Variable};
 use super::program::is_hereditary;
