@@ -6,6 +6,5 @@ pub mod guarantee;
 pub mod portrait;
 mod quotients;
 pub mod solution;
-mod table;
 pub mod theory;
 pub mod trade;

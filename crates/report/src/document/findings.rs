@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::number::{number, precise};
+use super::number::{number, precise, text};
 use super::study::{Chapter, Row, StudyDocument};
 use super::{Run, Tone};
 use crate::ReportError;
@@ -17,8 +17,8 @@ pub struct Findings {
     pub claims: Vec<Claim>,
     /// Keys of its JSON beside those of every study: scene, fingerprint, holds, claims.
     pub numbers: Map<String, Value>,
-    /// Further tables, by the ends of their file names.
-    pub tables: Vec<(&'static str, Vec<u8>)>,
+    /// Rows of further tables, by the ends of their file names.
+    pub tables: Vec<(&'static str, Value)>,
     pub document: StudyDocument,
 }
 
@@ -40,6 +40,19 @@ impl Findings {
     /// A key of its JSON. What cannot be written is null.
     pub fn number(&mut self, key: &str, value: impl serde::Serialize) {
         self.numbers.insert(key.into(), json!(value));
+    }
+
+    /// Rows under a key of its JSON and as a table, see [`StudyDocument::rows`].
+    pub fn table(
+        &mut self,
+        key: &str,
+        rows: impl serde::Serialize,
+        caption: impl Into<String>,
+        columns: &str,
+    ) {
+        let rows = json!(rows);
+        self.document.rows(caption, &rows, columns);
+        self.number(key, rows);
     }
 
     /// Whether every claim holds, and there is one.
@@ -67,11 +80,20 @@ impl Findings {
         let put = |name: String, bytes: &[u8]| replace_file(&dir.join(name), bytes);
         put(format!("{stem}.json"), format!("{:#}\n", self.json()).as_bytes())?;
         put(format!("{stem}-claims.csv"), &Claim::csv(&self.claims)?)?;
-        for (end, bytes) in &self.tables {
-            put(format!("{stem}{end}"), bytes)?;
+        for (end, rows) in &self.tables {
+            put(format!("{stem}{end}"), &csv(rows)?)?;
         }
         self.document.write(dir)
     }
+}
+
+/// Rows of JSON as CSV, below their keys.
+fn csv(rows: &Value) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let rows = || rows.as_array().into_iter().flatten().filter_map(Value::as_object);
+    rows().next().map_or(Ok(()), |first| writer.write_record(first.keys()))?;
+    rows().try_for_each(|row| writer.write_record(row.values().map(text)))?;
+    writer.into_inner().map_err(|error| error.into_error().into())
 }
 
 impl StudyDocument {

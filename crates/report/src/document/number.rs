@@ -1,6 +1,7 @@
 //! Numbers in sentences and cells.
 
 use super::{Run, Tone};
+use serde_json::Value;
 
 pub use files::digits;
 
@@ -12,6 +13,17 @@ pub fn number(value: impl Into<Option<f64>>) -> Run {
 /// A cell with a number of at most so many digits.
 pub fn precise(value: impl Into<Option<f64>>, significant: usize) -> Run {
     Run::plain(value.into().map_or_else(|| "–".to_owned(), |value| digits(value, significant)))
+}
+
+/// A cell of JSON; that of nothing is empty.
+pub(super) fn text(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Null => String::new(),
+        Value::Bool(true) => "yes".into(),
+        Value::Bool(false) => "no".into(),
+        number => number.to_string(),
+    }
 }
 
 /// A cell: holds, or not.

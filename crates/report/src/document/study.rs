@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
+use super::number::{precise, text};
 use super::{Block, Figure, Run, Table, Tone, terminal};
 use crate::ReportError;
 use crate::pictures::names;
@@ -125,9 +127,35 @@ impl StudyDocument {
             row.map(|(_, cell)| cell).into()
         };
         let rows: Vec<Vec<Run>> = rows.into_iter().map(row).collect();
+        self.set(caption, &heads, rows);
+    }
+
+    /// A table of rows of JSON. A column is its head, the place of its value in a row, and its digits if they are not five:
+    /// `head = a/b 3; …`.
+    pub fn rows(&mut self, caption: impl Into<String>, rows: &Value, columns: &str) {
+        let column = |column: &'_ str| -> (String, String, usize) {
+            let (head, place) = column.split_once(" = ").unwrap_or((column, ""));
+            let (place, digits) = place.trim().split_once(' ').unwrap_or((place.trim(), "5"));
+            (head.trim().into(), format!("/{place}"), digits.parse().unwrap_or(5))
+        };
+        let columns: Vec<_> = columns.split(';').map(column).collect();
+        let heads: Vec<&str> = columns.iter().map(|(head, ..)| &**head).collect();
+        let cell = |value: Option<&Value>, digits| match value {
+            Some(value @ (Value::String(_) | Value::Bool(_))) => Run::plain(text(value)),
+            Some(value) if value.is_u64() => Run::plain(text(value)),
+            value => precise(value.and_then(Value::as_f64), digits),
+        };
+        let row = |row: &Value| -> Vec<Run> {
+            columns.iter().map(|(_, place, digits)| cell(row.pointer(place), *digits)).collect()
+        };
+        let rows = rows.as_array().into_iter().flatten().map(row).collect();
+        self.set(caption, &heads, rows);
+    }
+
+    fn set(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
         if !rows.is_empty() {
             let evidence = rows.len() > MOST_ROWS;
-            let table = Table { evidence, ..Table::new(caption, &heads, rows) };
+            let table = Table { evidence, ..Table::new(caption, heads, rows) };
             self.blocks.push(Block::Table(table));
         }
     }

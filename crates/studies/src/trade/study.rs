@@ -6,14 +6,11 @@ use super::grid::{element_meshes, trade_grid};
 use super::optimum::{Choice, NoAnswer, Wanted, coupling};
 use super::runs::{Candidate, Models, Price, at, candidates, mark_front, of, places, prices};
 use super::settings::{elements, settings};
-use crate::table;
 use files::megabytes;
 use judge::claim::{Claim, Place, Statement};
 use judge::fit::FLOORS_ABOVE;
 use judge::record::norm_label;
-use report::{
-    Axis, Chapter, Chart, Datum, Findings, Mark, Part, Scale, Series, StudyDocument, digits,
-};
+use report::{Axis, Chapter, Chart, Datum, Findings, Mark, Part, Scale, Series, digits};
 use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_constants, admit_plan,
 };
@@ -47,8 +44,6 @@ pub enum TradeError {
         /// The message of the first run.
         first: String,
     },
-    #[error(transparent)]
-    Table(#[from] csv::Error),
 }
 
 /// The scene set up, if errors can be measured in it.
@@ -128,7 +123,7 @@ pub fn trade(
         None => None,
     };
     let answer = answer.map(|answer| (answer, confirmed));
-    Ok((found(&bench, &models, &prices, &candidates, answer)?, refused))
+    Ok((found(&bench, &models, &prices, &candidates, answer), refused))
 }
 
 /// Refuses runs of a scene that would take more memory than there may be: beside a run a bench holds the truth on its mesh
@@ -214,14 +209,13 @@ fn found(
     prices: &[Price],
     candidates: &[Candidate],
     answer: Option<(&Candidate, Option<Trial>)>,
-) -> Result<Findings, TradeError> {
+) -> Findings {
     let (scene, written, norm) = (&bench.setup.scene, &models[0], bench.norm);
     let target = answer.as_ref().map_or(f64::NAN, |(answer, _)| answer.choice.target);
     let real = answer.as_ref().and_then(|(_, real)| real.as_ref());
     let claims = claims(&bench.trials, written, real.map(|real| (real, target)));
     let title = (Chapter::Trade, format!("Cost and error: {}", scene.name));
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
-    let trials: Vec<Value> = bench.trials.iter().map(Trial::json).collect();
     let document = &mut findings.document;
     if let Some((answer, _)) = &answer {
         document.answer(answer_words(bench, answer, real));
@@ -245,54 +239,62 @@ fn found(
             path.cost_exponent
         ));
     }
-    let models_json: Vec<Value> = models.iter().map(Models::json).collect();
-    let rows: Vec<Value> = candidates.iter().map(|found| json!(found)).collect();
-    tables(document, &models_json, &rows, &trials);
-    let columns = [
-        ("what a setting changes", "/what", 0),
-        (">n", "/n", 0),
-        (">N", "/steps", 0),
-        (">times faster", "/speed", 3),
-        (">error, its part", "/error", 2),
-        (">memory, times", "/bytes", 3),
-    ];
-    let prices: Vec<Value> = prices.iter().map(|price| json!(price)).collect();
-    document.table(
+    let of_changes: Value = models.iter().map(Models::json).collect();
+    document.rows(
+        "Error: C_h h^p and C_k k^q, and by what factor a run differs at most (its logarithm).",
+        &of_changes,
+        "with = change; >C_h = error_model/space/constant; >p = error_model/space/order 4; \
+         >from = error_model/space/interval/0 3; >to = error_model/space/interval/1 3; >C_k = error_model/time/constant; \
+         >q = error_model/time/order 4; found by = error_model/source; >off by = error_model/residual 2; \
+         none because = error_model/reason",
+    );
+    document.rows(
+        "Cost: CPU seconds a run, a cell (h^-d), an operation of a factorization (h^-3(d-1)), once and a level.",
+        &of_changes,
+        "with = change; >run = cost_model/parts/0 2; >cell = cost_model/parts/1 2; >cell and level = cost_model/parts/2 2; \
+         >operation = cost_model/parts/3 2; >operation and level = cost_model/parts/4 2; >off by = cost_model/residual 2; \
+         none because = cost_model/reason",
+    );
+    findings.table(
+        "candidates",
+        candidates,
+        "Cheapest runs with the error that is wanted.",
+        "with = change; >n = n; >N = steps; >predicted error = error 4; >CPU s = cpu_seconds 3; >bytes = bytes 3",
+    );
+    let trials: Value = bench.trials.iter().map(Trial::json).collect();
+    findings.tables.push((".csv", trials.clone()));
+    findings.table(
+        "trials",
+        trials,
+        "Error, CPU seconds of one run on this machine, the part of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; tie: the run as written within 1.25 times the time and 1 % of the error.",
+        "setting = change; >n = n; >N = steps; >error = error; >CPU s = cpu_seconds 3; >in loads = load_share 2; \
+         >bytes = predicted_bytes 3; front = front; tie = tie",
+    );
+    findings.table(
+        "prices",
+        prices,
         "One setting at a time, against the run as written. Seconds are those of single runs on this machine: 1.25 times are no difference.",
-        table::rows(&prices, columns),
+        "what a setting changes = what; >n = n; >N = steps; >times faster = speed 3; >error, its part = error 2; \
+         >memory, times = bytes 3",
     );
     let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
     let picture = picture(bench, models, answer.as_ref().map(|(answer, _)| *answer));
-    document.figure("trade", caption, picture);
-    let cells = |row: &'_ Value| -> Vec<(String, String)> {
-        let cells = row.as_object().into_iter().flatten();
-        cells.map(|(key, value)| (key.clone(), table::text(value))).collect()
-    };
-    findings.tables.push((".csv", table::csv(trials.iter().map(cells))?));
-    let [error, cost] = ["error_model", "cost_model"].map(|key| models_json[0][key].clone());
-    for (key, value) in [
-        ("norm", json!(norm)),
-        ("size", json!(bench.size)),
-        ("trials", trials.into()),
-        ("error_model", error),
-        ("cost_model", cost),
-        ("coupling", json!(path)),
-        ("prices", prices.into()),
-        ("elements", models_json[1..].into()),
-        ("candidates", rows.into()),
-        ("answer", json!(answer.as_ref().map(|(answer, _)| answer))),
-    ] {
-        findings.number(key, value);
-    }
+    findings.document.figure("trade", caption, picture);
+    findings.number("norm", norm);
+    findings.number("size", bench.size);
+    findings.number("error_model", &of_changes[0]["error_model"]);
+    findings.number("cost_model", &of_changes[0]["cost_model"]);
+    findings.number("coupling", path);
+    findings.number("elements", models[1..].iter().map(Models::json).collect::<Value>());
+    findings.number("answer", answer.as_ref().map(|(answer, _)| answer));
     if let Some((Candidate { choice, .. }, Some(real))) = &answer {
-        let ratios = json!({ "error": choice.error / real.error(), "cpu_seconds": choice.seconds / real.seconds() });
         let (error, seconds) = (real.error(), real.seconds());
-        findings.number(
-            "confirmed",
-            json!({ "error": error, "cpu_seconds": seconds, "ratios": ratios }),
-        );
+        let ratios =
+            json!({ "error": choice.error / error, "cpu_seconds": choice.seconds / seconds });
+        let confirmed = json!({ "error": error, "cpu_seconds": seconds, "ratios": ratios });
+        findings.number("confirmed", confirmed);
     }
-    Ok(findings)
+    findings
 }
 
 /// The answer in a sentence, and what its run showed.
@@ -315,65 +317,6 @@ fn answer_words(bench: &Bench<'_>, answer: &Candidate, real: Option<&Trial>) -> 
         digits(*k, 5),
         megabytes(*bytes),
     )
-}
-
-/// Models, candidates and runs as tables, the first of them those as written.
-fn tables(document: &mut StudyDocument, models: &[Value], candidates: &[Value], trials: &[Value]) {
-    let columns = [
-        ("with", "/change", 0),
-        (">C_h", "/error_model/space/constant", 5),
-        (">p", "/error_model/space/order", 4),
-        (">from", "/error_model/space/interval/0", 3),
-        (">to", "/error_model/space/interval/1", 3),
-        (">C_k", "/error_model/time/constant", 5),
-        (">q", "/error_model/time/order", 4),
-        ("found by", "/error_model/source", 0),
-        (">off by", "/error_model/residual", 2),
-        ("none because", "/error_model/reason", 0),
-    ];
-    document.table(
-        "Error: C_h h^p and C_k k^q, and by what factor a run differs at most (its logarithm).",
-        table::rows(models, columns),
-    );
-    let columns = [
-        ("with", "/change", 0),
-        (">run", "/cost_model/parts/0", 2),
-        (">cell", "/cost_model/parts/1", 2),
-        (">cell and level", "/cost_model/parts/2", 2),
-        (">operation", "/cost_model/parts/3", 2),
-        (">operation and level", "/cost_model/parts/4", 2),
-        (">off by", "/cost_model/residual", 2),
-        ("none because", "/cost_model/reason", 0),
-    ];
-    document.table(
-        "Cost: CPU seconds a run, a cell (h^-d), an operation of a factorization (h^-3(d-1)), once and a level.",
-        table::rows(models, columns),
-    );
-    let columns = [
-        ("with", "/change", 0),
-        (">n", "/n", 0),
-        (">N", "/steps", 0),
-        (">predicted error", "/error", 4),
-        (">CPU s", "/cpu_seconds", 3),
-        (">bytes", "/bytes", 3),
-    ];
-    document
-        .table("Cheapest runs with the error that is wanted.", table::rows(candidates, columns));
-    let columns = [
-        ("setting", "/change", 0),
-        (">n", "/n", 0),
-        (">N", "/steps", 0),
-        (">error", "/error", 5),
-        (">CPU s", "/cpu_seconds", 3),
-        (">in loads", "/load_share", 2),
-        (">bytes", "/predicted_bytes", 3),
-        ("front", "/front", 0),
-        ("tie", "/tie", 0),
-    ];
-    document.table(
-        "Error, CPU seconds of one run on this machine, the part of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; tie: the run as written within 1.25 times the time and 1 % of the error.",
-        table::rows(trials, columns),
-    );
 }
 
 /// Error against CPU time, a marker per run, with the Pareto front; none without two runs.

@@ -1,12 +1,10 @@
 //! A step-size study in words, tables and a picture.
 
 use super::{BoundStudy, Constant, Crossing, StepRung};
-use crate::table;
 use report::{
     Axis, Chapter, Chart, Findings, Mark, Part, Row, Run, Scale, Series, digits, precise,
 };
-use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// The bound is called attained if the measured factor comes this close.
 const ATTAINED: f64 = 1e-6;
@@ -18,36 +16,7 @@ impl BoundStudy {
         let title = (Chapter::Bound, format!("The bound measured: {}", self.scene));
         let scene = Some([&*self.scene, &*self.fingerprint]);
         let mut findings = Findings::new(title, scene, self.claims.clone());
-        let (found, loss) = (&study.thresholds, study.thresholds.loss.as_ref());
-        // Step sizes up to which something holds: null where it does for every k.
-        let thresholds = json!({
-            "paper_norm": limits.paper_limit(),
-            "theorem": limits.limit(),
-            "sharpened": limits.sharpened_limit(),
-            "solvable": limits.solvable_limit(),
-            "norm_one": found.norm,
-            "radius_one": found.radius,
-            "loss": loss.map(|loss| loss.bracket),
-            "loss_reason": loss.map(|loss| &loss.reason),
-            "loss_eigenvalue": loss.map(|loss| loss.rightmost),
-            "not_followed": study.not_followed,
-        });
-        for (key, value) in [
-            ("n", json!(self.n)),
-            ("steps", json!(self.steps)),
-            ("constants", json!(self.constants)),
-            ("thresholds", thresholds),
-            ("ratio", json!(self.ratio())),
-            ("attained", json!(self.attained())),
-            ("m0_unknown", json!(self.unknown)),
-            ("levels", json!(study.levels)),
-            ("worst", json!(study.worst)),
-            ("meshes", json!(study.meshes)),
-            ("starts", json!(study.starts)),
-            ("rungs", json!(study.rungs)),
-        ] {
-            findings.number(key, value);
-        }
+        let found = &study.thresholds;
         let document = &mut findings.document;
         document.threshold = Some(match study.not_followed {
             Some(_) => "–".into(),
@@ -87,43 +56,26 @@ impl BoundStudy {
             study.starts.distinct,
             study.starts.failed
         ));
-        document.table(
+        findings.table(
+            "meshes",
+            &study.meshes,
             "The contraction factor of Λ at that level, on this and other meshes.",
-            table::rows(
-                &values(&study.meshes),
-                [
-                    (">n", "/mesh", 0),
-                    (">k", "/k", 6),
-                    (">‖DΛ‖", "/norm", 11),
-                    (">spectral radius", "/radius", 11),
-                    (">sharpened", "/sharpened", 11),
-                ],
-            ),
+            ">n = mesh; >k = k 6; >‖DΛ‖ = norm 11; >spectral radius = radius 11; >sharpened = sharpened 11",
         );
-        let mut rungs = values(&study.rungs);
-        for row in &mut rungs {
+        let document = &mut findings.document;
+        let mut rungs = json!(study.rungs);
+        for row in rungs.as_array_mut().into_iter().flatten() {
             for solver in ["newton", "fixed_point"] {
                 if row[solver].is_string() {
                     row[solver] = json!("fails");
                 }
             }
         }
-        document.table(
+        document.rows(
             "Contraction factor of Λ for a last step of size k after the same past, bounds, the iterations that solve the step, and other solutions from random starts.",
-            table::rows(
-                &rungs,
-                [
-                    (">k", "/k", 5),
-                    (">spectral radius", "/radius", 5),
-                    (">‖DΛ‖", "/norm", 5),
-                    (">sharpened", "/sharpened", 5),
-                    (">(3.15)", "/theorem", 5),
-                    (">paper's norm", "/paper_norm", 5),
-                    ("Newton", "/newton", 0),
-                    ("Λ", "/fixed_point", 0),
-                    (">others", "/distinct", 0),
-                ],
-            ),
+            &rungs,
+            ">k = k; >spectral radius = radius; >‖DΛ‖ = norm; >sharpened = sharpened; >(3.15) = theorem; \
+             >paper's norm = paper_norm; Newton = newton; Λ = fixed_point; >others = distinct",
         );
         document.table(
             "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
@@ -134,6 +86,31 @@ impl BoundStudy {
             "contraction factor of Λ against k, with the bounds of (3.4) (sweep bound).",
             self.svg(),
         );
+        // Step sizes up to which something holds: null where it does for every k.
+        let loss = found.loss.as_ref();
+        let thresholds = json!({
+            "paper_norm": limits.paper_limit(),
+            "theorem": limits.limit(),
+            "sharpened": limits.sharpened_limit(),
+            "solvable": limits.solvable_limit(),
+            "norm_one": found.norm,
+            "radius_one": found.radius,
+            "loss": loss.map(|loss| loss.bracket),
+            "loss_reason": loss.map(|loss| &loss.reason),
+            "loss_eigenvalue": loss.map(|loss| loss.rightmost),
+            "not_followed": study.not_followed,
+        });
+        findings.number("thresholds", thresholds);
+        findings.number("n", self.n);
+        findings.number("steps", self.steps);
+        findings.number("constants", &self.constants);
+        findings.number("ratio", self.ratio());
+        findings.number("attained", self.attained());
+        findings.number("m0_unknown", self.unknown);
+        findings.number("levels", &study.levels);
+        findings.number("worst", study.worst);
+        findings.number("starts", study.starts);
+        findings.number("rungs", &study.rungs);
         findings
     }
 
@@ -251,10 +228,6 @@ fn crossing(found: Option<Crossing>) -> String {
             format!("{} ± {off:.0e}", digits(0.5 * (low + high), 9))
         }
     }
-}
-
-fn values<T: Serialize>(rows: &[T]) -> Vec<Value> {
-    rows.iter().map(|row| json!(row)).collect()
 }
 
 fn constant(constant: &Constant) -> Row<'static, 5> {

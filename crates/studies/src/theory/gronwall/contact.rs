@@ -4,16 +4,19 @@
 //! The truth is the exact u(t) in V^h, or a run with many more steps on the same mesh. Either solves the spatially discrete
 //! problem with the history S_n u of its solution, which is all that (3.21) asks of it.
 
-use super::estimate::Estimate;
-use super::in_time::{GronwallError, InTime, Levels, named};
+use super::estimate::{Estimate, Terms};
+use super::in_time::{
+    GivenLoads, GronwallError, InTime, Known, Levels, NO_HISTORY, OWN_WEIGHTS, named, refused,
+    smallness,
+};
 use super::recurrence::{HistoryPart, KernelNorms, Weights};
 use crate::theory::norms::{DualNorm, remembered, stress_norm};
 use exact::InterpolatedOnMesh;
 use fem::contact::{
-    Load, LoadError, Model, StepView, kkt_residual, march, strain_distance, strain_norm,
+    Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march, strain_distance, strain_norm,
 };
 use run::sweep::lowest_common_multiple;
-use scene::setup::{MeshData, Setup, TruthLoad, constants};
+use scene::setup::{MeshData, Setup, constants};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, HistoryKernel, TensorField};
 use vhi::{Newton, monotonicity};
@@ -44,34 +47,30 @@ impl GronwallConstants {
     /// # Errors
     /// A rule with weights for each kernel, no history, no proved bound of c_j², m0 ≤ 0, κ not Lipschitz.
     pub fn new(setup: &Setup) -> Result<Self, GronwallError> {
-        let found = constants(setup)?;
-        let scene = &setup.scene;
-        let name = || scene.name.clone();
+        let (found, scene) = (constants(setup)?, &setup.scene);
         let Some(weights) = Weights::of(scene.time.rule, found.singular.0) else {
-            return Err(GronwallError::OwnWeights { scene: name() });
+            return Err(refused(scene, OWN_WEIGHTS));
         };
+        let refuse_if = |wrong, why: &str| if wrong { Err(refused(scene, why)) } else { Ok(()) };
         let friction = setup.body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-        if friction.is_some_and(|law| law.alpha() > 0.0 || law.bound.coefficient() > 0.0) {
-            return Err(GronwallError::NoTangentialBound { scene: name() });
-        }
+        refuse_if(
+            friction.is_some_and(|law| law.alpha() > 0.0 || law.bound.coefficient() > 0.0),
+            ": m0 needs an upper bound of c_tau^2 where friction falls with the slip or follows the pressure, and none is proved; take a bound that is given",
+        )?;
         let asked = found.alpha_nu > 0.0;
         let trace_bound = asked.then_some(found.c_j_squared_bound).flatten();
-        if found.alpha_nu > 0.0 && trace_bound.is_none() {
-            return Err(GronwallError::NoTraceBound { scene: name() });
-        }
+        refuse_if(
+            asked && trace_bound.is_none(),
+            " has a falling contact law, and no bound of c_j^2 is proved for its sides: place the contact side opposite a clamped one",
+        )?;
         let m0 = monotonicity(found.m_elastic, found.alpha_nu * trace_bound.unwrap_or(0.0));
-        if m0.is_nan() || m0 <= 0.0 {
-            return Err(GronwallError::Smallness { scene: name(), m0 });
-        }
+        smallness(scene, m0)?;
         let yielding = found.yielding;
-        if !yielding.is_finite() {
-            return Err(GronwallError::NotLipschitz { scene: name() });
-        }
+        let endless = ": kappa is not Lipschitz, so (3.24) has no constant C2";
+        refuse_if(!yielding.is_finite(), endless)?;
         let accumulated = weights.beside_plain(scene.time.horizon);
         let memory = accumulated * found.memory.operator + found.singular.1.operator;
-        if yielding == 0.0 && memory == 0.0 {
-            return Err(GronwallError::NoHistory { scene: name() });
-        }
+        refuse_if(yielding == 0.0 && memory == 0.0, NO_HISTORY)?;
         let beta = found.beta_phi;
         Ok(Self { m0, trace_bound, beta, yielding, memory, accumulated, weights })
     }
@@ -145,58 +144,25 @@ impl<'a> ContactInTime<'a> {
     /// # Errors
     /// The run or the truth fails.
     pub fn measure_model(&self, model: &Model, steps: u32) -> Result<Estimate, GronwallError> {
-        let Self { setup, data: MeshData { space, truth: source, .. }, truth, constants } = self;
-        let grid = setup.grid(steps);
-        let levels = truth.levels(setup, steps)?;
-        let mut error = Vec::with_capacity(levels.len());
-        let mut load = TruthLoad(&**source);
-        let info = march(space, model, &grid, &mut load, &Newton::default(), &mut |view| {
-            error.push(strain_distance(space, view.u, &levels[view.n].u));
+        let grid = self.grid(steps);
+        let run = self.run(model, &grid, &self.loads(&grid)?)?;
+        self.compared(grid, run)
+    }
+
+    fn run(
+        &self,
+        model: &Model,
+        grid: &TimeGrid,
+        loads: &[Vec<f64>],
+    ) -> Result<(Levels, f64), GronwallError> {
+        let (mut found, mut load) = (Vec::new(), GivenLoads(grid, loads));
+        let newton = Newton::default();
+        let info = march(&self.data.space, model, grid, &mut load, &newton, &mut |view| {
+            found.push(view.u.to_vec());
             Ok(())
         })
-        .map_err(|source| GronwallError::Case { steps, source })?;
-        let size = levels.iter().map(|level| strain_norm(space, &level.u));
-        let [zeta, memory] =
-            [self.truncation_of_zeta(&grid, &levels), self.truncation_of_memory(&grid, &levels)];
-        let both = zeta.iter().zip(&memory);
-        Ok(Estimate {
-            error,
-            weighted_source: both.clone().map(|(z, b)| constants.yielding * z + b).collect(),
-            source: both.map(|(z, b)| constants.beta * (z + b)).collect(),
-            floor: info.floors.v + truth.accuracy() * size.fold(0.0, f64::max),
-            truncation: [zeta, memory],
-            ..self.blank(&grid)
-        })
-    }
-
-    fn truncation_of_zeta(&self, grid: &TimeGrid, levels: &[TruthAtLevel]) -> Vec<f64> {
-        if !self.constants.has_zeta() {
-            return vec![0.0; levels.len()];
-        }
-        let (mut accumulated, rule) = (Accumulated::default(), self.constants.weights.rule());
-        let defect = |level: &TruthAtLevel| {
-            accumulated.commit(grid, strain_norm(&self.data.space, &level.u));
-            (level.zeta - accumulated.value(&*rule, grid)).abs()
-        };
-        levels.iter().map(defect).collect()
-    }
-
-    fn truncation_of_memory(&self, grid: &TimeGrid, levels: &[TruthAtLevel]) -> Vec<f64> {
-        let (terms, space) = (&self.setup.model.memory, &self.data.space);
-        if terms.is_empty() {
-            return vec![0.0; levels.len()];
-        }
-        let (rule, length) = (self.constants.weights.rule(), space.nodes.len());
-        let empty = terms.iter().map(|term| Memory::new(&*term.kernel, &*rule, grid, length));
-        let mut histories: Vec<Memory> = empty.collect();
-        let defect = |(n, level): (usize, &TruthAtLevel)| {
-            let mut missed = remembered(terms, &mut histories, &*rule, (grid, n), &level.u);
-            for (missed, exact) in missed.iter_mut().zip(&level.memory) {
-                missed.iter_mut().zip(exact).for_each(|(sum, exact)| *sum = exact - *sum);
-            }
-            stress_norm(space, terms, &missed)
-        };
-        levels.iter().enumerate().map(defect).collect()
+        .map_err(|source| GronwallError::Case { steps: grid.steps() as u32, source })?;
+        Ok((found, info.floors.v))
     }
 }
 
@@ -210,25 +176,21 @@ impl InTime for ContactInTime<'_> {
     }
 
     fn truth(&self) -> String {
-        self.truth.label()
+        match &self.truth {
+            TemporalTruth::Exact(_) => "exact u(t) in V^h".into(),
+            TemporalTruth::Reference(reference) => format!(
+                "run on the same mesh with {} steps, own error {:.1e} (Richardson)",
+                reference.steps, reference.own_error
+            ),
+        }
     }
 
     fn grid(&self, steps: u32) -> TimeGrid {
         self.setup.grid(steps)
     }
 
-    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError> {
-        self.measure_model(&self.setup.model, steps)
-    }
-
-    fn loads(&self, grid: &TimeGrid) -> Result<Vec<Vec<f64>>, GronwallError> {
-        let mut source = TruthLoad(&*self.data.truth);
-        let one = |t: &f64| {
-            let mut load = vec![0.0; self.data.space.dofs()];
-            source.assemble(*t, &mut load)?;
-            Ok(load)
-        };
-        grid.times().iter().map(one).collect()
+    fn loads(&self, grid: &TimeGrid) -> Result<Levels, GronwallError> {
+        grid.times().iter().map(|t| Ok(self.data.truth.load(*t)?.to_vec())).collect()
     }
 
     fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>, GronwallError> {
@@ -240,29 +202,47 @@ impl InTime for ContactInTime<'_> {
         &self,
         grid: &TimeGrid,
         loads: &[Vec<f64>],
-    ) -> Result<(Vec<Vec<f64>>, f64), GronwallError> {
-        let mut found = Vec::new();
-        let (space, model) = (&self.data.space, &self.setup.model);
-        let mut load = Levels { grid, loads };
-        let info = march(space, model, grid, &mut load, &Newton::default(), &mut |view| {
-            found.push(view.u.to_vec());
-            Ok(())
-        })
-        .map_err(|source| GronwallError::Case { steps: grid.steps() as u32, source })?;
-        Ok((found, info.floors.v))
+    ) -> Result<(Levels, f64), GronwallError> {
+        self.run(&self.setup.model, grid, loads)
     }
 
     fn distance(&self, u: &[f64], v: &[f64]) -> f64 {
         strain_distance(&self.data.space, u, v)
     }
 
-    fn blank(&self, grid: &TimeGrid) -> Estimate {
-        let (c, parts) = (&self.constants, self.constants.parts(self.setup, grid));
-        Estimate::blank(grid, c.weights, (c.m0, c.beta), parts)
+    fn terms(&self, grid: &TimeGrid) -> Terms {
+        let c = &self.constants;
+        (c.m0, c.beta, c.weights, c.parts(self.setup, grid))
+    }
+
+    fn known(&self, grid: &TimeGrid) -> Result<Known, GronwallError> {
+        let Self { setup, data: MeshData { space, .. }, truth, constants } = self;
+        let (terms, rule) = (&setup.model.memory, constants.weights.rule());
+        let empty = |term: &MemoryTerm| Memory::new(&*term.kernel, &*rule, grid, space.nodes.len());
+        let mut histories: Vec<Memory> = terms.iter().map(empty).collect();
+        let (mut accumulated, mut size) = (Accumulated::default(), 0f64);
+        let (mut u, mut truncation) = (Vec::new(), [Vec::new(), Vec::new()]);
+        for (n, level) in truth.levels(setup, grid.steps() as u32)?.into_iter().enumerate() {
+            let norm = strain_norm(space, &level.u);
+            size = size.max(norm);
+            accumulated.commit(grid, norm);
+            let off = || (level.zeta - accumulated.value(&*rule, grid)).abs();
+            truncation[0].push(if constants.has_zeta() { off() } else { 0.0 });
+            let mut missed = remembered(terms, &mut histories, &*rule, (grid, n), &level.u);
+            for (missed, exact) in missed.iter_mut().zip(&level.memory) {
+                missed.iter_mut().zip(exact).for_each(|(sum, exact)| *sum = exact - *sum);
+            }
+            truncation[1].push(stress_norm(space, terms, &missed));
+            u.push(level.u);
+        }
+        let factors = [constants.yielding, 1.0];
+        // What formulas and quadrature leave in u(t), relative to its size.
+        let accuracy = if matches!(truth, TemporalTruth::Exact(_)) { 1e-12 } else { 0.0 };
+        Ok(Known { u, truncation, factors, unknown: accuracy * size })
     }
 }
 
-impl Load for Levels<'_> {
+impl Load for GivenLoads<'_> {
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
         let reason = || LoadError::Reference { reason: format!("no load is given at t = {t}") };
         out.copy_from_slice(self.load(t).ok_or_else(reason)?);
@@ -326,7 +306,26 @@ impl TemporalTruth {
                 return Ok(Self::Exact(Box::new(exact)));
             }
         }
-        ReferenceLevels::run(setup, data, steps).map(Self::Reference)
+        // The levels of the coarsest grid that contains all others.
+        let common = steps.iter().copied().fold(1, lowest_common_multiple);
+        let every = |stride: u32| -> Result<Vec<TruthAtLevel>, GronwallError> {
+            let (steps, mut levels) = (stride * common, Vec::new());
+            data.march(setup, steps, &Newton::default(), &mut |view| {
+                if view.n % stride as usize == 0 {
+                    let (u, memory) = (view.u.to_vec(), view.history.to_vec());
+                    levels.push(TruthAtLevel { t: view.t, u, memory, zeta: view.zeta });
+                }
+                Ok(())
+            })
+            .map_err(|source| GronwallError::Case { steps, source })?;
+            Ok(levels)
+        };
+        let (levels, half) = (every(REFERENCE_STEPS)?, every(REFERENCE_STEPS / 2)?);
+        let pairs = levels.iter().zip(&half);
+        let apart = pairs.map(|(a, b)| strain_distance(&data.space, &a.u, &b.u));
+        let own_error = apart.fold(0.0, f64::max) / 3.0;
+        let steps = REFERENCE_STEPS * common;
+        Ok(Self::Reference(ReferenceLevels { steps, own_error, levels }))
     }
 
     /// The levels at the times of the grid with `steps` steps.
@@ -335,30 +334,22 @@ impl TemporalTruth {
     /// A formula that is not finite, a grid that is not part of the reference's.
     pub fn levels(&self, setup: &Setup, steps: u32) -> Result<Vec<TruthAtLevel>, GronwallError> {
         let grid = setup.grid(steps);
-        match self {
+        let of = match self {
             Self::Exact(exact) => {
                 let level = |t: &f64| exact_level(setup, exact, *t);
-                Ok(grid.times().iter().map(level).collect::<Result<_, _>>()?)
+                return Ok(grid.times().iter().map(level).collect::<Result<_, _>>()?);
             }
-            Self::Reference(reference) => reference.at(&grid, steps),
-        }
-    }
-
-    /// One line for tables.
-    pub(crate) fn label(&self) -> String {
-        match self {
-            Self::Exact(_) => "exact u(t) in V^h".to_string(),
-            Self::Reference(reference) => format!(
-                "run on the same mesh with {} steps, own error {:.1e} (Richardson)",
-                reference.steps, reference.own_error
-            ),
-        }
-    }
-
-    /// What formulas and quadrature leave in u(t), relative to its size.
-    pub(crate) fn accuracy(&self) -> f64 {
-        // ζ and the memory integrals of the exact side.
-        if matches!(self, Self::Exact(_)) { 1e-12 } else { 0.0 }
+            Self::Reference(reference) => reference,
+        };
+        let common = of.steps / REFERENCE_STEPS;
+        let level = |(n, t): (usize, &f64)| {
+            let level = of.levels.get(n * (common / steps) as usize)?;
+            ((level.t - t).abs() <= 1e-12 * t.abs()).then(|| level.clone())
+        };
+        let nested = common.is_multiple_of(steps);
+        let levels = grid.times().iter().enumerate().map(level);
+        let found = nested.then(|| levels.collect::<Option<_>>()).flatten();
+        found.ok_or(GronwallError::NotNested { steps, reference: of.steps })
     }
 }
 
@@ -380,97 +371,37 @@ fn in_space(
     data: &MeshData,
     exact: &InterpolatedOnMesh,
 ) -> Result<bool, GronwallError> {
-    let mut load = vec![0.0; data.space.dofs()];
-    let horizon = setup.scene.time.horizon;
+    let (model, trace, horizon) = (&setup.model, &data.space.trace, setup.scene.time.horizon);
     for share in [0.0, 1.0 / 3.0, 0.5, 1.0] {
-        let level = exact_level(setup, exact, share * horizon)?;
-        TruthLoad(&*data.truth).assemble(level.t, &mut load)?;
-        let (compliance, multiplier) = pressures(setup, data, exact, &level);
+        let TruthAtLevel { t, u, memory, zeta } = exact_level(setup, exact, share * horizon)?;
+        // ξ takes what ∂j_ν allows, λ the rest.
+        let split = |(i, pressure): (usize, f64)| {
+            let Some(boundary) = &model.boundary else { return (0.0, 0.0) };
+            let x = data.space.mesh.point(&[trace.points[i].vertex], &[1.0]);
+            let r = trace.normal(i, &u) - (boundary.shift)(x);
+            let (lo, hi) = boundary.potential.subdifferential(r);
+            let xi = pressure.clamp(lo, hi);
+            (xi, pressure - xi)
+        };
+        let pressures = exact.pressures(t).into_iter().enumerate();
+        let (compliance, multiplier): (Vec<f64>, Vec<f64>) = pressures.map(split).unzip();
+        let limit = vhi::law::Projection::limit(&model.projection);
         let view = StepView {
             n: 0,
-            t: level.t,
-            u: &level.u,
-            history: &level.memory,
-            zeta: level.zeta,
-            kappa: vhi::law::Projection::limit(&setup.model.projection)
-                .map_or(f64::INFINITY, |limit| limit.value(level.zeta)),
+            t,
+            u: &u,
+            history: &memory,
+            zeta,
+            kappa: limit.map_or(f64::INFINITY, |limit| limit.value(zeta)),
             strain_norm: f64::NAN,
             compliance: &compliance,
             multiplier: &multiplier,
             friction: &[],
         };
-        let residual = kkt_residual(&data.space, &setup.model, &view, &load);
+        let residual = kkt_residual(&data.space, model, &view, &data.truth.load(t)?);
         if residual.is_nan() || residual > IN_SPACE {
             return Ok(false);
         }
     }
     Ok(true)
-}
-
-/// ξ and λ of the exact state at the points of the trace: ξ takes what ∂j_ν allows, λ the rest.
-fn pressures(
-    setup: &Setup,
-    data: &MeshData,
-    exact: &InterpolatedOnMesh,
-    level: &TruthAtLevel,
-) -> (Vec<f64>, Vec<f64>) {
-    let trace = &data.space.trace;
-    let Some(boundary) = &setup.model.boundary else {
-        return (vec![0.0; trace.points.len()], vec![0.0; trace.points.len()]);
-    };
-    let split = |(i, pressure): (usize, f64)| {
-        let x = data.space.mesh.point(&[trace.points[i].vertex], &[1.0]);
-        let r = trace.normal(i, &level.u) - (boundary.shift)(x);
-        let (lo, hi) = boundary.potential.subdifferential(r);
-        let xi = pressure.clamp(lo, hi);
-        (xi, pressure - xi)
-    };
-    exact.pressures(level.t).into_iter().enumerate().map(split).unzip()
-}
-
-impl ReferenceLevels {
-    fn run(setup: &Setup, data: &MeshData, steps: &[u32]) -> Result<Self, GronwallError> {
-        let common = steps.iter().copied().fold(1, lowest_common_multiple);
-        // The levels of the coarsest grid that contains all others.
-        let levels = kept(setup, data, common, REFERENCE_STEPS)?;
-        let half = kept(setup, data, common, REFERENCE_STEPS / 2)?;
-        let distance =
-            |(a, b): (&TruthAtLevel, &TruthAtLevel)| strain_distance(&data.space, &a.u, &b.u);
-        let apart = levels.iter().zip(&half).map(distance).fold(0.0, f64::max);
-        Ok(Self { steps: REFERENCE_STEPS * common, own_error: apart / 3.0, levels })
-    }
-
-    fn at(&self, grid: &TimeGrid, steps: u32) -> Result<Vec<TruthAtLevel>, GronwallError> {
-        let refused = || GronwallError::NotNested { steps, reference: self.steps };
-        let every = self.steps / REFERENCE_STEPS;
-        if !every.is_multiple_of(steps) {
-            return Err(refused());
-        }
-        let every = (every / steps) as usize;
-        let level = |(n, t): (usize, &f64)| {
-            let level = self.levels.get(n * every).ok_or_else(refused)?;
-            let same = (level.t - t).abs() <= 1e-12 * t.abs();
-            if same { Ok(level.clone()) } else { Err(refused()) }
-        };
-        grid.times().iter().enumerate().map(level).collect()
-    }
-}
-
-/// Every `stride`-th level of a run, `count` of them beside the first.
-fn kept(
-    setup: &Setup,
-    data: &MeshData,
-    count: u32,
-    stride: u32,
-) -> Result<Vec<TruthAtLevel>, GronwallError> {
-    let (steps, mut levels) = (stride * count, Vec::new());
-    data.march(setup, steps, &Newton::default(), &mut |view| {
-        if view.n % stride as usize == 0 {
-            let memory = view.history.to_vec();
-            levels.push(TruthAtLevel { t: view.t, u: view.u.to_vec(), memory, zeta: view.zeta });
-        }
-        Ok(())
-    })
-    .map_err(|source| GronwallError::Case { steps, source })?;
-    Ok(levels)
 }

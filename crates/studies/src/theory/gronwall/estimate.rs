@@ -41,6 +41,9 @@ pub struct Estimate {
     pub truncation: [Vec<f64>; 2],
 }
 
+/// Constants of a scene on a grid: m0, β_φ, w_nj and the components of the history.
+pub type Terms = (f64, f64, Weights, Vec<HistoryPart>);
+
 /// One thing for each bound of e_n, in the order weighted ≤ primed ≤ closed ≤ …; primed ≤ printed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bounds<T> {
@@ -75,29 +78,6 @@ impl<T> Bounds<T> {
 }
 
 impl Estimate {
-    /// One with these constants, before anything is measured.
-    pub(super) fn blank(
-        grid: &TimeGrid,
-        weights: Weights,
-        (m0, beta): (f64, f64),
-        parts: Vec<HistoryPart>,
-    ) -> Self {
-        let (grid, truncation) = (grid.clone(), [Vec::new(), Vec::new()]);
-        let (error, weighted_source, source) = (Vec::new(), Vec::new(), Vec::new());
-        Self {
-            grid,
-            weights,
-            error,
-            weighted_source,
-            source,
-            m0,
-            beta,
-            parts,
-            floor: 0.0,
-            truncation,
-        }
-    }
-
     /// C2 = β_φ ‖S‖/m0, ‖S‖ being ‖R‖‖q‖ or the Lipschitz constant of S: Σ_p sup κ_p.
     pub(super) fn c2(&self) -> f64 {
         self.beta / self.m0 * self.parts.iter().map(|part| part.supremum).sum::<f64>()

@@ -3,10 +3,13 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::estimate::Estimate;
-use super::in_time::{GronwallError, InTime, Levels, named};
+use super::estimate::Terms;
+use super::in_time::{
+    GivenLoads, GronwallError, InTime, Known, Levels, NO_HISTORY, OWN_WEIGHTS, named, refused,
+    smallness,
+};
 use super::recurrence::{KernelNorms, Weights};
-use scene::setup::{AbstractLoad, AbstractSetup};
+use scene::setup::AbstractSetup;
 use vhi::Newton;
 use vhi::finite::{FiniteError, FiniteLoad, FiniteModel, march};
 use vhi::history::TimeGrid;
@@ -33,18 +36,15 @@ impl<'a> FiniteInTime<'a> {
     /// # Errors
     /// A rule with weights for each kernel, no history, m0 ≤ 0.
     pub(super) fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
-        let (found, name) = (&setup.constants, || setup.scene.name.clone());
-        let Some(weights) = Weights::of(setup.scene.time.rule, found.power) else {
-            return Err(GronwallError::OwnWeights { scene: name() });
-        };
-        if found.m0.is_nan() || found.m0 <= 0.0 {
-            return Err(GronwallError::Smallness { scene: name(), m0: found.m0 });
-        }
-        let plain = weights.beside_plain(setup.scene.time.horizon) * found.q_norm;
+        let (found, scene) = (&setup.constants, &setup.scene);
+        let own = || refused(scene, OWN_WEIGHTS);
+        let weights = Weights::of(scene.time.rule, found.power).ok_or_else(own)?;
+        smallness(scene, found.m0)?;
+        let plain = weights.beside_plain(scene.time.horizon) * found.q_norm;
         let q_norm = plain + found.b_norm;
         let constants = [found.m0, found.beta_phi, found.r_norm * q_norm];
         if constants[2] == 0.0 {
-            return Err(GronwallError::NoHistory { scene: name() });
+            return Err(refused(scene, NO_HISTORY));
         }
         let gram = SymmetricEigen::new(setup.model.inner_product.clone());
         if gram.eigenvalues.min() <= 0.0 {
@@ -55,81 +55,22 @@ impl<'a> FiniteInTime<'a> {
         Ok(Self { setup, inverse_root, constants, q_norm, weights })
     }
 
-    /// Runs `model`, which a test may have changed, against the exact solution. The truncation error
-    /// is that of the scene's model with the scene's rule.
+    /// u_0^k, …, u_N^k of `model`, which a test may have changed, under these loads, and the floor of the run.
     ///
     /// # Errors
     /// The run fails.
-    pub(super) fn measure_model(
+    pub(super) fn run(
         &self,
         model: &FiniteModel,
-        steps: u32,
-    ) -> Result<Estimate, GronwallError> {
-        let setup = self.setup;
-        let grid = setup.grid(steps);
-        let (mut error, mut size) = (Vec::new(), 0f64);
-        let mut load = AbstractLoad(setup);
-        let info = march(model, &grid, &mut load, &Newton::default(), &mut |view| {
-            let exact = DVector::from_column_slice(&setup.state(view.t).u);
-            size = size.max(setup.model.norm(&exact));
-            error.push(setup.model.norm(&(exact - view.u)));
+        grid: &TimeGrid,
+        loads: &[Vec<f64>],
+    ) -> Result<(Levels, f64), GronwallError> {
+        let (mut found, mut load) = (Vec::new(), GivenLoads(grid, loads));
+        let info = march(model, grid, &mut load, &Newton::default(), &mut |view| {
+            found.push(view.u.as_slice().to_vec());
         })
-        .map_err(|source| GronwallError::FiniteCase { steps, source })?;
-        let truncation = self.truncation(&grid);
-        let source: Vec<f64> = truncation.iter().map(|g| self.constants[1] * g).collect();
-        Ok(Estimate {
-            error,
-            weighted_source: source.clone(),
-            source,
-            floor: info.floor + EXACT * size,
-            truncation: [vec![0.0; truncation.len()], truncation],
-            ..self.blank(&grid)
-        })
-    }
-
-    /// ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ_j w_nj q_l(t_n, t_j) u_j + a_S).
-    fn truncation(&self, grid: &TimeGrid) -> Vec<f64> {
-        let model = &self.setup.model;
-        let states: Vec<_> = grid.times().iter().map(|t| self.setup.state(*t)).collect();
-        let u: Vec<DVector<f64>> =
-            states.iter().map(|state| DVector::from_column_slice(&state.u)).collect();
-        let defect = |n: usize| {
-            let mut sum = model.a_s.clone();
-            for term in &model.kernels {
-                let weights = self.weights.rule().kernel_row(&*term.kernel, grid, n);
-                let mut integral = DVector::zeros(model.dimension());
-                for (u, weight) in u.iter().zip(&weights) {
-                    integral.axpy(*weight, u, 1.0);
-                }
-                sum += &term.matrix * integral;
-            }
-            let exact = DVector::from_column_slice(&states[n].history);
-            (&self.inverse_root * (exact - &model.r * sum)).norm()
-        };
-        (0..states.len()).map(defect).collect()
-    }
-
-    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*; by product integration with W^l_nj in place of q_l.
-    fn kernel_norms(&self, grid: &TimeGrid) -> KernelNorms {
-        let model = &self.setup.model;
-        // Operators X → X* between orthonormal coordinates.
-        let matrices: Vec<DMatrix<f64>> = model
-            .kernels
-            .iter()
-            .map(|term| &self.inverse_root * &model.r * &term.matrix * &self.inverse_root)
-            .collect();
-        let norm = |matrix: &DMatrix<f64>| matrix.singular_values().max();
-        let alone: Vec<f64> = matrices.iter().map(norm).collect();
-        let of = |factors: &[f64]| match factors {
-            [factor] => factor.abs() * alone[0],
-            _ => {
-                let each = matrices.iter().zip(factors).map(|(matrix, factor)| *factor * matrix);
-                each.reduce(|sum, matrix| sum + matrix).map_or(0.0, |sum| norm(&sum))
-            }
-        };
-        let kernels: Vec<&dyn HistoryKernel> =
-            model.kernels.iter().map(|term| &*term.kernel as _).collect();
-        KernelNorms::of(&kernels, of, (self.weights.integrating(), grid), false)
+        .map_err(|source| GronwallError::FiniteCase { steps: grid.steps() as u32, source })?;
+        Ok((found, info.floor))
     }
 }
 
@@ -155,11 +96,7 @@ impl InTime for FiniteInTime<'_> {
         self.setup.grid(steps)
     }
 
-    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError> {
-        self.measure_model(&self.setup.model, steps)
-    }
-
-    fn loads(&self, grid: &TimeGrid) -> Result<Vec<Vec<f64>>, GronwallError> {
+    fn loads(&self, grid: &TimeGrid) -> Result<Levels, GronwallError> {
         Ok(grid.times().iter().map(|t| self.setup.state(*t).load.clone()).collect())
     }
 
@@ -172,15 +109,8 @@ impl InTime for FiniteInTime<'_> {
         &self,
         grid: &TimeGrid,
         loads: &[Vec<f64>],
-    ) -> Result<(Vec<Vec<f64>>, f64), GronwallError> {
-        let mut found = Vec::new();
-        let mut load = Levels { grid, loads };
-        let solver = Newton::default();
-        let info = march(&self.setup.model, grid, &mut load, &solver, &mut |view| {
-            found.push(view.u.as_slice().to_vec());
-        })
-        .map_err(|source| GronwallError::FiniteCase { steps: grid.steps() as u32, source })?;
-        Ok((found, info.floor))
+    ) -> Result<(Levels, f64), GronwallError> {
+        self.run(&self.setup.model, grid, loads)
     }
 
     fn distance(&self, u: &[f64], v: &[f64]) -> f64 {
@@ -188,14 +118,58 @@ impl InTime for FiniteInTime<'_> {
         self.setup.model.norm(&difference)
     }
 
-    fn blank(&self, grid: &TimeGrid) -> Estimate {
-        let [m0, beta, lipschitz] = self.constants;
-        let part = self.kernel_norms(grid).part(beta, lipschitz, grid);
-        Estimate::blank(grid, self.weights, (m0, beta), vec![part])
+    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*; by product integration with W^l_nj in place of q_l.
+    fn terms(&self, grid: &TimeGrid) -> Terms {
+        let ([m0, beta, lipschitz], model) = (self.constants, &self.setup.model);
+        // Operators X → X* between orthonormal coordinates.
+        let matrices: Vec<DMatrix<f64>> = model
+            .kernels
+            .iter()
+            .map(|term| &self.inverse_root * &model.r * &term.matrix * &self.inverse_root)
+            .collect();
+        let norm = |matrix: &DMatrix<f64>| matrix.singular_values().max();
+        let alone: Vec<f64> = matrices.iter().map(norm).collect();
+        let of = |factors: &[f64]| match factors {
+            [factor] => factor.abs() * alone[0],
+            _ => {
+                let each = matrices.iter().zip(factors).map(|(matrix, factor)| *factor * matrix);
+                each.reduce(|sum, matrix| sum + matrix).map_or(0.0, |sum| norm(&sum))
+            }
+        };
+        let kernels: Vec<&dyn HistoryKernel> =
+            model.kernels.iter().map(|term| &*term.kernel as _).collect();
+        let norms = KernelNorms::of(&kernels, of, (self.weights.integrating(), grid), false);
+        (m0, beta, self.weights, vec![norms.part(beta, lipschitz, grid)])
+    }
+
+    /// g_n = ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ_j w_nj q_l(t_n, t_j) u_j + a_S).
+    fn known(&self, grid: &TimeGrid) -> Result<Known, GronwallError> {
+        let (model, rule) = (&self.setup.model, self.weights.rule());
+        let states: Vec<_> = grid.times().iter().map(|t| self.setup.state(*t)).collect();
+        let column = |values: &[f64]| DVector::from_column_slice(values);
+        let u: Vec<DVector<f64>> = states.iter().map(|state| column(&state.u)).collect();
+        let defect = |n: usize| {
+            let mut sum = model.a_s.clone();
+            for term in &model.kernels {
+                let weights = rule.kernel_row(&*term.kernel, grid, n);
+                let mut integral = DVector::zeros(model.dimension());
+                for (u, weight) in u.iter().zip(&weights) {
+                    integral.axpy(*weight, u, 1.0);
+                }
+                sum += &term.matrix * integral;
+            }
+            (&self.inverse_root * (column(&states[n].history) - &model.r * sum)).norm()
+        };
+        Ok(Known {
+            truncation: [vec![0.0; u.len()], (0..u.len()).map(defect).collect()],
+            factors: [0.0, self.constants[1]],
+            unknown: EXACT * u.iter().map(|u| model.norm(u)).fold(0.0, f64::max),
+            u: states.iter().map(|state| state.u.clone()).collect(),
+        })
     }
 }
 
-impl FiniteLoad for Levels<'_> {
+impl FiniteLoad for GivenLoads<'_> {
     fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
         let missing = FiniteError::Load { component: 0, value: f64::NAN, t };
         self.load(t).map(DVector::from_column_slice).ok_or(missing)

@@ -1,17 +1,28 @@
 //! What a scene of either kind gives to the study of its error in time.
 
-use super::contact::ContactInTime;
-use super::estimate::Estimate;
-use super::finite::FiniteInTime;
+use super::estimate::{Estimate, Terms};
 use super::recurrence::StepTooLarge;
 use algebra::linalg::FactorError;
 use fem::contact::{CaseError, LoadError};
-use scene::setup::{SetupError, Subject};
+use scene::setup::SetupError;
 use vhi::finite::FiniteError;
 use vhi::history::TimeGrid;
 
-/// A scene with its truth in time, ready to run on any of the grids it was prepared for. Vectors are
-/// loads and displacements in the layout of the scene.
+/// Vectors at t_0, …, t_N: loads or displacements in the layout of the scene.
+pub type Levels = Vec<Vec<f64>>;
+
+/// The truth on a grid.
+pub struct Known {
+    /// u(t_0), …, u(t_N).
+    pub u: Levels,
+    /// As in [`Estimate`], and the factors ω_p with which its parts enter.
+    pub truncation: [Vec<f64>; 2],
+    pub factors: [f64; 2],
+    /// What is not known of u, in its norm.
+    pub unknown: f64,
+}
+
+/// A scene with its truth in time, ready to run on any of the grids it was prepared for.
 pub trait InTime {
     /// The constants of (3.24), and what they are made of, by name.
     fn constants(&self) -> Vec<(&'static str, f64)>;
@@ -22,17 +33,11 @@ pub trait InTime {
     /// The grid with N steps.
     fn grid(&self, steps: u32) -> TimeGrid;
 
-    /// e_n, g_n and the data of the bounds on this grid.
-    ///
-    /// # Errors
-    /// The run or the truth fails.
-    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError>;
-
     /// f_0, …, f_N.
     ///
     /// # Errors
     /// A formula that is not finite.
-    fn loads(&self, grid: &TimeGrid) -> Result<Vec<Vec<f64>>, GronwallError>;
+    fn loads(&self, grid: &TimeGrid) -> Result<Levels, GronwallError>;
 
     /// ‖·‖_* of each vector.
     ///
@@ -48,14 +53,56 @@ pub trait InTime {
         &self,
         grid: &TimeGrid,
         loads: &[Vec<f64>],
-    ) -> Result<(Vec<Vec<f64>>, f64), GronwallError>;
+    ) -> Result<(Levels, f64), GronwallError>;
 
     /// ‖u - v‖_X.
     fn distance(&self, u: &[f64], v: &[f64]) -> f64;
 
-    /// The bounds of a difference without truncation whose source is ‖δf_n‖_*: constants and parts
-    /// of the history on this grid, everything else zero.
-    fn blank(&self, grid: &TimeGrid) -> Estimate;
+    /// The constants on this grid.
+    fn terms(&self, grid: &TimeGrid) -> Terms;
+
+    /// The truth on this grid.
+    ///
+    /// # Errors
+    /// A formula that is not finite, a grid that the truth does not have.
+    fn known(&self, grid: &TimeGrid) -> Result<Known, GronwallError>;
+
+    /// A run against the truth.
+    ///
+    /// # Errors
+    /// As [`Self::known`].
+    fn compared(
+        &self,
+        grid: TimeGrid,
+        (run, floor): (Levels, f64),
+    ) -> Result<Estimate, GronwallError> {
+        let Known { u, truncation, factors, unknown } = self.known(&grid)?;
+        let (m0, beta, weights, parts) = self.terms(&grid);
+        let both = || truncation[0].iter().zip(&truncation[1]);
+        let weighted = both().map(|(zeta, memory)| factors[0] * zeta + factors[1] * memory);
+        Ok(Estimate {
+            weights,
+            error: run.iter().zip(&u).map(|(run, u)| self.distance(run, u)).collect(),
+            weighted_source: weighted.collect(),
+            source: both().map(|(zeta, memory)| beta * (zeta + memory)).collect(),
+            m0,
+            beta,
+            parts,
+            floor: floor + unknown,
+            truncation,
+            grid,
+        })
+    }
+
+    /// e_n, g_n and the data of the bounds on the grid with N steps.
+    ///
+    /// # Errors
+    /// The run or the truth fails.
+    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError> {
+        let grid = self.grid(steps);
+        let run = self.solutions(&grid, &self.loads(&grid)?)?;
+        self.compared(grid, run)
+    }
 }
 
 /// m0, β_φ, ‖S‖, C1 = β_φ/m0 and C2 = C1 ‖S‖ by name, and others.
@@ -69,74 +116,25 @@ pub(super) fn named<const N: usize>(
 }
 
 /// Loads given at the times of a grid.
-pub(super) struct Levels<'a> {
-    pub grid: &'a TimeGrid,
-    pub loads: &'a [Vec<f64>],
-}
+pub(super) struct GivenLoads<'a>(pub &'a TimeGrid, pub &'a [Vec<f64>]);
 
-impl Levels<'_> {
+impl GivenLoads<'_> {
     /// The load at t; none between the times of the grid.
     pub(super) fn load(&self, t: f64) -> Option<&[f64]> {
-        let n = self.grid.times().iter().position(|level| *level == t)?;
-        Some(&self.loads[n])
+        let n = self.0.times().iter().position(|level| *level == t)?;
+        Some(&self.1[n])
     }
-}
-
-/// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells per unit length; an
-/// abstract scene has none.
-///
-/// # Errors
-/// Constants, loads or a reference run that cannot be had.
-pub fn prepare<'a>(
-    subject: &'a Subject,
-    n: Option<u32>,
-    steps: &[u32],
-) -> Result<Box<dyn InTime + 'a>, GronwallError> {
-    let reason = match (subject, n) {
-        (Subject::Contact(setup), Some(n)) => {
-            return Ok(Box::new(ContactInTime::new(setup, n, steps)?));
-        }
-        (Subject::Abstract(setup), None) => return Ok(Box::new(FiniteInTime::new(setup)?)),
-        (Subject::Contact(_), None) => "a body needs a mesh: give --n",
-        (Subject::Abstract(_), Some(_)) => "an abstract problem has no mesh: leave --n away",
-    };
-    Err(GronwallError::Mesh { reason })
 }
 
 /// What ends a study before it can judge.
 #[derive(Debug, thiserror::Error)]
 pub enum GronwallError {
-    /// Nothing is remembered, so there is no error in time to bound.
-    #[error(
-        "scene `{scene}` has no history: neither memory nor a yield limit that depends on zeta; the error in time is zero"
-    )]
-    NoHistory { scene: String },
-    /// m0 would have to rely on a computed c_j², which is no upper bound.
-    #[error(
-        "scene `{scene}` has a falling contact law, and no bound of c_j^2 is proved for its sides: place the contact side opposite a clamped one"
-    )]
-    NoTraceBound { scene: String },
-    /// (2.9) fails with the proved bound.
-    #[error(
-        "scene `{scene}`: m0 = {m0:.6} is not positive with an upper bound of c_j^2; flatten the falling branch of the law"
-    )]
-    Smallness { scene: String, m0: f64 },
-    /// Friction takes from the monotonicity by a constant of which no bound is proved.
-    #[error(
-        "scene `{scene}`: m0 needs an upper bound of c_tau^2 where friction falls with the slip or follows the pressure, and none is proved; take a bound that is given"
-    )]
-    NoTangentialBound { scene: String },
-    /// A rule whose weights depend on the kernel.
-    #[error(
-        "scene `{scene}`: the rule corrects its last weight by the kernel, and (3.24) has one set of weights for all; take \"trapezoid\", \"left\", \"gregory\" or \"product-integration\""
-    )]
-    OwnWeights { scene: String },
+    /// The scene has no estimate: no history, or a constant that is not known, not finite or not positive.
+    #[error("scene `{scene}`{why}")]
+    Refused { scene: String, why: String },
     /// A body without a mesh, or a mesh without a body.
     #[error("{reason}")]
     Mesh { reason: &'static str },
-    /// L_κ is infinite.
-    #[error("scene `{scene}`: kappa is not Lipschitz, so (3.24) has no constant C2")]
-    NotLipschitz { scene: String },
     /// C2 w_nn ≥ 1 on a grid.
     #[error("{steps} steps: {source}")]
     Step { steps: u32, source: StepTooLarge },
@@ -148,9 +146,6 @@ pub enum GronwallError {
     /// A horizon that is no multiple of the step.
     #[error("horizon {horizon} is no multiple of the step k = {k}: choose multiples")]
     Horizon { horizon: f64, k: f64 },
-    /// Horizons are beginnings of one run, which holds on a uniform grid.
-    #[error("scene `{scene}`: horizons at a fixed step need a uniform grid; leave --horizons out")]
-    NotUniform { scene: String },
     #[error(transparent)]
     Load(#[from] LoadError),
     #[error("{steps} steps: {source}")]
@@ -164,6 +159,22 @@ pub enum GronwallError {
     Dual(#[from] FactorError),
     #[error(transparent)]
     Setup(#[from] SetupError),
-    #[error("the table of levels: {0}")]
-    Table(csv::Error),
+}
+
+/// A scene without an estimate, by words that follow its name.
+pub(super) fn refused(scene: &scene::Scene, why: &str) -> GronwallError {
+    GronwallError::Refused { scene: scene.name.clone(), why: why.into() }
+}
+
+/// The rule corrects its weights by the kernel.
+pub(super) const OWN_WEIGHTS: &str = ": the rule corrects its last weight by the kernel, and (3.24) has one set of weights for all; take \"trapezoid\", \"left\", \"gregory\" or \"product-integration\"";
+/// Nothing is remembered, so there is no error in time to bound.
+pub(super) const NO_HISTORY: &str = " has no history: neither memory nor a yield limit that depends on zeta; the error in time is zero";
+
+/// (2.9), with a bound of c_j².
+pub(super) fn smallness(scene: &scene::Scene, m0: f64) -> Result<(), GronwallError> {
+    let why = format!(
+        ": m0 = {m0:.6} is not positive with an upper bound of c_j^2; flatten the falling branch of the law"
+    );
+    if m0 > 0.0 { Ok(()) } else { Err(refused(scene, &why)) }
 }

@@ -15,6 +15,6 @@ mod tests;
 
 pub use contact::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
 pub use estimate::{Bounds, Envelopes, Estimate};
-pub use in_time::{GronwallError, InTime, prepare};
+pub use in_time::{GronwallError, InTime};
 pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge, Weights};
-pub use study::{StudyRuns, study, study_runs};
+pub use study::{StudyRuns, prepare, study, study_runs};

@@ -9,10 +9,10 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::contact::REFERENCE_STEPS;
+use super::contact::{ContactInTime, REFERENCE_STEPS};
 use super::estimate::{Bounds, Envelopes, Estimate};
-use super::in_time::{GronwallError, InTime, prepare};
-use crate::table;
+use super::finite::FiniteInTime;
+use super::in_time::{GronwallError, InTime, refused};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
 use judge::claim::{Claim, Place, Statement};
@@ -20,6 +20,7 @@ use report::{Axis, Chapter, Chart, Datum, Findings, Part, Run, Scale, Series, di
 use run::sweep::{Runs, lowest_common_multiple};
 use scene::setup::{Setup, Subject};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// What is asked of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,31 +65,17 @@ impl Bounded {
     }
 
     /// Its rows in the table of levels.
-    fn levels(&self) -> Vec<Vec<(&'static str, String)>> {
-        let Self { part, estimate, envelopes } = self;
-        let (grid, [zeta, memory]) = (&estimate.grid, &estimate.truncation);
-        let none = Vec::new();
-        let columns = [
-            ("error", &estimate.error),
-            ("g_zeta", zeta),
-            ("g_memory", memory),
-            ("source", &estimate.source),
-            ("weighted", &envelopes.weighted),
-            ("primed", &envelopes.primed),
-            ("closed", &envelopes.closed),
-            ("limit", &envelopes.limit),
-            ("printed", envelopes.printed.as_ref().unwrap_or(&none)),
-            ("printed_closed", envelopes.printed_closed.as_ref().unwrap_or(&none)),
-        ];
+    fn levels(&self) -> Vec<Value> {
+        let (e, bounds, grid) = (&self.estimate, &self.envelopes, &self.estimate.grid);
+        let at = |values: &Option<Vec<f64>>, n: usize| values.as_ref().map(|values| values[n]);
         let level = |n: usize| {
-            let [k, t] = [grid.largest_step(), grid.time(n)].map(|value| format!("{value:e}"));
-            let (steps, number) = (grid.steps().to_string(), n.to_string());
-            let place =
-                [("part", part.clone()), ("steps", steps), ("k", k), ("n", number), ("t", t)];
-            let value = |(name, values): (&'static str, &Vec<f64>)| {
-                (name, values.get(n).map_or_else(String::new, |value| format!("{value:e}")))
-            };
-            place.into_iter().chain(columns.map(value)).collect()
+            json!({
+                "part": self.part, "steps": grid.steps(), "k": grid.largest_step(), "n": n, "t": grid.time(n),
+                "error": e.error[n], "g_zeta": e.truncation[0].get(n), "g_memory": e.truncation[1].get(n),
+                "source": e.source[n], "weighted": bounds.weighted[n], "primed": bounds.primed[n],
+                "closed": bounds.closed[n], "limit": bounds.limit[n],
+                "printed": at(&bounds.printed, n), "printed_closed": at(&bounds.printed_closed, n),
+            })
         };
         (0..=grid.steps()).map(level).collect()
     }
@@ -118,98 +105,54 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallEr
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     let longest = horizons.iter().filter_map(|(_, rows)| rows.last());
     let all = grids.iter().chain(longest).chain(perturbed.iter().map(|(_, run)| run));
-    let rows = all.flat_map(Bounded::levels);
-    findings.tables.push((".csv", table::csv(rows).map_err(GronwallError::Table)?));
-    let constants = in_time.constants();
-    let map: serde_json::Map<String, Value> =
-        constants.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
-    let of_grids: Vec<Value> = grids.iter().map(grid_row).collect();
-    let of_loads: Vec<Value> = perturbed.iter().map(perturbed_row).collect();
-    let of_horizons = horizons.as_ref().map(|(truth, runs)| (truth, horizon_rows(runs)));
-    for (key, value) in [
-        ("n", json!(n)),
-        ("truth", json!(in_time.truth())),
-        ("constants", json!(map)),
-        ("grids", json!(of_grids)),
-        ("perturbations", json!(of_loads)),
-        (
-            "horizons",
-            json!(
-                of_horizons.as_ref().map(|(t, rows)| json!({ "k": k, "truth": t, "rows": rows }))
-            ),
-        ),
-    ] {
-        findings.number(key, value);
-    }
-
-    let document = &mut findings.document;
+    findings.tables.push((".csv", all.flat_map(Bounded::levels).collect()));
+    findings.number("n", n);
+    findings.number("truth", in_time.truth());
     let mesh = n.map_or_else(String::new, |n| format!(", n = {n}"));
     if let Some(run) = grids.iter().max_by_key(|run| run.estimate.grid.steps()) {
-        document.answer(answer(run));
+        findings.document.answer(answer(run));
         let shows = "measured error and the envelopes of (3.24) over t (sweep gronwall).";
-        document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
+        findings.document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
     }
-    document.words(format!("The truth is{mesh}: {}.", in_time.truth()));
-    document.table(
+    findings.document.words(format!("The truth is{mesh}: {}.", in_time.truth()));
+    findings.table(
+        "grids",
+        grids.iter().map(grid_row).collect::<Vec<_>>(),
         "Bound over error at t = T for N steps; e and g at T; the bounds as printed need C₂k < 1.",
-        table::rows(
-            &of_grids,
-            [
-                (">N", "/steps", 0),
-                (">C₂k", "/C2_k", 6),
-                (">e_N", "/error_end", 5),
-                (">g_N", "/truncation_end", 5),
-                (">weighted", "/effectivity/weighted/at_end", 7),
-                (">primed", "/effectivity/primed/at_end", 7),
-                (">closed", "/effectivity/closed/at_end", 7),
-                (">k → 0", "/effectivity/limit/at_end", 7),
-                (">printed", "/effectivity/printed/at_end", 7),
-                (">(3.24)", "/effectivity/printed_closed/at_end", 7),
-            ],
-        ),
+        ">N = steps; >C₂k = C2_k 6; >e_N = error_end; >g_N = truncation_end; >weighted = effectivity/weighted/at_end 7; \
+         >primed = effectivity/primed/at_end 7; >closed = effectivity/closed/at_end 7; >k → 0 = effectivity/limit/at_end 7; \
+         >printed = effectivity/printed/at_end 7; >(3.24) = effectivity/printed_closed/at_end 7",
     );
-    document.table(
+    findings.table(
+        "perturbations",
+        perturbed.iter().map(perturbed_row).collect::<Vec<_>>(),
         "Two loads f and f + δf at the largest N, δf at random and of this size; growth is m0 max‖u − v‖/max‖δf‖, then the least bound over difference.",
-        table::rows(
-            &of_loads,
-            [
-                (">size", "/size", 5),
-                (">max ‖δf‖", "/load", 5),
-                (">max ‖u − v‖", "/difference", 5),
-                (">growth", "/growth", 5),
-                (">least", "/least_effectivity", 5),
-            ],
-        ),
+        ">size = size; >max ‖δf‖ = load; >max ‖u − v‖ = difference; >growth = growth; >least = least_effectivity",
     );
-    document.table(
+    let constants = in_time.constants();
+    findings.number("constants", constants.iter().copied().collect::<BTreeMap<_, _>>());
+    findings.document.table(
         "Constants of the inequality.",
         constants.iter().map(|(name, value)| {
             [("constant", Run::formula(written(name))), (">value", precise(*value, 7))]
         }),
     );
-    if let Some((truth, rows)) = of_horizons {
-        document.table(
+    let horizons = horizons.map(|(truth, runs)| (truth, Value::from(horizon_rows(&runs))));
+    if let Some((truth, rows)) = &horizons {
+        findings.document.rows(
             format!(
                 "Long times at k = {}; maxima over [0, T]; the truth is: {truth}. Growth is d(log error)/dT, to compare with C₂.",
                 digits(k, 5)
             ),
-            table::rows(
-                &rows,
-                [
-                    (">T", "/horizon", 5),
-                    (">error", "/error", 5),
-                    (">weighted", "/weighted", 5),
-                    (">primed", "/primed", 5),
-                    (">closed", "/closed", 5),
-                    (">(3.24)", "/printed_closed", 5),
-                    (">growth", "/growth", 5),
-                    (">C₂", "/c2", 5),
-                ],
-            ),
+            rows,
+            ">T = horizon; >error = error; >weighted = weighted; >primed = primed; >closed = closed; >(3.24) = printed_closed; \
+             >growth = growth; >C₂ = c2",
         );
         let shows = "error and bounds over the horizon (sweep gronwall --horizons).";
-        document.figure("gronwall-horizon", shows, over_horizon(&scene.name, k, &rows));
+        findings.document.figure("gronwall-horizon", shows, over_horizon(&scene.name, k, rows));
     }
+    let horizons = horizons.map(|(truth, rows)| json!({ "k": k, "truth": truth, "rows": rows }));
+    findings.number("horizons", horizons);
     Ok(findings)
 }
 
@@ -230,16 +173,16 @@ fn answer(finest: &Bounded) -> String {
 
 /// A constant as a reader writes it, by its key in files.
 fn written(key: &'static str) -> &'static str {
-    match key {
-        "lipschitz" => "Lipschitz constant of S",
-        "yielding" => "μ L_κ √|Ω|",
-        "memory_norm" => "‖ℬ‖",
-        "c_j_squared_bound" => "c_j², upper bound",
-        "c_j_squared" => "c_j²",
-        "r_norm" => "‖R‖",
-        "q_norm" => "‖q‖",
-        other => other,
-    }
+    let symbols = [
+        ("lipschitz", "Lipschitz constant of S"),
+        ("yielding", "μ L_κ √|Ω|"),
+        ("memory_norm", "‖ℬ‖"),
+        ("c_j_squared_bound", "c_j², upper bound"),
+        ("c_j_squared", "c_j²"),
+        ("r_norm", "‖R‖"),
+        ("q_norm", "‖q‖"),
+    ];
+    symbols.iter().find(|(known, _)| *known == key).map_or(key, |(_, symbol)| symbol)
 }
 
 fn grid_row(run: &Bounded) -> Value {
@@ -276,7 +219,8 @@ pub(super) fn horizons(
 ) -> Result<(String, Vec<Bounded>), GronwallError> {
     let scene = subject.scene();
     if scene.time.grid != scene::TimeGrid::Uniform {
-        return Err(GronwallError::NotUniform { scene: scene.name.clone() });
+        let why = ": horizons at a fixed step need a uniform grid; leave --horizons out";
+        return Err(refused(scene, why));
     }
     let mut sorted = horizons.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -355,12 +299,18 @@ pub(super) fn perturbations(
         let (disturbed, other) = scene.solutions(&grid, &changed)?;
         let pairs = undisturbed.iter().zip(&disturbed);
         let source = vec![share * size; unit.len()];
+        let (m0, beta, weights, parts) = scene.terms(&grid);
         let estimate = Estimate {
+            grid: grid.clone(),
+            weights,
             error: pairs.map(|(u, v)| scene.distance(u, v)).collect(),
             weighted_source: source.clone(),
             source,
+            m0,
+            beta,
+            parts,
             floor: floor + other,
-            ..scene.blank(&grid)
+            truncation: [Vec::new(), Vec::new()],
         };
         Ok((share, Bounded::new(format!("perturbed-{share:e}"), estimate)?))
     };
@@ -389,55 +339,71 @@ pub(super) fn perturbed_row((size, run): &(f64, Bounded)) -> Value {
     })
 }
 
-/// Error and three of its bounds, by their keys, on a logarithmic axis, where the distance of two curves is their ratio.
+/// Error and three of its bounds on a logarithmic axis, where the distance of two curves is their ratio.
 fn picture(
     scene: &str,
     question: &str,
     x: Axis,
     y: &str,
-    of: impl Fn(&str) -> Vec<Datum>,
+    [error, weighted, primed, closed]: [Vec<Datum>; 4],
 ) -> Option<String> {
-    let bounds = [
-        ("weighted", "weighted envelope"),
-        ("primed", "primed envelope"),
-        ("closed", "its closed form"),
+    let line = |name: &str, part| Series::new(name, vec![part]);
+    // The error is above the bounds: where one is attained, both are seen.
+    let series = vec![
+        line("weighted envelope", Part::Line(weighted)),
+        line("primed envelope", Part::Line(primed)),
+        line("its closed form", Part::Line(closed)),
+        Series { grey: true, ..line("measured error", Part::Dashed(error)) },
     ];
-    let curve = |(key, name): (&str, &str)| Series::new(name, vec![Part::Line(of(key))]);
-    let mut series: Vec<Series> = bounds.map(curve).into();
-    // Above the bounds: where one is attained, both are seen.
-    let error = Series::new("measured error", vec![Part::Dashed(of("error"))]);
-    series.push(Series { grey: true, ..error });
     let chart = Chart::new(&format!("{scene}: Gronwall"), question, x, Axis::new(y, Scale::Log));
     Chart { direct: true, series, ..chart }.svg()
 }
 
-fn over_time(scene: &str, mesh: &str, run: &Bounded) -> Option<String> {
+fn over_time(
+    scene: &str,
+    mesh: &str,
+    Bounded { estimate, envelopes, .. }: &Bounded,
+) -> Option<String> {
     let question = format!(
         "Error in time and its bounds on [0, T], N = {}{mesh}. From the weighted envelope to the closed form each bound lies above the one before.",
-        run.estimate.grid.steps()
+        estimate.grid.steps()
     );
-    let x = Axis::new("time t_n", Scale::Linear);
-    picture(scene, &question, x, "norm of the error", |key| {
-        let values = match key {
-            "weighted" => &run.envelopes.weighted,
-            "primed" => &run.envelopes.primed,
-            "closed" => &run.envelopes.closed,
-            _ => &run.estimate.error,
-        };
-        let times = run.estimate.grid.times().iter().copied();
-        times.zip(values.iter().copied()).skip(1).collect()
-    })
+    let of = [&estimate.error, &envelopes.weighted, &envelopes.primed, &envelopes.closed];
+    let times = || estimate.grid.times().iter().copied();
+    let curves = of.map(|values| times().zip(values.iter().copied()).skip(1).collect());
+    picture(scene, &question, Axis::new("time t_n", Scale::Linear), "norm of the error", curves)
 }
 
-fn over_horizon(scene: &str, k: f64, rows: &[Value]) -> Option<String> {
+fn over_horizon(scene: &str, k: f64, rows: &Value) -> Option<String> {
     let question = format!(
         "Error and bounds over the horizon at the fixed step k = {k}: uniform in T, or like exp(C₂T)?"
     );
-    let x = Axis::new("horizon T", Scale::Log);
-    picture(scene, &question, x, "maximum over [0, T]", |key| {
-        let value = |row: &Value, key: &str| row[key].as_f64().unwrap_or(f64::NAN);
-        rows.iter().map(|row| (value(row, "horizon"), value(row, key))).collect()
-    })
+    let value = |row: &Value, key: &str| row[key].as_f64().unwrap_or(f64::NAN);
+    let rows = || rows.as_array().into_iter().flatten();
+    let curves = ["error", "weighted", "primed", "closed"]
+        .map(|key| rows().map(|row| (value(row, "horizon"), value(row, key))).collect());
+    picture(scene, &question, Axis::new("horizon T", Scale::Log), "maximum over [0, T]", curves)
+}
+
+/// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells per unit length; an
+/// abstract scene has none.
+///
+/// # Errors
+/// Constants, loads or a reference run that cannot be had.
+pub fn prepare<'a>(
+    subject: &'a Subject,
+    n: Option<u32>,
+    steps: &[u32],
+) -> Result<Box<dyn InTime + 'a>, GronwallError> {
+    let reason = match (subject, n) {
+        (Subject::Contact(setup), Some(n)) => {
+            return Ok(Box::new(ContactInTime::new(setup, n, steps)?));
+        }
+        (Subject::Abstract(setup), None) => return Ok(Box::new(FiniteInTime::new(setup)?)),
+        (Subject::Contact(_), None) => "a body needs a mesh: give --n",
+        (Subject::Abstract(_), Some(_)) => "an abstract problem has no mesh: leave --n away",
+    };
+    Err(GronwallError::Mesh { reason })
 }
 
 /// Nodal vectors of a level that the perturbations hold: f, δf, f + δf, and u of f and of f + δf.
@@ -459,7 +425,7 @@ pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &StudyRuns) -> Runs<'a> {
     let truth = f64::from(common.max(longest.unwrap_or(0))) + 1.0;
     let truth = if in_space { 0.0 } else { 2.0 * truth };
     let of_grid = f64::from(finest.max(longest.unwrap_or(0))) + 1.0;
-    let vectors = a_level * (truth + of_grid) + PERTURBED * (f64::from(finest) + 1.0);
+    let vectors = a_level * (truth + of_grid) + PERTURBED * of_grid;
     let beside = move |space: &Discretization, _| 8.0 * space.nodes.len() as f64 * vectors;
     Runs { setup, grid: grid.collect(), beside: Box::new(beside) }
 }

@@ -3,7 +3,6 @@
 use super::advice::{Advised, CostSource, Goal, advise};
 use super::{Companions, Estimate, Part, companions_and_bound, norm_estimate};
 use crate::guarantee::{Guarantee, GuaranteeError};
-use crate::table;
 use crate::trade::{Choice, NoAnswer, Wanted};
 use files::{digits, megabytes};
 use report::{Chapter, StudyDocument};
@@ -52,36 +51,24 @@ pub fn estimate(
     });
     let title = format!("{} n = {n}, N = {steps}: estimated error of this run", setup.scene.name);
     let mut document = StudyDocument::new(Chapter::Trade, title);
-    let columns = [
-        ("norm", "/norm", 0),
-        (">error", "/value", 3),
-        (">from", "/interval/0", 3),
-        (">to", "/interval/1", 3),
-        (">of |eps(u(T))|", "/relative", 2),
-        (">in h", "/space/value", 3),
-        (">order", "/space/order", 3),
-        (">in k", "/time/value", 3),
-        (">order", "/time/order", 3),
-        ("unknown because", "/unknown", 0),
-    ];
     let in_words = |(row, (_, of)): (&Value, &(Norm, Estimate))| {
         let (mut row, reasons) = (row.clone(), of.reasons().join("; "));
         row["unknown"] = json!(Some(reasons).filter(|reasons| !reasons.is_empty()));
         row
     };
-    let rows: Vec<Value> = norms.iter().zip(&estimates).map(in_words).collect();
-    document.table("Errors, with their intervals.", table::rows(&rows, columns));
-    let quantities: Vec<Value> = found.quantities.iter().map(|found| json!(found)).collect();
-    let columns = [
-        ("quantity", "/name", 0),
-        (">value", "/value", 6),
-        (">at most off by", "/uncertainty", 2),
-        (">limit", "/extrapolated", 6),
-        (">order in h", "/orders/0", 3),
-        (">in k", "/orders/1", 3),
-        ("unknown because", "/reason", 0),
-    ];
-    document.table("Quantities at t = T.", table::rows(&quantities, columns));
+    document.rows(
+        "Errors, with their intervals.",
+        &norms.iter().zip(&estimates).map(in_words).collect(),
+        "norm = norm; >error = value 3; >from = interval/0 3; >to = interval/1 3; >of |eps(u(T))| = relative 2; \
+         >in h = space/value 3; >order = space/order 3; >in k = time/value 3; >order = time/order 3; \
+         unknown because = unknown",
+    );
+    document.rows(
+        "Quantities at t = T.",
+        &json!(found.quantities),
+        "quantity = name; >value = value 6; >at most off by = uncertainty 2; >limit = extrapolated 6; \
+         >order in h = orders/0 3; >in k = orders/1 3; unknown because = reason",
+    );
     document.words(bound_words(&bound));
     let mut refused = None;
     if let Some(target) = wanted.error(found.size) {
