@@ -44,12 +44,35 @@ pub struct Constant {
     pub note: String,
 }
 
-impl Constant {
-    /// A constant that is safe where it is proved or declared: what is computed of one mesh or of samples, and limits of
+impl Obtained {
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Proved => "proved",
+            Computed => "computed, of this mesh or of samples",
+            Extrapolated => "limit of several meshes",
+            Declared => "by scene or law, checked by samples",
+        }
+    }
+}
+
+/// Constants in the order of a table.
+#[derive(Default)]
+pub(super) struct Rows(pub Vec<Constant>);
+
+impl Rows {
+    /// Adds a constant that is safe where it is proved or declared: what is computed of one mesh or of samples, and limits of
     /// those, may lie on either side.
-    fn new(name: impl Into<String>, value: f64, how: Obtained, note: impl Into<String>) -> Self {
+    fn add(
+        &mut self,
+        name: impl Into<String>,
+        value: f64,
+        how: Obtained,
+        note: impl Into<String>,
+    ) -> &mut Constant {
         let safe = matches!(how, Proved | Declared);
-        Self { name: name.into(), value, uncertainty: None, how, safe, note: note.into() }
+        let (at, name, note) = (self.0.len(), name.into(), note.into());
+        self.0.push(Constant { name, value, uncertainty: None, how, safe, note });
+        &mut self.0[at]
     }
 }
 
@@ -112,8 +135,7 @@ impl TraceConstants {
         with_trace_constants(setup, &largest(&self.strain), &tangential)
     }
 
-    fn rows(&self, c: &Constants) -> Vec<Constant> {
-        let mut rows = Vec::new();
+    fn add_to(&self, rows: &mut Rows, c: &Constants) {
         let korn = "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it";
         let tangential = self.tangential.as_ref().map(|of| ("c_tau^2", of, korn));
         let normal = [
@@ -121,33 +143,31 @@ impl TraceConstants {
             ("energy constant", &self.energy, "sup |v_nu|^2/(A eps(v), eps(v))"),
         ];
         for (symbol, of, meaning) in normal.into_iter().chain(tangential) {
-            for (value, mass, note) in [
-                (of.values[0], "consistent mass", "not above the limit"),
-                (of.values[1], "vertex rule", "no side is sure"),
-            ] {
-                let name = format!("{symbol}, n = {}, {mass}", self.n);
-                rows.push(Constant::new(name, value, Computed, note));
-            }
+            let [consistent, lumped] = of.values;
+            let name = format!("{symbol}, n = {}", self.n);
+            rows.add(
+                format!("{name}, consistent mass"),
+                consistent,
+                Computed,
+                "not above the limit",
+            );
+            rows.add(format!("{name}, vertex rule"), lumped, Computed, "no side is sure");
             let Some(limit) = &of.limit else { continue };
             let note = format!("{meaning}, {}", limit.how());
-            let row = Constant::new(format!("{symbol}, limit"), limit.value, Extrapolated, note);
-            rows.push(Constant { uncertainty: Some(limit.uncertainty), ..row });
+            let row = rows.add(format!("{symbol}, limit"), limit.value, Extrapolated, note);
+            row.uncertainty = Some(limit.uncertainty);
         }
         if let Some(bound) = c.c_j_squared_bound {
-            let note = "distance of Gamma3 from the clamped side";
-            rows.push(Constant::new("c_j^2, bound", bound, Proved, note));
+            rows.add("c_j^2, bound", bound, Proved, "distance of Gamma3 from the clamped side");
         }
-        rows.extend(self.energy.limit.as_ref().map(|energy| {
+        if let Some(energy) = &self.energy.limit {
             let asked = digits(c.m_elastic / c.c_j_squared, 7);
             let note = format!(
                 "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {asked}"
             );
-            let uncertainty = Some(energy.uncertainty / (energy.value * energy.value));
-            let value = 1.0 / energy.value;
-            let row = Constant::new("alpha_j lost, k -> 0", value, Extrapolated, note);
-            Constant { uncertainty, ..row }
-        }));
-        rows
+            let row = rows.add("alpha_j lost, k -> 0", 1.0 / energy.value, Extrapolated, note);
+            row.uncertainty = Some(energy.uncertainty / (energy.value * energy.value));
+        }
     }
 }
 
@@ -164,45 +184,36 @@ pub(super) fn table(
     // A law with a factor c(x): (2.8b) and (2.8c) hold on all of Γ3 with the largest c.
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     let largest = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
-    let (alpha_phi, how, note) = match c.coulomb {
-        None => (c.alpha_phi, Proved, "mu: the projection is nonexpansive"),
-        Some(_) => {
-            (c.alpha_phi_as_printed(), Extrapolated, "mu + mu_f L_p c_j c_tau, with the limits")
-        }
+    let mut rows = Rows::default();
+    let note = "smallest eigenvalue of the elasticity tensor (of all regions) + mu";
+    rows.add("m_A", c.m_a, Proved, note);
+    let note = "largest eigenvalue of the elasticity tensor (of all regions) + mu";
+    rows.add("L_A", c.l_a, Proved, note);
+    let limits = "mu + mu_f L_p c_j c_tau, with the limits";
+    match c.coulomb {
+        None => rows.add("alpha_phi", c.alpha_phi, Proved, "mu: the projection is nonexpansive"),
+        Some(_) => rows.add("alpha_phi", c.alpha_phi_as_printed(), Extrapolated, limits),
     };
-    let kappa = setup.kappa.how();
-    let growth = "|dj_nu(r)| <= c0 + c1 |r|; in (2.8b) it counts c0 sqrt|Gamma3|";
-    let descent = "steepest descent of the law (2.8c), with the largest factor on Gamma3";
-    let friction = "steepest descent of the friction bound over the slip";
-    let mut rows: Vec<(&str, f64, Obtained, &str)> = vec![
-        (
-            "m_A",
-            c.m_a,
-            Proved,
-            "smallest eigenvalue of the elasticity tensor (of all regions) + mu",
-        ),
-        ("L_A", c.l_a, Proved, "largest eigenvalue of the elasticity tensor (of all regions) + mu"),
-        ("alpha_phi", alpha_phi, how, note),
-        ("beta_phi", c.beta_phi, Proved, "max(mu L_kappa sqrt|Omega|, 1), for |r| + |theta| on Y"),
-        ("c_phi", 0.0, Proved, "(4.1): phi is linear in its last argument"),
-        ("sqrt|Omega|", c.root_area, Proved, ""),
-        ("L_kappa", c.lipschitz_kappa, Proved, &kappa),
-        ("c0", largest * c0, Declared, growth),
-        ("c1", largest * c1, Declared, "steepest slope of the law at infinity; the same in (2.8b)"),
-        ("alpha_j", largest * alpha, Declared, descent),
-    ];
-    rows.extend(
-        setup.model.friction.as_ref().map(|_| ("alpha_tau", c.alpha_tau, Declared, friction)),
-    );
-    if let Some(friction) = &c.coulomb {
-        rows.push(("mu_f", friction.coefficient, Declared, "S = mu_f p(u_nu)"));
-        rows.push(("L_p", friction.rise, Declared, "steepest rise of p"));
+    let note = "max(mu L_kappa sqrt|Omega|, 1), for |r| + |theta| on Y";
+    rows.add("beta_phi", c.beta_phi, Proved, note);
+    rows.add("c_phi", 0.0, Proved, "(4.1): phi is linear in its last argument");
+    rows.add("sqrt|Omega|", c.root_area, Proved, "");
+    rows.add("L_kappa", c.lipschitz_kappa, Proved, setup.kappa.how());
+    let note = "|dj_nu(r)| <= c0 + c1 |r|; in (2.8b) it counts c0 sqrt|Gamma3|";
+    rows.add("c0", largest * c0, Declared, note);
+    let note = "steepest slope of the law at infinity; the same in (2.8b)";
+    rows.add("c1", largest * c1, Declared, note);
+    let note = "steepest descent of the law (2.8c), with the largest factor on Gamma3";
+    rows.add("alpha_j", largest * alpha, Declared, note);
+    if setup.model.friction.is_some() {
+        let note = "steepest descent of the friction bound over the slip";
+        rows.add("alpha_tau", c.alpha_tau, Declared, note);
     }
-    let row = |(name, value, how, note): (&str, f64, Obtained, &str)| {
-        Constant::new(name, value, how, note)
-    };
-    let mut rows: Vec<Constant> = rows.into_iter().map(row).collect();
-    rows.extend(traces.map(|traces| traces.rows(c)).unwrap_or_default());
+    if let Some(friction) = &c.coulomb {
+        rows.add("mu_f", friction.coefficient, Declared, "S = mu_f p(u_nu)");
+        rows.add("L_p", friction.rise, Declared, "steepest rise of p");
+    }
+    traces.inspect(|traces| traces.add_to(&mut rows, c));
     // m0 of (2.9).
     let other = c.alpha_tau > 0.0 || c.coulomb.is_some();
     let monotone = c.alpha_nu == 0.0 && !other;
@@ -212,27 +223,25 @@ pub(super) fn table(
         Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2",
     };
     let off = c.m0_range.map(|end| (end - c.m0).abs()).into_iter().reduce(f64::max);
-    let m0 = Constant::new("m0", c.m0, if monotone { Proved } else { Extrapolated }, note);
-    rows.push(Constant { uncertainty: off.filter(|_| !monotone), ..m0 });
+    let m0 = rows.add("m0", c.m0, if monotone { Proved } else { Extrapolated }, note);
+    m0.uncertainty = off.filter(|_| !monotone);
     if let Some(bound) = c.c_j_squared_bound.filter(|_| c.alpha_nu > 0.0 && !other) {
         let value = c.m_elastic - c.alpha_nu * bound;
-        rows.push(Constant::new("m0, proved", value, Proved, "with the proved bound of c_j^2"));
+        rows.add("m0, proved", value, Proved, "with the proved bound of c_j^2");
     }
     if let Some(TraceConstants { n, .. }) = traces {
         let note = "the same with the largest c_j^2 and c_tau^2 of this table, for the bounds on this mesh";
-        rows.push(Constant::new(format!("m0, n = {n}"), m0_on_mesh, Extrapolated, note));
+        rows.add(format!("m0, n = {n}"), m0_on_mesh, Extrapolated, note);
     }
     let [operator, entries] = [c.memory.operator, c.memory.entries];
-    let memory = [
-        ("|B|", operator, Proved, "largest operator norm on S^d on [0, T]"),
-        ("|B|_Q", entries, Proved, "the paper's norm: sum of |entries|"),
-        ("|B(0)|", c.memory.at_zero, Proved, "operator norm on S^d"),
-        ("lambda_min B(0)", c.memory.spectrum_at_zero.0, Proved, "smallest eigenvalue on S^d"),
-        ("|R||q|", 1.0 + operator, Proved, "Lipschitz constant of S: 1 + |B|"),
-        ("|R||q|_Q", 1.0 + entries, Proved, "the same with the paper's norm"),
-    ];
-    rows.extend(memory.map(row));
-    rows
+    rows.add("|B|", operator, Proved, "largest operator norm on S^d on [0, T]");
+    rows.add("|B|_Q", entries, Proved, "the paper's norm: sum of |entries|");
+    rows.add("|B(0)|", c.memory.at_zero, Proved, "operator norm on S^d");
+    let least = c.memory.spectrum_at_zero.0;
+    rows.add("lambda_min B(0)", least, Proved, "smallest eigenvalue on S^d");
+    rows.add("|R||q|", 1.0 + operator, Proved, "Lipschitz constant of S: 1 + |B|");
+    rows.add("|R||q|_Q", 1.0 + entries, Proved, "the same with the paper's norm");
+    rows.0
 }
 
 /// The constants of an abstract problem with how each was obtained.
@@ -244,7 +253,8 @@ pub(super) fn finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant
         false => format!("; slopes for |r|, |y| <= {}", c.slopes_up_to),
     };
     let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
-    let rows = [
+    let mut rows = Rows::default();
+    for (name, value, by_slopes, note) in [
         ("m_A", c.m_a, bent, "smallest eigenvalue of the symmetric part in X"),
         ("L_A", c.l_a, bent, "norm X -> X*"),
         ("alpha_phi", c.alpha_phi, forced, "slopes of N in u"),
@@ -253,16 +263,11 @@ pub(super) fn finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant
         ("c_j^2", c.c_j_squared, false, "largest eigenvalue of sum w_i a_i a_i^T in X"),
         ("m0", c.m0, bent || forced, "m_A - alpha_phi - alpha_j c_j^2 (2.9)"),
         ("|R|", c.r_norm, false, "norm on X*"),
-    ];
-    let row = |(name, value, by_slopes, note): (&str, f64, bool, &str)| {
+    ] {
         let (how, by) = if by_slopes { (Proved, &*slopes) } else { (Computed, "") };
-        let safe = !by_slopes || everywhere;
-        Constant { safe, ..Constant::new(name, value, how, format!("{note}{by}")) }
-    };
-    let note = "largest norm X -> X* over 0 <= s <= t <= T";
-    let norms = [
-        Constant::new("|q|", c.q_norm, Proved, note),
-        Constant::new("|q(t,t)|", c.q_norm_now, Proved, "the same over s = t"),
-    ];
-    rows.into_iter().map(row).chain(norms).collect()
+        rows.add(name, value, how, format!("{note}{by}")).safe = !by_slopes || everywhere;
+    }
+    rows.add("|q|", c.q_norm, Proved, "largest norm X -> X* over 0 <= s <= t <= T");
+    rows.add("|q(t,t)|", c.q_norm_now, Proved, "the same over s = t");
+    rows.0
 }

@@ -138,39 +138,31 @@ impl BoundStudy {
             k if k > 0.0 => digits(k, 9),
             _ => format!("no k: m0 = {}", digits(limits.m0, 7)),
         };
-        let mut rows = vec![
-            ("1: (3.4), the paper's norm of ℬ".into(), limit(limits.paper_limit())),
-            ("1: (3.4), operator norm".into(), limit(limits.limit())),
-            ("2: sharpened, half weight, terms apart".into(), limit(limits.sharpened_limit())),
-            ("4: one solution guaranteed, by monotonicity".into(), limit(limits.solvable_limit())),
-        ];
-        if study.not_followed.is_none() {
-            let end = match &found.loss {
-                Some(loss) => (
-                    format!("4: the step loses its solution: {}", loss.reason),
-                    crossing(Some(loss.bracket)),
-                ),
-                None => {
-                    let last = study.rungs.last().map_or(0.0, |rung| rung.k);
-                    ("4: the step has its solution".into(), format!("> {}", digits(last, 5)))
-                }
-            };
-            let measured = [
-                ("3: ‖DΛ‖ = 1, measured".into(), crossing(found.norm)),
-                ("3: spectral radius of DΛ = 1, measured".into(), crossing(found.radius)),
-            ];
-            rows.splice(3..3, measured);
-            rows.push(end);
-        }
-        let there = found.loss.as_ref().map(|loss| digits(loss.rightmost, 6));
-        rows.extend(there.map(|value| ("largest real eigenvalue of DΛ there".into(), value)));
-        rows.extend(self.ratio().map(|k| ("3 over 1, the paper's norm".into(), digits(k, 6))));
-        let attained = if self.attained() { "yes" } else { "no" };
-        rows.push(("sharpened attained, to 1e-6".into(), attained.into()));
-        let row = |(what, value): (String, String)| {
-            [("number", Run::plain(what)), (">k", Run::plain(value))]
+        let mut rows = Vec::new();
+        let mut say = |what: &str, value: String| {
+            rows.push([("number", Run::plain(what)), (">k", Run::plain(value))]);
         };
-        rows.into_iter().map(row).collect()
+        say("1: (3.4), the paper's norm of ℬ", limit(limits.paper_limit()));
+        say("1: (3.4), operator norm", limit(limits.limit()));
+        say("2: sharpened, half weight, terms apart", limit(limits.sharpened_limit()));
+        if study.not_followed.is_none() {
+            say("3: ‖DΛ‖ = 1, measured", crossing(found.norm));
+            say("3: spectral radius of DΛ = 1, measured", crossing(found.radius));
+        }
+        say("4: one solution guaranteed, by monotonicity", limit(limits.solvable_limit()));
+        if let Some(loss) = &found.loss {
+            let lost = format!("4: the step loses its solution: {}", loss.reason);
+            say(&lost, crossing(Some(loss.bracket)));
+            say("largest real eigenvalue of DΛ there", digits(loss.rightmost, 6));
+        } else if let Some(last) = study.rungs.last() {
+            say("4: the step has its solution", format!("> {}", digits(last.k, 5)));
+        }
+        if let Some(ratio) = self.ratio() {
+            say("3 over 1, the paper's norm", digits(ratio, 6));
+        }
+        let attained = if self.attained() { "yes" } else { "no" };
+        say("sharpened attained, to 1e-6", attained.into());
+        rows
     }
 
     /// Factors of Λ against k with their bounds; none if no number can be drawn.
@@ -184,20 +176,14 @@ impl BoundStudy {
         let y = Axis::new("contraction factor", Scale::Log);
         let mut chart = Chart::new(&self.scene, &question, x, y);
         let rungs = &self.study.rungs;
-        let points = |of: fn(&StepRung) -> f64| -> Vec<(f64, f64)> {
-            rungs.iter().map(|rung| (rung.k, of(rung))).collect()
-        };
-        let norm = points(|rung| rung.norm);
-        let one = |name: &str, part: Part| Series::new(name, vec![part]);
+        let of = |of: fn(&StepRung) -> f64| rungs.iter().map(|rung| (rung.k, of(rung))).collect();
+        let (line, points) = (Part::Line(of(|rung| rung.norm)), Part::Points(of(|rung| rung.norm)));
         chart.series = vec![
-            Series::new(
-                "measured: ‖DΛ‖, worst direction",
-                vec![Part::Line(norm.clone()), Part::Points(norm)],
-            ),
-            one("measured: spectral radius of DΛ", Part::Line(points(|at| at.radius))),
-            one("sharpened bound", Part::Dashed(points(|rung| rung.sharpened))),
-            one("(3.15), operator norm", Part::Dotted(points(|rung| rung.theorem))),
-            one("(3.15), the paper's norm", Part::Line(points(|rung| rung.paper))),
+            Series::new("measured: ‖DΛ‖, worst direction", vec![line, points]),
+            Series::new("measured: spectral radius of DΛ", vec![Part::Line(of(|at| at.radius))]),
+            Series::new("sharpened bound", vec![Part::Dashed(of(|rung| rung.sharpened))]),
+            Series::new("(3.15), operator norm", vec![Part::Dotted(of(|rung| rung.theorem))]),
+            Series::new("(3.15), the paper's norm", vec![Part::Line(of(|rung| rung.paper))]),
         ];
         chart.horizontals = vec![Mark { at: 1.0, label: "Λ contracts below 1".into() }];
         let found = &self.study.thresholds;
@@ -232,13 +218,12 @@ fn crossing(found: Option<Crossing>) -> String {
 
 fn constant(constant: &Constant) -> Row<'static, 5> {
     let off = constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"));
-    let how = format!("{:?}", constant.how).to_lowercase();
     let side = if constant.safe { "safe side" } else { "no bound" };
     [
         ("constant", Run::formula(&constant.name)),
         (">value", precise(constant.value, 11)),
         (">±", Run::plain(off)),
-        ("how", Run::plain(format!("{how}, {side}"))),
+        ("how", Run::plain(format!("{}; {side}", constant.how.words()))),
         ("note", Run::formula(&constant.note)),
     ]
 }

@@ -207,9 +207,8 @@ pub struct StepLadder<'a, L> {
 struct At {
     k: f64,
     state: StepState,
-    /// ‖DΛ‖ and its spectral radius.
-    factors: [f64; 2],
-    rightmost: f64,
+    /// ‖DΛ‖, its spectral radius and its largest real eigenvalue.
+    factors: [f64; 3],
 }
 
 impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
@@ -233,12 +232,6 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
         }
     }
 
-    fn measure(&mut self, k: f64, state: &StepState) -> Result<Contraction, BoundError> {
-        self.level.set_step(k);
-        let found = contraction(self.level, &state.u, state);
-        found.map_err(|source| BoundError::Factor { k, source })
-    }
-
     /// Measures at one step size.
     ///
     /// # Errors
@@ -254,8 +247,7 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
         // η: the solution at k where there is one; and Λη.
         let (eta, mut state) = (&followed.u, followed.clone());
         solve(self.level, Some(eta), &mut state).map_err(at)?;
-        let found = contraction(self.level, eta, &state)
-            .map_err(|source| BoundError::Factor { k, source })?;
+        let found = factors(self.level, k, eta, &state)?;
         let finite_worst = match found.norm {
             0.0 => 0.0,
             _ => finite_factor(self.level, eta, &state, &found.direction).map_err(at)?,
@@ -297,10 +289,11 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
         for from in starts {
             let said = match self.solve(k, &from) {
                 Ok((state, _)) => {
-                    let found = self.measure(k, &state)?;
-                    let (factors, rightmost) = ([found.norm, found.radius], found.rightmost);
-                    if rightmost < 1.0 {
-                        return Ok(Ok(At { k, state, factors, rightmost }));
+                    self.level.set_step(k);
+                    let found = factors(self.level, k, &state.u, &state)?;
+                    if found.rightmost < 1.0 {
+                        let factors = [found.norm, found.radius, found.rightmost];
+                        return Ok(Ok(At { k, state, factors }));
                     }
                     "the tangent is singular".to_owned()
                 }
@@ -325,8 +318,8 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
         let solutions = std::mem::take(&mut self.solutions);
         for (rung, state) in rungs.iter().zip(solutions) {
             if rung.at_solution && rung.rightmost < 1.0 {
-                let (factors, rightmost) = ([rung.norm, rung.radius], rung.rightmost);
-                path.push(At { k: rung.k, state, factors, rightmost });
+                let factors = [rung.norm, rung.radius, rung.rightmost];
+                path.push(At { k: rung.k, state, factors });
                 continue;
             }
             let mut low = path.last().map_or(rung.k, |at| at.k);
@@ -345,7 +338,7 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
                 }
             }
             if low < rung.k {
-                let rightmost = path.last().map_or(f64::NAN, |at| at.rightmost);
+                let rightmost = path.last().map_or(f64::NAN, |at| at.factors[2]);
                 loss = Some(Loss { bracket: [low, high], rightmost, reason });
                 break;
             }
@@ -373,6 +366,15 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     }
 }
 
+fn factors<L: FrozenDerivative>(
+    level: &mut L,
+    k: f64,
+    eta: &[f64],
+    state: &StepState,
+) -> Result<Contraction, BoundError> {
+    contraction(level, eta, state).map_err(|source| BoundError::Factor { k, source })
+}
+
 /// The factor at every level n ≥ 1 of a run that has not begun.
 ///
 /// # Errors
@@ -389,8 +391,7 @@ pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
             return Ok(());
         }
         let (k, t) = (grid.step(number), grid.time(number));
-        let Contraction { norm, radius, .. } = contraction(level, &state.u, state)
-            .map_err(|source| BoundError::Factor { k, source })?;
+        let Contraction { norm, radius, .. } = factors(level, k, &state.u, state)?;
         let sharpened = bounds.sharpened_factor(k);
         found.push(FactorAtLevel { mesh, level: number, t, k, norm, radius, sharpened });
         // Once more with the last slot implicit, which commit records.
@@ -452,10 +453,7 @@ pub enum BoundError {
     NoLastSlot,
     /// A run without a step has no level with a last slot.
     #[error("a run with {steps} steps has no level to study")]
-    NoLevel {
-        /// N.
-        steps: u32,
-    },
+    NoLevel { steps: u32 },
     /// An eigenvalue of the mesh was not found.
     #[error("a constant of the mesh: {0}")]
     Constant(#[from] EigenError),
