@@ -4,7 +4,6 @@ pub mod diagnose;
 pub mod extremes;
 pub mod guarantee;
 pub mod portrait;
-mod quotients;
 pub mod solution;
 pub mod theory;
 pub mod trade;

@@ -9,24 +9,26 @@
 //! is not, the same removals are run outside V^h. The suspect that takes part in everything that fails,
 //! and in the least of what passes, is named.
 
-mod culprit;
-mod outcome;
-mod term;
 mod trial;
-mod variant;
 
-use rayon::prelude::*;
-
-pub use culprit::{Finding, culprit, sentence};
-pub use outcome::{EXACT_WITHIN, Outcome, Prepare};
-pub use term::Suspect;
+pub use trial::Suspect;
 pub(crate) use trial::{Trial, trials_in_space, trials_in_time};
 
-use judge::claim::{Claim, Relation};
+use std::collections::{BTreeMap, BTreeSet};
+
+use self::trial::{Question, SceneTerms};
+use algebra::linalg::larger;
+use fem::contact::{KKT_ALLOWED, LoadError, kkt_residual};
+use judge::claim::{Claim, Place, Relation, Standing, Statement};
+use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Variable, Verdict};
+use rayon::prelude::*;
 use report::{Chapter, Findings, Row, Run, precise};
-use run::sweep::{CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan};
-use scene::setup::{SetupError, Subject};
+use run::sweep::{
+    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, judge_plan,
+    run_contact_case,
+};
+use scene::setup::{MeshData, Setup, SetupError, Subject};
 use scene::{Body, Data, Direction, Extension, Scene};
 
 /// What a diagnosis found.
@@ -62,7 +64,7 @@ pub fn diagnose(
     has_exact_solution(scene)?;
     let mut found = Diagnosis {
         scene: [scene.name.clone(), scene.source.hash.clone()],
-        verdicts: outcome::run_cases(scene.clone(), prepare, outcome::verdicts)?,
+        verdicts: run_cases(scene.clone(), prepare, verdicts)?,
         outcomes: Vec::new(),
         finding: None,
         sentence: String::new(),
@@ -99,7 +101,7 @@ impl Diagnosis {
                 false if of.decision == Decision::Unresolved => Decision::Unresolved,
                 false => Decision::Fail,
             };
-            outcome::order(of, "the scene", decision)
+            order(of, "the scene", decision)
         };
         let says = |outcome: &&Outcome| outcome.decision != Decision::Unresolved;
         let trials = self.outcomes.iter().filter(says).map(|outcome| outcome.claim.clone());
@@ -170,7 +172,7 @@ pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Resul
 /// everything in V^h is sound.
 pub fn examine(scene: &Scene, prepare: &Prepare<'_>, in_space: bool) -> (Vec<Outcome>, Finding) {
     let run_all = |trials: Vec<Trial>| -> Vec<Outcome> {
-        trials.par_iter().map(|trial| outcome::run(scene, trial, prepare)).collect()
+        trials.par_iter().map(|trial| run(scene, trial, prepare)).collect()
     };
     let mut outcomes = run_all(trials_in_time(scene));
     let sound = outcomes.iter().all(|outcome| outcome.decision != Decision::Fail);
@@ -203,4 +205,323 @@ fn has_exact_solution(scene: &Scene) -> Result<(), SetupError> {
         Body::Contact(_) => return Ok(()),
     };
     Err(scene.error("scene.name", message, hint).into())
+}
+
+// A trial run and judged.
+
+/// Puts the solver under test into the setup of a variant.
+pub type Prepare<'a> = dyn Fn(Setup) -> Setup + Sync + 'a;
+
+/// An exact variant is met if its relative errors are below this: results promise nine digits, and
+/// rounding stays three to five orders below on the coarse meshes of the trials.
+pub const EXACT_WITHIN: f64 = 1e-9;
+
+/// What a trial showed.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Outcome {
+    /// Name of the variant.
+    pub name: String,
+    /// Its terms in words.
+    pub terms: String,
+    /// The term that it lacks, in the ladder of removals.
+    pub removed: Option<Suspect>,
+    /// What took part.
+    pub suspects: Vec<Suspect>,
+    /// Pass: a sound solver shows this. Fail: it does not. Unresolved: it says nothing.
+    #[serde(rename = "verdict")]
+    pub decision: Decision,
+    /// What it had to show; its note says why it does or does not.
+    pub claim: Claim,
+}
+
+impl Outcome {
+    /// Of a trial that says nothing.
+    fn silent(trial: &Trial, note: String) -> Self {
+        Self {
+            name: trial.change.words().to_owned(),
+            terms: trial.terms.words(),
+            removed: trial.removed,
+            suspects: trial.suspects.clone(),
+            decision: Decision::Unresolved,
+            claim: Claim { note, ..Claim::default() },
+        }
+    }
+}
+
+/// What a verdict says of an order, decided like this.
+pub(super) fn order(verdict: &Verdict, at: &str, decision: Decision) -> Claim {
+    let source = match verdict.variable {
+        Variable::H => "order in h",
+        Variable::K => "order in k",
+        Variable::Joint => "order in h and k",
+        Variable::Path => "order along a path",
+    };
+    Claim {
+        statement: Statement { source, says: "as predicted" },
+        place: Place { at: format!("{at}, {}", verdict.norm), ..Place::default() },
+        left: verdict.observed.unwrap_or(f64::NAN),
+        relation: Relation::Order(verdict.predicted, decision),
+        accuracy: 0.0,
+        note: verdict.reason.clone(),
+    }
+}
+
+/// A case that was run, by its setup on its mesh.
+pub(crate) type Case<'a> = (&'a Setup, &'a MeshData, CaseRecord);
+
+/// Runs the cases of a scene with the solver that `prepare` puts in, and shows all of them to `see`.
+///
+/// # Errors
+/// What the setup refuses.
+pub(crate) fn run_cases<T>(
+    scene: Scene,
+    prepare: &Prepare<'_>,
+    see: impl FnOnce(&ScenePlan, &[Case<'_>]) -> T,
+) -> Result<T, SetupError> {
+    let setup = Box::new(prepare(Setup::new(scene)?));
+    let plan = ScenePlan::new(Subject::Contact(setup), &Overrides::default());
+    let Subject::Contact(setup) = &plan.subject else { return Ok(see(&plan, &[])) };
+    let ns: BTreeSet<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
+    let meshes: BTreeMap<u32, MeshData> = ns
+        .into_par_iter()
+        .map(|n| MeshData::new(setup, n, None).map(|data| (n, data)))
+        .collect::<Result<_, _>>()?;
+    let one = |case: &CasePlan| -> Option<Case<'_>> {
+        let data = meshes.get(&case.n?)?;
+        Some((&**setup, data, plan.record(case, || Ok(run_contact_case(setup, data, case)))))
+    };
+    let cases: Vec<Case<'_>> = plan.cases.par_iter().filter_map(one).collect();
+    Ok(see(&plan, &cases))
+}
+
+/// The verdicts of cases.
+pub(crate) fn verdicts(plan: &ScenePlan, cases: &[Case<'_>]) -> Vec<Verdict> {
+    let records: Vec<CaseRecord> = cases.iter().map(|(.., record)| record.clone()).collect();
+    judge_plan(plan, &records, true)
+}
+
+pub(crate) fn run(scene: &Scene, trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
+    let name = trial.change.words();
+    let see = |plan: &ScenePlan, cases: &[Case<'_>]| {
+        let found = match trial.question {
+            Question::Order => {
+                let rising = [Decision::Pass, Decision::Unresolved, Decision::Fail];
+                let badness = |of: &Verdict| rising.iter().position(|d| *d == of.decision);
+                let worst = verdicts(plan, cases).into_iter().max_by_key(badness);
+                Ok(worst.map(|verdict| (verdict.decision, order(&verdict, name, verdict.decision))))
+            }
+            Question::Exact => exactness(cases, name),
+        };
+        let (decision, claim) = match found {
+            Ok(Some(found)) => found,
+            Ok(None) => return Outcome::silent(trial, String::new()),
+            Err(reason) => return Outcome::silent(trial, format!("not run: {reason}")),
+        };
+        let mut outcome = Outcome { decision, claim, ..Outcome::silent(trial, String::new()) };
+        if trial.terms == SceneTerms::NONE && decision == Decision::Fail {
+            outcome.suspects.retain(|&suspect| suspect != acquitted(cases));
+        }
+        outcome
+    };
+    let found = trial.of(scene).map_err(SetupError::from).and_then(|s| run_cases(s, prepare, see));
+    found.unwrap_or_else(|error| {
+        let said = error.to_string();
+        Outcome::silent(trial, format!("not run: {}", said.lines().next().unwrap_or_default()))
+    })
+}
+
+/// Of elasticity and loads the one that is not at fault: what solves the equations of its 𝒜 under
+/// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
+fn acquitted(cases: &[Case<'_>]) -> Suspect {
+    let solves = |(setup, data, record): &Case<'_>| -> bool {
+        let mut largest = 0.0f64;
+        let marched = setup.scheme.march(setup, data, record.steps, &mut |view| {
+            let load = data.truth.load(view.t)?;
+            largest = larger(largest, kkt_residual(&data.space, &setup.model, view, &load));
+            Ok(())
+        });
+        marched.is_ok() && largest <= KKT_ALLOWED
+    };
+    if cases.iter().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
+}
+
+/// The largest error of an exact variant, relative to the solution; none without a norm.
+fn exactness(cases: &[Case<'_>], name: &str) -> Result<Option<(Decision, Claim)>, LoadError> {
+    let statement = Statement { source: "exact", says: "error / solution <= 1e-9" };
+    let claim = |left: f64, at: String, note: String| {
+        let place = Place { at, ..Place::default() };
+        let claim = Claim { note, ..Claim::at_most(statement, place, [left, EXACT_WITHIN], 0.0) };
+        let holds = claim.standing() == Standing::Passes;
+        (if holds { Decision::Pass } else { Decision::Fail }, claim)
+    };
+    let mut worst: Option<(&str, f64)> = None;
+    for (setup, data, record) in cases {
+        if let Status::Failed { reason } = &record.status {
+            return Ok(Some(claim(f64::NAN, name.into(), format!("no solution: {reason}"))));
+        }
+        let sizes = sizes(data, setup.grid(record.steps).times())?;
+        for entry in &record.errors {
+            let size = if entry.norm == judge::record::V_MAX { sizes[0] } else { sizes[1] };
+            let relative = entry.error.unwrap_or(f64::NAN) / size;
+            if worst.is_none_or(|(_, most)| relative > most || relative.is_nan()) {
+                worst = Some((&entry.norm, relative));
+            }
+        }
+    }
+    let found = |(norm, relative)| {
+        let note = format!("{norm} is {relative:.1e} of the solution");
+        claim(relative, format!("{name}, {norm}"), note)
+    };
+    Ok(worst.map(found))
+}
+
+/// Largest ‖ε(u_n)‖ and ‖σ_n‖ of the truth; the latter measures pressures too.
+fn sizes(data: &MeshData, times: &[f64]) -> Result<[f64; 2], LoadError> {
+    let mut largest = [f64::MIN_POSITIVE; 2];
+    for &t in times {
+        let moments = data.truth.moments(t)?;
+        for (size, field) in largest.iter_mut().zip([&moments.strain, &moments.stress]) {
+            let d = data.space.mesh.dimension;
+            let tensors = data.space.points().zip(field.at.chunks_exact(d * (d + 1) / 2));
+            let square: f64 = tensors
+                .map(|(at, tensor)| at.weight * tensor.iter().map(|v| v * v).sum::<f64>())
+                .sum();
+            *size = size.max(square.sqrt());
+        }
+    }
+    Ok(largest)
+}
+
+// From trials to a culprit: what takes part wherever something fails, and least often where all is well.
+
+/// Whom the trials convict.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Finding {
+    /// One of these alone explains every failure; more than one where no trial tells them apart.
+    One(Vec<Suspect>),
+    /// No single suspect takes part in every failed trial without one that passes; these two together do.
+    Two(Suspect, Suspect),
+    /// Trials fail, and no two suspects explain them.
+    Unexplained,
+    NothingFails,
+    /// What the scene predicts, not its solver: the errors are those that the exact solution has.
+    Prediction,
+}
+
+/// The suspects of which one takes part in every failed trial, and in the fewest that pass; or two of
+/// which one does, and neither in any that passes.
+///
+/// A defect in a term that a solution does not excite passes, so a passed trial speaks against a suspect
+/// without acquitting it; a failed trial acquits whatever did not take part. Trials that are unresolved
+/// or could not be run say nothing.
+pub fn culprit(outcomes: &[Outcome]) -> Finding {
+    let with = |decision: Decision| -> Vec<&Outcome> {
+        outcomes.iter().filter(|outcome| outcome.decision == decision).collect()
+    };
+    let (failed, passed) = (with(Decision::Fail), with(Decision::Pass));
+    if failed.is_empty() {
+        return Finding::NothingFails;
+    }
+    let bare = |outcome: &&&Outcome| {
+        outcome.suspects.iter().all(|&suspect| is_everywhere(suspect) || suspect == Suspect::Space)
+    };
+    let bare_fails = failed.iter().any(|outcome| bare(&outcome));
+    let acquitted = |suspect: Suspect| is_everywhere(suspect) && !bare_fails;
+    let takes_part = |outcome: &&Outcome, suspects: &[Suspect]| {
+        suspects.iter().any(|suspect| outcome.suspects.contains(suspect))
+    };
+    let explains = |suspects: &[Suspect]| failed.iter().all(|o| takes_part(o, suspects));
+    let passes = |suspects: &[Suspect]| passed.iter().filter(|o| takes_part(o, suspects)).count();
+    let single: Vec<(usize, Suspect)> = Suspect::ALL
+        .into_iter()
+        .filter(|&suspect| explains(&[suspect]) && !acquitted(suspect))
+        .map(|suspect| (passes(&[suspect]), suspect))
+        .collect();
+    let pairs = Suspect::ALL.into_iter().flat_map(|a| Suspect::ALL.map(|b| (a, b)));
+    let pair = pairs
+        .filter(|&(a, b)| a < b && explains(&[a, b]) && !acquitted(a) && !acquitted(b))
+        .map(|(a, b)| (passes(&[a, b]), a, b))
+        .min();
+    match (single.iter().min(), pair) {
+        // Two that are never sound go before one that is: each of the two has failed without the other.
+        (Some(&(1.., _)), Some((0, a, b))) => Finding::Two(a, b),
+        (Some(&(fewest, _)), _) => {
+            let least = single.into_iter().filter(|(passes, _)| *passes == fewest);
+            Finding::One(least.map(|(_, suspect)| suspect).collect())
+        }
+        (None, Some((_, a, b))) => Finding::Two(a, b),
+        (None, None) => Finding::Unexplained,
+    }
+}
+
+/// Whether every run has it: then it explains every failure, and is suspected only if a run with nothing else fails.
+fn is_everywhere(suspect: Suspect) -> bool {
+    matches!(suspect, Suspect::Elasticity | Suspect::Loads)
+}
+
+/// The finding in one sentence.
+pub fn sentence(finding: &Finding, outcomes: &[Outcome]) -> String {
+    match finding {
+        Finding::NothingFails => "not among the terms: every variant shows what it must".into(),
+        Finding::Prediction => {
+            "not among the terms: the prediction is wrong, the program is sound".into()
+        }
+        Finding::Unexplained => {
+            "not among the terms: the trials that fail have nothing in common".into()
+        }
+        Finding::Two(a, b) => format!("culprits: {}, and {}", a.words(), b.words()),
+        Finding::One(convicted) => match convicted[..] {
+            [one] => format!("culprit: {} ({})", one.words(), evidence(one, outcomes)),
+            _ => {
+                let names: Vec<&str> = convicted.iter().map(|suspect| suspect.words()).collect();
+                let head = match convicted.iter().any(|suspect| suspect.is_term()) {
+                    true => "culprit",
+                    false => "not among the terms",
+                };
+                format!("{head}: {} (no trial tells them apart)", names.join("; or "))
+            }
+        },
+    }
+}
+
+/// What removal restores, or which trials fail.
+fn evidence(suspect: Suspect, outcomes: &[Outcome]) -> String {
+    let all = outcomes.iter().find(|outcome| outcome.removed.is_none());
+    let removed = outcomes.iter().find(|outcome| outcome.removed == Some(suspect));
+    if let (Some(all), Some(removed)) = (all, removed)
+        && all.decision == Decision::Fail
+        && removed.decision == Decision::Pass
+    {
+        return format!("removing it restores {}; with it {}", removed.shown(), all.shown());
+    }
+    let failed = |outcome: &&Outcome| outcome.decision == Decision::Fail;
+    let names: Vec<&str> =
+        outcomes.iter().filter(failed).map(|outcome| outcome.name.as_str()).collect();
+    format!("what fails has it: {}", names.join("; "))
+}
+
+impl Outcome {
+    /// What was observed, in a few words.
+    fn shown(&self) -> String {
+        let Claim { statement, left, note, .. } = &self.claim;
+        match self.claim.relation {
+            Relation::Order(..) if !left.is_nan() => {
+                statement.source.replacen("order", &format!("order {left:.2}"), 1)
+            }
+            Relation::AtMost(_) if self.decision == Decision::Pass => "exactness".to_owned(),
+            _ => note.clone(),
+        }
+    }
+}
+
+impl Finding {
+    /// Their names in JSON.
+    pub fn culprits(&self) -> Vec<&'static str> {
+        match self {
+            Self::One(suspects) => suspects.iter().map(|suspect| suspect.name()).collect(),
+            Self::Two(a, b) => vec![a.name(), b.name()],
+            Self::Prediction => vec!["prediction"],
+            Self::Unexplained | Self::NothingFails => Vec::new(),
+        }
+    }
 }

@@ -2,58 +2,48 @@
 //! theory ends. Every rung states beforehand what it must show, an error bound that is derived beside it or the
 //! refusal it must meet, and is measured; nothing may be lost, and nothing may be silently wrong.
 
-mod answer;
-mod climb;
-mod degenerate;
-mod history;
-mod invariance;
-mod material;
-mod memory;
+mod bodies;
 mod rung;
-mod scene_text;
-mod small;
-mod space_error;
-mod touching;
-mod under_test;
+mod scalars;
 mod units;
 
-pub use answer::{Prepare, SceneAnswer, Unanswered, solve};
-pub use climb::{Climbed, claims, climb, found};
-pub use memory::admit;
-pub use rung::{Ladder, Largest, Measured, Run, Rung};
-pub use under_test::{UnderTest, by_recursion};
+pub use rung::admit;
+pub use rung::{Climb, Ladder, Largest, Measured, Rung};
+pub use rung::{Climbed, claims, climb, found};
+pub use rung::{Prepare, SceneAnswer, Unanswered, solve};
+pub use rung::{UnderTest, by_recursion};
 pub use units::{Unitless, Units};
 
 /// All ladders. The largest meshes are climbed only where `long` says so.
 pub fn catalogue(long: bool) -> Vec<Ladder> {
     vec![
-        invariance::length(),
-        invariance::stiffness(),
-        invariance::time(),
-        invariance::displacement(),
-        invariance::together(),
-        space_error::locking(),
-        space_error::locking_order(if long { 256 } else { 64 }),
-        material::projection(),
-        material::yield_limit(),
-        material::through_zero(),
-        material::body_step(),
-        material::long_march(if long { 5 } else { 4 }),
-        small::smallness(),
-        small::falling_memory(),
-        small::rising_memory(),
-        small::fixed_point(),
-        history::relaxation(),
-        history::steps(),
-        history::accumulated(),
-        degenerate::sign_change(),
-        touching::load(),
-        touching::gap(),
-        touching::one_vertex(),
-        touching::short_clamp(),
-        space_error::mesh_size(if long { 512 } else { 64 }),
-        space_error::aspect_ratio(),
-        degenerate::sliver(),
-        degenerate::subnormal(),
+        units::length(),
+        units::stiffness(),
+        units::time(),
+        units::displacement(),
+        units::together(),
+        bodies::locking(),
+        bodies::locking_order(if long { 256 } else { 64 }),
+        bodies::projection(),
+        bodies::yield_limit(),
+        bodies::through_zero(),
+        bodies::body_step(),
+        bodies::long_march(if long { 5 } else { 4 }),
+        scalars::smallness(),
+        scalars::falling_memory(),
+        scalars::rising_memory(),
+        scalars::fixed_point(),
+        scalars::relaxation(),
+        scalars::steps(),
+        scalars::accumulated(),
+        bodies::sign_change(),
+        bodies::load(),
+        bodies::gap(),
+        bodies::one_vertex(),
+        bodies::short_clamp(),
+        bodies::mesh_size(if long { 512 } else { 64 }),
+        bodies::aspect_ratio(),
+        bodies::sliver(),
+        bodies::subnormal(),
     ]
 }

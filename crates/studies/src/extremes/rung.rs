@@ -1,8 +1,20 @@
 //! Ladders: one parameter from the ordinary to the extreme, and what each rung must show.
 
-use super::UnderTest;
-use super::answer::{SceneAnswer, Unanswered, solve};
 pub(super) use judge::claim::Relation;
+
+use std::time::Instant;
+
+use ::run::sweep::{MemoryLimit, Refused, Runs, without_panic};
+use algebra::linalg::{larger, largest};
+use fem::contact::{Discretization, KKT_ALLOWED, LevelFields};
+use fem::norms::step_errors;
+use judge::claim::{Claim, Place, Standing, Statement};
+use report::{Cell, Chapter, Findings, Map, Row, Shade};
+use scene::setup::{MeshData, Setup};
+use scene::{Scene, Source};
+use vhi::Newton;
+use vhi::history::{Memory, TimeGrid, Trapezoid};
+use vhi::law::ExponentialSum;
 
 /// What a run measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +48,7 @@ impl Measured {
 }
 
 /// Runs a rung with the parts under test.
-pub type Run = dyn Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync;
+pub type Climb = dyn Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync;
 
 /// One value of the parameter.
 pub struct Rung {
@@ -45,7 +57,7 @@ pub struct Rung {
     /// What it must show of its number, or the words in the first line of a typed error.
     pub expected: Relation,
     /// The run.
-    pub run: Box<Run>,
+    pub run: Box<Climb>,
     /// The largest run of a body in it, if that has more than a few thousand unknowns and levels together.
     pub largest: Option<Largest>,
 }
@@ -107,4 +119,331 @@ pub struct Ladder {
 /// 10^e, the nearest double; the powers of ten that `powi` forms by multiplication are not.
 pub(super) fn power_of_ten(e: i32) -> f64 {
     format!("1e{e}").parse().unwrap_or(f64::NAN)
+}
+
+// What one run of a scene answers, as far as extremes are judged by it.
+
+/// Puts the solver under test into a setup.
+pub type Prepare<'a> = dyn Fn(Setup) -> Setup + Sync + 'a;
+
+/// The discrete solution at all levels, and its errors where the exact one is known.
+#[derive(Debug, Clone, Default)]
+pub struct SceneAnswer {
+    /// Nodal displacements, level after level.
+    pub displacement: Vec<f64>,
+    /// Stresses of the cells (Mandel).
+    pub stress: Vec<f64>,
+    /// ξ + λ at the points of Γ3.
+    pub pressure: Vec<f64>,
+    /// ζ_n.
+    pub zeta: Vec<f64>,
+    /// The largest errors over time in V, L², of the stress, of the trace and of the pressure.
+    pub errors: Option<[f64; 5]>,
+    /// Newton iterations over all levels.
+    pub iterations: u32,
+    /// The largest relative KKT residual, by separate evaluation.
+    pub kkt: f64,
+}
+
+/// Why there is no answer.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Unanswered {
+    /// A typed error of scene, setup or solver: its first line.
+    #[error("{0}")]
+    Refused(String),
+    /// A panic: an internal error, never expected.
+    #[error("{0}")]
+    Panicked(String),
+}
+
+impl Unanswered {
+    pub(super) fn refused(error: impl std::fmt::Display) -> Self {
+        let text = error.to_string();
+        let first = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+        Self::Refused(first.trim_start_matches("error: ").to_owned())
+    }
+}
+
+/// `run`, with a panic as a value: the other rungs go on.
+pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, Unanswered>) -> Result<T, Unanswered> {
+    without_panic(|| Ok(run())).unwrap_or_else(|text| Err(Unanswered::Panicked(text)))
+}
+
+/// A scene set up from its text.
+///
+/// # Errors
+/// What scene or setup refuse.
+pub(crate) fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, Unanswered> {
+    let source = Source::from_text("extreme.toml", text);
+    let scene = Scene::from_source(source).map_err(Unanswered::refused)?;
+    Ok(prepare(Setup::new(scene).map_err(Unanswered::refused)?))
+}
+
+/// Solves a scene, given by its text, on the mesh n with so many steps.
+///
+/// # Errors
+/// What scene, setup or solver refuse.
+pub fn solve(
+    text: String,
+    n: u32,
+    steps: u32,
+    prepare: &Prepare<'_>,
+) -> Result<SceneAnswer, Unanswered> {
+    let setup = set_up(text, prepare)?;
+    let data = MeshData::new(&setup, n, None).map_err(Unanswered::refused)?;
+    march(&setup, &data, steps)
+}
+
+/// Marches a setup and keeps every level.
+///
+/// # Errors
+/// The solver's.
+pub(crate) fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<SceneAnswer, Unanswered> {
+    let mut answer = SceneAnswer::default();
+    let exact = setup.exact.is_some();
+    let info = setup.scheme.march(setup, data, steps, &mut |view| {
+        let fields = LevelFields::of(&data.space, &setup.model, view);
+        answer.displacement.extend(&fields.u);
+        answer.stress.extend(&fields.stress);
+        answer.pressure.extend(&fields.pressure);
+        answer.zeta.push(view.zeta);
+        if exact {
+            let moments = data.truth.moments(view.t)?;
+            let e = step_errors(&data.space, &setup.model, view, &moments);
+            let now = [e.v, e.l2, e.stress, e.trace, e.pressure];
+            let worst = answer.errors.unwrap_or_default();
+            answer.errors = Some(std::array::from_fn(|i| larger(worst[i], now[i])));
+        }
+        Ok(())
+    });
+    let info = info.map_err(Unanswered::refused)?;
+    answer.iterations = info.newton_iterations;
+    answer.kkt = info.kkt_residual;
+    Ok(answer)
+}
+
+impl SceneAnswer {
+    /// The largest difference of two answers over all fields, each relative to the larger of its two
+    /// sizes; errors relative to the size of what they are errors of. NaN where the fields do not match.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let pairs = [
+            (&self.displacement, &other.displacement),
+            (&self.stress, &other.stress),
+            (&self.pressure, &other.pressure),
+            (&self.zeta, &other.zeta),
+        ];
+        let fields = pairs.map(|(a, b)| relative(a, b)).into_iter().fold(0.0, larger);
+        let (Some(a), Some(b)) = (self.errors, other.errors) else {
+            let both = self.errors.is_none() && other.errors.is_none();
+            return if both { fields } else { f64::NAN };
+        };
+        let [u, sigma] = [largest(&other.displacement), largest(&other.stress)];
+        let sizes = [sigma, u, sigma, u, sigma];
+        let errors = (0..5).map(|i| (a[i] - b[i]).abs() / sizes[i].max(f64::MIN_POSITIVE));
+        errors.fold(fields, larger)
+    }
+}
+
+/// max |a_i - b_i| / max |b_i|; 0 of two zero fields.
+pub(super) fn relative(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() != b.len() {
+        return f64::NAN;
+    }
+    let difference = a.iter().zip(b).fold(0.0, |worst, (a, b)| larger(worst, (a - b).abs()));
+    let size = larger(largest(a), largest(b));
+    if difference == 0.0 { 0.0 } else { difference / size }
+}
+
+// Rungs climbed: each is a claim of its ladder, and one of the solver's residual.
+
+/// A rung that was climbed.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Climbed {
+    pub ladder: &'static str,
+    pub at: String,
+    /// What the ladder claims, then the residual where there is one.
+    #[serde(skip)]
+    pub claims: Vec<Claim>,
+    /// Newton iterations per level.
+    pub iterations: Option<f64>,
+    /// Seconds it took.
+    pub seconds: f64,
+}
+
+/// Runs one rung; a panic is a claim that fails and not the end of the others.
+pub fn climb(ladder: &Ladder, rung: &Rung, under_test: &UnderTest<'_>) -> Climbed {
+    let start = Instant::now();
+    let outcome = caught(|| (rung.run)(under_test));
+    Climbed {
+        ladder: ladder.name,
+        at: rung.at.clone(),
+        claims: claims(ladder, &rung.at, rung.expected, &outcome),
+        iterations: outcome.ok().and_then(|measured| measured.iterations),
+        seconds: start.elapsed().as_secs_f64(),
+    }
+}
+
+/// What a rung claims of its outcome. NaN holds nowhere, and no refusal covers a panic.
+pub fn claims(
+    ladder: &Ladder,
+    at: &str,
+    expected: Relation,
+    outcome: &Result<Measured, Unanswered>,
+) -> Vec<Claim> {
+    let statement = Statement { source: ladder.name, says: ladder.quantity };
+    let place = Place { at: at.to_owned(), ..Place::default() };
+    let none = Claim { statement, place, relation: expected, ..Claim::default() };
+    match outcome {
+        Err(Unanswered::Panicked(text)) => {
+            let relation = Relation::AtMost(f64::NAN);
+            vec![Claim { relation, note: text.clone(), ..none }]
+        }
+        Err(Unanswered::Refused(said)) => vec![Claim { note: said.clone(), ..none }],
+        Ok(measured) => {
+            let claim = Claim { left: measured.value, note: measured.note.clone(), ..none };
+            // A solver may stop without a look at its residual.
+            let residual = measured.kkt.map(|kkt| {
+                let says = "largest relative residual, by separate evaluation";
+                let statement = Statement { source: "KKT", says };
+                let at = format!("{} at {at}", ladder.name);
+                Claim::at_most(statement, Place { at, ..Place::default() }, [kkt, KKT_ALLOWED], 0.0)
+            });
+            [Some(claim), residual].into_iter().flatten().collect()
+        }
+    }
+}
+
+/// All that was climbed.
+pub fn found(ladders: &[Ladder], climbed: &[Climbed]) -> Findings {
+    let claims: Vec<Claim> = climbed.iter().flat_map(|rung| rung.claims.clone()).collect();
+    let title = (Chapter::Extremes, "Ladders and rungs".to_owned());
+    let mut findings = Findings::new(title, None, claims);
+    let row = |ladder: &Ladder| -> Row<'static, 4> {
+        let rungs = climbed.iter().filter(|rung| rung.ladder == ladder.name).count();
+        [
+            ("ladder", report::Run::plain(ladder.name)),
+            ("parameter", report::Run::plain(ladder.parameter)),
+            (">rungs", report::Run::plain(rungs.to_string())),
+            ("expected because", report::Run::plain(ladder.why)),
+        ]
+    };
+    let caption = "Ladders: what is turned, in how many rungs, and why they end as they do.";
+    findings.document.table(caption, ladders.iter().map(row));
+    let shows = "every rung of the ladders against its expectation (sweep extremes).";
+    findings.document.figure("extremes", shows, Some(map(ladders, climbed)));
+    findings.number("ladders", ladders);
+    findings.number("rungs", climbed);
+    findings
+}
+
+/// The map of all rungs: one line a ladder, one cell a rung, shaded by how far the measured number is within what is allowed:
+/// the lightest at six decades or more, the darkest at the bound.
+fn map(ladders: &[Ladder], climbed: &[Climbed]) -> String {
+    let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
+        let rungs = climbed.iter().filter(|rung| rung.ladder == ladder.name);
+        rungs.map(|rung| (rung.at.clone(), shade(&rung.claims))).collect()
+    };
+    let shades = || climbed.iter().map(|rung| shade(&rung.claims));
+    let wrong = shades().filter(|shade| *shade == Shade::Wrong).count();
+    let refused = shades().filter(|shade| *shade == Shade::Outside).count();
+    Map {
+        title: format!("{} rungs of {} ladders", climbed.len(), ladders.len()),
+        subtitle: format!("{refused} refused as expected, {wrong} not as expected"),
+        rows: ladders.iter().map(|ladder| (ladder.name.to_owned(), of_ladder(ladder))).collect(),
+        legend: [
+            (Shade::Within(0.3), "as expected, darker nearer the bound"),
+            (Shade::Outside, "refused as expected"),
+            (Shade::Wrong, "not as expected"),
+        ],
+        heads: Vec::new(),
+        notes: Vec::new(),
+    }
+    .svg()
+}
+
+/// Decades over which the shade goes from the darkest to the lightest.
+const DECADES: f64 = 6.0;
+
+fn shade(claims: &[Claim]) -> Shade {
+    let holds = claims.iter().all(|claim| claim.standing() == Standing::Passes);
+    match claims.first().filter(|_| holds) {
+        None => Shade::Wrong,
+        Some(Claim { relation: Relation::Refused(_), .. }) => Shade::Outside,
+        Some(Claim { relation: Relation::AtMost(most), left, .. }) => {
+            let decades = (most.max(f64::MIN_POSITIVE) / left.max(f64::MIN_POSITIVE)).log10();
+            Shade::Within(1.0 - decades / DECADES)
+        }
+        Some(_) => Shade::Within(0.5),
+    }
+}
+
+// The parts that the ladders test; a test passes in wrong ones.
+
+/// The parts under test.
+pub struct UnderTest<'a> {
+    /// Puts the solver into a setup of a body.
+    pub prepare: &'a Prepare<'a>,
+    /// Solves the levels of abstract scenes, and of the iteration Λ.
+    pub newton: Newton,
+    /// The history sum of step N by the rate of its kernel, the step and N, see [`by_recursion`].
+    pub history: &'a (dyn Fn(f64, f64, usize) -> f64 + Sync),
+}
+
+impl Default for UnderTest<'_> {
+    fn default() -> Self {
+        Self { prepare: &|setup| setup, newton: Newton::default(), history: &by_recursion }
+    }
+}
+
+/// u_j of the past: positive, so that sums do not cancel and relative errors mean something.
+pub(super) fn value(j: usize) -> f64 {
+    1.0 + (0.7 * j as f64).sin().powi(2)
+}
+
+/// Σ'_j e^{-c(t_N - t_j)} u_j k of the past and the last slot, as the recursion gives it.
+pub fn by_recursion(rate: f64, k: f64, steps: usize) -> f64 {
+    let kernel = ExponentialSum { terms: vec![(1.0, rate)] };
+    let grid = TimeGrid::uniform(k * steps as f64, steps as u32);
+    let mut memory = Memory::new(&kernel, &Trapezoid, &grid, 1);
+    for j in 0..steps {
+        memory.commit(&grid, &[value(j)]);
+    }
+    let mut past = [0.0];
+    memory.past(&kernel, &Trapezoid, &grid, &mut past);
+    past[0] + 0.5 * k * value(steps)
+}
+
+// What a rung takes of the memory.
+
+/// Refuses a rung that would take more memory than there may be. One without a mesh, or on a small one, takes next to
+/// none.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit(
+    ladder: &Ladder,
+    rung: &Rung,
+    under_test: &UnderTest<'_>,
+    limit: &MemoryLimit,
+) -> Result<(), Refused> {
+    let Some(largest) = &rung.largest else { return Ok(()) };
+    // A scene that is refused is so when it is climbed.
+    let Ok(setup) = set_up(largest.text.clone(), under_test.prepare) else { return Ok(()) };
+    // An answer is all levels: u and σ, in lists that double as they grow, and the moments that they are measured against.
+    let answer = |space: &Discretization, steps: u32| {
+        let d = space.mesh.dimension;
+        let (tensor, cells) = (d * (d + 1) / 2, space.mesh.cell_count());
+        let moments = 2 * tensor + d * (d + 1);
+        let numbers = 2 * (space.nodes.len() + tensor * cells) + moments * cells;
+        8.0 * (f64::from(steps) + 1.0) * numbers as f64
+    };
+    let grid = vec![(largest.n, largest.steps)];
+    let runs = Runs { setup: &setup, grid, beside: Box::new(answer) };
+    runs.admit(limit).map_err(|refused| Refused {
+        what: format!(
+            "{} at {} (other ladders, or none of --long, take less)",
+            ladder.name, rung.at
+        ),
+        source: refused.source,
+    })
 }

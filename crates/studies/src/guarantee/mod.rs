@@ -20,30 +20,27 @@
 //! time, rounding, and quadrature of the loads (degree 8 in the cells, 15 on the edges).
 
 mod densities;
-mod edges;
 mod equilibrium;
-mod error;
-mod memory;
-mod on_contact;
-mod oscillation;
 #[cfg(test)]
 mod tests;
-mod triangle;
-mod truth;
 
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use self::densities::Densities;
+use self::equilibrium::{Equilibrium, Stress, Triangle};
+use algebra::linalg::largest;
 use algebra::tensor::contract;
-use exact::{Status, check};
-use fem::contact::{Discretization, Model, StepView};
+use exact::{Exact, Status, check};
+use fem::contact::{CaseError, Discretization, Model, StepView, weighted_memory};
+use fem::space::quadrature::{Rule, triangle_degree_8};
 use fem::space::{StrainPoint, StrainShapes};
-use scene::setup::{MeshData, Setup, side_numbers, sides};
+use formula::BoundProgram;
+use nalgebra::DMatrix;
+use scene::setup::{MeshData, Setup, SetupError, side_numbers, sides};
 use vhi::Newton;
 use vhi::history::TimeGrid;
-use vhi::law::TensorField;
-
-use densities::Densities;
-use equilibrium::Equilibrium;
-pub use error::GuaranteeError;
-use triangle::{Stress, Triangle};
+use vhi::law::{Convolution, FourthOrder, MemoryKernel, TensorField};
 
 /// σ must be in equilibrium to this part of its tractions; a solve leaves some 1e-13.
 const BALANCED: f64 = 1e-9;
@@ -114,7 +111,7 @@ pub struct Bounding<'a> {
     grid: TimeGrid,
     equilibrium: Equilibrium,
     densities: Densities,
-    truth: Option<truth::Strains>,
+    truth: Option<Strains>,
     /// What the stress in equilibrium is to be near to.
     of_cell: OfCell,
     found: Vec<BoundedLevel>,
@@ -193,7 +190,7 @@ impl<'a> Bounding<'a> {
             grid: setup.grid(steps),
             densities: Densities::new(setup, space, &equilibrium.edges)?,
             equilibrium,
-            truth: setup.exact.as_ref().map(|exact| truth::Strains::new(exact, space)),
+            truth: setup.exact.as_ref().map(|exact| Strains::new(exact, space)),
             of_cell: of_run,
             found: Vec::new(),
             failed: None,
@@ -224,10 +221,10 @@ impl<'a> Bounding<'a> {
         let mut loads = self.densities.at(space, edges, view.t)?;
         let mut gap = 0.0;
         if let Some(boundary) = &model.boundary {
-            let pressure = on_contact::pressures(space, boundary, view);
-            let pressure = on_contact::along_edges(space, &pressure);
-            gap = on_contact::duality_gap(space, boundary, view.u, &pressure);
-            on_contact::add_pressures(space, edges, &pressure, &mut loads.given.tractions);
+            let pressure = densities::pressures(space, boundary, view);
+            let pressure = densities::along_edges(space, &pressure);
+            gap = densities::duality_gap(space, boundary, view.u, &pressure);
+            densities::add_pressures(space, edges, &pressure, &mut loads.given.tractions);
         }
         let stresses = self.equilibrium.nearest(&start, &loads.given);
         let imbalance = self.equilibrium.imbalance(&stresses, &loads.given);
@@ -259,7 +256,7 @@ impl<'a> Bounding<'a> {
 
     /// The larger zero of (1 - β_nn) e² - a e - G, a = `estimate` + Σ_{j<n} β_nj e_j.
     fn bound(&self, n: usize, estimate: f64, gap: f64) -> Result<f64, GuaranteeError> {
-        let weights = memory::weights(self.model, &self.grid, n);
+        let weights = weights(self.model, &self.grid, n);
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);
         if last.is_nan() || last >= 1.0 {
@@ -295,4 +292,156 @@ fn energy_norm(space: &Discretization, elasticity: &TensorField, v: &[f64]) -> f
         at.weight * contract(&elasticity.on(space.region(at.cell)).apply(&strain), &strain)
     };
     space.points().map(energy).sum::<f64>().sqrt()
+}
+
+// Why there is no bound.
+
+/// Why there is no bound.
+#[derive(Debug, thiserror::Error)]
+pub enum GuaranteeError {
+    #[error("no guaranteed bound: {reason}")]
+    Refused { reason: String },
+    #[error("no guaranteed bound: {what} is not finite at t = {t}")]
+    NotFinite { what: &'static str, t: f64 },
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    #[error(transparent)]
+    Case(#[from] CaseError),
+}
+
+impl GuaranteeError {
+    pub(super) fn refused(reason: impl Into<String>) -> Self {
+        Self::Refused { reason: reason.into() }
+    }
+}
+
+// β_nj = |W_nj| ‖𝒜^{-1/2} ℬ 𝒜^{-1/2}‖: what the errors of earlier levels are to that of level n.
+
+/// β_nj, j = 0, …, n; zeros without memory.
+pub(super) fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
+    let weight = |j: usize| {
+        let of = |kernel: &dyn MemoryKernel| {
+            model.time_rule.kernel_weight(&Convolution(kernel), grid, n, j)
+        };
+        let sum = weighted_memory(&model.memory, of, 2);
+        sum.map_or(0.0, |sum| largest(&quotients(&sum, &model.elasticity, 2)))
+    };
+    (0..=n).map(weight).collect()
+}
+
+// Constants of a triangle T with which loads orthogonal to linear functions act on strains, proved and explicit.
+//
+// Let v be a displacement less the rigid motion with its mean and its mean rotation ω. In the plane
+// ∂_x ω = ∂_x ε_xy - ∂_y ε_xx and ∂_y ω = ∂_x ε_yy - ∂_y ε_xy, so the Babuška–Aziz constant β of T bounds
+// ‖ω‖ ≤ ‖ε(v)‖/β, and ‖∇v‖² = ‖ε(v)‖² + 2‖ω‖² ≤ (1 + 2/β²) ‖ε(v)‖². On a domain in a disc of radius R that is
+// star-shaped with respect to the concentric disc of radius ρ, β ≥ ρ/(2R) (M. Costabel, M. Dauge, Arch. Ration.
+// Mech. Anal. 217 (2015)); here the discs are about the incentre. The inequality of Payne and Weinberger,
+// ‖v‖ ≤ (h/π) ‖∇v‖ on convex domains, gives ‖v‖_T; with x - p, p the corner opposite to an edge E at the height H, the
+// divergence theorem gives H ‖v‖²_E ≤ 2‖v‖² + 2h ‖v‖ ‖∇v‖.
+
+/// Constants C with ‖v‖ ≤ C ‖ε(v)‖_T for some rigid motion taken off.
+pub(super) struct Constants {
+    /// Of ‖v‖_T.
+    pub inside: f64,
+    /// Of ‖v‖_E for the edges opposite to each corner.
+    pub on_edge: [f64; 3],
+}
+
+impl Constants {
+    /// The constants of the triangle with these corners.
+    pub(super) fn of(corners: &[[f64; 2]; 3]) -> Self {
+        let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let sides: [f64; 3] =
+            std::array::from_fn(|s| distance(corners[(s + 1) % 3], corners[(s + 2) % 3]));
+        let [a, b, c] = *corners;
+        let twice = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        let around: f64 = sides.iter().sum();
+        let incentre: [f64; 2] =
+            std::array::from_fn(|i| (0..3).map(|s| sides[s] * corners[s][i]).sum::<f64>() / around);
+        let inner = twice / around;
+        let outer = corners.iter().map(|&corner| distance(corner, incentre)).fold(0.0, f64::max);
+        let beta = inner / (2.0 * outer);
+        let korn = (1.0 + 2.0 / (beta * beta)).sqrt();
+        let longest = sides.iter().copied().fold(0.0, f64::max);
+        let inside = longest / PI * korn;
+        let on_edge = sides.map(|side| {
+            let height = twice / side;
+            ((2.0 * inside * inside + 2.0 * longest * inside * korn) / height).sqrt()
+        });
+        Self { inside, on_edge }
+    }
+}
+
+// The distance of a run to the exact solution in the energy norm, by a rule that is not the assembly's.
+
+/// ε of the exact solution at the points of a mesh.
+pub(super) struct Strains {
+    rule: Rule,
+    fields: BoundProgram,
+}
+
+impl Strains {
+    /// Binds the formulas.
+    pub(super) fn new(exact: &Arc<Exact>, space: &Discretization) -> Self {
+        let (rule, mesh) = (triangle_degree_8(), &space.mesh);
+        let cells = (0..mesh.cell_count()).map(|c| mesh.cell(c));
+        let points: Vec<[f64; 3]> =
+            cells.flat_map(|cell| rule.points.iter().map(|b| mesh.point(cell, b))).collect();
+        Self { rule, fields: exact.interior.bind(&points) }
+    }
+
+    /// (𝒜ε(u - u^h), ε(u - u^h))^{1/2} at t.
+    pub(super) fn distance(
+        &mut self,
+        space: &Discretization,
+        elasticity: &TensorField,
+        u: &[f64],
+        t: f64,
+    ) -> f64 {
+        let values = self.fields.values_at(t, 0.0);
+        let count = self.rule.weights.len();
+        let mut sum = 0.0;
+        let shapes = StrainShapes::new(space.element, 2);
+        for c in 0..space.mesh.cell_count() {
+            let strains: Vec<[f64; 3]> = space.points_of(c).map(|at| at.strain(u)).collect();
+            let tensor = elasticity.on(space.region(c));
+            for (q, weight) in self.rule.weights.iter().enumerate() {
+                let at = count * c + q;
+                let [xx, xy, yy] = [2, 3, 4].map(|output| values[output][at]);
+                let exact = [xx, yy, std::f64::consts::SQRT_2 * xy];
+                let computed = shapes.tensor(&self.rule.points[q], &strains);
+                let off: [f64; 3] = std::array::from_fn(|i| exact[i] - computed[i]);
+                sum += weight
+                    * space.geometry.measure[c]
+                    * algebra::tensor::contract(&tensor.apply(&off), &off);
+            }
+        }
+        sum.max(0.0).sqrt()
+    }
+}
+
+// Quotients of two tensors.
+
+/// The eigenvalues of 𝒜⁻¹𝒞 on S^d in all regions.
+pub(crate) fn quotients(tensor: &TensorField, elastic: &TensorField, d: usize) -> Vec<f64> {
+    let count = tensor.regions().len().max(elastic.regions().len());
+    (0..count).flat_map(|region| on_region(tensor.on(region), elastic.on(region), d)).collect()
+}
+
+/// Those of L⁻¹𝒞L⁻ᵀ with 𝒜 = LLᵀ; none if 𝒜 is not positive definite.
+fn on_region(tensor: &FourthOrder, elastic: &FourthOrder, d: usize) -> Vec<f64> {
+    if let (FourthOrder::Isotropic(b), FourthOrder::Isotropic(a)) = (tensor, elastic) {
+        // 2μ on deviators, 2μ + dλ on spheres.
+        let spheres = |lambda: f64, mu: f64| 2.0 * mu + d as f64 * lambda;
+        return vec![b.mu / a.mu, spheres(b.lambda, b.mu) / spheres(a.lambda, a.mu)];
+    }
+    let dense = |tensor: &FourthOrder| match d {
+        2 => DMatrix::from_fn(3, 3, |i, j| tensor.matrix::<3>()[i][j]),
+        _ => DMatrix::from_fn(6, 6, |i, j| tensor.matrix::<6>()[i][j]),
+    };
+    let Some(factor) = dense(elastic).cholesky() else { return Vec::new() };
+    let lower = factor.l();
+    let half = lower.solve_lower_triangular(&dense(tensor));
+    let both = half.and_then(|half| lower.solve_lower_triangular(&half.transpose()));
+    both.map_or_else(Vec::new, |both| both.symmetric_eigenvalues().iter().copied().collect())
 }

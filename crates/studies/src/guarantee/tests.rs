@@ -135,7 +135,7 @@ fn imbalance_against_polynomials(
     setup: &Setup,
     space: &Discretization,
     equilibrium: &Equilibrium,
-    stresses: &[triangle::Stress],
+    stresses: &[Stress],
     loads: &densities::Loads,
 ) -> f64 {
     assert_eq!(setup.body.domain.clamped.len(), 1, "Γ1 is y = 1");
@@ -293,4 +293,69 @@ fn a_stress_that_jumps_inside_is_refused() {
     assert!(error.contains("the stress jumps"), "{error}");
     // A kink of the second derivative is one of f0, which has a density.
     assert_eq!(refused("-0.5*t*max(x - 0.4, 0)^2*(1 - y)"), None);
+}
+
+/// Against quotients of polynomial displacements with their rigid motion taken off: none may exceed the constants,
+/// and those are no more than fifty times too large.
+#[test]
+fn no_displacement_exceeds_the_constants() {
+    let corners = [[0.1, 0.0], [0.6, 0.1], [0.2, 0.4]];
+    let constants = Constants::of(&corners);
+    let at = |b: &[f64]| -> [f64; 2] {
+        std::array::from_fn(|i| (0..3).map(|a| b[a] * corners[a][i]).sum())
+    };
+    let (inside, along) = (triangle_product(6), edge(6));
+    let mut most = 0.0f64;
+    for (powers, component) in
+        (0..=3).flat_map(|i| (0..=3 - i).map(move |j| (i, j))).flat_map(|p| [(p, 0), (p, 1)])
+    {
+        let v = |x: [f64; 2]| x[0].powi(powers.0) * x[1].powi(powers.1);
+        let gradient = |x: [f64; 2]| {
+            let (i, j) = powers;
+            let dx = if i == 0 { 0.0 } else { f64::from(i) * x[0].powi(i - 1) * x[1].powi(j) };
+            let dy = if j == 0 { 0.0 } else { f64::from(j) * x[0].powi(i) * x[1].powi(j - 1) };
+            [dx, dy]
+        };
+        let mean = |f: &dyn Fn([f64; 2]) -> f64| -> f64 {
+            inside.weights.iter().zip(&inside.points).map(|(w, b)| w * f(at(b))).sum()
+        };
+        let strain = mean(&|x| {
+            let [dx, dy] = gradient(x);
+            let (along, across) = if component == 0 { (dx, dy) } else { (dy, dx) };
+            along * along + 0.5 * across * across
+        });
+        if strain < 1e-12 {
+            continue;
+        }
+        // Taken off: the mean, and the rotation ω(-(y - ȳ), x - x̄) with the mean ω.
+        let sign = if component == 0 { -0.5 } else { 0.5 };
+        let omega = sign * mean(&|x| gradient(x)[1 - component]);
+        let middle = [mean(&|x| x[0]), mean(&|x| x[1])];
+        let average = mean(&v);
+        let rest = |x: [f64; 2]| {
+            let mut rest = [omega * (x[1] - middle[1]), -omega * (x[0] - middle[0])];
+            rest[component] += v(x) - average;
+            rest
+        };
+        let square = |x: [f64; 2]| {
+            let [p, q] = rest(x);
+            p * p + q * q
+        };
+        most = most.max((mean(&square) / strain).sqrt() / constants.inside);
+        for s in 0..3 {
+            let [from, to] = [corners[(s + 1) % 3], corners[(s + 2) % 3]];
+            let length = (from[0] - to[0]).hypot(from[1] - to[1]);
+            let on: f64 = along
+                .weights
+                .iter()
+                .zip(&along.points)
+                .map(|(w, b)| {
+                    w * length * square(std::array::from_fn(|i| b[0] * from[i] + b[1] * to[i]))
+                })
+                .sum();
+            let area = 0.5 * ((0.5 * 0.4) - (0.1 * 0.1));
+            most = most.max((on / (strain * area)).sqrt() / constants.on_edge[s]);
+        }
+    }
+    assert!((0.02..=1.0).contains(&most), "{most}");
 }

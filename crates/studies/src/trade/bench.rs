@@ -3,16 +3,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use cpu_time::ThreadTime;
-use serde_json::{Value, json};
-
+use super::optimum::Choices;
 use algebra::linalg::larger;
+use cpu_time::ThreadTime;
 use fem::contact::{CaseError, CaseInfo, Observer, strain_distance};
 use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
+use fem::space::Element;
 use judge::record::{CaseRecord, NormError, Status};
-use run::sweep::{as_floors, floor_in, run_cost, scene_reference};
-use scene::setup::{MeshData, Setup, SetupError, reference_run};
-use scene::{Change, Norm};
+use run::sweep::{Overrides, ScenePlan, as_floors, floor_in, run_cost, scene_reference};
+use scene::setup::{MeshData, Setup, SetupError, Subject, reference_run};
+use scene::{Body, Change, ContactQuadrature, ContactScene, Data, LoadForm, Norm, Scene};
+use serde_json::{Value, json};
 
 /// One run.
 #[derive(Debug, Clone, PartialEq)]
@@ -243,5 +244,203 @@ impl<'a> Bench<'a> {
             ..Trial::new(change, record)
         };
         Ok((trial, levels))
+    }
+}
+
+// What a scene file may say otherwise about how the same problem is discretised.
+
+/// A change of the body of a scene.
+fn of_body(words: &str, change: impl Fn(&mut ContactScene) + Send + Sync + 'static) -> Change {
+    Change::new(words, move |mut scene| {
+        if let Body::Contact(body) = &mut scene.body {
+            change(body);
+        }
+        Ok(scene)
+    })
+}
+
+/// The settings that a scene offers beside h, k and the element.
+pub(super) fn settings(setup: &Setup) -> Vec<Change> {
+    let mut found = Vec::new();
+    if let Data::Exact { interpolated: false, form: written, .. } = setup.body.data {
+        let (words, other) = match written {
+            LoadForm::Weak => ("strong loads", LoadForm::Strong),
+            LoadForm::Strong => ("weak loads", LoadForm::Weak),
+        };
+        found.push(of_body(words, move |body| {
+            if let Data::Exact { form, .. } = &mut body.data {
+                *form = other;
+            }
+        }));
+    }
+    // A jump has no value at a point that is held there; edges are cut in the plane alone.
+    let law = setup.body.law().filter(|law| !law.is_set_valued());
+    for (words, rule) in [
+        ("contact by vertices", ContactQuadrature::Vertex),
+        ("contact by Gauss points", ContactQuadrature::Gauss),
+        ("contact exact", ContactQuadrature::Exact),
+    ] {
+        let cut = rule == ContactQuadrature::Exact && setup.scene.dimension > 2;
+        if law.is_some() && rule != setup.rule() && rule.serves(setup.body.element) && !cut {
+            found.push(of_body(words, move |body| {
+                body.contact.iter_mut().for_each(|contact| contact.quadrature = rule);
+            }));
+        }
+    }
+    found
+}
+
+/// The other elements that a scene may have.
+pub(super) fn elements(setup: &Setup) -> Vec<(Element, Change)> {
+    let others = Element::ALL.into_iter().filter(|&other| other != setup.body.element);
+    let admitted = others.filter(|&other| setup.scene.with_element(other).is_ok());
+    let change = |element: Element| {
+        let words = format!("element {}", element.name());
+        (element, Change::new(words, move |scene| scene.with_element(element)))
+    };
+    admitted.map(change).collect()
+}
+
+// Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
+// orders and exponents have something to rest on, and no more than the budget bears.
+
+/// Levels of each direction that orders need.
+const LEVELS: usize = 3;
+/// Levels that are kept while the budget bears them.
+const MOST: [usize; 2] = [4, 5];
+/// Seconds that an unknown and step may take: punch at n = 64 and N = 32 has 266,000 of them and takes 0.7 s.
+const RATE: f64 = 3e-6;
+/// No mesh coarser than this, no fewer steps.
+const LEAST: u32 = 2;
+
+/// The grid of a trade: what is asked for, else that of the scene.
+pub(super) fn trade_grid(
+    setup: &Setup,
+    n: &Option<Vec<u32>>,
+    steps: &Option<Vec<u32>>,
+    budget: f64,
+) -> Result<[Vec<u32>; 2], SetupError> {
+    let grid = match (n, steps) {
+        (Some(n), Some(steps)) => [n.clone(), steps.clone()],
+        _ => {
+            let [own, own_steps] = scene_grid(setup, budget)?;
+            [n.clone().unwrap_or(own), steps.clone().unwrap_or(own_steps)]
+        }
+    };
+    let grid = grid.map(sorted);
+    setup.scene.check_cases(&grid[0], &grid[1])?;
+    Ok(grid)
+}
+
+/// The lists of a scene, completed by halves (or doubles) up to three levels, and without their finest levels while all runs
+/// are above what `budget` seconds bear at `RATE`.
+fn scene_grid(setup: &Setup, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
+    let scene = &setup.scene;
+    let (listed_n, listed_steps) = match &scene.sweep {
+        Some(sweep) => (sweep.n.clone(), sweep.steps.clone()),
+        None => (vec![8, 16, 32], vec![4, 8, 16]),
+    };
+    let choices = Choices::new(setup, true)?;
+    let finest = choices.most();
+    let cells = |n: u32| n <= finest[0] && choices.has_cells(n);
+    let suit = |steps: u32| steps <= finest[1] && choices.has_steps(steps);
+    let mut grid = [completed(listed_n, &cells), completed(listed_steps, &suit)];
+    grid.iter_mut().zip(MOST).for_each(|(list, most)| list.truncate(most));
+    let mut subject = Subject::new(scene.clone())?;
+    loop {
+        let [n, steps] = grid.clone().map(Some);
+        let plan = ScenePlan::new(subject, &Overrides { n, steps });
+        let seconds: f64 = plan.costs()?.cases.iter().map(|case| RATE * case.work).sum();
+        // Meshes cost more than steps: they go first.
+        let long = grid.iter_mut().find(|list| list.len() > LEVELS);
+        match long.filter(|_| seconds > budget) {
+            Some(list) => list.pop(),
+            None => return Ok(grid),
+        };
+        subject = plan.subject;
+    }
+}
+
+/// Meshes on which `other` has about as many nodes as the element of `scene` on each of `n`: at least three, as in
+/// [`scene_grid`], where the domain has them.
+pub(super) fn element_meshes(scene: &Scene, n: &[u32], other: Element) -> Vec<u32> {
+    let degree = scene.as_contact().map_or(1, |body| body.element.degree());
+    let nodes = |&n: &u32| (n * degree as u32).div_ceil(other.degree() as u32).max(LEAST);
+    let admitted = |n: u32| scene.check_cases(&[n], &[]).is_ok();
+    completed(n.iter().map(nodes).filter(|&n| admitted(n)).collect(), &admitted)
+}
+
+fn sorted(mut list: Vec<u32>) -> Vec<u32> {
+    list.sort_unstable();
+    list.dedup();
+    list
+}
+
+/// A list with at least three levels, rising.
+fn completed(list: Vec<u32>, admitted: &dyn Fn(u32) -> bool) -> Vec<u32> {
+    let mut list = sorted(list);
+    while list.len() < LEVELS {
+        let (Some(&first), Some(&last)) = (list.first(), list.last()) else { break };
+        let half = first / 2;
+        if first.is_multiple_of(2) && half >= LEAST && admitted(half) {
+            list.insert(0, half);
+        } else if let Some(double) = last.checked_mul(2).filter(|&double| admitted(double)) {
+            list.push(double);
+        } else {
+            break;
+        }
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    mod settings {
+        use super::super::*;
+        use scene::Scene;
+
+        fn offered(name: &str) -> String {
+            let path = format!("{}/../../manufactured/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+            let setup = Setup::new(Scene::read(path.as_ref()).expect("a scene")).expect("a setup");
+            let elements = elements(&setup).into_iter().map(|(_, change)| change);
+            let all: Vec<Change> = settings(&setup).into_iter().chain(elements).collect();
+            for change in &all {
+                let changed = change.of(&setup.scene).expect("a scene that may be so");
+                assert!(Setup::new(changed).is_ok(), "{name}: {change:?}");
+            }
+            all.iter().map(Change::words).collect::<Vec<_>>().join(", ")
+        }
+
+        #[test]
+        fn a_scene_offers_what_its_file_may_say() {
+            for (name, words) in [
+                ("pure-mild", "strong loads, contact by Gauss points, contact exact, element P2"),
+                // Quadratic elements have one rule on Γ3; without a law there is none.
+                ("quadratic-compliance", "strong loads, element P1"),
+                ("signorini", "strong loads, element P2"),
+                // Given loads are what they are, and nothing is integrated where u lives in V^h.
+                ("linear-punch", "element P2"),
+                ("in-space", "contact by Gauss points, contact exact, element P2"),
+                // The plane alone cuts edges.
+                ("pure-box", "strong loads, contact by Gauss points, element P2"),
+            ] {
+                assert_eq!(offered(name), words, "{name}");
+            }
+        }
+    }
+
+    mod grid {
+        use super::super::*;
+
+        #[test]
+        fn lists_are_completed_downwards_and_then_upwards() {
+            let any = |_| true;
+            assert_eq!(completed(vec![16], &any), [4, 8, 16]);
+            assert_eq!(completed(vec![4], &any), [2, 4, 8]);
+            assert_eq!(completed(vec![6, 3, 4], &any), [3, 4, 6]);
+            assert_eq!(completed(vec![3], &any), [3, 6, 12]);
+            assert_eq!(completed(vec![16], &|value| value == 8), [8, 16]);
+            assert!(completed(Vec::new(), &any).is_empty());
+        }
     }
 }

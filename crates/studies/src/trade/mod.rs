@@ -3,17 +3,14 @@
 //! those of single runs on one machine.
 
 mod bench;
-mod cost;
-mod error_model;
 pub mod estimate;
-mod grid;
+mod models;
 mod optimum;
 mod runs;
-mod settings;
 mod study;
 
-pub use cost::Cost;
-use error_model::ErrorModel;
+use self::models::ErrorModel;
+pub use models::Cost;
 pub use optimum::{Choice, NoAnswer, Wanted};
 pub use runs::front;
 pub use study::{Trade, TradeError, measurable, trade};

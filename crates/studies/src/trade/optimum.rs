@@ -339,7 +339,7 @@ impl<'a> Choices<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::error_model::Term;
+    use super::super::models::Term;
     use super::*;
     use judge::fit::{ErrorCombination, Interval};
     use scene::Scene;

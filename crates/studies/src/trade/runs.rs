@@ -2,9 +2,9 @@
 //! of error and cost, and the cheapest run with an error.
 
 use super::bench::Trial;
-use super::cost::CostSample;
+use super::bench::settings;
+use super::models::CostSample;
 use super::optimum::{Choice, Choices, Law, NoAnswer};
-use super::settings::settings;
 use super::{Cost, ErrorModel, SPAN};
 use judge::fit::{Point, Sample, local_slopes};
 use run::sweep::MemoryLimit;

@@ -2,10 +2,10 @@
 //! runs alone.
 
 use super::bench::{Bench, Trial};
-use super::grid::{element_meshes, trade_grid};
+use super::bench::{element_meshes, trade_grid};
+use super::bench::{elements, settings};
 use super::optimum::{Choice, NoAnswer, Wanted, coupling};
 use super::runs::{Candidate, Models, Price, at, candidates, mark_front, of, places, prices};
-use super::settings::{elements, settings};
 use files::megabytes;
 use judge::claim::{Claim, Place, Statement};
 use judge::fit::FLOORS_ABOVE;
@@ -381,7 +381,7 @@ mod tests {
 
     /// Whether a trade of these runs, with the error h/2, holds what it claims.
     fn holds(trials: &[Trial], answer: Option<(&Trial, f64)>) -> bool {
-        use crate::trade::error_model::{ErrorModel, Term};
+        use crate::trade::models::{ErrorModel, Term};
         use judge::fit::{ErrorCombination, Interval};
         let interval = Interval::around(1.0, 0.0);
         let error = ErrorModel {

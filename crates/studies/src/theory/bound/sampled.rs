@@ -1,16 +1,22 @@
 //! Declared constants against samples: (2.5b), (2.7b), (2.8b), (2.8c), L_κ and the Lipschitz
 //! constant of S on random states of a small mesh. A sample can refute a constant, not prove it.
 
-use algebra::in_dimension;
-
+use super::super::norms::{DualNorm, remembered, stress_norm};
 use super::BoundError;
-use crate::theory::norms::{DualNorm, remembered, stress_norm};
+use Obtained::{Computed, Declared, Extrapolated, Proved};
+use algebra::in_dimension;
 use algebra::linalg::{FactorError, larger, signed_unit};
 use algebra::tensor::contract;
-use fem::contact::{Discretization, MemoryTerm, strain_norm, stress_force};
+use fem::contact::{
+    Discretization, MemoryTerm, TraceMass, TracePart, strain_norm, stress_force, trace_constants,
+};
+use files::digits;
 use judge::claim::{Claim, Place, Statement};
 use nalgebra::DVector;
-use scene::setup::{AbstractConstants, Constants, Setup};
+use scene::setup::{
+    AbstractConstants, Constants, Setup, TraceConstant, trace_constant, with_trace_constants,
+};
+use serde::Serialize;
 use vhi::finite::FiniteModel;
 use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
 use vhi::law::{AnyProjection, Potential, Projection, TensorField};
@@ -333,4 +339,266 @@ pub(super) fn finite(model: &FiniteModel, c: &AbstractConstants) -> Vec<Claim> {
         sampled("(2.7b): alpha_phi, same y", c.alpha_phi, by_state, FINITE_SAMPLES),
         sampled("(2.7b): beta_phi, same u", c.beta_phi, by_history, FINITE_SAMPLES),
     ]
+}
+
+// The constants of a scene as a table: name, value, how it was obtained, what it is; and those of one mesh.
+
+/// How a number was obtained.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Obtained {
+    /// By an argument on paper.
+    Proved,
+    /// As a number: of one mesh to rounding, or as the largest of many samples.
+    Computed,
+    /// As the limit of numbers of several meshes.
+    Extrapolated,
+    /// By the scene or the law, and checked by samples.
+    Declared,
+}
+
+/// A constant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Constant {
+    /// Its symbol.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// How far off it may be; none if it is exact to rounding or a bound.
+    pub uncertainty: Option<f64>,
+    /// How it was obtained.
+    pub how: Obtained,
+    /// Whether the true constant is certainly on the safe side of it: an upper bound, or for m_A, m0 a
+    /// lower one.
+    pub safe: bool,
+    /// What it is, or the argument.
+    pub note: String,
+}
+
+impl Obtained {
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Proved => "proved",
+            Computed => "computed, of this mesh or of samples",
+            Extrapolated => "limit of several meshes",
+            Declared => "by scene or law, checked by samples",
+        }
+    }
+}
+
+/// Constants in the order of a table.
+#[derive(Default)]
+pub(super) struct Rows(pub Vec<Constant>);
+
+impl Rows {
+    /// Adds a constant that is safe where it is proved or declared: what is computed of one mesh or of samples, and limits of
+    /// those, may lie on either side.
+    fn add(
+        &mut self,
+        name: impl Into<String>,
+        value: f64,
+        how: Obtained,
+        note: impl Into<String>,
+    ) -> &mut Constant {
+        let safe = matches!(how, Proved | Declared);
+        let (at, name, note) = (self.0.len(), name.into(), note.into());
+        self.0.push(Constant { name, value, uncertainty: None, how, safe, note });
+        &mut self.0[at]
+    }
+}
+
+/// A trace constant, and what it is on a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct OnMesh {
+    /// None where it is that of a tensor that varies: meshes for constants do not follow regions.
+    pub limit: Option<TraceConstant>,
+    /// By the consistent mass, and by the vertex rule.
+    pub values: [f64; 2],
+}
+
+/// The trace constants of a contact scene.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TraceConstants {
+    /// The mesh.
+    pub n: u32,
+    /// sup ‖v_ν‖²/‖ε(v)‖².
+    pub strain: OnMesh,
+    /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)).
+    energy: OnMesh,
+    /// sup ‖v_τ‖²/‖ε(v)‖², where there is friction.
+    tangential: Option<OnMesh>,
+}
+
+impl TraceConstants {
+    /// Those of a scene and a mesh of it; none without contact sides.
+    ///
+    /// # Errors
+    /// A stiffness matrix that cannot be factorized.
+    pub(super) fn new(setup: &Setup, space: &Discretization) -> Result<Option<Self>, BoundError> {
+        let domain = &setup.body.domain;
+        if domain.contact.is_empty() {
+            return Ok(None);
+        }
+        let of = |tensor: &TensorField, part| -> Result<OnMesh, BoundError> {
+            let squares = [TraceMass::Consistent, TraceMass::Lumped].map(|mass| (part, mass));
+            let values = trace_constants(space, tensor, squares)?.map(|found| found.value);
+            let limit = tensor.is_uniform().then(|| trace_constant(domain, tensor, part));
+            Ok(OnMesh { limit: limit.transpose()?, values })
+        };
+        let strain = TensorField::identity();
+        let tangential = setup.model.friction.as_ref().map(|_| of(&strain, TracePart::Tangential));
+        Ok(Some(Self {
+            n: space.mesh.n,
+            strain: of(&strain, TracePart::Normal)?,
+            energy: of(&setup.model.elasticity, TracePart::Normal)?,
+            tangential: tangential.transpose()?,
+        }))
+    }
+
+    /// The constants that judge the discrete problem on the mesh: c_j² is the largest of what it may be and the values of
+    /// both masses.
+    pub(super) fn on_mesh(&self, setup: &Setup) -> Constants {
+        let largest = |of: &OnMesh| {
+            let most = of.limit.as_ref().map_or(0.0, |limit| limit.range()[1]);
+            TraceConstant::exactly(of.values.into_iter().fold(most, f64::max))
+        };
+        let tangential = self.tangential.as_ref().map_or(TraceConstant::ZERO, largest);
+        with_trace_constants(setup, &largest(&self.strain), &tangential)
+    }
+
+    fn add_to(&self, rows: &mut Rows, c: &Constants) {
+        let korn = "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it";
+        let tangential = self.tangential.as_ref().map(|of| ("c_tau^2", of, korn));
+        let normal = [
+            ("c_j^2", &self.strain, "sup |v_nu|^2/|eps(v)|^2"),
+            ("energy constant", &self.energy, "sup |v_nu|^2/(A eps(v), eps(v))"),
+        ];
+        for (symbol, of, meaning) in normal.into_iter().chain(tangential) {
+            let [consistent, lumped] = of.values;
+            let name = format!("{symbol}, n = {}", self.n);
+            rows.add(
+                format!("{name}, consistent mass"),
+                consistent,
+                Computed,
+                "not above the limit",
+            );
+            rows.add(format!("{name}, vertex rule"), lumped, Computed, "no side is sure");
+            let Some(limit) = &of.limit else { continue };
+            let note = format!("{meaning}, {}", limit.how());
+            let row = rows.add(format!("{symbol}, limit"), limit.value, Extrapolated, note);
+            row.uncertainty = Some(limit.uncertainty);
+        }
+        if let Some(bound) = c.c_j_squared_bound {
+            rows.add("c_j^2, bound", bound, Proved, "distance of Gamma3 from the clamped side");
+        }
+        if let Some(energy) = &self.energy.limit {
+            let asked = digits(c.m_elastic / c.c_j_squared, 7);
+            let note = format!(
+                "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {asked}"
+            );
+            let row = rows.add("alpha_j lost, k -> 0", 1.0 / energy.value, Extrapolated, note);
+            row.uncertainty = Some(energy.uncertainty / (energy.value * energy.value));
+        }
+    }
+}
+
+/// `c` are the constants of the problem, `m0_on_mesh` that of the discrete one.
+pub(super) fn table(
+    setup: &Setup,
+    c: &Constants,
+    m0_on_mesh: f64,
+    traces: Option<&TraceConstants>,
+) -> Vec<Constant> {
+    let potential = setup.model.boundary.as_ref().map(|boundary| &*boundary.potential);
+    let (c0, c1) = potential.map_or((0.0, 0.0), Potential::growth);
+    let alpha = potential.map_or(0.0, Potential::alpha);
+    // A law with a factor c(x): (2.8b) and (2.8c) hold on all of Γ3 with the largest c.
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let largest = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
+    let mut rows = Rows::default();
+    let note = "smallest eigenvalue of the elasticity tensor (of all regions) + mu";
+    rows.add("m_A", c.m_a, Proved, note);
+    let note = "largest eigenvalue of the elasticity tensor (of all regions) + mu";
+    rows.add("L_A", c.l_a, Proved, note);
+    let limits = "mu + mu_f L_p c_j c_tau, with the limits";
+    match c.coulomb {
+        None => rows.add("alpha_phi", c.alpha_phi, Proved, "mu: the projection is nonexpansive"),
+        Some(_) => rows.add("alpha_phi", c.alpha_phi_as_printed(), Extrapolated, limits),
+    };
+    let note = "max(mu L_kappa sqrt|Omega|, 1), for |r| + |theta| on Y";
+    rows.add("beta_phi", c.beta_phi, Proved, note);
+    rows.add("c_phi", 0.0, Proved, "(4.1): phi is linear in its last argument");
+    rows.add("sqrt|Omega|", c.root_area, Proved, "");
+    rows.add("L_kappa", c.lipschitz_kappa, Proved, setup.kappa.how());
+    let note = "|dj_nu(r)| <= c0 + c1 |r|; in (2.8b) it counts c0 sqrt|Gamma3|";
+    rows.add("c0", largest * c0, Declared, note);
+    let note = "steepest slope of the law at infinity; the same in (2.8b)";
+    rows.add("c1", largest * c1, Declared, note);
+    let note = "steepest descent of the law (2.8c), with the largest factor on Gamma3";
+    rows.add("alpha_j", largest * alpha, Declared, note);
+    if setup.model.friction.is_some() {
+        let note = "steepest descent of the friction bound over the slip";
+        rows.add("alpha_tau", c.alpha_tau, Declared, note);
+    }
+    if let Some(friction) = &c.coulomb {
+        rows.add("mu_f", friction.coefficient, Declared, "S = mu_f p(u_nu)");
+        rows.add("L_p", friction.rise, Declared, "steepest rise of p");
+    }
+    traces.inspect(|traces| traces.add_to(&mut rows, c));
+    // m0 of (2.9).
+    let other = c.alpha_tau > 0.0 || c.coulomb.is_some();
+    let monotone = c.alpha_nu == 0.0 && !other;
+    let note = match setup.model.friction {
+        None => "m_A - alpha_phi - alpha_j c_j^2 (2.9)",
+        Some(_) if c.coulomb.is_some() => "m_A - mu - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md)",
+        Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2",
+    };
+    let off = c.m0_range.map(|end| (end - c.m0).abs()).into_iter().reduce(f64::max);
+    let m0 = rows.add("m0", c.m0, if monotone { Proved } else { Extrapolated }, note);
+    m0.uncertainty = off.filter(|_| !monotone);
+    if let Some(bound) = c.c_j_squared_bound.filter(|_| c.alpha_nu > 0.0 && !other) {
+        let value = c.m_elastic - c.alpha_nu * bound;
+        rows.add("m0, proved", value, Proved, "with the proved bound of c_j^2");
+    }
+    if let Some(TraceConstants { n, .. }) = traces {
+        let note = "the same with the largest c_j^2 and c_tau^2 of this table, for the bounds on this mesh";
+        rows.add(format!("m0, n = {n}"), m0_on_mesh, Extrapolated, note);
+    }
+    let [operator, entries] = [c.memory.operator, c.memory.entries];
+    rows.add("|B|", operator, Proved, "largest operator norm on S^d on [0, T]");
+    rows.add("|B|_Q", entries, Proved, "the paper's norm: sum of |entries|");
+    rows.add("|B(0)|", c.memory.at_zero, Proved, "operator norm on S^d");
+    let least = c.memory.spectrum_at_zero.0;
+    rows.add("lambda_min B(0)", least, Proved, "smallest eigenvalue on S^d");
+    rows.add("|R||q|", 1.0 + operator, Proved, "Lipschitz constant of S: 1 + |B|");
+    rows.add("|R||q|_Q", 1.0 + entries, Proved, "the same with the paper's norm");
+    rows.0
+}
+
+/// The constants of an abstract problem with how each was obtained.
+pub(super) fn table_of_finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
+    // Eigenvalues are exact to rounding; norms and slopes are bounds where they hold for all arguments.
+    let everywhere = c.slopes_up_to == f64::INFINITY;
+    let slopes = match everywhere {
+        true => "; slopes for all arguments".into(),
+        false => format!("; slopes for |r|, |y| <= {}", c.slopes_up_to),
+    };
+    let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
+    let mut rows = Rows::default();
+    for (name, value, by_slopes, note) in [
+        ("m_A", c.m_a, bent, "smallest eigenvalue of the symmetric part in X"),
+        ("L_A", c.l_a, bent, "norm X -> X*"),
+        ("alpha_phi", c.alpha_phi, forced, "slopes of N in u"),
+        ("beta_phi", c.beta_phi, forced, "slopes of N in y"),
+        ("alpha_j", c.alpha_j, false, "steepest descent of the laws (2.8c)"),
+        ("c_j^2", c.c_j_squared, false, "largest eigenvalue of sum w_i a_i a_i^T in X"),
+        ("m0", c.m0, bent || forced, "m_A - alpha_phi - alpha_j c_j^2 (2.9)"),
+        ("|R|", c.r_norm, false, "norm on X*"),
+    ] {
+        let (how, by) = if by_slopes { (Proved, &*slopes) } else { (Computed, "") };
+        rows.add(name, value, how, format!("{note}{by}")).safe = !by_slopes || everywhere;
+    }
+    rows.add("|q|", c.q_norm, Proved, "largest norm X -> X* over 0 <= s <= t <= T");
+    rows.add("|q(t,t)|", c.q_norm_now, Proved, "the same over s = t");
+    rows.0
 }

@@ -4,17 +4,15 @@
 //! Only purely temporal errors are put under the envelopes: the truth is the exact u(t) of an abstract
 //! problem, an exact u(t) ∈ V^h, or a run on the same mesh.
 
-mod contact;
 mod estimate;
-mod finite;
-mod in_time;
 mod recurrence;
+mod scenes;
 mod study;
 #[cfg(test)]
 mod tests;
 
-pub use contact::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
 pub use estimate::{Bounds, Envelopes, Estimate};
-pub use in_time::{GronwallError, InTime};
+pub use estimate::{GronwallError, InTime};
 pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge, Weights};
+pub use scenes::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
 pub use study::{StudyRuns, prepare, study, study_runs};

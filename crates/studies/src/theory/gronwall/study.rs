@@ -9,10 +9,10 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::contact::{ContactInTime, REFERENCE_STEPS};
 use super::estimate::{Bounds, Envelopes, Estimate};
-use super::finite::FiniteInTime;
-use super::in_time::{GronwallError, InTime, refused};
+use super::estimate::{GronwallError, InTime, refused};
+use super::scenes::FiniteInTime;
+use super::scenes::{ContactInTime, REFERENCE_STEPS};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
 use judge::claim::{Claim, Place, Statement};

@@ -1,10 +1,12 @@
 //! The estimate of a run in words, tables and JSON.
 
-use super::advice::{Advised, CostSource, Goal, advise};
+use super::super::models::{Cost, CostSample};
+use super::super::optimum::{Choice, Choices, Law, MOST, NoAnswer};
+use super::super::{SPAN, Wanted};
 use super::{Companions, Estimate, Part, companions_and_bound, norm_estimate};
 use crate::guarantee::{Guarantee, GuaranteeError};
-use crate::trade::{Choice, NoAnswer, Wanted};
 use files::{digits, megabytes};
+use judge::fit::Interval;
 use report::{Chapter, StudyDocument};
 use run::sweep::MemoryLimit;
 use scene::Norm;
@@ -177,4 +179,159 @@ fn orders_words(estimate: &Estimate) -> String {
 
 fn refusal(none: &NoAnswer) -> String {
     format!("no recommendation: {none}")
+}
+
+// Which n and N have the error that is wanted, from one run and its companions alone.
+//
+// The law of [`Estimate::at`] carries the error of the run to other steps,
+// E(h, k)² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)², with an interval from the hull over all readings of the differences;
+// towards finer steps no reading falls faster than elements, rule or theorem allow. [`Choices::cheapest`] takes the pair of
+// least cost with E ≤ target, and once more with the upper end of the interval in place of E.
+
+/// No pair is proposed with more than so many times the n or N of the run: twice the span of the companions, on
+/// logarithms. Farther off half an order of doubt is more than a factor 4.
+const REACH: u32 = 16;
+/// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
+/// that is admitted around an order, and another one as in [`super::Part::of`].
+const ABOVE: f64 = 1.0;
+/// Least CPU seconds that can be told from noise: page faults and a cold cache take about a millisecond, a tenth of it.
+const TIMED: f64 = 0.01;
+
+/// What is wanted of which run.
+pub struct Goal<'a> {
+    /// The scene.
+    pub setup: &'a Setup,
+    /// n and N of the run.
+    pub run: [u32; 2],
+    /// The norm of the error.
+    pub norm: Norm,
+    /// The error.
+    pub target: f64,
+    /// Memory that may be taken.
+    pub limit: MemoryLimit,
+}
+
+/// A pair that is proposed.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Advised {
+    #[serde(flatten)]
+    pub run: Choice,
+    /// The interval of its error.
+    pub interval: Interval,
+    /// h₀/h and k₀/k, the steps of the run over these.
+    pub finer: [f64; 2],
+    /// What reaches farther than the companions, in words.
+    pub extrapolates: Option<String>,
+}
+
+/// Where predicted seconds come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub enum CostSource {
+    /// The CPU times of the run and its companions.
+    #[serde(rename = "times")]
+    Timed,
+    /// Their sum, shared out by cells times levels: the runs are too short for a clock.
+    #[serde(rename = "counts")]
+    Counted,
+}
+
+/// The cost of runs: parts fitted to the CPU times of the companions, or to cells times levels where one is too short
+/// to time. None where nothing fits.
+pub fn costs(setup: &Setup, found: &Companions) -> Option<(Cost, CostSource)> {
+    let samples = found.times.iter().map(|run| CostSample {
+        h: setup.body.domain.h(run.n),
+        k: setup.grid(run.steps).largest_step(),
+        seconds: run.seconds,
+    });
+    let samples: Vec<CostSample> = samples.collect();
+    let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
+    match samples.iter().all(|run| run.seconds >= TIMED) {
+        true => Some((Cost::fit(&samples, dimension, horizon)?, CostSource::Timed)),
+        false => Some((Cost::counted(&samples, dimension, horizon), CostSource::Counted)),
+    }
+}
+
+/// The recommendation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advice {
+    /// What was wanted.
+    pub target: f64,
+    /// The cheapest pair whose predicted error is the target or less.
+    pub choice: Advised,
+    /// The cheapest pair at which the upper end of the interval is the target or less, or why there is none.
+    pub cautious: Result<Advised, NoAnswer>,
+    /// Where the seconds come from.
+    pub source: CostSource,
+    /// The next n and N after the choice that have companions, so that the error can be estimated there again.
+    pub check: [u32; 2],
+}
+
+/// The recommendation for a goal, from what the companions of its run show.
+///
+/// # Errors
+/// [`NoAnswer`].
+pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
+    let none = || NoAnswer::Refused("the costs of the runs have no model".into());
+    let (cost, source) = costs(goal.setup, found).ok_or_else(none)?;
+    let choices = Choices::new(goal.setup, false)?;
+    let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
+    let differences = differences.ok_or_else(|| unknown(goal.norm, "the scene has no contact"))?;
+    let estimate = norm_estimate(goal.setup, found, differences);
+    asymptotic(goal, differences.floor, &estimate)?;
+    let [n, steps] = goal.run;
+    let [h, k] = [choices.h(n), choices.k(steps)];
+    let nowhere = (f64::INFINITY, Interval { lo: 0.0, hi: f64::INFINITY });
+    let at = |choice: [f64; 2]| estimate.at([choice[0] / h, choice[1] / k]).unwrap_or(nowhere);
+    let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
+    // Where the data depend on the mesh, another mesh is another problem.
+    let [least, most] = if found.on_mesh { [n, n] } else { [n / SPAN, reach(n, MOST[0])] };
+    let advised = |read: fn((f64, Interval)) -> f64| {
+        let law = Law {
+            error: Box::new(|h, k| read(at([h, k]))),
+            seconds: Box::new(|h, k| cost.seconds(h, k)),
+            range: [[least, steps / SPAN], [most, reach(steps, MOST[1])]],
+            made: SPAN * n,
+        };
+        let mut run = choices.cheapest(&law, goal.target, &goal.limit)?;
+        let interval;
+        (run.error, interval) = at([run.h, run.k]);
+        let extrapolates = run.beyond(goal.run, f64::from(SPAN));
+        Ok(Advised { run, interval, finer: [h / run.h, k / run.k], extrapolates })
+    };
+    let choice = advised(|(error, _)| error)?;
+    let cautious = advised(|(_, interval)| interval.hi);
+    let suits =
+        |n: &u32| n.is_multiple_of(SPAN) && choices.has_cells(*n) && choices.has_cells(n / SPAN);
+    let next = match found.on_mesh {
+        true => None,
+        // The n of the run suits, and so do its multiples.
+        false => (choice.run.n..=MOST[0]).find(suits),
+    };
+    let check = [next.unwrap_or(choice.run.n), choice.run.steps.next_multiple_of(SPAN)];
+    Ok(Advice { target: goal.target, choice, cautious, source, check })
+}
+
+fn unknown(norm: Norm, reasons: &str) -> NoAnswer {
+    NoAnswer::Refused(format!(
+        "the error of this run in {} is unknown: {reasons}; start from a run with other n or N",
+        norm.name()
+    ))
+}
+
+/// Refuses an unknown error, an order that is too high to be believed, and a target at the floor of the solver.
+fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAnswer> {
+    let reasons = estimate.reasons();
+    if !reasons.is_empty() {
+        return Err(unknown(goal.norm, &reasons.join("; ")));
+    }
+    for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
+        let observed = part.order().zip(part.counted_on().map(|[_, most]| most));
+        if let Some((order, most)) = observed.filter(|(order, most)| *order > most + ABOVE) {
+            return Err(NoAnswer::Refused(format!(
+                "pre-asymptotic in {step}: order {order:.2} observed in {}, and no more than {most} is possible; start from a run with a finer {step}",
+                goal.norm.name()
+            )));
+        }
+    }
+    NoAnswer::admit(goal.target, floor)
 }

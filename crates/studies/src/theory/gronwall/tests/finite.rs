@@ -1,6 +1,6 @@
 //! Abstract scenes: the chain on every kind of grid, and defects of the solver.
 
-use super::super::finite::FiniteInTime;
+use super::super::scenes::FiniteInTime;
 use super::super::*;
 use super::{subject, violations};
 use scene::setup::{AbstractSetup, Subject};

@@ -1,6 +1,6 @@
 //! Perturbed loads: the dual norm, the chain, and a constant that is too good.
 
-use super::super::finite::FiniteInTime;
+use super::super::scenes::FiniteInTime;
 use super::super::study::{Bounded, perturbations, perturbed_row, stability};
 use super::super::*;
 use super::{setup, subject};

@@ -1,14 +1,20 @@
-//! Named quantities of a solution at one time (t = T in `sweep solve`).
+//! What one case leaves behind for people and other programs: named quantities, VTU files.
+
+mod vtu;
+
+pub use vtu::{Field, VtuGrid, write_pvd, write_vtu};
 
 use std::cmp::Ordering;
+use std::path::{Path, PathBuf};
 
 use algebra::in_dimension;
-use serde::Serialize;
-
-use super::pressed_zone::PressedZone;
 use algebra::tensor::contract;
 use fem::contact::{Discretization, Model, StepView};
 use fem::norms::is_locked;
+use files::{FileError, make_directory};
+use serde::Serialize;
+
+// Named quantities of a solution at one time (t = T in `sweep solve`).
 
 /// Named quantities; the field names are the JSON keys that other programs rely on.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -165,4 +171,143 @@ fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
     let lower = |best: (f64, u32), next: (f64, u32)| if next.0 < best.0 { next } else { best };
     let best = heights.fold((f64::INFINITY, 0), lower);
     (best.0, space.mesh.vertex(best.1).to_vec())
+}
+
+// The zone of Γ3 under pressure: its extent and its largest pressure.
+
+/// Quantities of the pressure ξ + λ at the points of Γ3; the field names are JSON keys.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct PressedZone {
+    /// Half of the length of Γ3 on which ξ + λ > 0, each vertex with its share of the edges (plane scenes; null in
+    /// space). It changes by whole cells.
+    pub contact_half_width: Option<f64>,
+    /// Largest ξ + λ; null without Γ3.
+    pub peak_pressure: Option<f64>,
+    /// √(∫ p |x - x̄|² / ∫ p), x̄ the centre of pressure p = ξ + λ > 0: half of the half-width under Hertz's pressure;
+    /// null where there is no pressure.
+    pub pressure_spread: Option<f64>,
+}
+
+impl PressedZone {
+    /// Of the level that `view` shows.
+    pub(super) fn new(space: &Discretization, view: &StepView<'_>) -> Self {
+        let (mut zone, mut length) = (Self::default(), 0.0);
+        let (mut force, mut first, mut second) = (0.0, [0.0; 3], 0.0);
+        for (i, point) in space.trace.points.iter().enumerate() {
+            let pressure = view.compliance[i] + view.multiplier[i];
+            let peak = zone.peak_pressure.unwrap_or(f64::NEG_INFINITY);
+            zone.peak_pressure = Some(peak.max(pressure));
+            if pressure > 0.0 {
+                let x = space.mesh.point(&[point.vertex], &[1.0]);
+                length += point.weight;
+                force += point.weight * pressure;
+                second += point.weight * pressure * x.iter().map(|x| x * x).sum::<f64>();
+                (0..3).for_each(|a| first[a] += point.weight * pressure * x[a]);
+            }
+        }
+        if space.mesh.dimension == 2 && !space.trace.points.is_empty() {
+            zone.contact_half_width = Some(0.5 * length);
+        }
+        if force > 0.0 {
+            let centre: f64 = first.iter().map(|moment| (moment / force).powi(2)).sum();
+            zone.pressure_spread = Some((second / force - centre).max(0.0).sqrt());
+        }
+        zone
+    }
+}
+
+// A case as a series of VTU files with a .pvd index, for ParaView.
+
+/// Files `SCENE_0000.vtu`, … and `SCENE.pvd` in one directory.
+pub struct VtuSeries {
+    dir: PathBuf,
+    name: String,
+    steps: Vec<(f64, String)>,
+}
+
+impl VtuSeries {
+    /// Makes the directory.
+    ///
+    /// # Errors
+    /// The file system's.
+    pub fn new(dir: &Path, name: &str) -> Result<Self, FileError> {
+        make_directory(dir)?;
+        Ok(Self { dir: dir.to_owned(), name: name.to_owned(), steps: Vec::new() })
+    }
+
+    /// Writes one time level: at nodes the displacement and the contact pressure ξ + λ with its
+    /// parts (zero off Γ3); on cells the mean stress (xx, yy, zz, xy, yz, xz) and where the body yields.
+    ///
+    /// # Errors
+    /// The file system's.
+    pub fn write(
+        &mut self,
+        space: &Discretization,
+        model: &Model,
+        view: &StepView<'_>,
+    ) -> Result<(), FileError> {
+        let mesh = &space.mesh;
+        let points: Vec<[f64; 3]> =
+            (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
+        let (stress, yields) =
+            in_dimension!(mesh.dimension, D, S => cell_fields::<S>(space, model, view));
+        let displacement = space.at_vertices(view.u);
+        let (mut xi, mut lambda) = (vec![0.0; points.len()], vec![0.0; points.len()]);
+        for (i, point) in space.trace.points.iter().enumerate() {
+            xi[point.vertex as usize] += view.compliance[i];
+            lambda[point.vertex as usize] += view.multiplier[i];
+        }
+        let pressure: Vec<f64> = xi.iter().zip(&lambda).map(|(a, b)| a + b).collect();
+        let vertex = |&node: &u32| space.nodes.vertex[node as usize];
+        let cells: Vec<u32> = space.nodes.cells.iter().map(vertex).collect();
+        let grid =
+            VtuGrid { points: &points, cells: &cells, vertices_per_cell: space.nodes.a_cell };
+        let scalar = |name, values| Field { name, components: 1, values };
+        let file = format!("{}_{:04}.vtu", self.name, view.n);
+        write_vtu(
+            &self.dir.join(&file),
+            &grid,
+            &[
+                Field { name: "displacement", components: mesh.dimension, values: &displacement },
+                scalar("contact pressure", &pressure),
+                scalar("compliance", &xi),
+                scalar("multiplier", &lambda),
+            ],
+            &[
+                Field { name: "stress", components: 6, values: &stress },
+                scalar("yielding", &yields),
+            ],
+        )?;
+        self.steps.push((view.t, file));
+        Ok(())
+    }
+
+    /// Writes the index.
+    ///
+    /// # Errors
+    /// The file system's.
+    pub fn finish(self) -> Result<(), FileError> {
+        write_pvd(&self.dir.join(format!("{}.pvd", self.name)), &self.steps)
+    }
+}
+
+/// Stress in the component order of ParaView, and 1 where the projection acts.
+fn cell_fields<const S: usize>(
+    space: &Discretization,
+    model: &Model,
+    view: &StepView<'_>,
+) -> (Vec<f64>, Vec<f64>) {
+    // Mandel (xx, yy, √2 xy) or (xx, yy, zz, √2 yz, √2 xz, √2 xy) to (xx, yy, zz, xy, yz, xz).
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let (mut stress, mut yields) = (Vec::new(), Vec::new());
+    for c in 0..space.mesh.cell_count() {
+        let s = view.stress::<S>(space, model, c);
+        stress.extend(if S == 3 {
+            [s[0], s[1], 0.0, half * s[2], 0.0, 0.0]
+        } else {
+            [s[0], s[1], s[2], half * s[5], half * s[3], half * s[4]]
+        });
+        yields.push(f64::from(u8::from(view.yields::<S>(space, model, c))));
+    }
+    (stress, yields)
 }

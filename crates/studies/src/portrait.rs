@@ -1,15 +1,147 @@
-//! The picture of a scene: its body with the parts of the boundary, or its solution over t.
+//! A scene as a report shows it: equations, data and remarks.
 
-mod space;
-
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use fem::mesh::Mesh;
 use files::digits;
 use formula::{EvaluationPoint, Node, Program};
-use report::{Ink, Sketch, Stroke};
-use scene::setup::cell_regions;
-use scene::{Body, ContactScene, Data, MeshFamily, Scene, Shape, Side};
+use report::{Group, Ink, SceneSummary, Sketch, StepLimits, Stroke, Terms, equations};
+use scene::setup::{Subject, cell_regions, subject_bounds};
+use scene::{Body, ContactScene, Data, Expectation, MeshFamily, Scene, Shape, Side};
+
+/// Parts of a scene file that a report shows elsewhere.
+const SAID_ELSEWHERE: [&str; 2] = ["scene", "predicts"];
+
+/// A scene's summary for a report; without a subject, the step size is omitted.
+pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
+    SceneSummary {
+        name: scene.name.clone(),
+        question: scene.question.clone(),
+        group: Group::of(terms(scene), is_about_a_hypothesis(scene)),
+        remarks: remarks(scene),
+        // If the body cannot be drawn, the picture is omitted.
+        picture: Some(scene_picture(scene)),
+        equations: equations(terms(scene)),
+        data: data(&scene.source.text),
+        violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),
+        step: subject.and_then(step),
+    }
+}
+
+/// Whether a scene breaks a hypothesis or reaches its limit: the limiting scenes of docs/BROKEN-HYPOTHESES.md are named
+/// after the others and read beside them.
+fn is_about_a_hypothesis(scene: &Scene) -> bool {
+    !scene.violates.is_empty() || scene.name.starts_with("broken-")
+}
+
+/// The bounds on the step size, without a solve in time.
+fn step(subject: &Subject) -> Option<StepLimits> {
+    let bounds = subject_bounds(subject).ok()?;
+    Some(StepLimits {
+        m0: bounds.m0,
+        paper: bounds.paper_limit(),
+        theorem: bounds.limit(),
+        sharpened: bounds.sharpened_limit(),
+        solvable: bounds.solvable_limit(),
+    })
+}
+
+fn terms(scene: &Scene) -> Terms {
+    match &scene.body {
+        Body::Contact(body) => Terms {
+            is_abstract: false,
+            projection: body.material.projection.is_some(),
+            memory: !body.material.memory.is_empty(),
+            contact: body.contact.is_some(),
+            gap: body.contact.as_ref().is_some_and(|contact| contact.gap.is_some()),
+            law: body.law().is_some(),
+            friction: body.friction().is_some(),
+            quadratic: body.element.degree() > 1,
+        },
+        Body::Abstract(problem) => {
+            Terms { is_abstract: true, memory: !problem.kernels.is_empty(), ..Terms::default() }
+        }
+    }
+}
+
+fn remarks(scene: &Scene) -> Vec<String> {
+    let truth = match scene.as_contact().map(|body| &body.data) {
+        Some(Data::Loads { .. }) => {
+            "The loads are given and no solution is known: errors are against a run on a finer grid."
+        }
+        Some(Data::Exact { interpolated: true, .. }) => {
+            "The exact solution is the nodal interpolant of a known displacement on each mesh: errors are those in time."
+        }
+        Some(Data::Exact { .. }) => {
+            "The solution is known in closed form; the loads are derived from it."
+        }
+        None => "The solution is known; the problem has no body and no mesh.",
+    };
+    let mut remarks = vec![truth.to_owned()];
+    remarks.extend(match (scene.judge, scene.expect) {
+        (false, _) => Some("It is measured and not judged: the theory promises no order here.".into()),
+        (true, Expectation::Pass) => None,
+        (true, Expectation::Fail) => {
+            Some("The predicted order is not reached here, and the scene is there to show that: it is as expected if the verdict is fail.".into())
+        }
+        (true, Expectation::Unresolved) => {
+            Some("Its cases cannot decide, and the program has to say so: it is as expected if the verdict is unresolved.".into())
+        }
+    });
+    remarks
+}
+
+/// The keys of a scene file in order, with their values as written.
+fn data(text: &str) -> Vec<[String; 3]> {
+    // Parsed and validated before.
+    let Ok(table) = text.parse::<toml::Table>() else { return Vec::new() };
+    let mut rows = Vec::new();
+    for (part, value) in &table {
+        if !SAID_ELSEWHERE.contains(&part.as_str()) {
+            collect(part, value, &mut rows);
+        }
+    }
+    rows
+}
+
+/// Tables become parts `a.b`; everything else is a value.
+fn collect(part: &str, value: &toml::Value, rows: &mut Vec<[String; 3]>) {
+    match value {
+        toml::Value::Table(table) => {
+            let (nested, values): (Vec<_>, Vec<_>) =
+                table.iter().partition(|(_, value)| is_part(value));
+            rows.extend(
+                values.iter().map(|(key, value)| [part.into(), (*key).clone(), written(value)]),
+            );
+            nested.iter().for_each(|(key, value)| collect(&format!("{part}.{key}"), value, rows));
+        }
+        toml::Value::Array(parts) => {
+            for (index, value) in parts.iter().enumerate() {
+                collect(&format!("{part} {}", index + 1), value, rows);
+            }
+        }
+        other => rows.push([part.into(), String::new(), written(other)]),
+    }
+}
+
+/// A table with more than a few keys, or a list of tables; small tables stay on one line.
+fn is_part(value: &toml::Value) -> bool {
+    match value {
+        toml::Value::Table(table) => !table.contains_key("kind"),
+        toml::Value::Array(values) => values.iter().any(toml::Value::is_table),
+        _ => false,
+    }
+}
+
+/// A formula without its quotes, anything else as TOML spells it.
+fn written(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+// The picture of a scene: its body with the parts of the boundary, or its solution over t.
 
 /// Points along a deformed edge, and along a curve over t.
 const ALONG: u32 = 8;
@@ -29,7 +161,7 @@ pub fn scene_picture(scene: &Scene) -> String {
     let sketch = match &scene.body {
         Body::Abstract(problem) => over_time(scene, &problem.u),
         Body::Contact(body) if body.domain.dimension() == 2 => plane(scene, body),
-        Body::Contact(body) => space::sketch(scene, body),
+        Body::Contact(body) => in_space(scene, body),
     };
     sketch.svg()
 }
@@ -243,4 +375,100 @@ fn polygons(body: &ContactScene, side: Side) -> Vec<(Vec<[f64; 3]>, [f64; 3])> {
 /// Whether the mesh comes from a file.
 fn is_imported(body: &ContactScene) -> bool {
     matches!(&body.domain.shape, Shape::Refined(coarse) if coarse.dimension == 3)
+}
+
+// A body in space seen from the left and slightly above: faces tinted by condition, edges where planes or conditions
+// meet.
+
+/// Unit vectors to the right and up in the picture, and towards the eye: 35° around the vertical axis, 20° above.
+const RIGHT: [f64; 3] = [0.819152, 0.0, 0.573576];
+const UP: [f64; 3] = [0.196175, 0.939693, -0.280166];
+const EYE: [f64; 3] = [-0.538985, 0.342020, 0.769751];
+
+/// Tolerance for equal normals and positions.
+const SAME: f64 = 1e-6;
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn flat(x: [f64; 3]) -> (f64, f64) {
+    (dot(x, RIGHT), dot(x, UP))
+}
+
+/// A plane piece at an edge: its normal and condition.
+type Beside = ([f64; 3], Ink);
+
+/// The ends of an edge with the pieces that meet there.
+type Edge = ([[f64; 3]; 2], Vec<Beside>);
+
+/// A plane piece by its corners, the first repeated at the end.
+fn closed((mut corners, normal): Surface) -> Surface {
+    corners.extend(corners.first().copied());
+    (corners, normal)
+}
+
+fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
+    let mut sketch = Sketch::default();
+    let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
+    let key = |x: [f64; 3]| x.map(|x| (x / (SAME * extent)).round() as i64);
+    let mut edges: BTreeMap<[[i64; 3]; 2], Edge> = BTreeMap::new();
+    for (ink, _, sides) in parts(body) {
+        for (corners, normal) in sides.iter().flat_map(|&side| polygons(body, side)) {
+            let opacity = if ink == Ink::Traction { 0.07 } else { 0.35 };
+            sketch.areas.push((corners.iter().map(|&x| flat(x)).collect(), ink, opacity));
+            for (i, &p) in corners.iter().enumerate() {
+                let q = corners[(i + 1) % corners.len()];
+                let mut ends = [key(p), key(q)];
+                ends.sort_unstable();
+                edges.entry(ends).or_insert(([p, q], Vec::new())).1.push((normal, ink));
+            }
+        }
+    }
+    let mut outline = Vec::new();
+    for ([p, q], beside) in edges.into_values() {
+        let (first, others) = (beside[0], &beside[1..]);
+        let flat_there = |other: &Beside| {
+            let apart: f64 = first.0.iter().zip(other.0).map(|(a, b)| (a - b).abs()).sum();
+            apart < SAME && first.1 == other.1
+        };
+        let crease = !others.iter().all(flat_there);
+        if !crease && !is_imported(body) {
+            continue;
+        }
+        let seen = beside.iter().any(|(normal, _)| dot(*normal, EYE) > 0.0);
+        if !crease && !seen {
+            continue;
+        }
+        let ink = if seen && crease { Ink::Edge } else { Ink::Thin };
+        sketch.strokes.push(Stroke { ink, path: vec![flat(p), flat(q)] });
+        if seen && crease {
+            let at = |i: u32| {
+                let s = f64::from(i) / f64::from(ALONG);
+                [0, 1, 2].map(|a| (1.0 - s) * p[a] + s * q[a])
+            };
+            outline.push((0..=ALONG).map(at).collect());
+        }
+    }
+    let contact = body.domain.contact.iter().flat_map(|&side| polygons(body, side));
+    let surfaces: Vec<Surface> = contact.map(closed).collect();
+    moved(scene, body, (&outline, &surfaces), flat, &mut sketch);
+    sketch
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn data_are_the_keys_of_the_file() {
+        let text = "[scene]\nname = \"a\"\n[time]\nhorizon = 1.0\ngrid = { kind = \"uniform\" }\n[material.memory]\nkernel = \"-exp(-t)\"\n\
+                    [[material.region]]\nname = \"stiff\"\n[[predicts]]\norder = 1.0\n";
+        let rows = data(text);
+        let has = |row: [&str; 3]| rows.contains(&row.map(str::to_owned));
+        assert!(has(["time", "horizon", "1.0"]) && has(["material.memory", "kernel", "-exp(-t)"]));
+        assert!(has(["material.region 1", "name", "stiff"]), "{rows:?}");
+        assert!(rows.iter().any(|[_, key, value]| key == "grid" && value.contains("uniform")));
+        assert_eq!(rows.len(), 4, "{rows:?}");
+    }
 }

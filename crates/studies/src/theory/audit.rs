@@ -1,25 +1,116 @@
-//! The inequalities at one level, both sides as numbers.
+//! Eight inequalities of the proofs of Theorems 10 and 11 at every t_n of real runs, on the numbers of the solver and of the
+//! truth: u^{kh}, its history and pressures and the forces that they leave; ε(u), σ, ξ + λ and F of the exact side.
+//!
+//! v^h is the nodal interpolant of u. ε(u) and σ enter by their L² projections onto the strains of V^h, which test functions
+//! see: what they leave out adds as much to the left of (4.9) as to its right, and no more to the left of (4.7), (4.14) and
+//! (4.17) than to the right. What the scheme's rule on Γ3 and its load add to (4.9) is a term of its own there, E_q.
 
 use std::sync::Arc;
 
-use super::constants::AuditConstants;
-use crate::theory::norms::remembered;
+use super::norms::remembered;
 use algebra::tensor::{Symmetric, contract, norm};
 use exact::{
     Exact, ExactData, ExactOnMesh, InterpolatedOnMesh, LoadForm, MaterialNumbers, RegionNumbers,
     Truth,
 };
 use fem::contact::{
-    BoundaryRule, Discretization, LoadError, MemoryTerm, StepView, out_of_balance, strain_norm,
+    BoundaryRule, CaseError, Discretization, LoadError, MemoryTerm, StepView, out_of_balance,
+    strain_norm,
 };
 use fem::norms::{Moments, state_rule, step_errors, strain_error};
 use fem::space::quadrature::TruthRules;
 use fem::space::{Element, Simplex, StrainPoint};
 use formula::{BoundProgram, Program};
-use judge::claim::{Claim, Place, Statement};
-use scene::setup::{MeshData, Setup, SetupError};
+use judge::claim::{Claim, Place, Standing, Statement};
+use rayon::prelude::*;
+use report::{Chapter, Findings, Row, Run, digits, precise};
+use run::sweep::{Runs, run_cost};
+use scene::setup::{MeshData, Setup, SetupError, constants};
+use scene::{Extension, Face, TimeRule};
+use serde::{Serialize, Serializer};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Potential, Projection};
+use vhi::monotonicity;
+
+// The constants that the bounds take, with whether each is a proved upper bound.
+
+/// Constants of the proofs of Theorems 10 and 11 for one scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AuditConstants {
+    /// m_A of (4.7) (a stress).
+    #[serde(rename = "m_A")]
+    pub m_a: f64,
+    /// L_A of (4.17).
+    #[serde(rename = "L_A")]
+    pub l_a: f64,
+    /// α_φ and β_φ of (4.14).
+    pub alpha_phi: f64,
+    /// β_φ.
+    pub beta_phi: f64,
+    /// α_j of (4.16) (a stiffness).
+    pub alpha_j: f64,
+    /// c_j², bounding ‖v_ν‖² by c_j²‖v‖_V² (a length).
+    pub c_j_squared: f64,
+    /// Whether that is proved; otherwise it is extrapolated from meshes, and no bound.
+    #[serde(rename = "c_j_source", serialize_with = "source")]
+    pub c_j_proved: bool,
+    /// c0 of (4.16): c̄0 √|Γ3|.
+    pub c0: f64,
+    /// c1 of (4.16).
+    pub c1: f64,
+    /// ‖R‖‖q‖ of (4.20) as the Lipschitz constant of S: 1 for ζ (where it matters) plus ‖ℬ‖.
+    pub history: f64,
+}
+
+/// Where c_j² comes from.
+pub(super) fn c_j_source(proved: bool) -> &'static str {
+    if proved { "proved upper bound" } else { "extrapolated from meshes, no upper bound" }
+}
+
+fn source<S: Serializer>(proved: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(c_j_source(*proved))
+}
+
+impl AuditConstants {
+    /// The constants of a scene.
+    ///
+    /// # Errors
+    /// As [`constants`].
+    pub fn new(setup: &Setup) -> Result<Self, SetupError> {
+        let known = constants(setup)?;
+        let contact = setup.body.contact.as_ref();
+        let factor = contact.and_then(|contact| contact.law.as_ref()?.scale);
+        let factor = factor.map_or(1.0, |scale| scale.largest);
+        let law = setup.model.boundary.as_ref().map(|boundary| boundary.potential.growth());
+        let (c0, c1) = law.unwrap_or_default();
+        Ok(Self {
+            m_a: known.m_a,
+            l_a: known.l_a,
+            alpha_phi: known.alpha_phi,
+            beta_phi: known.beta_phi,
+            alpha_j: known.alpha_nu,
+            c_j_squared: known.c_j_squared_bound.unwrap_or(known.c_j_squared),
+            c_j_proved: known.c_j_squared_bound.is_some(),
+            c0: factor * c0 * contact_length(setup).sqrt(),
+            c1: factor * c1,
+            history: 1.0 + known.memory.operator,
+        })
+    }
+
+    /// m0 of (2.9).
+    pub fn m0(&self) -> f64 {
+        monotonicity(self.m_a, self.alpha_phi + self.alpha_j * self.c_j_squared)
+    }
+}
+
+/// |Γ3|.
+fn contact_length(setup: &Setup) -> f64 {
+    let domain = &setup.body.domain;
+    let area = |face: Face| face.measure();
+    domain.contact.iter().flat_map(|side| domain.faces(*side)).map(area).sum()
+}
+
+// The inequalities at one level, both sides as numbers.
 
 /// Why a scene cannot be audited.
 #[derive(Debug, thiserror::Error)]
@@ -485,4 +576,141 @@ fn theta_of(
 
 fn minus(a: &Symmetric<3>, b: &Symmetric<3>) -> Symmetric<3> {
     std::array::from_fn(|i| a[i] - b[i])
+}
+
+// A scene audited: for each inequality and run the level where it comes nearest to failing.
+
+/// The inequalities of a run of `setup` by its scheme, each at its worst level.
+///
+/// # Errors
+/// [`AuditError`].
+pub fn audit_case(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    constants: &AuditConstants,
+) -> Result<Vec<Claim>, AuditError> {
+    let mut auditor = Auditor::new(setup, data, steps, constants)?;
+    let n = data.space.mesh.n;
+    let run = setup
+        .scheme
+        .march(setup, data, steps, &mut |view| auditor.observe(view).map_err(CaseError::from));
+    let info = run.map_err(|source| AuditError::Run { n, steps, source })?;
+    let claims = auditor.claims(info.floors.v);
+    Ok(Claim::worst(&claims).into_iter().map(|(worst, _)| worst.clone()).collect())
+}
+
+/// The runs of [`audit`], `jobs` of a mesh at a time.
+pub fn audit_runs<'a>(setup: &'a Setup, ns: &[u32], steps: &[u32], jobs: usize) -> Runs<'a> {
+    let grid = ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect();
+    let others = steps.len().min(jobs).saturating_sub(1) as f64;
+    // The scene's own, and that of the memory alone.
+    let truths = if setup.model.memory.is_empty() { 1.0 } else { 2.0 };
+    let beside = move |space: &Discretization, steps: u32| {
+        // The others march as well, with fewer steps or as many; beside each stands what the rule remembers of u and u^{kh}, and
+        // once what the truths keep: points, and moments of all levels.
+        let run = run_cost(setup, space, steps);
+        let strains = 3.0 * space.geometry.points() as f64;
+        let moments = 2.0 * strains + 2.0 * space.nodes.cells.len() as f64;
+        others * run.march_bytes
+            + (1.0 + others) * (1.0 + strains / space.dofs() as f64) * run.history_bytes
+            + truths * (run.load_bytes + 8.0 * moments * (f64::from(steps) + 1.0))
+    };
+    Runs { setup, grid, beside: Box::new(beside) }
+}
+
+/// Audits the runs of `setup` on the meshes `ns` with the numbers of steps `steps`, by the boundary rule of the model.
+///
+/// # Errors
+/// [`AuditError`]: no exact solution, a run without result.
+pub fn audit(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Findings, AuditError> {
+    covered(setup)?;
+    audit_under(setup, &AuditConstants::new(setup)?, ns, steps)
+}
+
+/// [`audit`] under these constants.
+///
+/// # Errors
+/// As [`audit`].
+pub fn audit_under(
+    setup: &Setup,
+    constants: &AuditConstants,
+    ns: &[u32],
+    steps: &[u32],
+) -> Result<Findings, AuditError> {
+    if setup.scene.dimension != 2 {
+        return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
+    }
+    let mut claims = Vec::new();
+    for &n in ns {
+        let data = MeshData::new(setup, n, None)?;
+        let run = |&steps: &u32| audit_case(setup, &data, steps, constants);
+        let cases = steps.par_iter().map(run).collect::<Result<Vec<_>, AuditError>>()?;
+        claims.extend(cases.into_iter().flatten());
+    }
+    Ok(found(setup, constants, claims))
+}
+
+fn found(setup: &Setup, constants: &AuditConstants, mut claims: Vec<Claim>) -> Findings {
+    let m0 = constants.m0();
+    if m0 <= 0.0 {
+        let undefined = |claim: &&mut Claim| claim.standing() == Standing::Unresolved;
+        for claim in claims.iter_mut().filter(undefined) {
+            claim.note = format!("m0 = {} is not positive, (2.9) is violated", digits(m0, 5));
+        }
+    }
+    let unconstrained = setup.body.contact.as_ref().is_none_or(|contact| contact.gap.is_none());
+    let theorem = if unconstrained { "Theorems 10 and 11 (K = X)" } else { "Theorem 10" };
+    // The rule's word in scene files.
+    let rule = match setup.rule() {
+        BoundaryRule::Vertex => "vertex",
+        BoundaryRule::Gauss => "gauss",
+        BoundaryRule::Exact => "exact",
+    };
+    let scene = &setup.scene;
+    let title = (Chapter::Audit, format!("Checklist: {}", scene.name));
+    let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
+    findings.document.words(format!("{theorem}; boundary rule {rule}."));
+    findings.document.table("Constants of the bounds.", constants.rows());
+    findings.number("theorem", theorem);
+    findings.number("rule", rule);
+    let mut constants = serde_json::json!(constants);
+    constants["m0"] = m0.into();
+    findings.number("constants", constants);
+    findings
+}
+
+impl AuditConstants {
+    fn rows(&self) -> [Row<'static, 2>; 10] {
+        let c = self;
+        let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
+        let named = [
+            ("m_A", c.m_a),
+            ("L_A", c.l_a),
+            ("α_φ", c.alpha_phi),
+            ("β_φ", c.beta_phi),
+            ("α_j", c.alpha_j),
+            (&c_j, c.c_j_squared),
+            ("c0", c.c0),
+            ("c1", c.c1),
+            ("‖R‖‖q‖", c.history),
+            ("m0", c.m0()),
+        ];
+        named.map(|(name, value)| [("constant", Run::formula(name)), (">value", precise(value, 7))])
+    }
+}
+
+/// What the inequalities leave out of account.
+fn covered(setup: &Setup) -> Result<(), SetupError> {
+    let others = [
+        (Extension::Friction, "its lines are those of the normal law alone"),
+        (Extension::SingularKernel, "its sums are those of kernels with a value at s = t"),
+    ];
+    for (extension, why) in others {
+        setup.scene.without(&[extension], "sweep audit", why)?;
+    }
+    let message =
+        "`sweep audit` knows the sums of the trapezoidal rule alone, which is that of the theorems";
+    let other = setup.scene.time.rule != TimeRule::Trapezoid;
+    Ok(setup.scene.refuse_if(other, "time.rule", message, "remove `rule`")?)
 }
