@@ -5,10 +5,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use super::machine::COMMON;
-use super::{
-    audit, baseline, bound, check, diagnose, extremes, fit, gronwall, list, merge, report, run,
-    shell, solve, trade, verify,
-};
+use super::{baseline, check, fit, list, merge, report, run, shell, solve, study, verify};
 
 /// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
 /// inequalities. Without a command: runs the scenes that it comes with at gate size, prints the
@@ -47,19 +44,19 @@ pub(super) enum Command {
     /// Verify the data and hypotheses of a scene, and say what it requires, without solving
     Check(check::Check),
     /// Check the proofs of Theorems 10 and 11 line by line on real runs
-    Audit(audit::Audit),
+    Audit(study::Audit),
     /// Name the term at fault: run the scene again with one term removed at a time
-    Diagnose(diagnose::DiagnoseCommand),
+    Diagnose(study::DiagnoseCommand),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
     /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
-    Bound(bound::BoundCommand),
+    Bound(study::BoundCommand),
     /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, horizons, perturbations
-    Gronwall(gronwall::Gronwall),
+    Gronwall(study::Gronwall),
     /// Climb ladders of extreme parameters: units, moduli, steps, meshes, gaps, loads
-    Extremes(extremes::Extremes),
+    Extremes(study::Extremes),
     /// Speed against accuracy: work-precision over the settings of a scene, cost model, best n and N
-    Trade(trade::TradeCommand),
+    Trade(study::TradeCommand),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),
     /// Put another program's solver under the same sweep

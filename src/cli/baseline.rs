@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::chosen::Chosen;
 use super::machine::Allowance;
 use super::run::{BASELINE, LATEST, What};
+use super::scenes::Chosen;
 use super::{CliError, Scenes, print_text};
 use files::counted;
 use judge::verdict::{Baseline, exit_code};

@@ -4,23 +4,22 @@
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-use clap::Args;
-
 use super::abstract_problem::fact;
-use super::chosen::Grid;
-use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::machine::Common;
+use super::scenes::Grid;
 use super::{
     CliError, Scenes, TABLE_WIDTH, abstract_problem, meshes_fit, no_case, print_beside, print_json,
     print_text, width,
 };
+use clap::Args;
 use exact::{Finding, Status, check};
 use fem::contact::Plan;
-use files::digits;
+use files::{counted, digits};
+use judge::verdict::{Foreseen, ForeseenConstant, Variable};
 use run::sweep::{
     CasePlan, Cost, FloorRow, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan,
-    floors_beside,
+    floors_beside, foresee_plan,
 };
 use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
 use scene::{Data, Hypothesis, RelaxationTerm};
@@ -493,4 +492,49 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let solvable = bounds.solvable_limit();
     findings.push(fact("solvable step bound", solvable, "k below this: each step monotone"));
     findings
+}
+
+// The predicted constants of a plan, for `sweep check`.
+
+/// One line and one JSON object per prediction.
+pub(crate) fn predicted_constants(plan: &ScenePlan) -> Vec<(String, serde_json::Value)> {
+    let orders = plan.scene().predicts.iter().map(|prediction| prediction.order);
+    foresee_plan(plan).iter().zip(orders).map(|(known, order)| one(known, order)).collect()
+}
+
+fn one(known: &ForeseenConstant, order: f64) -> (String, serde_json::Value) {
+    let ForeseenConstant { norm, variable, foreseen, .. } = known;
+    let (name, letter) = match variable {
+        Variable::H => ("C_h", "h"),
+        Variable::K => ("C_k", "k"),
+        Variable::Joint => ("C_h, C_k", "h, k"),
+        Variable::Path => ("C", "h along the path"),
+    };
+    let mut json = serde_json::json!({
+        "norm": norm, "variable": variable, "order": order,
+        "predicted": null, "limit": null, "not_predicted": null,
+    });
+    let line = match foreseen {
+        Foreseen::Nothing { not_predicted } => {
+            json["not_predicted"] = serde_json::json!(not_predicted);
+            format!("{norm} in {letter}: none, {not_predicted}")
+        }
+        Foreseen::Leading(line) => {
+            let step = |p: &judge::verdict::LeadingPoint| match variable {
+                Variable::H => p.h.unwrap_or(f64::NAN),
+                _ => p.k,
+            };
+            let finest = line.points.iter().min_by(|a, b| step(a).total_cmp(&step(b)));
+            let constant = finest.map(|point| point.error / step(point).powf(order));
+            json["predicted"] = serde_json::json!(constant);
+            json["limit"] = serde_json::json!(line.limit);
+            let limit = line.limit.map_or(String::new(), |limit| format!(", tends to {limit:.4e}"));
+            let constant = constant.map_or("-".into(), |constant| format!("{constant:.4e}"));
+            let points = counted(line.points.len(), "case");
+            format!(
+                "{norm} in {letter}: {name} = {constant} of order {order} on the finest of {points}{limit}"
+            )
+        }
+    };
+    (line, json)
 }

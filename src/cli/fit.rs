@@ -1,31 +1,20 @@
 //! `sweep fit`: orders and verdicts for any table.
 
-mod asked;
-mod claims;
 mod eoc;
-mod grid;
-mod line;
-mod path;
-mod picture;
-mod values;
-mod window;
-mod wording;
+mod parts;
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
-use clap::Args;
-
-use self::asked::Asked;
-use self::claims::Claims;
 use self::eoc::Style;
-use self::window::Window;
-use self::wording::Part;
+use self::parts::{Asked, Part};
 use super::github::{announce, in_file, on_github};
 use super::output::{print_error, write_user_file};
 use super::{CliError, print_json, print_text};
+use clap::Args;
 use files::{FileError, read_at_most, up_to};
 use judge::fit::{Claim, Direction, Point, TOLERANCE, deviation, path};
-use judge::table::{Group, Quantity, Reading, Tables, read};
+use judge::table::{Group, Quantity, Reading, Row, Tables, named, read};
 use judge::verdict::{Decision, Prediction, Variable, Verdict};
 use report::{AnnotationPlace, write_junit};
 
@@ -149,7 +138,7 @@ impl Fit {
         };
         let found = judged(&self.name(), &tables, asked, &left_out)?;
         if let Some(file) = &self.svg {
-            let drawn = picture::svg(&tables.groups, asked)?;
+            let drawn = eoc::svg(&tables.groups, asked)?;
             write_user_file(file, drawn)?;
         }
         let texts = match (self.markdown, self.latex) {
@@ -329,7 +318,7 @@ fn verdict((scene, norm): (&str, &str), part: &Part) -> Option<Verdict> {
 fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'static str> {
     let directions = Direction::BOTH.into_iter();
     if group.quantity == Quantity::Value {
-        let part = |direction| values::part(group, direction, asked.along(direction));
+        let part = |direction| parts::values_part(group, direction, asked.along(direction));
         return Ok(directions.filter_map(part).collect());
     }
     let both = directions.clone().all(|direction| group.refined(direction));
@@ -337,12 +326,217 @@ fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'
         return Err("--log needs a table in which one step is refined: h and k both are");
     }
     if let Some(found) = path(&group.points()) {
-        return Ok(vec![path::part(group, found, asked)]);
+        return Ok(vec![parts::path_part(group, found, asked)]);
     }
-    let joint = both.then(|| grid::Joint::of(group, asked));
+    let joint = both.then(|| parts::Joint::of(group, asked));
     let line = |direction: Direction| {
-        line::part(group, direction, asked.along(direction), joint.as_ref(), outside)
+        parts::line_part(group, direction, asked.along(direction), joint.as_ref(), outside)
     };
-    let grid = joint.as_ref().map(|joint| grid::part(group, joint, asked));
+    let grid = joint.as_ref().map(|joint| parts::grid_part(group, joint, asked));
     Ok(directions.filter_map(line).chain(grid).collect())
+}
+
+// Claimed orders of the command line: one for all norms, or one for each, with its bound and its tolerance.
+
+/// `2`, or `L2=2,H1>=1,energy==1.5:0.3`: the order of every norm, or those of named ones, beside which none is judged.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Claims(Vec<Claimed>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Claimed {
+    name: Option<String>,
+    order: f64,
+    at_least: bool,
+    exact: bool,
+    tolerance: Option<f64>,
+}
+
+impl Claims {
+    /// The claim on a table, what it does not say taken from `common`.
+    pub(super) fn of(&self, group: &Group, common: Claim) -> Option<Claim> {
+        let heading = group.heading();
+        let means = |claimed: &&Claimed| match claimed.name.as_deref() {
+            None => true,
+            name => {
+                [&heading, &group.norm, &group.scene].iter().any(|known| known.as_deref() == name)
+            }
+        };
+        let claimed = self.0.iter().find(means)?;
+        let (at_least, exact) = match claimed.at_least || claimed.exact {
+            true => (claimed.at_least, claimed.exact),
+            false => (common.at_least, common.exact),
+        };
+        let tolerance = claimed.tolerance.unwrap_or(common.tolerance);
+        Some(Claim { order: claimed.order, at_least, exact, tolerance, ..common })
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().filter_map(|claimed| claimed.name.as_deref())
+    }
+
+    /// Each name as the table writes it: `L2` may be `error_L2`.
+    pub(super) fn resolve(&mut self, groups: &[Group]) -> Result<(), String> {
+        let distinct = |name: &dyn Fn(&Group) -> Option<String>| {
+            let mut found: Vec<String> = Vec::new();
+            groups.iter().filter_map(name).for_each(|name| {
+                if !found.contains(&name) {
+                    found.push(name);
+                }
+            });
+            found
+        };
+        let norms = distinct(&|group| group.norm.clone());
+        let others = [distinct(&|group| group.scene.clone()), distinct(&Group::heading)].concat();
+        for name in self.0.iter_mut().filter_map(|claimed| claimed.name.as_mut()) {
+            if others.contains(name) {
+                continue;
+            }
+            if norms.is_empty() {
+                return Err(format!(
+                    "no norm `{name}` to judge: the errors of the table have no name; an order without one is theirs, as in --p 2"
+                ));
+            }
+            let known: Vec<&str> = norms.iter().map(String::as_str).collect();
+            let at = named(name, &known).map_err(|what| format!("nothing to judge: {what}"))?;
+            norms[at].clone_into(name);
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Claims {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let one = |part: &str| {
+            let (name, value) = part.rsplit_once('=').unwrap_or(("", part));
+            let (at_least, exact) = (name.ends_with('>'), name.ends_with('='));
+            let name = name.trim_end_matches(['>', '=']).trim();
+            if name.is_empty() && text.contains(',') {
+                return Err(format!(
+                    "`{part}` names no norm: L2=2,H1=1 is an order for each of two"
+                ));
+            }
+            let (value, tolerance) = match value.split_once(':') {
+                Some((value, tolerance)) => (value, Some(number(tolerance, "tolerance")?)),
+                None => (value, None),
+            };
+            let name = (!name.is_empty()).then(|| name.to_owned());
+            Ok(Claimed { name, order: number(value, "order")?, at_least, exact, tolerance })
+        };
+        text.split(',').map(one).collect::<Result<_, String>>().map(Self)
+    }
+}
+
+/// Refuses what is not finite.
+fn number(text: &str, what: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("`{text}` is no finite {what}; 1, 1.5 and 2 are")),
+    }
+}
+
+// Restricts a table to a window of steps.
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Window([f64; 2]);
+
+/// Relative tolerance at the ends.
+const ROUNDING: f64 = 1e-6;
+
+impl Window {
+    /// Removes the rows outside from all tables and returns their points, a list per table. The window is in h, or in k
+    /// for a table without h.
+    pub(super) fn narrow(self, tables: &mut Tables) -> Vec<Vec<Point>> {
+        let narrowed = tables.groups.iter_mut().map(|group| {
+            let space = group.rows.iter().any(|row| !row.point.h.is_nan());
+            let step = |row: &Row| if space { row.point.h } else { row.point.k };
+            let (inside, outside): (Vec<Row>, Vec<Row>) =
+                group.rows.drain(..).partition(|row| self.holds(step(row)));
+            group.rows = inside;
+            outside.into_iter().map(|row| row.point).collect()
+        });
+        narrowed.collect()
+    }
+
+    /// A row without a step stays, as a gap.
+    fn holds(self, step: f64) -> bool {
+        let Self([lo, hi]) = self;
+        step.is_nan() || (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(&step)
+    }
+}
+
+impl FromStr for Window {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("`{text}` is no window: 0.01,0.1 takes the steps from 0.01 to 0.1");
+        let (a, b) = text.split_once([',', ':']).ok_or_else(wrong)?;
+        let end = |text: &str| text.trim().parse::<f64>().ok().filter(|step| *step > 0.0);
+        let (a, b) = end(a).zip(end(b)).ok_or_else(wrong)?;
+        Ok(Self([a.min(b), a.max(b)]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    mod claims {
+        use super::super::*;
+        use judge::table::{Reading, read};
+
+        #[test]
+        fn orders_are_claimed_of_all_norms_or_of_each() {
+            let text = b"h,error_L2,H1\n0.5,1,1\n0.25,1,1\n";
+            let groups = read(text, &Reading::default()).unwrap().groups;
+            let common = Claim::new(1.0).unwrap();
+            let of = |text: &str| {
+                let mut claims: Claims = text.parse().unwrap();
+                claims.resolve(&groups)?;
+                Ok::<_, String>(
+                    groups.iter().map(|group| claims.of(group, common)).collect::<Vec<_>>(),
+                )
+            };
+            let orders = |text: &str| -> Vec<Option<f64>> {
+                of(text).unwrap().iter().map(|claim| claim.map(|claim| claim.order)).collect()
+            };
+            assert_eq!(orders("1.5"), [Some(1.5); 2]);
+            assert_eq!(orders("L2=2, H1=1"), [Some(2.0), Some(1.0)]);
+            assert_eq!(orders("H1=1"), [None, Some(1.0)]);
+            let each = of("L2>=2:0.3,H1==1").unwrap();
+            assert_eq!(
+                each[0],
+                Some(Claim { order: 2.0, at_least: true, tolerance: 0.3, ..common })
+            );
+            assert_eq!(each[1], Some(Claim { order: 1.0, exact: true, ..common }));
+            assert!(of("L4=1").is_err());
+            for wrong in ["nan", "inf", "-inf", "two", "", "L2=nan", "L2=2,1", "L2=", "2:x"] {
+                assert!(wrong.parse::<Claims>().is_err(), "{wrong}");
+            }
+        }
+    }
+
+    mod window {
+        use super::super::*;
+        use judge::table::{Reading, read};
+
+        #[test]
+        fn a_window_takes_rows_out_of_every_table() {
+            let window: Window = "0.3,0.1".parse().unwrap();
+            assert_eq!(Ok(window), "0.1:0.3".parse());
+            let text = "h,L2,H1\n0.5,1,1\n0.3,0.5,-\n0.2,0.3,0.5\n0.1,0.1,0.3\n0.05,0.1,0.2\n";
+            let mut tables = read(text.as_bytes(), &Reading::default()).unwrap();
+            let left_out = window.narrow(&mut tables);
+            assert_eq!(left_out.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2]);
+            let steps =
+                |at: usize| tables.groups[at].points().iter().map(|p| p.h).collect::<Vec<_>>();
+            assert_eq!((steps(0), steps(1)), (vec![0.3, 0.2, 0.1], vec![0.2, 0.1]));
+            assert!(tables.groups[1].gaps_in_words().is_some(), "a gap inside stays one");
+            // Without h the window is in k.
+            let mut tables = read(b"k,error\n0.5,1\n0.2,1\n", &Reading::default()).unwrap();
+            assert_eq!(window.narrow(&mut tables)[0].len(), 1);
+            for wrong in ["", "1", "0,1", "-1,1", "nan,1", "a,b"] {
+                assert!(wrong.parse::<Window>().is_err(), "{wrong}");
+            }
+        }
+    }
 }

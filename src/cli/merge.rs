@@ -67,7 +67,7 @@ impl MergeCommand {
             let number = missing.as_ref().map_or(0, |(number, _)| *number);
             print_text(&format!("{}, {number} missing", counted(count, "part")));
             if let Some((_, words)) = &missing {
-                super::progress::note(&format!("warning: {words}"));
+                super::output::note(&format!("warning: {words}"));
             }
             print_text(&format!("records: {}", table.display()));
         }

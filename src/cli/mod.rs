@@ -2,27 +2,18 @@
 
 mod abstract_problem;
 mod arguments;
-mod audit;
 mod baseline;
-mod bound;
 mod build;
 mod check;
-mod chosen;
-mod colour;
-mod constants;
-mod diagnose;
 mod error;
-mod extremes;
 mod fit;
 mod github;
-mod gronwall;
 mod help;
 mod interrupt;
 mod list;
 mod machine;
 mod merge;
 mod output;
-mod progress;
 mod report;
 mod run;
 mod scenes;
@@ -30,7 +21,6 @@ mod shell;
 mod solve;
 mod study;
 mod swept;
-mod trade;
 mod typesetter;
 mod verify;
 
@@ -63,10 +53,10 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(arguments) => arguments,
         Err(said) => return finished(said_instead(&said)),
     };
-    progress::say(match (arguments.quiet, arguments.verbose) {
-        (true, _) => progress::Loudness::Quiet,
-        (_, true) => progress::Loudness::Verbose,
-        _ => progress::Loudness::Usual,
+    output::say(match (arguments.quiet, arguments.verbose) {
+        (true, _) => output::Loudness::Quiet,
+        (_, true) => output::Loudness::Verbose,
+        _ => output::Loudness::Usual,
     });
     let scenes = Scenes::new(arguments.scenes);
     let command = arguments.command.unwrap_or(Command::Run(run::Run::main_job()));

@@ -1,12 +1,19 @@
 //! Output of commands: text on stdout and stderr, files in a given directory.
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::Instant;
 
 use super::CliError;
-use files::{harmless, harmless_json, make_directory, read_file, replace_file, write_named};
+use files::{
+    counted, harmless, harmless_json, make_directory, read_file, replace_file, write_named,
+};
+use indicatif::{ProgressBar, ProgressStyle};
+use judge::record::{CaseRecord, Status};
 use judge::verdict::Verdict;
+use run::sweep::Progress;
+use scene::setup::StepRemark;
 use serde::Serialize;
 
 /// The first failed write to stdout; nothing is written after it.
@@ -30,7 +37,7 @@ pub(crate) fn print_text(text: &str) {
 
 /// Prints a table of verdicts, coloured if stdout allows it.
 pub(crate) fn print_verdicts(table: &str) {
-    print_as_it_is(&super::colour::shown(&harmless(table)));
+    print_as_it_is(&shown(&harmless(table)));
 }
 
 /// Prints text with this program's control sequences. If stdout fails the command goes on, since its files and verdict
@@ -107,4 +114,250 @@ pub(crate) fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<()
 /// Copies a written file to a path of the user, through links and into pipes.
 pub(crate) fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
     Ok(write_named(to, &read_file(from)?)?)
+}
+
+// Colours the words of verdicts on a terminal.
+
+/// The words and their colours; blue and orange differ for colour-blind readers.
+const WORDS: [(&str, &str); 3] =
+    [("pass", "\u{1b}[34m"), ("fail", "\u{1b}[1;33m"), ("unresolved", "\u{1b}[33m")];
+const PLAIN: &str = "\u{1b}[0m";
+
+/// Head of the coloured column.
+const HEAD: &str = "verdict";
+
+/// A table of verdicts, coloured if stdout allows it: not with NO_COLOR (any value) or a dumb terminal.
+pub(super) fn shown(table: &str) -> String {
+    match console::Term::stdout().features().colors_supported() {
+        true => coloured(table),
+        false => table.to_owned(),
+    }
+}
+
+/// Colours the words in the column of verdicts; widths are unchanged.
+fn coloured(table: &str) -> String {
+    let column = |line: &str| line.find(HEAD).map(|at| line[..at].chars().count());
+    let Some(start) = table.lines().find_map(column) else { return table.to_owned() };
+    let line = |line: &str| {
+        let at = line.char_indices().nth(start).map_or(line.len(), |(at, _)| at);
+        let (before, rest) = line.split_at(at);
+        let word = rest.split(|c: char| !c.is_alphabetic()).next().unwrap_or("");
+        match WORDS.iter().find(|(known, _)| *known == word) {
+            Some((_, colour)) => format!("{before}{colour}{word}{PLAIN}{}", &rest[word.len()..]),
+            None => line.to_owned(),
+        }
+    };
+    table.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+// Progress of a sweep on stderr: a bar on a terminal, plain lines elsewhere.
+
+/// Amount of output on stderr beside errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Loudness {
+    Quiet,
+    /// A bar on a terminal, a line per case elsewhere; notes and warnings.
+    Usual,
+    /// A line per case on a terminal as well.
+    Verbose,
+}
+
+static LOUDNESS: OnceLock<Loudness> = OnceLock::new();
+
+/// Set once, at the start of the program.
+pub(crate) fn say(loudness: Loudness) {
+    LOUDNESS.get_or_init(|| loudness);
+}
+
+fn loudness() -> Loudness {
+    LOUDNESS.get().copied().unwrap_or(Loudness::Usual)
+}
+
+pub(crate) fn note(line: &str) {
+    if loudness() != Loudness::Quiet {
+        print_error(line);
+    }
+}
+
+/// Prints the remark of (3.4) on the step sizes of a scene.
+pub(crate) fn remark(scene: &str, remark: &StepRemark) {
+    let kind = if remark.warning { "warning" } else { "note" };
+    note(&format!("{kind}: {scene}: {}", remark.text));
+}
+
+/// Progress for a person or a log.
+pub(crate) struct Display {
+    bar: Option<ProgressBar>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    total: usize,
+    done: usize,
+    running: Vec<String>,
+    begun: Option<Instant>,
+    /// The done share of the work.
+    share: f64,
+    /// Reason of the last failed case.
+    reason: Option<String>,
+}
+
+/// Resolution of the bar, in shares of the work: a case may take a thousand times as long as another.
+const PARTS: u64 = 1000;
+
+impl State {
+    /// Number of done cases and, once known, the estimated remaining time.
+    fn in_words(&self) -> String {
+        let cases = format!("{}/{} cases", self.done, self.total);
+        let left = self.begun.and_then(|begun| left(begun.elapsed().as_secs_f64(), self.share));
+        left.map_or(cases.clone(), |left| format!("{cases}, about {} s left", left.ceil()))
+    }
+
+    /// A failure in words; a repeated reason is omitted.
+    fn failed(&mut self, reason: &str) -> String {
+        if self.reason.as_deref() == Some(reason) {
+            return "failed for the same reason".into();
+        }
+        self.reason = Some(reason.into());
+        format!("failed: {reason}")
+    }
+}
+
+/// Seconds left if `share` of the work took `seconds`; unknown at first.
+fn left(seconds: f64, share: f64) -> Option<f64> {
+    (share > 0.0).then(|| seconds * (1.0 - share.min(1.0)) / share)
+}
+
+impl Display {
+    /// A bar if stderr is a terminal.
+    pub(crate) fn new() -> Self {
+        let terminal = std::io::stderr().is_terminal() && loudness() != Loudness::Quiet;
+        let bar = terminal.then(|| {
+            let style = ProgressStyle::with_template("{bar:24} {prefix}  {msg}");
+            ProgressBar::new(PARTS)
+                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { bar, state: Mutex::default() }
+    }
+
+    fn show(&self, state: &State) {
+        if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_finished()) {
+            bar.set_position((state.share * PARTS as f64) as u64);
+            bar.set_prefix(state.in_words());
+            bar.set_message(state.running.join(" | "));
+        }
+    }
+
+    /// A line, above the bar if there is one.
+    fn line(&self, line: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(harmless(line).as_ref()),
+            None => note(line),
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Progress for Display {
+    fn begin(&self, total: usize, done: usize) {
+        let mut state = self.state();
+        (state.total, state.done, state.begun, state.share) =
+            (total, done, Some(Instant::now()), 0.0);
+        self.show(&state);
+        let cases = counted(total, "case");
+        match (&self.bar, done) {
+            (Some(_), _) => {}
+            (None, 0) => note(&cases),
+            (None, done) => note(&format!("{cases}, {done} already recorded")),
+        }
+    }
+
+    fn doubted(&self, why: &str) {
+        note(&format!("warning: {why}"));
+    }
+
+    fn started(&self, what: &str) {
+        let mut state = self.state();
+        state.running.push(what.to_string());
+        self.show(&state);
+    }
+
+    fn finished(&self, what: &str, record: Option<&CaseRecord>) {
+        let mut state = self.state();
+        state.running.retain(|running| running != what);
+        let failure = record.and_then(|record| match &record.status {
+            Status::Failed { reason } => Some(state.failed(reason)),
+            _ => None,
+        });
+        state.done += usize::from(record.is_some());
+        if failure.is_some() || self.bar.is_none() || loudness() == Loudness::Verbose {
+            let outcome = failure.unwrap_or_else(|| "done".into());
+            let seconds = record.map_or(String::new(), |r| format!(" {:.2} s", r.seconds_total));
+            self.line(&format!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total));
+        }
+        self.show(&state);
+        if let Some(bar) = self.bar.as_ref().filter(|_| state.done == state.total) {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn advanced(&self, share: f64) {
+        let mut state = self.state();
+        state.share = share;
+        self.show(&state);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    mod colour {
+        use super::super::*;
+
+        #[test]
+        fn words_of_the_column_alone_are_coloured() {
+            let table = " scene     norm   observed    verdict   why\n pass-it   V_max  ≥ 1 [a, b]  pass      pass\n b         V_max  -           fail, as  why";
+            let found = coloured(table);
+            assert_eq!(found.matches('\u{1b}').count(), 4, "{found}");
+            assert!(found.contains("\u{1b}[34mpass\u{1b}[0m      pass"), "{found}");
+            assert!(found.contains("\u{1b}[1;33mfail\u{1b}[0m, as"), "{found}");
+            let bare =
+                WORDS.iter().fold(found.replace(PLAIN, ""), |text, (_, c)| text.replace(c, ""));
+            assert_eq!(bare, table);
+            assert_eq!(coloured("nothing was judged"), "nothing was judged");
+        }
+    }
+
+    mod progress {
+        use super::super::*;
+
+        #[test]
+        fn the_rest_is_predicted_by_work_and_not_by_cases() {
+            // Ten of eleven cases are done, and a tenth of the work.
+            assert_eq!(left(2.0, 0.1), Some(18.0));
+            assert_eq!(left(2.0, 0.0), None);
+            assert_eq!(left(2.0, 1.0), Some(0.0));
+            assert_eq!(left(2.0, f64::NAN), None);
+            let (total, done, begun) = (12, 0, Some(Instant::now()));
+            let state = State { total, done, begun, ..State::default() };
+            assert_eq!(
+                state.in_words(),
+                "0/12 cases",
+                "nothing is claimed before anything is known"
+            );
+        }
+
+        #[test]
+        fn a_reason_is_given_once() {
+            let mut state = State::default();
+            let said = ["no solver", "no solver", "too slow"].map(|reason| state.failed(reason));
+            assert_eq!(
+                said,
+                ["failed: no solver", "failed for the same reason", "failed: too slow"]
+            );
+        }
+    }
 }

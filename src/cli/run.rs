@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use rayon::prelude::*;
 
-use super::chosen::Chosen;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::{Allowance, processors};
 use super::output::copy_named;
+use super::scenes::Chosen;
 use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
 use files::{counted, quoted};
@@ -243,7 +243,7 @@ impl What {
         let machine =
             Machine { jobs, memory: self.allowance.limit(), build: super::BUILD, options };
         on_interrupt(&self.out, resuming)?;
-        let progress = super::progress::Display::new();
+        let progress = super::output::Display::new();
         match run_sweep(plans, out, &machine, resume, &progress) {
             Ok(records) => Ok((machine, records)),
             // Records are kept whatever stopped the writing.

@@ -94,7 +94,7 @@ impl Solve {
         let scene = scenes.scene(&self.scene)?;
         let subject = subject(scene, &self.common.allowance.limit())?;
         if let Some(remark) = scene::setup::check_step_sizes(&subject, &[self.steps])? {
-            super::progress::remark(&subject.scene().name, &remark);
+            super::output::remark(&subject.scene().name, &remark);
         }
         match (subject, self.n) {
             (Subject::Contact(setup), Some(n)) => {
@@ -152,7 +152,7 @@ impl Solve {
         let text = format!(
             "(alpha_nu c_j^2 + alpha_tau c_tau^2)/m = {bound:.4} is not below one: the decomposition need not contract; --solver newton does not depend on that"
         );
-        super::progress::remark(name, &StepRemark { warning: true, text });
+        super::output::remark(name, &StepRemark { warning: true, text });
     }
 
     fn contact(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {

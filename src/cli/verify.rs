@@ -8,10 +8,10 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 
-use super::chosen::Grid;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::Allowance;
+use super::scenes::Grid;
 use super::swept::Swept;
 use super::{CliError, Scenes, TABLE_WIDTH, no_case, print_json, print_text, verdict_table, width};
 use files::shortened;
@@ -174,7 +174,7 @@ impl Verify {
 
     fn judged(&self, plan: ScenePlan, out: OutputDirectory) -> Result<Swept, CliError> {
         let plans = vec![plan];
-        let progress = super::progress::Display::new();
+        let progress = super::output::Display::new();
         let machine = self.machine();
         let records = run_sweep(&plans, &out, &machine, false, &progress)?;
         let provenance = Provenance::of_run(&plans, &machine).json();
