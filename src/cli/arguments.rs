@@ -1,11 +1,18 @@
 //! The arguments of the command line.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Parser, Subcommand};
-
 use super::machine::COMMON;
-use super::{baseline, check, fit, list, merge, report, run, shell, solve, study, verify};
+use super::{
+    CliError, Scenes, check, create_dir, fit, list, merge, print_text, report, run, solve, study,
+    verify,
+};
+use clap::error::{ContextKind, ContextValue};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::Shell;
+use files::counted;
+use scene::nearest;
 
 /// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
 /// inequalities. Without a command: runs the scenes that it comes with at gate size, prints the
@@ -38,7 +45,7 @@ pub(super) enum Command {
     /// Run sweeps for CI: verdicts only
     Gate(run::Gate),
     /// Record errors and work of the scenes in reports/baseline.json, and say what changes
-    Baseline(baseline::BaselineCommand),
+    Baseline(merge::BaselineCommand),
     /// List the scenes with their terms and predicted orders
     List(list::List),
     /// Verify the data and hypotheses of a scene, and say what it requires, without solving
@@ -66,7 +73,151 @@ pub(super) enum Command {
     /// Rebuild every output from the records in a directory, without solving
     Report(report::Report),
     /// Print completions for a shell
-    Completions(shell::Completions),
+    Completions(Completions),
     /// Print the man page
-    Man(shell::Man),
+    Man(Man),
+}
+
+// Grouped help, and hints for unknown commands.
+
+const GROUPS: [(&str, &[&str]); 6] = [
+    ("Judge", &["run", "gate", "baseline", "fit", "verify", "report"]),
+    ("Understand", &["list", "check", "solve", "diagnose"]),
+    ("Theory", &["audit", "bound", "gronwall"]),
+    ("Cost and limits", &["trade", "extremes"]),
+    ("Many machines", &["merge"]),
+    ("Shell", &["completions", "man", "help"]),
+];
+
+pub(super) fn parsed(words: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
+    let mut command = Arguments::command();
+    // The command `help` exists only once the command is built.
+    command.build();
+    let template = template(&command);
+    let mut command = Arguments::command().help_template(template);
+    let matches = command.try_get_matches_from_mut(words)?;
+    Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+}
+
+fn template(command: &clap::Command) -> String {
+    let about = |name: &str| {
+        let about_command = command.find_subcommand(name).and_then(clap::Command::get_about);
+        format!("  {name:<12} {}\n", about_command.map(ToString::to_string).unwrap_or_default())
+    };
+    let group = |(title, names): &(&str, &[&str])| {
+        let lines: String = names.iter().map(|name| about(name)).collect();
+        format!("{title}:\n{lines}\n")
+    };
+    let groups: String = GROUPS.iter().map(group).collect();
+    format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}\n"
+    )
+}
+
+/// A suggestion for an unknown command.
+pub(super) fn hint(said: &clap::Error) -> Option<String> {
+    let Some(ContextValue::String(word)) = said.get(ContextKind::InvalidSubcommand) else {
+        return None;
+    };
+    let registry = Scenes::new(None).registry().ok();
+    let scenes: Vec<&str> = registry.iter().flat_map(|registry| registry.names()).collect();
+    let commands = GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
+    let of_scene =
+        |scene: &str| format!("`sweep run {scene}` runs it, `sweep check {scene}` says what it is");
+    if scenes.contains(&word.as_str()) {
+        return Some(format!("hint: `{word}` is a scene: {}", of_scene(word)));
+    }
+    let command = nearest(word, commands).map(|near| format!("hint: did you mean `sweep {near}`?"));
+    let scene = || {
+        nearest(word, scenes.iter().copied())
+            .map(|near| format!("hint: did you mean the scene `{near}`? {}", of_scene(near)))
+    };
+    command.or_else(scene)
+}
+
+// Completions and man pages, generated from the definition of the command line.
+
+const PROGRAM: &str = "sweep";
+
+/// `sweep completions`.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  sweep completions bash > ~/.local/share/bash-completion/completions/sweep\n  sweep completions zsh > \"${fpath[1]}/_sweep\"\n  sweep completions fish > ~/.config/fish/completions/sweep.fish"
+)]
+pub(crate) struct Completions {
+    /// The shell
+    shell: Shell,
+}
+
+/// `sweep man`.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  sweep man | man -l -\n  sweep man --out ~/.local/share/man/man1"
+)]
+pub(crate) struct Man {
+    /// Write a page for the program and for each command into this directory
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Completions {
+    /// For the command line `program`.
+    pub(super) fn execute(&self, program: &mut clap::Command) -> Result<u8, CliError> {
+        let mut text = Vec::new();
+        clap_complete::generate(self.shell, program, PROGRAM, &mut text);
+        print_text(String::from_utf8_lossy(&text).trim_end());
+        Ok(0)
+    }
+}
+
+impl Man {
+    /// For the command line `command`.
+    pub(super) fn execute(&self, command: clap::Command) -> Result<u8, CliError> {
+        if let Some(out) = &self.out {
+            create_dir(out)?;
+            let pages = 1 + command.get_subcommands().count();
+            clap_mangen::generate_to(command, out)
+                .map_err(|error| CliError::about(out.display(), error))?;
+            print_text(&format!("{} in {}", counted(pages, "page"), out.display()));
+            return Ok(0);
+        }
+        let mut text = Vec::new();
+        let page = clap_mangen::Man::new(command);
+        page.render(&mut text).map_err(CliError::other)?;
+        print_text(String::from_utf8_lossy(&text).trim_end());
+        Ok(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_is_in_one_group() {
+        let mut command = Arguments::command();
+        command.build();
+        let mut there: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        let mut grouped: Vec<&str> =
+            GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        there.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(there, grouped);
+        let text = template(&command);
+        assert!(
+            text.contains("  run          Run refinement sweeps")
+                && !text.contains("  run          \n")
+        );
+    }
+
+    #[test]
+    fn a_word_that_is_no_command_gets_a_hint() {
+        let hint = |word: &str| {
+            parsed(["sweep", word].map(Into::into)).err().and_then(|error| hint(&error))
+        };
+        assert_eq!(hint("rnu").as_deref(), Some("hint: did you mean `sweep run`?"));
+        assert!(hint("pure-mild").is_some_and(|said| said.contains("sweep run pure-mild")));
+        assert!(hint("pure-mlid").is_some_and(|said| said.contains("the scene `pure-mild`")));
+        assert_eq!(hint("xyzzy-quux"), None);
+    }
 }

@@ -8,8 +8,8 @@ use std::str::FromStr;
 
 use self::eoc::Style;
 use self::parts::{Asked, Part};
-use super::github::{announce, in_file, on_github};
 use super::output::{print_error, write_user_file};
+use super::swept::{announce, in_file, on_github};
 use super::{CliError, print_json, print_text};
 use clap::Args;
 use files::{FileError, read_at_most, up_to};

@@ -1,8 +1,11 @@
 //! Limits of memory and processors.
 
-use clap::Args;
+use std::io::IsTerminal;
+use std::path::Path;
 
 use super::CliError;
+use super::output::print_error;
+use clap::Args;
 use run::sweep::MemoryLimit;
 
 /// What a command may take of the memory.
@@ -58,4 +61,55 @@ pub(super) fn share_threads() -> Result<(), CliError> {
             processors()
         ))),
     }
+}
+
+// Ctrl-C, SIGTERM or a closed terminal during a sweep: records are kept, and a message says how to go on.
+
+/// Shells report a process ended by signal s as 128 + s.
+const BY_SIGNAL: i32 = 128;
+
+/// From now on these signals end the program with a message, and code 130 (Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP). No
+/// case is waited for: a table cut off at any byte can be resumed.
+pub(crate) fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
+    let message = format!(
+        "interrupted; finished cases are kept in {}\ngo on with: {resuming}",
+        out.display()
+    );
+    on_signal(move |signal| {
+        run::external::end_solvers();
+        // A progress bar occupies the last line of a terminal.
+        let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
+        print_error(&format!("{line}{message}"));
+        std::process::exit(BY_SIGNAL + signal);
+    })
+    .map_err(|error| CliError::about("no handler for Ctrl-C", error))
+}
+
+#[cfg(unix)]
+fn on_signal(then: impl Fn(i32) + Send + 'static) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut ends = vec![SIGINT, SIGTERM];
+    ends.extend((!hangup_is_ignored()).then_some(SIGHUP));
+    let mut signals = signal_hook::iterator::Signals::new(ends)?;
+    let wait = move || signals.forever().for_each(then);
+    std::thread::Builder::new().name("signals".into()).spawn(wait)?;
+    Ok(())
+}
+
+/// Whether the program was started by `nohup`. If unknown, the system's reaction to a hangup is left alone.
+#[cfg(unix)]
+fn hangup_is_ignored() -> bool {
+    let ignored = || {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+        u64::from_str_radix(mask.trim(), 16).ok()
+    };
+    // The lowest bit is signal 1.
+    ignored().is_none_or(|mask| mask & 1 != 0)
+}
+
+#[cfg(not(unix))]
+fn on_signal(then: impl Fn(i32) + Send + 'static) -> Result<(), ctrlc::Error> {
+    const INTERRUPT: i32 = 2;
+    ctrlc::set_handler(move || then(INTERRUPT))
 }

@@ -2,14 +2,10 @@
 
 mod abstract_problem;
 mod arguments;
-mod baseline;
 mod build;
 mod check;
 mod error;
 mod fit;
-mod github;
-mod help;
-mod interrupt;
 mod list;
 mod machine;
 mod merge;
@@ -17,11 +13,9 @@ mod output;
 mod report;
 mod run;
 mod scenes;
-mod shell;
 mod solve;
 mod study;
 mod swept;
-mod typesetter;
 mod verify;
 
 use std::ffi::OsString;
@@ -49,7 +43,7 @@ pub fn main() -> ExitCode {
 
 /// Runs a command line (program name first); returns its exit code.
 pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments = match help::parsed(words) {
+    let arguments = match arguments::parsed(words) {
         Ok(arguments) => arguments,
         Err(said) => return finished(said_instead(&said)),
     };
@@ -101,7 +95,7 @@ fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
     {
         output::stopped(error);
     }
-    if let Some(hint) = help::hint(said) {
+    if let Some(hint) = arguments::hint(said) {
         print_error(&hint);
     }
     Ok(u8::try_from(said.exit_code()).unwrap_or(COULD_NOT_JUDGE))

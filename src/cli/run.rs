@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use rayon::prelude::*;
 
-use super::github::{annotate, on_github};
-use super::interrupt::on_interrupt;
+use super::machine::on_interrupt;
 use super::machine::{Allowance, processors};
 use super::output::copy_named;
 use super::scenes::Chosen;
 use super::swept::Swept;
+use super::swept::{annotate, on_github};
 use super::{CliError, Scenes, print_json, print_text};
 use files::{counted, quoted};
 use judge::record::{CaseRecord, Key, RecordError, write_sorted};

@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::machine::{Common, processors, share_threads};
-use super::{
-    CliError, Scenes, create_dir, no_case, print_json, print_text, study, width, write_file,
-};
+use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, width, write_file};
 use clap::Args;
 use files::counted;
 use judge::claim::Claim;

@@ -8,11 +8,11 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 
-use super::github::{annotate, on_github};
-use super::interrupt::on_interrupt;
 use super::machine::Allowance;
+use super::machine::on_interrupt;
 use super::scenes::Grid;
 use super::swept::Swept;
+use super::swept::{annotate, on_github};
 use super::{CliError, Scenes, TABLE_WIDTH, no_case, print_json, print_text, verdict_table, width};
 use files::shortened;
 use judge::record::{CaseRecord, Key};

@@ -432,12 +432,12 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
     };
     let explains = |suspects: &[Suspect]| failed.iter().all(|o| takes_part(o, suspects));
     let passes = |suspects: &[Suspect]| passed.iter().filter(|o| takes_part(o, suspects)).count();
-    let single: Vec<(usize, Suspect)> = Suspect::ALL
+    let single: Vec<(usize, Suspect)> = Suspect::all()
         .into_iter()
         .filter(|&suspect| explains(&[suspect]) && !acquitted(suspect))
         .map(|suspect| (passes(&[suspect]), suspect))
         .collect();
-    let pairs = Suspect::ALL.into_iter().flat_map(|a| Suspect::ALL.map(|b| (a, b)));
+    let pairs = Suspect::all().into_iter().flat_map(|a| Suspect::all().map(|b| (a, b)));
     let pair = pairs
         .filter(|&(a, b)| a < b && explains(&[a, b]) && !acquitted(a) && !acquitted(b))
         .map(|(a, b)| (passes(&[a, b]), a, b))

@@ -188,7 +188,7 @@ fn order_in_k(scene: &Scene) -> Prediction {
 
 // What a defect can sit in: the terms of a scene that a variant can do without, and what is always there.
 
-/// How many suspects are terms: the first of [`Suspect::ALL`].
+/// How many suspects are terms: the first of [`Suspect::all`].
 const TERMS: usize = 5;
 
 /// The terms of (5.1)-(5.5) that a variant of a scene has: whether it has each.
@@ -232,7 +232,7 @@ impl SceneTerms {
     }
 
     fn present(self) -> impl Iterator<Item = Suspect> {
-        Suspect::ALL.into_iter().take(TERMS).filter(move |&term| self.has(term))
+        Suspect::all().into_iter().take(TERMS).filter(move |&term| self.has(term))
     }
 
     /// Each term with the terms that remain without it.
@@ -294,50 +294,38 @@ impl Serialize for Suspect {
 }
 
 impl Suspect {
-    /// Every suspect, terms of the scene first.
-    pub const ALL: [Suspect; 10] = [
-        Suspect::Projection,
-        Suspect::Accumulation,
-        Suspect::Memory,
-        Suspect::Compliance,
-        Suspect::Gap,
-        Suspect::TimeRule,
-        Suspect::Solver,
-        Suspect::Elasticity,
-        Suspect::Loads,
-        Suspect::Space,
+    /// Every suspect, terms of the scene first, with its name in JSON and what it is.
+    const DESCRIBED: [(Self, &'static str, &'static str); 10] = [
+        (Self::Projection, "projection", "the projection term mu (eps - P eps)"),
+        (Self::Accumulation, "zeta", "zeta, the yield limit's dependence on the past"),
+        (Self::Memory, "memory", "the memory term B"),
+        (Self::Compliance, "law", "the compliance law"),
+        (Self::Gap, "gap", "the constraint u_nu <= g"),
+        (Self::TimeRule, "time-rule", "the time rule that memory and zeta share"),
+        (Self::Solver, "solver", "the iteration that solves a nonlinear level, or its tolerance"),
+        (Self::Elasticity, "elasticity", "elasticity A"),
+        (
+            Self::Loads,
+            "loads",
+            "the loads as the solver takes them, or what else every run has (clamped sides, the linear solver, the measured error)",
+        ),
+        (
+            Self::Space,
+            "space",
+            "what only a solution outside V^h has: quadrature of its loads or of its error, interpolation",
+        ),
     ];
 
-    /// Its name in JSON.
+    pub(crate) fn all() -> [Self; 10] {
+        Self::DESCRIBED.map(|(suspect, ..)| suspect)
+    }
+
     pub fn name(self) -> &'static str {
-        self.described().0
+        Self::DESCRIBED[self as usize].1
     }
 
     pub(crate) fn words(self) -> &'static str {
-        self.described().1
-    }
-
-    fn described(self) -> (&'static str, &'static str) {
-        match self {
-            Suspect::Projection => ("projection", "the projection term mu (eps - P eps)"),
-            Suspect::Accumulation => ("zeta", "zeta, the yield limit's dependence on the past"),
-            Suspect::Memory => ("memory", "the memory term B"),
-            Suspect::Compliance => ("law", "the compliance law"),
-            Suspect::Gap => ("gap", "the constraint u_nu <= g"),
-            Suspect::TimeRule => ("time-rule", "the time rule that memory and zeta share"),
-            Suspect::Solver => {
-                ("solver", "the iteration that solves a nonlinear level, or its tolerance")
-            }
-            Suspect::Elasticity => ("elasticity", "elasticity A"),
-            Suspect::Loads => (
-                "loads",
-                "the loads as the solver takes them, or what else every run has (clamped sides, the linear solver, the measured error)",
-            ),
-            Suspect::Space => (
-                "space",
-                "what only a solution outside V^h has: quadrature of its loads or of its error, interpolation",
-            ),
-        }
+        Self::DESCRIBED[self as usize].2
     }
 
     /// Whether a variant of a scene can do without it.

@@ -16,12 +16,7 @@ pub use units::{Unitless, Units};
 
 /// All ladders. The largest meshes are climbed only where `long` says so.
 pub fn catalogue(long: bool) -> Vec<Ladder> {
-    vec![
-        units::length(),
-        units::stiffness(),
-        units::time(),
-        units::displacement(),
-        units::together(),
+    let others = [
         bodies::locking(),
         bodies::locking_order(if long { 256 } else { 64 }),
         bodies::projection(),
@@ -45,5 +40,6 @@ pub fn catalogue(long: bool) -> Vec<Ladder> {
         bodies::aspect_ratio(),
         bodies::sliver(),
         bodies::subnormal(),
-    ]
+    ];
+    units::ladders().into_iter().chain(others).collect()
 }

@@ -229,36 +229,32 @@ fn powers(with: fn(f64) -> Units, beyond: Option<&'static str>) -> Vec<(String, 
 const WHY: &str =
     "(5.1)-(5.5) are invariant under a change of units; rounding times the condition number";
 
-/// The unit of length, in the plane: in space n counts cells per unit length, which is then part of the mesh. Beyond
-/// 1e±150 areas leave the doubles, and the scene is refused.
-pub(crate) fn length() -> Ladder {
-    let with = |length| Units { length, ..Units::default() };
-    let units = powers(with, Some("outside 1e-150 to 1e150"));
-    ladder("unit-length", "unit of length", WHY, &Unitless::PLANE, units)
-}
-
-/// The unit of stiffness; beyond 1e±152 squares of stresses leave the doubles.
-pub(crate) fn stiffness() -> Ladder {
-    let with = |stiffness| Units { stiffness, ..Units::default() };
-    let units = powers(with, Some("the stiffest modulus"));
-    ladder("unit-stiffness", "unit of stiffness", WHY, &Unitless::ALL, units)
-}
-
-/// The unit of time: nothing squares it.
-pub(crate) fn time() -> Ladder {
-    let with = |time| Units { time, ..Units::default() };
-    ladder("unit-time", "unit of time", WHY, &Unitless::ALL, powers(with, None))
-}
-
-/// The unit of displacement; strains beyond 1e±152 are refused, subnormal ones among them.
-pub(crate) fn displacement() -> Ladder {
-    let with = |displacement| Units { displacement, ..Units::default() };
-    let units = powers(with, Some("state the scene in other units"));
-    ladder("unit-displacement", "unit of displacement", WHY, &Unitless::ALL, units)
+/// The units, each alone, then together. Of length in the plane: in space n counts cells per unit length, which is then part
+/// of the mesh. Beyond 1e±150 areas leave the doubles, beyond 1e±152 squares of stresses do, strains beyond 1e±152 are
+/// refused, subnormal ones among them; nothing squares a time.
+pub(crate) fn ladders() -> [Ladder; 5] {
+    type With = fn(f64) -> Units;
+    let of_length: With = |length| Units { length, ..Units::default() };
+    let of_stiffness: With = |stiffness| Units { stiffness, ..Units::default() };
+    let of_time: With = |time| Units { time, ..Units::default() };
+    let of_displacement: With = |displacement| Units { displacement, ..Units::default() };
+    let alone = |name, parameter, scenes, with, beyond| {
+        ladder(name, parameter, WHY, scenes, powers(with, beyond))
+    };
+    let (plane, all) = (&Unitless::PLANE[..], &Unitless::ALL[..]);
+    let [areas, squares] = ["outside 1e-150 to 1e150", "the stiffest modulus"].map(Some);
+    let strains = Some("state the scene in other units");
+    [
+        alone("unit-length", "unit of length", plane, of_length, areas),
+        alone("unit-stiffness", "unit of stiffness", all, of_stiffness, squares),
+        alone("unit-time", "unit of time", all, of_time, None),
+        alone("unit-displacement", "unit of displacement", all, of_displacement, strains),
+        together(),
+    ]
 }
 
 /// All units at once, as programs in SI units meet them: from films to faults.
-pub(crate) fn together() -> Ladder {
+fn together() -> Ladder {
     let units = [
         ("nm", Units { length: 1e-9, stiffness: 1e9, time: 1e-9, displacement: 1e-12 }),
         ("mm", Units { length: 1e-3, stiffness: 1e6, time: 1.0, displacement: 1e-6 }),

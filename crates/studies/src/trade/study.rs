@@ -4,9 +4,8 @@
 use super::bench::{Bench, Trial};
 use super::bench::{element_meshes, trade_grid};
 use super::bench::{elements, settings};
-use super::optimum::{Choice, NoAnswer, Wanted, coupling};
+use super::optimum::{NoAnswer, Wanted, coupling};
 use super::runs::{Candidate, Models, Price, at, candidates, mark_front, of, places, prices};
-use files::megabytes;
 use judge::claim::{Claim, Place, Statement};
 use judge::fit::FLOORS_ABOVE;
 use judge::record::norm_label;
@@ -300,23 +299,15 @@ fn found(
 /// The answer in a sentence, and what its run showed.
 fn answer_words(bench: &Bench<'_>, answer: &Candidate, real: Option<&Trial>) -> String {
     let Candidate { change, choice, extrapolates } = answer;
-    let Choice { target, n, steps, h, k, error, seconds, bytes } = choice;
     let part = match bench.norm {
-        Norm::VMax => format!(" ({:.3} % of the solution)", 100.0 * target / bench.size),
+        Norm::VMax => format!(" ({:.3} % of the solution)", 100.0 * choice.target / bench.size),
         _ => String::new(),
     };
-    let far = extrapolates.as_ref().map_or(String::new(), |far| format!("; far: {far}"));
     let real = real.map_or(String::new(), |real| {
         format!("; real: error {:.4e}, {:.3} CPU s", real.error(), real.seconds())
     });
-    format!(
-        "target {target:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {}, k = {}); predicted: error {error:.4e}, {seconds:.3} CPU s, {}{real}{far}",
-        bench.norm.name(),
-        change.words(),
-        digits(*h, 5),
-        digits(*k, 5),
-        megabytes(*bytes),
-    )
+    let words = choice.words(&format!(", {}", change.words()), "", extrapolates.as_ref());
+    format!("target {:.4e} in {}{part}: {words}{real}", choice.target, bench.norm.name())
 }
 
 /// Error against CPU time, a marker per run, with the Pareto front; none without two runs.

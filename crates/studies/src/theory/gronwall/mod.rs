@@ -4,15 +4,14 @@
 //! Only purely temporal errors are put under the envelopes: the truth is the exact u(t) of an abstract
 //! problem, an exact u(t) ∈ V^h, or a run on the same mesh.
 
-mod estimate;
 mod recurrence;
 mod scenes;
 mod study;
 #[cfg(test)]
 mod tests;
 
-pub use estimate::{Bounds, Envelopes, Estimate};
-pub use estimate::{GronwallError, InTime};
+pub use recurrence::{Bounds, Envelopes, Estimate};
+pub use recurrence::{GronwallError, InTime};
 pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge, Weights};
 pub use scenes::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
 pub use study::{StudyRuns, prepare, study, study_runs};

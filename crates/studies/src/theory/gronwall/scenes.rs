@@ -5,7 +5,7 @@
 //! problem with the history S_n u of its solution, which is all that (3.21) asks of it.
 
 use super::super::norms::{DualNorm, remembered, stress_norm};
-use super::estimate::{
+use super::recurrence::{
     Estimate, GivenLoads, GronwallError, InTime, Known, Levels, NO_HISTORY, OWN_WEIGHTS, Terms,
     named, refused, smallness,
 };

@@ -9,8 +9,8 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::estimate::{Bounds, Envelopes, Estimate};
-use super::estimate::{GronwallError, InTime, refused};
+use super::recurrence::{Bounds, Envelopes, Estimate};
+use super::recurrence::{GronwallError, InTime, refused};
 use super::scenes::FiniteInTime;
 use super::scenes::{ContactInTime, REFERENCE_STEPS};
 use algebra::linalg::{largest, signed_unit};
@@ -69,10 +69,12 @@ impl Bounded {
         let (e, bounds, grid) = (&self.estimate, &self.envelopes, &self.estimate.grid);
         let at = |values: &Option<Vec<f64>>, n: usize| values.as_ref().map(|values| values[n]);
         let level = |n: usize| {
+            let [g_zeta, g_memory] = e.truncation.each_ref().map(|part| part.get(n));
+            let [weighted, primed] = [bounds.weighted[n], bounds.primed[n]];
             json!({
-                "part": self.part, "steps": grid.steps(), "k": grid.largest_step(), "n": n, "t": grid.time(n),
-                "error": e.error[n], "g_zeta": e.truncation[0].get(n), "g_memory": e.truncation[1].get(n),
-                "source": e.source[n], "weighted": bounds.weighted[n], "primed": bounds.primed[n],
+                "part": self.part, "steps": grid.steps(), "k": grid.largest_step(), "n": n,
+                "t": grid.time(n), "error": e.error[n], "g_zeta": g_zeta, "g_memory": g_memory,
+                "source": e.source[n], "weighted": weighted, "primed": primed,
                 "closed": bounds.closed[n], "limit": bounds.limit[n],
                 "printed": at(&bounds.printed, n), "printed_closed": at(&bounds.printed_closed, n),
             })
@@ -299,19 +301,9 @@ pub(super) fn perturbations(
         let (disturbed, other) = scene.solutions(&grid, &changed)?;
         let pairs = undisturbed.iter().zip(&disturbed);
         let source = vec![share * size; unit.len()];
-        let (m0, beta, weights, parts) = scene.terms(&grid);
-        let estimate = Estimate {
-            grid: grid.clone(),
-            weights,
-            error: pairs.map(|(u, v)| scene.distance(u, v)).collect(),
-            weighted_source: source.clone(),
-            source,
-            m0,
-            beta,
-            parts,
-            floor: floor + other,
-            truncation: [Vec::new(), Vec::new()],
-        };
+        let error = pairs.map(|(u, v)| scene.distance(u, v)).collect();
+        let sources = [source.clone(), source];
+        let estimate = Estimate::new(&grid, scene.terms(&grid), error, sources, floor + other);
         Ok((share, Bounded::new(format!("perturbed-{share:e}"), estimate)?))
     };
     SIZES.into_iter().map(one).collect()

@@ -5,7 +5,7 @@ use super::super::optimum::{Choice, Choices, Law, MOST, NoAnswer};
 use super::super::{SPAN, Wanted};
 use super::{Companions, Estimate, Part, companions_and_bound, norm_estimate};
 use crate::guarantee::{Guarantee, GuaranteeError};
-use files::{digits, megabytes};
+use files::digits;
 use judge::fit::Interval;
 use report::{Chapter, StudyDocument};
 use run::sweep::MemoryLimit;
@@ -158,15 +158,9 @@ fn bound_words(bound: &Result<Guarantee, String>) -> String {
     )
 }
 
-fn words(advised: &Advised) -> String {
-    let Choice { n, steps, h, k, error, seconds, bytes, .. } = advised.run;
-    let far = advised.extrapolates.as_ref().map_or(String::new(), |far| format!("; far: {far}"));
-    format!(
-        "n = {n}, N = {steps} (h = {h:.5}, k = {k:.5}), predicted: error {error:.3e} in [{:.3e}, {:.3e}], {seconds:.3} CPU s, {}{far}",
-        advised.interval.lo,
-        advised.interval.hi,
-        megabytes(bytes),
-    )
+fn words(Advised { run, interval, extrapolates, .. }: &Advised) -> String {
+    let interval = format!(" in [{:.3e}, {:.3e}]", interval.lo, interval.hi);
+    run.words("", &interval, extrapolates.as_ref())
 }
 
 fn orders_words(estimate: &Estimate) -> String {
