@@ -60,7 +60,11 @@ impl<T> ByTime<T> {
 
     /// The value at t, if it was computed.
     pub(super) fn known(&self, t: f64) -> Option<Arc<T>> {
-        self.slot(t).lock().unwrap_or_else(PoisonError::into_inner).clone()
+        let values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        let slot = values.get(&t.to_bits())?.clone();
+        drop(values);
+        let value = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        value.clone()
     }
 
     /// The value at t, computed if necessary.
@@ -80,5 +84,18 @@ impl<T> ByTime<T> {
     pub fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
         let Ok(value) = self.get_or(t, || Ok::<T, Infallible>(compute()));
         value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_question_leaves_nothing_behind() {
+        let values = ByTime::<f64>::default();
+        assert!(values.known(0.5).is_none() && values.values.lock().unwrap().is_empty());
+        values.always(0.5, || 2.0);
+        assert_eq!(values.known(0.5).as_deref(), Some(&2.0));
     }
 }
