@@ -1,4 +1,4 @@
-//! The arguments of the command line.
+//! The arguments of the command line, their help, completions and manual page.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -138,7 +138,8 @@ impl Fit {
         };
         let found = judged(&self.name(), &tables, asked, &left_out)?;
         if let Some(file) = &self.svg {
-            let drawn = eoc::svg(&tables.groups, asked)?;
+            let order = |group: &Group, direction| asked(group).order(direction);
+            let drawn = eoc::svg(&tables.groups, order)?;
             write_user_file(file, drawn)?;
         }
         let texts = match (self.markdown, self.latex) {

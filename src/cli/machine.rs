@@ -1,4 +1,4 @@
-//! Limits of memory and processors.
+//! Limits of memory and processors, and interruption.
 
 use std::io::IsTerminal;
 use std::path::Path;

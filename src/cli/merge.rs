@@ -1,4 +1,5 @@
-//! `sweep merge`: merges the records of many processes and judges them like those of one.
+//! `sweep merge`: merges the records of many processes and judges them like those of one; `sweep baseline` records errors
+//! and work.
 
 use std::path::{Path, PathBuf};
 

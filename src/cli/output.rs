@@ -1,4 +1,4 @@
-//! Output of commands: text on stdout and stderr, files in a given directory.
+//! Output of commands: text and progress on stdout and stderr, files in a given directory.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;

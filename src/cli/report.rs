@@ -1,4 +1,4 @@
-//! `sweep report DIR`: rebuilds every output from the records.
+//! `sweep report DIR`: rebuilds every output from the records, and sets the PDF.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

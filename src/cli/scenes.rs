@@ -147,7 +147,16 @@ impl Chosen {
     ) -> Result<Vec<T>, CliError> {
         share_threads()?;
         let one = |scene: Scene| {
-            let Some(plan) = self.plan_of(scene, overrides, limit)? else { return Ok(None) };
+            if scene.long && !self.all && !self.named() {
+                return Ok(None);
+            }
+            self.grid.check(&scene)?;
+            let plan = ScenePlan::new(subject(scene, limit)?, overrides);
+            match (plan.cases.is_empty(), self.named()) {
+                (true, false) => return Ok(None),
+                (true, true) => return Err(no_case(plan.scene(), "run")),
+                (false, _) => {}
+            }
             let (name, remark) = (plan.scene().name.clone(), plan.step_remark()?);
             Ok::<_, CliError>(Some((name, remark, then(plan)?)))
         };
@@ -161,25 +170,6 @@ impl Chosen {
             made.push(value);
         }
         Ok(made)
-    }
-
-    fn plan_of(
-        &self,
-        scene: Scene,
-        overrides: &Overrides,
-        limit: &MemoryLimit,
-    ) -> Result<Option<ScenePlan>, CliError> {
-        if scene.long && !self.all && !self.named() {
-            return Ok(None);
-        }
-        self.grid.check(&scene)?;
-        let plan = ScenePlan::new(subject(scene, limit)?, overrides);
-        match (plan.cases.is_empty(), self.named()) {
-            // A scene without a grid is meant for `sweep solve`.
-            (true, false) => Ok(None),
-            (true, true) => Err(no_case(plan.scene(), "run")),
-            (false, _) => Ok(Some(plan)),
-        }
     }
 
     /// The error if there is no plan at all.

@@ -1,4 +1,4 @@
-//! Output of a study: JSON, its document on the terminal and, with --out, files.
+//! The commands of the studies. Each prints JSON or its document and, with --out, writes files.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use scene::setup::{Setup, Subject};
 use scene::{Extension, Scene};
 use studies::diagnose::{admit_diagnosis, diagnose};
 use studies::extremes::{Climbed, Ladder, UnderTest, admit, catalogue, climb, found};
-use studies::theory::audit::{AuditError, audit, audit_runs};
+use studies::theory::audit::{audit, audit_runs};
 use studies::theory::bound::{self, BoundStudy};
 use studies::theory::gronwall::{self, StudyRuns};
 use studies::trade::{Trade, TradeError, Wanted, measurable, trade};
@@ -174,12 +174,6 @@ pub(crate) struct Audit {
     out: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
-}
-
-impl From<AuditError> for CliError {
-    fn from(error: AuditError) -> Self {
-        Self::Other(error.to_string())
-    }
 }
 
 impl Audit {

@@ -1,4 +1,4 @@
-//! A finished sweep, as its commands show it.
+//! A finished sweep, as its commands and GitHub show it.
 
 use std::fs::OpenOptions;
 use std::io::Write;

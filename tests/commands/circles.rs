@@ -22,12 +22,6 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "findings and the points where they are sampled stand in the module of the checks",
     ),
     (
-        "studies",
-        "theory/gronwall/in_time",
-        3,
-        "what a study asks of a scene in time, and the body and the abstract problem that answer it",
-    ),
-    (
         "fem",
         "contact/evolution",
         2,
@@ -68,12 +62,6 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "sweep/case",
         5,
         "cases of either kind of problem are planned, sized and measured from a plan",
-    ),
-    (
-        "studies",
-        "portrait/picture/space",
-        2,
-        "bodies in space are drawn by parts of the plane picture",
     ),
     (
         "run",

@@ -1,8 +1,6 @@
 //! Error tables with orders, as in papers: h, then error and EOC of each norm.
 
 use super::super::CliError;
-use super::eoc;
-use super::parts::{Asked, plain};
 use files::digits;
 use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level, screen};
 use judge::table::{Group, Quantity};
@@ -164,7 +162,10 @@ fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
 // The errors of a file on logarithmic axes.
 
 /// One series per table, in the first refined direction of the file, with triangles of predicted orders.
-pub(super) fn svg(groups: &[Group], asked: impl Fn(&Group) -> Asked) -> Result<String, CliError> {
+pub(super) fn svg(
+    groups: &[Group],
+    predicted: impl Fn(&Group, Direction) -> Option<f64>,
+) -> Result<String, CliError> {
     let errors: Vec<&Group> =
         groups.iter().filter(|group| group.quantity == Quantity::Error).collect();
     let directions = Direction::BOTH;
@@ -175,20 +176,29 @@ pub(super) fn svg(groups: &[Group], asked: impl Fn(&Group) -> Asked) -> Result<S
     let chart = Chart::new("", "", x, Axis::new("error", Scale::Log));
     let mut chart = Chart { direct: true, ..chart };
     for group in errors {
-        let mut points: Vec<Datum> = eoc::line(group, direction)
+        let mut points: Vec<Datum> = line(group, direction)
             .iter()
             .filter(|point| screen(point).is_ok())
             .map(|point| (direction.step(point), point.error))
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let name = group.heading().unwrap_or_else(|| "error".into());
-        let order = asked(group).order(direction);
+        let order = predicted(group, direction);
         let slope =
             order.map(|order| Slope { order, label: order.to_string(), along: points.clone() });
         let parts = vec![Part::Line(points.clone()), Part::Points(points)];
         chart.series.push(Series { slope, ..Series::new(name, parts) });
     }
     chart.svg().ok_or_else(nothing)
+}
+
+/// Four digits, but never 0.0000.
+pub(super) fn plain(number: f64) -> String {
+    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
+    match rounded.abs() {
+        size if size == 0.0 || (1e-3..1e5).contains(&size) => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    }
 }
 
 #[cfg(test)]

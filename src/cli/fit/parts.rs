@@ -1,8 +1,9 @@
-//! What a caller claims of a table and knows of its errors, and the answer.
+//! The parts of an answer to a table: one direction, a path, a grid, values. First what a caller claims and knows of its
+//! errors.
 
 use std::fmt::Display;
 
-use super::eoc;
+use super::eoc::{self, plain};
 use files::{counted, digits};
 use judge::fit::{
     Claim, Correction, Direction, EcaHoekstra, Exclusion, FitError, FittedValue, GridPosterior,
@@ -141,15 +142,6 @@ pub(super) struct Part {
     pub(super) json: serde_json::Value,
     /// Set if an order is predicted.
     pub(super) decision: Option<Decision>,
-}
-
-/// Four digits, but never 0.0000.
-pub(super) fn plain(number: f64) -> String {
-    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
-    match rounded.abs() {
-        size if size == 0.0 || (1e-3..1e5).contains(&size) => rounded.to_string(),
-        _ => format!("{rounded:e}"),
-    }
 }
 
 /// The steps of the missing levels: one more in the ratio of the last two, or two after a single one.
@@ -340,20 +332,9 @@ pub(super) fn path_part(group: &Group, path: RefinementPath, asked: Asked) -> Pa
         "next": next(answered),
     });
     let otherwise = format!("along the path the order in h is min(p, {exponent:.2} q)");
-    let text = path_text(&read, path, order, answered);
-    asked.part((text, further), found, answer, otherwise)
-}
-
-fn path_text(
-    read: &Result<LineReading, FitError>,
-    path: RefinementPath,
-    order: Option<f64>,
-    answer: Option<&Answer>,
-) -> String {
-    let RefinementPath { exponent, constant } = path;
     let head = format!("path k = {} h^{exponent:.2}:", digits(constant, 4));
-    let tail = verdict_text(order.map(|order| format!("order {order} along it")), answer);
-    match read {
+    let tail = verdict_text(order.map(|order| format!("order {order} along it")), answered);
+    let text = match &read {
         Ok(LineReading { posterior: Posterior { order, interval, .. }, .. }) => {
             let tail = match tail.is_empty() {
                 true => format!("; it is min(p, {exponent:.2} q)"),
@@ -363,7 +344,8 @@ fn path_text(
         }
         Err(_) if !tail.is_empty() => format!("{head} {tail}"),
         Err(error) => format!("{head} {error}"),
-    }
+    };
+    asked.part((text, further), found, answer, otherwise)
 }
 
 /// The predicted order along the path, without the rounding of its exponent; a missing p or q counts as the faster
@@ -468,7 +450,23 @@ pub(super) fn grid_part(
     let constants = found
         .zip(orders)
         .and_then(|(joint, orders)| fit_constants(&points, joint.fits.best.model, orders).ok());
-    let json = grid_object(found, floor.as_ref(), constants, asked);
+    let (fits, time) =
+        (found.map(|joint| &joint.fits), found.map(|joint| &joint.posterior.order_k));
+    let all = fits.into_iter().chain(floor.as_ref());
+    let all = all.flat_map(|fits| [Some(&fits.best), fits.other.as_ref()]).flatten();
+    let constant = |c: FittedValue, order: Option<f64>| json!({"value": c.value, "interval": c.interval, "order": order});
+    let json = json!({
+        "variable": "joint",
+        "observed_k": time.map(|posterior| posterior.order),
+        "interval_k": time.map(|posterior| posterior.interval),
+        "models": all.map(model).collect::<Vec<Value>>(),
+        "better": fits.map(|fits| fits.best.model.name()),
+        "constants": constants.map(|[h, k]| json!({
+            "C_h": constant(h, asked.p), "C_k": constant(k, asked.q)
+        })),
+        "predicted": asked.p,
+        "predicted_k": asked.q,
+    });
     let head = verdict_text(orders.map(|(p, q)| format!("{p}, {q}")), answer.as_ref());
     let text = match joint {
         Err(_) if !head.is_empty() => format!("joint: {head}"),
@@ -549,31 +547,6 @@ fn floor_line(plain: &JointFit, with: &JointFit, points: usize) -> Option<String
         with.order_k.value,
         with.residual_norm
     ))
-}
-
-fn grid_object(
-    found: Option<&Joint>,
-    floor: Option<&JointFits>,
-    constants: Option<[FittedValue; 2]>,
-    asked: Asked,
-) -> Value {
-    let fits = found.map(|joint| &joint.fits);
-    let time = found.map(|joint| &joint.posterior.order_k);
-    let all = fits.into_iter().chain(floor);
-    let all = all.flat_map(|fits| [Some(&fits.best), fits.other.as_ref()]).flatten();
-    let constant = |c: FittedValue, order: Option<f64>| json!({"value": c.value, "interval": c.interval, "order": order});
-    json!({
-        "variable": "joint",
-        "observed_k": time.map(|posterior| posterior.order),
-        "interval_k": time.map(|posterior| posterior.interval),
-        "models": all.map(model).collect::<Vec<Value>>(),
-        "better": fits.map(|fits| fits.best.model.name()),
-        "constants": constants.map(|[h, k]| json!({
-            "C_h": constant(h, asked.p), "C_k": constant(k, asked.q)
-        })),
-        "predicted": asked.p,
-        "predicted_k": asked.q,
-    })
 }
 
 fn model(fit: &JointFit) -> Value {

@@ -69,22 +69,6 @@ impl Pictures {
             self.exact.times.push(view.t);
             self.exact.levels.push(level);
         }
-        let level = self.discrete_level(space, model, view);
-        self.discrete.times.push(view.t);
-        self.discrete.levels.push(level);
-        if last {
-            self.body = Some(self.deformed(space, model, view));
-        }
-        Ok(())
-    }
-
-    /// An edge is locked if both its ends are, as in the errors by states.
-    fn discrete_level(
-        &self,
-        space: &Discretization,
-        model: &Model,
-        view: &StepView<'_>,
-    ) -> Vec<(f64, f64, Zone)> {
         let trace = &space.trace;
         let locked = |i: usize| {
             let place = space.mesh.point(&[trace.points[i].vertex], &[1.0]);
@@ -103,7 +87,13 @@ impl Pictures {
             };
             (from, from + trace.measure[f], zone)
         };
-        self.order.iter().map(piece).collect()
+        let level = self.order.iter().map(piece).collect();
+        self.discrete.times.push(view.t);
+        self.discrete.levels.push(level);
+        if last {
+            self.body = Some(self.deformed(space, model, view));
+        }
+        Ok(())
     }
 
     /// The exact solution at the points of [`state_rule`] on each facet.

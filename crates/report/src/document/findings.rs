@@ -17,8 +17,8 @@ pub struct Findings {
     pub claims: Vec<Claim>,
     /// Keys of its JSON beside those of every study: scene, fingerprint, holds, claims.
     pub numbers: Map<String, Value>,
-    /// Rows of further tables, by the ends of their file names.
-    pub tables: Vec<(&'static str, Value)>,
+    /// Rows of further tables: the end of the file's name, and the keys in order.
+    pub tables: Vec<(&'static str, &'static str, Value)>,
     pub document: StudyDocument,
 }
 
@@ -40,6 +40,13 @@ impl Findings {
     /// A key of its JSON. What cannot be written is null.
     pub fn number(&mut self, key: &str, value: impl serde::Serialize) {
         self.numbers.insert(key.into(), json!(value));
+    }
+
+    /// The keys of an object.
+    pub fn numbers(&mut self, object: Value) {
+        if let Value::Object(keys) = object {
+            self.numbers.extend(keys);
+        }
     }
 
     /// Rows under a key of its JSON and as a table, see [`StudyDocument::rows`].
@@ -80,19 +87,20 @@ impl Findings {
         let put = |name: String, bytes: &[u8]| replace_file(&dir.join(name), bytes);
         put(format!("{stem}.json"), format!("{:#}\n", self.json()).as_bytes())?;
         put(format!("{stem}-claims.csv"), &Claim::csv(&self.claims)?)?;
-        for (end, rows) in &self.tables {
-            put(format!("{stem}{end}"), &csv(rows)?)?;
+        for (end, keys, rows) in &self.tables {
+            put(format!("{stem}{end}"), &csv(keys, rows)?)?;
         }
         self.document.write(dir)
     }
 }
 
-/// Rows of JSON as CSV, below their keys.
-fn csv(rows: &Value) -> Result<Vec<u8>, csv::Error> {
+/// Rows of JSON as CSV, below these of their keys.
+fn csv(keys: &str, rows: &Value) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let rows = || rows.as_array().into_iter().flatten().filter_map(Value::as_object);
-    rows().next().map_or(Ok(()), |first| writer.write_record(first.keys()))?;
-    rows().try_for_each(|row| writer.write_record(row.values().map(text)))?;
+    writer.write_record(keys.split(','))?;
+    for row in rows.as_array().into_iter().flatten() {
+        writer.write_record(keys.split(',').map(|key| text(&row[key])))?;
+    }
     writer.into_inner().map_err(|error| error.into_error().into())
 }
 

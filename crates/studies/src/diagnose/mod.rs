@@ -125,10 +125,11 @@ impl Diagnosis {
             ]
         };
         findings.document.table("Variants of the scene.", self.outcomes.iter().map(row));
-        findings.number("verdicts", &self.verdicts);
-        findings.number("trials", &self.outcomes);
-        findings.number("culprits", self.finding.as_ref().map_or(Vec::new(), Finding::culprits));
-        findings.number("sentence", &self.sentence);
+        let culprits = self.finding.as_ref().map_or(Vec::new(), Finding::culprits);
+        findings.numbers(serde_json::json!({
+            "verdicts": self.verdicts, "trials": self.outcomes, "culprits": culprits,
+            "sentence": self.sentence,
+        }));
         findings
     }
 }

@@ -1,4 +1,5 @@
-//! Ladders of the projection, μ and κ, and of u(t) through zero, on exact solutions in V^h.
+//! Ladders of bodies: material, contact, the error in space, and what is next to nothing. First those of the projection,
+//! μ and κ, and of u(t) through zero, on exact solutions in V^h.
 
 use super::UnderTest;
 use super::rung::{

@@ -1,4 +1,4 @@
-//! Ladders of the history alone: relaxation times against steps, and the number of steps.
+//! Ladders without a mesh: of Problem 1 in ℝ, and of the history alone, relaxation times against steps and the number of steps.
 //!
 //! The recursion I_n = e^{-ck}(I_{n-1} + (k/2) u_{n-1}) + (k/2) u_n is compared with Σ' e^{-c(n-j)k} u_j k, summed
 //! with compensation.  A step of the recursion rounds six times (two products and two sums of each half, the

@@ -1,14 +1,32 @@
 //! f0 in the body and the given part of σν on its boundary, from the formulas of a scene: f2 on Γ2, and on Γ3 what a
 //! manufactured solution adds to the contact pressure.
 
-use super::GuaranteeError;
 use super::equilibrium::{Edges, Equilibrium, Given, Linear};
-use fem::contact::{Boundary, Discretization, StepView};
+use fem::contact::{Boundary, CaseError, Discretization, StepView};
 use fem::space::quadrature::{Rule, edge, gauss_legendre, triangle_degree_8};
 use formula::{BoundProgram, Graph, Node, Program};
 use scene::Data;
-use scene::setup::{Setup, side_numbers};
+use scene::setup::{Setup, SetupError, side_numbers};
 use vhi::law::{Potential, TensorField};
+
+/// Why there is no bound.
+#[derive(Debug, thiserror::Error)]
+pub enum GuaranteeError {
+    #[error("no guaranteed bound: {reason}")]
+    Refused { reason: String },
+    #[error("no guaranteed bound: {what} is not finite at t = {t}")]
+    NotFinite { what: &'static str, t: f64 },
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    #[error(transparent)]
+    Case(#[from] CaseError),
+}
+
+impl GuaranteeError {
+    pub(super) fn refused(reason: impl Into<String>) -> Self {
+        Self::Refused { reason: reason.into() }
+    }
+}
 
 /// Gauss points on an edge.
 const ON_EDGES: usize = 8;

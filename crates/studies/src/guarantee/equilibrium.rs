@@ -5,9 +5,8 @@
 //! triangles are eliminated is symmetric and positive definite, four unknowns an edge, and the same at all times.
 
 use std::collections::HashMap;
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use super::Constants;
 use algebra::linalg::{
     Analysis, BlockPattern, Factor, FactorError, Front, larger, largest, nested_dissection,
 };
@@ -521,4 +520,47 @@ fn add_traction<const R: usize>(
     matrix[(row, at + 2)] += ny * FRAC_1_SQRT_2;
     matrix[(row + 1, at + 1)] += ny;
     matrix[(row + 1, at + 2)] += nx * FRAC_1_SQRT_2;
+}
+
+// Constants of a triangle T with which loads orthogonal to linear functions act on strains, proved and explicit.
+//
+// Let v be a displacement less the rigid motion with its mean and its mean rotation ω. In the plane
+// ∂_x ω = ∂_x ε_xy - ∂_y ε_xx and ∂_y ω = ∂_x ε_yy - ∂_y ε_xy, so the Babuška–Aziz constant β of T bounds
+// ‖ω‖ ≤ ‖ε(v)‖/β, and ‖∇v‖² = ‖ε(v)‖² + 2‖ω‖² ≤ (1 + 2/β²) ‖ε(v)‖². On a domain in a disc of radius R that is
+// star-shaped with respect to the concentric disc of radius ρ, β ≥ ρ/(2R) (M. Costabel, M. Dauge, Arch. Ration.
+// Mech. Anal. 217 (2015)); here the discs are about the incentre. The inequality of Payne and Weinberger,
+// ‖v‖ ≤ (h/π) ‖∇v‖ on convex domains, gives ‖v‖_T; with x - p, p the corner opposite to an edge E at the height H, the
+// divergence theorem gives H ‖v‖²_E ≤ 2‖v‖² + 2h ‖v‖ ‖∇v‖.
+
+/// Constants C with ‖v‖ ≤ C ‖ε(v)‖_T for some rigid motion taken off.
+pub(super) struct Constants {
+    /// Of ‖v‖_T.
+    pub inside: f64,
+    /// Of ‖v‖_E for the edges opposite to each corner.
+    pub on_edge: [f64; 3],
+}
+
+impl Constants {
+    /// The constants of the triangle with these corners.
+    pub(super) fn of(corners: &[[f64; 2]; 3]) -> Self {
+        let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let sides: [f64; 3] =
+            std::array::from_fn(|s| distance(corners[(s + 1) % 3], corners[(s + 2) % 3]));
+        let [a, b, c] = *corners;
+        let twice = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        let around: f64 = sides.iter().sum();
+        let incentre: [f64; 2] =
+            std::array::from_fn(|i| (0..3).map(|s| sides[s] * corners[s][i]).sum::<f64>() / around);
+        let inner = twice / around;
+        let outer = corners.iter().map(|&corner| distance(corner, incentre)).fold(0.0, f64::max);
+        let beta = inner / (2.0 * outer);
+        let korn = (1.0 + 2.0 / (beta * beta)).sqrt();
+        let longest = sides.iter().copied().fold(0.0, f64::max);
+        let inside = longest / PI * korn;
+        let on_edge = sides.map(|side| {
+            let height = twice / side;
+            ((2.0 * inside * inside + 2.0 * longest * inside * korn) / height).sqrt()
+        });
+        Self { inside, on_edge }
+    }
 }

@@ -300,7 +300,7 @@ fn a_stress_that_jumps_inside_is_refused() {
 #[test]
 fn no_displacement_exceeds_the_constants() {
     let corners = [[0.1, 0.0], [0.6, 0.1], [0.2, 0.4]];
-    let constants = Constants::of(&corners);
+    let constants = equilibrium::Constants::of(&corners);
     let at = |b: &[f64]| -> [f64; 2] {
         std::array::from_fn(|i| (0..3).map(|a| b[a] * corners[a][i]).sum())
     };

@@ -28,6 +28,7 @@ use run::sweep::{Runs, run_cost};
 use scene::setup::{MeshData, Setup, SetupError, constants};
 use scene::{Extension, Face, TimeRule};
 use serde::{Serialize, Serializer};
+use serde_json::json;
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Potential, Projection};
 use vhi::monotonicity;
@@ -672,11 +673,9 @@ fn found(setup: &Setup, constants: &AuditConstants, mut claims: Vec<Claim>) -> F
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     findings.document.words(format!("{theorem}; boundary rule {rule}."));
     findings.document.table("Constants of the bounds.", constants.rows());
-    findings.number("theorem", theorem);
-    findings.number("rule", rule);
-    let mut constants = serde_json::json!(constants);
+    let mut constants = json!(constants);
     constants["m0"] = m0.into();
-    findings.number("constants", constants);
+    findings.numbers(json!({ "theorem": theorem, "rule": rule, "constants": constants }));
     findings
 }
 

@@ -1,4 +1,4 @@
-//! Runs with their errors and CPU seconds.
+//! Runs with their errors and CPU seconds, the settings that are changed, and the grid.
 
 use std::sync::Arc;
 use std::time::Duration;

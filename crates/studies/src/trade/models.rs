@@ -1,4 +1,4 @@
-//! The error of a scene as a function of both steps, from the runs of a trade.
+//! Error and cost of a scene as functions of both steps, from the runs of a trade.
 
 use judge::fit::{
     Direction, ErrorCombination, Interval, Point, Sample, joint_fits, linear_fit, local_slopes,

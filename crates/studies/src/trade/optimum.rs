@@ -9,7 +9,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 
 use super::ErrorModel;
-use files::{digits, megabytes};
+use files::megabytes;
 use judge::fit::FLOORS_ABOVE;
 use run::sweep::{MemoryLimit, NORMS, TooLarge, admit_run, run_cost, scene_reference};
 use scene::Norm;
@@ -88,10 +88,9 @@ impl Choice {
     /// The choice in words; `with` is its setting, `interval` that of its error.
     pub(super) fn words(&self, with: &str, interval: &str, far: Option<&String>) -> String {
         let Self { n, steps, h, k, error, seconds, bytes, .. } = *self;
-        let [h, k] = [h, k].map(|step| digits(step, 5));
         let far = far.map_or(String::new(), |far| format!("; far: {far}"));
         format!(
-            "n = {n}, N = {steps}{with} (h = {h}, k = {k}); predicted: error {error:.4e}{interval}, {seconds:.3} CPU s, {}{far}",
+            "n = {n}, N = {steps}{with} (h = {h:.5}, k = {k:.5}), predicted: error {error:.3e}{interval}, {seconds:.3} CPU s, {}{far}",
             megabytes(bytes)
         )
     }

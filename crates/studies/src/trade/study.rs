@@ -261,7 +261,8 @@ fn found(
         "with = change; >n = n; >N = steps; >predicted error = error 4; >CPU s = cpu_seconds 3; >bytes = bytes 3",
     );
     let trials: Value = bench.trials.iter().map(Trial::json).collect();
-    findings.tables.push((".csv", trials.clone()));
+    let keys = "scene,change,n,steps,h,k,dofs,norm,error,floor,cpu_seconds,load_share,predicted_bytes,history_bytes,newton_iterations,factorizations,tie,front,status,reason";
+    findings.tables.push((".csv", keys, trials.clone()));
     findings.table(
         "trials",
         trials,
@@ -279,13 +280,13 @@ fn found(
     let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
     let picture = picture(bench, models, answer.as_ref().map(|(answer, _)| *answer));
     findings.document.figure("trade", caption, picture);
-    findings.number("norm", norm);
-    findings.number("size", bench.size);
-    findings.number("error_model", &of_changes[0]["error_model"]);
-    findings.number("cost_model", &of_changes[0]["cost_model"]);
-    findings.number("coupling", path);
-    findings.number("elements", models[1..].iter().map(Models::json).collect::<Value>());
-    findings.number("answer", answer.as_ref().map(|(answer, _)| answer));
+    let elements: Vec<Value> = models[1..].iter().map(Models::json).collect();
+    let chosen = answer.as_ref().map(|(answer, _)| answer);
+    let [of_error, of_cost] = ["error_model", "cost_model"].map(|key| &of_changes[0][key]);
+    findings.numbers(json!({
+        "norm": norm, "size": bench.size, "error_model": of_error, "cost_model": of_cost,
+        "coupling": path, "elements": elements, "answer": chosen,
+    }));
     if let Some((Candidate { choice, .. }, Some(real))) = &answer {
         let (error, seconds) = (real.error(), real.seconds());
         let ratios =

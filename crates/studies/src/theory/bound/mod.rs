@@ -26,7 +26,7 @@ use vhi::finite::FiniteEvolution;
 use vhi::{StepBounds, StepState};
 
 /// Everything that `sweep bound` says of a scene.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct BoundStudy {
     /// Name of the scene.
     pub scene: String,
@@ -39,12 +39,15 @@ pub struct BoundStudy {
     /// Every constant.
     pub constants: Vec<Constant>,
     /// The bounds, with the constants of the mesh n.
+    #[serde(skip)]
     pub limits: StepBounds,
     /// Factors.
+    #[serde(flatten)]
     pub study: ContractionStudy,
     /// Every inequality.
     pub claims: Vec<Claim>,
     /// Between what m0 lies, where its sign is unknown.
+    #[serde(rename = "m0_unknown")]
     pub unknown: Option<[f64; 2]>,
 }
 
@@ -353,13 +356,11 @@ impl BoundStudy {
             study.starts.distinct,
             study.starts.failed
         ));
-        findings.table(
-            "meshes",
-            &study.meshes,
+        document.rows(
             "The contraction factor of Λ at that level, on this and other meshes.",
+            &json!(study.meshes),
             ">n = mesh; >k = k 6; >‖DΛ‖ = norm 11; >spectral radius = radius 11; >sharpened = sharpened 11",
         );
-        let document = &mut findings.document;
         let mut rungs = json!(study.rungs);
         for row in rungs.as_array_mut().into_iter().flatten() {
             for solver in ["newton", "fixed_point"] {
@@ -397,17 +398,10 @@ impl BoundStudy {
             "loss_eigenvalue": loss.map(|loss| loss.rightmost),
             "not_followed": study.not_followed,
         });
+        findings.numbers(json!(self));
         findings.number("thresholds", thresholds);
-        findings.number("n", self.n);
-        findings.number("steps", self.steps);
-        findings.number("constants", &self.constants);
         findings.number("ratio", self.ratio());
         findings.number("attained", self.attained());
-        findings.number("m0_unknown", self.unknown);
-        findings.number("levels", &study.levels);
-        findings.number("worst", study.worst);
-        findings.number("starts", study.starts);
-        findings.number("rungs", &study.rungs);
         findings
     }
 

@@ -1,4 +1,4 @@
-//! Declared constants against samples: (2.5b), (2.7b), (2.8b), (2.8c), L_κ and the Lipschitz
+//! The constants of a scene, and the declared ones against samples: (2.5b), (2.7b), (2.8b), (2.8c), L_κ and the Lipschitz
 //! constant of S on random states of a small mesh. A sample can refute a constant, not prove it.
 
 use super::super::norms::{DualNorm, remembered, stress_norm};

@@ -1,4 +1,6 @@
-//! A body in contact on one mesh as a scene in time: its constants, from proved bounds only; e_n, the error against a truth on
+//! The scenes of the study, a body in contact and a problem in ℝ^m.
+//!
+//! The body on one mesh: its constants, from proved bounds only; e_n, the error against a truth on
 //! the same mesh; g_n, the truncation error of the rule on the truth, ‖S_n u - S_n^k u‖_Y = |ζ part| + ‖memory part‖_ℋ.
 //!
 //! The truth is the exact u(t) in V^h, or a run with many more steps on the same mesh. Either solves the spatially discrete

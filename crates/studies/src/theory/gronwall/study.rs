@@ -107,7 +107,8 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallEr
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     let longest = horizons.iter().filter_map(|(_, rows)| rows.last());
     let all = grids.iter().chain(longest).chain(perturbed.iter().map(|(_, run)| run));
-    findings.tables.push((".csv", all.flat_map(Bounded::levels).collect()));
+    let keys = "part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed,limit,printed,printed_closed";
+    findings.tables.push((".csv", keys, all.flat_map(Bounded::levels).collect()));
     findings.number("n", n);
     findings.number("truth", in_time.truth());
     let mesh = n.map_or_else(String::new, |n| format!(", n = {n}"));
