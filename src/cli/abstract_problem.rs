@@ -10,44 +10,39 @@ use exact::{Finding, Status};
 use files::digits;
 use scene::Scene;
 use scene::setup::{AbstractSetup, abstract_regularity};
-use vhi::StepSolver;
+use studies::theory::bound::sampled::table_of_finite;
+use vhi::{StepBounds, StepSolver};
 
 /// A number of a scene, and where it comes from.
 pub(super) fn fact(subject: &str, value: f64, how: &str) -> Finding {
     Finding::new(subject, Status::Fact, value, format!("{} ({how})", digits(value, 7)))
 }
 
+/// The bounds of the step size: (3.4), sharpened, and that of solvability.
+pub(super) fn step_facts(bounds: &StepBounds) -> [Finding; 3] {
+    let (limit, sharpened, solvable) =
+        (bounds.limit(), bounds.sharpened_limit(), bounds.solvable_limit());
+    [
+        fact("step bound (3.4)", limit, "k below this: one solution per step"),
+        fact("sharpened step bound", sharpened, "half weight of the last slot, terms apart"),
+        fact("solvable step bound", solvable, "k below this: each step monotone"),
+    ]
+}
+
 /// Hypotheses of the abstract theory with their constants.
 pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let c = &setup.constants;
-    let slopes = match c.slopes_up_to {
-        f64::INFINITY => "proved for all arguments".to_string(),
-        reach => format!("proved for |r|, |y| <= {reach}"),
-    };
-    let (nonlinear, linear) = (format!("slopes {slopes}"), "computed".to_string());
-    let how = if setup.model.nonlinear.is_empty() { linear } else { nonlinear };
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
-    let mut findings = vec![
-        fact("m_A", c.m_a, &format!("{how}: smallest eigenvalue of the symmetric part in X")),
-        fact("L_A", c.l_a, &format!("{how}: norm X -> X*")),
-        fact("alpha_phi", c.alpha_phi, &format!("slopes of N in r, {slopes}")),
-        fact("beta_phi", c.beta_phi, &format!("slopes of N in y, {slopes}; 1 where N = y")),
-        fact("alpha_j", c.alpha_j, "proved: steepest descent of the laws"),
-        fact("c_j^2", c.c_j_squared, "computed: largest eigenvalue of the functionals in X"),
-        Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {}", digits(c.m0, 7))),
-        fact("|R|", c.r_norm, "computed: norm on X*"),
-        fact("|q|", c.q_norm, "proved: norm X -> X* for 0 <= s <= t <= T"),
-    ];
+    let constants = table_of_finite(c, &setup.model).into_iter().map(|row| match &*row.name {
+        "m0" => Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {}", digits(c.m0, 7))),
+        name => fact(name, row.value, &format!("{}: {}", row.how.words(), row.note)),
+    });
+    let mut findings: Vec<Finding> = constants.collect();
     if c.power > 0.0 {
         let note = format!("the same of b in kernels (t-s)^-{} b", c.power);
         findings.push(fact("|b|", c.b_norm, &note));
     }
-    let bounds = c.step_bounds(setup.model.time_rule.as_ref());
-    findings.push(fact("step bound (3.4)", bounds.limit(), "k below this: one solution per step"));
-    let sharpened = bounds.sharpened_limit();
-    findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
-    let solvable = bounds.solvable_limit();
-    findings.push(fact("solvable step bound", solvable, "k below this: each step monotone"));
+    findings.extend(step_facts(&c.step_bounds(setup.model.time_rule.as_ref())));
     findings.extend(abstract_regularity(&setup.scene, &setup.problem));
     findings
 }

@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-use super::abstract_problem::fact;
+use super::abstract_problem::{fact, step_facts};
 use super::list::{terms, truth};
 use super::machine::Common;
 use super::scenes::Grid;
@@ -485,12 +485,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     if setup.body.material.projection.is_some() {
         findings.push(fact("L_kappa", c.lipschitz_kappa, &setup.kappa.how()));
     }
-    let bounds = c.step_bounds(setup.model.time_rule.as_ref());
-    let (limit, sharpened) = (bounds.limit(), bounds.sharpened_limit());
-    findings.push(fact("step bound (3.4)", limit, "k below this: one solution per step"));
-    findings.push(fact("sharpened step bound", sharpened, "half weight, terms apart"));
-    let solvable = bounds.solvable_limit();
-    findings.push(fact("solvable step bound", solvable, "k below this: each step monotone"));
+    findings.extend(step_facts(&c.step_bounds(setup.model.time_rule.as_ref())));
     findings
 }
 

@@ -376,12 +376,13 @@ pub struct Constant {
 }
 
 impl Obtained {
-    pub(super) fn words(self) -> &'static str {
+    /// In a table.
+    pub fn words(self) -> &'static str {
         match self {
             Proved => "proved",
-            Computed => "computed, of this mesh or of samples",
-            Extrapolated => "limit of several meshes",
-            Declared => "by scene or law, checked by samples",
+            Computed => "computed",
+            Extrapolated => "limit of meshes",
+            Declared => "declared, checked by samples",
         }
     }
 }
@@ -576,7 +577,7 @@ pub(super) fn table(
 }
 
 /// The constants of an abstract problem with how each was obtained.
-pub(super) fn table_of_finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
+pub fn table_of_finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
     // Eigenvalues are exact to rounding; norms and slopes are bounds where they hold for all arguments.
     let everywhere = c.slopes_up_to == f64::INFINITY;
     let slopes = match everywhere {
