@@ -24,7 +24,7 @@ pub(super) fn step_facts(bounds: &StepBounds) -> [Finding; 3] {
         (bounds.limit(), bounds.sharpened_limit(), bounds.solvable_limit());
     [
         fact("step bound (3.4)", limit, "k below this: one solution per step"),
-        fact("sharpened step bound", sharpened, "half weight of the last slot, terms apart"),
+        fact("sharpened step bound", sharpened, "half weight, terms apart"),
         fact("solvable step bound", solvable, "k below this: each step monotone"),
     ]
 }
