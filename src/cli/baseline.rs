@@ -15,7 +15,7 @@ use run::sweep::ScenePlan;
 /// `sweep baseline`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 the file is written; 1 a verdict is not as expected and 2 a case failed: nothing is written then, since a baseline of a wrong run would approve what is wrong."
+    after_help = "Exit codes: 0 the file was written; 1 a verdict is not as expected; 2 a case failed. With 1 and 2 nothing is written, because the baseline of a wrong run would approve its errors."
 )]
 pub(crate) struct BaselineCommand {
     /// Names of scenes, whose entries alone are recorded anew; none: all that are not marked long,
@@ -50,7 +50,7 @@ impl BaselineCommand {
         if code > 0 {
             swept.print();
             print_text(
-                "nothing recorded: every case has to converge and every verdict to be as expected",
+                "nothing was recorded, because every case must converge and every verdict must be as expected",
             );
             return Ok(code);
         }

@@ -11,7 +11,7 @@ use studies::diagnose::{admit_diagnosis, diagnose};
 /// `sweep diagnose`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the trial and the norm, left: an order or a relative error, relation: order or <=, right, low, difference, accuracy, tightness, standing, holds, note), verdicts (as in verdict.json), trials (name, terms, removed, suspects, verdict, claim), culprits (names of terms, or prediction), sentence."
+    after_help = "Exit codes: 0 there is nothing to diagnose, or with --always nothing was found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the trial and the norm, left: an order or a relative error, relation: order or <=, right, low, difference, accuracy, tightness, standing, holds, note), verdicts (as in verdict.json), trials (name, terms, removed, suspects, verdict, claim), culprits (names of terms, or prediction), sentence."
 )]
 pub(crate) struct DiagnoseCommand {
     /// Name of a scene, or path of a TOML file

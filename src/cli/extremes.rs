@@ -16,18 +16,18 @@ const WIDTH: u16 = 132;
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 every rung as expected; 1 a rung is not; 2 no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why), rungs (ladder, at, iterations: per level, seconds).\n\nFiles with --out: extremes-claims.csv (as each rung ends), extremes.json, extremes.svg (the map)."
+    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why), rungs (ladder, at, iterations: per level, seconds).\n\nFiles with --out: extremes-claims.csv (as each rung ends), extremes.json, extremes.svg (the map)."
 )]
 pub(crate) struct Extremes {
-    /// Ladders to climb [default: all]; --list names them
+    /// Ladders (one parameter taken to its extreme) to run [default: all]; --list names them
     ladder: Vec<String>,
-    /// Climb to the largest meshes as well: some minutes
+    /// Also run the largest meshes, which takes some minutes
     #[arg(long)]
     long: bool,
-    /// List the ladders with what they expect, and run nothing
+    /// List the ladders and what they expect, without running them
     #[arg(long)]
     list: bool,
-    /// Directory for extremes-claims.csv, extremes.json and extremes.svg
+    /// Directory for extremes-claims.csv, extremes.json and extremes.svg, which replace those of an earlier run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

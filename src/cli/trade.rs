@@ -12,7 +12,7 @@ use studies::trade::{Trade, TradeError, Wanted, measurable, trade};
 /// `sweep trade`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is run once from nothing (mesh, analysis, loads, march): its error and its CPU seconds, those of one thread of this machine, without what measures the error. Settings beside h and k are those that the scene file may say otherwise, changed one at a time on three cases; times of two runs that differ by less than 1.25 times are no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the setting, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), norm, size (largest strain norm of the truth), trials (scene, change: what is different from the scene as written, n, steps, h, k, dofs, norm, error, floor, cpu_seconds, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a setting that moves neither time by 1.25 times nor error by 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one), error_model (model, space and time with constant, order, interval; source, residual), cost_model (parts: seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what, n, steps, speed, error, bytes), elements (the other elements: change, their error_model and cost_model), candidates and of these the cheapest, answer (target, n, steps, h, k, change, error, cpu_seconds, bytes, extrapolates), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
+    after_help = "Each case is run once from the mesh to the last step. Its error is recorded, and its CPU seconds on one thread of this machine, without the time to measure the error. Settings beside h and k are changed one at a time on three cases. A factor below 1.25 between two times is no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the setting, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), norm, size (largest strain norm of the truth), trials (scene, change: what is different from the scene as written, n, steps, h, k, dofs, norm, error, floor, cpu_seconds, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a setting that moves neither time by 1.25 times nor error by 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one), error_model (model, space and time with constant, order, interval; source, residual), cost_model (parts: seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what, n, steps, speed, error, bytes), elements (the other elements: change, their error_model and cost_model), candidates and of these the cheapest, answer (target, n, steps, h, k, change, error, cpu_seconds, bytes, extrapolates), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
 )]
 pub(crate) struct TradeCommand {
     /// Name of a scene, or path of a TOML file
@@ -26,14 +26,14 @@ pub(crate) struct TradeCommand {
     /// Norm of the errors: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
     #[arg(long, default_value = "V_max")]
     norm: String,
-    /// Predicted CPU seconds that the grid may take; the settings may take as much again
+    /// Budget for the grid in predicted CPU seconds; the settings may take as much again
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     budget: f64,
-    /// Say which n, N and setting reach this error at least cost; `1%` is a hundredth of the largest
+    /// Find the n, N and setting that reach this error at the lowest cost. `1%` is a hundredth of the largest
     /// strain norm of the truth (V_max alone), a plain number is an error in the norm
     #[arg(long, value_name = "E")]
     target: Option<String>,
-    /// Run the answer and print predicted against real
+    /// Run the recommended case and compare the prediction with the result
     #[arg(long, requires = "target")]
     confirm: bool,
     /// Directory for tables, JSON and picture

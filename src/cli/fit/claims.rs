@@ -60,7 +60,7 @@ impl Claims {
             }
             if norms.is_empty() {
                 return Err(format!(
-                    "no norm `{name}` to judge: the errors of the table have no name; an order without one is theirs, as in --p 2"
+                    "there is no norm `{name}` to judge, because the errors of the table have no name: give the order without a name, as in --p 2"
                 ));
             }
             let known: Vec<&str> = norms.iter().map(String::as_str).collect();

@@ -81,7 +81,7 @@ impl Part {
     /// Reads d₁ and d₂; `theory` is the order of a theorem, where there is one.
     pub fn of([fine, coarse]: [f64; 2], floor: f64, theory: Option<f64>, how: Alignment) -> Self {
         if !(fine.is_finite() && coarse.is_finite()) {
-            return Self::Unknown("a difference of runs is no number".into());
+            return Self::Unknown("a difference of runs is NaN".into());
         }
         if fine.max(coarse) <= FLOORS_ABOVE * floor {
             return Self::Below(FLOORS_ABOVE * floor);

@@ -1,5 +1,5 @@
 //! Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
-//! orders and exponents have something to rest on, and no more than the budget bears.
+//! orders and exponents have something to rest on, and no more than the budget allows.
 
 use super::optimum::Choices;
 use fem::space::Element;
@@ -9,7 +9,7 @@ use scene::setup::{Setup, SetupError, Subject};
 
 /// Levels of each direction that orders need.
 const LEVELS: usize = 3;
-/// Levels that are kept while the budget bears them.
+/// Levels that are kept while the budget allows them.
 const MOST: [usize; 2] = [4, 5];
 /// Seconds that an unknown and step may take: punch at n = 64 and N = 32 has 266,000 of them and takes 0.7 s.
 const RATE: f64 = 3e-6;

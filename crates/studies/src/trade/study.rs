@@ -56,7 +56,7 @@ pub enum TradeError {
 /// # Errors
 /// It has no mesh, no truth, or a rule in time whose order is not known.
 pub fn measurable(scene: &Scene) -> Result<Setup, SetupError> {
-    let why = "its models take the order of the time rule for granted";
+    let why = "its models assume the order of the time rule";
     scene.without(&[Extension::SingularKernel], "sweep trade", why)?;
     let message = "an abstract problem has one step and no mesh to trade against";
     let hint = "sweep run measures its errors over k";
@@ -159,7 +159,7 @@ fn other_elements(
     for (element, change) in elements(setup) {
         let left_out = |why: &str| heard(&format!("{} left out: {why}", change.words()));
         if element.degree() > setup.body.element.degree() && setup.exact.is_none() {
-            left_out("the reference run is of lower degree, and no truth for it");
+            left_out("the reference run has a lower degree, so it cannot serve as the truth");
             continue;
         }
         let meshes = element_meshes(&setup.scene, n, element);
@@ -258,7 +258,7 @@ fn found(
     ];
     let prices: Vec<Value> = prices.iter().map(|price| json!(price)).collect();
     document.table(
-        "One setting at a time, against the run as written. Seconds are those of single runs on this machine: 1.25 times are no difference.",
+        "One setting changed at a time, compared with the run as written. Seconds are from single runs on this machine, so a factor below 1.25 is no difference.",
         table::rows(&prices, columns),
     );
     let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
@@ -358,7 +358,7 @@ fn tables(document: &mut StudyDocument, models: &[Value], candidates: &[Value], 
         (">bytes", "/bytes", 3),
     ];
     document
-        .table("Cheapest runs with the error that is wanted.", table::rows(candidates, columns));
+        .table("The cheapest runs that reach the target error.", table::rows(candidates, columns));
     let columns = [
         ("setting", "/change", 0),
         (">n", "/n", 0),
@@ -380,7 +380,7 @@ fn tables(document: &mut StudyDocument, models: &[Value], candidates: &[Value], 
 fn picture(bench: &Bench<'_>, models: &[Models], answer: Option<&Candidate>) -> Option<String> {
     let mut chart = Chart::new(
         &format!("{}: speed against accuracy", bench.setup.scene.name),
-        "The error that is reached in a given time. Lines: one mesh each, from few steps to many. CPU time of one thread on this machine: mesh, loads and march.",
+        "The error reached in a given CPU time (one thread of this machine: mesh, loads and march). Each line is one mesh, from few steps to many.",
         Axis::new("CPU time in seconds", Scale::Log),
         Axis::new(format!("error {}", norm_label(bench.norm.name())), Scale::Log),
     );

@@ -98,7 +98,7 @@ pub fn prepare<'a>(
         }
         (Subject::Abstract(setup), None) => return Ok(Box::new(FiniteInTime::new(setup)?)),
         (Subject::Contact(_), None) => "a body needs a mesh: give --n",
-        (Subject::Abstract(_), Some(_)) => "an abstract problem has no mesh: leave --n away",
+        (Subject::Abstract(_), Some(_)) => "an abstract problem has no mesh: remove --n",
     };
     Err(GronwallError::Mesh { reason })
 }
@@ -108,7 +108,7 @@ pub fn prepare<'a>(
 pub enum GronwallError {
     /// Nothing is remembered, so there is no error in time to bound.
     #[error(
-        "scene `{scene}` has no history: neither memory nor a yield limit that depends on zeta; the error in time is zero"
+        "scene `{scene}` has no history (neither memory nor a yield limit that depends on zeta), so its error in time is zero"
     )]
     NoHistory { scene: String },
     /// m0 would have to rely on a computed c_j², which is no upper bound.

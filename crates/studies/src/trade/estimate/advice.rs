@@ -15,7 +15,7 @@ use scene::Norm;
 use scene::setup::Setup;
 
 /// No pair is proposed with more than so many times the n or N of the run: twice the span of the companions, on
-/// logarithms. Farther off half an order of doubt is more than a factor 4.
+/// logarithms. Farther away, an order uncertain by 1/2 means more than a factor of 4.
 const REACH: u32 = 16;
 /// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
 /// that is admitted around an order, and another one as in [`super::Part::of`].
@@ -97,7 +97,7 @@ pub struct Advice {
 /// # Errors
 /// [`NoAnswer`].
 pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
-    let none = || NoAnswer::Refused("the costs of the runs have no model".into());
+    let none = || NoAnswer::Refused("the costs of the runs cannot be modelled".into());
     let (cost, source) = costs(goal.setup, found).ok_or_else(none)?;
     let choices = Choices::new(goal.setup, false)?;
     let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);

@@ -94,9 +94,11 @@ pub fn estimate(
                 let cautious = advice.cautious.as_ref().map_or_else(refusal, words);
                 let [n, steps] = advice.check;
                 let seconds = match advice.source {
-                    CostSource::Timed => "fitted to the CPU times of this run and its companions",
+                    CostSource::Timed => {
+                        "fitted to the CPU times of this run and its companion runs"
+                    }
                     CostSource::Counted => {
-                        "by cells times levels: a companion is too short to time"
+                        "by cells times levels, because a companion run is too short to time"
                     }
                 };
                 document.words(format!("Target {target:.4e} in {}:", norm.name()));

@@ -212,7 +212,7 @@ fn coarser(setup: &Setup, finest: &Run, grid: [[u32; 2]; 2]) -> Companion {
             }
             Ok(one)
         };
-        let failed = |e| format!("the companion with n = {n}, N = {steps} fails: {e}");
+        let failed = |e| format!("the companion run with n = {n}, N = {steps} fails: {e}");
         let one = one().map_err(failed)?;
         found.push(one);
     }
