@@ -23,7 +23,7 @@
 //! | 𝒜, ℬ_i | [`law::TensorField`] | a tensor per region, two Lamé numbers or S×S | stress |
 //! | b_i(t) | [`law::MemoryKernel`] | ℝ₊ → ℝ, ℬ(t) = Σ b_i(t) ℬ_i | 1/time |
 //! | μ, κ(ζ) | [`law::VonMises`], [`law::YieldLimit`] | | stress, strain |
-//! | ζ | `zeta` ([`history::Accumulated`]) | one number per time | time |
+//! | ζ | `zeta` ([`history::Accumulated`]) | one number per time | length^{d/2} time |
 //! | ∂j_ν, α_ν | [`law::Potential`] | interval a vertex of Γ3 | pressure, pressure/length |
 //! | g | `gap` | a number per vertex of Γ3, ∞ without | length |
 //! | ξ, λ | `compliance`, `multiplier` | a number per vertex of Γ3 | pressure |

@@ -3,7 +3,7 @@
 NGSolve's tests/pytest/test_convection1d_dg.py and test_hdg1d.py solve once, on one mesh, and ask for an error below a number
 found by hand. Here the same methods run on three meshes or more, against the orders of the theory.
 
-    pip install gronwall ngsolve
+    pip install ../../python ngsolve
     pytest test_ngsolve.py
 """
 

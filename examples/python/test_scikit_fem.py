@@ -3,7 +3,7 @@
 scikit-fem's own tests/test_convergence.py fits a line to three levels, and has a tolerance and two largest errors by hand for
 each element. Here orders are those of the theory, and levels are run until they are decided.
 
-    pip install gronwall scikit-fem
+    pip install ../../python scikit-fem
     pytest test_scikit_fem.py
 """
 

@@ -14,24 +14,22 @@ use clap_complete::Shell;
 use files::counted;
 use scene::nearest;
 
-/// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
-/// inequalities. Without a command: runs the scenes that it comes with at gate size, prints the
-/// verdicts and writes reports/latest/.
+/// Verify predicted orders of convergence, of contact problems or of your own program
 #[derive(Parser)]
 #[command(
     name = "sweep",
     version,
     max_term_width = 120,
-    after_help = "Examples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep check punch                          what holds of a scene, and what it requires\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge. Colour is used on a terminal alone, and not with NO_COLOR."
+    after_help = "Without a command, sweep runs its own scenes, prints the verdicts and writes reports/latest/.\n\nExamples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep check punch                          what holds of a scene, and what it requires\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts are as expected, 1 a verdict is not as expected, 2 nothing could be judged. Colour is used only on a terminal, and never if NO_COLOR is set."
 )]
 pub(super) struct Arguments {
     /// Folder of the scenes [default: manufactured, where that folder is; else those inside the program]
     #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true, help_heading = COMMON)]
     pub(super) scenes: Option<PathBuf>,
-    /// No progress, notes or warnings on stderr; errors are still printed
+    /// Print only errors on stderr: no progress, notes or warnings
     #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = COMMON)]
     pub(super) quiet: bool,
-    /// A line for each case that ends, also beside the bar of a terminal
+    /// Print a line when each case finishes, even where a progress bar is shown
     #[arg(short, long, global = true, help_heading = COMMON)]
     pub(super) verbose: bool,
     #[command(subcommand)]
@@ -48,11 +46,11 @@ pub(super) enum Command {
     Baseline(merge::BaselineCommand),
     /// List the scenes with their terms and predicted orders
     List(list::List),
-    /// Verify the data and hypotheses of a scene, and say what it requires, without solving
+    /// Check the data and hypotheses of a scene and predict its memory, without solving
     Check(check::Check),
     /// Check the proofs of Theorems 10 and 11 line by line on real runs
     Audit(study::Audit),
-    /// Name the term at fault: run the scene again with one term removed at a time
+    /// Find the term at fault by running the scene again with one term removed at a time
     Diagnose(study::DiagnoseCommand),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
@@ -60,15 +58,15 @@ pub(super) enum Command {
     Bound(study::BoundCommand),
     /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, horizons, perturbations
     Gronwall(study::Gronwall),
-    /// Climb ladders of extreme parameters: units, moduli, steps, meshes, gaps, loads
+    /// Test extreme parameters: units, moduli, steps, meshes, gaps, loads
     Extremes(study::Extremes),
-    /// Speed against accuracy: work-precision over the settings of a scene, cost model, best n and N
+    /// Measure time against error over the settings of a scene, and find the cheapest n and N
     Trade(study::TradeCommand),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),
-    /// Put another program's solver under the same sweep
+    /// Test another program's solver with the same sweep
     Verify(verify::Verify),
-    /// Merge the records of many processes, and judge them as those of one
+    /// Merge the records of many processes and judge them like those of a single run
     Merge(merge::MergeCommand),
     /// Rebuild every output from the records in a directory, without solving
     Report(report::Report),

@@ -21,12 +21,12 @@ use report::{AnnotationPlace, write_junit};
 /// `sweep fit`.
 #[derive(Args)]
 #[command(
-    after_help = "The table: as a program prints it or a paper sets it, with prose, log lines and other tables around; columns that comma, \
-semicolon, tab, blanks or | separate, LaTeX, lines of `name = value`, lists, or a table on its side. The last line says what was read \
+    after_help = "The table may be as a program prints it or a paper sets it, with prose, log lines and other tables around it. Columns may be separated by \
+comma, semicolon, tab, blanks or |; LaTeX, lines of `name = value`, lists and transposed tables are read too. The last line says what was read \
 and what was left out. Sizes: h, dx or hmax; k, dt or tau; n or N and steps, which are 1/h and 1/k; cells or dofs with --dimension; level, \
 where h = 2^-level; none with --ratio. Errors: error, norms side by side (L2, H1, Linf, energy, error_u, ...), and every column that \
 --p or --q name, each of them judged. A column value in place of error is a functional without an exact value: the \
-extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are printed. Optional: \
+extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are then printed. Optional: \
 floor, sigma (standard deviation of the error), norm, scene, status. Rates and counters are left out. Rows with the same scene and norm are \
 one table, and so are those with one value of a column of words, or of one that tells levels apart which come again (degree, scheme); its name is then \
 COLUMN=VALUE, as in --p degree=1=2,degree=2=3. `cases.csv` of a sweep is such a file.\n\n\
@@ -54,34 +54,34 @@ pub(crate) struct Fit {
     /// Predicted order in k: a number for all norms, or NORM=Q,..., as --p
     #[arg(long, allow_hyphen_values = true)]
     q: Option<Claims>,
-    /// The orders are lower bounds
+    /// Treat the orders as lower bounds
     #[arg(long)]
     at_least: bool,
-    /// A higher order fails as well
+    /// Fail an order that is too high as well
     #[arg(long, conflicts_with = "at_least")]
     exact: bool,
     /// How far an order may lie from the prediction
     #[arg(long, value_name = "D", default_value_t = TOLERANCE, allow_hyphen_values = true)]
     tolerance: f64,
-    /// Only steps from A to B: h, or k where the table has no h
+    /// Use only steps from A to B, in h, or in k if the table has no h
     #[arg(long, value_name = "A,B")]
     window: Option<Window>,
-    /// The error has a factor |log h|^M, or |log k|^M where the table has no h
+    /// Allow a factor |log h|^M in the error, or |log k|^M if the table has no h
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true)]
     log: f64,
-    /// Relative standard deviation of the errors, where it is known: 0.01 for 1 %
+    /// Relative standard deviation of the errors if it is known, such as 0.01 for 1 %
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     noise: Option<f64>,
     /// Dimension of the mesh, where its size is a number of cells or unknowns: h = cells^(-1/D)
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=3))]
     dimension: Option<u32>,
-    /// Each row refines by R where the table has no sizes, each level where it has levels
+    /// Refinement factor between rows if the table has no sizes, or between levels if it has levels
     #[arg(long, value_name = "R")]
     ratio: Option<f64>,
-    /// A table for each value of this column; may be given several times
+    /// Make a separate table for each value of this column; may be given several times
     #[arg(long, value_name = "COLUMN")]
     by: Vec<String>,
-    /// Rows of one level are runs: the mean of the logarithms counts, and their scatter is the noise
+    /// Treat rows of one level as repeated runs: average their logarithms, and use the scatter as the noise
     #[arg(long, conflicts_with = "by")]
     runs: bool,
     /// Print JSON
@@ -394,7 +394,7 @@ impl Claims {
             }
             if norms.is_empty() {
                 return Err(format!(
-                    "no norm `{name}` to judge: the errors of the table have no name; an order without one is theirs, as in --p 2"
+                    "there is no norm `{name}` to judge, because the errors of the table have no name: give the order without a name, as in --p 2"
                 ));
             }
             let known: Vec<&str> = norms.iter().map(String::as_str).collect();

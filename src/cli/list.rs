@@ -162,7 +162,8 @@ fn predictions(scene: &Scene) -> Vec<String> {
             scene::Direction::Joint => "h and k",
             scene::Direction::Path => "h on the path",
         };
-        format!("{} in {variable}: order {}, by {}", p.norm.name(), p.order, p.why)
+        let least = if p.at_least { "at least " } else { "" };
+        format!("{} in {variable}: order {least}{}, by {}", p.norm.name(), p.order, p.why)
     };
     scene.predicts.iter().map(line).collect()
 }

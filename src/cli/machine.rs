@@ -11,7 +11,7 @@ use run::sweep::MemoryLimit;
 /// What a command may take of the memory.
 #[derive(Args, Default, Clone)]
 pub(super) struct Allowance {
-    /// Memory that may be used, as predicted before anything is solved, in bytes or as 512M, 8G. Larger cases are
+    /// Memory limit in bytes, or as 512M, 8G. The memory of each case is predicted, and a case that would need more is
     /// not started [default: what the machine has available]
     #[arg(long, value_name = "BYTES")]
     memory_limit: Option<MemoryLimit>,

@@ -18,7 +18,7 @@ use run::sweep::{Circumstances, OutputDirectory, ScenePlan, replace_records};
 /// `sweep merge`.
 #[derive(Args)]
 #[command(
-    after_help = "A DIR is a directory of `sweep run` or `gate` with cases.csv and provenance.json, or one that has such directories in it. Refused with exit code 2 and both names: records of another version of the program, of another text of a scene or another platform than the rest, a torn or malformed line, two records of one case that differ in more than seconds_*, a case that is not in the list. Cases that are missing are named, and nothing is written, unless --incomplete says so.\n\nWritten into --out: cases.csv sorted, provenance.json, verdict.json, all as one process would have written them but for seconds_* and the key `run` of the provenance. `sweep report` makes the pages.\n\nWith --baseline, errors and work of the cases that the baseline has are compared as by `sweep gate`; the key `baseline` of verdict.json has what was found.\n\nExit codes: 0 all verdicts as expected, 1 one is not or an error deviates from the baseline, 2 it could not judge, a case failed or is missing.\n\nExamples:\n  sweep merge parts --cases cases.txt --out merged && sweep report merged\n  sweep merge monday tuesday --out both"
+    after_help = "A DIR is a directory of `sweep run` or `gate` with cases.csv and provenance.json, or a directory of such directories. The merge refuses, with exit code 2 and both names, records from another version of the program, another text of a scene or another platform than the rest, incomplete or malformed lines, two records of one case that differ in more than seconds_*, and cases that are not in the list. Missing cases are named and nothing is written, unless --incomplete is given.\n\nWritten into --out: cases.csv (sorted), provenance.json and verdict.json, as a single process would have written them except for seconds_* and the key `run` of the provenance. `sweep report` makes the pages.\n\nWith --baseline, errors and work are compared for the cases in the baseline, as by `sweep gate`; the result is the key `baseline` of verdict.json.\n\nExit codes: 0 all verdicts are as expected, 1 one is not or an error deviates from the baseline, 2 nothing could be judged, or a case failed or is missing.\n\nExamples:\n  sweep merge parts --cases cases.txt --out merged && sweep report merged\n  sweep merge monday tuesday --out both"
 )]
 pub(crate) struct MergeCommand {
     /// Directories with records
@@ -107,7 +107,7 @@ fn recorded(path: &Path) -> Result<Baseline, CliError> {
 /// `sweep baseline`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 the file is written; 1 a verdict is not as expected and 2 a case failed: nothing is written then, since a baseline of a wrong run would approve what is wrong."
+    after_help = "Exit codes: 0 the file was written; 1 a verdict is not as expected; 2 a case failed. With 1 and 2 nothing is written, because the baseline of a wrong run would approve its errors."
 )]
 pub(crate) struct BaselineCommand {
     /// Names of scenes, whose entries alone are recorded anew; none: all that are not marked long,
@@ -142,7 +142,7 @@ impl BaselineCommand {
         if code > 0 {
             swept.print();
             print_text(
-                "nothing recorded: every case has to converge and every verdict to be as expected",
+                "nothing was recorded, because every case must converge and every verdict must be as expected",
             );
             return Ok(code);
         }

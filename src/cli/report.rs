@@ -22,7 +22,7 @@ use studies::portrait::scene_summary;
 /// folder.
 #[derive(Args)]
 #[command(
-    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters of it (files *.document.json), with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, the records are of another version of the program, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (`make pdf` builds what sets it)"
+    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. The results that bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters, with their pictures and those of solve --pictures. An incomplete file is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts. Also 2 if a planned case is missing, the records are from another version of the program, a row was changed or is incomplete, or a sweep is still writing into DIR. What is missing is named, also in the report.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (`make pdf` builds what sets it)"
 )]
 pub(crate) struct Report {
     /// Directory with cases.csv
@@ -100,7 +100,9 @@ impl Report {
         OutputDirectory::take(&self.dir).map_err(|error| match error {
             OutputError::Held { path, holder } => CliError::about(
                 path.display(),
-                format!("{holder} writes here; wait for its end, and report then"),
+                format!(
+                    "{holder} is writing here; wait until it has finished, then run the report"
+                ),
             ),
             error => error.into(),
         })
@@ -124,7 +126,7 @@ impl Report {
 
     /// An error about cases still owed; the report shows the rest.
     fn unfinished(&self, torn: bool, missing: &[Key]) -> Option<CliError> {
-        let cut = "the last line of cases.csv was cut off, and is left out";
+        let cut = "the last line of cases.csv is incomplete and was ignored";
         let open = (!missing.is_empty()).then(|| unfinished_in_words(missing));
         let all: Vec<String> = torn.then(|| cut.into()).into_iter().chain(open).collect();
         let unfinished = format!("unfinished: {}", all.join("; "));

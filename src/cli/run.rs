@@ -33,13 +33,13 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 pub(crate) struct Run {
     #[command(flatten)]
     what: What,
-    /// Keep the cases that the directory already has, run the others
+    /// Keep the cases that are already in the directory and run the others
     #[arg(long)]
     resume: bool,
-    /// Print the keys of the cases, and run none
+    /// Print the keys of the cases without running them
     #[arg(long)]
     list_cases: bool,
-    /// Run these cases alone, and leave their records in --out, unjudged, for `sweep merge`
+    /// Run only these cases and write their records to --out, unjudged, for `sweep merge`
     #[arg(long, value_name = "KEY", num_args = 1.., requires = "out", conflicts_with = "list_cases")]
     only: Vec<Key>,
     /// Print verdict.json to stdout instead of the table
@@ -144,7 +144,7 @@ impl Run {
         let mut plans = what.plans(scenes)?;
         for key in &self.only {
             if !plans.iter().any(|plan| plan.keys().contains(key)) {
-                let why = "no such case on these scenes and grids: give SCENE, --n and --steps as to --list-cases";
+                let why = "these scenes and grids have no such case: give the same SCENE, --n and --steps as for --list-cases";
                 return Err(CliError::about(key.word(), why));
             }
         }
@@ -177,7 +177,7 @@ impl Gate {
         if !plans.iter().any(|plan| plan.scene().judge) {
             let names: Vec<_> = plans.iter().map(|plan| &*plan.scene().name).collect();
             return Err(CliError::Other(format!(
-                "nothing to judge: judge = false in {}; name a judged scene, or use sweep run",
+                "there is nothing to judge, because {} has judge = false; name a judged scene, or use sweep run",
                 names.join(", ")
             )));
         }

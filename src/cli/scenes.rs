@@ -126,7 +126,7 @@ pub(super) struct Chosen {
     pub(super) scenes: Vec<String>,
     #[command(flatten)]
     pub(super) grid: Grid,
-    /// Take the scenes marked long as well
+    /// Include the scenes marked long
     #[arg(long)]
     pub(super) all: bool,
 }

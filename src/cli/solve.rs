@@ -129,7 +129,7 @@ impl Solve {
         let limit = self.common.allowance.limit();
         let wanted =
             Wanted::read(setup, &self.norm, self.target.as_deref()).map_err(CliError::other)?;
-        let singular = "its extrapolation takes the order of the time rule for granted";
+        let singular = "its extrapolation assumes the order of the time rule";
         setup.scene.without(&[Extension::SingularKernel], "sweep solve --estimate", singular)?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
         let found = estimate(setup, [n, self.steps], wanted, &limit).map_err(CliError::other)?;
@@ -208,7 +208,10 @@ impl Solve {
         let series = self.vtu.as_ref().map(|dir| VtuSeries::new(dir, name));
         let mut series = series.transpose().map_err(CliError::other)?;
         if self.pictures.is_some() && !plane {
-            return Err(CliError::about(name, "--pictures draws plane bodies; --vtu is for any"));
+            return Err(CliError::about(
+                name,
+                "--pictures draws plane bodies only; use --vtu for any body",
+            ));
         }
         let drawn = self.pictures.is_some();
         let mut pictures = drawn.then(|| Pictures::new(&data.space, name, n, self.steps));
@@ -245,7 +248,7 @@ impl Solve {
                 write_file(&dir.join(file), svg)?;
             }
         }
-        let state = last.ok_or_else(|| CliError::other("the run ended before its last step"))?;
+        let state = last.ok_or_else(|| CliError::other("the run stopped before its last step"))?;
         Ok((info, state, seconds))
     }
 

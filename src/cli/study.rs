@@ -91,7 +91,7 @@ impl BoundCommand {
 /// `sweep gronwall`.
 #[derive(Args)]
 #[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run, and that the difference of two solutions under perturbed loads stays below its recurrence; exit code 1: a claim does not hold, and is named with the first n at which it fails.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, limit, printed, printed_closed, c2, growth), perturbations (size, steps, load, difference, growth, weighted, primed, least_effectivity).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg, SCENE-gronwall-horizon.svg."
+    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, limit, printed, printed_closed, c2, growth), perturbations (size, steps, load, difference, growth, weighted, primed, least_effectivity).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg, SCENE-gronwall-horizon.svg."
 )]
 pub(crate) struct Gronwall {
     /// Name of a scene, or path of a TOML file
@@ -207,7 +207,7 @@ impl Audit {
 /// `sweep trade`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is run once from nothing (mesh, analysis, loads, march): its error and its CPU seconds, those of one thread of this machine, without what measures the error. Settings beside h and k are those that the scene file may say otherwise, changed one at a time on three cases; times of two runs that differ by less than 1.25 times are no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the setting, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), norm, size (largest strain norm of the truth), trials (scene, change: what is different from the scene as written, n, steps, h, k, dofs, norm, error, floor, cpu_seconds, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a setting that moves neither time by 1.25 times nor error by 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one), error_model (model, space and time with constant, order, interval; source, residual), cost_model (parts: seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what, n, steps, speed, error, bytes), elements (the other elements: change, their error_model and cost_model), candidates and of these the cheapest, answer (target, n, steps, h, k, change, error, cpu_seconds, bytes, extrapolates), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
+    after_help = "Each case is run once from the mesh to the last step. Its error is recorded, and its CPU seconds on one thread of this machine, without the time to measure the error. Settings beside h and k are changed one at a time on three cases. A factor below 1.25 between two times is no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the setting, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), norm, size (largest strain norm of the truth), trials (scene, change: what is different from the scene as written, n, steps, h, k, dofs, norm, error, floor, cpu_seconds, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a setting that moves neither time by 1.25 times nor error by 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one), error_model (model, space and time with constant, order, interval; source, residual), cost_model (parts: seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what, n, steps, speed, error, bytes), elements (the other elements: change, their error_model and cost_model), candidates and of these the cheapest, answer (target, n, steps, h, k, change, error, cpu_seconds, bytes, extrapolates), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
 )]
 pub(crate) struct TradeCommand {
     /// Name of a scene, or path of a TOML file
@@ -221,14 +221,14 @@ pub(crate) struct TradeCommand {
     /// Norm of the errors: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
     #[arg(long, default_value = "V_max")]
     norm: String,
-    /// Predicted CPU seconds that the grid may take; the settings may take as much again
+    /// Budget for the grid in predicted CPU seconds; the settings may take as much again
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     budget: f64,
-    /// Say which n, N and setting reach this error at least cost; `1%` is a hundredth of the largest
+    /// Find the n, N and setting that reach this error at the lowest cost. `1%` is a hundredth of the largest
     /// strain norm of the truth (V_max alone), a plain number is an error in the norm
     #[arg(long, value_name = "E")]
     target: Option<String>,
-    /// Run the answer and print predicted against real
+    /// Run the recommended case and compare the prediction with the result
     #[arg(long, requires = "target")]
     confirm: bool,
     /// Directory for tables, JSON and picture
@@ -275,7 +275,7 @@ impl TradeCommand {
 /// `sweep diagnose`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the trial and the norm, left: an order or a relative error, relation: order or <=, right, low, difference, accuracy, tightness, standing, holds, note), verdicts (as in verdict.json), trials (name, terms, removed, suspects, verdict, claim), culprits (names of terms, or prediction), sentence."
+    after_help = "Exit codes: 0 there is nothing to diagnose, or with --always nothing was found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the trial and the norm, left: an order or a relative error, relation: order or <=, right, low, difference, accuracy, tightness, standing, holds, note), verdicts (as in verdict.json), trials (name, terms, removed, suspects, verdict, claim), culprits (names of terms, or prediction), sentence."
 )]
 pub(crate) struct DiagnoseCommand {
     /// Name of a scene, or path of a TOML file
@@ -309,18 +309,18 @@ const WIDTH: u16 = 132;
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 every rung as expected; 1 a rung is not; 2 no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why), rungs (ladder, at, iterations: per level, seconds).\n\nFiles with --out: extremes-claims.csv (as each rung ends), extremes.json, extremes.svg (the map)."
+    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why), rungs (ladder, at, iterations: per level, seconds).\n\nFiles with --out: extremes-claims.csv (as each rung ends), extremes.json, extremes.svg (the map)."
 )]
 pub(crate) struct Extremes {
-    /// Ladders to climb [default: all]; --list names them
+    /// Ladders (one parameter taken to its extreme) to run [default: all]; --list names them
     ladder: Vec<String>,
-    /// Climb to the largest meshes as well: some minutes
+    /// Also run the largest meshes, which takes some minutes
     #[arg(long)]
     long: bool,
-    /// List the ladders with what they expect, and run nothing
+    /// List the ladders and what they expect, without running them
     #[arg(long)]
     list: bool,
-    /// Directory for extremes-claims.csv, extremes.json and extremes.svg
+    /// Directory for extremes-claims.csv, extremes.json and extremes.svg, which replace those of an earlier run
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -32,7 +32,7 @@ const WIDTH: usize = 400;
 /// `sweep verify`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what is to be written: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A solver that fails, runs too long, or writes another shape or numbers that are not finite makes a failed case.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
+    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what the solver has to write: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A case fails if the solver fails, runs too long, or writes an array of the wrong shape or with NaN or infinity in it.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
 )]
 pub(crate) struct Verify {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -49,7 +49,7 @@ pub(crate) struct Verify {
     // The files of a case hold every level, which limits the steps.
     #[command(flatten)]
     grid: Grid<100_000>,
-    /// Time limit per case, in seconds; it covers the solver, all processes that it starts, and the reading of its answer
+    /// Time limit per case, in seconds. It covers the solver, its child processes and reading the answer
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     time_limit: u64,
     /// Cases at a time
@@ -58,13 +58,13 @@ pub(crate) struct Verify {
     // As for the built-in solver; the needs of another one are unknown.
     #[command(flatten)]
     allowance: Allowance,
-    /// The solver writes pressure.npy as well: measure pressures
+    /// Also measure the pressures, which the solver writes to pressure.npy
     #[arg(long)]
     pressure: bool,
-    /// Judge orders alone and not their constants: for other elements or time rules
+    /// Judge only the orders, not the constants, because the solver uses another element or time rule
     #[arg(long)]
     orders_only: bool,
-    /// Run the built-in solver as well, and compare the errors
+    /// Also run the built-in solver and compare the errors
     #[arg(long)]
     beside: bool,
     /// Directory for records and report

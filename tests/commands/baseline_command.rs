@@ -108,7 +108,7 @@ fn a_wrong_run_is_not_recorded() {
     let scene = folder.file("affine.toml", &wrong);
     let (file, out) = (folder.argument("baseline.json"), folder.argument("out"));
     let output = sweep(&["baseline", &scene, "--file", &file, "--out", &out]);
-    assert!(code(&output) == 1 && stdout(&output).contains("nothing recorded"));
+    assert!(code(&output) == 1 && stdout(&output).contains("nothing was recorded"));
     assert!(!folder.at("baseline.json").exists());
 }
 

@@ -193,22 +193,22 @@ fn what_is_refused() {
         (
             "kernel",
             edited(&text("broken-kernel"), "-sqrt(t - s)", "-exp(s - t)"),
-            "claims to violate (3.17), and nothing shows it: u_1 in W2,inf",
+            "claims to violate (3.17), but nothing shows a violation: u_1 in W2,inf",
         ),
         (
             "body",
             edited(&text("broken-body"), "\"-sqrt(t)\"", "\"-1/(1 + t)\""),
-            "claims to violate (3.17), and nothing shows it: u in W2,inf",
+            "claims to violate (3.17), but nothing shows a violation: u in W2,inf",
         ),
         (
             "corner",
             edited(&text("broken-corner"), "rho^0.5445*", "rho^3*"),
-            "claims to violate (5.25), and nothing shows it: u in H2",
+            "claims to violate (5.25), but nothing shows a violation: u in H2",
         ),
         (
             "space",
             edited(&text("broken-kernel"), "\"3.17\"", "\"5.25\""),
-            "claims to violate (5.25), and nothing shows it: the problem has no such hypothesis",
+            "claims to violate (5.25), but nothing shows a violation: the problem has no such hypothesis",
         ),
     ];
     for (name, text, words) in cases {

@@ -406,6 +406,9 @@ fn what_is_generated_knows_the_commands() {
     }
     let page = stdout(&sweep(&["man"]));
     assert!(page.contains(".TH sweep") && page.contains("Exit codes"), "{page}");
+    let name = page.split(".SH NAME").nth(1).and_then(|rest| rest.split(".SH").next());
+    // `whatis` shows this line.
+    assert!(name.is_some_and(|name| name.trim().len() < 110 && !name.contains(". ")), "{name:?}");
     let folder = Folder::new("man");
     let output = sweep(&["man", "--out", &folder.argument("man")]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));

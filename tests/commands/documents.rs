@@ -93,7 +93,7 @@ fn long_the_readme_shows_what_the_main_job_prints() {
     });
     for line in [
         format!("{cases} cases, 0 failed; {verdicts} of {verdicts} verdicts as expected"),
-        format!("baseline: {verdicts} verdicts and {constants} compared constants owed"),
+        format!("baseline: {verdicts} verdicts and {constants} compared constants recorded"),
     ] {
         assert!(readme.contains(&line), "{line}");
     }
@@ -249,4 +249,4 @@ fn the_pages_stay_short() {
 }
 
 /// Words of all pages that are written by hand.
-const LONGEST: usize = 22_900;
+const LONGEST: usize = 21_950;

@@ -493,7 +493,7 @@ fn values_without_a_limit_say_so() {
     let three = &four[..four.rfind("0.0625").expect("a row")];
     let (exit, rows) = fitted(&folder, three, &["--p", "1"]);
     let reason = row(&rows, "h")["reason"].as_str().expect("a reason");
-    assert!(exit == 1 && reason.contains("needs 4 that differ: run h = 0.0625"), "{reason}");
+    assert!(exit == 1 && reason.contains("needs 4 different ones: run h = 0.0625"), "{reason}");
     // GCI and Eça-Hoekstra have three grids, and a verdict four.
     assert!(
         row(&rows, "h")["eca_hoekstra"]["limit"].as_f64().is_some_and(|l| (l - 2.0).abs() < 1e-6)

@@ -336,7 +336,7 @@ fn a_killed_part_goes_on() {
     child.kill().expect("SIGKILL");
     child.wait().expect("a status");
     assert!(running, "the part ended too early for this test");
-    refused(&second, &["writes here"]);
+    refused(&second, &["is writing here"]);
     let parts = folder.argument("parts");
     let merge = ["merge", &parts, "--cases", &list, "--out", &folder.argument("merged")];
     // What is there is no sweep yet: cases are missing, or a line is cut off.

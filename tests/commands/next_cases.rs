@@ -62,7 +62,7 @@ fn a_floor_is_lowered_where_it_comes_from() {
     let lost = table(&[(8, 4), (16, 4), (32, 4), (64, 4)], 1.0, |h, _| h);
     for (floor, said, other) in [
         (FloorSource::Unknown, "a stronger quadrature", "load quadrature"),
-        (FloorSource::Solver, "it is the solver's", "quadrature"),
+        (FloorSource::Solver, "it comes from the solver", "quadrature"),
         (FloorSource::Quadrature, "it is the quadrature of loads and errors", "solver"),
         (FloorSource::LoadQuadrature, "it is the load quadrature of form = \"strong\"", "solver"),
         (FloorSource::Reference, "the reference run, a finer one", "quadrature"),
@@ -162,7 +162,7 @@ fn a_scene_runs_its_pairs_and_no_grid() {
         ("pairs = [[4, 4], [8, 6]]", "an order needs three"),
         ("pairs = [[4, 4], [8, 6], [8, 8]]", "does not refine"),
         ("pairs = [[4, 4], [8, 6], [16, 5]]", "does not refine"),
-        ("pairs = [[4, 4], [8, 6, 1], [16, 5]]", "3 entries where 2 are wanted"),
+        ("pairs = [[4, 4], [8, 6, 1], [16, 5]]", "3 entries, but 2 are expected"),
         ("pairs = [[4, 4], [8, 6], [16, 8]]\nn = [4]", "both pairs and a grid"),
     ] {
         let scene = Scene::from_source(Source::from_text("p.toml", on_pairs(pairs)));

@@ -189,7 +189,9 @@ fn a_gate_that_judges_less_than_is_owed_is_red() {
     assert_eq!(owes[0], first, "{owes}");
     assert_eq!((&owes[1]["norm"], owes.as_array().map(Vec::len)), (&"L2_max".into(), Some(2)));
     let (exit, printed) = recorded.gate(&recorded.document(), &[]);
-    assert!(exit == 0 && printed.contains("2 verdicts and 2 compared constants owed, all judged"));
+    assert!(
+        exit == 0 && printed.contains("2 verdicts and 2 compared constants recorded, all judged")
+    );
     assert!(printed.contains("2 of 2 verdicts as expected"), "{printed}");
 
     let with = |owes: serde_json::Value| {
@@ -208,12 +210,12 @@ fn a_gate_that_judges_less_than_is_owed_is_red() {
     let mut twice = owes.as_array().expect("a list").clone();
     twice.push(twice[0].clone());
     for (document, said) in [
-        (lost, "affine: stress_L2_max in h: the verdict is owed and was not judged"),
-        (with(other), "affine: L2_max in k: the constant C_h is owed and was not settled"),
-        (with(twice.into()), "affine: V_max in k: the verdict is owed and was not judged"),
+        (lost, "affine: stress_L2_max in h: the verdict is recorded but was not judged"),
+        (with(other), "affine: L2_max in k: the constant C_h is recorded but was not decided"),
+        (with(twice.into()), "affine: V_max in k: the verdict is recorded but was not judged"),
         (
             with(serde_json::json!([first])),
-            "affine: L2_max in k: the verdict was judged and is not owed",
+            "affine: L2_max in k: the verdict was judged but is not recorded",
         ),
     ] {
         let (exit, printed) = recorded.gate(&document, &[]);
@@ -234,7 +236,7 @@ fn a_gate_that_judges_less_than_is_owed_is_red() {
     let mut old = recorded.document();
     old["scenes"]["affine"].as_object_mut().expect("a scene").remove("owes");
     let (exit, printed) = recorded.gate(&old, &[]);
-    let said = "does not say what verdicts and constants are owed by 1 scene, the first is affine";
+    let said = "has no verdicts and constants of 1 scene, the first is affine";
     assert!(exit == 0 && printed.contains(said), "{printed}");
     // Recording it anew says what changed.
     let out = recorded.folder.argument("out");
@@ -317,11 +319,11 @@ fn gates_that_forget_are_red() {
         claim.decision = Decision::Unresolved;
     });
     for (verdicts, said, count) in [
-        (drifting, "a: V_max in k: the constant C_k is owed and was not settled", 2),
-        (first, "a: L2_max in k: the verdict is owed", 1),
-        (without, "b: V_max in k: the constant C_k is owed", 2),
-        (all()[..2].to_vec(), "b: V_max in k: the verdict is owed", 1),
-        (Vec::new(), "a: V_max in k: the verdict is owed", 3),
+        (drifting, "a: V_max in k: the constant C_k is recorded but was not decided", 2),
+        (first, "a: L2_max in k: the verdict is recorded", 1),
+        (without, "b: V_max in k: the constant C_k is recorded", 2),
+        (all()[..2].to_vec(), "b: V_max in k: the verdict is recorded", 1),
+        (Vec::new(), "a: V_max in k: the verdict is recorded", 3),
     ] {
         let found = owing(&["a", "b"], &verdicts);
         let lines = found.lines().join("\n");

@@ -16,9 +16,10 @@ fn after<'a>(text: &'a str, before: &str) -> Vec<&'a str> {
 }
 
 /// File, words before a version there, and how many there are at least.
-const VERSIONS: [(&str, &str, usize); 5] = [
+const VERSIONS: [(&str, &str, usize); 6] = [
     ("Cargo.toml", "\nversion = \"", 1),
     ("Cargo.toml", "path = \"crates/", 0),
+    ("CITATION.cff", "\nversion: ", 1),
     (".github/actions/gate/action.yml", "default: gronwall==", 1),
     ("docs/ci/github.yml", "gate@v", 1),
     ("docs/ci/gitlab.yml", "gronwall==", 1),
@@ -82,6 +83,48 @@ fn oldest_compilers_agree() {
 fn licences_go_with_the_package() {
     for file in ["LICENSE-APACHE", "LICENSE-MIT"] {
         assert_eq!(read(file), read(&format!("python/{file}")), "{file}");
+    }
+}
+
+/// Actions of others that are named by a tag, which can be moved, in place of a commit.
+fn movable(text: &str) -> Vec<&str> {
+    let used = text.lines().filter_map(|line| line.split_once("uses: ").map(|(_, rest)| rest));
+    let fixed = |commit: &str| commit.len() == 40 && commit.chars().all(|c| c.is_ascii_hexdigit());
+    let commit =
+        |of: &str| of.split('@').nth(1).and_then(|at| at.split(' ').next()).is_some_and(fixed);
+    used.filter(|of| !of.starts_with("OWNER/") && !commit(of)).collect()
+}
+
+#[test]
+fn actions_are_named_by_their_commit() {
+    for file in
+        [".github/workflows/ci.yml", ".github/actions/gate/action.yml", "docs/ci/github.yml"]
+    {
+        let text = read(file);
+        assert!(text.contains("uses: "), "{file}");
+        assert_eq!(movable(&text), Vec::<&str>::new(), "{file}");
+    }
+    assert_eq!(movable("  - uses: actions/checkout@v4\n"), ["actions/checkout@v4"]);
+}
+
+/// Every crate says whose it is, what it is, and where to read more.
+#[test]
+fn packages_describe_themselves() {
+    let crates = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/crates")).expect("crates");
+    let crates = crates.map(|entry| {
+        format!("crates/{}/Cargo.toml", entry.expect("an entry").file_name().display())
+    });
+    for file in crates.chain(["Cargo.toml".to_owned()]) {
+        let text = read(&file);
+        for key in [
+            "description = \"",
+            "authors.workspace",
+            "readme.workspace",
+            "documentation = \"",
+            "keywords.workspace",
+        ] {
+            assert!(text.contains(&format!("\n{key}")), "{file}: {key}");
+        }
     }
 }
 

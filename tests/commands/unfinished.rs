@@ -78,10 +78,10 @@ fn what_is_missing_is_named() {
     assert!(!stdout(&output).contains("judge = false"), "{}", stdout(&output));
     // A last line that was cut off.
     std::fs::write(&table, &whole[..whole.len() - 9]).expect("a table");
-    owes(&folder, &["last line of cases.csv was cut off", "1 case missing", "steady:n16:N8"]);
+    owes(&folder, &["last line of cases.csv is incomplete", "1 case missing", "steady:n16:N8"]);
     // More than whole cases: a line of which nothing is missing elsewhere.
     std::fs::write(&table, format!("{whole}stea")).expect("a table");
-    owes(&folder, &["last line of cases.csv was cut off"]);
+    owes(&folder, &["last line of cases.csv is incomplete"]);
     // What was there is there again, and with it the verdicts.
     std::fs::write(&table, &whole).expect("a table");
     assert!(code(&sweep(&["report", &folder.argument("out")])) < 2);
@@ -122,7 +122,7 @@ fn a_directory_that_a_sweep_writes_to_is_left_alone() {
     let held = run::sweep::OutputDirectory::take(&folder.at("out")).expect("a directory");
     let output = sweep(&["report", &folder.argument("out")]);
     assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
-    assert!(stderr(&output).contains("writes here"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("is writing here"), "{}", stderr(&output));
     assert!(std::fs::read(&table).expect("a table") == before);
     drop(held);
     assert!(code(&sweep(&["report", &folder.argument("out")])) < 2);

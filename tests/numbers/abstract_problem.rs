@@ -224,7 +224,7 @@ fn what_is_no_solution_is_refused_with_its_place() {
     for (from, to, said) in [
         ("1 - 0.2*(t - 0.5))", "1.4)", "is not in"),
         ("slope_after = -0.2", "slope_after = -2.5", "(2.9)"),
-        ("matrix = [[2.0]]", "matrix = [[2.0, 1.0]]", "2 entries where 1 are wanted"),
+        ("matrix = [[2.0]]", "matrix = [[2.0, 1.0]]", "2 entries, but 1 are expected"),
         ("functional = [1.0]", "functional = [0.0]", "zero"),
         ("functional = [1.0]", "functional = [1.0]\nupper = 0.2", "leaves"),
         ("functional = [1.0]", "functional = [1.0]\nupper = 0.2\nlower = 0.3", "lower < upper"),

@@ -80,7 +80,7 @@ fn between_the_two_bounds_there_is_a_warning() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let label = json(&output)["provenance"]["step_sizes"]["punch"].as_str().map(str::to_owned);
     let label = label.expect("a label");
-    for phrase in ["k = 1 (N = 2)", "beyond (3.4), k < 0.75;", "for k < 2.8571"] {
+    for phrase in ["k = 1 (N = 2)", "above the bound k < 0.75 of (3.4)", "for k < 2.8571"] {
         assert!(label.contains(phrase) && stderr(&output).contains(phrase), "{label}");
     }
 }

@@ -76,7 +76,7 @@ fn refuse_others(found: &std::fs::Metadata) -> io::Result<()> {
     if found.is_file() {
         return Ok(());
     }
-    let reason = format!("it is {}, where a file is wanted", kind(found));
+    let reason = format!("it is {}, but a file is needed", kind(found));
     Err(io::Error::new(io::ErrorKind::InvalidInput, reason))
 }
 

@@ -38,7 +38,7 @@ mod tests {
         assert!(if_there(read_file(&folder.join("none"))).unwrap().is_none());
         assert!(if_there(read_file(&folder.join("Cargo.toml"))).unwrap().is_some());
         let error = if_there(read_file(folder)).unwrap_err();
-        let expected = format!("{}: it is a directory, where a file is wanted", folder.display());
+        let expected = format!("{}: it is a directory, but a file is needed", folder.display());
         assert_eq!(error.to_string(), expected);
     }
 }

@@ -63,18 +63,29 @@ pub fn convergence_svg(
 
 /// The abscissa and its convention.
 fn step_name<'a>(
-    mut records: impl Iterator<Item = &'a CaseRecord>,
+    records: impl Iterator<Item = &'a CaseRecord>,
     direction: Direction,
 ) -> &'static str {
+    let records: Vec<&CaseRecord> = records.collect();
     // 1/n is off by a rounding at most.
-    let cells = |record: &CaseRecord| match (record.n, record.h) {
+    let cells = |record: &&CaseRecord| match (record.n, record.h) {
         (Some(n), Some(h)) => (f64::from(n) * h - 1.0).abs() < 1e-9,
         _ => true,
     };
+    let horizon = |record: &CaseRecord| record.k * f64::from(record.steps);
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
     match direction {
-        Direction::Space if records.all(cells) => "mesh size h = 1/n, n cells per unit length",
+        Direction::Space if records.iter().all(cells) => {
+            "mesh size h = 1/n, n cells per unit length"
+        }
         Direction::Space => "mesh size h, the longest edge",
-        Direction::Time => "time step k = T/N",
+        // On equal steps k N is T for every N; a graded or random grid has its largest step as k.
+        Direction::Time
+            if records.iter().all(|record| same(horizon(record), horizon(records[0]))) =>
+        {
+            "time step k = T/N"
+        }
+        Direction::Time => "largest time step k",
     }
 }
 

@@ -164,6 +164,17 @@ fn errors_within_their_floor_are_named_where_they_are_not_drawn() {
     assert!(after.contains("not drawn, in cases.csv:") && !after.contains("10⁻¹⁶"));
 }
 
+/// k is T/N on equal steps; a graded grid is drawn over its largest step.
+#[test]
+fn the_axis_names_the_step_that_is_drawn() {
+    let mut records = example("s");
+    assert!(!picture(&records, &[], Direction::Time).contains("largest"));
+    for record in &mut records {
+        record.k = 1.0 - (1.0 - record.k).powi(2);
+    }
+    assert!(picture(&records, &[], Direction::Time).contains("largest"));
+}
+
 /// Curves name their mesh if it differs.
 #[test]
 fn curves_name_their_mesh() {

@@ -82,7 +82,7 @@ fn exact_solution(
         (
             "exact.multiplier",
             has(|contact| contact.gap.is_some()),
-            "a multiplier without a finite gap: λ (u_ν - g) = 0 leaves only λ = 0",
+            "a multiplier needs a finite gap, because otherwise λ (u_ν - g) = 0 allows only λ = 0",
             "give [contact] a gap, or remove the multiplier",
         ),
         (

@@ -234,7 +234,7 @@ impl Domain {
                 if let Some(first) = owner[side.index()].replace(list) {
                     let (key, side) = (format!("domain.{list}.{index}"), self.name(*side));
                     let message = format!("the side `{side}` is in `{first}` and in `{list}`");
-                    let hint = "each side belongs to exactly one of clamped, traction, contact";
+                    let hint = "each side must be in exactly one of clamped, traction, contact";
                     return Err(reading.error(&key, message, hint));
                 }
             }

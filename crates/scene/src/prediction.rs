@@ -190,7 +190,7 @@ fn constant_within(
         (false, false) => return Ok(None),
         (false, true) => (
             &why,
-            "`constant_why` explains a share that is not there",
+            "`constant_why` has no `constant_within` to explain",
             "add it: constant_within = 0.03, or remove constant_why",
         ),
         (true, _) if !constant => (
@@ -201,7 +201,7 @@ fn constant_within(
         (true, false) => (
             &within,
             "`constant_within` without a reason",
-            "say why the usual share does not do: constant_why = \"n = 6 is the finest mesh\"",
+            "say why the usual tolerance is not enough: constant_why = \"n = 6 is the finest mesh\"",
         ),
         (true, true) => {
             let hint = "give the relative distance that is allowed, such as 0.03";

@@ -257,7 +257,7 @@ fn has_truth(
     let reference = sweep.and_then(|sweep| sweep.reference);
     let truth = matches!(data, Data::Exact { .. }) || reference.is_some();
     let message =
-        "no exact solution and no reference run: errors have no truth to be measured against";
+        "there is neither an exact solution nor a reference run, so errors cannot be measured";
     let hint = "add to [sweep]: reference = { n = 128, steps = 64 }";
     let key = if sweep.is_some() { "sweep" } else { "loads" };
     reading.refuse_if(!truth && (judge || sweep.is_some()), key, message, hint)

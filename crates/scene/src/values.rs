@@ -59,7 +59,7 @@ impl Reading<'_> {
         hint: &str,
     ) -> Result<Range<usize>, SceneError> {
         let found = self.required::<Vec<IgnoredAny>>(key)?.len();
-        let message = format!("`{}` has {found} entries where {count} are wanted", last(key));
+        let message = format!("`{}` has {found} entries, but {count} are expected", last(key));
         self.refuse_if(found != count, key, message, hint).map(|()| 0..count)
     }
 

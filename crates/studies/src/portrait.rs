@@ -67,10 +67,10 @@ fn terms(scene: &Scene) -> Terms {
 fn remarks(scene: &Scene) -> Vec<String> {
     let truth = match scene.as_contact().map(|body| &body.data) {
         Some(Data::Loads { .. }) => {
-            "The loads are given and no solution is known: errors are against a run on a finer grid."
+            "The loads are given and no solution is known, so errors are measured against a run on a finer grid."
         }
         Some(Data::Exact { interpolated: true, .. }) => {
-            "The exact solution is the nodal interpolant of a known displacement on each mesh: errors are those in time."
+            "The exact solution is the nodal interpolant of a known displacement on each mesh, so all errors are errors in time."
         }
         Some(Data::Exact { .. }) => {
             "The solution is known in closed form; the loads are derived from it."
@@ -79,13 +79,13 @@ fn remarks(scene: &Scene) -> Vec<String> {
     };
     let mut remarks = vec![truth.to_owned()];
     remarks.extend(match (scene.judge, scene.expect) {
-        (false, _) => Some("It is measured and not judged: the theory promises no order here.".into()),
+        (false, _) => Some("It is measured but not judged, because the theory promises no order here.".into()),
         (true, Expectation::Pass) => None,
         (true, Expectation::Fail) => {
-            Some("The predicted order is not reached here, and the scene is there to show that: it is as expected if the verdict is fail.".into())
+            Some("This scene shows that the predicted order is not reached, so the expected verdict is fail.".into())
         }
         (true, Expectation::Unresolved) => {
-            Some("Its cases cannot decide, and the program has to say so: it is as expected if the verdict is unresolved.".into())
+            Some("Its cases cannot decide, so the expected verdict is unresolved.".into())
         }
     });
     remarks

@@ -633,7 +633,7 @@ impl Findings {
             (_, Ok(posterior)) => asked.answer(posterior, order, (name, next)),
             (_, Err(FitError::TooFew { .. })) => {
                 let found = counted(self.samples.len(), "value");
-                open(format!("{found}, the interval of an order needs 4 that differ"))
+                open(format!("{found}, but the interval of an order needs 4 different ones"))
             }
             (_, Err(error)) => open(error.to_string()),
         }

@@ -357,7 +357,7 @@ fn a_table_does_as_well_and_says_what_is_wrong_with_it() {
     };
     let with = |row: &str| [&rows[..74], &[row.to_owned()]].concat();
     assert!(said(&rows[..74]).contains("level 2, vertex 24 is missing"));
-    assert!(said(&with("2,23,0,0")).contains("have stood before"));
+    assert!(said(&with("2,23,0,0")).contains("occur twice"));
     assert!(said(&with("2,25,0,0")).contains("`25` is no vertex from 0 to 24"));
     assert!(said(&with("2,24,0,x")).contains("`x` is no number"));
     assert!(said(&with("2,24,0,inf")).contains("inf at level 2"));

@@ -49,9 +49,9 @@ fn an_array_is_known_by_its_header_and_length_before_it_is_read() {
 fn tables_are_no_longer_than_the_case_needs() {
     let table = b"n,vertex,ux,uy\n0,0,0,0\n";
     let found = said("displacement.csv", table, HUGE);
-    assert!(found.contains("107374182400 bytes, where at most"), "{found}");
+    assert!(found.contains("107374182400 bytes, but at most"), "{found}");
     // A row too many is where reading stops.
     let rows = "n,vertex,ux,uy\n".to_owned() + &"0,0,0,0\n".repeat(100);
     let found = said("displacement.csv", rows.as_bytes(), rows.len() as u64);
-    assert!(found.contains("line 3: this level and vertex have stood before"), "{found}");
+    assert!(found.contains("line 3: this level and vertex occur twice"), "{found}");
 }

@@ -77,7 +77,7 @@ fn two_sweeps_do_not_write_into_one_directory() {
     let running = first.try_wait().expect("a status").is_none();
     assert!(running, "the first sweep ended too early for this test");
     assert_eq!(code(&output), 2, "{said}");
-    let holder = format!("process {} writes here", first.id());
+    let holder = format!("process {} is writing here", first.id());
     assert!(said.contains(&holder) && said.contains("--out"), "{said}");
     // The first one is not disturbed; its end, even by force, gives the directory back.
     first.kill().expect("SIGKILL");

@@ -242,7 +242,7 @@ fn constants() {
     for (line, said) in [
         ("constant_within = 0.07", "without a reason"),
         ("constant_within = 0.07\nconstant_why = \" \"", "without a reason"),
-        ("constant_why = \"coarse\"", "explains a share that is not there"),
+        ("constant_why = \"coarse\"", "has no `constant_within` to explain"),
         (
             "constant = false\nconstant_within = 0.07\nconstant_why = \"coarse\"",
             "nothing is compared",

@@ -40,8 +40,8 @@ impl Plan {
     }
 }
 
-/// Whether Γ3 has one graph an unknown, and a full matrix there is no dearer to factorize than the volume's. That is so in
-/// the plane; in space a factor with Γ3 last costs a multiple of one without, and n² unknowns are no small problem.
+/// True if each unknown on Γ3 carries one graph and factorizing the dense matrix on Γ3 costs no more than factorizing the
+/// volume's. That holds in the plane; in space a factor with Γ3 last costs several times one without.
 fn is_small(space: &Discretization) -> bool {
     let free = space.trace.points.iter().filter(|point| point.carries()).count();
     space.mesh.dimension == 2

@@ -120,7 +120,7 @@ impl fmt::Display for CoarseError {
             }
             CoarseFault::Apart { from, to } => write!(
                 f,
-                "the domain falls apart: no chain of common {facet}s leads from {from:?} to {to:?}"
+                "the domain is not connected: no chain of common {facet}s leads from {from:?} to {to:?}"
             ),
         }
     }

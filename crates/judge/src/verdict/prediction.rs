@@ -60,7 +60,9 @@ impl FloorSource {
             Self::Unknown => {
                 "lower the floor: a tighter solver tolerance, a stronger quadrature of loads and errors or a finer reference"
             }
-            Self::Solver => "lower the floor: it is the solver's, a tighter tolerance",
+            Self::Solver => {
+                "lower the floor: it comes from the solver, which needs a tighter tolerance"
+            }
             Self::Quadrature => {
                 "lower the floor: it is the quadrature of loads and errors, where a kink cuts cells; `sweep check --floors` measures its parts"
             }

@@ -1,9 +1,9 @@
-//! The first answers: did the estimates hold, what is least certain, what was broken on purpose.
+//! The first answers: did the estimates, or the solver under test, hold; what is least certain; what was broken on purpose.
 
 use super::content::{Report, tone};
 use super::{Run, Section, Tone};
 use files::counted;
-use judge::verdict::{Verdict, cell_texts};
+use judge::verdict::{Decision, Verdict, cell_texts};
 
 /// Claims that readers know by name, spelt as in the reasons of predictions.
 const CLAIMS: [&str; 3] = ["(5.26)", "Theorem 7", "(5.24)"];
@@ -17,7 +17,12 @@ pub(super) fn write(section: &mut Section, report: &Report<'_>) {
             if met == judged.len() { Tone::Pass } else { Tone::Miss },
         )
     };
-    let mut by_claim = vec![Run::of("Did the estimates hold? ", Tone::Strong)];
+    // Another program's solver is what `sweep verify` judges; the estimates are known to hold on its scene.
+    let question = match report.of_a_solver() {
+        true => "Does the solver have the predicted orders? ",
+        false => "Did the estimates hold? ",
+    };
+    let mut by_claim = vec![Run::of(question, Tone::Strong)];
     for claim in CLAIMS {
         let of_claim: Vec<&Verdict> = verdicts.iter().filter(|v| v.why.contains(claim)).collect();
         if !of_claim.is_empty() {
@@ -40,10 +45,18 @@ pub(super) fn write(section: &mut Section, report: &Report<'_>) {
     broken(section, report, held);
 }
 
-/// The verdict of least probability; orders without one come first.
+/// The verdict closest to being another one: the prediction holds with little more than needed for a pass, or misses it
+/// by little. An unresolved one is closest. A scene that fails because it was built to is no warning.
 fn least_certain(verdicts: &[Verdict]) -> Option<&Verdict> {
-    let probability = |verdict: &Verdict| verdict.probability.unwrap_or(-1.0);
-    verdicts.iter().min_by(|a, b| probability(a).total_cmp(&probability(b)))
+    let certainty = |verdict: &Verdict| match (verdict.decision, verdict.probability) {
+        (Decision::Pass, Some(probability)) => probability,
+        (Decision::Fail, Some(probability)) => 1.0 - probability,
+        // Without a probability cases are missing, or the constant decided: that is certain.
+        (Decision::Pass | Decision::Fail, None) => 1.0,
+        (Decision::Unresolved, _) => 0.0,
+    };
+    let meant = |verdict: &&Verdict| verdict.decision == Decision::Pass || !verdict.as_expected();
+    verdicts.iter().filter(meant).min_by(|a, b| certainty(a).total_cmp(&certainty(b)))
 }
 
 /// A verdict with its numbers, linked to its scene.
@@ -86,4 +99,32 @@ fn broken(
         Run::of(words, tone),
         Run::plain(" orders are those that were derived for it."),
     ]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use judge::verdict::{Prediction, Variable};
+
+    fn verdict(scene: &str, expect: Decision, decision: Decision, probability: f64) -> Verdict {
+        let prediction = Prediction::new("V_max", Variable::H, 1.0);
+        let open = Verdict::open(scene, &prediction, expect);
+        Verdict { decision, probability: Some(probability), ..open }
+    }
+
+    #[test]
+    fn a_failure_on_purpose_is_not_the_least_certain() {
+        use Decision::{Fail, Pass, Unresolved};
+        let mut verdicts = vec![
+            verdict("built-to-fail", Fail, Fail, 0.0),
+            verdict("clear", Pass, Pass, 0.99),
+            verdict("close", Pass, Pass, 0.80),
+            verdict("defect", Pass, Fail, 0.01),
+        ];
+        let least = |verdicts: &[Verdict]| least_certain(verdicts).map(|v| v.scene.clone());
+        assert_eq!(least(&verdicts).as_deref(), Some("close"));
+        verdicts.push(verdict("open", Pass, Unresolved, 0.9));
+        assert_eq!(least(&verdicts).as_deref(), Some("open"));
+        assert_eq!(least(&verdicts[..1]), None);
+    }
 }

@@ -100,6 +100,11 @@ impl Report<'_> {
         at.map_or("", |at| &self.drawn[at].stem)
     }
 
+    /// Whether another program's solver is judged, not the estimates.
+    pub(super) fn of_a_solver(&self) -> bool {
+        by_verify(self.provenance)
+    }
+
     /// A link to the section of a scene.
     pub(super) fn link(&self, name: &str) -> Option<String> {
         let scene = self.scenes.iter().find(|scene| scene.name == name)?;
@@ -107,10 +112,15 @@ impl Report<'_> {
     }
 }
 
+/// Whether the records are those of another program's solver.
+fn by_verify(provenance: &Value) -> bool {
+    let options = provenance.get("run").and_then(|run| run.get("options")).and_then(Value::as_str);
+    options.is_some_and(|options| options.split(' ').next() == Some("verify"))
+}
+
 /// The group of a scene by its name.
 pub(crate) fn group(scenes: &[SceneSummary], provenance: &Value, scene: &str) -> Group {
-    let options = provenance.get("run").and_then(|run| run.get("options")).and_then(Value::as_str);
-    if options.is_some_and(|options| options.split(' ').next() == Some("verify")) {
+    if by_verify(provenance) {
         return Group::External;
     }
     scenes
@@ -141,7 +151,7 @@ fn summary(report: &Report<'_>, outcome: &str, failures: &[(String, String)]) ->
     section.figures(report.forest.map_or(&[], std::slice::from_ref));
     let row = |verdict: &Verdict| verdict_row(verdict, report.link(&verdict.scene));
     let rows = report.verdicts.iter().map(row).collect();
-    let caption = "Predicted orders, observed orders with their intervals, and what they say.";
+    let caption = "Predicted and observed orders with their intervals, and the verdicts.";
     section.table(Table::new(caption, &VERDICT_HEADS, rows).evidence());
     let remarkable = |v: &&Verdict| !v.as_expected() || v.decision != Decision::Pass;
     for verdict in report.verdicts.iter().filter(remarkable) {
@@ -164,7 +174,7 @@ fn introduction() -> Section {
     section.words(
         "Each scene asks one question. Errors are maxima over the time levels in the norm named; V_max is the norm of the paper, ‖ε(u − u_h)‖ in L²(Ω). \
          h is 1/n with n cells per unit length, or the longest edge of an imported mesh; k = T/N with N steps. Lengths, stresses and times are in the units of the scene. \
-         A local order is that between two neighbouring points that were used; a floor is the part of an error that is not the discretisation.",
+         A local order is that between two neighbouring points that were used; the error floor is the part of an error that does not come from the discretisation.",
     );
     section
 }
@@ -183,7 +193,7 @@ fn reproduction(report: &Report<'_>) -> Section {
         "sweep report DIR\nsweep run {scene} --out reports/again\nsweep check {scene}"
     )));
     section.words(
-        "Records are the same, bit for bit, for any number of threads, but for the columns of seconds.",
+        "Records do not depend on the number of threads, bit for bit, except for the columns of seconds.",
     );
     let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_owned);
     let mut rows = Vec::new();

@@ -114,7 +114,7 @@ fn read_table(
         };
         let at = index(0, levels)? * vertices + index(1, vertices)?;
         if std::mem::replace(&mut seen[at], true) {
-            return Err(fault(line, "this level and vertex have stood before".into()));
+            return Err(fault(line, "this level and vertex occur twice".into()));
         }
         for c in 0..d {
             let text = &record[2 + c];

@@ -43,7 +43,8 @@ impl Timed {
 impl Read for Timed {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if self.until.is_some_and(|until| Instant::now() >= until) {
-            let reason = "not read to its end within the time limit of its case: --time-limit gives it longer";
+            let reason =
+                "could not be read within the time limit of its case: --time-limit raises it";
             return Err(io::Error::new(io::ErrorKind::TimedOut, reason));
         }
         let most = buffer.len().min(PIECE);
@@ -60,7 +61,7 @@ impl Read for Timed {
 pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
     let file = Timed::open(path, until).map_err(|error| error.to_string())?;
     if file.length > most {
-        return Err(format!("{} bytes, where at most {most} can be needed", file.length));
+        return Err(format!("{} bytes, but at most {most} can be needed", file.length));
     }
     Ok(file)
 }

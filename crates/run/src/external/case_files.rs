@@ -264,7 +264,7 @@ fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
     }
     if grid.steps() > MOST_PAIRS {
         return Err(CaseError::Outside(format!(
-            "kernels of all pairs of {levels} levels are too many to write: take at most {MOST_PAIRS} steps, or a uniform grid"
+            "the kernels of all pairs of {levels} levels are too many to write: use at most {MOST_PAIRS} steps, or a uniform grid"
         )));
     }
     let mut values = Vec::with_capacity(terms.len() * levels * levels);

@@ -44,7 +44,7 @@ impl<S: Solve> Scheme for InProcess<S> {
         let wanted = [given.loads.numbers.len(), levels * points];
         if lengths != wanted {
             let message =
-                format!("{lengths:?} displacements and pressures where {wanted:?} are wanted");
+                format!("{lengths:?} displacements and pressures, but {wanted:?} are expected");
             return Err(CaseError::Outside(message));
         }
         if let Some(at) = answer.displacement.iter().position(|u| !u.is_finite()) {

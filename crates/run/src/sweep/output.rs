@@ -12,7 +12,7 @@ pub enum OutputError {
     #[error("{0}; choose another directory with --out")]
     Io(#[from] FileError),
     #[error(
-        "{}: {holder} writes here; wait for its end, or choose another directory with --out",
+        "{}: {holder} is writing here; wait until it has finished, or choose another directory with --out",
         path.display()
     )]
     Held { path: PathBuf, holder: String },

@@ -95,7 +95,7 @@ impl Provenance {
         }
         let scene = Scene::from_source(source)?;
         let other = scene.name != name || self.scenes.get(name) != Some(&scene.source.hash);
-        let message = "the text kept here is not the one that the records were made with";
+        let message = "the text kept here differs from the one that the records were made with";
         let hint = "run the scene again, or name the folder of its text with --scenes";
         scene.refuse_if(other, "scene.name", message, hint).map(|()| Some(scene))
     }

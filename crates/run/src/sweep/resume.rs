@@ -82,10 +82,10 @@ fn doubts(path: &Path, table: &CaseTable) -> Vec<String> {
     let lines = first_named(table.changed.iter().map(u64::to_string), NAMED);
     let path = path.display();
     let changed = format!(
-        "{path}: line {lines}: changed after it was written (the checksum is another): the case is run again"
+        "{path}: line {lines}: changed after it was written (its checksum differs), so the case is run again"
     );
     let unchecked =
-        format!("{path}: rows without checksums are not trusted: all cases are run again");
+        format!("{path}: all cases are run again, because rows without checksums are not trusted");
     let found = [(!table.changed.is_empty(), changed), (!table.checked, unchecked)];
     found.into_iter().filter(|(found, _)| *found).map(|(_, doubt)| doubt).collect()
 }

@@ -29,7 +29,7 @@ impl<'a> Shared<'a> {
         self.plan.record(case, || match &self.plan.subject {
             Subject::Abstract(setup) => Ok(run_abstract_case(setup, case)),
             Subject::Contact(setup) => {
-                let n = case.n.ok_or("a body needs a mesh: no n")?;
+                let n = case.n.ok_or("a body needs a mesh, but n is missing")?;
                 self.on_mesh(setup, n, |data| run_contact_case(setup, data, case))
             }
         })

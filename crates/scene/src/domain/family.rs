@@ -20,7 +20,8 @@ pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, S
     let kind = reading.kind("domain.mesh", &MESHES)?;
     let tetrahedra = matches!(&domain.shape, Shape::Refined(coarse) if coarse.dimension == 3);
     let message = format!("meshes of kind `{kind}` are not made of tetrahedra from a file");
-    let hint = "leave `mesh` away: the file says where the vertices are, and refinement keeps them";
+    let hint =
+        "remove `mesh`, because the file says where the vertices are and refinement keeps them";
     reading.refuse_if(kind != "structured" && tetrahedra, "domain.mesh.kind", message, hint)?;
     match kind {
         "structured" => Ok(MeshFamily::Structured),

@@ -44,7 +44,7 @@ fn representable(setup: &Setup) -> Result<(), SceneError> {
     let (scene, domain) = (&setup.scene, &setup.body.domain);
     let measure = domain.measure();
     let message = format!("the measure of the domain is {measure:.1e}, outside 1e-301 to 1e301");
-    let hint = "state the scene in another unit of length: lengths within 1e-150 to 1e150 in the plane, 1e-100 to 1e100 in space";
+    let hint = "use another unit of length: lengths must lie within 1e-150 to 1e150 in the plane, 1e-100 to 1e100 in space";
     scene.refuse_if(!MEASURES.contains(&measure), "domain", message, hint)?;
     let (_, largest) = setup.model.elasticity.eigenvalues(scene.dimension);
     let message = format!("the stiffest modulus is {largest:.1e}, outside 1e-152 to 1e152");

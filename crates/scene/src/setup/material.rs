@@ -112,9 +112,9 @@ pub fn cell_regions(
             // NaN counts as cut.
             let cut = !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size);
             let message = format_args!(
-                "on the mesh n = {n} the boundary of region `{name}` cuts the cell at ({place}): the condition goes from {from} to {to} in it"
+                "on the mesh n = {n} the boundary of region `{name}` cuts the cell at ({place}), where the condition changes from {from} to {to}"
             );
-            let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose other n, or move the interface onto a mesh line";
+            let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose another n, or move the interface onto a mesh line";
             scene.refuse_if(cut || middle.is_nan(), &key, message, hint)?;
             if middle > 0.0 {
                 claim(scene, material, (index, "where"), region_of_cell, || {

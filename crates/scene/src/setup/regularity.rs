@@ -82,10 +82,10 @@ fn claim(
     let shown = findings.iter().any(|finding| finding.status == Status::Weak);
     let seen: Vec<String> = findings.iter().map(|f| format!("{}: {}", f.subject, f.text)).collect();
     let message = format!(
-        "the scene claims to violate ({}), and nothing shows it: {}",
+        "the scene claims to violate ({}), but nothing shows a violation: {}",
         hypothesis.name(),
         if seen.is_empty() { "the problem has no such hypothesis".into() } else { seen.join("; ") }
     );
-    let hint = "remove the claim: a prediction for a broken hypothesis says nothing where it holds";
+    let hint = "remove the claim, because a prediction for a broken hypothesis says nothing where the hypothesis holds";
     Ok(scene.refuse_if(!shown, &format!("scene.violates.{index}"), message, hint)?)
 }

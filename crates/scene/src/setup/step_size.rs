@@ -69,7 +69,7 @@ pub fn check_step_sizes(
         ),
         StepPlace::WithinTheorem => return Ok(None),
         StepPlace::Solvable => format!(
-            "k = {step} (N = {coarsest}) is beyond (3.4), k < {bound}; one solution per step is guaranteed all the same, by strong monotonicity{solvable}"
+            "k = {step} (N = {coarsest}) is above the bound k < {bound} of (3.4), but strong monotonicity still guarantees one solution per step{solvable}"
         ),
         StepPlace::Unguaranteed if declared => format!(
             "k = {step} (N = {coarsest}) violates (3.4) on purpose: one solution per step is guaranteed only{solvable}"
@@ -83,7 +83,7 @@ fn unknown(constants: &Constants) -> String {
     let [low, high] = constants.m0_range.map(|value| digits(value, 7));
     let [least, most] = constants.c_j_range.map(|value| digits(value, 7));
     format!(
-        "whether (2.9) holds is unknown, neither verified nor refused: m0 lies between {low} and {high}, c_j^2 being known between {least} and {most}; no bound on the step size follows"
+        "it is not known whether (2.9) holds: m0 lies between {low} and {high}, because c_j^2 is only known to lie between {least} and {most}, so no bound on the step size follows"
     )
 }
 

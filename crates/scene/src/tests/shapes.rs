@@ -113,7 +113,7 @@ fn what_is_no_polygon_is_refused() {
         ("vertices = [[0, 0], [2, 0], [2, 0], [0, 1]]", NAMES, "vertices 1 and 2 are the same"),
         ("vertices = [[0, 0], [2, 0]]", NAMES, "three vertices or more, not 2"),
         ("vertices = [[0, 0], [2, nan], [2, 1], [0, 1]]", NAMES, "is not finite"),
-        ("vertices = [[0, 0, 0], [2, 0], [2, 1], [0, 1]]", NAMES, "3 entries where 2 are wanted"),
+        ("vertices = [[0, 0, 0], [2, 0], [2, 1], [0, 1]]", NAMES, "3 entries, but 2 are expected"),
         ("", NAMES, "shape `polygon` needs the key `vertices`"),
         (CORNERS, "sides = [\"bottom\", \"right\", \"top\"]", "3 names for 4 edges"),
         (CORNERS, "sides = [\"bottom\", \"right\", \"top\", \" \"]", "a side without name"),
@@ -124,7 +124,7 @@ fn what_is_no_polygon_is_refused() {
         (CORNERS, &format!("{NAMES}\npoints = [[1, 0.5]]"), "and there are none"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 4]]"), "there is no vertex 4"),
         (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1, 2]]"), "does not bound the domain"),
-        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1]]"), "2 entries where 3 are wanted"),
+        (CORNERS, &format!("{NAMES}\ntriangles = [[0, 1]]"), "2 entries, but 3 are expected"),
         (CORNERS, &format!("{NAMES}\ntriangles = []"), "does not bound the domain"),
         (CORNERS, &format!("{NAMES}\nfile = \"x.msh\""), "shape `polygon` takes no `file`"),
     ];
@@ -173,7 +173,7 @@ fn graded_meshes_name_a_corner() {
             .replace("judge = true", "judge = false")
     };
     let swept = graded("[1.0, 0.5]", "2");
-    assert!(refused(&swept).to_string().contains("no reference run"));
+    assert!(refused(&swept).to_string().contains("nor a reference run"));
     let start = swept.find("[sweep]").unwrap();
     let end = swept.find("[[predicts]]").unwrap();
     let alone =

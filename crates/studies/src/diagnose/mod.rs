@@ -84,7 +84,7 @@ pub fn diagnose(
         let in_space = wrongly.iter().any(|verdict| verdict.variable != Variable::K);
         let (outcomes, finding) = examine(scene, prepare, in_space || always);
         found.sentence = match finding == Finding::NothingFails && wrongly.is_empty() {
-            true => "nothing is wrong: every variant shows what it must".into(),
+            true => "nothing is wrong, because every variant shows what it must".into(),
             false => [vec![sentence(&finding, &outcomes)], contradicted].concat().join("; "),
         };
         (found.outcomes, found.finding) = (outcomes, Some(finding));
@@ -200,7 +200,7 @@ fn has_exact_solution(scene: &Scene) -> Result<(), SetupError> {
             "name a scene of the contact problem; `sweep gronwall` examines the history of this one",
         ),
         Body::Contact(body) if !matches!(body.data, Data::Exact { .. }) => (
-            "the scene has no exact solution: with a term removed nothing would be known of it",
+            "the scene has no exact solution, so nothing would be known about a variant with a term removed",
             "name a scene with [exact], from which the loads of every variant are derived",
         ),
         Body::Contact(_) => return Ok(()),

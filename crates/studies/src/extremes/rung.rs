@@ -327,7 +327,8 @@ pub fn found(ladders: &[Ladder], climbed: &[Climbed]) -> Findings {
             ("expected because", report::Run::plain(ladder.why)),
         ]
     };
-    let caption = "Ladders: what is turned, in how many rungs, and why they end as they do.";
+    let caption =
+        "Ladders: the parameter, the number of rungs, and the reason for what is expected.";
     findings.document.table(caption, ladders.iter().map(row));
     let shows = "every rung of the ladders against its expectation (sweep extremes).";
     findings.document.figure("extremes", shows, Some(map(ladders, climbed)));

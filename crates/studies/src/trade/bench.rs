@@ -306,7 +306,7 @@ pub(super) fn elements(setup: &Setup) -> Vec<(Element, Change)> {
 
 /// Levels of each direction that orders need.
 const LEVELS: usize = 3;
-/// Levels that are kept while the budget bears them.
+/// Levels that are kept while the budget allows them.
 const MOST: [usize; 2] = [4, 5];
 /// Seconds that an unknown and step may take: punch at n = 64 and N = 32 has 266,000 of them and takes 0.7 s.
 const RATE: f64 = 3e-6;

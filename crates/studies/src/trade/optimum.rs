@@ -163,11 +163,11 @@ pub enum NoAnswer {
     /// Nothing is known of the errors or of the costs, or a mesh cannot be made.
     #[error("{0}")]
     Refused(String),
-    #[error("an error of {target} cannot be aimed at: it must be positive")]
+    #[error("the target {target} must be positive")]
     NotPositive { target: f64 },
     /// Below what solver and rounding leave.
     #[error(
-        "an error of {target:.3e} is out of reach: solver and rounding leave up to {floor:.1e}, and {FLOORS_ABOVE} times that is the least that can be seen"
+        "an error of {target:.3e} cannot be reached: solver and rounding leave up to {floor:.1e}, and only errors above {FLOORS_ABOVE} times that can be measured"
     )]
     BelowFloor { target: f64, floor: f64 },
     /// Finer than the finest choice, where the error is `least`.

@@ -21,7 +21,7 @@ pub(super) fn at<'a>(change: &Change, trials: &'a [Trial], place: [u32; 2]) -> O
     trials.iter().find(|trial| trial.change == *change && trial.place() == place)
 }
 
-/// Runs at which settings are changed: the largest that the budget bears `runs` times, the one with the next coarser mesh
+/// Runs at which settings are changed: the largest that the budget allows `runs` times, the one with the next coarser mesh
 /// and the same steps, and the one with the fewest steps on the same mesh, to see on what a price depends.
 pub(super) fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u32; 2]> {
     let written = Change::none();
@@ -165,7 +165,7 @@ impl Models {
         let one = [0, 1].iter().any(|&i| done().all(|trial| trial.place()[i] == most[i]));
         let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
         let cost = match one {
-            true => Err("the runs are on one mesh or have one number of steps: what each costs cannot be told apart".to_owned()),
+            true => Err("the runs use a single mesh or a single number of steps, so their costs cannot be separated".to_owned()),
             false => Cost::fit(&samples, dimension, horizon).ok_or_else(|| "no parts fit the times".into()),
         };
         let differences = differences(&change, trials);

@@ -50,7 +50,7 @@ pub enum TradeError {
 /// # Errors
 /// It has no mesh, no truth, or a rule in time whose order is not known.
 pub fn measurable(scene: &Scene) -> Result<Setup, SetupError> {
-    let why = "its models take the order of the time rule for granted";
+    let why = "its models assume the order of the time rule";
     scene.without(&[Extension::SingularKernel], "sweep trade", why)?;
     let message = "an abstract problem has one step and no mesh to trade against";
     let hint = "sweep run measures its errors over k";
@@ -153,7 +153,7 @@ fn other_elements(
     for (element, change) in elements(setup) {
         let left_out = |why: &str| heard(&format!("{} left out: {why}", change.words()));
         if element.degree() > setup.body.element.degree() && setup.exact.is_none() {
-            left_out("the reference run is of lower degree, and no truth for it");
+            left_out("the reference run has a lower degree, so it cannot serve as the truth");
             continue;
         }
         let meshes = element_meshes(&setup.scene, n, element);
@@ -257,7 +257,7 @@ fn found(
     findings.table(
         "candidates",
         candidates,
-        "Cheapest runs with the error that is wanted.",
+        "The cheapest runs that reach the target error.",
         "with = change; >n = n; >N = steps; >predicted error = error 4; >CPU s = cpu_seconds 3; >bytes = bytes 3",
     );
     let trials: Value = bench.trials.iter().map(Trial::json).collect();
@@ -273,7 +273,7 @@ fn found(
     findings.table(
         "prices",
         prices,
-        "One setting at a time, against the run as written. Seconds are those of single runs on this machine: 1.25 times are no difference.",
+        "One setting changed at a time, compared with the run as written. Seconds are from single runs on this machine, so a factor below 1.25 is no difference.",
         "what a setting changes = what; >n = n; >N = steps; >times faster = speed 3; >error, its part = error 2; \
          >memory, times = bytes 3",
     );
@@ -315,7 +315,7 @@ fn answer_words(bench: &Bench<'_>, answer: &Candidate, real: Option<&Trial>) -> 
 fn picture(bench: &Bench<'_>, models: &[Models], answer: Option<&Candidate>) -> Option<String> {
     let mut chart = Chart::new(
         &format!("{}: speed against accuracy", bench.setup.scene.name),
-        "The error that is reached in a given time. Lines: one mesh each, from few steps to many. CPU time of one thread on this machine: mesh, loads and march.",
+        "The error reached in a given CPU time (one thread of this machine: mesh, loads and march). Each line is one mesh, from few steps to many.",
         Axis::new("CPU time in seconds", Scale::Log),
         Axis::new(format!("error {}", norm_label(bench.norm.name())), Scale::Log),
     );

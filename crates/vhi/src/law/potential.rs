@@ -90,7 +90,7 @@ impl Potential for NoPotential {
 /// Why points do not define a piecewise linear graph.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PotentialError {
-    #[error("the points of the law must be sorted: {0} comes after {1}")]
+    #[error("the points of the law must be sorted, but {0} comes after {1}")]
     Unsorted(f64, f64),
     /// A downward jump violates (2.8c) for every α_ν.
     #[error("downward jump of ∂j_ν from {from} to {to} at {at}: (2.8c) fails for every α_ν")]

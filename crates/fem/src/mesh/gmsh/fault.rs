@@ -19,11 +19,11 @@ pub struct GmshError {
 /// A fault in a `.msh` file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Fault {
-    #[error("the file ends where {wanted} should stand")]
+    #[error("the file ends where {wanted} is expected")]
     Ends { wanted: &'static str },
     #[error("`{found}` where {wanted} should stand")]
     Unexpected { found: String, wanted: &'static str },
-    #[error("version {found} of the format is not read: export as version 4.1 or 2.2")]
+    #[error("version {found} of the format is not supported: export as version 4.1 or 2.2")]
     Version { found: String },
     #[error("a binary file: export as ASCII")]
     Binary,

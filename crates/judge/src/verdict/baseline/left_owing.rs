@@ -22,19 +22,19 @@ pub(super) fn left_owing(scene: &str, owes: &[Owed], mut settled: Vec<Owed>) -> 
     let mut say = |owed: &Owed, what: String| found.push(deviation(scene, owed, &what));
     for owed in owes {
         let Some(at) = settled.iter().position(|other| other.is_of(owed)) else {
-            say(owed, "the verdict is owed and was not judged".into());
+            say(owed, "the verdict is recorded but was not judged".into());
             continue;
         };
         let judged = settled.remove(at);
         for name in owed.constants.iter().filter(|name| !judged.constants.contains(name)) {
-            say(owed, format!("the constant {name} is owed and was not settled"));
+            say(owed, format!("the constant {name} is recorded but was not decided"));
         }
         for name in judged.constants.iter().filter(|name| !owed.constants.contains(name)) {
-            say(owed, format!("the constant {name} was settled and is not owed"));
+            say(owed, format!("the constant {name} was decided but is not recorded"));
         }
     }
     for other in &settled {
-        say(other, "the verdict was judged and is not owed".into());
+        say(other, "the verdict was judged but is not recorded".into());
     }
     found
 }
@@ -68,7 +68,7 @@ impl Comparison {
         if !self.owed_not_said.is_empty() {
             let scenes = counted(self.owed_not_said.len(), "scene");
             lines.push(format!(
-                "baseline: does not say what verdicts and constants are owed by {scenes}, the first is {}; sweep baseline records it",
+                "baseline: has no verdicts and constants of {scenes}, the first is {}; sweep baseline records them",
                 self.owed_not_said[0]
             ));
         }
@@ -76,11 +76,11 @@ impl Comparison {
             let left = self.deviations.iter().filter(|d| d.kind == DeviationKind::Owed).count();
             let found = match left {
                 0 => "all judged".to_owned(),
-                left => format!("{left} not as owed"),
+                left => format!("{left} not as recorded"),
             };
             let verdicts = counted(self.owed.verdicts, "verdict");
             let constants = counted(self.owed.constants, "compared constant");
-            lines.push(format!("baseline: {verdicts} and {constants} owed, {found}"));
+            lines.push(format!("baseline: {verdicts} and {constants} recorded, {found}"));
         }
         lines
     }

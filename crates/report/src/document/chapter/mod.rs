@@ -41,7 +41,7 @@ fn failure(study: &StudyDocument) -> String {
         Chapter::Audit => "the inequalities of the proof",
         Chapter::Trade => "trade",
         Chapter::Diagnose => "which term is at fault",
-        Chapter::Extremes => return "extremes: not every rung is as expected".into(),
+        Chapter::Extremes => return "extremes: not every test is as expected".into(),
     };
     format!("{what}, {}: not everything holds", study.scene.as_deref().unwrap_or("no scene"))
 }
@@ -93,7 +93,7 @@ fn of_this_text(section: &mut Section, study: &StudyDocument, report: &Report<'_
     let known = report.provenance.get("scenes").and_then(|scenes| scenes.get(scene));
     let known = known.and_then(serde_json::Value::as_str);
     if known.is_some_and(|hash| study.fingerprint.as_deref() != Some(hash)) {
-        let words = "This study was made with another text of the scene than the records.";
+        let words = "This study was made from a different text of the scene than the records.";
         section.text(vec![Run::of(words, Tone::Miss)]);
     }
 }

@@ -73,7 +73,7 @@ pub(super) fn extremes() -> Section {
     Section::opening(
         "chapter-extremes",
         "Extremes",
-        "Ladders of one parameter each, from the ordinary to where floating point or the theory ends. Every rung states beforehand what it must \
-         show: a bound of its error, derived from rounding and condition, or the refusal that it must meet.",
+        "Each ladder takes one parameter from the ordinary to where floating point or the theory ends, in steps called rungs. Every rung states \
+         beforehand what it must show: a bound of its error, derived from rounding and condition, or that it is refused.",
     )
 }

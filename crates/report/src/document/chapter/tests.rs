@@ -147,7 +147,7 @@ fn what_does_not_hold_is_said_on_the_first_page_too() {
 
 #[test]
 fn another_text_of_the_scene_is_said() {
-    let words = "another text of the scene than the records";
+    let words = "a different text of the scene than the records";
     for chapter in [Chapter::Bound, Chapter::Gronwall, Chapter::Audit, Chapter::Trade] {
         let now = study(chapter, true);
         let stale = now.clone().of_scene("s", "then");

@@ -394,7 +394,7 @@ pub fn prepare<'a>(
         }
         (Subject::Abstract(setup), None) => return Ok(Box::new(FiniteInTime::new(setup)?)),
         (Subject::Contact(_), None) => "a body needs a mesh: give --n",
-        (Subject::Abstract(_), Some(_)) => "an abstract problem has no mesh: leave --n away",
+        (Subject::Abstract(_), Some(_)) => "an abstract problem has no mesh: remove --n",
     };
     Err(GronwallError::Mesh { reason })
 }

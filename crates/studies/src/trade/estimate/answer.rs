@@ -83,9 +83,11 @@ pub fn estimate(
                 let cautious = advice.cautious.as_ref().map_or_else(refusal, words);
                 let [n, steps] = advice.check;
                 let seconds = match advice.source {
-                    CostSource::Timed => "fitted to the CPU times of this run and its companions",
+                    CostSource::Timed => {
+                        "fitted to the CPU times of this run and its companion runs"
+                    }
                     CostSource::Counted => {
-                        "by cells times levels: a companion is too short to time"
+                        "by cells times levels, because a companion run is too short to time"
                     }
                 };
                 document.words(format!("Target {target:.4e} in {}:", norm.name()));
@@ -183,7 +185,7 @@ fn refusal(none: &NoAnswer) -> String {
 // least cost with E ≤ target, and once more with the upper end of the interval in place of E.
 
 /// No pair is proposed with more than so many times the n or N of the run: twice the span of the companions, on
-/// logarithms. Farther off half an order of doubt is more than a factor 4.
+/// logarithms. Farther away, an order uncertain by 1/2 means more than a factor of 4.
 const REACH: u32 = 16;
 /// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
 /// that is admitted around an order, and another one as in [`super::Part::of`].
@@ -265,7 +267,7 @@ pub struct Advice {
 /// # Errors
 /// [`NoAnswer`].
 pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
-    let none = || NoAnswer::Refused("the costs of the runs have no model".into());
+    let none = || NoAnswer::Refused("the costs of the runs cannot be modelled".into());
     let (cost, source) = costs(goal.setup, found).ok_or_else(none)?;
     let choices = Choices::new(goal.setup, false)?;
     let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);

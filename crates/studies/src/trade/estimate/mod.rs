@@ -83,7 +83,7 @@ impl Part {
     /// Reads d₁ and d₂; `theory` is the order of a theorem, where there is one.
     pub fn of([fine, coarse]: [f64; 2], floor: f64, theory: Option<f64>, how: Alignment) -> Self {
         if !(fine.is_finite() && coarse.is_finite()) {
-            return Self::Unknown("a difference of runs is no number".into());
+            return Self::Unknown("a difference of runs is NaN".into());
         }
         if fine.max(coarse) <= FLOORS_ABOVE * floor {
             return Self::Below(FLOORS_ABOVE * floor);
@@ -451,7 +451,7 @@ fn coarser(setup: &Setup, finest: &Run, grid: [[u32; 2]; 2]) -> Companion {
             }
             Ok(one)
         };
-        let failed = |e| format!("the companion with n = {n}, N = {steps} fails: {e}");
+        let failed = |e| format!("the companion run with n = {n}, N = {steps} fails: {e}");
         let one = one().map_err(failed)?;
         found.push(one);
     }
