@@ -308,6 +308,34 @@ fn solve_has_its_keys() {
     assert!(linear["min_normal_gap"].is_null() && linear["max_normal_displacement"].is_number());
 }
 
+/// Where no level depends on another one step is as good as many: the error in h alone, and files of the run beside it.
+#[test]
+fn one_step_without_a_history_has_an_estimate_and_files() {
+    let folder = Folder::new("estimate-one-step");
+    let files = folder.argument("vtu");
+    let estimated = |steps: &str, more: &[&str]| {
+        let words = ["solve", "steady", "--n", "16", "--steps", steps, "--estimate", "--json"];
+        json(&sweep(&[&words[..], more].concat()))
+    };
+    let (one, four) = (estimated("1", &["--vtu", &files]), estimated("4", &[]));
+    for (one, four) in
+        one["norms"].as_array().unwrap().iter().zip(four["norms"].as_array().unwrap())
+    {
+        assert_eq!(one["unknown"], serde_json::json!([]));
+        assert_eq!(one["time"]["value"], 0.0);
+        // The same level, to the accuracy of Newton's method.
+        let [one, four] = [one, four].map(|norm| norm["value"].as_f64().expect("an error"));
+        assert!(one > 0.0 && (one / four - 1.0).abs() < 1e-6, "{one} {four}");
+    }
+    for name in ["steady.pvd", "steady_0000.vtu", "steady_0001.vtu"] {
+        assert!(folder.at("vtu").join(name).exists(), "{name}");
+    }
+    // A memory couples the levels: one step says nothing of k.
+    let coupled = ["solve", "signorini", "--n", "8", "--steps", "1", "--estimate", "--json"];
+    let unknown = json(&sweep(&coupled))["norms"][0]["unknown"].to_string();
+    assert!(unknown.contains("N = 1 is no multiple of 4"), "{unknown}");
+}
+
 /// `--resume` with other cases keeps what is there, or refuses and touches nothing.
 #[test]
 fn resume_loses_no_records() {

@@ -16,7 +16,7 @@ mod quantity;
 pub use advice::{Advice, Advised, CostSource, Goal, advise, costs};
 pub use answer::{Estimated, estimate};
 pub use companions::{
-    Companions, NormDifferences, RunTime, companion_runs, companions, companions_and_bound,
+    Companions, NormDifferences, RunTime, Watch, companion_runs, companions, companions_and_bound,
 };
 use quantity::LEAST_ORDER;
 pub use quantity::QuantityEstimate;
@@ -243,7 +243,10 @@ pub fn norm_estimate(setup: &Setup, found: &Companions, differences: &NormDiffer
         true => Part::Below(0.0),
         false => Part::of(differences.space, differences.floor, exact(in_h), how(differences.norm)),
     };
-    let time = Part::of(differences.time, differences.floor, exact(in_k), Alignment::Aligned);
+    let time = match found.no_history {
+        true => Part::Below(0.0),
+        false => Part::of(differences.time, differences.floor, exact(in_k), Alignment::Aligned),
+    };
     let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
     let [most_h, most_k] = of_scheme(setup, differences.norm);
     let [of_h, of_k] = [limits(&space, most_h, in_h), limits(&time, most_k, in_k)];

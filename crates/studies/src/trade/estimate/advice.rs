@@ -111,11 +111,16 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
     // Where the data depend on the mesh, another mesh is another problem.
     let [least, most] = if found.on_mesh { [n, n] } else { [n / SPAN, reach(n, MOST[0])] };
+    // Where levels do not depend on each other, fewer have another meaning and the same error.
+    let [fewest, longest] = match found.no_history {
+        true => [steps, steps],
+        false => [steps / SPAN, reach(steps, MOST[1])],
+    };
     let advised = |read: fn((f64, Interval)) -> f64| {
         let law = Law {
             error: Box::new(|h, k| read(at([h, k]))),
             seconds: Box::new(|h, k| cost.seconds(h, k)),
-            range: [[least, steps / SPAN], [most, reach(steps, MOST[1])]],
+            range: [[least, fewest], [most, longest]],
             made: SPAN * n,
         };
         let mut run = choices.cheapest(&law, goal.target, &goal.limit)?;
@@ -133,7 +138,11 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
         // The n of the run suits, and so do its multiples.
         false => (choice.run.n..=MOST[0]).find(suits),
     };
-    let check = [next.unwrap_or(choice.run.n), choice.run.steps.next_multiple_of(SPAN)];
+    let longer = match found.no_history {
+        true => steps,
+        false => choice.run.steps.next_multiple_of(SPAN),
+    };
+    let check = [next.unwrap_or(choice.run.n), longer];
     Ok(Advice { target: goal.target, choice, cautious, source, check })
 }
 

@@ -1,7 +1,7 @@
 //! The estimate of a run in words, tables and JSON.
 
 use super::advice::{Advised, CostSource, Goal, advise};
-use super::{Companions, Estimate, Part, companions_and_bound, norm_estimate};
+use super::{Companions, Estimate, Part, Watch, companions_and_bound, norm_estimate};
 use crate::guarantee::{Guarantee, GuaranteeError};
 use crate::table;
 use crate::trade::{Choice, NoAnswer, Wanted};
@@ -29,8 +29,9 @@ pub fn estimate(
     [n, steps]: [u32; 2],
     wanted: Wanted,
     limit: &MemoryLimit,
+    watch: &mut Watch<'_>,
 ) -> Result<Estimated, GuaranteeError> {
-    let (found, bound) = companions_and_bound(setup, n, steps)?;
+    let (found, bound) = companions_and_bound(setup, n, steps, watch)?;
     let of = |of: &super::NormDifferences| (of.norm, norm_estimate(setup, &found, of));
     let estimates: Vec<(Norm, Estimate)> = found.norms.iter().map(of).collect();
     let norms: Vec<Value> = estimates.iter().map(|(norm, of)| json_of(&found, *norm, of)).collect();
