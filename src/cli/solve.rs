@@ -21,7 +21,7 @@ use run::sweep::admit_run;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
-use scene::Extension;
+use scene::{Extension, Law};
 use serde_json::{Value, json};
 use studies::solution::{FinalState, VtuSeries};
 use studies::trade::Wanted;
@@ -134,12 +134,15 @@ impl Solve {
         setup.scene.without(&[Extension::SingularKernel], "sweep solve --estimate", singular)?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
         let mut files = Files::new(self.vtu.as_ref(), &setup.scene.name)?;
+        let mut pull = Pull::default();
         let mut watch = |space: &Discretization, view: &StepView<'_>| {
             files.write(space, &setup.model, view);
+            pull.see(space, view);
         };
         let found = estimate(setup, [n, self.steps], wanted, &limit, &mut watch);
         let found = found.map_err(CliError::other)?;
         files.finish()?;
+        pull.remark(setup);
         match self.common.json {
             true => print_json(&found.json)?,
             false => print_text(&found.document.text(width(StudyDocument::WIDTH))),
@@ -213,6 +216,7 @@ impl Solve {
     ) -> Result<(CaseInfo, FinalState, f64), CliError> {
         let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
         let mut files = Files::new(self.vtu.as_ref(), name)?;
+        let mut pull = Pull::default();
         if self.pictures.is_some() && !plane {
             return Err(CliError::about(name, "--pictures draws plane bodies; --vtu is for any"));
         }
@@ -221,6 +225,7 @@ impl Solve {
         let mut last = None;
         let mut observe = |view: &StepView<'_>| {
             files.write(&data.space, &setup.model, view);
+            pull.see(&data.space, view);
             let end = view.n == self.steps as usize;
             if let Some(pictures) = &mut pictures {
                 pictures.add(&data.space, &setup.model, data.truth.as_ref(), view, end)?;
@@ -236,6 +241,7 @@ impl Solve {
             .map_err(|error| CliError::about(format!("{name} n = {n} steps = {steps}"), error))?;
         let seconds = start.elapsed().as_secs_f64();
         files.finish()?;
+        pull.remark(setup);
         if let (Some(pictures), Some(dir)) = (pictures, &self.pictures) {
             create_dir(dir)?;
             for (file, svg) in pictures.finish() {
@@ -273,6 +279,37 @@ impl Files {
             Self(_, Some(error)) => Err(error),
             Self(Some(series), None) => series.finish().map(drop).map_err(CliError::other),
             Self(None, None) => Ok(()),
+        }
+    }
+}
+
+/// The strongest pull of a law on the body, ∫ min(ξ, 0), and when.
+#[derive(Default)]
+struct Pull {
+    force: f64,
+    t: f64,
+}
+
+impl Pull {
+    fn see(&mut self, space: &Discretization, view: &StepView<'_>) {
+        let points = space.trace.points.iter().zip(view.compliance);
+        let force: f64 = points.map(|(point, xi)| point.weight * xi.min(0.0)).sum();
+        if force < self.force {
+            *self = Self { force, t: view.t };
+        }
+    }
+
+    /// Warns where a law pulls at open contact, which a layer that is pressed cannot do.
+    fn remark(&self, setup: &Setup) {
+        let contact = setup.body.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref()).filter(|_| self.force < 0.0);
+        if let Some(instead) = law.and_then(Law::one_sided) {
+            let text = format!(
+                "the contact law pulls the body with {} at t = {}: it is two-sided, p < 0 where contact is open; {instead} presses alone",
+                digits(self.force, 4),
+                digits(self.t, 4),
+            );
+            super::progress::remark(&setup.scene.name, &StepRemark { warning: true, text });
         }
     }
 }
