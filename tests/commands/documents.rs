@@ -259,4 +259,4 @@ fn by_hand(page: &str) -> String {
 }
 
 /// Words of all pages that are written by hand.
-const LONGEST: usize = 23_100;
+const LONGEST: usize = 23_700;
