@@ -148,7 +148,8 @@ scenes: ## docs/SCENES.md and its pictures from the scene files
 	$(SWEEP) list --markdown > docs/SCENES.md
 	$(SWEEP) list --pictures docs/scenes
 
-sabotage: ## every seeded defect against every gate, some minutes; writes docs/SABOTAGE.md
+sabotage: ## every seeded defect against every gate, some minutes; writes docs/SABOTAGE.md and the matrix of docs/EXTERNAL.md
+	SABOTAGE_WRITE=1 $(CARGO) test --release $(MEMBERS) --test sabotage protocol
 	SABOTAGE_WRITE=1 $(CARGO) test --release $(MEMBERS) --test sabotage -- --ignored --nocapture --test-threads 1
 
 sabotage-check: ## the same, and a failure if a gate catches something else than docs/SABOTAGE.md says

@@ -35,6 +35,12 @@ beside scikit-fem "$solver" viscoelastic
 beside scikit-fem "$solver" signorini --pressure
 beside scikit-fem "$solver" quadratic-elastic
 beside scikit-fem "$solver" tests/independent/quadratic-signorini.toml --pressure
+skeleton=$out/solve.py
+sed -n '/^```python$/,/^```$/p' docs/EXTERNAL.md | grep -v '^```' >"$skeleton"
+beside "the solver of docs/EXTERNAL.md" "$python $skeleton" viscoelastic
+beside "the solver of docs/EXTERNAL.md" "$python $skeleton" prony
+beside "the solver of docs/EXTERNAL.md" "$python $skeleton" signorini --pressure
+beside "the solver of docs/EXTERNAL.md" "$python $skeleton" state-instant --pressure
 if command -v FreeFem++ >/dev/null; then
     # Debian keeps plugins and include files where its FreeFem++ does not look.
     export FF_LOADPATH=${FF_LOADPATH:-/usr/lib/freefem++} FF_INCLUDEPATH=${FF_INCLUDEPATH:-/usr/include/freefem++/idp}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import operator
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -99,7 +100,7 @@ def verify(
     n, steps : sequence of int, optional
         Cells per unit length and numbers of time steps in place of the scene's.
     pressure : bool
-        The solver gives pressures: they are judged too.
+        The solver gives pressures: they are judged too, and a warning says where no claim of the scene needs them.
     orders_only : bool
         Judge orders and not their constants: for other elements or time rules.
     out : path, optional
@@ -133,7 +134,10 @@ def verify(
 
     lists = [None if values is None else [operator.index(value) for value in values] for values in (n, steps)]
     document = json.loads(_native.verify(scene, answer, *lists, pressure, orders_only, out))
-    return [_verdict(row, document["failures"]) for row in document["verdicts"]]
+    rows = document["verdicts"]
+    if pressure and not any(row["norm"].startswith("pressure") for row in rows):
+        warnings.warn(f"no claim of {scene} needs the pressures: no verdict judges them", stacklevel=2)
+    return [_verdict(row, document["failures"]) for row in rows]
 
 
 def _case(raw: dict[str, Any], numpy: Any) -> Case:

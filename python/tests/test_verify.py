@@ -50,6 +50,16 @@ def test_the_case_is_complete():
     assert len(case.sides) == len(case.facets) == 16 and case.times[-1] == case.data["horizon"]
 
 
+def test_pressures_that_nothing_judges_are_said():
+    def solve(case):
+        return numpy.zeros_like(case.loads), numpy.zeros((case.steps + 1, len(case.contact["vertex"])))
+
+    with pytest.warns(UserWarning, match="no claim of affine needs the pressures"):
+        gronwall.verify("affine", solve, n=[2], steps=[4], pressure=True)
+    names = {verdict.name for verdict in gronwall.verify("signorini", solve, n=[4], steps=[2], pressure=True)}
+    assert "signorini pressure_L2_max" in names
+
+
 def test_gap_and_shift_are_those_of_the_scene():
     seen = []
 

@@ -114,11 +114,22 @@ fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliEr
     }
     findings.extend(interfaces(setup));
     findings.extend(hypotheses(setup, &constants(setup)?));
-    // Corners do not matter for an exact solution.
+    // Corners do not matter for an exact solution, and a two-sided law is what it was made for.
     if let Data::Loads { .. } = &setup.body.data {
         findings.extend(corners(&setup.body).iter().map(at_corner));
+        findings.extend(two_sided(setup));
     }
     Ok(findings)
+}
+
+/// A law that pulls where contact is open.
+fn two_sided(setup: &Setup) -> Option<Finding> {
+    let law = setup.body.contact.as_ref()?.law.as_ref()?;
+    let instead = law.one_sided()?;
+    let text = format!(
+        "two-sided: p < 0 and the body is pulled where contact is open; {instead} presses alone"
+    );
+    Some(Finding::new("law", Status::Weak, law.slope_before, text))
 }
 
 fn document(

@@ -13,15 +13,15 @@ use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, width,
     write_file,
 };
-use fem::contact::{CaseInfo, Discretization, StepView};
+use fem::contact::{CaseInfo, Discretization, Model, StepView};
 use files::digits;
 use pictures::Pictures;
 use report::StudyDocument;
 use run::sweep::admit_run;
-use scene::Extension;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
+use scene::{Extension, Law};
 use serde_json::{Value, json};
 use studies::solution::{FinalState, VtuSeries};
 use studies::trade::Wanted;
@@ -48,9 +48,10 @@ pub(crate) struct Solve {
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     solver: Solver,
     /// Estimate the error of this run in h and k from coarser companions (2h, 4h and 2k, 4k), for
-    /// scenes without an exact solution; n and N must be multiples of 4. Convex problems in the plane have a
+    /// scenes without an exact solution; n and N must be multiples of 4, but any N will do where levels do not
+    /// depend on each other (no memory, no zeta): they have no error in k. Convex problems in the plane have a
     /// guaranteed bound of the error in space beside it
-    #[arg(long, conflicts_with_all = ["vtu", "solver"])]
+    #[arg(long, conflicts_with = "solver")]
     estimate: bool,
     /// Say which n and N reach this error at least predicted cost, from the estimate alone: `1%` is a
     /// hundredth of the largest strain norm of this run (V_max alone), a plain number is an error in the
@@ -132,7 +133,16 @@ impl Solve {
         let singular = "its extrapolation assumes the order of the time rule";
         setup.scene.without(&[Extension::SingularKernel], "sweep solve --estimate", singular)?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
-        let found = estimate(setup, [n, self.steps], wanted, &limit).map_err(CliError::other)?;
+        let mut files = Files::new(self.vtu.as_ref(), &setup.scene.name)?;
+        let mut pull = Pull::default();
+        let mut watch = |space: &Discretization, view: &StepView<'_>| {
+            files.write(space, &setup.model, view);
+            pull.see(space, view);
+        };
+        let found = estimate(setup, [n, self.steps], wanted, &limit, &mut watch);
+        let found = found.map_err(CliError::other)?;
+        files.finish()?;
+        pull.remark(setup);
         match self.common.json {
             true => print_json(&found.json)?,
             false => print_text(&found.document.text(width(StudyDocument::WIDTH))),
@@ -205,8 +215,8 @@ impl Solve {
         start: Instant,
     ) -> Result<(CaseInfo, FinalState, f64), CliError> {
         let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
-        let series = self.vtu.as_ref().map(|dir| VtuSeries::new(dir, name));
-        let mut series = series.transpose().map_err(CliError::other)?;
+        let mut files = Files::new(self.vtu.as_ref(), name)?;
+        let mut pull = Pull::default();
         if self.pictures.is_some() && !plane {
             return Err(CliError::about(
                 name,
@@ -215,13 +225,10 @@ impl Solve {
         }
         let drawn = self.pictures.is_some();
         let mut pictures = drawn.then(|| Pictures::new(&data.space, name, n, self.steps));
-        let (mut last, mut write_error) = (None, None);
+        let mut last = None;
         let mut observe = |view: &StepView<'_>| {
-            let outcome =
-                series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
-            if let Some(Err(error)) = outcome {
-                write_error.get_or_insert(error);
-            }
+            files.write(&data.space, &setup.model, view);
+            pull.see(&data.space, view);
             let end = view.n == self.steps as usize;
             if let Some(pictures) = &mut pictures {
                 pictures.add(&data.space, &setup.model, data.truth.as_ref(), view, end)?;
@@ -236,12 +243,8 @@ impl Solve {
             .march(setup, steps, &*self.solver.of_levels(), &mut observe)
             .map_err(|error| CliError::about(format!("{name} n = {n} steps = {steps}"), error))?;
         let seconds = start.elapsed().as_secs_f64();
-        if let Some(error) = write_error {
-            return Err(CliError::other(error));
-        }
-        if let Some(series) = series {
-            series.finish().map_err(CliError::other)?;
-        }
+        files.finish()?;
+        pull.remark(setup);
         if let (Some(pictures), Some(dir)) = (pictures, &self.pictures) {
             create_dir(dir)?;
             for (file, svg) in pictures.finish() {
@@ -256,6 +259,61 @@ impl Solve {
     fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
         admit_run(setup, space, (n, self.steps), &self.common.allowance.limit())
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
+    }
+}
+
+/// The VTU files of a run, and the first reason why one could not be written.
+struct Files(Option<VtuSeries>, Option<CliError>);
+
+impl Files {
+    fn new(dir: Option<&PathBuf>, name: &str) -> Result<Self, CliError> {
+        let series = dir.map(|dir| VtuSeries::new(dir, name)).transpose();
+        Ok(Self(series.map_err(CliError::other)?, None))
+    }
+
+    fn write(&mut self, space: &Discretization, model: &Model, view: &StepView<'_>) {
+        if let Some(Err(error)) = self.0.as_mut().map(|series| series.write(space, model, view)) {
+            self.1.get_or_insert(CliError::other(error));
+        }
+    }
+
+    fn finish(self) -> Result<(), CliError> {
+        match self {
+            Self(_, Some(error)) => Err(error),
+            Self(Some(series), None) => series.finish().map(drop).map_err(CliError::other),
+            Self(None, None) => Ok(()),
+        }
+    }
+}
+
+/// The strongest pull of a law on the body, ∫ min(ξ, 0), and when.
+#[derive(Default)]
+struct Pull {
+    force: f64,
+    t: f64,
+}
+
+impl Pull {
+    fn see(&mut self, space: &Discretization, view: &StepView<'_>) {
+        let points = space.trace.points.iter().zip(view.compliance);
+        let force: f64 = points.map(|(point, xi)| point.weight * xi.min(0.0)).sum();
+        if force < self.force {
+            *self = Self { force, t: view.t };
+        }
+    }
+
+    /// Warns where a law pulls at open contact, which a layer that is pressed cannot do.
+    fn remark(&self, setup: &Setup) {
+        let contact = setup.body.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref()).filter(|_| self.force < 0.0);
+        if let Some(instead) = law.and_then(Law::one_sided) {
+            let text = format!(
+                "the contact law pulls the body with {} at t = {}: it is two-sided, p < 0 where contact is open; {instead} presses alone",
+                digits(self.force, 4),
+                digits(self.t, 4),
+            );
+            super::output::remark(&setup.scene.name, &StepRemark { warning: true, text });
+        }
     }
 }
 

@@ -18,7 +18,9 @@ use files::shortened;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
 use report::write_junit;
-use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
+use run::external::{
+    ExternalSolver, LOG, Way, case_dir, last_lines, on_pressures, solver_first, write_case,
+};
 use run::plan_for;
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, admit_constants, judge_plan, run_sweep,
@@ -32,7 +34,7 @@ const WIDTH: usize = 400;
 /// `sweep verify`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what the solver has to write: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A case fails if the solver fails, runs too long, or writes an array of the wrong shape or with NaN or infinity in it.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
+    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what the solver has to write: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A case fails if the solver fails, runs too long, or writes an array of the wrong shape or with NaN or infinity in it.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, pressures (claims that need them, or pressures that no claim needs; else null), and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
 )]
 pub(crate) struct Verify {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -102,14 +104,18 @@ impl Verify {
         }
         let beside = self.beside.then(|| self.run_built_in(scenes)).transpose()?;
         let compared = beside.as_ref().map(|built_in| compare(&judged.records, &built_in.records));
+        // Of the scene as it is written: the plan has no claims that the solver cannot answer.
+        let note = on_pressures(&scenes.scene(&self.scene)?, self.pressure);
         if self.json {
             let mut document = judged.document();
+            document["pressures"] = json!(note);
             if let Some(rows) = &compared {
                 document["beside"] = json!(rows);
             }
             print_json(&document)?;
         } else {
             judged.print();
+            note.iter().for_each(|note| print_text(&format!("note: {note}")));
             self.print_failures(&judged);
             print_text(&format!("report: {}", self.out.join("index.html").display()));
             if let (Some(built_in), Some(rows)) = (&beside, &compared) {

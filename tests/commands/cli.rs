@@ -4,6 +4,7 @@
 //! Data: affine and steady (small, judged), edited copies of shipped scenes, tables by hand.
 
 use std::collections::BTreeSet;
+use std::process::Output;
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
@@ -306,6 +307,87 @@ fn solve_has_its_keys() {
     // g = ∞ has no distance to it.
     let linear = json(&sweep(&["solve", "linear-punch", "--n", "4", "--steps", "4", "--json"]));
     assert!(linear["min_normal_gap"].is_null() && linear["max_normal_displacement"].is_number());
+}
+
+/// A stiff layer above a block, written with a two-sided law: it pulls.
+const PULLS: &str = r#"
+[scene]
+name = "layer"
+question = "Does a stiff layer press?"
+dimension = 2
+judge = false
+[domain]
+shape = "rectangle"
+size = [1.0, 1.0]
+clamped = ["bottom"]
+traction = ["left", "right"]
+contact = ["top"]
+[time]
+horizon = 1.0
+[material]
+E = 10.0
+nu = 0.3
+[contact]
+law = { kind = "linear", stiffness = 1e4 }
+shift = "(x - 0.5)^2 - 0.02"
+[loads]
+body = ["0", "0"]
+"#;
+
+/// A law of a layer that also pulls is named with the force and the law that presses alone; that one works as it is printed.
+#[test]
+fn a_law_that_pulls_is_said_with_the_one_that_does_not() {
+    let folder = Folder::new("pulls");
+    let scene = folder.file("pulls.toml", PULLS);
+    let solve = |scene: &str| sweep(&["solve", scene, "--n", "8", "--steps", "1"]);
+    let words = |output: &Output| {
+        (stdout(output) + &stderr(output)).split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let (pulled, checked) = (solve(&scene), sweep(&["check", &scene]));
+    let instead = "law = { kind = \"piecewise-linear\", points = [[0.0, 0.0]], slope_before = 0.0, slope_after = 10000.0 }";
+    for (output, says) in [(&pulled, "pulls the body with -"), (&checked, "the body is pulled")] {
+        assert_eq!(code(output), 0, "{}", stderr(output));
+        assert!(
+            words(output).contains(says) && words(output).contains(instead),
+            "{}",
+            words(output)
+        );
+    }
+    let written = "law = { kind = \"linear\", stiffness = 1e4 }";
+    let pressing = folder.file("presses.toml", &edited(PULLS, written, instead));
+    let output = solve(&pressing);
+    assert_eq!(code(&output), 0);
+    assert!(!words(&output).contains("pull"), "{}", words(&output));
+    assert!(words(&output).contains("the contact force is 0."), "{}", words(&output));
+    assert!(!words(&sweep(&["check", &pressing])).contains("pulled"));
+}
+
+/// Where no level depends on another one step is as good as many: the error in h alone, and files of the run beside it.
+#[test]
+fn one_step_without_a_history_has_an_estimate_and_files() {
+    let folder = Folder::new("estimate-one-step");
+    let files = folder.argument("vtu");
+    let estimated = |steps: &str, more: &[&str]| {
+        let words = ["solve", "steady", "--n", "16", "--steps", steps, "--estimate", "--json"];
+        json(&sweep(&[&words[..], more].concat()))
+    };
+    let (one, four) = (estimated("1", &["--vtu", &files]), estimated("4", &[]));
+    for (one, four) in
+        one["norms"].as_array().unwrap().iter().zip(four["norms"].as_array().unwrap())
+    {
+        assert_eq!(one["unknown"], serde_json::json!([]));
+        assert_eq!(one["time"]["value"], 0.0);
+        // The same level, to the accuracy of Newton's method.
+        let [one, four] = [one, four].map(|norm| norm["value"].as_f64().expect("an error"));
+        assert!(one > 0.0 && (one / four - 1.0).abs() < 1e-6, "{one} {four}");
+    }
+    for name in ["steady.pvd", "steady_0000.vtu", "steady_0001.vtu"] {
+        assert!(folder.at("vtu").join(name).exists(), "{name}");
+    }
+    // A memory couples the levels: one step says nothing of k.
+    let coupled = ["solve", "signorini", "--n", "8", "--steps", "1", "--estimate", "--json"];
+    let unknown = json(&sweep(&coupled))["norms"][0]["unknown"].to_string();
+    assert!(unknown.contains("N = 1 is no multiple of 4"), "{unknown}");
 }
 
 /// `--resume` with other cases keeps what is there, or refuses and touches nothing.

@@ -242,11 +242,21 @@ fn every_page_names_its_reader_and_is_in_the_book() {
 #[test]
 fn the_pages_stay_short() {
     let written = pages().into_iter().filter(|name| !GENERATED.contains(&name.as_str()));
-    let counts: Vec<(String, usize)> =
-        written.map(|name| (name.clone(), words(&read(&format!("docs/{name}"))))).collect();
+    let counts: Vec<(String, usize)> = written
+        .map(|name| (name.clone(), words(&by_hand(&read(&format!("docs/{name}"))))))
+        .collect();
     let all: usize = counts.iter().map(|(_, words)| words).sum();
     assert!(all <= LONGEST, "{all} words: {counts:?}");
 }
 
+/// A page without a matrix that a test writes (tests/sabotage/protocol.rs).
+fn by_hand(page: &str) -> String {
+    let matrix = page.find("| mistake |").map_or("", |from| {
+        let rest = &page[from..];
+        &rest[..rest.find("\n\n").unwrap_or(rest.len())]
+    });
+    page.replace(matrix, "")
+}
+
 /// Words of all pages that are written by hand.
-const LONGEST: usize = 21_950;
+const LONGEST: usize = 22_900;

@@ -442,7 +442,7 @@ fn an_estimate_and_its_bound_are_of_one_run() {
     let mut setup = setup("signorini");
     let marches = Arc::default();
     setup.scheme = Arc::new(Counted(Arc::clone(&marches)));
-    let (_, bound) = companions_and_bound(&setup, 8, 8).unwrap();
+    let (_, bound) = companions_and_bound(&setup, 8, 8, &mut |_, _| ()).unwrap();
     assert_eq!(*marches.lock().unwrap(), [8, 4, 2, 8, 8]);
     let (bound, alone) = (bound.unwrap(), guarantee(&setup, 8, 8).unwrap());
     assert_eq!(bound.levels.len(), 9);
@@ -451,6 +451,6 @@ fn an_estimate_and_its_bound_are_of_one_run() {
     }
     // What the theorem does not cover is said, and estimated all the same.
     let falling = self::setup("compliance");
-    let (found, bound) = companions_and_bound(&falling, 8, 8).unwrap();
+    let (found, bound) = companions_and_bound(&falling, 8, 8, &mut |_, _| ()).unwrap();
     assert!(found.missing == [None, None] && bound.unwrap_err().contains("falls"));
 }

@@ -18,6 +18,7 @@ mod fixtures;
 mod foreseen;
 mod matrix;
 mod norms;
+mod protocol;
 mod readback;
 mod reasons;
 #[path = "../shipped/mod.rs"]

@@ -101,6 +101,21 @@ impl Law {
         self.scale.map_or(1.0, |scale| scale.largest) * steepest
     }
 
+    /// Of a law that pulls at open contact, p < 0 for r below its first point: the keys of the law that does not.
+    pub fn one_sided(&self) -> Option<String> {
+        let [first, ..] = self.points[..] else { return None };
+        if self.slope_before <= 0.0 || self.curve.is_some() {
+            return None;
+        }
+        let after = self.slope_after;
+        Some(match self.points.len() {
+            1 if first == [0.0, 0.0] => format!(
+                "law = {{ kind = \"piecewise-linear\", points = [[0.0, 0.0]], slope_before = 0.0, slope_after = {after:?} }}"
+            ),
+            _ => "slope_before = 0.0".into(),
+        })
+    }
+
     fn slopes(&self) -> impl Iterator<Item = f64> + '_ {
         let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
         let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));

@@ -409,6 +409,32 @@ fn exported_cases_come_back_through_results_and_a_wrong_answer_fails() {
     assert!(std::fs::read_to_string(&junit).expect("JUnit").contains("<failure"));
 }
 
+/// Pressures that are handed over are judged, or it is said that nothing judges them; claims that lack them are named.
+#[test]
+fn what_becomes_of_pressures_is_said() {
+    let folder = Folder::new("external-pressures");
+    let (cases, out) = (folder.argument("cases"), folder.argument("out"));
+    let said = |name: &str, steps: u32, n: u32, more: &[&str]| {
+        let (setup, grid) = (setup(name), [n.to_string(), steps.to_string()]);
+        answer(&setup, &on_mesh(&setup, n), steps, &place(&folder, name, n, steps));
+        let verify = ["verify", name, "--n", &grid[0], "--steps", &grid[1], "--results", &cases];
+        let output = sweep(&[&verify[..], &["--out", &out], more].concat());
+        stdout(&output).split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let handed = said("affine", 4, 2, &["--pressure"]);
+    assert!(handed.contains("note: no claim of affine needs the pressures"), "{handed}");
+    assert!(!said("affine", 4, 2, &[]).contains("note:"));
+    let lacking = said("signorini", 2, 4, &[]);
+    assert!(
+        lacking.contains("note: one claim of signorini needs pressures: --pressure"),
+        "{lacking}"
+    );
+    let judged = said("signorini", 2, 4, &["--pressure"]);
+    assert!(judged.contains("pressure_L2_") && !judged.contains("note:"), "{judged}");
+    let document = said("affine", 4, 2, &["--pressure", "--json"]);
+    assert!(document.contains("\"pressures\": \"no claim of affine"), "{document}");
+}
+
 /// What the action for other repositories runs, with `command` as its input and records in `report`.
 fn judged_elsewhere(command: &str, report: &str) -> std::process::Output {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/.github/actions/gate/judge.sh");

@@ -27,8 +27,7 @@ fn agree(setup: &Setup) -> f64 {
 }
 
 /// Pressures are what is left of stresses: below this share of the largest modulus times the largest strain they are
-/// measured against that. `state-grazing` has pressures of 3.6e-4 beside stresses of order one, and rounding of the stresses
-/// alone, 2.9e-14, is 8e-11 of them.
+/// measured against that. Rounding of stresses of order one, 2.9e-14, is 8e-11 of a pressure of 3.6e-4.
 const SMALL: f64 = 1e-2;
 
 /// Displacements, pressures and ζ of all levels, and what they took.

@@ -32,7 +32,7 @@ fn law(mut setup: Setup, change: fn(&mut Written)) -> Setup {
     setup
 }
 
-fn gap(mut setup: Setup, change: fn([f64; 3], f64) -> f64) -> Setup {
+pub(super) fn gap(mut setup: Setup, change: fn([f64; 3], f64) -> f64) -> Setup {
     if let Some(boundary) = &mut setup.model.boundary {
         let sound = std::mem::replace(&mut boundary.gap, Box::new(|_| f64::INFINITY));
         boundary.gap = Box::new(move |x| change(x, sound(x)));
@@ -100,10 +100,8 @@ fn ends(space: &Discretization) -> Vec<usize> {
     (0..points.len()).filter(|&i| points[i].weight < 1.5 * least).collect()
 }
 
-/// p at g and beyond it, for a penalty.
-const PENALTY: f64 = 1e3;
-
-fn penalty(mut setup: Setup) -> Setup {
+/// A stiffness beyond g in place of the constraint.
+pub(super) fn penalty(mut setup: Setup, stiffness: f64) -> Setup {
     let constant =
         setup.model.boundary.as_ref().map(|b| ((b.gap)([0.0; 3]), (b.gap)([0.5, 0.0, 0.0])));
     let Some((g, _)) = constant.filter(|(g, inside)| g.is_finite() && g == inside) else {
@@ -116,7 +114,7 @@ fn penalty(mut setup: Setup) -> Setup {
     let Some(boundary) = &mut setup.model.boundary else { return setup };
     points.push((g, boundary.potential.subdifferential(g).0));
     let before = written.map_or(0.0, |law| law.slope_before);
-    boundary.potential = Arc::new(PiecewiseLinear::new(points, before, PENALTY).expect("a law"));
+    boundary.potential = Arc::new(PiecewiseLinear::new(points, before, stiffness).expect("a law"));
     boundary.gap = Box::new(|_| f64::INFINITY);
     setup
 }
@@ -192,6 +190,6 @@ pub fn defects() -> Vec<Defect> {
             }
             setup
         }),
-        constraint("penalty 1e3 in place of the constraint", penalty),
+        constraint("penalty 1e3 in place of the constraint", |setup| penalty(setup, 1e3)),
     ]
 }

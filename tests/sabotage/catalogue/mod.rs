@@ -8,6 +8,7 @@ mod abstract_problem;
 mod contact;
 mod element;
 mod friction;
+mod handed;
 mod judging;
 mod levels;
 mod load;
@@ -23,6 +24,7 @@ mod solver;
 mod time;
 mod unseen;
 
+pub use handed::handed;
 pub use solver::sound_loop;
 
 use std::sync::Arc;

@@ -270,6 +270,13 @@ macro_rules! stale {
     };
 }
 
+/// The first half of the facets of Γ1 without a condition.
+pub(super) fn half_freed(setup: Setup) -> Setup {
+    marched(setup, |setup, data, steps, observe| {
+        freed(setup, data, steps, observe, |_, on| on[..on.len() / 2].to_vec())
+    })
+}
+
 pub fn defects() -> Vec<Defect> {
     // All of them weigh kernels; the weights of ζ are sound.
     let memory = |name, program| Defect::of(Term::Memory, name, program);

@@ -2,7 +2,25 @@
 
 use fem::space::Element;
 use judge::verdict::{Decision, Variable, Verdict};
+use scene::Scene;
 use scene::setup::Setup;
+
+/// What becomes of the pressures of a solver beside the verdicts: `handed` over where no claim needs them, or claims that
+/// need them where they are not. A wrong pressure must not pass for one that was judged.
+pub fn on_pressures(scene: &Scene, handed: bool) -> Option<String> {
+    let needing = scene.predicts.iter().filter(|claim| claim.norm.wants_pressure()).count();
+    let name = &scene.name;
+    match (needing, handed) {
+        (0, true) => Some(format!(
+            "no claim of {name} needs the pressures: their errors are in cases.csv, and no verdict judges them; signorini, state-instant and affine-graded do"
+        )),
+        (0, false) | (_, true) => None,
+        (1, false) => Some(format!("one claim of {name} needs pressures: --pressure judges it")),
+        (more, false) => {
+            Some(format!("{more} claims of {name} need pressures: --pressure judges them"))
+        }
+    }
+}
 
 /// Prefixes the reasons of open or failed verdicts on an external solver with what to check in it. Failed cases give
 /// their reasons themselves, and where there are too few cases for an order, more of them help.

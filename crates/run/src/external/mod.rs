@@ -16,7 +16,7 @@ mod wanted;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-pub use self::advice::solver_first;
+pub use self::advice::{on_pressures, solver_first};
 pub use self::answer::read_displacements;
 use self::answer::{read_pressures, read_until};
 pub use self::case_files::{ContactRow, Given, case_dir, write_case};

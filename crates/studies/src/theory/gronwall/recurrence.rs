@@ -705,7 +705,7 @@ pub(super) fn refused(scene: &scene::Scene, why: &str) -> GronwallError {
 /// The rule corrects its weights by the kernel.
 pub(super) const OWN_WEIGHTS: &str = ": the rule corrects its last weight by the kernel, and (3.24) has one set of weights for all; take \"trapezoid\", \"left\", \"gregory\" or \"product-integration\"";
 /// Nothing is remembered, so there is no error in time to bound.
-pub(super) const NO_HISTORY: &str = " has no history: neither memory nor a yield limit that depends on zeta; the error in time is zero";
+pub(super) const NO_HISTORY: &str = " has no history (neither memory nor a yield limit that depends on zeta), so its error in time is zero";
 
 /// (2.9), with a bound of c_j².
 pub(super) fn smallness(scene: &scene::Scene, m0: f64) -> Result<(), GronwallError> {

@@ -3,7 +3,7 @@
 use super::super::models::{Cost, CostSample};
 use super::super::optimum::{Choice, Choices, Law, MOST, NoAnswer};
 use super::super::{SPAN, Wanted};
-use super::{Companions, Estimate, Part, companions_and_bound, norm_estimate};
+use super::{Companions, Estimate, Part, Watch, companions_and_bound, norm_estimate};
 use crate::guarantee::{Guarantee, GuaranteeError};
 use files::digits;
 use judge::fit::Interval;
@@ -30,8 +30,9 @@ pub fn estimate(
     [n, steps]: [u32; 2],
     wanted: Wanted,
     limit: &MemoryLimit,
+    watch: &mut Watch<'_>,
 ) -> Result<Estimated, GuaranteeError> {
-    let (found, bound) = companions_and_bound(setup, n, steps)?;
+    let (found, bound) = companions_and_bound(setup, n, steps, watch)?;
     let of = |of: &super::NormDifferences| (of.norm, norm_estimate(setup, &found, of));
     let estimates: Vec<(Norm, Estimate)> = found.norms.iter().map(of).collect();
     let norms: Vec<Value> = estimates.iter().map(|(norm, of)| json_of(&found, *norm, of)).collect();
@@ -281,11 +282,16 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
     // Where the data depend on the mesh, another mesh is another problem.
     let [least, most] = if found.on_mesh { [n, n] } else { [n / SPAN, reach(n, MOST[0])] };
+    // Where levels do not depend on each other, fewer have another meaning and the same error.
+    let [fewest, longest] = match found.no_history {
+        true => [steps, steps],
+        false => [steps / SPAN, reach(steps, MOST[1])],
+    };
     let advised = |read: fn((f64, Interval)) -> f64| {
         let law = Law {
             error: Box::new(|h, k| read(at([h, k]))),
             seconds: Box::new(|h, k| cost.seconds(h, k)),
-            range: [[least, steps / SPAN], [most, reach(steps, MOST[1])]],
+            range: [[least, fewest], [most, longest]],
             made: SPAN * n,
         };
         let mut run = choices.cheapest(&law, goal.target, &goal.limit)?;
@@ -303,7 +309,11 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
         // The n of the run suits, and so do its multiples.
         false => (choice.run.n..=MOST[0]).find(suits),
     };
-    let check = [next.unwrap_or(choice.run.n), choice.run.steps.next_multiple_of(SPAN)];
+    let longer = match found.no_history {
+        true => steps,
+        false => choice.run.steps.next_multiple_of(SPAN),
+    };
+    let check = [next.unwrap_or(choice.run.n), longer];
     Ok(Advice { target: goal.target, choice, cautious, source, check })
 }
 

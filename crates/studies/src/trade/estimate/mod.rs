@@ -19,7 +19,7 @@ use super::SPAN;
 use super::bench::Meshed;
 use crate::guarantee::{self, Bounding, Guarantee, GuaranteeError};
 use crate::solution::FinalState;
-use fem::contact::{CaseError, Discretization, Floors, LevelFields, LoadError, Observer};
+use fem::contact::{CaseError, Discretization, Floors, LevelFields, LoadError, Observer, StepView};
 use fem::norms::{ReferenceError, ReferenceRun, step_errors};
 use judge::fit::{FLOORS_ABOVE, Interval, Triple, ValueSample};
 use run::sweep::{NORMS, Runs, as_floors, floor_in};
@@ -245,7 +245,10 @@ pub fn norm_estimate(setup: &Setup, found: &Companions, differences: &NormDiffer
         true => Part::Below(0.0),
         false => Part::of(differences.space, differences.floor, exact(in_h), how(differences.norm)),
     };
-    let time = Part::of(differences.time, differences.floor, exact(in_k), Alignment::Aligned);
+    let time = match found.no_history {
+        true => Part::Below(0.0),
+        false => Part::of(differences.time, differences.floor, exact(in_k), Alignment::Aligned),
+    };
     let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
     let [most_h, most_k] = of_scheme(setup, differences.norm);
     let [of_h, of_k] = [limits(&space, most_h, in_h), limits(&time, most_k, in_k)];
@@ -267,6 +270,8 @@ pub struct Companions {
     pub missing: [Option<String>; 2],
     /// The data depend on the mesh: another mesh is another problem, and h has no error.
     pub on_mesh: bool,
+    /// No level depends on another: k has no error.
+    pub no_history: bool,
     /// Largest ‖ε(u_n)‖ of the run.
     pub size: f64,
     /// What each run took, the run itself first.
@@ -324,6 +329,9 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
     Ok(beside(setup, finest))
 }
 
+/// What sees the levels of the run itself, on its space.
+pub type Watch<'a> = dyn FnMut(&Discretization, &StepView<'_>) + 'a;
+
 /// [`companions`], and the guaranteed bound of the error in space of that very run, or why there is none.
 ///
 /// # Errors
@@ -332,11 +340,13 @@ pub fn companions_and_bound(
     setup: &Setup,
     n: u32,
     steps: u32,
+    watch: &mut Watch<'_>,
 ) -> Result<(Companions, Result<Guarantee, String>), GuaranteeError> {
     let mesh = Meshed::new(setup, n)?;
     let mut bounding = Bounding::new(setup, &mesh.data, steps);
     let finest = run(setup, &mesh, [steps, steps], None, &mut |view| {
         bounding.iter_mut().for_each(|bounding| bounding.see(view));
+        watch(&mesh.data.space, view);
         Ok(())
     });
     let finest = finest.map_err(SetupError::from)?;
@@ -352,8 +362,12 @@ pub fn companions_and_bound(
 fn beside(setup: &Setup, finest: Run) -> Companions {
     let RunTime { n, steps, .. } = finest.time;
     let on_mesh = setup.body.data.is_interpolated();
-    let in_time = shares_times(setup, steps)
-        .and_then(|()| coarser(setup, &finest, [[n, steps / 2], [n, steps / 4]]));
+    let no_history = setup.model.memory.is_empty() && setup.kappa.lipschitz == 0.0;
+    let in_time = match no_history {
+        true => Ok(Vec::new()),
+        false => shares_times(setup, steps)
+            .and_then(|()| coarser(setup, &finest, [[n, steps / 2], [n, steps / 4]])),
+    };
     let in_space = match on_mesh {
         true => Ok(Vec::new()),
         false => has_meshes(setup, n)
@@ -385,7 +399,11 @@ fn beside(setup: &Setup, finest: Run) -> Companions {
             true => Some([value; 3]),
             false => triple(&in_space, &name, value),
         };
-        quantity(&name, space, triple(&in_time, &name, value), value)
+        let time = match no_history {
+            true => Some([value; 3]),
+            false => triple(&in_time, &name, value),
+        };
+        quantity(&name, space, time, value)
     });
     Companions {
         norms: norms.collect(),
@@ -393,6 +411,7 @@ fn beside(setup: &Setup, finest: Run) -> Companions {
         times: all().map(|run| run.time).collect(),
         missing: [&in_space, &in_time].map(|runs| runs.as_ref().err().cloned()),
         on_mesh,
+        no_history,
         size: finest.size,
         state: finest.state,
     }
