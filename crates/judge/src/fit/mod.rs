@@ -35,7 +35,7 @@ pub use error::{FitError, power_of_log};
 pub use identifiable::NotIdentifiable;
 pub use inference::{
     Claim, ClaimError, FEWEST, GridPosterior, LineReading, Posterior, Ruling, TOLERANCE, infer,
-    infer_grid, order,
+    infer_against, infer_grid, order,
 };
 pub use interval::Interval;
 pub use joint::{JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};

@@ -8,7 +8,8 @@ use super::next::{Next, next_case};
 use super::ruling::{claim, helped, with_help};
 use super::selection::{Cases, Selection};
 use super::{
-    ConstantClaim, Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict,
+    ConstantClaim, Decision, FittedConstant, FloorSource, Foreseen, LeadingLine, Prediction,
+    Variable, Verdict,
 };
 use crate::fit::{
     Direction, Exclusion, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE,
@@ -136,7 +137,13 @@ fn judge_line(
 ) -> Verdict {
     let next = next_case(selection, direction, prediction);
     let points: Vec<_> = selection.points().into_iter().map(|point| (point, None)).collect();
-    let LineReading { posterior, samples } = match LineReading::of(&points, direction, None, 0.0) {
+    // Where the solution is known, no reference bends the errors.
+    let reference = match prediction.floor {
+        FloorSource::Reference | FloorSource::Unknown => None,
+        _ => Some(0.0),
+    };
+    let read = LineReading::against(&points, direction, None, 0.0, reference);
+    let LineReading { posterior, samples } = match read {
         Ok(read) => read,
         Err(error) => {
             let zero = |point: &Point| screen(point) == Err(Exclusion::Zero);

@@ -11,8 +11,10 @@ pub(super) struct Part {
     pub(super) weight: f64,
     pub(super) mean: f64,
     pub(super) deviation: f64,
-    /// It has a floor, or drops fine levels.
+    /// It has a floor or an unstated reference, or drops fine levels.
     pub(super) floored: bool,
+    /// It stands at an end of a list of the prior.
+    pub(super) outside: bool,
     pub(super) coarse: usize,
 }
 
@@ -28,6 +30,9 @@ pub(super) struct Mixture {
 /// 2e-3.
 const RATIO: f64 = 1.3;
 const SHARE: f64 = 0.2;
+
+/// Shares that are dropped: no probability changes by 1e-3.
+const NEGLIGIBLE: f64 = 3e-6;
 
 /// Accuracy of quantiles: a tenth of what is printed.
 const QUANTILE: f64 = 1e-5;
@@ -50,7 +55,10 @@ impl Mixture {
             sums[1] += part.weight * part.mean;
             sums[2] += part.weight * part.deviation;
         }
-        let parts = cells.into_values().map(|[w, m, d]| [w / weight, m / w, d / w]).collect();
+        let kept = cells.into_values().filter(|[w, ..]| *w > NEGLIGIBLE * weight);
+        let mut parts: Vec<[f64; 3]> = kept.map(|[w, m, d]| [w, m / w, d / w]).collect();
+        let left: f64 = parts.iter().map(|[w, ..]| w).sum();
+        parts.iter_mut().for_each(|part| part[0] /= left);
         Self { weight, parts }
     }
 
@@ -77,6 +85,10 @@ impl Mixture {
     fn at(&self, p: f64) -> [f64; 2] {
         self.parts.iter().fold([0.0; 2], |[below, density], [share, mean, deviation]| {
             let t = (p - mean) / deviation;
+            // Beyond, less than 1e-9 is left.
+            if t.abs() > 6.0 {
+                return [below + if t > 0.0 { *share } else { 0.0 }, density];
+            }
             let here = (-0.5 * t * t).exp() / (std::f64::consts::TAU.sqrt() * deviation);
             [below + share * 0.5 * erfc(-t * FRAC_1_SQRT_2), density + share * here]
         })
@@ -114,7 +126,7 @@ mod tests {
     use super::*;
 
     fn part(weight: f64, mean: f64, deviation: f64) -> Part {
-        Part { weight, mean, deviation, floored: mean > 1.5, coarse: 0 }
+        Part { weight, mean, deviation, floored: mean > 1.5, outside: false, coarse: 0 }
     }
 
     #[test]

@@ -10,6 +10,7 @@ use std::rc::Rc;
 use super::{Claim, ClaimError, Posterior, TOLERANCE, infer};
 use crate::fit::{Decision, FitError, Level, LevelError, student_quantile};
 
+mod classes;
 mod stopping;
 
 fn level(size: f64, error: f64) -> Level {

@@ -8,11 +8,21 @@ use nalgebra::{DMatrix, Matrix2, Vector2};
 use crate::fit::Point;
 
 pub(super) const STEP: f64 = 0.05;
-pub(super) const ORDERS: usize = 79;
+pub(super) const ORDERS: usize = 160;
+/// Every so many orders are looked at first.
+const COARSE: usize = 4;
+/// Squares of residuals a point, and of all, by which an order between those looked at may fit better, or may be likely at
+/// the largest noise.
+const MARGIN: [f64; 2] = [0.02, 0.4];
+/// Prior of terms of opposite sign.
+const OPPOSITE: f64 = 0.03;
 /// Powers of next terms in multiples of `STEP`, with weights.
 const NEXT: [(usize, f64); 3] = [(10, 0.15), (20, 0.55), (40, 0.30)];
 /// Standard deviation of D.
 const BEND: f64 = 0.3;
+/// Noise at which the orders are looked at.
+const LOOK: f64 = 0.1;
+
 pub(super) fn order(index: usize) -> f64 {
     STEP * (index + 1) as f64
 }
@@ -36,7 +46,7 @@ impl PairSums {
             for (which, step) in [point.h / scale[0], point.k / scale[1]].into_iter().enumerate() {
                 let factor = step.powi(exponent).powf(STEP);
                 let mut value = 1.0 / point.error.powi(exponent);
-                // By repeated products: 119 of them are off by 1e-14.
+                // By repeated products: 200 of them are off by 1e-13.
                 for column in 0..COLUMNS {
                     value *= factor;
                     columns[(row, which * COLUMNS + column)] = value;
@@ -50,13 +60,40 @@ impl PairSums {
     /// Adds exp(log prior) times the evidence of every pair, in logarithms.
     pub(super) fn add(&self, log_prior: f64, noises: &[(f64, f64)], evidence: &mut [f64]) {
         let noises: Vec<Noise> = noises.iter().map(|noise| self.noise(*noise, log_prior)).collect();
-        for i in 0..ORDERS {
-            for j in 0..ORDERS {
+        let [along_h, along_k] = self.likely();
+        for &i in &along_h {
+            for &j in &along_k {
                 let Some(pair) = self.pair(i, j) else { continue };
                 let entry = &mut evidence[i * ORDERS + j];
                 *entry = log_sum(*entry, self.evidence(&pair, &noises));
             }
         }
+    }
+
+    /// Orders in h and in k that leave residuals not far above the least, by every fourth of them.
+    fn likely(&self) -> [Vec<usize>; 2] {
+        let looked_at = || (COARSE / 2..ORDERS).step_by(COARSE);
+        let mut least =
+            [vec![f64::INFINITY; ORDERS / COARSE], vec![f64::INFINITY; ORDERS / COARSE]];
+        let noise = LOOK * self.exponent as f64;
+        for (a, i) in looked_at().enumerate() {
+            for (b, j) in looked_at().enumerate() {
+                let Some(pair) = self.pair(i, j) else { continue };
+                for r in NEXT.map(|(r, _)| r) {
+                    for s in NEXT.map(|(s, _)| s) {
+                        let (left, _) = self.left(&pair, &self.next(&pair, [r, s]), noise * noise);
+                        least[0][a] = least[0][a].min(left);
+                        least[1][b] = least[1][b].min(left);
+                    }
+                }
+            }
+        }
+        least.map(|least| {
+            let square = (self.exponent * self.exponent) as f64;
+            let margin = (MARGIN[0] * self.points + MARGIN[1]) * square;
+            let most = least.iter().copied().fold(f64::INFINITY, f64::min) + margin;
+            (0..ORDERS).filter(|i| least[i / COARSE] <= most).collect()
+        })
     }
 
     fn noise(&self, (noise, share): (f64, f64), log_prior: f64) -> Noise {
@@ -75,16 +112,18 @@ impl PairSums {
         Vector2::from(columns.map(|column| self.gram[(column, 2 * COLUMNS)]))
     }
 
-    /// Eliminates a pair of orders without next terms; none unless both terms are positive.
+    /// Eliminates a pair of orders without next terms; none unless a term is positive.
     fn pair(&self, i: usize, j: usize) -> Option<Pair> {
         let at = [i, COLUMNS + j];
         let matrix = self.products(at, at);
         let (inverse, ones) = (matrix.try_inverse()?, self.with_one(at));
         let sizes = inverse * ones;
-        if !sizes.iter().all(|size| *size > 0.0 && size.is_finite()) {
+        let positive = sizes.iter().filter(|size| **size > 0.0).count();
+        if positive == 0 || !sizes.iter().all(|size| size.is_finite() && *size != 0.0) {
             return None;
         }
-        let bends = sizes * (BEND * self.exponent as f64);
+        let opposite = if positive == 1 { OPPOSITE.ln() } else { 0.0 };
+        let bends = sizes.abs() * (BEND * self.exponent as f64);
         Some(Pair {
             at,
             inverse,
@@ -93,7 +132,7 @@ impl PairSums {
             explained: ones.dot(&sizes),
             ridges: bends.map(|bend| 1.0 / (bend * bend)),
             // C has a flat prior in log C, C D is normal with standard deviation 0.3 C.
-            log: -bends.iter().chain(&sizes).map(|size| size.ln()).sum::<f64>(),
+            log: opposite - bends.iter().chain(&sizes).map(|size| size.abs().ln()).sum::<f64>(),
         })
     }
 
@@ -122,15 +161,19 @@ impl PairSums {
         }
     }
 
-    fn reading(&self, pair: &Pair, next: &Next, noise: &Noise) -> f64 {
-        let [a, d] = [0, 1].map(|i| next.products[(i, i)] + pair.ridges[i] * noise.variance);
+    /// The squares of residuals of a reading, and its determinants.
+    fn left(&self, pair: &Pair, next: &Next, variance: f64) -> (f64, f64) {
+        let [a, d] = [0, 1].map(|i| next.products[(i, i)] + pair.ridges[i] * variance);
         let (b, f, g) = (next.products[(0, 1)], next.ones[0], next.ones[1]);
         let determinant = a * d - b * b;
-        let determinants = pair.determinant * determinant;
+        let explained = (d * f * f - 2.0 * b * f * g + a * g * g) / determinant;
+        (self.points - pair.explained - explained, pair.determinant * determinant)
+    }
+
+    fn reading(&self, pair: &Pair, next: &Next, noise: &Noise) -> f64 {
+        let (left, determinants) = self.left(pair, next, noise.variance);
         if determinants > 0.0 {
             // Four parameters are integrated: |M| of M = gram / s² + prior is s⁻⁸ times the determinants.
-            let explained = (d * f * f - 2.0 * b * f * g + a * g * g) / determinant;
-            let left = self.points - pair.explained - explained;
             noise.log + pair.log - 0.5 * (left * noise.precision + determinants.ln())
         } else {
             f64::NEG_INFINITY
