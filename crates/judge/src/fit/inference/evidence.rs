@@ -30,6 +30,7 @@ pub(super) struct Base {
 pub(super) struct Noise {
     pub(super) size: f64,
     variance: f64,
+    precision: f64,
     log: f64,
 }
 
@@ -50,8 +51,14 @@ pub(super) struct Component {
     /// Up to a constant that all readings share.
     pub(super) log_evidence: f64,
     pub(super) mean: f64,
+    precision: f64,
+}
+
+impl Component {
     /// Standard deviation of the order.
-    pub(super) deviation: f64,
+    pub(super) fn deviation(&self) -> f64 {
+        self.precision.sqrt().recip()
+    }
 }
 
 impl Base {
@@ -66,7 +73,12 @@ impl Base {
         let variance = s * s;
         // Of s^(2 (n − 1)), s⁶ is contained in the determinant of the nuisances.
         let left = self.count - 1.0 - NUISANCES as f64;
-        Noise { size: s, variance, log: log_prior - 0.5 * (self.log + left * variance.ln()) }
+        Noise {
+            size: s,
+            variance,
+            precision: 1.0 / variance,
+            log: log_prior - 0.5 * (self.log + left * variance.ln()),
+        }
     }
 }
 
@@ -115,7 +127,7 @@ impl Gram {
         let reduced = |a: [f64; 3], b: [f64; 3]| -> f64 {
             a[0] * b[0] * inverse[0] + a[1] * b[1] * inverse[1] + a[2] * b[2] * inverse[2]
         };
-        let precision = 1.0 / noise.variance;
+        let precision = noise.precision;
         let x_x = (self.x_x - reduced(x, x)) * precision;
         let x_y = (self.x_y - reduced(x, y)) * precision;
         let y_y = (self.y_y - reduced(y, y)) * precision;
@@ -125,12 +137,8 @@ impl Gram {
         let mean = (x_y + prior_precision * order) / precision;
         let residual = y_y + prior_precision * order * order - precision * mean * mean;
         // One logarithm for the covariance and both precisions.
-        let determinants = (d0 * d1 * d2 * precision / prior_precision).ln();
-        Component {
-            log_evidence: noise.log - 0.5 * (determinants + residual),
-            mean,
-            deviation: precision.sqrt().recip(),
-        }
+        let determinants = (d0 * d1 * d2 * precision * spread * spread).ln();
+        Component { log_evidence: noise.log - 0.5 * (determinants + residual), mean, precision }
     }
 }
 
@@ -184,7 +192,7 @@ mod tests {
             let (log, mean, deviation) = dense(s, prior);
             // A prior of width 1e3 leaves 1e-6 of the noise; the covariance has condition 1e10.
             assert!((found.mean - mean).abs() < 1e-3, "{found:?} {mean}");
-            assert!((found.deviation - deviation).abs() < 1e-3, "{found:?} {deviation}");
+            assert!((found.deviation() - deviation).abs() < 1e-3, "{found:?} {deviation}");
             differences.push(found.log_evidence - log);
         }
         assert!(

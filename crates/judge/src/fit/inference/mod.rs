@@ -17,7 +17,7 @@ use super::level::{deviation, unexplained};
 use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
 use evidence::{Base, Gram, Noise, Row};
 use mixture::{Mixture, Part};
-use next_term::{Family, NODES};
+use next_term::{Family, Node, runs};
 
 #[cfg(test)]
 mod tests;
@@ -51,8 +51,17 @@ const COARSE_OF_FINE: usize = 2;
 const LEFT: f64 = 1.0 / 3.0;
 /// A reading with a floor needs more levels than an order has parameters.
 const FLOOR_LEVELS: usize = 4;
-/// Readings below exp(-14) of the likeliest are dropped.
-const LEAST: f64 = 14.0;
+/// Readings below exp(-12) of the likeliest are dropped.
+const LEAST: f64 = 12.0;
+/// Of a long list of sizes every fourth is looked at first; those between two that are below exp(-16) of the likeliest at
+/// this noise are not: a step between the sizes changes log e by about as much.
+const STRIDE: usize = 4;
+const LONG_RUN: usize = 16;
+const LOOK: f64 = 0.03;
+const OUT_OF_REACH: f64 = 16.0;
+/// A floor or a reference is read about orders that are beyond the slopes, or so near: three deviations of what it is read
+/// about, and noise.
+const NEAR_SLOPE: f64 = 0.6;
 /// Rounding, as a share of the largest error, and of numbers of size one.
 const ROUNDING: f64 = 1e-15;
 const ROUNDING_OF_ONE: std::ops::RangeInclusive<f64> = 1e-18..=1e-14;
@@ -294,6 +303,8 @@ struct Table {
     against_reference: bool,
     /// Log weight of the likeliest reading so far.
     best: Cell<f64>,
+    /// The same at the noise of the first look.
+    seen: Cell<f64>,
     /// Fine levels that look like a floor: those after the break of the slopes.
     flat: usize,
     /// Noises relative to these scales, with weights.
@@ -333,6 +344,7 @@ impl Table {
             scales: known.unwrap_or_else(|| vec![1.0; levels.len()]),
             against_reference: false,
             best: Cell::new(f64::NEG_INFINITY),
+            seen: Cell::new(f64::NEG_INFINITY),
             flat: 0,
         };
         let flat = levels.len() - 1 - table.break_down();
@@ -460,27 +472,32 @@ impl Table {
             flat if flat > 0 && fine_end => vec![finest, self.sizes[self.sizes.len() - 1 - flat]],
             _ => vec![finest],
         };
-        // Neighbouring nodes share their power, so powers are computed once for them.
-        let mut terms: Vec<[f64; 3]> = Vec::new();
-        let mut power = None;
-        for anchor in anchors {
-            let long_floor = anchor > finest;
-            for node in NODES.iter() {
-                let needs_more = node.family.at_the_fine_end() || node.family == Family::Slow;
-                let skipped = needs_more && !fine_end
-                    // Of two slopes that noise has made equal nothing follows.
-                    || node.straight() && !long
-                    || node.family.is_reference() && self.against_reference
-                    || long_floor && node.family != Family::Floor
-                    // Coarse meshes leave or are read, not both.
-                    || node.far() && (coarse > COARSE_OF_FINE || !long);
-                if skipped {
-                    continue;
-                }
-                if power != Some((node.family, node.power, anchor)) {
-                    power = Some((node.family, node.power, anchor));
-                    let sizes = self.sizes[kept.clone()].iter();
-                    terms = sizes.map(|h| node.powers(h / coarsest, h / anchor)).collect();
+        // Nodes of one power differ in D alone, in which the evidence is smooth unless the sign changes: between two that are
+        // out of reach none is looked at.
+        let sizes = &self.sizes[kept.clone()];
+        let slopes = &self.slopes()[kept.start..kept.end - 1];
+        let flattest = slopes.iter().copied().fold(f64::INFINITY, f64::min);
+        let steepest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (anchor, run) in anchors.iter().flat_map(|at| runs().map(move |run| (*at, run))) {
+            let family = run[0].family;
+            let needs_more = family.at_the_fine_end() || family == Family::Slow;
+            let skipped = needs_more && !fine_end
+                // Of two slopes that noise has made equal nothing follows.
+                || run[0].straight() && !long
+                || family.is_reference() && self.against_reference
+                || anchor > finest && family != Family::Floor
+                // With a floor no slope is above the order, against a reference none below.
+                || family == Family::Floor && run[0].power < steepest - NEAR_SLOPE
+                || family.is_reference() && run[0].power > flattest + NEAR_SLOPE;
+            if skipped {
+                continue;
+            }
+            let terms: Vec<[f64; 3]> =
+                sizes.iter().map(|h| run[0].powers(h / coarsest, h / anchor)).collect();
+            let mut look = |node: &Node| {
+                // Coarse meshes leave or are read, not both.
+                if node.far() && (coarse > COARSE_OF_FINE || !long) {
+                    return f64::NEG_INFINITY;
                 }
                 let row = |(i, term): (usize, &[f64; 3])| {
                     let found = node.terms(*term);
@@ -493,31 +510,43 @@ impl Table {
                     }
                 };
                 let gram = Gram::of(kept.clone().zip(&terms).map(row));
-                let mut last = f64::NEG_INFINITY;
+                let (mut seen, mut largest) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
                 // From the largest noise on, until the residuals are too large for the noise.
                 for noise in noise.iter().rev() {
                     let component = gram.component(noise, node.order());
                     let prior = if long { node.log_prior_at(noise.size) } else { node.log_prior };
                     let weight = prior + component.log_evidence;
+                    let coarsely = noise.size >= LOOK || self.noise.len() == 1;
+                    if coarsely {
+                        seen = weight;
+                    }
                     if weight < self.best.get() - LEAST {
-                        if weight < last {
+                        if weight < largest && !coarsely {
                             break;
                         }
-                        last = weight;
-                        continue;
+                    } else {
+                        self.best.set(self.best.get().max(weight));
+                        parts.push(Part {
+                            weight,
+                            mean: component.mean,
+                            deviation: component.deviation(),
+                            floored: family == Family::Floor || family.is_reference() || fine > 0,
+                            outside: node.last
+                                || self.noise.len() > 1 && noise.size == LARGEST_NOISE,
+                            coarse,
+                        });
                     }
-                    last = weight;
-                    self.best.set(self.best.get().max(weight));
-                    parts.push(Part {
-                        weight,
-                        mean: component.mean,
-                        deviation: component.deviation,
-                        floored: node.family == Family::Floor
-                            || node.family.is_reference()
-                            || fine > 0,
-                        outside: node.last || self.noise.len() > 1 && noise.size == LARGEST_NOISE,
-                        coarse,
-                    });
+                    largest = largest.max(weight);
+                }
+                self.seen.set(self.seen.get().max(seen));
+                seen
+            };
+            let stride = if run.len() < LONG_RUN { 1 } else { STRIDE };
+            let looked: Vec<f64> = run.iter().step_by(stride).map(&mut look).collect();
+            for (at, node) in run.iter().enumerate().filter(|(at, _)| at % stride != 0) {
+                let mut near = looked[at / stride..].iter().take(2);
+                if node.size < -1.0 || near.any(|weight| *weight > self.seen.get() - OUT_OF_REACH) {
+                    look(node);
                 }
             }
         }

@@ -117,7 +117,7 @@ const ORDER: [f64; 2] = [1.5, 2.5];
 /// The factor is no smaller: a zero of it never falls on a level.
 const LEAST_FACTOR: f64 = 1e-3;
 
-pub(super) static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
+static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
     let straight = Node {
         family: Family::Bend,
         power: 1.0,
@@ -179,6 +179,11 @@ pub(super) static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
     }
     nodes
 });
+
+/// Nodes of one family and one power, D rising.
+pub(super) fn runs() -> impl Iterator<Item = &'static [Node]> {
+    NODES.chunk_by(|a, b| (a.family, a.power, a.straight()) == (b.family, b.power, b.straight()))
+}
 
 /// Sizes D with spacing and prior share; `at` gives D, dD/dt and a density at t.
 fn grid(
