@@ -22,6 +22,9 @@ const NEAR_LINE: f64 = 2.0 / 3.0;
 const CERTAIN: f64 = 0.95;
 /// Allowed difference of the two slopes of three levels, as a share of the order.
 const AGREEMENT: f64 = 0.15;
+/// How far, in tolerances, the order of the differences of three errors may lie below the claim: less than a quarter of an
+/// order by the default.
+const DIFFERENCES: f64 = 1.6;
 /// Slopes that rise by this factor are not those of a power.
 const STEEP: f64 = 1.5;
 /// Below the first probability a floor is ignored; above the second it is the likelier reading.
@@ -172,12 +175,13 @@ impl Posterior {
         let too_low = mixture.below(claim.order - claim.clear_miss());
         let centred = mixture.below(claim.order - 0.5 * claim.reach()) < 0.5;
         let too_high = 1.0 - mixture.below(claim.order + claim.clear_miss());
-        let hidden = self.before_floor.is_some_and(|slope| slope >= claim.order - claim.reach());
+        let hidden = self.before_floor.is_some_and(|slope| slope >= claim.order - claim.reach())
+            || self.may_end_in_a_floor(claim);
         if too_low > REFUTED && !self.rises_to(claim.order) && !hidden {
             Answer::TooLow
         } else if probability > self.needed(claim)
             && (too_low < 0.5 || centred && (probability > CERTAIN || self.scatters_about(claim)))
-            && (agree || claim.at_least)
+            && (agree && self.holds_against_a_reference(claim) || claim.at_least)
         {
             Answer::Confirmed
         } else if too_high > REFUTED {
@@ -196,15 +200,39 @@ impl Posterior {
         }
     }
 
+    /// Four and more slopes are all near the claim, or scatter about a line that is.
     fn scatters_about(&self, claim: &Claim) -> bool {
         let near = |slope: f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
-        self.scattered.is_some_and(near)
+        let few = self.slopes.len() < FEWEST;
+        self.scattered.is_some_and(near) || !few && self.slopes.iter().all(|slope| near(*slope))
     }
 
     /// Whether the slopes of three levels agree; more levels need no such check.
     fn two_slopes_agree(&self, claim: &Claim) -> bool {
         match self.slopes[..] {
             [first, last] => (last - first).abs() <= AGREEMENT * claim.order.abs(),
+            _ => true,
+        }
+    }
+
+    /// Few slopes that fall from the order on may be those of a floor that scatters.
+    fn may_end_in_a_floor(&self, claim: &Claim) -> bool {
+        let (Some(first), Some(last)) = (self.slopes.first(), self.slopes.last()) else {
+            return false;
+        };
+        let falls = self.slopes.iter().all(|slope| slope >= last);
+        self.slopes.len() <= FEWEST + 1
+            && falls
+            && *first >= claim.order - claim.reach()
+            && first - last > claim.reach()
+    }
+
+    /// Two slopes that rise may be those of errors against a finer run, whose order is that of their differences.
+    fn holds_against_a_reference(&self, claim: &Claim) -> bool {
+        match (&self.slopes[..], self.of_differences) {
+            ([first, last], Some(order)) if last > first && self.may_have_a_reference => {
+                order >= claim.order - DIFFERENCES * claim.reach()
+            }
             _ => true,
         }
     }

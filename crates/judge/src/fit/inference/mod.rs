@@ -69,9 +69,13 @@ const ROUNDING_OF_ONE: std::ops::RangeInclusive<f64> = 1e-18..=1e-14;
 /// than a tenth of what is printed.
 const PASSES: usize = 6;
 const SETTLED: f64 = 1e-3;
-const STARTS: [f64; 3] = [0.5, 1.5, 3.0];
+/// No order is known better: what the readings leave out, on tables without noise.
+const CLOSEST: f64 = 0.003;
 /// Orders this close are one.
 const SAME: f64 = 0.02;
+/// Of a lower order the reference takes nearly all; beyond the higher one nothing.
+const LEAST_ORDER: f64 = 0.1;
+const LARGEST_ORDER: f64 = 20.0;
 /// Levels of a long table beyond which the coarsest are dropped at once.
 const LONGEST: usize = 12;
 
@@ -101,6 +105,8 @@ pub struct Posterior {
     scattered: Option<f64>,
     /// The largest slope before the finest levels that a floor may hold.
     before_floor: Option<f64>,
+    /// Nobody has said that the errors are those against an exact solution, or against which run.
+    may_have_a_reference: bool,
 }
 
 /// The levels of a line that serve, and what they say of the order.
@@ -211,6 +217,7 @@ pub fn infer_against(
         of_differences: of_differences(&serving),
         before_floor: table.before_floor(),
         scattered: table.scattered(),
+        may_have_a_reference: reference.is_none(),
         all,
         sound,
         floored,
@@ -352,30 +359,48 @@ impl Table {
         Ok(Self { flat, ..table })
     }
 
-    /// Readings where e = C (h^p − h_r^p)^(1/m) of powers m p. They are linear in p about an order, and that is put in until
-    /// they find it again; from several orders, since a coarse mesh may look like another one.
+    /// Readings where e = C (h^(m p) − h_r^(m p))^(1/m). They are linear in p about an order: first about those of the finest
+    /// two levels and of all, then about the one that is found.
     fn against(&self, reference: f64, exponent: f64) -> Vec<Part> {
         let mut found: Vec<(f64, Vec<Part>)> = Vec::new();
-        for start in STARTS {
-            let mut order = start;
+        let finest = self.sizes.len() - 1;
+        for coarser in [finest - 1, 0] {
+            let mut order = self.order_between([coarser, finest], reference, exponent);
+            let known = |found: &[(f64, Vec<Part>)], order: f64| {
+                found.iter().any(|(known, _)| (order - known).abs() < SAME)
+            };
             let mut parts = Vec::new();
             for _ in 0..PASSES {
+                if known(&found, order) {
+                    break;
+                }
                 parts = self.about(reference, exponent, order);
                 let median = Mixture::of(&weighed(parts.clone()), |_| true).quantile(0.5);
-                // Below a tenth of an order the reference takes nearly all: the logarithm of the steps.
-                let change = median.max(0.1) - order;
+                let change = median.max(LEAST_ORDER) - order;
                 order += change;
-                if change.abs() < SETTLED
-                    || found.iter().any(|(known, _)| (order - known).abs() < SETTLED)
-                {
+                if change.abs() < SETTLED {
                     break;
                 }
             }
-            if found.iter().all(|(known, _)| (order - known).abs() > SAME) {
+            if !known(&found, order) {
                 found.push((order, parts));
             }
         }
         found.into_iter().flat_map(|(_, parts)| parts).collect()
+    }
+
+    /// The order that explains two errors against the reference, by bisection: their ratio rises with it.
+    fn order_between(&self, [coarse, fine]: [usize; 2], reference: f64, exponent: f64) -> f64 {
+        let [a, b] = [coarse, fine].map(|i| self.sizes[i] / reference);
+        let ratio = exponent * (self.y[coarse] - self.y[fine]);
+        let [mut lo, mut hi] = [LEAST_ORDER, LARGEST_ORDER];
+        while hi - lo > SETTLED {
+            let order = 0.5 * (lo + hi);
+            let power = exponent * order;
+            let found = (a.powf(power) - 1.0).ln() - (b.powf(power) - 1.0).ln();
+            *(if found < ratio { &mut lo } else { &mut hi }) = order;
+        }
+        0.5 * (lo + hi)
     }
 
     fn about(&self, reference: f64, exponent: f64, order: f64) -> Vec<Part> {
@@ -496,9 +521,12 @@ impl Table {
                 sizes.iter().map(|h| run[0].powers(h / coarsest, h / anchor)).collect();
             let mut look = |node: &Node| {
                 // Coarse meshes leave or are read, not both.
-                if node.far() && (coarse > COARSE_OF_FINE || !long) {
+                if node.far() && (coarse > COARSE_OF_FINE || !long && node.size > 0.0) {
                     return f64::NEG_INFINITY;
                 }
+                // A sign that changes beyond the finest level with no order left is a reference that is subtracted.
+                let beyond =
+                    family == Family::Bend && 1.0 + node.size * terms[terms.len() - 1][0] <= 0.0;
                 let row = |(i, term): (usize, &[f64; 3])| {
                     let found = node.terms(*term);
                     let scale = self.scales[i];
@@ -520,6 +548,9 @@ impl Table {
                     if coarsely {
                         seen = weight;
                     }
+                    if beyond && component.mean < LEAST_ORDER {
+                        break;
+                    }
                     if weight < self.best.get() - LEAST {
                         if weight < largest && !coarsely {
                             break;
@@ -529,7 +560,7 @@ impl Table {
                         parts.push(Part {
                             weight,
                             mean: component.mean,
-                            deviation: component.deviation(),
+                            deviation: component.deviation().hypot(CLOSEST),
                             floored: family == Family::Floor || family.is_reference() || fine > 0,
                             outside: node.last
                                 || self.noise.len() > 1 && noise.size == LARGEST_NOISE,

@@ -253,3 +253,21 @@ fn classes_beyond_the_families_of_the_model_keep_their_limits() {
         assert_eq!(of(Kind::Plateau, levels, false).fail, 0.0, "{levels}");
     }
 }
+
+#[test]
+#[ignore = "debug"]
+fn debug_told() {
+    let told = std::env::var("TOLD").is_ok();
+    for seed in 300_000..300_060 {
+        for (kind, levels) in [(Kind::Reference, 12)] {
+            let drawn = draw(kind, levels, &mut Random::new(seed));
+            let found = read(&drawn, told).expect("a posterior");
+            if !found.interval.contains(drawn.order) {
+                println!(
+                    "{} {}: {} {} {:?}",
+                    drawn.order, drawn.reference, found.order, found.interval, found.slopes
+                );
+            }
+        }
+    }
+}
