@@ -2,12 +2,12 @@
 
 use std::fmt::Display;
 
-use judge::fit::{Claim, Direction, Posterior, Ruling};
+use judge::fit::{Claim, Direction, Further, Known, Posterior};
 use judge::table::Group;
 use judge::verdict::Decision;
 use serde_json::{Value, json};
 
-use super::wording::{Part, run};
+use super::wording::Part;
 
 /// Predicted orders and their meaning.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +18,7 @@ pub(super) struct Asked {
     pub(super) claim: Claim,
     pub(super) in_time: Claim,
     pub(super) noise: Option<f64>,
+    pub(super) reference: Option<f64>,
 }
 
 /// The judgement of an order, before it is printed.
@@ -48,6 +49,10 @@ impl Asked {
         }
     }
 
+    pub(super) fn known(self) -> Known {
+        Known { noise: self.noise, log: self.claim.log, reference: self.reference }
+    }
+
     /// With the claim of one direction.
     pub(super) fn along(self, direction: Direction) -> Self {
         match direction {
@@ -56,30 +61,16 @@ impl Asked {
         }
     }
 
-    /// Judges an order; `next` are the steps of one more level.
-    pub(super) fn answer(
-        self,
-        posterior: &Posterior,
-        order: f64,
-        (name, next): (&str, Vec<f64>),
-    ) -> Answer {
-        let Ruling { decision, reason, probability, too_high, unexplained } =
-            posterior.decide(&Claim { order, ..self.claim });
-        let reason = format!("{reason}{}", posterior.left_out_in_words());
-        let (help, next) = match (decision, too_high, posterior.floor_from) {
-            _ if unexplained => (String::new(), Vec::new()),
-            (Decision::Unresolved, true, _) => (
-                ": finer levels would not lower it; --at-least takes it for a lower bound".into(),
-                Vec::new(),
-            ),
-            (Decision::Unresolved, false, Some(_)) => (
-                ": lower the floor (tolerance of the solver, quadrature, reference), or add coarser levels".into(),
-                Vec::new(),
-            ),
-            (Decision::Unresolved, false, None) => (format!(": {}", run(name, &next)), next),
-            _ => (String::new(), Vec::new()),
+    /// Judges an order; `further` is one more level.
+    pub(super) fn answer(self, posterior: &Posterior, order: f64, further: Further) -> Answer {
+        let ruling = posterior.decide(&Claim { order, ..self.claim });
+        let left_out = posterior.left_out_in_words();
+        let (help, next) = match posterior.help(&ruling, further) {
+            Some(Further { steps, text }) => (format!(": {text}"), steps),
+            None => (String::new(), Vec::new()),
         };
-        Answer { decision, reason: reason + &help, probability: Some(probability), next }
+        let reason = format!("{}{left_out}{help}", ruling.reason);
+        Answer { decision: ruling.decision, reason, probability: Some(ruling.probability), next }
     }
 
     /// The result, `json` with the entries of what was asked, found and answered, and the reason why nothing was.

@@ -1,9 +1,8 @@
 //! Error tables with orders, as in papers: h, then error and EOC of each norm.
 
-use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level};
+use judge::fit::{Direction, Point, Triple, ValueSample, path, plain, same_level};
 use judge::table::{Group, Quantity};
 
-use super::wording::plain;
 use files::digits;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

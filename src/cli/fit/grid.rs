@@ -3,9 +3,9 @@
 use serde_json::{Value, json};
 
 use super::asked::{Answer, Asked, gap_verdict, verdict_text};
-use super::wording::{Part, next_steps};
+use super::wording::Part;
 use judge::fit::{
-    Direction, FittedValue, GridPosterior, JointFit, JointFits, NotIdentifiable, Point,
+    Direction, FittedValue, Further, GridPosterior, JointFit, JointFits, NotIdentifiable, Point,
     fit_constants, infer_grid, joint_fits, same_level, student_quantile,
 };
 use judge::table::Group;
@@ -44,7 +44,8 @@ impl Joint {
         let mut steps: Vec<f64> = self.points.iter().map(|point| direction.step(point)).collect();
         steps.sort_by(|a, b| b.total_cmp(a));
         steps.dedup_by(|a, b| same_level(*a, *b));
-        asked.along(direction).answer(posterior, order, (direction.name(), next_steps(&steps)))
+        let further = Further::after(direction.name(), &steps, &[], asked.reference);
+        asked.along(direction).answer(posterior, order, further)
     }
 }
 

@@ -4,11 +4,11 @@ use serde_json::json;
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::grid::Joint;
-use super::wording::{Part, next_steps, plain, run};
+use super::wording::Part;
 use files::counted;
 use judge::fit::{
-    Correction, Direction, Exclusion, FitError, Interval, LARGEST_OTHER_SHARE, LineReading,
-    NotIdentifiable, Point, Posterior, Sample, constant_under, samples, screen,
+    Correction, Direction, Exclusion, FitError, Further, Interval, LARGEST_OTHER_SHARE,
+    LineReading, NotIdentifiable, Point, Posterior, Sample, constant_under, plain, samples, screen,
 };
 use judge::table::Group;
 
@@ -34,7 +34,7 @@ pub(super) fn part(
         return None;
     }
     let measured = group.line(direction);
-    let read = LineReading::of(&measured, direction, asked.noise, asked.claim.log);
+    let read = LineReading::of(&measured, direction, &asked.known());
     let points = measured.into_iter().map(|(point, _)| point).collect();
     let line = Line { direction, points, outside, read, asked };
     let answer = asked.order(direction).map(|order| {
@@ -49,18 +49,20 @@ pub(super) fn part(
 
 impl Line<'_> {
     fn answer(&self, order: f64) -> Answer {
-        let name = self.direction.name();
-        let next = |samples: &[Sample]| {
-            next_steps(&samples.iter().map(|sample| sample.step).collect::<Vec<f64>>())
+        let further = |samples: &[Sample]| {
+            let serving: Vec<f64> = samples.iter().map(|sample| sample.step).collect();
+            let lost = self.points.iter().filter(|point| screen(point).is_err());
+            let lost: Vec<f64> = lost.map(|point| self.direction.step(point)).collect();
+            Further::after(self.direction.name(), &serving, &lost, self.asked.reference)
         };
         match &self.read {
             Ok(LineReading { samples, posterior }) => {
-                self.asked.answer(posterior, order, (name, next(samples)))
+                self.asked.answer(posterior, order, further(samples))
             }
             Err(error @ FitError::TooFew { .. }) => {
-                let next = next(&samples(&self.points, self.direction).unwrap_or_default());
-                let help = run(name, &next);
-                Answer { next, ..Answer::open(format!("{error}{}: {help}", self.below_floor())) }
+                let samples = samples(&self.points, self.direction).unwrap_or_default();
+                let Further { steps: next, text } = further(&samples);
+                Answer { next, ..Answer::open(format!("{error}{}: {text}", self.below_floor())) }
             }
             Err(error) => Answer::open(format!("{error}{}", self.below_floor())),
         }
@@ -145,6 +147,7 @@ impl Line<'_> {
             "coarse_left_out": posterior.map(|fitted| fitted.coarse_left_out),
             "floor_from": posterior.and_then(|fitted| fitted.floor_from),
             "log": self.asked.claim.log,
+            "reference": self.asked.reference,
             "constant": constant.map(|(value, _)| value),
             "constant_interval": constant.map(|(_, interval)| interval),
             "predicted": self.asked.order(self.direction),

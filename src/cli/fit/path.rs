@@ -3,16 +3,16 @@
 use serde_json::json;
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
-use super::wording::{Part, next_steps};
+use super::wording::Part;
 use files::digits;
-use judge::fit::{Direction, FitError, LineReading, Posterior, RefinementPath};
+use judge::fit::{Direction, FitError, Further, LineReading, Posterior, RefinementPath};
 use judge::table::Group;
 use judge::verdict::Decision;
 
 /// The order in h along the path, min(p, s q), and what it implies for p and q.
 pub(super) fn part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
     let measured = group.measurements();
-    let read = LineReading::of(&measured, Direction::Space, asked.noise, asked.claim.log);
+    let read = LineReading::of(&measured, Direction::Space, &asked.known());
     let order = along(path, asked);
     let answer = order.map(|order| {
         gap_verdict(group).unwrap_or_else(|| match &read {
@@ -73,7 +73,8 @@ fn along(path: RefinementPath, asked: Asked) -> Option<f64> {
 
 fn decide(read: &LineReading, path: RefinementPath, asked: Asked, order: f64) -> Answer {
     let steps: Vec<f64> = read.samples.iter().map(|sample| sample.step).collect();
-    let answer = asked.answer(&read.posterior, order, ("h", next_steps(&steps)));
+    let answer =
+        asked.answer(&read.posterior, order, Further::after("h", &steps, &[], asked.reference));
     let (reason, helps) = (answer.reason.clone(), !answer.next.is_empty());
     let and = |words: &str| Answer { reason: format!("{reason}{words}"), ..answer };
     match (answer.decision, asked.p, asked.q) {

@@ -4,11 +4,11 @@ use serde_json::{Value, json};
 
 use super::asked::{Answer, Asked, gap_verdict, next, verdict_text};
 use super::eoc;
-use super::wording::{Part, next_steps, run};
+use super::wording::Part;
 use files::{counted, digits};
 use judge::fit::{
-    Direction, EcaHoekstra, FitError, Posterior, Triple, ValueSample, eca_hoekstra, infer_values,
-    value_samples,
+    Direction, EcaHoekstra, FitError, Further, Posterior, Triple, ValueSample, eca_hoekstra,
+    infer_values, value_samples,
 };
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -64,10 +64,10 @@ impl Findings {
 
     fn answer(&self, name: &str, asked: Asked, order: f64) -> Answer {
         let steps: Vec<f64> = self.samples.iter().map(|sample| sample.step).collect();
-        let next = next_steps(&steps);
+        let further = Further::after(name, &steps, &[], None);
         let open = |reason: String| Answer {
-            next: next.clone(),
-            ..Answer::open(format!("{reason}: {}", run(name, &next)))
+            next: further.steps.clone(),
+            ..Answer::open(format!("{reason}: {}", further.text))
         };
         match (self.last_three, &self.order) {
             (Some(Triple::Diverging { order }), _) => Answer::of(
@@ -78,7 +78,7 @@ impl Findings {
             (Some(Triple::Stationary), _) => {
                 Answer::open("the last two values are equal: run coarser ones")
             }
-            (_, Ok(posterior)) => asked.answer(posterior, order, (name, next)),
+            (_, Ok(posterior)) => asked.answer(posterior, order, further),
             (_, Err(FitError::TooFew { .. })) => {
                 let found = counted(self.samples.len(), "value");
                 open(format!("{found}, the interval of an order needs 4 that differ"))

@@ -103,7 +103,7 @@ pub struct Ruling {
     pub probability: f64,
     /// The order is settled above the claim.
     pub too_high: bool,
-    /// A level left out is not explained by the others, as the reason says: finer levels would not help.
+    /// A level left out is not explained by the others, or all are rounding, as the reason says: finer levels would not help.
     pub unexplained: bool,
 }
 
@@ -143,7 +143,8 @@ impl Posterior {
         if let Some(why) = &self.unexplained {
             reason = format!("{reason}; but {why}: run it again, or state its floor");
         }
-        let (too_high, unexplained) = (answer == Answer::TooHigh, self.unexplained.is_some());
+        let too_high = answer == Answer::TooHigh;
+        let unexplained = self.unexplained.is_some() || doubts.nothing_but_rounding;
         Ruling { decision, reason, probability, too_high, unexplained }
     }
 
@@ -165,6 +166,13 @@ impl Posterior {
                 (Answer::Confirmed, &self.all)
             }
             Answer::Confirmed if self.floor < FLOOR[1] => (sound, &self.sound),
+            // The floor is rounding.
+            _ if self.floor > FLOOR[1]
+                && self.doubts.failing.is_some()
+                && floored == Answer::Confirmed =>
+            {
+                (floored, &self.floored)
+            }
             _ => (Answer::Open, &self.all),
         }
     }
@@ -203,7 +211,7 @@ impl Posterior {
     /// Four and more slopes are all near the claim, or scatter about a line that is.
     fn scatters_about(&self, claim: &Claim) -> bool {
         let near = |slope: f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
-        let few = self.slopes.len() < FEWEST;
+        let few = self.slopes.len() < FEWEST || self.told_noise;
         self.scattered.is_some_and(near) || !few && self.slopes.iter().all(|slope| near(*slope))
     }
 
@@ -224,7 +232,7 @@ impl Posterior {
         self.slopes.len() <= FEWEST + 1
             && falls
             && *first >= claim.order - claim.reach()
-            && first - last > claim.reach()
+            && first - last > TOLERANCE
     }
 
     /// Two slopes that rise may be those of errors against a finer run, whose order is that of their differences.

@@ -100,6 +100,7 @@ fn marginal(weights: Vec<f64>) -> Posterior {
         of_differences: None,
         before_floor: None,
         scattered: None,
+        told_noise: false,
         may_have_a_reference: false,
     }
 }

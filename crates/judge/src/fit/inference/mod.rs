@@ -103,6 +103,8 @@ pub struct Posterior {
     of_differences: Option<f64>,
     /// Slope of the straight line, where the slopes go up and down about it as by noise.
     scattered: Option<f64>,
+    /// The noise is told.
+    told_noise: bool,
     /// The largest slope before the finest levels that a floor may hold.
     before_floor: Option<f64>,
     /// Nobody has said that the errors are those against an exact solution, or against which run.
@@ -122,22 +124,7 @@ impl LineReading {
     pub fn of(
         measured: &[(Point, Option<f64>)],
         direction: Direction,
-        noise: Option<f64>,
-        log: f64,
-    ) -> Result<Self, FitError> {
-        Self::against(measured, direction, noise, log, None)
-    }
-
-    /// As [`LineReading::of`], of errors against a run of the step `reference`; see [`infer_against`].
-    ///
-    /// # Errors
-    /// Those of [`infer_against`].
-    pub fn against(
-        measured: &[(Point, Option<f64>)],
-        direction: Direction,
-        noise: Option<f64>,
-        log: f64,
-        reference: Option<f64>,
+        known: &Known,
     ) -> Result<Self, FitError> {
         let there = measured.iter().filter(|(point, _)| !direction.step(point).is_nan());
         let levels = there.map(|(point, sigma)| {
@@ -146,44 +133,49 @@ impl LineReading {
             Level::of(point, direction, sigma)
         });
         let levels = levels.collect::<Result<Vec<_>, _>>()?;
-        let posterior = infer_against(&levels, noise, log, reference)?;
+        let posterior = infer(&levels, known)?;
         let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
         Ok(Self { samples: samples(&points, direction)?, posterior })
     }
 }
 
+/// What is known of the errors of a table besides their sizes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Known {
+    /// Relative standard deviation of the errors.
+    pub noise: Option<f64>,
+    /// Power M of a factor |log h|^M.
+    pub log: f64,
+    /// Step h_r of the run that the errors are measured against: e = C (h^p − h_r^p), or the same of squares where errors
+    /// are orthogonal. 0 stands for an exact solution, none for a table that does not say.
+    pub reference: Option<f64>,
+}
+
+impl Known {
+    /// Errors against an exact solution.
+    pub const EXACT: Self = Self { noise: None, log: 0.0, reference: Some(0.0) };
+}
+
 /// Order of a table of steps h and errors e.
 pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
     let levels = table.iter().map(|&(h, error)| Level::new(h, error));
-    infer(&levels.collect::<Result<Vec<_>, _>>()?, None, 0.0)
+    infer(&levels.collect::<Result<Vec<_>, _>>()?, &Known::default())
 }
 
 /// Posterior of the order. Levels in any order, each once; levels near their floors, and errors of exactly 0, are left
-/// out, and confirm nothing if the others do not explain them. `noise`: relative standard deviation of the errors, if
-/// known; `log`: power M of a factor |log h|^M.
+/// out, and confirm nothing if the others do not explain them.
 ///
 /// # Errors
 /// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::Level`] for a noise that is none,
-/// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M.
-pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior, FitError> {
-    infer_against(levels, noise, log, None)
-}
-
-/// As [`infer`], of errors against a run of the step `reference`: e = C (h^p − h_r^p), or the same of squares where errors
-/// are orthogonal. 0 stands for an exact solution, none for a table that does not say.
-///
-/// # Errors
-/// Those of [`infer`], [`FitError::Reference`].
-pub fn infer_against(
-    levels: &[Level],
-    noise: Option<f64>,
-    log: f64,
-    reference: Option<f64>,
-) -> Result<Posterior, FitError> {
+/// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M, [`FitError::Reference`].
+pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
+    let Known { noise, log, reference } = *known;
     let (mut serving, left_out): (Vec<Level>, Vec<Level>) =
         levels.iter().partition(|level| level.screened().is_ok());
     serving.sort_by(|a, b| b.size().total_cmp(&a.size()));
     let table = Table::new(&serving, noise, log)?;
+    // The exponent of the likelier form of errors against a reference.
+    let mut likelier = 1.0;
     let parts = match reference {
         None => table.parts(),
         Some(0.0) => Table { against_reference: true, ..table.clone() }.parts(),
@@ -192,7 +184,10 @@ pub fn infer_against(
             if !(super::level::is_step(step) && step < finest) {
                 return Err(FitError::Reference { step, finest });
             }
-            [1.0, 2.0].map(|exponent| table.against(step, exponent)).concat()
+            let forms = [1.0, 2.0].map(|exponent| table.against(step, exponent));
+            let [linear, squares] = forms.each_ref().map(|parts| largest(parts));
+            likelier = if squares > linear { 2.0 } else { 1.0 };
+            forms.concat()
         }
     };
     let parts = weighed(parts);
@@ -205,18 +200,25 @@ pub fn infer_against(
     let beyond = |coarse: &usize| leaving[*coarse..].iter().sum::<f64>() > 0.5 * all.weight;
     let coarse_left_out = (1..levels.len()).take_while(beyond).count();
     let interval = Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) };
+    let order = all.quantile(0.5);
+    let table = match reference {
+        Some(step) if step > 0.0 => table.without_reference(step, likelier, order),
+        _ => table,
+    };
     let outside: f64 = parts.iter().filter(|part| part.outside).map(|part| part.weight).sum();
     Ok(Posterior {
-        order: all.quantile(0.5),
+        order,
         unexplained: unexplained(&left_out, &serving, interval, log),
         interval,
         coarse_left_out,
-        floor_from: (floor > 0.5 && table.flattens()).then(|| table.sizes[table.break_down()]),
+        floor_from: (floor > 0.5 && (table.flat > 0 || table.flattens()))
+            .then(|| table.sizes[table.break_down()]),
         slopes: table.slopes(),
         doubts: Doubts::of(&serving, outside > 0.5 * all.weight),
         of_differences: of_differences(&serving),
         before_floor: table.before_floor(),
         scattered: table.scattered(),
+        told_noise: table.noise.len() == 1,
         may_have_a_reference: reference.is_none(),
         all,
         sound,
@@ -232,9 +234,13 @@ fn of_differences(serving: &[Level]) -> Option<f64> {
     Some(ratio.ln() / (a.size() / b.size()).ln()).filter(|order| order.is_finite())
 }
 
+fn largest(parts: &[Part]) -> f64 {
+    parts.iter().map(|part| part.weight).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Parts with the weight of the likeliest 1, from logarithms.
 fn weighed(mut parts: Vec<Part>) -> Vec<Part> {
-    let largest = parts.iter().map(|part| part.weight).fold(f64::NEG_INFINITY, f64::max);
+    let largest = largest(&parts);
     // Those dropped sum to less than a thousandth of the likeliest.
     parts.retain(|part| part.weight > largest - LEAST);
     parts.iter_mut().for_each(|part| part.weight = (part.weight - largest).exp());
@@ -248,8 +254,10 @@ struct Doubts {
     always: Option<String>,
     /// Against a pass of an order above zero.
     passing: Option<String>,
-    /// Against a failure.
+    /// Against a failure: the finest errors are rounding, which is a floor with a cause.
     failing: Option<String>,
+    /// No error is more than rounding: no further level helps.
+    nothing_but_rounding: bool,
 }
 
 impl Doubts {
@@ -258,7 +266,8 @@ impl Doubts {
         let [coarsest, finest] = [serving[0], serving[serving.len() - 1]].map(|l| l.error());
         let largest = serving.iter().map(Level::error).fold(0.0, f64::max);
         let rounding_of_one = |error: f64| ROUNDING_OF_ONE.contains(&error);
-        let always = if serving.iter().all(|level| rounding_of_one(level.error())) {
+        let nothing_but_rounding = serving.iter().all(|level| rounding_of_one(level.error()));
+        let always = if nothing_but_rounding {
             Some("no error is above the rounding of numbers of size 1: state the floor".to_owned())
         } else if outside {
             Some("no reading that the judge knows fits these levels".to_owned())
@@ -274,7 +283,7 @@ impl Doubts {
                 "the finest error {finest:.1e} is at the rounding of the numbers: state the floor"
             )
         });
-        Self { always, passing, failing }
+        Self { always, passing, failing, nothing_but_rounding }
     }
 }
 
@@ -415,6 +424,15 @@ impl Table {
         table.parts()
     }
 
+    /// Errors against an exact solution, of this order.
+    fn without_reference(mut self, reference: f64, exponent: f64, order: f64) -> Self {
+        for (y, size) in self.y.iter_mut().zip(&self.sizes) {
+            let share = (reference / size).powf(exponent * order.max(LEAST_ORDER));
+            *y -= (-share).ln_1p() / exponent;
+        }
+        self
+    }
+
     fn slopes(&self) -> Vec<f64> {
         let slope = |i: usize| (self.y[i] - self.y[i - 1]) / (self.x[i] - self.x[i - 1]);
         (1..self.x.len()).map(slope).collect()
@@ -430,13 +448,15 @@ impl Table {
         first < before && least < before - 0.25 * (0.8 * before).max(0.4)
     }
 
-    /// Slope of the straight line through four and more levels whose slopes neither rise nor fall throughout.
+    /// Slope of the straight line through four and more levels whose slopes neither rise nor fall throughout, by a noise
+    /// that nobody told.
     fn scattered(&self) -> Option<f64> {
         let changes: Vec<f64> = self.slopes().windows(2).map(|pair| pair[1] - pair[0]).collect();
         let up = changes.iter().filter(|change| **change > 0.0).count();
         let products: f64 = self.x.iter().zip(&self.y).map(|(x, y)| x * y).sum();
         let squares: f64 = self.x.iter().map(|x| x * x).sum();
-        (changes.len() > 1 && up > 0 && up < changes.len()).then_some(products / squares)
+        let told = self.noise.len() == 1;
+        (!told && changes.len() > 1 && up > 0 && up < changes.len()).then_some(products / squares)
     }
 
     /// The last slope is below the one before: a floor, not a reference.
@@ -542,7 +562,10 @@ impl Table {
                 // From the largest noise on, until the residuals are too large for the noise.
                 for noise in noise.iter().rev() {
                     let component = gram.component(noise, node.order());
-                    let prior = if long { node.log_prior_at(noise.size) } else { node.log_prior };
+                    let prior = match long && self.noise.len() > 1 {
+                        true => node.log_prior_at(noise.size),
+                        false => node.log_prior,
+                    };
                     let weight = prior + component.log_evidence;
                     let coarsely = noise.size >= LOOK || self.noise.len() == 1;
                     if coarsely {

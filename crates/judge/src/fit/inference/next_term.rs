@@ -255,7 +255,7 @@ impl Node {
         self.family == Family::Bend && self.size == 0.0
     }
 
-    /// Its prior beside a noise: where the noise is large, a next term is rarely needed, and a slow one is not seen.
+    /// Its prior beside a noise that nobody told: where the noise is large, a next term is rarely needed, and a slow one is not seen.
     pub(super) fn log_prior_at(&self, noise: f64) -> f64 {
         self.log_prior
             + match self.family {
