@@ -189,7 +189,8 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
         floor: floor_source(scene),
         reference: scene
             .sweep
-            .reference
+            .as_ref()
+            .and_then(|sweep| sweep.reference)
             .map(|run| MeshAndSteps { n: Some(run.n), steps: run.steps }),
         constant_owed: written.constant_within.is_some(),
         unique: ![Hypothesis::Smallness, Hypothesis::StepSize]

@@ -239,7 +239,7 @@ impl Posterior {
     fn holds_against_a_reference(&self, claim: &Claim) -> bool {
         match (&self.slopes[..], self.of_differences) {
             ([first, last], Some(order)) if last > first && self.may_have_a_reference => {
-                order >= claim.order - DIFFERENCES * claim.reach()
+                order >= claim.order - DIFFERENCES * claim.reach().min(TOLERANCE)
             }
             _ => true,
         }

@@ -186,13 +186,14 @@ fn read(drawn: &Drawn, told: bool) -> Option<crate::fit::Posterior> {
 
 const LENGTHS: [usize; 6] = [3, 4, 5, 6, 8, 12];
 
-/// `COUNT` tables a cell, 100 unless said otherwise.
+/// `COUNT` tables a cell, 100 unless said otherwise, on seeds from `FIRST` on.
 #[test]
 #[ignore = "prints a table: minutes"]
 fn table_of_the_classes() {
     let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(100);
     let only = std::env::var("ONLY").unwrap_or_default();
-    let seeds = 300_000..300_000 + count;
+    let first = std::env::var("FIRST").ok().and_then(|first| first.parse().ok()).unwrap_or(300_000);
+    let seeds = first..first + count;
     println!(
         "class levels pass/fail/open +1/4 -1/4 +1/2 -1/2 coverage | last pair, slope, three grids: pass, wrong at ±1/4"
     );
