@@ -6,7 +6,7 @@ use std::path::Path;
 use algebra::linalg::Front;
 use criterion::{Criterion, criterion_group, criterion_main};
 use fem::contact::march;
-use judge::fit::{Claim, Level, infer};
+use judge::fit::{Claim, Known, Level, infer};
 use judge::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
 use judge::verdict::{Decision, Prediction, Variable, judge};
 use scene::Scene;
@@ -157,7 +157,9 @@ fn fit(c: &mut Criterion) {
         let levels: Vec<Level> =
             sizes.filter_map(|h| Level::new(h, h + 4.0 * h * h).ok()).collect();
         c.bench_function(&format!("fit: verdict on {count} levels"), |b| {
-            b.iter(|| infer(black_box(&levels), None, 0.0).map(|found| found.decide(&claim)));
+            b.iter(|| {
+                infer(black_box(&levels), &Known::default()).map(|found| found.decide(&claim))
+            });
         });
     }
 }

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from . import _native
-from ._verdict import Verdict, next_step
+from ._verdict import Verdict
 
 
 class Unresolved(AssertionError):
@@ -35,6 +35,7 @@ def fit(
     floor: float | Iterable[float] | None = None,
     sigma: float | Iterable[float] | None = None,
     log: float = 0,
+    reference: float | None = None,
     name: str = "",
 ) -> Verdict:
     """Order of convergence of a table, and its verdict on a predicted order.
@@ -59,6 +60,8 @@ def fit(
         Relative standard deviation of the errors, where they are random.
     log : float
         The power M of a factor abs(log h)**M in the prediction.
+    reference : float, optional
+        The step of the run that the errors are measured against; 0 says that the solution is exact.
     name : str
         What the errors are of, for messages.
 
@@ -93,16 +96,17 @@ def fit(
     order = None if order is None else number(order, "order")
     tolerance = None if tolerance is None else number(tolerance, "tolerance")
     log = number(log, "log")
+    reference = None if reference is None else number(reference, "reference")
     by_size = sorted(range(count), key=lambda i: -sizes[i])
     sizes, values, floors, sigmas = ([list_[i] for i in by_size] for list_ in (sizes, values, floors, sigmas))
-    found = _native.fit(sizes, values, floors, sigmas, order, at_least, exact, tolerance, log)
+    found = _native.fit(sizes, values, floors, sigmas, order, at_least, exact, tolerance, log, reference)
     decision = found.get("decision")
     return Verdict(
         decision=decision,
         order=found.get("order"),
         interval=found.get("interval"),
         reason=found.get("reason", ""),
-        next=next_step(sizes) if decision == "unresolved" and not found.get("unexplained") else None,
+        next=found.get("next"),
         h=tuple(sizes),
         errors=tuple(values),
         predicted=order,
@@ -125,13 +129,14 @@ def assert_order(
     floor: float | Iterable[float] | None = None,
     sigma: float | Iterable[float] | None = None,
     log: float = 0,
+    reference: float | None = None,
     name: str = "",
 ) -> Verdict:
     """Assert that a table has an order.
 
     Parameters
     ----------
-    h, errors, order, at_least, exact, tolerance, floor, sigma, log, name
+    h, errors, order, at_least, exact, tolerance, floor, sigma, log, reference, name
         As of :func:`fit`.
 
     Returns
@@ -153,7 +158,17 @@ def assert_order(
     """
     __tracebackhide__ = True
     verdict = fit(
-        h, errors, order, at_least=at_least, exact=exact, tolerance=tolerance, floor=floor, sigma=sigma, log=log, name=name
+        h,
+        errors,
+        order,
+        at_least=at_least,
+        exact=exact,
+        tolerance=tolerance,
+        floor=floor,
+        sigma=sigma,
+        log=log,
+        reference=reference,
+        name=name,
     )
     demand([verdict])
     return verdict

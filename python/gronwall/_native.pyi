@@ -16,6 +16,7 @@ def fit(
     exact: bool,
     tolerance: float | None,
     log: float,
+    reference: float | None,
 ) -> dict[str, Any]: ...
 def read(
     text: str,

@@ -141,6 +141,7 @@ def study(
     floor: float | None = None,
     sigma: float | None = None,
     log: float = 0,
+    reference: float | None = None,
 ) -> Callable[[Solve], Study]:
     """Make a function of h a study of convergence.
 
@@ -154,7 +155,7 @@ def study(
         The levels; 1/2, 1/4, 1/8 and so on without.
     fewest : int
         So many levels are run even if less decide: a small error that stays shows on fine levels.
-    at_least, exact, tolerance, floor, sigma, log
+    at_least, exact, tolerance, floor, sigma, log, reference
         As of :func:`fit`; floor and sigma are those of every level.
 
     Returns
@@ -177,6 +178,7 @@ def study(
         "floor": None if floor is None else number(floor, "floor"),
         "sigma": None if sigma is None else number(sigma, "sigma"),
         "log": log,
+        "reference": None if reference is None else number(reference, "reference"),
     }
     # What is wrong with them is said before anything is run.
     for one in order.values() if isinstance(order, Mapping) else [order]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
@@ -199,12 +198,3 @@ def _slope(step: float, error: float, finer: float, less: float) -> float:
 def _scientific(value: float) -> str:
     digits, _, power = f"{value:.3e}".partition("e")
     return rf"{digits} \cdot 10^{{{int(power)}}}"
-
-
-def next_step(h: Sequence[float]) -> str:
-    """One level more, in the ratio of the last two; as many as an order needs."""
-    if len(h) >= 2:
-        return f"run h = {h[-1] ** 2 / h[-2]:.4g} as well"
-    if len(h) == 1:
-        return f"run h = {h[0] / 2:.4g} and {h[0] / 4:.4g} as well"
-    return "run three values of h"

@@ -44,6 +44,7 @@ class OrderStudy:
         floor: float | None = None,
         sigma: float | None = None,
         log: float = 0,
+        reference: float | None = None,
     ) -> Results:
         """Run a function of h until its orders are decided, and demand them.
 
@@ -51,7 +52,7 @@ class OrderStudy:
         ----------
         solve : callable or Study
             A function of h that gives an error or errors by name, or what :func:`gronwall.study` made of one.
-        order, h, budget, fewest, at_least, exact, tolerance, floor, sigma, log
+        order, h, budget, fewest, at_least, exact, tolerance, floor, sigma, log, reference
             As of :func:`gronwall.study`; of a Study they are its own.
 
         Raises
@@ -74,6 +75,7 @@ class OrderStudy:
                 floor=floor,
                 sigma=sigma,
                 log=log,
+                reference=reference,
             )(solve)
         results = solve()
         self._keep(results.values())
@@ -91,12 +93,23 @@ class OrderStudy:
         floor: float | Iterable[float] | None = None,
         sigma: float | Iterable[float] | None = None,
         log: float = 0,
+        reference: float | None = None,
         name: str = "",
     ) -> Verdict:
         """Judge a table that is there, as :func:`gronwall.assert_order`."""
         __tracebackhide__ = True
         verdict = fit(
-            h, errors, order, at_least=at_least, exact=exact, tolerance=tolerance, floor=floor, sigma=sigma, log=log, name=name
+            h,
+            errors,
+            order,
+            at_least=at_least,
+            exact=exact,
+            tolerance=tolerance,
+            floor=floor,
+            sigma=sigma,
+            log=log,
+            reference=reference,
+            name=name,
         )
         self._keep([verdict])
         demand([verdict])

@@ -1,6 +1,8 @@
 //! The judge for one table.
 
-use judge::fit::{Claim, Exclusion, FitError, Level, LevelError, TOLERANCE, infer, zeros_in_words};
+use judge::fit::{
+    Claim, Exclusion, FitError, Further, Known, Level, LevelError, TOLERANCE, infer, zeros_in_words,
+};
 use judge::verdict::Decision;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -8,9 +10,9 @@ use pyo3::types::PyDict;
 use super::refused;
 
 /// The judgement of a table: order, interval, slopes, coarse levels left out, where a floor begins; for a claimed order
-/// also decision, reason and, if a further level would help, its step.
+/// also decision, reason and what would help.
 #[pyfunction]
-#[pyo3(signature = (sizes, errors, floors, sigmas, order, at_least, exact, tolerance, log))]
+#[pyo3(signature = (sizes, errors, floors, sigmas, order, at_least, exact, tolerance, log, reference))]
 #[allow(clippy::too_many_arguments)]
 pub fn fit<'py>(
     py: Python<'py>,
@@ -23,6 +25,7 @@ pub fn fit<'py>(
     exact: bool,
     tolerance: Option<f64>,
     log: f64,
+    reference: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let level = |i: usize| {
         let level = Level::new(sizes[i], errors[i])?.with_floor(floors[i])?;
@@ -40,13 +43,20 @@ pub fn fit<'py>(
     let asked = asked.checked().map_err(refused)?;
     let claim = order.map(|_| asked);
     let found = PyDict::new(py);
-    let posterior = match infer(&levels, None, log) {
+    let steps = |serving: bool| -> Vec<f64> {
+        let all = levels.iter().filter(|level| level.screened().is_ok() == serving);
+        all.map(Level::size).collect()
+    };
+    // By the steps that serve, coarse to fine as the caller sorts them.
+    let further = Further::after("h", &steps(true), &steps(false), reference);
+    let posterior = match infer(&levels, &Known { noise: None, log, reference }) {
         Ok(posterior) => posterior,
         // Too few levels are a property of the table; other errors are the author's.
         Err(error @ FitError::TooFew { .. }) => {
             let zeros = levels.iter().filter(|l| l.screened() == Err(Exclusion::Zero)).count();
             found.set_item("reason", format!("{error}{}", zeros_in_words(zeros)))?;
             found.set_item("decision", claim.map(|_| "unresolved"))?;
+            found.set_item("next", claim.map(|_| further.text))?;
             return Ok(found);
         }
         Err(error) => return Err(refused(error)),
@@ -60,10 +70,11 @@ pub fn fit<'py>(
     found.set_item("floor_from", posterior.floor_from)?;
     if let Some(claim) = claim {
         let ruling = posterior.decide(&claim);
+        let help = posterior.help(&ruling, further);
+        found.set_item("next", help.map(|help| help.text))?;
         found.set_item("decision", ruling.decision.name())?;
         found.set_item("reason", ruling.reason)?;
         found.set_item("probability", ruling.probability)?;
-        found.set_item("unexplained", ruling.unexplained)?;
     }
     Ok(found)
 }

@@ -45,7 +45,7 @@ def test_a_floor_that_is_told_leaves():
 def test_two_levels_are_unresolved_and_name_the_next():
     verdict = gronwall.fit(H[:2], table(2)[:2], 2)
     assert verdict.decision == "unresolved" and verdict.order is None
-    assert verdict.next == "run h = 0.0625 as well"
+    assert verdict.next == "run h = 0.0625"
     assert "no order" in str(verdict)
 
 

@@ -13,7 +13,7 @@ use super::swept::{announce, in_file, on_github};
 use super::{CliError, print_json, print_text};
 use clap::Args;
 use files::{FileError, read_at_most, up_to};
-use judge::fit::{Claim, Direction, Point, TOLERANCE, deviation, path};
+use judge::fit::{Claim, Direction, FitError, Point, TOLERANCE, deviation, path};
 use judge::table::{Group, Quantity, Reading, Row, Tables, named, read};
 use judge::verdict::{Decision, Prediction, Variable, Verdict};
 use report::{AnnotationPlace, write_junit};
@@ -37,7 +37,7 @@ sweep fit errors.csv --p 1 --window 0.01,0.1            of some meshes alone\n  
 sweep fit errors.csv --latex --svg errors.svg           the table and the picture for a paper\n\n\
 JSON keys with --json: one object per table and direction, with scene, norm, variable (h, k, joint, path), \
 predicted, observed (order is the same), interval, verdict, reason, at_least, exact, tolerance, read, and
-  h, k of errors: probability, local_slopes, coarse_left_out, floor_from, log, constant, constant_interval, next, points_used, points_left_out
+  h, k of errors: probability, local_slopes, coarse_left_out, floor_from, log, reference, constant, constant_interval, next, points_used, points_left_out
   joint: probability, predicted_k, observed_k, interval_k, models, better, constants
   path (k = c h^s): probability, exponent, path_constant, local_slopes, predicted_k, next
   h, k of values: probability, behaviour, finest, extrapolated, order_of_last_three, gci, half_range, eca_hoekstra, caution, next, points_used
@@ -72,6 +72,13 @@ pub(crate) struct Fit {
     /// Relative standard deviation of the errors if it is known, such as 0.01 for 1 %
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     noise: Option<f64>,
+    /// The errors are measured against a run of step H in place of an exact solution; 0 says that the solution is exact. In k
+    /// where the table has no h
+    #[arg(long, value_name = "H", allow_hyphen_values = true)]
+    reference: Option<f64>,
+    /// What an error can be without saying anything: rounding, tolerance of the solver. Errors below 20 F are left out
+    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    floor: Option<f64>,
     /// Dimension of the mesh, where its size is a number of cells or unknowns: h = cells^(-1/D)
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=3))]
     dimension: Option<u32>,
@@ -116,6 +123,8 @@ impl Fit {
         if let Some(Err(error)) = self.noise.map(deviation) {
             return Err(CliError::about("--noise", error));
         }
+        self.state_floor(&mut tables)?;
+        self.check_reference(&tables)?;
         let Self { at_least, exact, tolerance, log, .. } = *self;
         let claim = Claim { order: 1.0, at_least, exact, tolerance, log };
         let claim = claim.checked().map_err(CliError::other)?;
@@ -134,6 +143,7 @@ impl Fit {
                 claim: p.unwrap_or(claim),
                 in_time: q.unwrap_or(claim),
                 noise: self.noise,
+                reference: self.reference,
             }
         };
         let found = judged(&self.name(), &tables, asked, &left_out)?;
@@ -199,6 +209,43 @@ impl Fit {
         tables(&self.name(), &bytes?, &reading)
     }
 
+    /// A floor for the errors that have none of their own.
+    fn state_floor(&self, tables: &mut Tables) -> Result<(), CliError> {
+        let Some(floor) = self.floor else { return Ok(()) };
+        if !(floor.is_finite() && floor > 0.0) {
+            let what = format!("{floor} is no floor of errors; 1e-12 is");
+            return Err(CliError::about("--floor", what));
+        }
+        for row in tables.groups.iter_mut().flat_map(|group| &mut group.rows) {
+            if row.point.floor == 0.0 {
+                row.point.floor = floor;
+            }
+        }
+        Ok(())
+    }
+
+    /// A reference is one run, finer than the levels of one direction.
+    fn check_reference(&self, tables: &Tables) -> Result<(), CliError> {
+        let Some(step) = self.reference.filter(|step| *step != 0.0) else { return Ok(()) };
+        let refused = |what: String| Err(CliError::about("--reference", what));
+        for group in &tables.groups {
+            let along_path = path(&group.points()).is_some();
+            if Direction::BOTH.iter().all(|along| group.refined(*along)) && !along_path {
+                return refused("h and k are both refined: the step of the reference in one of them does not tell its error".into());
+            }
+            let finest = |direction: Direction| {
+                let steps = group.rows.iter().map(|row| direction.step(&row.point));
+                steps.fold(f64::NAN, f64::min)
+            };
+            let [space, time] = Direction::BOTH.map(finest);
+            let finest = if space.is_nan() { time } else { space };
+            if !(step > 0.0 && step < finest) {
+                return refused(FitError::Reference { step, finest }.to_string());
+            }
+        }
+        Ok(())
+    }
+
     /// An order in h alone is no claim on a table of time steps, nor the reverse.
     fn one_direction(&self, tables: &Tables) -> Result<(), CliError> {
         let there = |direction: Direction| {
@@ -247,7 +294,12 @@ pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError>
     let name = file.display().to_string();
     let tables = tables(&name, &read_at_most(file, LARGEST)?, &Reading::default())?;
     let claim = Claim::new(1.0).map_err(CliError::other)?;
-    judged(&name, &tables, |_| Asked { p, q, claim, in_time: claim, noise: None }, &[])
+    judged(
+        &name,
+        &tables,
+        |_| Asked { p, q, claim, in_time: claim, noise: None, reference: None },
+        &[],
+    )
 }
 
 fn judged(

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use gronwall_judge::fit::{Claim, Direction, LineReading};
+use gronwall_judge::fit::{Claim, Direction, Known, LineReading};
 use gronwall_judge::table::{Group, Reading, read};
 use gronwall_judge::verdict::Decision;
 use serde::Deserialize;
@@ -71,7 +71,7 @@ fn decided(group: &Group, claimed: &Claimed) -> (Decision, String) {
         exact: claimed.exact,
         ..Claim::new(claimed.order).expect("a finite order")
     };
-    match LineReading::of(&group.line(direction), direction, None, 0.0) {
+    match LineReading::of(&group.line(direction), direction, &Known::default()) {
         Ok(LineReading { posterior, .. }) => {
             let ruling = posterior.decide(&claim);
             (ruling.decision, format!("{} in {}", ruling.reason, posterior.interval))

@@ -2,7 +2,7 @@
 
 use super::super::CliError;
 use files::digits;
-use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level, screen};
+use judge::fit::{Direction, Point, Triple, ValueSample, path, plain, same_level, screen};
 use judge::table::{Group, Quantity};
 use report::{Axis, Chart, Datum, Part, Scale, Series, Slope};
 
@@ -190,15 +190,6 @@ pub(super) fn svg(
         chart.series.push(Series { slope, ..Series::new(name, parts) });
     }
     chart.svg().ok_or_else(nothing)
-}
-
-/// Four digits, but never 0.0000.
-pub(super) fn plain(number: f64) -> String {
-    let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
-    match rounded.abs() {
-        size if size == 0.0 || (1e-3..1e5).contains(&size) => rounded.to_string(),
-        _ => format!("{rounded:e}"),
-    }
 }
 
 #[cfg(test)]

@@ -3,14 +3,14 @@
 
 use std::fmt::Display;
 
-use super::eoc::{self, plain};
+use super::eoc;
 use files::{counted, digits};
 use judge::fit::{
-    Claim, Correction, Direction, EcaHoekstra, Exclusion, FitError, FittedValue, GridPosterior,
-    Interval, JointFit, JointFits, LARGEST_OTHER_SHARE, LineReading, NotIdentifiable, Point,
-    Posterior, RefinementPath, Ruling, Sample, Triple, ValueSample, constant_under, eca_hoekstra,
-    fit_constants, infer_grid, infer_values, joint_fits, same_level, samples, screen,
-    student_quantile, value_samples,
+    Claim, Correction, Direction, EcaHoekstra, Exclusion, FitError, FittedValue, Further,
+    GridPosterior, Interval, JointFit, JointFits, Known, LARGEST_OTHER_SHARE, LineReading,
+    NotIdentifiable, Point, Posterior, RefinementPath, Sample, Triple, ValueSample, constant_under,
+    eca_hoekstra, fit_constants, infer_grid, infer_values, joint_fits, plain, same_level, samples,
+    screen, student_quantile, value_samples,
 };
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -25,6 +25,7 @@ pub(super) struct Asked {
     pub(super) claim: Claim,
     pub(super) in_time: Claim,
     pub(super) noise: Option<f64>,
+    pub(super) reference: Option<f64>,
 }
 
 /// The judgement of an order, before it is printed.
@@ -55,6 +56,10 @@ impl Asked {
         }
     }
 
+    pub(super) fn known(self) -> Known {
+        Known { noise: self.noise, log: self.claim.log, reference: self.reference }
+    }
+
     /// With the claim of one direction.
     pub(super) fn along(self, direction: Direction) -> Self {
         match direction {
@@ -63,30 +68,16 @@ impl Asked {
         }
     }
 
-    /// Judges an order; `next` are the steps of one more level.
-    pub(super) fn answer(
-        self,
-        posterior: &Posterior,
-        order: f64,
-        (name, next): (&str, Vec<f64>),
-    ) -> Answer {
-        let Ruling { decision, reason, probability, too_high, unexplained } =
-            posterior.decide(&Claim { order, ..self.claim });
-        let reason = format!("{reason}{}", posterior.left_out_in_words());
-        let (help, next) = match (decision, too_high, posterior.floor_from) {
-            _ if unexplained => (String::new(), Vec::new()),
-            (Decision::Unresolved, true, _) => (
-                ": finer levels would not lower it; --at-least takes it for a lower bound".into(),
-                Vec::new(),
-            ),
-            (Decision::Unresolved, false, Some(_)) => (
-                ": lower the floor (tolerance of the solver, quadrature, reference), or add coarser levels".into(),
-                Vec::new(),
-            ),
-            (Decision::Unresolved, false, None) => (format!(": {}", run(name, &next)), next),
-            _ => (String::new(), Vec::new()),
+    /// Judges an order; `further` is one more level.
+    pub(super) fn answer(self, posterior: &Posterior, order: f64, further: Further) -> Answer {
+        let ruling = posterior.decide(&Claim { order, ..self.claim });
+        let left_out = posterior.left_out_in_words();
+        let (help, next) = match posterior.help(&ruling, further) {
+            Some(Further { steps, text }) => (format!(": {text}"), steps),
+            None => (String::new(), Vec::new()),
         };
-        Answer { decision, reason: reason + &help, probability: Some(probability), next }
+        let reason = format!("{}{left_out}{help}", ruling.reason);
+        Answer { decision: ruling.decision, reason, probability: Some(ruling.probability), next }
     }
 
     /// The result, `json` with the entries of what was asked, found and answered, and the reason why nothing was.
@@ -144,23 +135,6 @@ pub(super) struct Part {
     pub(super) decision: Option<Decision>,
 }
 
-/// The steps of the missing levels: one more in the ratio of the last two, or two after a single one.
-pub(super) fn next_steps(steps: &[f64]) -> Vec<f64> {
-    match steps {
-        [.., previous, last] => vec![last * last / previous],
-        [only] => vec![only / 2.0, only / 4.0],
-        [] => Vec::new(),
-    }
-}
-
-pub(super) fn run(name: &str, steps: &[f64]) -> String {
-    let each: Vec<String> = steps.iter().map(|step| format!("{name} = {}", plain(*step))).collect();
-    match each.is_empty() {
-        true => format!("run three values of {name}"),
-        false => format!("run {}", each.join(" and ")),
-    }
-}
-
 // One direction of an error table.
 
 /// A line of the table, and its result.
@@ -185,7 +159,7 @@ pub(super) fn line_part(
         return None;
     }
     let measured = group.line(direction);
-    let read = LineReading::of(&measured, direction, asked.noise, asked.claim.log);
+    let read = LineReading::of(&measured, direction, &asked.known());
     let points = measured.into_iter().map(|(point, _)| point).collect();
     let line = Line { direction, points, outside, read, asked };
     let answer = asked.order(direction).map(|order| {
@@ -200,18 +174,20 @@ pub(super) fn line_part(
 
 impl Line<'_> {
     fn answer(&self, order: f64) -> Answer {
-        let name = self.direction.name();
-        let next = |samples: &[Sample]| {
-            next_steps(&samples.iter().map(|sample| sample.step).collect::<Vec<f64>>())
+        let further = |samples: &[Sample]| {
+            let serving: Vec<f64> = samples.iter().map(|sample| sample.step).collect();
+            let lost = self.points.iter().filter(|point| screen(point).is_err());
+            let lost: Vec<f64> = lost.map(|point| self.direction.step(point)).collect();
+            Further::after(self.direction.name(), &serving, &lost, self.asked.reference)
         };
         match &self.read {
             Ok(LineReading { samples, posterior }) => {
-                self.asked.answer(posterior, order, (name, next(samples)))
+                self.asked.answer(posterior, order, further(samples))
             }
             Err(error @ FitError::TooFew { .. }) => {
-                let next = next(&samples(&self.points, self.direction).unwrap_or_default());
-                let help = run(name, &next);
-                Answer { next, ..Answer::open(format!("{error}{}: {help}", self.below_floor())) }
+                let samples = samples(&self.points, self.direction).unwrap_or_default();
+                let Further { steps: next, text } = further(&samples);
+                Answer { next, ..Answer::open(format!("{error}{}: {text}", self.below_floor())) }
             }
             Err(error) => Answer::open(format!("{error}{}", self.below_floor())),
         }
@@ -296,6 +272,7 @@ impl Line<'_> {
             "coarse_left_out": posterior.map(|fitted| fitted.coarse_left_out),
             "floor_from": posterior.and_then(|fitted| fitted.floor_from),
             "log": self.asked.claim.log,
+            "reference": self.asked.reference,
             "constant": constant.map(|(value, _)| value),
             "constant_interval": constant.map(|(_, interval)| interval),
             "predicted": self.asked.order(self.direction),
@@ -311,7 +288,7 @@ impl Line<'_> {
 /// The order in h along the path, min(p, s q), and what it implies for p and q.
 pub(super) fn path_part(group: &Group, path: RefinementPath, asked: Asked) -> Part {
     let measured = group.measurements();
-    let read = LineReading::of(&measured, Direction::Space, asked.noise, asked.claim.log);
+    let read = LineReading::of(&measured, Direction::Space, &asked.known());
     let order = along(path, asked);
     let answer = order.map(|order| {
         gap_verdict(group).unwrap_or_else(|| match &read {
@@ -362,7 +339,8 @@ fn along(path: RefinementPath, asked: Asked) -> Option<f64> {
 
 fn decide(read: &LineReading, path: RefinementPath, asked: Asked, order: f64) -> Answer {
     let steps: Vec<f64> = read.samples.iter().map(|sample| sample.step).collect();
-    let answer = asked.answer(&read.posterior, order, ("h", next_steps(&steps)));
+    let answer =
+        asked.answer(&read.posterior, order, Further::after("h", &steps, &[], asked.reference));
     let (reason, helps) = (answer.reason.clone(), !answer.next.is_empty());
     let and = |words: &str| Answer { reason: format!("{reason}{words}"), ..answer };
     match (answer.decision, asked.p, asked.q) {
@@ -428,7 +406,8 @@ impl Joint {
         let mut steps: Vec<f64> = self.points.iter().map(|point| direction.step(point)).collect();
         steps.sort_by(|a, b| b.total_cmp(a));
         steps.dedup_by(|a, b| same_level(*a, *b));
-        asked.along(direction).answer(posterior, order, (direction.name(), next_steps(&steps)))
+        let further = Further::after(direction.name(), &steps, &[], asked.reference);
+        asked.along(direction).answer(posterior, order, further)
     }
 }
 
@@ -616,10 +595,10 @@ impl Findings {
 
     fn answer(&self, name: &str, asked: Asked, order: f64) -> Answer {
         let steps: Vec<f64> = self.samples.iter().map(|sample| sample.step).collect();
-        let next = next_steps(&steps);
+        let further = Further::after(name, &steps, &[], None);
         let open = |reason: String| Answer {
-            next: next.clone(),
-            ..Answer::open(format!("{reason}: {}", run(name, &next)))
+            next: further.steps.clone(),
+            ..Answer::open(format!("{reason}: {}", further.text))
         };
         match (self.last_three, &self.order) {
             (Some(Triple::Diverging { order }), _) => Answer::of(
@@ -630,7 +609,7 @@ impl Findings {
             (Some(Triple::Stationary), _) => {
                 Answer::open("the last two values are equal: run coarser ones")
             }
-            (_, Ok(posterior)) => asked.answer(posterior, order, (name, next)),
+            (_, Ok(posterior)) => asked.answer(posterior, order, further),
             (_, Err(FitError::TooFew { .. })) => {
                 let found = counted(self.samples.len(), "value");
                 open(format!("{found}, but the interval of an order needs 4 different ones"))

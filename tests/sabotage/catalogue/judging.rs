@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use judge::fit::{Claim, Direction, Level, Point, Posterior, infer, infer_grid};
+use judge::fit::{Claim, Direction, Known, Level, Point, Posterior, infer, infer_grid};
 use judge::record::CaseRecord;
 use judge::verdict::{Decision, JudgedPoint, Variable, Verdict};
 
@@ -90,7 +90,7 @@ fn again(mut verdict: Verdict, error: impl Fn(f64, f64) -> f64) -> Verdict {
         Level::new(step, error(step, used.point.error)).expect("an error")
     };
     let levels: Vec<Level> = verdict.points_used.iter().map(level).collect();
-    let posterior = infer(&levels, None, 0.0).expect("levels that served");
+    let posterior = infer(&levels, &Known::default()).expect("levels that served");
     verdict.observed = Some(posterior.order);
     verdict.interval = Some([posterior.interval.lo, posterior.interval.hi]);
     verdict.decision = ruled(&posterior, verdict.predicted, verdict.at_least);

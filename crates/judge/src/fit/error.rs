@@ -30,6 +30,11 @@ pub enum FitError {
     /// |log h| vanishes at a step of one and grows beyond.
     #[error("a factor |log h| needs steps below 1, and one is {step}")]
     NoLogarithm { step: f64 },
+    /// A reference that is not finer than all levels.
+    #[error(
+        "the reference has the step {step:?}, and the finest level {finest:?}: it has to be finer"
+    )]
+    Reference { step: f64, finest: f64 },
     #[error("the values oscillate: their differences change sign at the step {step:e}")]
     SignChange { step: f64 },
     /// The least-squares problem has no unique solution.

@@ -8,6 +8,7 @@ mod against_reference;
 mod decision;
 mod eca_hoekstra;
 mod error;
+mod further;
 mod grid_fit;
 mod identifiable;
 mod inference;
@@ -32,10 +33,11 @@ pub use against_reference::{AgainstReference, against_reference};
 pub use decision::Decision;
 pub use eca_hoekstra::{EcaHoekstra, Expansion, ExpansionFit, eca_hoekstra};
 pub use error::{FitError, power_of_log};
+pub use further::{Further, plain};
 pub use identifiable::NotIdentifiable;
 pub use inference::{
-    Claim, ClaimError, FEWEST, GridPosterior, LineReading, Posterior, Ruling, TOLERANCE, infer,
-    infer_grid, order,
+    Claim, ClaimError, FEWEST, GridPosterior, Known, LineReading, Posterior, Ruling, TOLERANCE,
+    infer, infer_grid, order,
 };
 pub use interval::Interval;
 pub use joint::{JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};

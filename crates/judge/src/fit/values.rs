@@ -4,7 +4,7 @@
 //! Divided by (1 − r^{−p})/p that is an error of order p at h. For differing ratios the factor depends on the order,
 //! which is iterated.
 
-use super::inference::{FEWEST, Posterior, infer};
+use super::inference::{FEWEST, Known, Posterior, infer};
 use super::{FitError, LARGEST_SIGMA, Level, LevelError, ValueSample, deviation};
 
 /// Differences below so many units in the last place are rounding.
@@ -48,7 +48,7 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
         let pairs = samples.windows(2).zip(&differences);
         let levels = pairs.map(|pair| level(pair, order));
         let levels = levels.collect::<Result<Vec<Level>, LevelError>>()?;
-        let posterior = infer(&levels, None, 0.0)?;
+        let posterior = infer(&levels, &Known::EXACT)?;
         passes += 1;
         if passes == PASSES || (posterior.order - order).abs() < SETTLED || regular(samples) {
             return Ok(posterior);

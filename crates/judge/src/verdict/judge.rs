@@ -8,13 +8,14 @@ use super::next::{Next, next_case};
 use super::ruling::{claim, helped, with_help};
 use super::selection::{Cases, Selection};
 use super::{
-    ConstantClaim, Decision, FittedConstant, Foreseen, LeadingLine, Prediction, Variable, Verdict,
+    ConstantClaim, Decision, FittedConstant, FloorSource, Foreseen, LeadingLine, Prediction,
+    Variable, Verdict,
 };
 use crate::fit::{
-    Direction, Exclusion, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE,
+    Direction, Exclusion, Known, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE,
     constant_under, joint_fits, screen, zeros_in_words,
 };
-use crate::record::{CaseRecord, Key};
+use crate::record::{CaseRecord, Key, V_TIME_MAX};
 
 /// Judges a prediction for a scene. Every expected case has to be there, converged and with a finite error; else the
 /// verdict is `fail` and names the gaps.
@@ -136,7 +137,9 @@ fn judge_line(
 ) -> Verdict {
     let next = next_case(selection, direction, prediction);
     let points: Vec<_> = selection.points().into_iter().map(|point| (point, None)).collect();
-    let LineReading { posterior, samples } = match LineReading::of(&points, direction, None, 0.0) {
+    let reference = reference_step(selection, prediction, direction);
+    let read = LineReading::of(&points, direction, &Known { reference, ..Known::default() });
+    let LineReading { posterior, samples } = match read {
         Ok(read) => read,
         Err(error) => {
             let zero = |point: &Point| screen(point) == Err(Exclusion::Zero);
@@ -166,6 +169,29 @@ fn judge_line(
         complete: !ruling.unexplained,
         next: if helped { next.cases } else { Vec::new() },
         ..open
+    }
+}
+
+/// The step of the reference run, with meshes that are finer by their n; 0 where the solution is known.
+fn reference_step(
+    selection: &Selection,
+    prediction: &Prediction,
+    direction: Direction,
+) -> Option<f64> {
+    match (prediction.floor, prediction.reference, selection.used.last()) {
+        // Each level has a run of its own, in the same ratio of steps.
+        _ if prediction.norm == V_TIME_MAX => Some(0.0),
+        (FloorSource::Reference, Some(run), Some(used)) => {
+            let [cells, finer] = [used.place, run].map(|at| match direction {
+                Direction::Space => at.n.unwrap_or(1),
+                Direction::Time => at.steps,
+            });
+            // What is not refined beyond the cases says nothing of this direction.
+            let step = direction.step(&used.point) * f64::from(cells) / f64::from(finer);
+            Some(step).filter(|_| finer > cells)
+        }
+        (FloorSource::Reference | FloorSource::Unknown, ..) => None,
+        _ => Some(0.0),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::MeshAndSteps;
 use crate::fit::Direction;
 
 /// What is refined.
@@ -95,6 +96,8 @@ pub struct Prediction {
     pub window_steps: Option<[u32; 2]>,
     /// What the floor of an error comes from, for advice.
     pub floor: FloorSource,
+    /// Mesh and steps of the run that errors are measured against.
+    pub reference: Option<MeshAndSteps>,
     /// A constant that is still drifting leaves the prediction open.
     pub constant_owed: bool,
     /// The solution is unique; otherwise a run may have followed another one.
@@ -117,6 +120,7 @@ impl Prediction {
             window_n: None,
             window_steps: None,
             floor: FloorSource::Unknown,
+            reference: None,
             constant_owed: false,
             unique: true,
         }

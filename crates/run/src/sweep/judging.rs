@@ -4,7 +4,7 @@ use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors};
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{
-    self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, Verdict,
+    self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, MeshAndSteps, Verdict,
 };
 use scene::setup::Subject;
 use scene::{Data, Direction, Hypothesis, LoadForm, Prediction, Scene, Time, TimeGrid};
@@ -187,6 +187,11 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
         window_n: written.window_n.or(scene.window_n),
         window_steps: written.window_steps.or(scene.window_steps),
         floor: floor_source(scene),
+        reference: scene
+            .sweep
+            .as_ref()
+            .and_then(|sweep| sweep.reference)
+            .map(|run| MeshAndSteps { n: Some(run.n), steps: run.steps }),
         constant_owed: written.constant_within.is_some(),
         unique: ![Hypothesis::Smallness, Hypothesis::StepSize]
             .iter()

@@ -5,18 +5,28 @@ use crate::fit::{Decision, FitError, power_of_log};
 
 /// Default distance of an order from the claim.
 pub const TOLERANCE: f64 = 0.15;
-/// Upper bound of the tolerance, as a share of the order.
+/// Bounds of the tolerance as shares of the order: no larger, and for high orders no smaller unless a smaller one is asked.
 const SHARE: f64 = 0.4;
-/// A miss by less than this is no refutation.
-const CLEAR_MISS: f64 = 0.05;
+const SHARE_OF_HIGH: f64 = 0.05;
+/// A miss is refuted from where the tolerance leaves a tenth: at 0.05 from the claim of ordinary ones; from a third on of
+/// smaller ones.
+const LEFT_TO_MISS: f64 = 0.10;
 const REFUTED: f64 = 0.975;
 /// Probability of a hit that confirms; lower with three levels, whose slopes have to agree instead.
 const CONFIRMED: f64 = 0.80;
 const CONFIRMED_BY_THREE: f64 = 0.70;
+/// The same where the slope of a straight line is within this share of the tolerance, and the slopes scatter about it.
+const CONFIRMED_BY_LINE: f64 = 0.60;
+const NEAR_LINE: f64 = 2.0 / 3.0;
 /// Above this, a hit counts if the median is within half the tolerance of the claim.
 const CERTAIN: f64 = 0.95;
 /// Allowed difference of the two slopes of three levels, as a share of the order.
 const AGREEMENT: f64 = 0.15;
+/// How far, in tolerances, the order of the differences of three errors may lie below the claim: less than a quarter of an
+/// order by the default.
+const DIFFERENCES: f64 = 1.6;
+/// Slopes that rise by this factor are not those of a power.
+const STEEP: f64 = 1.5;
 /// Below the first probability a floor is ignored; above the second it is the likelier reading.
 const FLOOR: [f64; 2] = [0.05, 0.5];
 
@@ -68,12 +78,19 @@ impl Claim {
         Ok(self)
     }
 
-    /// The tolerance, reduced for small orders: 0.15 cannot tell 0.5 from 0.35.
+    /// The tolerance, reduced for small orders: 0.15 cannot tell 0.5 from 0.35; raised for high ones.
     fn reach(&self) -> f64 {
+        let high = if self.tolerance < TOLERANCE { 0.0 } else { SHARE_OF_HIGH * self.order };
         match self.order > 0.0 {
-            true => self.tolerance.min(SHARE * self.order),
+            true => self.tolerance.max(high).min(SHARE * self.order),
             false => self.tolerance,
         }
+    }
+
+    /// A miss by less than this is no refutation.
+    fn clear_miss(&self) -> f64 {
+        let reach = self.reach();
+        (reach / 3.0).max(reach - LEFT_TO_MISS)
     }
 }
 
@@ -86,7 +103,7 @@ pub struct Ruling {
     pub probability: f64,
     /// The order is settled above the claim.
     pub too_high: bool,
-    /// A level left out is not explained by the others, as the reason says: finer levels would not help.
+    /// A level left out is not explained by the others, or all are rounding, as the reason says: finer levels would not help.
     pub unexplained: bool,
 }
 
@@ -101,48 +118,78 @@ enum Answer {
 impl Posterior {
     /// Judges a claim; unresolved where the data do not decide.
     pub fn decide(&self, claim: &Claim) -> Ruling {
-        let answer = self.answer(claim);
+        let (answer, mixture) = self.answer(claim);
+        let doubts = &self.doubts;
+        let doubt = match answer {
+            Answer::Confirmed if claim.order > 0.0 => {
+                doubts.always.as_ref().or(doubts.passing.as_ref())
+            }
+            Answer::Confirmed | Answer::Open => doubts.always.as_ref(),
+            Answer::TooLow | Answer::TooHigh => doubts.always.as_ref().or(doubts.failing.as_ref()),
+        };
         let decision = match answer {
+            _ if doubt.is_some() => Decision::Unresolved,
             Answer::Confirmed if self.unexplained.is_some() => Decision::Unresolved,
             Answer::Confirmed => Decision::Pass,
             Answer::TooLow => Decision::Fail,
             Answer::TooHigh if claim.exact => Decision::Fail,
             Answer::TooHigh | Answer::Open => Decision::Unresolved,
         };
-        let probability = probability(&self.all, claim);
+        let probability = probability(mixture, claim);
         let mut reason = self.reason(claim, answer, probability);
+        if let Some(why) = doubt {
+            reason = format!("{reason}; but {why}");
+        }
         if let Some(why) = &self.unexplained {
             reason = format!("{reason}; but {why}: run it again, or state its floor");
         }
-        let (too_high, unexplained) = (answer == Answer::TooHigh, self.unexplained.is_some());
+        let too_high = answer == Answer::TooHigh;
+        let unexplained = self.unexplained.is_some() || doubts.nothing_but_rounding;
         Ruling { decision, reason, probability, too_high, unexplained }
     }
 
-    /// The answer over all readings; open if those with and without a floor disagree.
-    fn answer(&self, claim: &Claim) -> Answer {
+    /// The answer over all readings, with those that gave it; open if those with and without a floor disagree.
+    fn answer(&self, claim: &Claim) -> (Answer, &Mixture) {
         let of = |mixture: &Mixture| self.answer_of(mixture, claim);
         if self.floor < FLOOR[0] {
-            return of(&self.all);
+            return (of(&self.all), &self.all);
         }
         let (sound, floored) = (of(&self.sound), of(&self.floored));
         match sound {
-            _ if sound == floored => sound,
-            Answer::Confirmed if self.floor < FLOOR[1] => sound,
-            _ => Answer::Open,
+            _ if sound == floored => (sound, &self.all),
+            // Together they confirm, and the floor is the less likely one.
+            _ if self.floor < FLOOR[1]
+                && (floored == Answer::Confirmed
+                    || floored == Answer::Open && sound != Answer::TooLow)
+                && of(&self.all) == Answer::Confirmed =>
+            {
+                (Answer::Confirmed, &self.all)
+            }
+            Answer::Confirmed if self.floor < FLOOR[1] => (sound, &self.sound),
+            // The floor is rounding.
+            _ if self.floor > FLOOR[1]
+                && self.doubts.failing.is_some()
+                && floored == Answer::Confirmed =>
+            {
+                (floored, &self.floored)
+            }
+            _ => (Answer::Open, &self.all),
         }
     }
 
     fn answer_of(&self, mixture: &Mixture, claim: &Claim) -> Answer {
         let agree = self.two_slopes_agree(claim);
         let probability = probability(mixture, claim);
-        let too_low = mixture.below(claim.order - CLEAR_MISS);
+        let too_low = mixture.below(claim.order - claim.clear_miss());
         let centred = mixture.below(claim.order - 0.5 * claim.reach()) < 0.5;
-        let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
-        if too_low > REFUTED && !self.rises_to(claim.order) {
+        let too_high = 1.0 - mixture.below(claim.order + claim.clear_miss());
+        let hidden = self.before_floor.is_some_and(|slope| slope >= claim.order - claim.reach())
+            || self.may_end_in_a_floor(claim);
+        if too_low > REFUTED && !self.rises_to(claim.order) && !hidden {
             Answer::TooLow
-        } else if probability > self.needed()
-            && (too_low < 0.5 || (probability > CERTAIN && centred))
-            && (agree || claim.at_least)
+        } else if probability > self.needed(claim)
+            && (too_low < 0.5 || centred && (probability > CERTAIN || self.scatters_about(claim)))
+            && (agree && self.holds_against_a_reference(claim) || claim.at_least)
         {
             Answer::Confirmed
         } else if too_high > REFUTED {
@@ -152,9 +199,20 @@ impl Posterior {
         }
     }
 
-    /// Three levels give two slopes, a grid none.
-    fn needed(&self) -> f64 {
-        if self.slopes.len() < FEWEST { CONFIRMED_BY_THREE } else { CONFIRMED }
+    /// Three levels give two slopes, a grid none. Where slopes scatter about the claim as by noise, the straight line is asked.
+    fn needed(&self, claim: &Claim) -> f64 {
+        match self.slopes.len() {
+            _ if self.scatters_about(claim) => CONFIRMED_BY_LINE,
+            slopes if slopes < FEWEST => CONFIRMED_BY_THREE,
+            _ => CONFIRMED,
+        }
+    }
+
+    /// Four and more slopes are all near the claim, or scatter about a line that is.
+    fn scatters_about(&self, claim: &Claim) -> bool {
+        let near = |slope: f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
+        let few = self.slopes.len() < FEWEST || self.told_noise;
+        self.scattered.is_some_and(near) || !few && self.slopes.iter().all(|slope| near(*slope))
     }
 
     /// Whether the slopes of three levels agree; more levels need no such check.
@@ -165,11 +223,38 @@ impl Posterior {
         }
     }
 
-    /// Whether the slopes of three levels may still reach `order`. If the gap halves at each level, the remainder
-    /// equals the last change; twice that is allowed.
+    /// Few slopes that fall from the order on may be those of a floor that scatters.
+    fn may_end_in_a_floor(&self, claim: &Claim) -> bool {
+        let (Some(first), Some(last)) = (self.slopes.first(), self.slopes.last()) else {
+            return false;
+        };
+        let falls = self.slopes.iter().all(|slope| slope >= last);
+        self.slopes.len() <= FEWEST + 1
+            && falls
+            && *first >= claim.order - claim.reach()
+            && first - last > TOLERANCE
+    }
+
+    /// Two slopes that rise may be those of errors against a finer run, whose order is that of their differences.
+    fn holds_against_a_reference(&self, claim: &Claim) -> bool {
+        match (&self.slopes[..], self.of_differences) {
+            ([first, last], Some(order)) if last > first && self.may_have_a_reference => {
+                order >= claim.order - DIFFERENCES * claim.reach().min(TOLERANCE)
+            }
+            _ => true,
+        }
+    }
+
+    /// Whether the slopes may still reach `order`. If the gap halves at each level, the remainder equals the last change;
+    /// twice that is allowed, and anything where the slope rises by more than half. Of three levels whose slopes fall, a
+    /// floor leaves the order of their differences.
     fn rises_to(&self, order: f64) -> bool {
-        let [first, last] = self.slopes[..] else { return false };
-        last > first && last + 2.0 * (last - first) >= order
+        let [.., first, last] = self.slopes[..] else { return false };
+        if last > first {
+            last + 2.0 * (last - first) >= order || last > STEEP * first
+        } else {
+            self.slopes.len() < FEWEST && self.of_differences.is_some_and(|found| found >= order)
+        }
     }
 
     fn reason(&self, claim: &Claim, answer: Answer, probability: f64) -> String {
@@ -205,7 +290,7 @@ impl Posterior {
             false => format!("within {:.2} of {order}", claim.reach()),
         };
         let likely = format!("{likely} with probability {}", percent(probability));
-        if probability <= self.needed() {
+        if probability <= self.needed(claim) {
             format!("{likely} only")
         } else if let ([first, last], false) = (&self.slopes[..], self.two_slopes_agree(claim)) {
             format!(
@@ -214,7 +299,7 @@ impl Posterior {
         } else if self.floor >= FLOOR[0] {
             format!("{likely}, but with a floor below the finest errors it may be another")
         } else {
-            format!("{likely}, but likelier below {:.2} than above", order - CLEAR_MISS)
+            format!("{likely}, but likelier below {:.2} than above", order - claim.clear_miss())
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Mixtures of normal distributions of an order.
 
 use std::collections::BTreeMap;
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use statrs::function::erf::erfc;
+use statrs::function::erf::{erfc, erfc_inv};
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
@@ -11,8 +11,10 @@ pub(super) struct Part {
     pub(super) weight: f64,
     pub(super) mean: f64,
     pub(super) deviation: f64,
-    /// It has a floor, or drops fine levels.
+    /// It has a floor or an unstated reference, or drops fine levels.
     pub(super) floored: bool,
+    /// It stands at an end of a list of the prior.
+    pub(super) outside: bool,
     pub(super) coarse: usize,
 }
 
@@ -24,18 +26,25 @@ pub(super) struct Mixture {
     parts: Vec<[f64; 3]>,
 }
 
-/// Parts with deviations within this ratio and means within this share of a deviation merge: no probability changes by
-/// 2e-3.
-const RATIO: f64 = 1.3;
-const SHARE: f64 = 0.2;
+/// Parts with deviations within this ratio and means within this share of a deviation become one of the same mean and
+/// variance: no probability changes by 1e-3.
+const RATIO: f64 = 1.5;
+const SHARE: f64 = 0.4;
+/// What rounding leaves of a variance.
+const LEAST_VARIANCE: f64 = 1e-14;
+/// Means closer than a fifth of what is printed are one.
+const LEAST_WIDTH: f64 = 0.002;
+
+/// The least parts are dropped, as long as they hold no more together.
+const NEGLIGIBLE: f64 = 3e-4;
 
 /// Accuracy of quantiles: a tenth of what is printed.
 const QUANTILE: f64 = 1e-5;
 
 /// Cell of a part by its deviation, and by its mean in units of the cell width.
 fn cell(part: &Part) -> [i32; 2] {
-    let size = (part.deviation.ln() / RATIO.ln()).floor() as i32;
-    [size, (part.mean / (SHARE * RATIO.powi(size))).floor() as i32]
+    let size = (part.deviation.max(LEAST_WIDTH).ln() / RATIO.ln()).floor() as i32;
+    [size, (part.mean / (SHARE * RATIO.powi(size)).max(LEAST_WIDTH)).floor() as i32]
 }
 
 impl Mixture {
@@ -48,9 +57,22 @@ impl Mixture {
             let sums = cells.entry(cell(part)).or_default();
             sums[0] += part.weight;
             sums[1] += part.weight * part.mean;
-            sums[2] += part.weight * part.deviation;
+            sums[2] += part.weight * (part.mean * part.mean + part.deviation * part.deviation);
         }
-        let parts = cells.into_values().map(|[w, m, d]| [w / weight, m / w, d / w]).collect();
+        let moments = |[weight, first, second]: [f64; 3]| {
+            let mean = first / weight;
+            [weight, mean, (second / weight - mean * mean).max(LEAST_VARIANCE).sqrt()]
+        };
+        let mut parts: Vec<[f64; 3]> = cells.into_values().map(moments).collect();
+        parts.sort_by(|a, b| b[0].total_cmp(&a[0]));
+        let mut left = weight;
+        while let Some([least, ..]) =
+            parts.last().filter(|[w, ..]| left - w > (1.0 - NEGLIGIBLE) * weight)
+        {
+            left -= least;
+            parts.pop();
+        }
+        parts.iter_mut().for_each(|part| part[0] /= left);
         Self { weight, parts }
     }
 
@@ -77,6 +99,10 @@ impl Mixture {
     fn at(&self, p: f64) -> [f64; 2] {
         self.parts.iter().fold([0.0; 2], |[below, density], [share, mean, deviation]| {
             let t = (p - mean) / deviation;
+            // Beyond, less than 1e-9 is left.
+            if t.abs() > 6.0 {
+                return [below + if t > 0.0 { *share } else { 0.0 }, density];
+            }
             let here = (-0.5 * t * t).exp() / (std::f64::consts::TAU.sqrt() * deviation);
             [below + share * 0.5 * erfc(-t * FRAC_1_SQRT_2), density + share * here]
         })
@@ -86,7 +112,12 @@ impl Mixture {
         let reach = |sign: f64| self.parts.iter().map(move |[_, m, d]| m + sign * 8.0 * d);
         let mut lo = reach(-1.0).fold(f64::INFINITY, f64::min);
         let mut hi = reach(1.0).fold(f64::NEG_INFINITY, f64::max);
-        let mut p = 0.5 * (lo + hi);
+        // From the same quantile of a normal distribution of this mean and variance.
+        let mean: f64 = self.parts.iter().map(|[w, m, _]| w * m).sum();
+        let variance: f64 =
+            self.parts.iter().map(|[w, m, d]| w * ((m - mean).powi(2) + d * d)).sum();
+        let normal = -SQRT_2 * erfc_inv(2.0 * probability);
+        let mut p = (mean + normal * variance.sqrt()).clamp(lo, hi);
         // Newton's steps if they stay in the bracket and halve it, else bisection.
         let mut last = hi - lo;
         while hi - lo > QUANTILE {
@@ -114,7 +145,7 @@ mod tests {
     use super::*;
 
     fn part(weight: f64, mean: f64, deviation: f64) -> Part {
-        Part { weight, mean, deviation, floored: mean > 1.5, coarse: 0 }
+        Part { weight, mean, deviation, floored: mean > 1.5, outside: false, coarse: 0 }
     }
 
     #[test]

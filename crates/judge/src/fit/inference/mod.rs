@@ -5,6 +5,8 @@
 //! levels are dropped only where the slopes break downwards, as into a floor. Each reading gives a normal distribution
 //! of p in closed form ([`evidence`]); the posterior is their mixture. Deterministic: equal tables have equal answers.
 
+use std::cell::Cell;
+
 mod claim;
 mod evidence;
 mod grid;
@@ -13,9 +15,9 @@ mod next_term;
 
 use super::level::{deviation, unexplained};
 use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
-use evidence::{Base, Noise};
+use evidence::{Base, Gram, Noise, Row};
 use mixture::{Mixture, Part};
-use next_term::{Family, NODES};
+use next_term::{Family, Node, runs};
 
 #[cfg(test)]
 mod tests;
@@ -26,19 +28,54 @@ pub use grid::{GridPosterior, infer_grid};
 /// An order needs so many levels.
 pub const FEWEST: usize = 3;
 /// Noise of log e if unknown, with weights.
-const NOISE: [(f64, f64); 6] =
-    [(0.0005, 0.25), (0.001, 0.25), (0.003, 0.25), (0.01, 0.2), (0.03, 0.04), (0.1, 0.01)];
+const NOISE: [(f64, f64); 7] = [
+    (0.0005, 0.25),
+    (0.001, 0.25),
+    (0.003, 0.25),
+    (0.01, 0.18),
+    (0.03, 0.05),
+    (0.1, 0.02),
+    (LARGEST_NOISE, 0.004),
+];
 const LEAST_NOISE: f64 = 0.0005;
+const LARGEST_NOISE: f64 = 0.3;
 /// Prior of dropping so many coarse levels; halved for each further one.
 const COARSE: [f64; 6] = [0.6, 0.2, 0.1, 0.05, 0.03, 0.02];
-/// Prior of dropping so many fine levels.
+/// Prior of dropping so many fine levels; the last for any more.
 const FINE: [f64; 4] = [1.0, 0.03, 0.015, 0.008];
+/// Slopes below this share of those before are a floor that scatters, not a slower term.
+const FLAT: f64 = 0.35;
+/// Readings of the fine end drop at most so many coarse levels.
+const COARSE_OF_FINE: usize = 2;
 /// Density per unit of log e of a dropped level.
 const LEFT: f64 = 1.0 / 3.0;
 /// A reading with a floor needs more levels than an order has parameters.
 const FLOOR_LEVELS: usize = 4;
-/// Readings below exp(-16) of the likeliest are dropped.
-const LEAST: f64 = 16.0;
+/// Readings below exp(-12) of the likeliest are dropped.
+const LEAST: f64 = 12.0;
+/// Of a long list of sizes every fourth is looked at first; those between two that are below exp(-16) of the likeliest at
+/// this noise are not: a step between the sizes changes log e by about as much.
+const STRIDE: usize = 4;
+const LONG_RUN: usize = 16;
+const LOOK: f64 = 0.03;
+const OUT_OF_REACH: f64 = 16.0;
+/// A floor or a reference is read about orders that are beyond the slopes, or so near: three deviations of what it is read
+/// about, and noise.
+const NEAR_SLOPE: f64 = 0.6;
+/// Rounding, as a share of the largest error, and of numbers of size one.
+const ROUNDING: f64 = 1e-15;
+const ROUNDING_OF_ONE: std::ops::RangeInclusive<f64> = 1e-18..=1e-14;
+/// An order found against a reference is put into the error of the reference, so often at most, until it changes by less
+/// than a tenth of what is printed.
+const PASSES: usize = 6;
+const SETTLED: f64 = 1e-3;
+/// No order is known better: what the readings leave out, on tables without noise.
+const CLOSEST: f64 = 0.003;
+/// Orders this close are one.
+const SAME: f64 = 0.02;
+/// Of a lower order the reference takes nearly all; beyond the higher one nothing.
+const LEAST_ORDER: f64 = 0.1;
+const LARGEST_ORDER: f64 = 20.0;
 /// Levels of a long table beyond which the coarsest are dropped at once.
 const LONGEST: usize = 12;
 
@@ -61,6 +98,17 @@ pub struct Posterior {
     floor: f64,
     /// A level left out that the others do not explain, in words: nothing is confirmed then.
     unexplained: Option<String>,
+    doubts: Doubts,
+    /// Order of the differences of the last three errors, which no constant changes.
+    of_differences: Option<f64>,
+    /// Slope of the straight line, where the slopes go up and down about it as by noise.
+    scattered: Option<f64>,
+    /// The noise is told.
+    told_noise: bool,
+    /// The largest slope before the finest levels that a floor may hold.
+    before_floor: Option<f64>,
+    /// Nobody has said that the errors are those against an exact solution, or against which run.
+    may_have_a_reference: bool,
 }
 
 /// The levels of a line that serve, and what they say of the order.
@@ -76,8 +124,7 @@ impl LineReading {
     pub fn of(
         measured: &[(Point, Option<f64>)],
         direction: Direction,
-        noise: Option<f64>,
-        log: f64,
+        known: &Known,
     ) -> Result<Self, FitError> {
         let there = measured.iter().filter(|(point, _)| !direction.step(point).is_nan());
         let levels = there.map(|(point, sigma)| {
@@ -85,31 +132,65 @@ impl LineReading {
             let sigma = sigma.filter(|_| screen(point).is_ok());
             Level::of(point, direction, sigma)
         });
-        let posterior = infer(&levels.collect::<Result<Vec<_>, _>>()?, noise, log)?;
+        let levels = levels.collect::<Result<Vec<_>, _>>()?;
+        let posterior = infer(&levels, known)?;
         let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
         Ok(Self { samples: samples(&points, direction)?, posterior })
     }
 }
 
+/// What is known of the errors of a table besides their sizes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Known {
+    /// Relative standard deviation of the errors.
+    pub noise: Option<f64>,
+    /// Power M of a factor |log h|^M.
+    pub log: f64,
+    /// Step h_r of the run that the errors are measured against: e = C (h^p − h_r^p), or the same of squares where errors
+    /// are orthogonal. 0 stands for an exact solution, none for a table that does not say.
+    pub reference: Option<f64>,
+}
+
+impl Known {
+    /// Errors against an exact solution.
+    pub const EXACT: Self = Self { noise: None, log: 0.0, reference: Some(0.0) };
+}
+
 /// Order of a table of steps h and errors e.
 pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
     let levels = table.iter().map(|&(h, error)| Level::new(h, error));
-    infer(&levels.collect::<Result<Vec<_>, _>>()?, None, 0.0)
+    infer(&levels.collect::<Result<Vec<_>, _>>()?, &Known::default())
 }
 
 /// Posterior of the order. Levels in any order, each once; levels near their floors, and errors of exactly 0, are left
-/// out, and confirm nothing if the others do not explain them. `noise`: relative standard deviation of the errors, if
-/// known; `log`: power M of a factor |log h|^M.
+/// out, and confirm nothing if the others do not explain them.
 ///
 /// # Errors
 /// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::Level`] for a noise that is none,
-/// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M.
-pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior, FitError> {
+/// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M, [`FitError::Reference`].
+pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
+    let Known { noise, log, reference } = *known;
     let (mut serving, left_out): (Vec<Level>, Vec<Level>) =
         levels.iter().partition(|level| level.screened().is_ok());
     serving.sort_by(|a, b| b.size().total_cmp(&a.size()));
     let table = Table::new(&serving, noise, log)?;
-    let parts = table.parts();
+    // The exponent of the likelier form of errors against a reference.
+    let mut likelier = 1.0;
+    let parts = match reference {
+        None => table.parts(),
+        Some(0.0) => Table { against_reference: true, ..table.clone() }.parts(),
+        Some(step) => {
+            let finest = table.sizes[table.sizes.len() - 1];
+            if !(super::level::is_step(step) && step < finest) {
+                return Err(FitError::Reference { step, finest });
+            }
+            let forms = [1.0, 2.0].map(|exponent| table.against(step, exponent));
+            let [linear, squares] = forms.each_ref().map(|parts| largest(parts));
+            likelier = if squares > linear { 2.0 } else { 1.0 };
+            forms.concat()
+        }
+    };
+    let parts = weighed(parts);
     let [sound, floored] =
         [false, true].map(|with_floor| Mixture::of(&parts, |part| part.floored == with_floor));
     let all = sound.union(&floored);
@@ -119,18 +200,91 @@ pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior
     let beyond = |coarse: &usize| leaving[*coarse..].iter().sum::<f64>() > 0.5 * all.weight;
     let coarse_left_out = (1..levels.len()).take_while(beyond).count();
     let interval = Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) };
+    let order = all.quantile(0.5);
+    let table = match reference {
+        Some(step) if step > 0.0 => table.without_reference(step, likelier, order),
+        _ => table,
+    };
+    let outside: f64 = parts.iter().filter(|part| part.outside).map(|part| part.weight).sum();
     Ok(Posterior {
-        order: all.quantile(0.5),
+        order,
         unexplained: unexplained(&left_out, &serving, interval, log),
         interval,
         coarse_left_out,
-        floor_from: (floor > 0.5).then(|| table.break_down()),
+        floor_from: (floor > 0.5 && (table.flat > 0 || table.flattens()))
+            .then(|| table.sizes[table.break_down()]),
         slopes: table.slopes(),
+        doubts: Doubts::of(&serving, outside > 0.5 * all.weight),
+        of_differences: of_differences(&serving),
+        before_floor: table.before_floor(),
+        scattered: table.scattered(),
+        told_noise: table.noise.len() == 1,
+        may_have_a_reference: reference.is_none(),
         all,
         sound,
         floored,
         floor,
     })
+}
+
+/// log of the ratio of the last two differences over that of the steps: exact for C h^p + F and equal ratios.
+fn of_differences(serving: &[Level]) -> Option<f64> {
+    let [.., a, b, c] = serving else { return None };
+    let ratio = (a.error() - b.error()) / (b.error() - c.error());
+    Some(ratio.ln() / (a.size() / b.size()).ln()).filter(|order| order.is_finite())
+}
+
+fn largest(parts: &[Part]) -> f64 {
+    parts.iter().map(|part| part.weight).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Parts with the weight of the likeliest 1, from logarithms.
+fn weighed(mut parts: Vec<Part>) -> Vec<Part> {
+    let largest = largest(&parts);
+    // Those dropped sum to less than a thousandth of the likeliest.
+    parts.retain(|part| part.weight > largest - LEAST);
+    parts.iter_mut().for_each(|part| part.weight = (part.weight - largest).exp());
+    parts
+}
+
+/// Why a table confirms or refutes nothing, whatever its readings say.
+#[derive(Debug, Clone, Default)]
+struct Doubts {
+    /// Against any answer.
+    always: Option<String>,
+    /// Against a pass of an order above zero.
+    passing: Option<String>,
+    /// Against a failure: the finest errors are rounding, which is a floor with a cause.
+    failing: Option<String>,
+    /// No error is more than rounding: no further level helps.
+    nothing_but_rounding: bool,
+}
+
+impl Doubts {
+    /// Of levels that serve, coarse to fine.
+    fn of(serving: &[Level], outside: bool) -> Self {
+        let [coarsest, finest] = [serving[0], serving[serving.len() - 1]].map(|l| l.error());
+        let largest = serving.iter().map(Level::error).fold(0.0, f64::max);
+        let rounding_of_one = |error: f64| ROUNDING_OF_ONE.contains(&error);
+        let nothing_but_rounding = serving.iter().all(|level| rounding_of_one(level.error()));
+        let always = if nothing_but_rounding {
+            Some("no error is above the rounding of numbers of size 1: state the floor".to_owned())
+        } else if outside {
+            Some("no reading that the judge knows fits these levels".to_owned())
+        } else {
+            None
+        };
+        let passing = (finest >= coarsest).then(|| {
+            format!("the finest error {finest:.1e} is not below the coarsest, {coarsest:.1e}")
+        });
+        let rounded = finest <= ROUNDING * largest || rounding_of_one(finest);
+        let failing = rounded.then(|| {
+            format!(
+                "the finest error {finest:.1e} is at the rounding of the numbers: state the floor"
+            )
+        });
+        Self { always, passing, failing, nothing_but_rounding }
+    }
 }
 
 impl Posterior {
@@ -154,11 +308,21 @@ impl Posterior {
     }
 }
 
+#[derive(Clone)]
 struct Table {
     sizes: Vec<f64>,
+    /// log h and log e, each less its mean.
     x: Vec<f64>,
     y: Vec<f64>,
     scales: Vec<f64>,
+    /// The step of the reference is known, and taken out.
+    against_reference: bool,
+    /// Log weight of the likeliest reading so far.
+    best: Cell<f64>,
+    /// The same at the noise of the first look.
+    seen: Cell<f64>,
+    /// Fine levels that look like a floor: those after the break of the slopes.
+    flat: usize,
     /// Noises relative to these scales, with weights.
     noise: Vec<(f64, f64)>,
 }
@@ -182,13 +346,91 @@ impl Table {
         // One noise for all levels (unknown or given), or one per level.
         let given = |level: &Level| level.sigma().or(noise).map(|sigma| sigma.max(LEAST_NOISE));
         let known: Option<Vec<f64>> = levels.iter().map(given).collect();
-        Ok(Self {
+        let centred = |values: Vec<f64>| -> Vec<f64> {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.into_iter().map(|value| value - mean).collect()
+        };
+        let table = Self {
             sizes: levels.iter().map(Level::size).collect(),
-            x: levels.iter().map(|level| level.size().ln()).collect(),
-            y: levels.iter().map(|level| level.error().ln() - factor(level.size())).collect(),
+            x: centred(levels.iter().map(|level| level.size().ln()).collect()),
+            y: centred(
+                levels.iter().map(|level| level.error().ln() - factor(level.size())).collect(),
+            ),
             noise: if known.is_some() { vec![(1.0, 1.0)] } else { NOISE.to_vec() },
             scales: known.unwrap_or_else(|| vec![1.0; levels.len()]),
-        })
+            against_reference: false,
+            best: Cell::new(f64::NEG_INFINITY),
+            seen: Cell::new(f64::NEG_INFINITY),
+            flat: 0,
+        };
+        let flat = levels.len() - 1 - table.break_down();
+        let flat = if flat > 0 && table.breaks(flat) { flat } else { 0 };
+        Ok(Self { flat, ..table })
+    }
+
+    /// Readings where e = C (h^(m p) − h_r^(m p))^(1/m). They are linear in p about an order: first about those of the finest
+    /// two levels and of all, then about the one that is found.
+    fn against(&self, reference: f64, exponent: f64) -> Vec<Part> {
+        let mut found: Vec<(f64, Vec<Part>)> = Vec::new();
+        let finest = self.sizes.len() - 1;
+        for coarser in [finest - 1, 0] {
+            let mut order = self.order_between([coarser, finest], reference, exponent);
+            let known = |found: &[(f64, Vec<Part>)], order: f64| {
+                found.iter().any(|(known, _)| (order - known).abs() < SAME)
+            };
+            let mut parts = Vec::new();
+            for _ in 0..PASSES {
+                if known(&found, order) {
+                    break;
+                }
+                parts = self.about(reference, exponent, order);
+                let median = Mixture::of(&weighed(parts.clone()), |_| true).quantile(0.5);
+                let change = median.max(LEAST_ORDER) - order;
+                order += change;
+                if change.abs() < SETTLED {
+                    break;
+                }
+            }
+            if !known(&found, order) {
+                found.push((order, parts));
+            }
+        }
+        found.into_iter().flat_map(|(_, parts)| parts).collect()
+    }
+
+    /// The order that explains two errors against the reference, by bisection: their ratio rises with it.
+    fn order_between(&self, [coarse, fine]: [usize; 2], reference: f64, exponent: f64) -> f64 {
+        let [a, b] = [coarse, fine].map(|i| self.sizes[i] / reference);
+        let ratio = exponent * (self.y[coarse] - self.y[fine]);
+        let [mut lo, mut hi] = [LEAST_ORDER, LARGEST_ORDER];
+        while hi - lo > SETTLED {
+            let order = 0.5 * (lo + hi);
+            let power = exponent * order;
+            let found = (a.powf(power) - 1.0).ln() - (b.powf(power) - 1.0).ln();
+            *(if found < ratio { &mut lo } else { &mut hi }) = order;
+        }
+        0.5 * (lo + hi)
+    }
+
+    fn about(&self, reference: f64, exponent: f64, order: f64) -> Vec<Part> {
+        let mut table = Self { against_reference: true, ..self.clone() };
+        for (i, size) in self.sizes.iter().enumerate() {
+            let log = exponent * (reference / size).ln();
+            let share = (order * log).exp();
+            let by_order = -share * log / (1.0 - share) / exponent;
+            table.x[i] += by_order;
+            table.y[i] -= (-share).ln_1p() / exponent - order * by_order;
+        }
+        table.parts()
+    }
+
+    /// Errors against an exact solution, of this order.
+    fn without_reference(mut self, reference: f64, exponent: f64, order: f64) -> Self {
+        for (y, size) in self.y.iter_mut().zip(&self.sizes) {
+            let share = (reference / size).powf(exponent * order.max(LEAST_ORDER));
+            *y -= (-share).ln_1p() / exponent;
+        }
+        self
     }
 
     fn slopes(&self) -> Vec<f64> {
@@ -206,68 +448,160 @@ impl Table {
         first < before && least < before - 0.25 * (0.8 * before).max(0.4)
     }
 
-    /// The step after which the slopes fall most: where a floor begins.
-    fn break_down(&self) -> f64 {
+    /// Slope of the straight line through four and more levels whose slopes neither rise nor fall throughout, by a noise
+    /// that nobody told.
+    fn scattered(&self) -> Option<f64> {
+        let changes: Vec<f64> = self.slopes().windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let up = changes.iter().filter(|change| **change > 0.0).count();
+        let products: f64 = self.x.iter().zip(&self.y).map(|(x, y)| x * y).sum();
+        let squares: f64 = self.x.iter().map(|x| x * x).sum();
+        let told = self.noise.len() == 1;
+        (!told && changes.len() > 1 && up > 0 && up < changes.len()).then_some(products / squares)
+    }
+
+    /// The last slope is below the one before: a floor, not a reference.
+    fn flattens(&self) -> bool {
+        matches!(self.slopes()[..], [.., before, last] if last < before)
+    }
+
+    /// The largest slope before a break beyond which there is one level, or the errors are nearly flat.
+    fn before_floor(&self) -> Option<f64> {
+        let (levels, flat) = (self.sizes.len(), self.flat);
+        let slopes = self.slopes();
+        let before = slopes[..slopes.len() - flat].iter().copied().fold(f64::NAN, f64::max);
+        let (from, to) = (levels - 1 - flat, levels - 1);
+        let after = (self.y[to] - self.y[from]) / (self.x[to] - self.x[from]);
+        (flat == 1 || flat > 1 && after < FLAT * before).then_some(before)
+    }
+
+    /// The level after which the slopes fall most: where a floor begins.
+    fn break_down(&self) -> usize {
         let slopes = self.slopes();
         let falls = slopes.windows(2).map(|pair| pair[1] - pair[0]).enumerate();
         let steepest = falls.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(at, _)| at);
-        self.sizes[steepest + 1]
+        steepest + 1
     }
 
+    /// Readings with log weights.
     fn parts(&self) -> Vec<Part> {
-        let levels = self.x.len();
+        let levels = self.sizes.len();
         let mut parts: Vec<Part> = Vec::new();
-        for (fine, prior) in FINE.iter().enumerate() {
-            if fine + FEWEST > levels || (fine > 0 && !self.breaks(fine)) {
+        for fine in 0..=levels - FEWEST {
+            // A long floor begins at the break or one level later.
+            let looked_at = fine < FINE.len() || fine == self.flat || fine + 1 == self.flat;
+            if fine > 0 && !(looked_at && self.breaks(fine)) {
                 continue;
             }
-            for coarse in 0..=levels - fine - FEWEST {
+            let most = if fine > 0 { COARSE_OF_FINE } else { levels };
+            for coarse in 0..=(levels - fine - FEWEST).min(most) {
                 let last = COARSE.len() - 1;
                 let halved = 0.5f64.powi(coarse.saturating_sub(last) as i32);
                 let left_out = (coarse + fine) as f64 * LEFT.ln();
-                let log_prior = (prior * COARSE[coarse.min(last)] * halved).ln() + left_out;
-                self.read(coarse, fine, log_prior, &mut parts);
+                let prior = FINE[fine.min(FINE.len() - 1)] * COARSE[coarse.min(last)] * halved;
+                self.read(coarse, fine, prior.ln() + left_out, &mut parts);
             }
         }
-        let largest = parts.iter().map(|part| part.weight).fold(f64::NEG_INFINITY, f64::max);
-        // Those dropped sum to less than a thousandth of the likeliest.
-        parts.retain(|part| part.weight > largest - LEAST);
-        parts.iter_mut().for_each(|part| part.weight = (part.weight - largest).exp());
         parts
     }
 
     /// Readings of the remaining levels, with log weights.
     fn read(&self, coarse: usize, fine: usize, log_prior: f64, parts: &mut Vec<Part>) {
-        let kept = coarse..self.x.len() - fine;
+        let kept = coarse..self.sizes.len() - fine;
         let (coarsest, finest) = (self.sizes[kept.start], self.sizes[kept.end - 1]);
-        let of = |values: &'_ [f64]| values[kept.clone()].to_vec();
-        let (observed, base) = Base::new(&of(&self.x), &of(&self.y), &of(&self.scales));
+        let base = Base::new(&self.scales[kept.clone()]);
         let noise = self.noise.iter().map(|(s, share)| base.noise(*s, log_prior + share.ln()));
         let noise: Vec<Noise> = noise.collect();
-        // Neighbouring nodes share their power, so powers are computed once for them.
-        let mut terms: Vec<[f64; 2]> = Vec::new();
-        let mut power = None;
-        for node in NODES.iter() {
-            let floored = node.family == Family::Floor;
-            if floored && (kept.len() < FLOOR_LEVELS || fine > 0) {
+        let long = kept.len() >= FLOOR_LEVELS;
+        let fine_end = long && fine == 0 && coarse <= COARSE_OF_FINE;
+        let anchors = match self.flat {
+            flat if flat > 0 && fine_end => vec![finest, self.sizes[self.sizes.len() - 1 - flat]],
+            _ => vec![finest],
+        };
+        // Nodes of one power differ in D alone, in which the evidence is smooth unless the sign changes: between two that are
+        // out of reach none is looked at.
+        let sizes = &self.sizes[kept.clone()];
+        let slopes = &self.slopes()[kept.start..kept.end - 1];
+        let flattest = slopes.iter().copied().fold(f64::INFINITY, f64::min);
+        let steepest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (anchor, run) in anchors.iter().flat_map(|at| runs().map(move |run| (*at, run))) {
+            let family = run[0].family;
+            let needs_more = family.at_the_fine_end() || family == Family::Slow;
+            let skipped = needs_more && !fine_end
+                // Of two slopes that noise has made equal nothing follows.
+                || run[0].straight() && !long
+                || family.is_reference() && self.against_reference
+                || anchor > finest && family != Family::Floor
+                // With a floor no slope is above the order, against a reference none below.
+                || family == Family::Floor && run[0].power < steepest - NEAR_SLOPE
+                || family.is_reference() && run[0].power > flattest + NEAR_SLOPE;
+            if skipped {
                 continue;
             }
-            if power != Some((node.family, node.power)) {
-                power = Some((node.family, node.power));
-                let sizes = self.sizes[kept.clone()].iter();
-                terms = sizes.map(|h| node.powers(h / coarsest, h / finest)).collect();
-            }
-            let nexts = terms.iter().map(|term| node.terms(*term));
-            let gram = base.gram(observed.iter().copied().zip(nexts));
-            for noise in &noise {
-                let component = base.component(&gram, noise, node.order());
-                parts.push(Part {
-                    weight: node.log_prior + component.log_evidence,
-                    mean: component.mean,
-                    deviation: component.deviation,
-                    floored: floored || fine > 0,
-                    coarse,
-                });
+            let terms: Vec<[f64; 3]> =
+                sizes.iter().map(|h| run[0].powers(h / coarsest, h / anchor)).collect();
+            let mut look = |node: &Node| {
+                // Coarse meshes leave or are read, not both.
+                if node.far() && (coarse > COARSE_OF_FINE || !long && node.size > 0.0) {
+                    return f64::NEG_INFINITY;
+                }
+                // A sign that changes beyond the finest level with no order left is a reference that is subtracted.
+                let beyond =
+                    family == Family::Bend && 1.0 + node.size * terms[terms.len() - 1][0] <= 0.0;
+                let row = |(i, term): (usize, &[f64; 3])| {
+                    let found = node.terms(*term);
+                    let scale = self.scales[i];
+                    Row {
+                        x: self.x[i] + found.by_order,
+                        y: self.y[i] - found.g + node.order()[0] * found.by_order,
+                        nuisances: found.nuisances,
+                        weight: 1.0 / (scale * scale),
+                    }
+                };
+                let gram = Gram::of(kept.clone().zip(&terms).map(row));
+                let (mut seen, mut largest) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+                // From the largest noise on, until the residuals are too large for the noise.
+                for noise in noise.iter().rev() {
+                    let component = gram.component(noise, node.order());
+                    let prior = match long && self.noise.len() > 1 {
+                        true => node.log_prior_at(noise.size),
+                        false => node.log_prior,
+                    };
+                    let weight = prior + component.log_evidence;
+                    let coarsely = noise.size >= LOOK || self.noise.len() == 1;
+                    if coarsely {
+                        seen = weight;
+                    }
+                    if beyond && component.mean < LEAST_ORDER {
+                        break;
+                    }
+                    if weight < self.best.get() - LEAST {
+                        if weight < largest && !coarsely {
+                            break;
+                        }
+                    } else {
+                        self.best.set(self.best.get().max(weight));
+                        parts.push(Part {
+                            weight,
+                            mean: component.mean,
+                            deviation: component.deviation().hypot(CLOSEST),
+                            floored: family == Family::Floor || family.is_reference() || fine > 0,
+                            outside: node.last
+                                || self.noise.len() > 1 && noise.size == LARGEST_NOISE,
+                            coarse,
+                        });
+                    }
+                    largest = largest.max(weight);
+                }
+                self.seen.set(self.seen.get().max(seen));
+                seen
+            };
+            let stride = if run.len() < LONG_RUN { 1 } else { STRIDE };
+            let looked: Vec<f64> = run.iter().step_by(stride).map(&mut look).collect();
+            for (at, node) in run.iter().enumerate().filter(|(at, _)| at % stride != 0) {
+                let mut near = looked[at / stride..].iter().take(2);
+                if node.size < -1.0 || near.any(|weight| *weight > self.seen.get() - OUT_OF_REACH) {
+                    look(node);
+                }
             }
         }
     }

@@ -7,9 +7,11 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::{Claim, ClaimError, Posterior, TOLERANCE, infer};
+use super::{Claim, ClaimError, Known, Posterior, TOLERANCE, infer};
 use crate::fit::{Decision, FitError, Level, LevelError, student_quantile};
 
+mod classes;
+mod invariances;
 mod stopping;
 
 fn level(size: f64, error: f64) -> Level {
@@ -137,10 +139,10 @@ fn judge(table: &[Level], order: f64) -> Decision {
 
 /// The posterior of a table, on which several claims are judged: inferred once.
 fn posterior_of(table: &[Level]) -> Rc<Posterior> {
-    type Known = HashMap<Vec<[u64; 2]>, Rc<Posterior>>;
-    thread_local!(static KNOWN: RefCell<Known> = RefCell::default());
+    type Cache = HashMap<Vec<[u64; 2]>, Rc<Posterior>>;
+    thread_local!(static KNOWN: RefCell<Cache> = RefCell::default());
     let numbers = |level: &Level| [level.size(), level.error()].map(f64::to_bits);
-    let new = || Rc::new(infer(table, None, 0.0).expect("a posterior"));
+    let new = || Rc::new(infer(table, &Known::default()).expect("a posterior"));
     let key = table.iter().map(numbers).collect();
     KNOWN.with_borrow_mut(|known| known.entry(key).or_insert_with(new).clone())
 }
@@ -197,7 +199,8 @@ const COARSE_START: &[Class] = &[Class::Plateau, Class::Superconvergent];
 fn demands() -> Vec<Demand> {
     let of = |classes, levels, offset, pass, fail| Demand { classes, levels, offset, pass, fail };
     let mut demands = vec![
-        of(&[Class::Smooth], 3..=3, 0.0, [75.0, 100.0], [0.0, 0.5]),
+        // Two slopes that rise may be those of errors against a finer run, unless the table says that they are not.
+        of(&[Class::Smooth], 3..=3, 0.0, [70.0, 100.0], [0.0, 0.5]),
         of(&[Class::Smooth], 4..=4, 0.0, [90.0, 100.0], [0.0, 0.5]),
         of(&[Class::Smooth], 5..=8, 0.0, [97.0, 100.0], [0.0, 0.5]),
         of(&[Class::Plateau], 8..=8, 0.0, [95.0, 100.0], [0.0, 4.0]),
@@ -246,15 +249,25 @@ fn levels_near_their_floors_leave() {
     };
     // 4^-3 is 16 floors; 20 are needed.
     let told: Vec<Level> = (0..6).map(near).collect();
-    let found = infer(&told, None, 0.0).expect("an order");
+    let found = infer(&told, &Known::default()).expect("an order");
     assert_eq!(found.slopes.len(), 2, "{:?}", found.slopes);
-    let too_few = infer(&told[1..], None, 0.0).expect_err("two levels");
+    let too_few = infer(&told[1..], &Known::default()).expect_err("two levels");
     assert_eq!(too_few, FitError::TooFew { found: 2, needed: 3 });
 }
 
 #[test]
 fn the_judge_meets_its_demands() {
     assert_eq!(unmet(judge, SEEDS).next(), None);
+}
+
+#[test]
+fn errors_against_an_exact_solution_need_no_reference() {
+    let told: Rule = |table, order| {
+        let posterior = infer(table, &Known::EXACT).expect("a posterior");
+        posterior.decide(&Claim::new(order).expect("a claim")).decision
+    };
+    let [pass, fail] = shares(told, (Class::Smooth, 3, 0.0), SEEDS);
+    assert!(pass >= 0.75 && fail <= 0.005, "{pass} {fail}");
 }
 
 /// A thousand fresh tables per class and number of levels.
@@ -335,7 +348,9 @@ fn time_a_table() {
 #[test]
 fn what_is_no_table_is_refused() {
     let [a, b, c] = [0.25, 0.125, 0.0625].map(|h| level(h, h));
-    let refused = |levels: &[Level], noise, log| infer(levels, noise, log).unwrap_err();
+    let refused = |levels: &[Level], noise, log| {
+        infer(levels, &Known { noise, log, reference: None }).unwrap_err()
+    };
     assert_eq!(refused(&[a, b], None, 0.0), FitError::TooFew { found: 2, needed: 3 });
     for noise in [0.0, -0.1, f64::NAN, f64::INFINITY, 1e308] {
         let none = refused(&[a, b, c], Some(noise), 0.0);
@@ -360,7 +375,12 @@ fn a_logarithm_that_is_named_is_divided_out() {
     let table: Vec<Level> =
         (2..9).map(|i| 0.5f64.powi(i)).map(|h| level(h, h * h.ln().abs())).collect();
     let claim = Claim::new(1.0).expect("a claim");
-    let of = |log| infer(&table, None, log).expect("a posterior").decide(&claim).decision;
+    let of = |log| {
+        infer(&table, &Known { log, ..Known::default() })
+            .expect("a posterior")
+            .decide(&claim)
+            .decision
+    };
     assert_eq!(of(1.0), Decision::Pass);
     assert_ne!(of(0.0), Decision::Pass);
 }
