@@ -190,6 +190,7 @@ fn a_fit_says_nothing_of_absent_columns() {
             "coarse_left_out",
             "floor_from",
             "log",
+            "reference",
             "constant",
             "constant_interval",
             "predicted",

@@ -96,7 +96,7 @@ fn the_printed_sum_needs_more_than_the_halved_one() {
 #[test]
 fn what_cannot_be_judged_is_two() {
     let cases: [(&[&str], &str); 5] = [
-        (&["abstract-smooth", "--n", "8"], "leave --n away"),
+        (&["abstract-smooth", "--n", "8"], "has no mesh"),
         (&["abstract-graded", "--steps", "16", "--horizons", "1"], "uniform grid"),
         (&["steady"], "has no history"),
         (&["affine", "--steps", "8", "--horizons", "0.3"], "no multiple of the step"),

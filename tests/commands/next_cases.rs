@@ -210,7 +210,7 @@ fn the_case_that_an_open_verdict_names_decides_it() {
 #[test]
 fn an_order_that_is_settled_too_high_asks_for_no_mesh() {
     let folder = Folder::new("next-too-high");
-    let open = first_open(&folder, &short(&folder, "n = [4, 8, 16, 32]", "order = 0.6"));
+    let open = first_open(&folder, &short(&folder, "n = [8, 16, 32, 64, 128]", "order = 0.25"));
     assert!(
         open["reason"].as_str().is_some_and(|r| r.contains("state the higher order")),
         "{open:#}"

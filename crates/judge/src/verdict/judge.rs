@@ -82,17 +82,20 @@ fn compare_with(
         Some(ConstantClaim { name, decision, reason: sentence, owed: prediction.constant_owed });
     let order_alone = finding.order;
     let Some(leading) = leading_order else { return };
+    // A bound is met by a higher order.
+    let short = match prediction.at_least {
+        true => prediction.order - leading,
+        false => (leading - prediction.order).abs(),
+    };
     match order_alone {
         // Errors that follow the leading error of a sound scheme have its order, whatever their slopes alone show.
-        Decision::Unresolved
-            if finding.complete && (leading - prediction.order).abs() <= TOLERANCE =>
-        {
+        Decision::Unresolved if finding.complete && short <= TOLERANCE => {
             finding.reason +=
                 " on each of the finest cases, and so is the order of the predicted errors";
             (finding.order, finding.next) = (Decision::Pass, Vec::new());
         }
         Decision::Pass => {}
-        _ if (leading - prediction.order).abs() > TOLERANCE => {
+        _ if short > TOLERANCE => {
             finding.contradicted_by = Some(leading);
             finding.reason += &format!(
                 " on each of the finest cases, and the predicted errors have the order {leading:.2}: the prediction {} is wrong, not the program",

@@ -22,6 +22,8 @@ const NEAR_LINE: f64 = 2.0 / 3.0;
 const CERTAIN: f64 = 0.95;
 /// Allowed difference of the two slopes of three levels, as a share of the order.
 const AGREEMENT: f64 = 0.15;
+/// Slopes below this are those of errors that do not fall: by a tenth in three halvings.
+const NOTHING: f64 = 0.05;
 /// How far, in tolerances, the order of the differences of three errors may lie below the claim: less than a quarter of an
 /// order by the default.
 const DIFFERENCES: f64 = 1.6;
@@ -250,6 +252,10 @@ impl Posterior {
     /// floor leaves the order of their differences.
     fn rises_to(&self, order: f64) -> bool {
         let [.., first, last] = self.slopes[..] else { return false };
+        // Four levels on which nothing falls are no start.
+        if self.slopes.len() >= FEWEST && self.slopes.iter().all(|slope| *slope < NOTHING) {
+            return false;
+        }
         if last > first {
             last + 2.0 * (last - first) >= order || last > STEEP * first
         } else {

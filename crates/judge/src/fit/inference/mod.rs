@@ -438,14 +438,18 @@ impl Table {
         (1..self.x.len()).map(slope).collect()
     }
 
-    /// Whether the slopes fall at the finest `fine` levels and from there break downwards: a floor bends its first
-    /// level less than the later ones.
+    /// Whether the slopes fall at the finest `fine` levels and from there break downwards and stay there: a floor bends its
+    /// first level less than the later ones.
     fn breaks(&self, fine: usize) -> bool {
         let slopes = self.slopes();
         let (before, left) = slopes.split_at(slopes.len() - fine);
         let (Some(before), Some(first)) = (before.last(), left.first()) else { return false };
+        let last = left[left.len() - 1];
+        let flatter = before - 0.25 * (0.8 * before).max(0.4);
         let least = left.iter().copied().fold(f64::INFINITY, f64::min);
-        first < before && least < before - 0.25 * (0.8 * before).max(0.4)
+        // Errors that fall again are in no floor, unless they scatter about one.
+        let falls_again = last >= flatter && left.iter().sum::<f64>() > 0.0;
+        first < before && least < flatter && !falls_again
     }
 
     /// Slope of the straight line through four and more levels whose slopes neither rise nor fall throughout, by a noise
