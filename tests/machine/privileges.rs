@@ -88,14 +88,9 @@ fn reaches_out(source: &str) -> Vec<&'static str> {
     words.into_iter().filter(|word| code.contains(word)).collect()
 }
 
-/// Sources that may run a program: one that the user names, this one itself for `trade --confirm`, and the one beside it for
-/// `report --pdf`.
-const ASKED_FOR: [&str; 4] = [
-    "crates/run/src/external/process.rs",
-    "crates/run/src/external/group.rs",
-    "src/cli/trade/answer.rs",
-    "src/cli/typesetter.rs",
-];
+/// Sources that may run a program: one that the user names, and the typesetter beside this one for `report --pdf`.
+const ASKED_FOR: [&str; 3] =
+    ["crates/run/src/external/process.rs", "crates/run/src/external/group.rs", "src/cli/report.rs"];
 
 #[test]
 fn no_other_program_is_run_and_no_network_is_asked() {

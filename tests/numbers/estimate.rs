@@ -349,7 +349,7 @@ fn what_cannot_be_recommended_is_refused_with_its_reason() {
         // Strains of piecewise linear elements have no order 3.
         (|norm| norm.space[1] = 8.0 * norm.space[0], "no more than 1 is possible"),
         (|norm| norm.time[1] = 16.0 * norm.time[0], "no more than 2 is possible"),
-        (|norm| norm.time = [f64::NAN; 2], "no number"),
+        (|norm| norm.time = [f64::NAN; 2], "is NaN"),
     ] {
         let mut wrong = companions(&setup, 16, 8).unwrap_or_else(|error| panic!("{error}"));
         wrong.norms.iter_mut().filter(|found| found.norm == Norm::VMax).for_each(change);

@@ -166,15 +166,4 @@ mod tests {
             assert!(!decide(&noisy, 1.0, 2.0).contains(&Decision::Fail), "{seed}");
         }
     }
-
-    #[test]
-    #[ignore = "timing"]
-    fn time_a_grid() {
-        for levels in [3, 4, 6] {
-            let points = grid(levels, |h, k| 0.6 * h * (1.0 + 0.3 * h) + k * k);
-            let start = std::time::Instant::now();
-            (0..20).for_each(|_| _ = infer_grid(&points, None));
-            println!("{levels}: {:.2} ms", start.elapsed().as_secs_f64() * 1e3 / 20.0);
-        }
-    }
 }

@@ -7,8 +7,8 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::{Claim, ClaimError, Known, Posterior, TOLERANCE, infer};
-use crate::fit::{Decision, FitError, Level, LevelError, student_quantile};
+use super::{Claim, ClaimError, Known, Posterior, TOLERANCE, infer, infer_grid};
+use crate::fit::{Decision, FitError, Level, LevelError, Point, student_quantile};
 
 mod classes;
 mod invariances;
@@ -329,6 +329,21 @@ fn table_of_the_simulation() {
                 println!("{:16} {levels}  {cells}", format!("{class:?}"));
             }
         }
+    }
+}
+
+#[test]
+#[ignore = "timing"]
+fn time_a_grid() {
+    for levels in [3, 4, 6] {
+        let step = |i: i32| 0.125 * 0.5f64.powi(i);
+        let pairs = (0..levels).flat_map(|i| (0..levels).map(move |j| (step(i), 4.0 * step(j))));
+        let error = |h: f64, k: f64| 0.6 * h * (1.0 + 0.3 * h) + k * k;
+        let points = pairs.map(|(h, k)| Point { h, k, error: error(h, k), floor: 0.0 });
+        let points: Vec<Point> = points.collect();
+        let start = std::time::Instant::now();
+        (0..20).for_each(|_| _ = infer_grid(&points, None));
+        println!("{levels}: {:.2} ms", start.elapsed().as_secs_f64() * 1e3 / 20.0);
     }
 }
 
