@@ -116,13 +116,9 @@ fn packages_describe_themselves() {
     });
     for file in crates.chain(["Cargo.toml".to_owned()]) {
         let text = read(&file);
-        for key in [
-            "description = \"",
-            "authors.workspace",
-            "readme.workspace",
-            "documentation = \"",
-            "keywords.workspace",
-        ] {
+        for key in
+            ["description = \"", "authors.workspace", "documentation = \"", "keywords.workspace"]
+        {
             assert!(text.contains(&format!("\n{key}")), "{file}: {key}");
         }
     }

@@ -126,7 +126,7 @@ fn broken_files_are_refused_with_line_and_value() {
         (edited(V4, "2 6 \"body\"", "2 5 \"body\""), 11, "physical group 5 is defined twice"),
         (edited(V4, "$EndEntities", "$EndEntity"), 0, "$EndEntities should stand"),
         (V2[..V2.len() / 2].to_string(), 0, "the file ends where"),
-        (edited(V2, "$Elements", "$Others"), 0, "the end of a part should stand"),
+        (edited(V2, "$Elements", "$Others"), 0, "the end of a part is expected"),
         (
             edited(V2, "$PhysicalNames\n6", "$PhysicalNames\n99999999999999999999"),
             5,
