@@ -252,8 +252,8 @@ impl Posterior {
     /// floor leaves the order of their differences.
     fn rises_to(&self, order: f64) -> bool {
         let [.., first, last] = self.slopes[..] else { return false };
-        // Four levels on which nothing falls are no start.
-        if self.slopes.len() >= FEWEST && self.slopes.iter().all(|slope| *slope < NOTHING) {
+        // Levels on which nothing falls are no start.
+        if self.slopes.iter().all(|slope| *slope < NOTHING) {
             return false;
         }
         if last > first {

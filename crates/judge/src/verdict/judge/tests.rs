@@ -316,6 +316,9 @@ fn tables_of_slopes_get_what_a_person_says() {
     let below_two = [2.05, 1.95, 1.90, 1.88, 1.87, 1.86, 1.854];
     assert_eq!(judged(&below_two, 2.0), Decision::Fail);
     assert_ne!(judged(&[1.05, 1.00, 0.95, 0.90], 1.0), Decision::Pass);
+    // What does not fall at all has no order: a solver of another problem.
+    assert_eq!(judged(&[0.001, 0.0002], 4.0), Decision::Fail);
+    assert_eq!(judged(&[-0.003, 0.001, 0.002], 2.0), Decision::Fail);
     // Coarse levels are dropped: a wild first slope before thirty sound ones, and a slow start.
     let mut wild = vec![0.1];
     wild.extend([1.0; 30]);
