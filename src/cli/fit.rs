@@ -13,7 +13,7 @@ use super::swept::{announce, in_file, on_github};
 use super::{CliError, print_json, print_text};
 use clap::Args;
 use files::{FileError, read_at_most, up_to};
-use judge::fit::{Claim, Direction, FitError, Point, TOLERANCE, deviation, path};
+use judge::fit::{Claim, Direction, Known, Point, TOLERANCE, deviation, path};
 use judge::table::{Group, Quantity, Reading, Row, Tables, named, read};
 use judge::verdict::{Decision, Prediction, Variable, Verdict};
 use report::{AnnotationPlace, write_junit};
@@ -226,7 +226,10 @@ impl Fit {
 
     /// A reference is one run, finer than the levels of one direction.
     fn check_reference(&self, tables: &Tables) -> Result<(), CliError> {
-        let Some(step) = self.reference.filter(|step| *step != 0.0) else { return Ok(()) };
+        let known = Known { reference: self.reference, ..Known::default() };
+        if matches!(self.reference, None | Some(0.0)) {
+            return Ok(());
+        }
         let refused = |what: String| Err(CliError::about("--reference", what));
         for group in &tables.groups {
             let along_path = path(&group.points()).is_some();
@@ -239,8 +242,8 @@ impl Fit {
             };
             let [space, time] = Direction::BOTH.map(finest);
             let finest = if space.is_nan() { time } else { space };
-            if !(step > 0.0 && step < finest) {
-                return refused(FitError::Reference { step, finest }.to_string());
+            if let Err(error) = known.check_reference(finest) {
+                return refused(error.to_string());
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! What would help an open verdict: one level more, unless it lies in a floor or beyond the reference.
 
-use super::{Decision, Posterior, Ruling};
+use super::{Decision, Posterior, Ruling, same_level};
 
 /// Steps to run, and the advice in words.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -29,7 +29,9 @@ impl Further {
         if lost.iter().any(|step| *step < finest) {
             return Self::without_steps(LOWER_FLOOR);
         }
-        let beyond = |reference: f64| steps.iter().any(|step| *step <= reference * (1.0 + SAME));
+        let not_above =
+            |reference: f64, step: f64| step <= reference || same_level(step, reference);
+        let beyond = |reference: f64| steps.iter().any(|step| not_above(reference, *step));
         if reference.is_some_and(beyond) {
             return Self::without_steps("add coarser levels, or measure against a finer run");
         }
@@ -43,19 +45,17 @@ impl Further {
     }
 }
 
-/// Steps this close are one.
-const SAME: f64 = 1e-6;
-
 impl Posterior {
     /// What helps a ruling, where `further` is the next level: none unless it is open.
     pub fn help(&self, ruling: &Ruling, further: Further) -> Option<Further> {
-        match (ruling.decision, ruling.too_high, self.floor_from) {
-            _ if ruling.unexplained || ruling.decision != Decision::Unresolved => None,
-            (_, true, _) => Some(Further::without_steps(
+        let settled_above = ruling.too_high && ruling.decision == Decision::Unresolved;
+        match self.floor_from {
+            _ if settled_above && !ruling.unexplained => Some(Further::without_steps(
                 "finer levels would not lower it; \"at least\" takes it for a lower bound",
             )),
-            (_, false, Some(_)) => Some(Further::without_steps(LOWER_FLOOR)),
-            (_, false, None) => Some(further),
+            _ if !ruling.is_helped() => None,
+            Some(_) => Some(Further::without_steps(LOWER_FLOOR)),
+            None => Some(further),
         }
     }
 }

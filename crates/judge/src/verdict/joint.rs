@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::next::next_case;
-use super::ruling::{claim, helped, with_help};
+use super::ruling::{claim, with_help};
 use super::selection::Selection;
 use super::{Decision, FittedConstant, MeshAndSteps, Prediction, Verdict};
 use crate::fit::{
@@ -30,7 +30,7 @@ pub(super) fn judge_grid(open: Verdict, selection: &Selection, prediction: &Pred
         let ruling = found.decide(&claim(prediction, order));
         let next = next_case(selection, direction, prediction);
         let sentence = with_help(ruling.reason.clone(), &ruling, &next.text);
-        let next: Vec<MeshAndSteps> = if helped(&ruling) { next.cases } else { Vec::new() };
+        let next: Vec<MeshAndSteps> = if ruling.is_helped() { next.cases } else { Vec::new() };
         (ruling, sentence, next)
     };
     let (in_h, words_h, next_h) = part(Direction::Space, &space, prediction.order);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::constants::{ConstantComparison, compare_constant, correction};
 use super::joint::judge_grid;
 use super::next::{Next, next_case};
-use super::ruling::{claim, helped, with_help};
+use super::ruling::{claim, with_help};
 use super::selection::{Cases, Selection};
 use super::{
     ConstantClaim, Decision, FittedConstant, FloorSource, Foreseen, LeadingLine, Prediction,
@@ -152,7 +152,7 @@ fn judge_line(
         }
     };
     let ruling = posterior.decide(&claim(prediction, prediction.order));
-    let helped = helped(&ruling);
+    let helped = ruling.is_helped();
     let next = match posterior.floor_from {
         Some(_) if helped => flattening(prediction),
         _ => next,

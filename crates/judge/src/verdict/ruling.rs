@@ -7,14 +7,9 @@ use crate::fit::{Claim, Ruling, TOLERANCE};
 pub(super) fn with_help(reason: String, ruling: &Ruling, next: &str) -> String {
     match ruling.decision {
         Decision::Unresolved if ruling.too_high => format!("{reason}: {HIGHER_ORDER}"),
-        _ if helped(ruling) => format!("{reason}: {next}"),
+        _ if ruling.is_helped() => format!("{reason}: {next}"),
         _ => reason,
     }
-}
-
-/// Whether a further case would help.
-pub(super) fn helped(ruling: &Ruling) -> bool {
-    ruling.decision == Decision::Unresolved && !ruling.too_high && !ruling.unexplained
 }
 
 pub(super) fn claim(prediction: &Prediction, order: f64) -> Claim {

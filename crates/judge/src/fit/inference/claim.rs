@@ -109,6 +109,13 @@ pub struct Ruling {
     pub unexplained: bool,
 }
 
+impl Ruling {
+    /// Whether a further level would help.
+    pub fn is_helped(&self) -> bool {
+        self.decision == Decision::Unresolved && !self.too_high && !self.unexplained
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Answer {
     Confirmed,
@@ -185,8 +192,9 @@ impl Posterior {
         let too_low = mixture.below(claim.order - claim.clear_miss());
         let centred = mixture.below(claim.order - 0.5 * claim.reach()) < 0.5;
         let too_high = 1.0 - mixture.below(claim.order + claim.clear_miss());
-        let hidden = self.before_floor.is_some_and(|slope| slope >= claim.order - claim.reach())
-            || self.may_end_in_a_floor(claim);
+        let hidden =
+            self.trend.before_floor.is_some_and(|slope| slope >= claim.order - claim.reach())
+                || self.may_end_in_a_floor(claim);
         if too_low > REFUTED && !self.rises_to(claim.order) && !hidden {
             Answer::TooLow
         } else if probability > self.needed(claim)
@@ -213,8 +221,9 @@ impl Posterior {
     /// Four and more slopes are all near the claim, or scatter about a line that is.
     fn scatters_about(&self, claim: &Claim) -> bool {
         let near = |slope: f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
-        let few = self.slopes.len() < FEWEST || self.told_noise;
-        self.scattered.is_some_and(near) || !few && self.slopes.iter().all(|slope| near(*slope))
+        let few = self.slopes.len() < FEWEST || self.trend.told_noise;
+        self.trend.scattered.is_some_and(near)
+            || !few && self.slopes.iter().all(|slope| near(*slope))
     }
 
     /// Whether the slopes of three levels agree; more levels need no such check.
@@ -239,8 +248,8 @@ impl Posterior {
 
     /// Two slopes that rise may be those of errors against a finer run, whose order is that of their differences.
     fn holds_against_a_reference(&self, claim: &Claim) -> bool {
-        match (&self.slopes[..], self.of_differences) {
-            ([first, last], Some(order)) if last > first && self.may_have_a_reference => {
+        match (&self.slopes[..], self.trend.of_differences) {
+            ([first, last], Some(order)) if last > first && self.trend.may_have_a_reference => {
                 order >= claim.order - DIFFERENCES * claim.reach().min(TOLERANCE)
             }
             _ => true,
@@ -259,7 +268,8 @@ impl Posterior {
         if last > first {
             last + 2.0 * (last - first) >= order || last > STEEP * first
         } else {
-            self.slopes.len() < FEWEST && self.of_differences.is_some_and(|found| found >= order)
+            self.slopes.len() < FEWEST
+                && self.trend.of_differences.is_some_and(|found| found >= order)
         }
     }
 

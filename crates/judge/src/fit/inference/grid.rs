@@ -7,7 +7,7 @@
 mod pairs;
 
 use super::mixture::Mixture;
-use super::{Doubts, Interval, LEAST_NOISE, Posterior};
+use super::{Doubts, Interval, LEAST_NOISE, Posterior, Trend};
 use crate::fit::identifiable::{LEVELS, check_levels};
 use crate::fit::level::{deviation, foreign, is_step};
 use crate::fit::{NotIdentifiable, Point, joint_fits, screen};
@@ -97,11 +97,7 @@ fn marginal(weights: Vec<f64>) -> Posterior {
         floor: 0.0,
         unexplained: None,
         doubts: Doubts { always: last.then(|| BEYOND.to_owned()), ..Doubts::default() },
-        of_differences: None,
-        before_floor: None,
-        scattered: None,
-        told_noise: false,
-        may_have_a_reference: false,
+        trend: Trend::default(),
     }
 }
 

@@ -99,6 +99,12 @@ pub struct Posterior {
     /// A level left out that the others do not explain, in words: nothing is confirmed then.
     unexplained: Option<String>,
     doubts: Doubts,
+    trend: Trend,
+}
+
+/// What the slopes of a line look like, whatever is read into them; nothing for a grid.
+#[derive(Debug, Clone, Default)]
+struct Trend {
     /// Order of the differences of the last three errors, which no constant changes.
     of_differences: Option<f64>,
     /// Slope of the straight line, where the slopes go up and down about it as by noise.
@@ -154,6 +160,17 @@ pub struct Known {
 impl Known {
     /// Errors against an exact solution.
     pub const EXACT: Self = Self { noise: None, log: 0.0, reference: Some(0.0) };
+
+    /// # Errors
+    /// [`FitError::Reference`] if the reference is no exact solution and no run of a step below the finest one.
+    pub fn check_reference(&self, finest: f64) -> Result<(), FitError> {
+        match self.reference {
+            Some(step) if step != 0.0 && !(super::level::is_step(step) && step < finest) => {
+                Err(FitError::Reference { step, finest })
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Order of a table of steps h and errors e.
@@ -180,10 +197,7 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
         None => table.parts(),
         Some(0.0) => Table { against_reference: true, ..table.clone() }.parts(),
         Some(step) => {
-            let finest = table.sizes[table.sizes.len() - 1];
-            if !(super::level::is_step(step) && step < finest) {
-                return Err(FitError::Reference { step, finest });
-            }
+            known.check_reference(table.sizes[table.sizes.len() - 1])?;
             let forms = [1.0, 2.0].map(|exponent| table.against(step, exponent));
             let [linear, squares] = forms.each_ref().map(|parts| largest(parts));
             likelier = if squares > linear { 2.0 } else { 1.0 };
@@ -215,11 +229,13 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
             .then(|| table.sizes[table.break_down()]),
         slopes: table.slopes(),
         doubts: Doubts::of(&serving, outside > 0.5 * all.weight),
-        of_differences: of_differences(&serving),
-        before_floor: table.before_floor(),
-        scattered: table.scattered(),
-        told_noise: table.noise.len() == 1,
-        may_have_a_reference: reference.is_none(),
+        trend: Trend {
+            of_differences: of_differences(&serving),
+            before_floor: table.before_floor(),
+            scattered: table.scattered(),
+            told_noise: table.told_noise(),
+            may_have_a_reference: reference.is_none(),
+        },
         all,
         sound,
         floored,
@@ -433,6 +449,10 @@ impl Table {
         self
     }
 
+    fn told_noise(&self) -> bool {
+        self.noise.len() == 1
+    }
+
     fn slopes(&self) -> Vec<f64> {
         let slope = |i: usize| (self.y[i] - self.y[i - 1]) / (self.x[i] - self.x[i - 1]);
         (1..self.x.len()).map(slope).collect()
@@ -459,8 +479,8 @@ impl Table {
         let up = changes.iter().filter(|change| **change > 0.0).count();
         let products: f64 = self.x.iter().zip(&self.y).map(|(x, y)| x * y).sum();
         let squares: f64 = self.x.iter().map(|x| x * x).sum();
-        let told = self.noise.len() == 1;
-        (!told && changes.len() > 1 && up > 0 && up < changes.len()).then_some(products / squares)
+        (!self.told_noise() && changes.len() > 1 && up > 0 && up < changes.len())
+            .then_some(products / squares)
     }
 
     /// The last slope is below the one before: a floor, not a reference.
@@ -510,21 +530,18 @@ impl Table {
 
     /// Readings of the remaining levels, with log weights.
     fn read(&self, coarse: usize, fine: usize, log_prior: f64, parts: &mut Vec<Part>) {
-        let kept = coarse..self.sizes.len() - fine;
-        let (coarsest, finest) = (self.sizes[kept.start], self.sizes[kept.end - 1]);
-        let base = Base::new(&self.scales[kept.clone()]);
+        let levels = coarse..self.sizes.len() - fine;
+        let (coarsest, finest) = (self.sizes[levels.start], self.sizes[levels.end - 1]);
+        let base = Base::new(&self.scales[levels.clone()]);
         let noise = self.noise.iter().map(|(s, share)| base.noise(*s, log_prior + share.ln()));
-        let noise: Vec<Noise> = noise.collect();
-        let long = kept.len() >= FLOOR_LEVELS;
+        let long = levels.len() >= FLOOR_LEVELS;
+        let kept = Kept { coarse, fine, long, noise: noise.collect(), levels };
         let fine_end = long && fine == 0 && coarse <= COARSE_OF_FINE;
         let anchors = match self.flat {
             flat if flat > 0 && fine_end => vec![finest, self.sizes[self.sizes.len() - 1 - flat]],
             _ => vec![finest],
         };
-        // Nodes of one power differ in D alone, in which the evidence is smooth unless the sign changes: between two that are
-        // out of reach none is looked at.
-        let sizes = &self.sizes[kept.clone()];
-        let slopes = &self.slopes()[kept.start..kept.end - 1];
+        let slopes = &self.slopes()[kept.levels.start..kept.levels.end - 1];
         let flattest = slopes.iter().copied().fold(f64::INFINITY, f64::min);
         let steepest = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         for (anchor, run) in anchors.iter().flat_map(|at| runs().map(move |run| (*at, run))) {
@@ -541,72 +558,88 @@ impl Table {
             if skipped {
                 continue;
             }
+            let sizes = self.sizes[kept.levels.clone()].iter();
             let terms: Vec<[f64; 3]> =
-                sizes.iter().map(|h| run[0].powers(h / coarsest, h / anchor)).collect();
-            let mut look = |node: &Node| {
-                // Coarse meshes leave or are read, not both.
-                if node.far() && (coarse > COARSE_OF_FINE || !long && node.size > 0.0) {
-                    return f64::NEG_INFINITY;
-                }
-                // A sign that changes beyond the finest level with no order left is a reference that is subtracted.
-                let beyond =
-                    family == Family::Bend && 1.0 + node.size * terms[terms.len() - 1][0] <= 0.0;
-                let row = |(i, term): (usize, &[f64; 3])| {
-                    let found = node.terms(*term);
-                    let scale = self.scales[i];
-                    Row {
-                        x: self.x[i] + found.by_order,
-                        y: self.y[i] - found.g + node.order()[0] * found.by_order,
-                        nuisances: found.nuisances,
-                        weight: 1.0 / (scale * scale),
-                    }
-                };
-                let gram = Gram::of(kept.clone().zip(&terms).map(row));
-                let (mut seen, mut largest) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-                // From the largest noise on, until the residuals are too large for the noise.
-                for noise in noise.iter().rev() {
-                    let component = gram.component(noise, node.order());
-                    let prior = match long && self.noise.len() > 1 {
-                        true => node.log_prior_at(noise.size),
-                        false => node.log_prior,
-                    };
-                    let weight = prior + component.log_evidence;
-                    let coarsely = noise.size >= LOOK || self.noise.len() == 1;
-                    if coarsely {
-                        seen = weight;
-                    }
-                    if beyond && component.mean < LEAST_ORDER {
-                        break;
-                    }
-                    if weight < self.best.get() - LEAST {
-                        if weight < largest && !coarsely {
-                            break;
-                        }
-                    } else {
-                        self.best.set(self.best.get().max(weight));
-                        parts.push(Part {
-                            weight,
-                            mean: component.mean,
-                            deviation: component.deviation().hypot(CLOSEST),
-                            floored: family == Family::Floor || family.is_reference() || fine > 0,
-                            outside: node.last
-                                || self.noise.len() > 1 && noise.size == LARGEST_NOISE,
-                            coarse,
-                        });
-                    }
-                    largest = largest.max(weight);
-                }
-                self.seen.set(self.seen.get().max(seen));
-                seen
-            };
+                sizes.map(|h| run[0].powers(h / coarsest, h / anchor)).collect();
+            // Nodes of one power differ in D alone, in which the evidence is smooth unless the sign changes: between two that
+            // are out of reach none is looked at.
             let stride = if run.len() < LONG_RUN { 1 } else { STRIDE };
-            let looked: Vec<f64> = run.iter().step_by(stride).map(&mut look).collect();
+            let every = run.iter().step_by(stride);
+            let looked: Vec<f64> =
+                every.map(|node| self.look(node, &terms, &kept, parts)).collect();
             for (at, node) in run.iter().enumerate().filter(|(at, _)| at % stride != 0) {
                 let mut near = looked[at / stride..].iter().take(2);
                 if node.size < -1.0 || near.any(|weight| *weight > self.seen.get() - OUT_OF_REACH) {
-                    look(node);
+                    self.look(node, &terms, &kept, parts);
                 }
             }
         }
     }
+
+    /// Readings by one node, for each noise; the log weight at the noise of the first look.
+    fn look(&self, node: &Node, terms: &[[f64; 3]], kept: &Kept, parts: &mut Vec<Part>) -> f64 {
+        // Coarse meshes leave or are read, not both.
+        if node.far() && (kept.coarse > COARSE_OF_FINE || !kept.long && node.size > 0.0) {
+            return f64::NEG_INFINITY;
+        }
+        // A sign that changes beyond the finest level with no order left is a reference that is subtracted.
+        let beyond =
+            node.family == Family::Bend && 1.0 + node.size * terms[terms.len() - 1][0] <= 0.0;
+        let floored = node.family == Family::Floor || node.family.is_reference() || kept.fine > 0;
+        let row = |(i, term): (usize, &[f64; 3])| {
+            let found = node.terms(*term);
+            let scale = self.scales[i];
+            Row {
+                x: self.x[i] + found.by_order,
+                y: self.y[i] - found.g + node.order()[0] * found.by_order,
+                nuisances: found.nuisances,
+                weight: 1.0 / (scale * scale),
+            }
+        };
+        let gram = Gram::of(kept.levels.clone().zip(terms).map(row));
+        let (mut seen, mut largest) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        // From the largest noise on, until the residuals are too large for the noise.
+        for noise in kept.noise.iter().rev() {
+            let component = gram.component(noise, node.order());
+            let prior = match kept.long && !self.told_noise() {
+                true => node.log_prior_at(noise.size),
+                false => node.log_prior,
+            };
+            let weight = prior + component.log_evidence;
+            let coarsely = noise.size >= LOOK || self.told_noise();
+            if coarsely {
+                seen = weight;
+            }
+            if beyond && component.mean < LEAST_ORDER {
+                break;
+            }
+            if weight >= self.best.get() - LEAST {
+                self.best.set(self.best.get().max(weight));
+                parts.push(Part {
+                    weight,
+                    mean: component.mean,
+                    deviation: component.deviation().hypot(CLOSEST),
+                    floored,
+                    outside: node.last || !self.told_noise() && noise.size == LARGEST_NOISE,
+                    coarse: kept.coarse,
+                });
+            } else if weight < largest && !coarsely {
+                break;
+            }
+            largest = largest.max(weight);
+        }
+        self.seen.set(self.seen.get().max(seen));
+        seen
+    }
+}
+
+/// What the readings of the same levels share.
+struct Kept {
+    levels: std::ops::Range<usize>,
+    /// So many coarse and fine levels are dropped.
+    coarse: usize,
+    fine: usize,
+    /// Levels enough for a floor.
+    long: bool,
+    noise: Vec<Noise>,
 }

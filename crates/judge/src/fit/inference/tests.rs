@@ -114,14 +114,20 @@ fn last_pair(table: &[Level], order: f64) -> Decision {
     if (slope - order).abs() <= 0.1 { Decision::Pass } else { Decision::Fail }
 }
 
-/// Common rule: Student's interval of a straight line contains the order and is narrower than ±0.15.
-fn student(table: &[Level], order: f64) -> Decision {
+/// Least squares of log e by log h: both means, the squares of log h about its mean, the slope.
+fn straight_line(table: &[Level]) -> [f64; 4] {
     let n = table.len() as f64;
     let mean = |f: fn(&Level) -> f64| table.iter().map(f).sum::<f64>() / n;
     let (x, y) = (mean(|l| l.size().ln()), mean(|l| l.error().ln()));
     let spread: f64 = table.iter().map(|l| (l.size().ln() - x).powi(2)).sum();
-    let slope =
-        table.iter().map(|l| (l.size().ln() - x) * (l.error().ln() - y)).sum::<f64>() / spread;
+    let products: f64 = table.iter().map(|l| (l.size().ln() - x) * (l.error().ln() - y)).sum();
+    [x, y, spread, products / spread]
+}
+
+/// Common rule: Student's interval of a straight line contains the order and is narrower than ±0.15.
+fn student(table: &[Level], order: f64) -> Decision {
+    let n = table.len() as f64;
+    let [x, y, spread, slope] = straight_line(table);
     let left: f64 =
         table.iter().map(|l| (l.error().ln() - y - slope * (l.size().ln() - x)).powi(2)).sum();
     let reach = student_quantile(table.len() - 2).expect("degrees of freedom")

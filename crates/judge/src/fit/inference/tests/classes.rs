@@ -1,6 +1,6 @@
 //! A table of classes that are not the families of the model at its own nodes, beside the rules in common use.
 
-use super::{Random, level};
+use super::{Random, level, straight_line};
 use crate::fit::inference::{Known, infer};
 use crate::fit::{Claim, Decision, Level};
 
@@ -125,12 +125,7 @@ pub(super) fn draw(kind: Kind, levels: usize, random: &mut Random) -> Drawn {
 }
 
 fn slope_rule(table: &[Level], order: f64) -> Decision {
-    let n = table.len() as f64;
-    let mean = |f: fn(&Level) -> f64| table.iter().map(f).sum::<f64>() / n;
-    let (x, y) = (mean(|l| l.size().ln()), mean(|l| l.error().ln()));
-    let spread: f64 = table.iter().map(|l| (l.size().ln() - x).powi(2)).sum();
-    let slope =
-        table.iter().map(|l| (l.size().ln() - x) * (l.error().ln() - y)).sum::<f64>() / spread;
+    let [.., slope] = straight_line(table);
     if (slope - order).abs() <= 0.1 { Decision::Pass } else { Decision::Fail }
 }
 
