@@ -300,6 +300,34 @@ fn even_terms_alone_are_expected_of_order_two_in_time() {
     assert_eq!(of(2.0, Direction::Space), Correction::Linear);
 }
 
+/// e = h^½ − h_r^½ on 8 … 128 cells against a run of 512, and the same in time.
+#[test]
+fn errors_against_a_run_are_read_with_its_step() {
+    let against = |step: f64| step.sqrt() - (1.0f64 / 512.0).sqrt();
+    let levels = [8, 16, 32, 64, 128];
+    let run = MeshAndSteps { n: Some(512), steps: 512 };
+    for variable in [Variable::H, Variable::K] {
+        let records = match variable {
+            Variable::H => table(&levels, &[512], |h, _| against(h)),
+            _ => table(&[512], &levels, |_, k| against(k)),
+        };
+        // What the run does not refine says nothing of this direction.
+        let as_coarse = MeshAndSteps { n: Some(128), steps: 128 };
+        for (order, reference, expected) in [
+            (0.5, Some(run), Decision::Pass),
+            (0.75, Some(run), Decision::Fail),
+            (0.5, None, Decision::Unresolved),
+            (0.5, Some(as_coarse), Decision::Unresolved),
+        ] {
+            let floor = FloorSource::Reference;
+            let prediction = Prediction { floor, reference, ..predict(variable, order) };
+            let found = verdict(&records, &prediction);
+            assert_eq!(found.order, expected, "{order} {reference:?}: {}", found.reason);
+            assert!(found.observed.is_some(), "{}", found.reason);
+        }
+    }
+}
+
 /// Slopes that a person would fail or pass, with claimed orders.
 #[test]
 fn tables_of_slopes_get_what_a_person_says() {
