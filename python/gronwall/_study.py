@@ -108,6 +108,9 @@ class Study:
         verdicts: dict[str, Verdict] = {}
         stopped = "all were run"
         for h in self.h:
+            if h <= (self.options["reference"] or 0.0):
+                stopped = f"h = {h:.4g} is no coarser than the reference"
+                break
             if len(run) >= FEWEST and seconds[-1] + sum(seconds) + _growth(seconds) > self.budget:
                 stopped = f"h = {h:.4g} would leave the budget of {self.budget:g} s"
                 break

@@ -76,3 +76,10 @@ def test_wrong_options_and_wrong_errors_are_refused():
     for error in (float("nan"), -1.0, 1j):
         with pytest.raises(ValueError, match=r"no error|complex"):
             gronwall.study(order=2)(lambda h: error)()
+
+
+def test_no_level_is_run_beyond_the_reference():
+    reference = 1 / 32
+    run = gronwall.study(0.5, reference=reference, fewest=9)(lambda h: h**0.5 - reference**0.5)()
+    assert run.decision == "pass" and run.h == (1 / 2, 1 / 4, 1 / 8, 1 / 16)
+    assert "reference" in run.stopped
