@@ -96,6 +96,46 @@ fn a_constant_of_another_solution_is_no_factor() {
     }
 }
 
+/// Errors that stand at the predicted error of the steps do not refute an order in h and ask for steps; where that error is
+/// small, they are those of a wrong program.
+#[test]
+fn steps_that_are_in_the_way_are_asked_for() {
+    let records = table(&[(2, 8), (4, 8), (8, 8), (16, 8)], 0.0, |_, k| k * k);
+    let judged_with = |share: Option<f64>| {
+        let other_error = share.map(|share| share * 1.0 / 64.0);
+        judged(&records, &Prediction { other_error, ..predict(Variable::H, 2.0) })
+    };
+    let hidden = judged_with(Some(1.0));
+    let steps = [2, 4, 8, 16].map(|n| next(n, 32));
+    assert_eq!((hidden.decision, &hidden.next[..]), (Decision::Unresolved, &steps[..]));
+    let said = "the time term is 100 % of the error at n = 16, steps = 8, as predicted";
+    assert!(hidden.reason.contains(said) && hidden.reason.contains("more steps"), "{hidden:?}");
+    assert!(!hidden.reason.contains("run n ="), "{}", hidden.reason);
+    for small in [None, Some(0.01)] {
+        let wrong = judged_with(small);
+        assert_eq!((wrong.decision, wrong.next.len()), (Decision::Fail, 0), "{}", wrong.reason);
+    }
+}
+
+/// P2 with few steps: errors of h⁴-like size stand at that of the steps, which a run predicts.
+#[test]
+fn a_run_says_that_its_steps_are_in_the_way() {
+    let folder = Folder::new("steps-in-the-way");
+    let out = folder.argument("out");
+    let run = sweep(&["run", "quadratic-memory", "--n", "2,4,8", "--steps", "2", "--out", &out]);
+    let written = std::fs::read_to_string(folder.at("out/verdict.json")).expect("verdict.json");
+    let verdicts: serde_json::Value = serde_json::from_str(&written).expect("JSON");
+    let of_h = verdicts["verdicts"].as_array().expect("verdicts").iter();
+    let of_h = of_h.filter(|verdict| verdict["variable"] == "h" && verdict["norm"] == V_MAX);
+    let reasons: Vec<String> = of_h.map(|verdict| verdict["reason"].to_string()).collect();
+    assert_eq!(reasons.len(), 1, "{}", stdout(&run));
+    assert!(
+        reasons[0].contains("as predicted") && reasons[0].contains("more steps"),
+        "{reasons:?}"
+    );
+    assert!(!reasons[0].contains("more cells"), "{reasons:?}");
+}
+
 #[test]
 fn no_case_is_named_where_none_helps() {
     let four = [(8, 4), (16, 4), (32, 4), (64, 4)];

@@ -43,6 +43,8 @@ pub struct ForeseenConstant {
     pub norm: String,
     pub variable: Variable,
     pub foreseen: Foreseen,
+    /// As [`Prediction::other_error`].
+    pub other_error: Option<f64>,
 }
 
 /// Errors this near the leading ones, for each factor of e in the step, have their order: a ratio that stays within ±0.015 ln r
@@ -59,13 +61,14 @@ pub(super) struct ConstantComparison {
 
 /// Compares error over step^order with that of the leading error, case by case; the finest case decides. Steps are
 /// those of the record for measured errors and those of the leading point for leading errors, so that a mislabelled
-/// step shows. None if nothing is predicted or no used case has a leading error.
+/// step shows. `in_the_way` is the direction whose refinement would lower a drift. None if nothing is predicted or no used case has a leading error.
 pub(super) fn compare_constant(
     fitted: FittedConstant,
     used: &[JudgedPoint],
     line: &LeadingLine,
     prediction: &Prediction,
     direction: Direction,
+    in_the_way: Direction,
 ) -> Option<ConstantComparison> {
     let order = prediction.order;
     let mut pairs: Vec<(Sample, f64)> = Vec::new();
@@ -96,10 +99,10 @@ pub(super) fn compare_constant(
     };
     let previous = pairs.len().checked_sub(2).map(|at| pairs[at].1);
     let (decision, sentence) =
-        decide(ratio, previous, line.tolerance, direction, prediction.unique);
+        decide(ratio, previous, line.tolerance, direction, in_the_way, prediction.unique);
     let finest = &pairs[pairs.len().saturating_sub(FEWEST)..];
-    let refined = (finest[0].0.step / finest[finest.len() - 1].0.step).ln();
-    let near = line.tolerance.max(AGREES * refined);
+    let ratio_of_steps = finest[0].0.step / finest[finest.len() - 1].0.step;
+    let near = line.tolerance.max(AGREES * ratio_of_steps.ln());
     let within = |(_, ratio): &(Sample, f64)| (ratio - 1.0).abs() <= near;
     let agree = finest.len() == FEWEST && finest.iter().all(within);
     let leading_order = local_slopes(&samples).last().copied().filter(|_| agree);
@@ -123,12 +126,14 @@ fn decide(
     previous: Option<f64>,
     tolerance: f64,
     direction: Direction,
+    in_the_way: Direction,
     unique: bool,
 ) -> (Decision, String) {
-    let (name, cause, cure) = match direction {
-        Direction::Space => ("C_h", "h, a load, a rule or a norm", "more cells n"),
-        Direction::Time => ("C_k", "k, a weight or the kernel", "more steps"),
+    let (name, cause) = match direction {
+        Direction::Space => ("C_h", "h, a load, a rule or a norm"),
+        Direction::Time => ("C_k", "k, a weight or the kernel"),
     };
+    let cure = refined(in_the_way);
     // Enough digits to differ from one.
     let digits = if (ratio - 1.0).abs() < 2e-3 { 6 } else { 4 };
     let sentence = format!("{name} is {ratio:.digits$} times the predicted one");
@@ -149,6 +154,13 @@ fn decide(
             ),
         };
         (Decision::Fail, format!("{sentence}, {missed}"))
+    }
+}
+
+pub(super) fn refined(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Space => "more cells n",
+        Direction::Time => "more steps",
     }
 }
 

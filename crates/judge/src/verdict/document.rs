@@ -41,6 +41,8 @@ struct Judged {
     variable: Variable,
     #[serde(default)]
     foreseen: Option<Foreseen>,
+    #[serde(default)]
+    other_error: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -104,8 +106,8 @@ pub fn read_earlier(path: &Path) -> Result<Earlier, DocumentError> {
     let Some(bytes) = if_there(read_file(path))? else { return Ok(Earlier::default()) };
     let Written { failures, verdicts } = serde_json::from_slice(&bytes)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
-    let with = |Judged { scene, norm, variable, foreseen }: Judged| {
-        foreseen.map(|foreseen| ForeseenConstant { scene, norm, variable, foreseen })
+    let with = |Judged { scene, norm, variable, foreseen, other_error }: Judged| {
+        foreseen.map(|foreseen| ForeseenConstant { scene, norm, variable, foreseen, other_error })
     };
     Ok(Earlier { failures, foreseen: verdicts.into_iter().filter_map(with).collect() })
 }

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::constants::{ConstantComparison, compare_constant, correction};
+use super::constants::{ConstantComparison, compare_constant, correction, refined};
 use super::joint::judge_grid;
 use super::next::{Next, next_case};
 use super::ruling::{claim, with_help};
-use super::selection::{Cases, Selection};
+use super::selection::{Cases, JudgedPoint, Selection};
 use super::{
-    ConstantClaim, Decision, FittedConstant, FloorSource, Foreseen, LeadingLine, Prediction,
-    Variable, Verdict,
+    ConstantClaim, Decision, FittedConstant, FloorSource, Foreseen, LeadingLine, MeshAndSteps,
+    Prediction, Variable, Verdict,
 };
 use crate::fit::{
     Direction, Exclusion, Known, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE,
@@ -72,7 +72,12 @@ fn compare_with(
     };
     let name = direction.constant();
     let Some(&fitted) = finding.constants.get(name) else { return };
-    let compared = compare_constant(fitted, &selection.used, line, prediction, direction);
+    let in_the_way = match foreseen_share(selection, prediction) {
+        Some((share, _)) if share > LARGEST_OTHER_SHARE => direction.other(),
+        _ => direction,
+    };
+    let used = &selection.used;
+    let compared = compare_constant(fitted, used, line, prediction, direction, in_the_way);
     let Some(ConstantComparison { constant, decision, sentence, leading_order }) = compared else {
         return;
     };
@@ -151,16 +156,22 @@ fn judge_line(
             return Verdict { reason, next: next.cases, ..open };
         }
     };
-    let ruling = posterior.decide(&claim(prediction, prediction.order));
+    let mut ruling = posterior.decide(&claim(prediction, prediction.order));
+    let other = other_term(&cases.points(&prediction.norm), selection, prediction, direction);
+    let other = other.filter(|other| !other.foreseen || ruling.decision != Decision::Pass);
+    if ruling.decision == Decision::Fail && other.as_ref().is_some_and(OtherTerm::hides_the_order) {
+        ruling.decision = Decision::Unresolved;
+    }
     let helped = ruling.is_helped();
-    let next = match posterior.floor_from {
-        Some(_) if helped => flattening(prediction),
+    let next = match (&other, posterior.floor_from) {
+        (Some(other), _) if helped => other.lowered(selection, direction),
+        (None, Some(_)) if helped => flattening(prediction),
         _ => next,
     };
     let reason = format!("{}{}", ruling.reason, posterior.left_out_in_words());
     let mut reason = with_help(reason, &ruling, &next.text);
-    if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
-        reason = format!("{reason}; {note}");
+    if let Some(other) = other.filter(|_| !helped) {
+        reason = format!("{reason}; {}", other.in_words(direction));
     }
     Verdict {
         observed: Some(posterior.order),
@@ -216,20 +227,68 @@ fn constants(
     named.into_iter().collect()
 }
 
-/// Where the term of the other direction bends this line, if the grid can tell.
-fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Option<String> {
-    let best = joint_fits(grid, false).ok()?.best;
-    let (name, cure) = match direction {
-        Direction::Space => ("time", "more steps"),
-        Direction::Time => ("space", "more cells n"),
-    };
-    let shares =
-        selection.used.iter().map(|used| (best.share(direction.other(), &used.point), used.place));
-    let (share, place) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let percent = 100.0 * share;
-    (share > LARGEST_OTHER_SHARE).then(|| {
-        format!("the {name} term is {percent:.0} % of the error at {place}, which bends the slope: use {cure} to decide")
-    })
+/// The term of the direction that is not refined, where it bends a line.
+struct OtherTerm {
+    share: f64,
+    place: MeshAndSteps,
+    /// From the predicted errors, not from the grid.
+    foreseen: bool,
+}
+
+/// Where the term of the other direction bends this line: if the grid can tell, by its fit, else as predicted.
+fn other_term(
+    grid: &[Point],
+    selection: &Selection,
+    prediction: &Prediction,
+    direction: Direction,
+) -> Option<OtherTerm> {
+    let fitted = joint_fits(grid, false).ok().and_then(|fits| {
+        let share = |used: &JudgedPoint| fits.best.share(direction.other(), &used.point);
+        selection
+            .used
+            .iter()
+            .map(|used| (share(used), used.place))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+    });
+    let foreseen = fitted.is_none();
+    let (share, place) = fitted.or_else(|| foreseen_share(selection, prediction))?;
+    (share > LARGEST_OTHER_SHARE).then_some(OtherTerm { share, place, foreseen })
+}
+
+/// The share of the finest error that is predicted of the direction that is not refined.
+fn foreseen_share(selection: &Selection, prediction: &Prediction) -> Option<(f64, MeshAndSteps)> {
+    let finest = selection.used.last()?;
+    Some((prediction.other_error? / finest.point.error, finest.place))
+}
+
+impl OtherTerm {
+    /// Then the order of the line is that of no term: it does not refute a prediction.
+    fn hides_the_order(&self) -> bool {
+        self.foreseen && self.share >= 0.5
+    }
+
+    fn in_words(&self, direction: Direction) -> String {
+        let name = match direction {
+            Direction::Space => "time",
+            Direction::Time => "space",
+        };
+        let cure = refined(direction.other());
+        let (percent, place) = (100.0 * self.share.min(1.0), self.place);
+        let source = if self.foreseen { ", as predicted" } else { "" };
+        format!(
+            "the {name} term is {percent:.0} % of the error at {place}{source}, which bends the slope: use {cure} to decide"
+        )
+    }
+
+    /// The cases of the line with four times the steps, or twice the cells: 16 times less where the rule is of order 2.
+    fn lowered(&self, selection: &Selection, direction: Direction) -> Next {
+        let finer = |MeshAndSteps { n, steps }: MeshAndSteps| match direction {
+            Direction::Space => MeshAndSteps { n, steps: steps.saturating_mul(4) },
+            Direction::Time => MeshAndSteps { n: n.map(|n| n.saturating_mul(2)), steps },
+        };
+        let cases = selection.used.iter().map(|used| finer(used.place)).collect();
+        Next { cases, text: self.in_words(direction) }
+    }
 }
 
 #[cfg(test)]

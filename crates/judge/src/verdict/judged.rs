@@ -56,6 +56,9 @@ pub struct Verdict {
     /// The predicted constant: leading errors, or why there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foreseen: Option<Foreseen>,
+    /// The predicted error, on the finest case, of the direction that is not refined.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other_error: Option<f64>,
     /// What comes of the claim about the order.
     pub order: Decision,
     /// The claim about the constant; none without a prediction of it.
@@ -97,6 +100,7 @@ impl Verdict {
             points_left_out: Vec::new(),
             constants: BTreeMap::new(),
             foreseen: None,
+            other_error: prediction.other_error,
             order: Decision::Unresolved,
             constant: None,
             decision: Decision::Unresolved,

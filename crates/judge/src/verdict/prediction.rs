@@ -98,6 +98,8 @@ pub struct Prediction {
     pub floor: FloorSource,
     /// Mesh and steps of the run that errors are measured against.
     pub reference: Option<MeshAndSteps>,
+    /// Predicted error, on the finest case, of the direction that is not refined: what no refinement of the other lowers.
+    pub other_error: Option<f64>,
     /// A constant that is still drifting leaves the prediction open.
     pub constant_owed: bool,
     /// The solution is unique; otherwise a run may have followed another one.
@@ -121,6 +123,7 @@ impl Prediction {
             window_steps: None,
             floor: FloorSource::Unknown,
             reference: None,
+            other_error: None,
             constant_owed: false,
             unique: true,
         }

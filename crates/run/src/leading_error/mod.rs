@@ -97,6 +97,36 @@ pub fn leading_errors(
     }
 }
 
+/// The error, on the finest of `cases`, of the direction that is not refined: in time that along the interpolant on the
+/// coarsest mesh, where it is cheap, in space that of the interpolant. None where it is not known or cannot be in the way.
+pub fn other_error(
+    subject: &Subject,
+    measured: &MeasuredNorm,
+    cases: &[Case],
+    known: &mut InTime,
+) -> Option<f64> {
+    let Subject::Contact(setup) = subject else { return None };
+    let exact = setup.exact.as_ref()?;
+    let steps = cases.iter().map(|case| case.steps).max().filter(|steps| *steps <= MOST_STEPS)?;
+    let ns = cases.iter().filter_map(|case| case.n);
+    match measured.variable {
+        Direction::H => {
+            let coarsest = Case { n: Some(ns.min()?), steps };
+            let errors = known.of_mesh(setup, exact, vec![coarsest], false).ok()?;
+            errors.first()?.2.of(measured.norm)
+        }
+        Direction::K if measured.norm == Norm::VTimeMax || setup.body.data.is_interpolated() => {
+            None
+        }
+        Direction::K => {
+            let finest = Case { n: Some(ns.max()?), steps };
+            let line = in_space_direction(setup, measured, &[finest]).ok()?;
+            line.points.first().map(|point| point.error)
+        }
+        Direction::Joint | Direction::Path => None,
+    }
+}
+
 fn of_abstract(
     setup: &AbstractSetup,
     norm: Norm,

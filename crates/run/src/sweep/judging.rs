@@ -1,7 +1,7 @@
 //! From a scene's predictions to verdicts on records.
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors};
+use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors, other_error};
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{
     self, Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, MeshAndSteps, Verdict,
@@ -26,6 +26,8 @@ pub fn judge_scene(
                 && known.norm == prediction.norm
                 && known.variable == prediction.variable
         });
+        let other_error = known.and_then(|known| known.other_error);
+        let prediction = verdict::Prediction { other_error, ..prediction };
         let known = known.map(|known| &known.foreseen);
         verdict::judge_foreseen(&scene.name, records, expected, &prediction, known, scene.expect)
     };
@@ -77,8 +79,20 @@ fn largest_step(time: &Time, steps: u32) -> Option<f64> {
 
 /// The verdicts of a plan on its records: orders, and with `constants` their predicted constants.
 pub fn judge_plan(plan: &ScenePlan, records: &[CaseRecord], constants: bool) -> Vec<Verdict> {
-    let foreseen = if constants { foresee(&plan.subject, records) } else { Vec::new() };
-    judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
+    let mut foreseen = if constants { foresee(&plan.subject, records) } else { Vec::new() };
+    let judge = |foreseen: &[_]| judge_scene(plan.scene(), records, &plan.keys(), foreseen);
+    let verdicts = judge(&foreseen);
+    let open = |verdict: &&Verdict| verdict.decision != Decision::Pass;
+    if !constants || verdicts.iter().find(open).is_none() {
+        return verdicts;
+    }
+    // What is not refined may be in the way.
+    let mut known = InTime::default();
+    for (line, written) in foreseen.iter_mut().zip(&plan.scene().predicts) {
+        let cases = line_places(plan.scene(), records, &prediction(plan.scene(), written));
+        line.other_error = other_error(&plan.subject, &measured(written), &cases, &mut known);
+    }
+    judge(&foreseen)
 }
 
 /// The predicted constants of a judged scene, on the recorded cases of its predictions.
@@ -87,10 +101,16 @@ pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstan
     if !scene.judge {
         return Vec::new();
     }
-    constants(subject, |_, prediction| {
-        let keys = verdict::line_keys(&scene.name, records, prediction);
-        keys.iter().map(|key| Case { n: key.n, steps: key.steps }).collect()
-    })
+    constants(subject, |_, prediction| line_places(scene, records, prediction))
+}
+
+fn line_places(
+    scene: &Scene,
+    records: &[CaseRecord],
+    prediction: &verdict::Prediction,
+) -> Vec<Case> {
+    let keys = verdict::line_keys(&scene.name, records, prediction);
+    keys.iter().map(|key| Case { n: key.n, steps: key.steps }).collect()
 }
 
 /// The predicted constants of a scene, on the cases of a plan, before anything is solved.
@@ -113,6 +133,7 @@ fn constants(
             norm: prediction.norm,
             variable: prediction.variable,
             foreseen: foreseen(subject, written, &cases, &mut known),
+            other_error: None,
         }
     };
     scene.predicts.iter().map(one).collect()
@@ -145,14 +166,8 @@ fn foreseen(
     cases: &[Case],
     known: &mut InTime,
 ) -> Foreseen {
-    let measured = MeasuredNorm {
-        norm: written.norm,
-        variable: written.variable,
-        order: written.order,
-        time_reference: TIME_REFERENCE,
-    };
     let leading = match written.constant {
-        true => leading_errors(subject, &measured, cases, known),
+        true => leading_errors(subject, &measured(written), cases, known),
         false => Err(NoConstant::OptedOut),
     };
     match leading {
@@ -161,6 +176,15 @@ fn foreseen(
             let tolerance = written.constant_within.unwrap_or(leading.tolerance);
             Foreseen::Leading(LeadingLine { tolerance, ..leading })
         }
+    }
+}
+
+fn measured(written: &Prediction) -> MeasuredNorm {
+    MeasuredNorm {
+        norm: written.norm,
+        variable: written.variable,
+        order: written.order,
+        time_reference: TIME_REFERENCE,
     }
 }
 
@@ -192,6 +216,7 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
             .as_ref()
             .and_then(|sweep| sweep.reference)
             .map(|run| MeshAndSteps { n: Some(run.n), steps: run.steps }),
+        other_error: None,
         constant_owed: written.constant_within.is_some(),
         unique: ![Hypothesis::Smallness, Hypothesis::StepSize]
             .iter()

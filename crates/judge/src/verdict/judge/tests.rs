@@ -430,6 +430,7 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
         norm: V_MAX.into(),
         variable: Variable::K,
         foreseen: off.foreseen.expect("a line"),
+        other_error: None,
     };
     assert_eq!(known, [expected]);
 }
