@@ -54,6 +54,9 @@ pub mod shipped;
 
 #[cfg(doctest)]
 #[doc = include_str!("../docs/EXTENDING.md")]
+#[doc = "```rust"]
+#[doc = include_str!("../docs/elements/cubic.rs")]
+#[doc = "```"]
 mod extending {}
 
 // The front door, and what its users need.

@@ -35,12 +35,11 @@ beside scikit-fem "$solver" viscoelastic
 beside scikit-fem "$solver" signorini --pressure
 beside scikit-fem "$solver" quadratic-elastic
 beside scikit-fem "$solver" tests/independent/quadratic-signorini.toml --pressure
-skeleton=$out/solve.py
-sed -n '/^```python$/,/^```$/p' docs/EXTERNAL.md | grep -v '^```' >"$skeleton"
-beside "the solver of docs/EXTERNAL.md" "$python $skeleton" viscoelastic
-beside "the solver of docs/EXTERNAL.md" "$python $skeleton" prony
-beside "the solver of docs/EXTERNAL.md" "$python $skeleton" signorini --pressure
-beside "the solver of docs/EXTERNAL.md" "$python $skeleton" state-instant --pressure
+begin="$python docs/solvers/numpy_p1.py"
+beside "numpy alone" "$begin" viscoelastic
+beside "numpy alone" "$begin" prony
+beside "numpy alone" "$begin" signorini --pressure
+beside "numpy alone" "$begin" state-instant --pressure
 if command -v FreeFem++ >/dev/null; then
     # Debian keeps plugins and include files where its FreeFem++ does not look.
     export FF_LOADPATH=${FF_LOADPATH:-/usr/lib/freefem++} FF_INCLUDEPATH=${FF_INCLUDEPATH:-/usr/include/freefem++/idp}

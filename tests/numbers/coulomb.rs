@@ -1,4 +1,4 @@
-//! Source: -σ_τ ∈ S ∂|u_τ| with S = μ_f p(u_ν); the sharp form of (2.9) for it, docs/THEORY.md.
+//! Source: -σ_τ ∈ S ∂|u_τ| with S = μ_f p(u_ν); the sharp form of (2.9) for it, docs/CONTACT-LAWS.md.
 //! Goal: the entries of the Jacobian are differences of the residual, and only the way to the solution depends on them; the
 //!   constants bound what they must; a wrong coefficient and a bound that does not follow p leave the order.
 //! Mesh: n × n squares cut from lower left to upper right.

@@ -37,13 +37,19 @@ fn same(word: &str, other: &str) -> bool {
     }
 }
 
-/// Where two texts differ; costs are predictions of time and left out.
+/// Where two texts differ; costs are predictions of time and left out. A line of … on the page stands for any lines.
 fn difference(shown: &str, printed: &str) -> Option<String> {
     let lines = |text: &str| -> Vec<String> {
         let words = |line: &str| line.split("about").next().unwrap_or("").trim_end().to_owned();
         text.lines().map(words).collect()
     };
-    let (shown, printed) = (lines(shown), lines(printed));
+    let (mut shown, printed) = (lines(shown), lines(printed));
+    if let Some(at) = shown.iter().position(|line| line == "…")
+        && shown.len() <= printed.len()
+    {
+        let tail = printed.len() + at + 1 - shown.len();
+        shown.splice(at..=at, printed[at..tail].iter().cloned());
+    }
     let differ = |(a, b): &(&String, &String)| {
         let (a, b): (Vec<_>, Vec<_>) =
             (a.split_whitespace().collect(), b.split_whitespace().collect());
@@ -205,5 +211,7 @@ fn differences_are_seen() {
     assert_eq!(difference("a 5.1e-15 [0.90, 1.06]\n", "a 7.3e-15 [0.90, 1.06]\n"), None);
     assert!(difference("a [0.90, 1.06]\n", "a [0.91, 1.06]\n").is_some());
     assert!(difference("a\n", "a\nb\n").is_some());
+    assert_eq!(difference("a\n…\nd\n", "a\nb\nc\nd\n"), None);
+    assert!(difference("a\n…\nd\n", "a\nb\nc\ne\n").is_some());
     assert_eq!(difference("n = 8: about 2 ms\n", "n = 8: about 3 ms\n"), None);
 }
