@@ -32,7 +32,8 @@ fn cases(label: f64, error: impl Fn(f64) -> f64) -> Vec<JudgedPoint> {
 }
 
 fn compared(used: &[JudgedPoint], line: &LeadingLine) -> ConstantComparison {
-    compare_constant(constant(), used, line, &prediction(), Direction::Time).expect("cases")
+    let time = Direction::Time;
+    compare_constant(constant(), used, line, &prediction(), time, time).expect("cases")
 }
 
 /// e = 5 k² (1 + 3 k²), with a leading error of both terms or the first.
@@ -97,7 +98,10 @@ fn no_number_is_a_miss_and_no_case_is_no_comparison() {
     assert_eq!(compared(&used, &line(|_| 0.0)).decision, Decision::Fail);
     let nothing = LeadingLine { points: Vec::new(), limit: None, tolerance: 0.01 };
     let direction = Direction::Time;
-    assert!(compare_constant(constant(), &used, &nothing, &prediction(), direction).is_none());
+    assert!(
+        compare_constant(constant(), &used, &nothing, &prediction(), direction, direction)
+            .is_none()
+    );
 }
 
 /// Ratios of 1.5 % to one, beyond a tolerance of 0.1 %, vouch for the order over a refinement by 4. Over one by 1.25 they do
