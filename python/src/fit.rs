@@ -49,7 +49,7 @@ pub fn fit<'py>(
     };
     // By the steps that serve, coarse to fine as the caller sorts them.
     let further = Further::after("h", &steps(true), &steps(false), reference);
-    let posterior = match infer(&levels, &Known { noise: None, log, reference }) {
+    let posterior = match infer(&levels, &Known { log, reference, ..Known::default() }) {
         Ok(posterior) => posterior,
         // Too few levels are a property of the table; other errors are the author's.
         Err(error @ FitError::TooFew { .. }) => {

@@ -57,7 +57,12 @@ impl Asked {
     }
 
     pub(super) fn known(self) -> Known {
-        Known { noise: self.noise, log: self.claim.log, reference: self.reference }
+        Known {
+            noise: self.noise,
+            log: self.claim.log,
+            reference: self.reference,
+            differences: false,
+        }
     }
 
     /// With the claim of one direction.

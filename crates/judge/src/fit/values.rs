@@ -48,7 +48,7 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
         let pairs = samples.windows(2).zip(&differences);
         let levels = pairs.map(|pair| level(pair, order));
         let levels = levels.collect::<Result<Vec<Level>, LevelError>>()?;
-        let posterior = infer(&levels, &Known::EXACT)?;
+        let posterior = infer(&levels, &Known { differences: true, ..Known::EXACT })?;
         passes += 1;
         if passes == PASSES || (posterior.order - order).abs() < SETTLED || regular(samples) {
             return Ok(posterior);

@@ -155,11 +155,15 @@ pub struct Known {
     /// Step h_r of the run that the errors are measured against: e = C (h^p − h_r^p), or the same of squares where errors
     /// are orthogonal. 0 stands for an exact solution, none for a table that does not say.
     pub reference: Option<f64>,
+    /// The errors are differences of neighbouring values: their noise is that of two values and correlated, so that it tells
+    /// nothing of next terms.
+    pub differences: bool,
 }
 
 impl Known {
     /// Errors against an exact solution.
-    pub const EXACT: Self = Self { noise: None, log: 0.0, reference: Some(0.0) };
+    pub const EXACT: Self =
+        Self { noise: None, log: 0.0, reference: Some(0.0), differences: false };
 
     /// # Errors
     /// [`FitError::Reference`] if the reference is no exact solution and no run of a step below the finest one.
@@ -186,11 +190,11 @@ pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
 /// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::Level`] for a noise that is none,
 /// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M, [`FitError::Reference`].
 pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
-    let Known { noise, log, reference } = *known;
+    let Known { noise, log, reference, differences } = *known;
     let (mut serving, left_out): (Vec<Level>, Vec<Level>) =
         levels.iter().partition(|level| level.screened().is_ok());
     serving.sort_by(|a, b| b.size().total_cmp(&a.size()));
-    let table = Table::new(&serving, noise, log)?;
+    let table = Table { differences, ..Table::new(&serving, noise, log)? };
     // The exponent of the likelier form of errors against a reference.
     let mut likelier = 1.0;
     let parts = match reference {
@@ -333,6 +337,7 @@ struct Table {
     scales: Vec<f64>,
     /// The step of the reference is known, and taken out.
     against_reference: bool,
+    differences: bool,
     /// Log weight of the likeliest reading so far.
     best: Cell<f64>,
     /// The same at the noise of the first look.
@@ -375,6 +380,7 @@ impl Table {
             noise: if known.is_some() { vec![(1.0, 1.0)] } else { NOISE.to_vec() },
             scales: known.unwrap_or_else(|| vec![1.0; levels.len()]),
             against_reference: false,
+            differences: false,
             best: Cell::new(f64::NEG_INFINITY),
             seen: Cell::new(f64::NEG_INFINITY),
             flat: 0,
@@ -601,7 +607,7 @@ impl Table {
         // From the largest noise on, until the residuals are too large for the noise.
         for noise in kept.noise.iter().rev() {
             let component = gram.component(noise, node.order());
-            let prior = match kept.long && !self.told_noise() {
+            let prior = match kept.long && !self.told_noise() && !self.differences {
                 true => node.log_prior_at(noise.size),
                 false => node.log_prior,
             };

@@ -370,7 +370,7 @@ fn time_a_table() {
 fn what_is_no_table_is_refused() {
     let [a, b, c] = [0.25, 0.125, 0.0625].map(|h| level(h, h));
     let refused = |levels: &[Level], noise, log| {
-        infer(levels, &Known { noise, log, reference: None }).unwrap_err()
+        infer(levels, &Known { noise, log, ..Known::default() }).unwrap_err()
     };
     assert_eq!(refused(&[a, b], None, 0.0), FitError::TooFew { found: 2, needed: 3 });
     for noise in [0.0, -0.1, f64::NAN, f64::INFINITY, 1e308] {
