@@ -12,7 +12,7 @@ use judge::verdict::{Earlier, exit_code, read_earlier, restore_reasons};
 use report::write_all;
 use run::merge::unfinished_in_words;
 use run::sweep::{
-    OutputDirectory, OutputError, Provenance, foresee, judge_scene, missing_cases, planned,
+    OutputDirectory, OutputError, Provenance, judge_scene, judge_subject, missing_cases, planned,
 };
 use scene::Scene;
 use scene::setup::Subject;
@@ -42,7 +42,7 @@ impl Report {
         let path = self.dir.join("cases.csv");
         let read = read_table(&path).and_then(|table| table.unchanged(&path));
         let CaseTable { cases: mut records, torn, .. } = read.map_err(CliError::other)?;
-        let Earlier { failures, mut foreseen } =
+        let Earlier { failures, foreseen } =
             read_earlier(&self.dir.join("verdict.json")).map_err(CliError::other)?;
         restore_reasons(&mut records, &failures);
         let known = Provenance::read(&self.dir)?;
@@ -65,10 +65,10 @@ impl Report {
                 // The report can omit the bounds on the step size.
                 subject => subject.ok(),
             };
-            if let Some(subject) = subject.as_ref().filter(|_| unknown) {
-                foreseen.extend(foresee(subject, &records));
-            }
-            verdicts.extend(judge_scene(scene, &records, &owed.keys, &foreseen));
+            verdicts.extend(match subject.as_ref().filter(|_| unknown) {
+                Some(subject) => judge_subject(subject, &records, &owed.keys),
+                None => judge_scene(scene, &records, &owed.keys, &foreseen),
+            });
             let mut summary = scene_summary(scene, subject.as_ref());
             if !owed.missing.is_empty() {
                 summary.remarks.push(unfinished_in_words(&owed.missing));

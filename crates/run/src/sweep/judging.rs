@@ -79,20 +79,28 @@ fn largest_step(time: &Time, steps: u32) -> Option<f64> {
 
 /// The verdicts of a plan on its records: orders, and with `constants` their predicted constants.
 pub fn judge_plan(plan: &ScenePlan, records: &[CaseRecord], constants: bool) -> Vec<Verdict> {
-    let mut foreseen = if constants { foresee(&plan.subject, records) } else { Vec::new() };
-    let judge = |foreseen: &[_]| judge_scene(plan.scene(), records, &plan.keys(), foreseen);
-    let verdicts = judge(&foreseen);
-    let open = |verdict: &&Verdict| verdict.decision != Decision::Pass;
-    if !constants || verdicts.iter().find(open).is_none() {
+    if constants {
+        judge_subject(&plan.subject, records, &plan.keys())
+    } else {
+        judge_scene(plan.scene(), records, &plan.keys(), &[])
+    }
+}
+
+/// The verdicts on records with all that is known of a scene beforehand.
+pub fn judge_subject(subject: &Subject, records: &[CaseRecord], expected: &[Key]) -> Vec<Verdict> {
+    let scene = subject.scene();
+    let mut foreseen = foresee(subject, records);
+    let verdicts = judge_scene(scene, records, expected, &foreseen);
+    if verdicts.iter().all(|verdict| verdict.decision == Decision::Pass) {
         return verdicts;
     }
     // What is not refined may be in the way.
     let mut known = InTime::default();
-    for (line, written) in foreseen.iter_mut().zip(&plan.scene().predicts) {
-        let cases = line_places(plan.scene(), records, &prediction(plan.scene(), written));
-        line.other_error = other_error(&plan.subject, &measured(written), &cases, &mut known);
+    for (line, written) in foreseen.iter_mut().zip(&scene.predicts) {
+        let cases = line_places(scene, records, &prediction(scene, written));
+        line.other_error = other_error(subject, &measured(written), &cases, &mut known);
     }
-    judge(&foreseen)
+    judge_scene(scene, records, expected, &foreseen)
 }
 
 /// The predicted constants of a judged scene, on the recorded cases of its predictions.

@@ -27,7 +27,7 @@ pub use cost::{Cost, PlanCost, RunCost, kept_by_meshes, run_cost};
 pub use floors::{
     FloorPart, FloorRow, NORMS, abstract_floors, contact_floors, direct_history, floors_beside,
 };
-pub use judging::{foresee, foresee_plan, judge_plan, judge_scene};
+pub use judging::{foresee, foresee_plan, judge_plan, judge_scene, judge_subject};
 pub use memory_limit::{MemoryLimit, TooLarge};
 pub use needs::admit_run;
 pub use output::{OutputDirectory, OutputError};
