@@ -573,6 +573,15 @@ fn options_change_what_is_judged() {
     assert_eq!((exit, found["points_used"].as_array().map(Vec::len)), (0, Some(5)));
     let left = found["points_left_out"].as_array().expect("points");
     assert!(left.len() == 5 && left[0]["reason"] == "outside of the window", "{left:?}");
+    // Of 18 levels the finest twelve are read, and the others are said to be none of them.
+    let long = rows(1..19, &|h| h);
+    let (exit, found) = fitted(&folder, &long, &["--p", "1"]);
+    let found = row(&found, "h");
+    assert_eq!((exit, &found["coarse_left_out"]), (0, &6.into()));
+    let reason = found["reason"].as_str().expect("a reason");
+    assert!(reason.ends_with(", without the 6 coarsest levels"), "{reason}");
+    let printed = stdout(&sweep(&["fit", &folder.file("long.csv", &long)]));
+    assert_eq!(printed.matches(", without the 6 coarsest levels\n").count(), 1, "{printed}");
     let high = rows(2..8, &|h| h.powf(1.3));
     assert_eq!(fitted(&folder, &high, &["--p", "1"]).0, 1);
     assert_eq!(fitted(&folder, &high, &["--p", "1", "--tolerance", "0.5"]).0, 0);
