@@ -120,6 +120,7 @@ impl Fit {
             claims.resolve(&tables.groups).map_err(|why| CliError::about(self.name(), why))?;
         }
         self.one_direction(&tables)?;
+        self.of_errors_alone(&tables)?;
         if let Some(Err(error)) = self.noise.map(deviation) {
             return Err(CliError::about("--noise", error));
         }
@@ -207,6 +208,27 @@ impl Fit {
             errors: names.map(str::to_owned).collect(),
         };
         tables(&self.name(), &bytes?, &reading)
+    }
+
+    /// What is said of errors is no word about values.
+    fn of_errors_alone(&self, tables: &Tables) -> Result<(), CliError> {
+        let values = tables.groups.iter().find(|group| group.quantity == Quantity::Value);
+        let options = [
+            ("--floor", self.floor.is_some()),
+            ("--reference", self.reference.is_some()),
+            ("--log", self.log != 0.0),
+        ];
+        match (values, options.iter().find(|(_, given)| *given)) {
+            (Some(group), Some((option, _))) => {
+                let table =
+                    group.heading().map_or(String::new(), |heading| format!(" `{heading}`"));
+                let what = format!(
+                    "the table{table} has values, of which no error is known: leave it out, or write the errors as `error`"
+                );
+                Err(CliError::about(option, what))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// A floor for the errors that have none of their own.

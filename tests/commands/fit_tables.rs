@@ -486,6 +486,17 @@ fn values_without_a_limit_say_so() {
     let range = fitted(&folder, &table(&|level, h| 1.0 + h * [1.0, -1.0][level % 2]), &[]).1;
     // Last three: ± h at 1/16, 1/32, 1/64, so 1 + 1/16 down to 1 − 1/32.
     assert_eq!(row(&range, "k")["half_range"].as_f64(), Some(0.5 * (1.0 / 16.0 + 1.0 / 32.0)));
+    // A limit that nobody knows has no errors, of which these are words.
+    for option in [["--floor", "1e-9"], ["--reference", "0"], ["--log", "1"]] {
+        let output = sweep(&[
+            "fit",
+            &folder.file("values.csv", "h,value\n0.5,1\n0.25,2\n"),
+            option[0],
+            option[1],
+        ]);
+        let words = format!("{}: the table has values", option[0]);
+        assert!(code(&output) == 2 && stderr(&output).contains(&words), "{}", stderr(&output));
+    }
     // Too few, and with a hole.
     let (exit, rows) = fitted(&folder, "h,value\n0.5,1\n0.25,2\n", &["--p", "1"]);
     assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"unresolved".into()));
