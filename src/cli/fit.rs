@@ -166,7 +166,8 @@ impl Fit {
             let version = serde_json::json!({ "version": env!("CARGO_PKG_VERSION") });
             write_junit(path, &found.verdicts, &version, None)?;
         }
-        if self.github || on_github(false) && !(self.json || self.markdown || self.latex) {
+        let printed = self.json || self.markdown || self.latex;
+        if !found.verdicts.is_empty() && (self.github || on_github(false) && !printed) {
             announce(&[], &found.verdicts, |_, of| self.place(&tables, of?))?;
         }
         if self.markdown || self.latex {

@@ -2,7 +2,9 @@
 //! Source: every table is a formula in this file, so its order is known without fitting.
 //! Goal: the expected verdict for each kind of table that a sweep can produce.
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use std::path::Path;
+
+use crate::program::{Folder, code, command, json, stderr, stdout, sweep};
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{Decision, Prediction, Variable, judge};
 use serde_json::Value;
@@ -734,4 +736,26 @@ fn tables_at_the_edges_get_what_an_analyst_says() {
         let refused = sweep(&["fit", &path, options[0], options[1]]);
         assert!(code(&refused) == 2 && stderr(&refused).contains(what), "{}", stderr(&refused));
     }
+}
+
+/// On GitHub a table has verdicts and no cases; without a predicted order nothing is judged, and nothing is announced.
+#[test]
+fn github_is_told_of_tables_and_verdicts() {
+    let folder = Folder::new("fit-github");
+    let table = folder.file(
+        "errors.csv",
+        "h,L2,H1\n0.5,1,1\n0.25,0.25,0.5\n0.125,0.0625,0.25\n0.0625,0.015625,0.125\n",
+    );
+    let summary = folder.argument("summary.md");
+    let fit = |aim: &[&str]| {
+        let mut command = command(&[&["fit", &table, "--github"], aim].concat());
+        stdout(&command.env("GITHUB_STEP_SUMMARY", &summary).output().expect("the binary"))
+    };
+    assert!(!fit(&[]).contains("::") && !Path::new(&summary).exists());
+    let told = fit(&["--p", "L2=2,H1=2"]);
+    let count = "1 of 2 verdicts as expected; 2 tables\n";
+    assert!(told.contains(&format!("::notice title=orders of convergence::{count}")), "{told}");
+    assert!(told.contains("errors.csv,line=2,title="), "{told}");
+    let text = std::fs::read_to_string(&summary).expect("a summary");
+    assert!(text.contains(count) && !text.contains("case"), "{text}");
 }
