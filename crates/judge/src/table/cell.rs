@@ -250,7 +250,12 @@ pub(super) fn role(name: &str) -> Role {
     let measures = || measures.iter().any(|part| normalised.replace("normal", "").contains(part));
     match &*normalised {
         _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,
-        "" if name.contains(['‖', '|', '误', '誤']) || lower.contains("ошиб") => Role::Wide,
+        "" if name.contains(['‖', '误', '誤'])
+            || name.matches('|').count() > 1
+            || lower.contains("ошиб") =>
+        {
+            Role::Wide
+        }
         "" => Role::Ignored,
         // A logarithm of an error is none, nor is what theory expects.
         _ if normalised.starts_with("log") || has("iter residual expect predict theor") => {

@@ -76,7 +76,15 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
         let mut kept = again.iter();
         found.retain(|_| kept.next() == Some(&false));
         if !found.is_empty() {
-            return tables(&found, reading, &blocks);
+            let mut tables = tables(&found, reading, &blocks);
+            // A table whose cells are parted otherwise.
+            if let (Some(line), Some(last)) =
+                (unread(text, &found, reading), tables.said.last_mut())
+                && !last.contains(NOT_READ)
+            {
+                *last += &format!("{NOT_READ}{line}");
+            }
+            return Ok(tables);
         }
         // A table that is broken is not cut another way until something comes out.
         if blocks.iter().any(is_table) {
@@ -87,11 +95,25 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     Err(best.map_or_else(|| TableError::at(1, nothing), |(_, error)| error))
 }
 
-fn tables(
-    found: &[(&Block, Columns)],
-    reading: &Reading,
-    blocks: &[Block],
-) -> Result<Tables, TableError> {
+const NOT_READ: &str = "; not read: the rows of line ";
+
+/// The first row of a table in the lines that no table is read from.
+fn unread(text: &str, found: &[(&Block, Columns)], reading: &Reading) -> Option<u64> {
+    let ends = |block: &Block| block.line..=block.rows.last().map_or(block.line, |row| row.line);
+    let taken: Vec<_> = found.iter().map(|(block, _)| ends(block)).collect();
+    let mut next = taken.iter().peekable();
+    let rest = (1..).zip(text.lines()).map(|(line, text)| {
+        while next.next_if(|lines| *lines.end() < line).is_some() {}
+        if next.peek().is_some_and(|lines| lines.contains(&line)) { "" } else { text }
+    });
+    let rest = rest.collect::<Vec<_>>().join("\n");
+    let table = |block: &Block| {
+        is_table(block) || block.rows.len() > 1 && Columns::of(block, reading).is_ok()
+    };
+    readings(&rest).flatten().find(table).map(|block| block.rows[0].line)
+}
+
+fn tables(found: &[(&Block, Columns)], reading: &Reading, blocks: &[Block]) -> Tables {
     let (mut groups, mut said) = (Vec::new(), Vec::new());
     for (at, (block, columns)) in found.iter().enumerate() {
         let title = (found.len() > 1).then(|| {
@@ -114,14 +136,23 @@ fn tables(
         });
     }
     let read: Vec<u64> = found.iter().map(|(block, _)| block.line).collect();
-    // A single row is noise of a log, unless it has the cells of a table.
-    let widths: Vec<usize> = found.iter().map(|(block, _)| block.names.len()).collect();
-    let rows = |block: &Block| block.rows.len() > 1 || widths.contains(&block.rows[0].cells.len());
+    // A single row is noise of a log, unless it has the cells of a table or stands right below it.
+    let rows = |block: &Block| {
+        let row = &block.rows[0];
+        let belongs = |of: &Block| {
+            of.names.len() == row.cells.len()
+                || of
+                    .rows
+                    .last()
+                    .is_some_and(|last| (last.line..=last.line + 2).contains(&row.line))
+        };
+        block.rows.len() > 1 || found.iter().any(|(of, _)| belongs(of))
+    };
     let other = blocks.iter().find(|block| !read.contains(&block.line) && rows(block));
     if let (Some(other), Some(last)) = (other, said.last_mut()) {
-        *last += &format!("; not read: the rows of line {}", other.rows[0].line);
+        *last += &format!("{NOT_READ}{}", other.rows[0].line);
     }
-    Ok(Tables { groups, said })
+    Tables { groups, said }
 }
 
 fn rows(

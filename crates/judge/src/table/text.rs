@@ -78,6 +78,22 @@ pub(super) struct Line<'a> {
     pub(super) kind: Kind,
 }
 
+impl Line<'_> {
+    fn bare(&self) -> &str {
+        self.text.trim().trim_start_matches(['#', '%']).trim()
+    }
+
+    /// The names above `width` columns; `#` may be one of a column that counts.
+    fn names(&self, separator: Separator, width: usize) -> Vec<String> {
+        match self.kind {
+            Kind::Comment if self.cells.len() != width || self.cells[0] != "#" => {
+                cut(self.bare(), separator)
+            }
+            _ => self.cells.clone(),
+        }
+    }
+}
+
 /// The blocks by every way to cut the text, each as a list: the first with a table in it is meant. What nothing is found in is
 /// read once more without the signs of comments, quotations and changes before its lines.
 pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
@@ -181,7 +197,16 @@ fn typed(line: &str) -> String {
 
 pub(super) fn is_rule(text: &str) -> bool {
     let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
-    let latex = ["\\hline", "\\toprule", "\\midrule", "\\bottomrule", "\\cline", "\\cmidrule"];
+    let latex = [
+        "\\begin",
+        "\\end",
+        "\\hline",
+        "\\toprule",
+        "\\midrule",
+        "\\bottomrule",
+        "\\cline",
+        "\\cmidrule",
+    ];
     let text = text.trim();
     let bare = latex.iter().any(|rule| text.starts_with(rule)) && !text.contains('&');
     bare || text.chars().all(drawn) && text.chars().filter(|&c| !" \t".contains(c)).count() > 2
@@ -228,12 +253,13 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
 pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
     let mut lines = Vec::new();
     for (at, text) in (1..).zip(text.lines()) {
-        if text.trim().is_empty() || is_rule(text) {
+        let empty = text.trim().trim_matches(BARS).is_empty();
+        if empty || is_rule(text) {
             lines.push(Line { number: at, text, cells: Vec::new(), kind: Kind::Gap });
             continue;
         }
         let cells = cut(text, separator);
-        let numbers = cells.iter().filter(|cell| number(cell).is_some()).count();
+        let numbers = numbers(&cells);
         let words = cells.iter().filter(|cell| is_word(cell)).count();
         let row = match separator {
             Separator::Blanks => numbers > 0 && numbers >= words,
@@ -247,6 +273,10 @@ pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
         lines.push(Line { number: at, text, cells, kind });
     }
     lines
+}
+
+fn numbers(cells: &[String]) -> usize {
+    cells.iter().filter(|cell| number(cell).is_some()).count()
 }
 
 pub(super) fn is_word(cell: &str) -> bool {
@@ -282,7 +312,14 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
             let alike = begins == lines[first].cells.first().map(|cell| is_word(cell));
             match line.kind {
                 Kind::Gap => gap = true,
-                Kind::Comment => {}
+                Kind::Comment => {
+                    let names = line.names(separator, width);
+                    if names.len() == width && names.iter().any(|name| is_size(name)) {
+                        break;
+                    }
+                    // A row that somebody has taken out.
+                    left_out.extend((numbers(&names) > 1).then_some(line.number));
+                }
                 _ if begins == Some(true) && !alike && is_summary(line.text) => {
                     left_out.push(line.number)
                 }
@@ -294,11 +331,21 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                 // Ragged or broken rows are refused where they are read.
                 Kind::Row if !gap && (same || begins == Some(false)) => rows.push(at),
                 Kind::Text if !gap && same && separator != Separator::Blanks => rows.push(at),
+                Kind::Text
+                    if !gap && separator == Separator::Pipe && line.bare().starts_with('|') =>
+                {
+                    rows.push(at);
+                }
                 // So is one that is torn, between rows that are whole.
                 _ if !gap && separator != Separator::Blanks && goes_on(&lines, at + 1, width) => {
                     rows.push(at);
                 }
-                _ => break,
+                _ => {
+                    // A row of too many words is prose, or is torn.
+                    let torn = !gap && line.kind == Kind::Text && numbers(&line.cells) > 1;
+                    left_out.extend(torn.then_some(line.number));
+                    break;
+                }
             }
             at += 1;
         }
@@ -306,12 +353,19 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         let rows = rows.iter().map(cells).collect();
         let block = head(&lines[..first], separator, width, rows, left_out);
         // One column alone is one of errors, or a list of something else.
-        let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&']);
+        let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&', '=']);
         if width > 1 || block.names.first().is_some_and(one) {
             found.push(block);
         }
     }
-    found
+    // A program that prints names and one row is run again and again.
+    let mut joined: Vec<Block> = Vec::new();
+    for same in found.chunk_by(|a, b| a.names == b.names && a.rows.len() * b.rows.len() == 1) {
+        let mut block = same[0].clone();
+        block.rows.extend(same[1..].iter().flat_map(|block| block.rows.clone()));
+        joined.push(block);
+    }
+    joined
 }
 
 fn goes_on(lines: &[Line], at: usize, width: usize) -> bool {
@@ -346,14 +400,9 @@ fn head(
             break;
         }
     }
-    let plain = |line: &Line| line.text.trim().trim_start_matches(['#', '%']).trim().to_owned();
-    let words = |line: &Line| match line.kind {
-        Kind::Comment if separator != Separator::Blanks => cut(&plain(line), separator),
-        Kind::Comment => cut(&plain(line), Separator::Blanks),
-        _ => line.cells.clone(),
-    };
+    let words = |line: &Line| line.names(separator, width);
     let line = texts.first().map_or(rows[0].line, |line| line.number);
-    let title = |at: usize| texts.get(at).map_or(String::new(), |line| plain(line));
+    let title = |at: usize| texts.get(at).map_or(String::new(), |line| line.bare().to_owned());
     let block = |names, title, rows, left_out| Block {
         title,
         left_out,
@@ -370,7 +419,7 @@ fn head(
     }
     let mut ways = vec![words(first)];
     if separator == Separator::Blanks {
-        let groups: Vec<String> = (plain(first).replace('\t', "  ").split("  "))
+        let groups: Vec<String> = (first.bare().replace('\t', "  ").split("  "))
             .map(|name| name.trim().trim_end_matches([',', ';']).to_owned())
             .filter(|name| !name.is_empty())
             .collect();
@@ -401,15 +450,21 @@ fn head(
     let Some((names, _)) = best else {
         return block(ways.swap_remove(0), title(1), rows, left_out);
     };
-    // Cells of rates that the first rows lack, each beside its norm or all at the end.
+    // Cells of rates that the first rows lack, each beside its norm or all at the end, or the last row at its end: between whole rows
+    // any cell may be the lost one.
     let rates: Vec<usize> = (0..width).filter(|&at| is_rate(&names[at])).collect();
-    for (at, row) in rows.iter_mut().enumerate() {
-        let there = row.cells.len();
-        let rest = |name: &String| matches!(role(name), Role::Unknown | Role::Ignored);
-        if there + rates.len() == width {
+    let rest = |from: usize, unread: fn(&String) -> bool| names[from..].iter().all(unread);
+    let whole = |row: &Cells| row.cells.len() == width;
+    let first = rows.iter().position(whole).unwrap_or(0);
+    let last = rows.len() - 1;
+    for (at, row) in rows.iter_mut().enumerate().filter(|(at, _)| *at < first || *at == last) {
+        let there = row.cells.len().min(width);
+        if at < first && there + rates.len() == width {
             rates.iter().for_each(|&at| row.cells.insert(at, String::new()));
-        } else if at == 0 && there < width && names[there..].iter().all(rest) {
-            row.cells.resize(width, String::new());
+        } else if at == 0 && rest(there, |name| matches!(role(name), Role::Unknown | Role::Ignored))
+            || at == last && there + rates.len() == width && rest(there, |name| is_rate(name))
+        {
+            row.cells.resize(row.cells.len().max(width), String::new());
         }
     }
     block(names, title(1), rows, left_out)
@@ -477,7 +532,9 @@ fn is_index(rows: &[Cells]) -> bool {
     let counted = |at: usize, row: &Cells, from: usize| {
         first(row).is_some_and(|cell| cell.parse() == Ok(at + from))
     };
-    let words = rows.iter().all(|row| first(row).is_some_and(|cell| is_word(&cell)));
+    // `25  0` of `25  0,004` is no name.
+    let word = |cell: String| cell.split(' ').next().is_some_and(is_word);
+    let words = rows.iter().all(|row| first(row).is_some_and(word));
     let counts = |from| rows.iter().enumerate().all(|(at, row)| counted(at, row, from));
     words || counts(0) || counts(1)
 }
