@@ -35,7 +35,7 @@ class Unsure(Exception):
 
 
 def bare(name):
-    return re.sub(r"[^a-z0-9]", "", name.lower().replace("∞", "inf"))
+    return re.sub(r"[^a-z0-9]", "", name.lower().replace("∞", "inf").replace("\\hline", ""))
 
 
 def kind(name):
@@ -117,7 +117,7 @@ def blocks(lines, separator):
         at += 1
         names = cut(line, separator)
         known = kinds(names)
-        if separator is None and "\t" in line.strip():
+        if separator is None and re.match(r"\||.*\t", line.strip()):
             raise Unsure(line)
         if len(names) < 2 or any(name and numeric(name) for name in names) or "error" not in known:
             if len(re.findall(r"(?<![\w.])[-+.]?\d", line)) > 1 or kind(line) == "error":
@@ -235,10 +235,11 @@ def difference(found, answer):
         for point in points:
             if not any(near(point, other) for other in known):
                 return f"`{name}` has no {point}"
+    lines_left = re.search("left out: .*line", said)
     left_out = [bare(name) for part in re.findall("left out: (.*)", said) for name in re.findall("`(.*?)`", part)]
     for name, points in answer.items():
         gaps = any(row[4] for table in found["tables"] for row in table["rows"])
-        if name in left_out or "not read" in said or gaps:
+        if name in left_out or "not read" in said or lines_left or gaps:
             continue
         if name not in read:
             return f"`{name}` is lost"

@@ -290,8 +290,11 @@ fn part(name: &str) -> Option<Role> {
     let parts = ends.chain((1..words.len()).map(|at| words[..at].concat()));
     // `u_h` is a solution.
     let sized = |part: &String| part.len() > 1 || name.split_whitespace().any(|word| word == "h");
+    // `Running with N`.
+    let last = name.split_whitespace().last().filter(|word| word.eq_ignore_ascii_case("n"));
     parts
         .filter(sized)
+        .chain((words.len() > 1).then_some(last).flatten().map(str::to_owned))
         .map(|part| role(&part))
         .find(|role| matches!(role, Role::Space(_) | Role::Time(_)))
 }
@@ -309,8 +312,8 @@ pub(super) fn is_rate(name: &str) -> bool {
     RATES.split(' ').any(|rate| normalised.contains(rate))
 }
 
-/// How well a column answers to a name that a caller gives: 3 for the name itself, 2 but for case and signs, 1 if `L2`
-/// is asked and it is `error_L2` or `L2 norm`.
+/// How well a column answers to a name that a caller gives: 4 for the name itself, 3 but for case and signs, 2 if `L2`
+/// is asked and it is `error_L2` or `L2 norm`, 1 if it is `||u - u_h||_L2`.
 pub(super) fn likeness(asked: &str, column: &str) -> u8 {
     let core = |name: &str| {
         let mut text = normal(name);
@@ -320,8 +323,14 @@ pub(super) fn likeness(asked: &str, column: &str) -> u8 {
         }
         text
     };
-    let same = [asked == column, normal(asked) == normal(column), core(asked) == core(column)];
-    same.iter().position(|same| *same).map_or(0, |at| 3 - at as u8)
+    let mut words = column.split(|c: char| !c.is_alphanumeric());
+    let same = [
+        asked == column,
+        normal(asked) == normal(column),
+        core(asked) == core(column),
+        !is_rate(column) && words.any(|word| word.len() > 1 && word.eq_ignore_ascii_case(asked)),
+    ];
+    same.iter().position(|same| *same).map_or(0, |at| 4 - at as u8)
 }
 
 /// Which of several names is asked for: the one that is most alike.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::columns::Columns;
-use super::text::{Block, is_table, known, readings};
+use super::text::{Block, Cells, is_table, known, readings};
 use super::{Group, Quantity, Reading, Row, TableError};
 use crate::fit::{Direction, Point, deviation, is_step, screen};
 
@@ -76,13 +76,11 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
         let mut kept = again.iter();
         found.retain(|_| kept.next() == Some(&false));
         if !found.is_empty() {
-            let mut tables = tables(&found, reading, &blocks);
-            // A table whose cells are parted otherwise.
+            let mut tables = tables(&found, reading);
             if let (Some(line), Some(last)) =
-                (unread(text, &found, reading), tables.said.last_mut())
-                && !last.contains(NOT_READ)
+                (unread(text, &blocks, &found, reading), tables.said.last_mut())
             {
-                *last += &format!("{NOT_READ}{line}");
+                *last += &format!("; not read: the rows of line {line}");
             }
             return Ok(tables);
         }
@@ -95,25 +93,40 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     Err(best.map_or_else(|| TableError::at(1, nothing), |(_, error)| error))
 }
 
-const NOT_READ: &str = "; not read: the rows of line ";
-
-/// The first row of a table in the lines that no table is read from.
-fn unread(text: &str, found: &[(&Block, Columns)], reading: &Reading) -> Option<u64> {
-    let ends = |block: &Block| block.line..=block.rows.last().map_or(block.line, |row| row.line);
-    let taken: Vec<_> = found.iter().map(|(block, _)| ends(block)).collect();
-    let mut next = taken.iter().peekable();
-    let rest = (1..).zip(text.lines()).map(|(line, text)| {
-        while next.next_if(|lines| *lines.end() < line).is_some() {}
-        if next.peek().is_some_and(|lines| lines.contains(&line)) { "" } else { text }
-    });
-    let rest = rest.collect::<Vec<_>>().join("\n");
+/// The first row of what else looks like a table.
+fn unread(
+    text: &str,
+    blocks: &[Block],
+    found: &[(&Block, Columns)],
+    reading: &Reading,
+) -> Option<u64> {
+    // A single row is noise of a log, unless it has the cells of a table or stands right below it.
+    let belongs = |row: &Cells| {
+        let there = row.cells.iter().filter(|cell| !cell.is_empty()).count();
+        found.iter().any(|(of, _)| {
+            [there, row.cells.len()].contains(&of.names.len())
+                || (of.end..=of.end + 2).contains(&row.line)
+        })
+    };
+    let is_found = |block: &Block| found.iter().any(|(of, _)| of.line == block.line);
+    let rows = |block: &&Block| block.rows.len() > 1 || belongs(&block.rows[0]);
+    let other = blocks.iter().filter(|block| !is_found(block)).find(rows);
+    // In the lines that are left the cells may be parted otherwise.
     let table = |block: &Block| {
         is_table(block) || block.rows.len() > 1 && Columns::of(block, reading).is_ok()
     };
-    readings(&rest).flatten().find(table).map(|block| block.rows[0].line)
+    let of_rest = || {
+        let mut taken = found.iter().map(|(block, _)| block).peekable();
+        let rest = (1..).zip(text.lines()).map(|(line, text)| {
+            while taken.next_if(|block| block.end < line).is_some() {}
+            if taken.peek().is_some_and(|block| block.line <= line) { "" } else { text }
+        });
+        readings(&rest.collect::<Vec<_>>().join("\n")).flatten().find(table)
+    };
+    other.cloned().or_else(of_rest).map(|block| block.rows[0].line)
 }
 
-fn tables(found: &[(&Block, Columns)], reading: &Reading, blocks: &[Block]) -> Tables {
+fn tables(found: &[(&Block, Columns)], reading: &Reading) -> Tables {
     let (mut groups, mut said) = (Vec::new(), Vec::new());
     for (at, (block, columns)) in found.iter().enumerate() {
         let title = (found.len() > 1).then(|| {
@@ -134,23 +147,6 @@ fn tables(found: &[(&Block, Columns)], reading: &Reading, blocks: &[Block]) -> T
             Some(title) => format!("{title}: {}", columns.said),
             None => columns.said.clone(),
         });
-    }
-    let read: Vec<u64> = found.iter().map(|(block, _)| block.line).collect();
-    // A single row is noise of a log, unless it has the cells of a table or stands right below it.
-    let rows = |block: &Block| {
-        let row = &block.rows[0];
-        let belongs = |of: &Block| {
-            of.names.len() == row.cells.len()
-                || of
-                    .rows
-                    .last()
-                    .is_some_and(|last| (last.line..=last.line + 2).contains(&row.line))
-        };
-        block.rows.len() > 1 || found.iter().any(|(of, _)| belongs(of))
-    };
-    let other = blocks.iter().find(|block| !read.contains(&block.line) && rows(block));
-    if let (Some(other), Some(last)) = (other, said.last_mut()) {
-        *last += &format!("{NOT_READ}{}", other.rows[0].line);
     }
     Tables { groups, said }
 }

@@ -262,6 +262,19 @@ fn torn_and_mixed_texts_are_read_as_a_person_reads_them() {
     ] {
         assert!(said(&text).ends_with(words), "{text}: {}", said(&text));
     }
+    // What MATLAB and pandas print, and the size at the end of a sentence.
+    let printed =
+        "h =\n\n    0.5000    0.2500\n\nerr =\n\n   1.0e-02 *\n\n    4.0000    1.0000\n\n";
+    assert_eq!(sized(printed, &plain).0, [(0.25, 0.01), (0.5, 0.04)]);
+    let unnamed = tables("ans =\n\n    0.5000    0.0400\n    0.2500    0.0100\n", None);
+    assert!(unnamed.unwrap_err().contains(": no header"));
+    let indexed = "          h     L2  rate\nscheme                  \nCN      0.5   0.04   NaN\nCN      0.25  0.01   2.0\nBE      0.5   0.4    NaN\nBE      0.25  0.2    1.0\n";
+    assert!(said(indexed).contains("errors `L2`; a table for each `scheme`"), "{}", said(indexed));
+    let run = "Running with N = 2\nL2 error: 0.04\nRunning with N = 4\nL2 error: 0.01\n";
+    assert_eq!(sized(run, &plain).0, [(0.5, 0.04), (0.25, 0.01)]);
+    let asked = Reading { errors: vec!["L2".into()], ..Reading::default() };
+    let named = "h,x,||u - u_h||_L2,rate L2\n0.5,1,0.04,-\n0.25,1,0.01,2\n";
+    assert_eq!(sized(named, &asked).0, [(0.5, 0.04), (0.25, 0.01)]);
     // A program that is run three times.
     let again = "h error\n0.5 1\n\nh error\n0.25 0.25\n\nh error\n0.125 0.0625\n";
     assert_eq!(said(again), "read 3 rows: h from `h`, errors `error`");

@@ -15,8 +15,9 @@ pub(super) struct Cells {
 pub(super) struct Block {
     /// The line above the names, which tells tables of one text apart.
     pub(super) title: String,
-    /// The line of the names.
+    /// The line of the names, and the last line.
     pub(super) line: u64,
+    pub(super) end: u64,
     pub(super) names: Vec<String>,
     pub(super) rows: Vec<Cells>,
     /// Lines between the rows that are none: means, column types.
@@ -29,7 +30,17 @@ impl Block {
     /// Rows below no title, with nothing between them.
     pub(super) fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
         let (left_out, repeated) = (Vec::new(), Vec::new());
-        Self { title: String::new(), line, names, rows, left_out, repeated }
+        let end = rows.last().map_or(line, |row| row.line);
+        Self { title: String::new(), line, end, names, rows, left_out, repeated }
+    }
+
+    /// Columns of equal length with their names.
+    pub(super) fn of_columns(line: u64, end: u64, columns: Vec<(String, Vec<String>)>) -> Self {
+        let count = columns.first().map_or(0, |(_, cells)| cells.len());
+        let cells = |at: usize| columns.iter().map(|(_, cells)| cells[at].clone()).collect();
+        let rows = (0..count).map(|at| Cells { line, cells: cells(at) }).collect();
+        let names = columns.iter().map(|(name, _)| name.clone()).collect();
+        Self { end, ..Self::of_rows(line, names, rows) }
     }
 }
 
@@ -39,6 +50,26 @@ pub(super) enum Separator {
     Pipe,
     Character(char),
     Blanks,
+}
+
+impl Separator {
+    pub(super) const ALL: [Self; 6] = [
+        Self::Latex,
+        Self::Pipe,
+        Self::Character('\t'),
+        Self::Character(';'),
+        Self::Character(','),
+        Self::Blanks,
+    ];
+
+    pub(super) fn is_in(self, text: &str) -> bool {
+        match self {
+            Self::Latex => text.contains('&') && text.contains('\\'),
+            Self::Pipe => text.contains(BARS),
+            Self::Character(c) => text.contains(c),
+            Self::Blanks => true,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,8 +82,9 @@ pub(super) enum Kind {
 }
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 12] = [
+const WAYS: [fn(&str) -> Vec<Block>; 13] = [
     loose::arrays,
+    loose::assigned,
     loose::across,
     |text| blocks(text, Separator::Latex),
     |text| blocks(text, Separator::Pipe),
@@ -284,13 +316,7 @@ pub(super) fn is_word(cell: &str) -> bool {
 }
 
 fn blocks(text: &str, separator: Separator) -> Vec<Block> {
-    let there = match separator {
-        Separator::Latex => text.contains('&') && text.contains('\\'),
-        Separator::Pipe => text.contains(BARS),
-        Separator::Character(c) => text.contains(c),
-        Separator::Blanks => true,
-    };
-    if !there {
+    if !separator.is_in(text) {
         return Vec::new();
     }
     let lines = classify(text, separator);
@@ -361,9 +387,8 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
     // A program that prints names and one row is run again and again.
     let mut joined: Vec<Block> = Vec::new();
     for same in found.chunk_by(|a, b| a.names == b.names && a.rows.len() * b.rows.len() == 1) {
-        let mut block = same[0].clone();
-        block.rows.extend(same[1..].iter().flat_map(|block| block.rows.clone()));
-        joined.push(block);
+        let rows = same.iter().flat_map(|block| block.rows.clone()).collect();
+        joined.push(Block { rows, end: same[same.len() - 1].end, ..same[0].clone() });
     }
     joined
 }
@@ -408,7 +433,8 @@ fn head(
         left_out,
         ..Block::of_rows(line, names, rows)
     };
-    let Some(first) = texts.first() else {
+    // `ans =` above a matrix names no columns.
+    let Some(first) = texts.first().filter(|line| !line.text.trim_end().ends_with('=')) else {
         return block(Vec::new(), String::new(), rows, left_out);
     };
     // Two rows of names: `rho` over `error EOC`.
@@ -416,6 +442,14 @@ fn head(
         && let Some(names) = two_rows(&words(second), &words(first), width)
     {
         return block(names, title(2), rows, left_out);
+    }
+    // pandas prints the name of an index below the others.
+    if separator == Separator::Blanks
+        && let Some(above) = texts.get(1).map(|second| words(second))
+        && above.len() + words(first).len() == width
+        && above.iter().any(|name| is_norm(name))
+    {
+        return block([words(first), above].concat(), title(2), rows, left_out);
     }
     let mut ways = vec![words(first)];
     if separator == Separator::Blanks {
@@ -454,17 +488,17 @@ fn head(
     // any cell may be the lost one.
     let rates: Vec<usize> = (0..width).filter(|&at| is_rate(&names[at])).collect();
     let rest = |from: usize, unread: fn(&String) -> bool| names[from..].iter().all(unread);
-    let whole = |row: &Cells| row.cells.len() == width;
-    let first = rows.iter().position(whole).unwrap_or(0);
-    let last = rows.len() - 1;
-    for (at, row) in rows.iter_mut().enumerate().filter(|(at, _)| *at < first || *at == last) {
-        let there = row.cells.len().min(width);
-        if at < first && there + rates.len() == width {
+    let first = rows.iter().position(|row| row.cells.len() == width).unwrap_or(0);
+    let last = if separator == Separator::Blanks { rows.len() - 1 } else { 0 };
+    for (at, row) in rows.iter_mut().enumerate().filter(|(_, row)| row.cells.len() < width) {
+        let there = row.cells.len();
+        let rates_lack = there + rates.len() == width;
+        if at < first && rates_lack {
             rates.iter().for_each(|&at| row.cells.insert(at, String::new()));
         } else if at == 0 && rest(there, |name| matches!(role(name), Role::Unknown | Role::Ignored))
-            || at == last && there + rates.len() == width && rest(there, |name| is_rate(name))
+            || at == last && rates_lack && rest(there, |name| is_rate(name))
         {
-            row.cells.resize(row.cells.len().max(width), String::new());
+            row.cells.resize(width, String::new());
         }
     }
     block(names, title(1), rows, left_out)
