@@ -117,7 +117,7 @@ def blocks(lines, separator):
         at += 1
         names = cut(line, separator)
         known = kinds(names)
-        if separator is None and re.match(r"\||.*\t", line.strip()):
+        if separator is None and re.match(r"\||.*\t", line.strip()) or '"' in line:
             raise Unsure(line)
         if len(names) < 2 or any(name and numeric(name) for name in names) or "error" not in known:
             if len(re.findall(r"(?<![\w.])[-+.]?\d", line)) > 1 or kind(line) == "error":
@@ -186,6 +186,8 @@ def second(text, asked):
         return None
     answers = []
     for separator in ["latex", "|", "\t", ";", ",", None]:
+        if separator and ("&" if separator == "latex" else separator) not in text:
+            continue
         try:
             answer = {}
             for names, rows in blocks(lines, separator):

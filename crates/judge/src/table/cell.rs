@@ -133,15 +133,16 @@ fn commas(text: &str) -> Option<(f64, Comma)> {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Of several sizes the first of these is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Measure {
     Length,
-    /// Cells or steps along one side: size 1/n.
-    Number,
     /// Cells of the mesh: size n^{-1/D}.
     Cells,
     /// Unknowns of the mesh: size n^{-1/D} in the limit.
     Unknowns,
+    /// Cells or steps along one side: size 1/n.
+    Number,
     /// Refinements of the mesh: size R^{-n}.
     Level,
 }

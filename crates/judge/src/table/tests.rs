@@ -254,6 +254,7 @@ fn torn_and_mixed_texts_are_read_as_a_person_reads_them() {
         ),
         (format!("{blanks}\nh|L2\n1|1\n"), "; not read: the rows of line 2"),
         (format!("{blanks}run3 of a b 0.125 0.2\n"), "; left out: line 4"),
+        ("h,L2\n1,1\n0.5,0.5\n\"0.25,0.25\n".into(), "; left out: line 4"),
         ("h,L2\n1,1\n# 0.5,0.5,7\n0.25,0.25\n".into(), "; left out: line 3"),
         (
             "| h | L2 |\n| 1 | 1 |\n| 0.5 | 0.5 |\ne| 0.25 | 0.25 |\n".into(),

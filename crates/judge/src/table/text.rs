@@ -368,7 +368,9 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                 }
                 _ => {
                     // A row of too many words is prose, or is torn.
-                    let torn = !gap && line.kind == Kind::Text && numbers(&line.cells) > 1;
+                    let apart = |c: char| c.is_whitespace() || ",;|\"".contains(c);
+                    let words = line.text.split(apart).filter(|word| number(word).is_some());
+                    let torn = !gap && line.kind == Kind::Text && words.count() > 1;
                     left_out.extend(torn.then_some(line.number));
                     break;
                 }
