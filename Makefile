@@ -21,6 +21,8 @@ test: ## unit, integration and documentation tests
 
 test-long: ## what `make test` leaves out: damaged texts, seeded defects, all scenes, more seeds, large runs
 	$(CARGO) test --release $(MEMBERS) --test fuzz --test sabotage --test false_alarms
+	$(CARGO) build --release -p gronwall-judge --example tables
+	$(PYTHON) tests/fuzz/tables.py $(BUILT)/release/examples/tables
 	$(CARGO) test --release $(MEMBERS) --lib --test numbers --test commands --test machine --test false_alarms long_ -- --ignored
 
 lint: ## formatting, clippy and rustdoc, every warning an error
@@ -168,6 +170,8 @@ false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no 
 
 fuzz: ## damaged texts for all that is read, ten million a target (RUNS=..., SEED=..., MINUTES=... each): no panic, no hang
 	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --release $(MEMBERS) --test fuzz -- --nocapture
+	$(CARGO) build --release -p gronwall-judge --example tables
+	$(PYTHON) tests/fuzz/tables.py $(BUILT)/release/examples/tables $(or $(RUNS),1000000) $(SEED)
 
 # Licences are a test, so that CI checks them. Advisories need a database, which is fetched when asked for and not otherwise.
 audit-deps: ## licences of all dependencies; their advisories where cargo-audit is installed (FETCH=1 fetches the database)

@@ -120,6 +120,7 @@ impl Fit {
             claims.resolve(&tables.groups).map_err(|why| CliError::about(self.name(), why))?;
         }
         self.one_direction(&tables)?;
+        self.of_errors_alone(&tables)?;
         if let Some(Err(error)) = self.noise.map(deviation) {
             return Err(CliError::about("--noise", error));
         }
@@ -165,7 +166,8 @@ impl Fit {
             let version = serde_json::json!({ "version": env!("CARGO_PKG_VERSION") });
             write_junit(path, &found.verdicts, &version, None)?;
         }
-        if self.github || on_github(false) && !(self.json || self.markdown || self.latex) {
+        let printed = self.json || self.markdown || self.latex;
+        if !found.verdicts.is_empty() && (self.github || on_github(false) && !printed) {
             announce(&[], &found.verdicts, |_, of| self.place(&tables, of?))?;
         }
         if self.markdown || self.latex {
@@ -207,6 +209,27 @@ impl Fit {
             errors: names.map(str::to_owned).collect(),
         };
         tables(&self.name(), &bytes?, &reading)
+    }
+
+    /// What is said of errors is no word about values.
+    fn of_errors_alone(&self, tables: &Tables) -> Result<(), CliError> {
+        let values = tables.groups.iter().find(|group| group.quantity == Quantity::Value);
+        let options = [
+            ("--floor", self.floor.is_some()),
+            ("--reference", self.reference.is_some()),
+            ("--log", self.log != 0.0),
+        ];
+        match (values, options.iter().find(|(_, given)| *given)) {
+            (Some(group), Some((option, _))) => {
+                let table =
+                    group.heading().map_or(String::new(), |heading| format!(" `{heading}`"));
+                let what = format!(
+                    "the table{table} has values, of which no error is known: leave it out, or write the errors as `error`"
+                );
+                Err(CliError::about(option, what))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// A floor for the errors that have none of their own.

@@ -2,7 +2,9 @@
 //! Source: every table is a formula in this file, so its order is known without fitting.
 //! Goal: the expected verdict for each kind of table that a sweep can produce.
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use std::path::Path;
+
+use crate::program::{Folder, code, command, json, stderr, stdout, sweep};
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{Decision, Prediction, Variable, judge};
 use serde_json::Value;
@@ -486,6 +488,17 @@ fn values_without_a_limit_say_so() {
     let range = fitted(&folder, &table(&|level, h| 1.0 + h * [1.0, -1.0][level % 2]), &[]).1;
     // Last three: ± h at 1/16, 1/32, 1/64, so 1 + 1/16 down to 1 − 1/32.
     assert_eq!(row(&range, "k")["half_range"].as_f64(), Some(0.5 * (1.0 / 16.0 + 1.0 / 32.0)));
+    // A limit that nobody knows has no errors, of which these are words.
+    for option in [["--floor", "1e-9"], ["--reference", "0"], ["--log", "1"]] {
+        let output = sweep(&[
+            "fit",
+            &folder.file("values.csv", "h,value\n0.5,1\n0.25,2\n"),
+            option[0],
+            option[1],
+        ]);
+        let words = format!("{}: the table has values", option[0]);
+        assert!(code(&output) == 2 && stderr(&output).contains(&words), "{}", stderr(&output));
+    }
     // Too few, and with a hole.
     let (exit, rows) = fitted(&folder, "h,value\n0.5,1\n0.25,2\n", &["--p", "1"]);
     assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"unresolved".into()));
@@ -573,6 +586,15 @@ fn options_change_what_is_judged() {
     assert_eq!((exit, found["points_used"].as_array().map(Vec::len)), (0, Some(5)));
     let left = found["points_left_out"].as_array().expect("points");
     assert!(left.len() == 5 && left[0]["reason"] == "outside of the window", "{left:?}");
+    // Of 18 levels the finest twelve are read, and the others are said to be none of them.
+    let long = rows(1..19, &|h| h);
+    let (exit, found) = fitted(&folder, &long, &["--p", "1"]);
+    let found = row(&found, "h");
+    assert_eq!((exit, &found["coarse_left_out"]), (0, &6.into()));
+    let reason = found["reason"].as_str().expect("a reason");
+    assert!(reason.ends_with(", without the 6 coarsest levels"), "{reason}");
+    let printed = stdout(&sweep(&["fit", &folder.file("long.csv", &long)]));
+    assert_eq!(printed.matches(", without the 6 coarsest levels\n").count(), 1, "{printed}");
     let high = rows(2..8, &|h| h.powf(1.3));
     assert_eq!(fitted(&folder, &high, &["--p", "1"]).0, 1);
     assert_eq!(fitted(&folder, &high, &["--p", "1", "--tolerance", "0.5"]).0, 0);
@@ -714,4 +736,26 @@ fn tables_at_the_edges_get_what_an_analyst_says() {
         let refused = sweep(&["fit", &path, options[0], options[1]]);
         assert!(code(&refused) == 2 && stderr(&refused).contains(what), "{}", stderr(&refused));
     }
+}
+
+/// On GitHub a table has verdicts and no cases; without a predicted order nothing is judged, and nothing is announced.
+#[test]
+fn github_is_told_of_tables_and_verdicts() {
+    let folder = Folder::new("fit-github");
+    let table = folder.file(
+        "errors.csv",
+        "h,L2,H1\n0.5,1,1\n0.25,0.25,0.5\n0.125,0.0625,0.25\n0.0625,0.015625,0.125\n",
+    );
+    let summary = folder.argument("summary.md");
+    let fit = |aim: &[&str]| {
+        let mut command = command(&[&["fit", &table, "--github"], aim].concat());
+        stdout(&command.env("GITHUB_STEP_SUMMARY", &summary).output().expect("the binary"))
+    };
+    assert!(!fit(&[]).contains("::") && !Path::new(&summary).exists());
+    let told = fit(&["--p", "L2=2,H1=2"]);
+    let count = "1 of 2 verdicts as expected; 2 tables\n";
+    assert!(told.contains(&format!("::notice title=orders of convergence::{count}")), "{told}");
+    assert!(told.contains("errors.csv,line=2,title="), "{told}");
+    let text = std::fs::read_to_string(&summary).expect("a summary");
+    assert!(text.contains(count) && !text.contains("case"), "{text}");
 }

@@ -255,7 +255,11 @@ impl Line<'_> {
         let constant = self.constant(read).map_or(String::new(), |(value, Interval { lo, hi })| {
             format!(", constant {} in [{}, {}]", plain(value), plain(lo), plain(hi))
         });
-        let verdict = if verdict.is_empty() { verdict } else { format!("\n   {verdict}") };
+        // A verdict says it with its reason.
+        let verdict = match verdict.is_empty() {
+            true => read.posterior.left_out_in_words(),
+            false => format!("\n   {verdict}"),
+        };
         format!("{name}: order {order:.3} in {interval}{constant}{}{verdict}", self.below_floor())
     }
 

@@ -133,15 +133,16 @@ fn commas(text: &str) -> Option<(f64, Comma)> {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Of several sizes the first of these is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Measure {
     Length,
-    /// Cells or steps along one side: size 1/n.
-    Number,
     /// Cells of the mesh: size n^{-1/D}.
     Cells,
     /// Unknowns of the mesh: size n^{-1/D} in the limit.
     Unknowns,
+    /// Cells or steps along one side: size 1/n.
+    Number,
     /// Refinements of the mesh: size R^{-n}.
     Level,
 }
@@ -250,7 +251,12 @@ pub(super) fn role(name: &str) -> Role {
     let measures = || measures.iter().any(|part| normalised.replace("normal", "").contains(part));
     match &*normalised {
         _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,
-        "" if name.contains(['‖', '|', '误', '誤']) || lower.contains("ошиб") => Role::Wide,
+        "" if name.contains(['‖', '误', '誤'])
+            || name.matches('|').count() > 1
+            || lower.contains("ошиб") =>
+        {
+            Role::Wide
+        }
         "" => Role::Ignored,
         // A logarithm of an error is none, nor is what theory expects.
         _ if normalised.starts_with("log") || has("iter residual expect predict theor") => {
@@ -285,8 +291,11 @@ fn part(name: &str) -> Option<Role> {
     let parts = ends.chain((1..words.len()).map(|at| words[..at].concat()));
     // `u_h` is a solution.
     let sized = |part: &String| part.len() > 1 || name.split_whitespace().any(|word| word == "h");
+    // `Running with N`.
+    let last = name.split_whitespace().last().filter(|word| word.eq_ignore_ascii_case("n"));
     parts
         .filter(sized)
+        .chain((words.len() > 1).then_some(last).flatten().map(str::to_owned))
         .map(|part| role(&part))
         .find(|role| matches!(role, Role::Space(_) | Role::Time(_)))
 }
@@ -304,8 +313,8 @@ pub(super) fn is_rate(name: &str) -> bool {
     RATES.split(' ').any(|rate| normalised.contains(rate))
 }
 
-/// How well a column answers to a name that a caller gives: 3 for the name itself, 2 but for case and signs, 1 if `L2`
-/// is asked and it is `error_L2` or `L2 norm`.
+/// How well a column answers to a name that a caller gives: 4 for the name itself, 3 but for case and signs, 2 if `L2`
+/// is asked and it is `error_L2` or `L2 norm`, 1 if it is `||u - u_h||_L2`.
 pub(super) fn likeness(asked: &str, column: &str) -> u8 {
     let core = |name: &str| {
         let mut text = normal(name);
@@ -315,8 +324,14 @@ pub(super) fn likeness(asked: &str, column: &str) -> u8 {
         }
         text
     };
-    let same = [asked == column, normal(asked) == normal(column), core(asked) == core(column)];
-    same.iter().position(|same| *same).map_or(0, |at| 3 - at as u8)
+    let mut words = column.split(|c: char| !c.is_alphanumeric());
+    let same = [
+        asked == column,
+        normal(asked) == normal(column),
+        core(asked) == core(column),
+        !is_rate(column) && words.any(|word| word.len() > 1 && word.eq_ignore_ascii_case(asked)),
+    ];
+    same.iter().position(|same| *same).map_or(0, |at| 4 - at as u8)
 }
 
 /// Which of several names is asked for: the one that is most alike.

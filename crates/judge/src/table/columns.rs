@@ -46,7 +46,6 @@ pub(super) type Entries = Vec<Option<f64>>;
 struct Size {
     at: usize,
     measure: Measure,
-    rank: usize,
     /// NaN where it is missing.
     steps: Vec<f64>,
 }
@@ -348,63 +347,51 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The column of sizes in one direction. Preference: a length, a number of cells, of unknowns (which need the dimension), a
-    /// number along the side, a level. Columns that contradict it are refused.
+    /// The column of sizes in one direction: the first of the measures that is there, which cells and unknowns are with the
+    /// dimension. Columns that contradict it are refused.
     fn size(&mut self, time: bool) -> Result<Option<Size>, TableError> {
-        let mut found: Vec<Size> = Vec::new();
-        let mut refused = Vec::new();
+        let (mut found, mut refused) = (Vec::new(), Vec::new());
         for at in 0..self.roles.len() {
             let measure = match (self.roles[at], time) {
                 (Role::Space(measure), false) | (Role::Time(measure), true) => measure,
                 _ => continue,
             };
-            let rank = match measure {
-                Measure::Length => 0,
-                Measure::Cells | Measure::Unknowns
-                    if self.reading.dimension.is_none() && !self.has_sides(at) =>
-                {
-                    self.left_out.push(at);
-                    continue;
-                }
-                Measure::Cells => 1,
-                Measure::Unknowns => 2,
+            let open = match measure {
+                Measure::Cells | Measure::Unknowns => !self.has_sides(at),
                 // Beside cells `n` may be a counter, as in `n cells`: the dimension decides.
-                Measure::Number
-                    if self.reading.dimension.is_none()
-                        && normal(self.name(at)) == "n"
-                        && self.roles.contains(&Role::Space(Measure::Cells)) =>
-                {
-                    self.left_out.push(at);
-                    continue;
+                Measure::Number => {
+                    normal(self.name(at)) == "n"
+                        && self.roles.contains(&Role::Space(Measure::Cells))
                 }
-                Measure::Number => 3,
-                Measure::Level => 4,
+                _ => false,
             };
+            // Of h and hmax, the one called h.
+            let key = (measure, normal(self.name(at)).len());
             match self.steps(at, measure) {
-                Ok(steps) => found.push(Size { at, measure, rank, steps }),
+                _ if open && self.reading.dimension.is_none() => self.left_out.push(at),
+                Ok(steps) => found.push((key, Size { at, measure, steps })),
                 Err(error) => {
-                    refused.push((rank, normal(self.name(at)).len(), error));
+                    refused.push((key, error));
                     self.left_out.push(at);
                 }
             }
         }
-        // Of h and hmax, the one called h.
-        found.sort_by_key(|size| (size.rank, normal(self.name(size.at)).len()));
-        let best = found.first().map(|size| (size.rank, normal(self.name(size.at)).len()));
-        refused.sort_by_key(|(rank, length, _)| (*rank, *length));
-        if let Some((rank, length, error)) = refused.into_iter().next()
-            && best.is_none_or(|best| (rank, length) < best)
+        found.sort_by_key(|(key, _)| *key);
+        let best = found.first().map(|(key, _)| *key);
+        refused.sort_by_key(|(key, _)| *key);
+        if let Some((key, error)) = refused.into_iter().next()
+            && best.is_none_or(|best| key < best)
         {
             return Err(error);
         }
+        let mut found: Vec<Size> = found.into_iter().map(|(_, size)| size).collect();
         // A size that is the same in all rows beside one that is not is a degree, or of another mesh.
-        let constant =
-            |size: &Size| size.rank > 0 && size.steps.iter().all(|step| *step == size.steps[0]);
-        if found.iter().any(|size| !constant(size)) {
-            let (same, refined) = found.into_iter().partition(|size| constant(size));
-            found = refined;
-            let same: Vec<Size> = same;
-            self.left_out.extend(same.iter().map(|size| size.at));
+        let refined = |size: &Size| {
+            size.measure == Measure::Length || size.steps.iter().any(|step| *step != size.steps[0])
+        };
+        if found.iter().any(refined) {
+            self.left_out.extend(found.iter().filter(|size| !refined(size)).map(|size| size.at));
+            found.retain(refined);
         }
         self.drop_counters(&mut found, time)?;
         let mut found = found.into_iter();
@@ -490,40 +477,26 @@ impl<'a> Reader<'a> {
             None => (self.column(at, counts)?, measure),
         };
         let ratio = self.reading.ratio.unwrap_or(2.0);
-        let mut steps = Vec::with_capacity(numbers.len());
-        let mut before: Option<f64> = None;
-        for (number, row) in numbers.into_iter().zip(&self.block.rows) {
-            let fail = |what: String| Err(TableError::at(row.line, what));
-            let Some(number) = number else {
-                steps.push(f64::NAN);
-                continue;
-            };
-            if measure == Measure::Level {
-                let jump = before
-                    .is_some_and(|before: f64| (number - before).abs() > 4.0 && number > before);
-                if !(0.0..=DEEPEST).contains(&number) || number.fract() != 0.0 || jump {
-                    return fail(format!(
-                        "{name} = {number} is no level of refinement: call the column n if it counts cells along a side"
-                    ));
+        let dimension = f64::from(self.reading.dimension.unwrap_or(1));
+        let mut before = f64::INFINITY;
+        let step = |(number, row): (Option<f64>, &Cells)| {
+            let Some(number) = number else { return Ok(f64::NAN) };
+            let level = (0.0..=DEEPEST).contains(&number) && number <= before + 4.0;
+            before = number;
+            let why = match measure {
+                Measure::Level if !level || number.fract() != 0.0 => {
+                    "no level of refinement: call the column n if it counts cells along a side"
                 }
-                before = Some(number);
-                steps.push(ratio.powf(-number));
-                continue;
-            }
-            if !is_step(number) {
-                return fail(format!("{name} = {number} is no step size, which is positive"));
-            }
-            if counts && number.fract() != 0.0 {
-                return fail(format!("{name} = {number} is no whole number"));
-            }
-            let dimension = f64::from(self.reading.dimension.unwrap_or(1));
-            steps.push(match measure {
-                Measure::Cells | Measure::Unknowns => number.powf(-1.0 / dimension),
-                Measure::Number => 1.0 / number,
-                _ => number,
-            });
-        }
-        Ok(steps)
+                Measure::Level => return Ok(ratio.powf(-number)),
+                _ if !is_step(number) => "no step size, which is positive",
+                _ if counts && number.fract() != 0.0 => "no whole number",
+                Measure::Cells | Measure::Unknowns => return Ok(number.powf(-1.0 / dimension)),
+                Measure::Number => return Ok(1.0 / number),
+                Measure::Length => return Ok(number),
+            };
+            Err(TableError::at(row.line, format!("{name} = {number} is {why}")))
+        };
+        numbers.into_iter().zip(&self.block.rows).map(step).collect()
     }
 
     /// Refuses a second column of sizes that says otherwise.

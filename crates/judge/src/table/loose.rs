@@ -116,7 +116,8 @@ pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
 
 /// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
 pub(super) fn arrays(text: &str) -> Vec<Block> {
-    let mut columns: Vec<(usize, String, Vec<String>)> = Vec::new();
+    let mut columns: Vec<(String, Vec<String>)> = Vec::new();
+    let mut ends: Option<[usize; 2]> = None;
     for (open, _) in text.match_indices('[') {
         let Some(close) = text[open + 1..].find([']', '[']).map(|at| open + 1 + at) else { break };
         let inside = text[open + 1..close].replace("...", " ").replace([',', ';', '\n', '\t'], " ");
@@ -125,40 +126,55 @@ pub(super) fn arrays(text: &str) -> Vec<Block> {
             continue;
         }
         let start = text[..open].rfind(['\n', ',', '{', ']', ';']).map_or(0, |at| at + 1);
-        let before = &text[start..open];
-        let Some((name, _)) = before.rsplit_once(['=', ':']) else { continue };
+        let Some((name, _)) = text[start..open].rsplit_once(['=', ':']) else { continue };
         let name = name.trim_matches(|c: char| c.is_whitespace() || "\"':".contains(c));
         if is_rate(name) {
             continue;
         }
-        columns.push((
-            open,
-            name.rsplit_once(' ').map_or(name, |(_, last)| last).to_owned(),
-            cells,
-        ));
+        ends = Some([ends.map_or(open, |ends| ends[0]), close]);
+        columns.push((name.rsplit(' ').next().unwrap_or(name).to_owned(), cells));
     }
-    let Some((open, _, first)) = columns.first() else { return Vec::new() };
-    let (line, count) = (1 + text[..*open].matches('\n').count() as u64, first.len());
-    if columns.iter().any(|(.., cells)| cells.len() != count) {
-        return Vec::new();
+    let alike = |pair: &[(String, Vec<String>)]| pair[0].1.len() == pair[1].1.len();
+    let Some(ends) = ends.filter(|_| columns.windows(2).all(alike)) else { return Vec::new() };
+    let [line, end] = ends.map(|at| 1 + text[..at].matches('\n').count() as u64);
+    vec![Block::of_columns(line, end, columns)]
+}
+
+/// `h =`, and its numbers in the lines below, as MATLAB prints a vector: columns of equal length.
+pub(super) fn assigned(text: &str) -> Vec<Block> {
+    let mut columns: Vec<(String, Vec<String>)> = Vec::new();
+    let (mut line, mut end, mut scale) = (None, 0, 1.0);
+    for (at, text) in (1..).zip(text.lines()) {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let numbers: Option<Vec<f64>> =
+            words.iter().map(|word| number(word).map(|number| number.value)).collect();
+        match (&words[..], numbers) {
+            ([], _) | (["Columns" | "Column", ..], _) => {}
+            ([name, "="], _) => {
+                columns.push(((*name).to_owned(), Vec::new()));
+                (line, scale) = (line.or(Some(at)), 1.0);
+            }
+            ([factor, "*"], _) => scale = number(factor).map_or(1.0, |number| number.value),
+            (_, Some(numbers)) if !columns.is_empty() => {
+                let scaled = numbers.into_iter().map(|number| format!("{:e}", number * scale));
+                columns.last_mut().into_iter().for_each(|(_, cells)| cells.extend(scaled.clone()));
+                end = at;
+            }
+            _ => {}
+        }
     }
-    let names = columns.iter().map(|(_, name, _)| name.clone()).collect();
-    let row =
-        |at: usize| Cells { line, cells: columns.iter().map(|(.., c)| c[at].clone()).collect() };
-    let rows = (0..count).map(row).collect();
-    vec![Block::of_rows(line, names, rows)]
+    columns.retain(|(name, cells)| cells.len() > 1 && !is_rate(name));
+    let alike = |pair: &[(String, Vec<String>)]| pair[0].1.len() == pair[1].1.len();
+    match line.filter(|_| columns.len() > 1 && columns.windows(2).all(alike)) {
+        Some(line) => vec![Block::of_columns(line, end, columns)],
+        None => Vec::new(),
+    }
 }
 
 /// A table on its side: every line is a name and its numbers.
 pub(super) fn lying(text: &str) -> Vec<Block> {
-    let separator = [
-        ('|', Separator::Pipe),
-        ('\t', Separator::Character('\t')),
-        (';', Separator::Character(';')),
-        (',', Separator::Character(',')),
-    ];
-    let separator =
-        separator.iter().find(|(c, _)| text.contains(*c)).map_or(Separator::Blanks, |s| s.1);
+    let mut separators = Separator::ALL.into_iter();
+    let separator = separators.find(|s| s.is_in(text)).unwrap_or(Separator::Blanks);
     let mut lines: Vec<Line> = classify(text, separator);
     lines.retain(|line| line.kind != Kind::Gap);
     let Some(width) = lines.iter().map(|line| line.cells.len()).max() else { return Vec::new() };
@@ -175,14 +191,9 @@ pub(super) fn lying(text: &str) -> Vec<Block> {
     if lines.len() < 2 || width < 3 {
         return Vec::new();
     }
-    let line = lines[0].number;
-    let names = lines.iter().map(|line| line.cells[0].clone()).collect();
-    let row = |at: usize| Cells {
-        line,
-        cells: lines.iter().map(|line| line.cells[at].clone()).collect(),
-    };
-    let rows = (1..width).map(row).collect();
-    vec![Block::of_rows(line, names, rows)]
+    let ends = [&lines[0], &lines[lines.len() - 1]].map(|line| line.number);
+    let column = |mut line: Line| (line.cells.remove(0), line.cells);
+    vec![Block::of_columns(ends[0], ends[1], lines.into_iter().map(column).collect())]
 }
 
 /// Sizes across, `h = 1/2   h = 1/4`, above rows that begin with what they are.
@@ -205,17 +216,11 @@ pub(super) fn across(text: &str) -> Vec<Block> {
             sound.then(|| (format!("error of {}", label.join(" ")), values.to_vec()))
         };
         let below = lines[at + 1..].iter().filter(|line| !is_rule(line));
-        let (names, columns): (Vec<String>, Vec<Vec<String>>) = below.map_while(row).unzip();
-        let cells = |row: usize| {
-            let values = columns.iter().map(|column| column[row].clone());
-            Cells {
-                line: at as u64 + 1,
-                cells: std::iter::once(sizes[row].1.clone()).chain(values).collect(),
-            }
-        };
-        if !names.is_empty() {
-            let rows = (0..sizes.len()).map(cells).collect();
-            return vec![Block::of_rows(at as u64 + 1, [vec![size], names].concat(), rows)];
+        let columns: Vec<_> = below.map_while(row).collect();
+        if !columns.is_empty() {
+            let (line, sizes) = (at as u64 + 1, sizes.into_iter().map(|pair| pair.1).collect());
+            let end = line + columns.len() as u64;
+            return vec![Block::of_columns(line, end, [vec![(size, sizes)], columns].concat())];
         }
     }
     Vec::new()

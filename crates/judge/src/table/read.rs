@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::columns::Columns;
-use super::text::{Block, is_table, known, readings};
+use super::text::{Block, Cells, is_table, known, readings};
 use super::{Group, Quantity, Reading, Row, TableError};
 use crate::fit::{Direction, Point, deviation, is_step, screen};
 
@@ -76,7 +76,13 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
         let mut kept = again.iter();
         found.retain(|_| kept.next() == Some(&false));
         if !found.is_empty() {
-            return tables(&found, reading, &blocks);
+            let mut tables = tables(&found, reading);
+            if let (Some(line), Some(last)) =
+                (unread(text, &blocks, &found, reading), tables.said.last_mut())
+            {
+                *last += &format!("; not read: the rows of line {line}");
+            }
+            return Ok(tables);
         }
         // A table that is broken is not cut another way until something comes out.
         if blocks.iter().any(is_table) {
@@ -87,11 +93,40 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
     Err(best.map_or_else(|| TableError::at(1, nothing), |(_, error)| error))
 }
 
-fn tables(
+/// The first row of what else looks like a table.
+fn unread(
+    text: &str,
+    blocks: &[Block],
     found: &[(&Block, Columns)],
     reading: &Reading,
-    blocks: &[Block],
-) -> Result<Tables, TableError> {
+) -> Option<u64> {
+    // A single row is noise of a log, unless it has the cells of a table or stands right below it.
+    let belongs = |row: &Cells| {
+        let there = row.cells.iter().filter(|cell| !cell.is_empty()).count();
+        found.iter().any(|(of, _)| {
+            [there, row.cells.len()].contains(&of.names.len())
+                || (of.end..=of.end + 2).contains(&row.line)
+        })
+    };
+    let is_found = |block: &Block| found.iter().any(|(of, _)| of.line == block.line);
+    let rows = |block: &&Block| block.rows.len() > 1 || belongs(&block.rows[0]);
+    let other = blocks.iter().filter(|block| !is_found(block)).find(rows);
+    // In the lines that are left the cells may be parted otherwise.
+    let table = |block: &Block| {
+        is_table(block) || block.rows.len() > 1 && Columns::of(block, reading).is_ok()
+    };
+    let of_rest = || {
+        let mut taken = found.iter().map(|(block, _)| block).peekable();
+        let rest = (1..).zip(text.lines()).map(|(line, text)| {
+            while taken.next_if(|block| block.end < line).is_some() {}
+            if taken.peek().is_some_and(|block| block.line <= line) { "" } else { text }
+        });
+        readings(&rest.collect::<Vec<_>>().join("\n")).flatten().find(table)
+    };
+    other.cloned().or_else(of_rest).map(|block| block.rows[0].line)
+}
+
+fn tables(found: &[(&Block, Columns)], reading: &Reading) -> Tables {
     let (mut groups, mut said) = (Vec::new(), Vec::new());
     for (at, (block, columns)) in found.iter().enumerate() {
         let title = (found.len() > 1).then(|| {
@@ -113,15 +148,7 @@ fn tables(
             None => columns.said.clone(),
         });
     }
-    let read: Vec<u64> = found.iter().map(|(block, _)| block.line).collect();
-    // A single row is noise of a log, unless it has the cells of a table.
-    let widths: Vec<usize> = found.iter().map(|(block, _)| block.names.len()).collect();
-    let rows = |block: &Block| block.rows.len() > 1 || widths.contains(&block.rows[0].cells.len());
-    let other = blocks.iter().find(|block| !read.contains(&block.line) && rows(block));
-    if let (Some(other), Some(last)) = (other, said.last_mut()) {
-        *last += &format!("; not read: the rows of line {}", other.rows[0].line);
-    }
-    Ok(Tables { groups, said })
+    Tables { groups, said }
 }
 
 fn rows(

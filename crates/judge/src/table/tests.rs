@@ -218,3 +218,65 @@ fn what_is_no_table_is_refused() {
     let said = tables("h,L2,colour\n1,1,7\n", None).unwrap().said;
     assert_eq!(said, ["read 1 row: h from `h`, errors `L2`; left out: `colour`"]);
 }
+
+/// Found by tests/fuzz/tables.py: each was read as something else, or left out without a word.
+#[test]
+fn torn_and_mixed_texts_are_read_as_a_person_reads_them() {
+    let sized = |text: &str, asked: &Reading| {
+        let tables = read(text.as_bytes(), asked).unwrap();
+        let points = tables.groups.iter().flat_map(Group::points);
+        (points.map(|p| (p.h, p.error)).collect::<Vec<_>>(), tables.said.join("\n"))
+    };
+    let plain = Reading::default();
+    // `dofs energy` is no name, nor `4  0` that of a row.
+    let commas = "dofs    energy\n   4  0,000399937\n  16  4,63776e-06\n";
+    let asked = Reading { dimension: Some(2), ..Reading::default() };
+    assert_eq!(sized(commas, &asked).0, [(0.5, 0.000399937), (0.25, 4.63776e-6)]);
+    let asked = Reading { ratio: Some(2.0), ..Reading::default() };
+    assert_eq!(sized(commas, &asked).0, [(1.0, 0.000399937), (0.5, 4.63776e-6)]);
+    // `#` names the column that counts.
+    let counted = "#\tlevel\tenergy\trate\n1\t0\t0.1\t\n2\t1\t0.025\t2\n";
+    assert_eq!(sized(counted, &plain).0, [(1.0, 0.1), (0.5, 0.025)]);
+    // A row that has lost two cells is not one without rates.
+    let torn = "h,L2,rate,H1,rate\n0.5,0.1,-,1,-\n0.25,0.025,2\n";
+    for text in [torn.to_owned(), format!("{torn}0.125,0.006,2,0.25,1\n")] {
+        assert!(tables(&text, None).unwrap_err().starts_with("3: 3 fields, the header has 5"));
+    }
+    let torn = "| h | L2 |\n| 1 | 1 |\n| 0.5 | 0.5 |\n| 0.25 0.25 |\n";
+    assert!(tables(torn, None).unwrap_err().starts_with("4: 1 field, the header has 2"));
+    // Tables of two kinds, rows that are taken out, and a torn row below the last.
+    let said = |text: &str| sized(text, &plain).1;
+    let blanks = "h error\n0.5 1\n0.25 0.5\n";
+    for (text, words) in [
+        (
+            format!("h|L2\n1|1\n0.5|0.5\n\nn,H1\n2,1\n4,0.5\n\n{blanks}"),
+            "; not read: the rows of line 6",
+        ),
+        (format!("{blanks}\nh|L2\n1|1\n"), "; not read: the rows of line 2"),
+        (format!("{blanks}run3 of a b 0.125 0.2\n"), "; left out: line 4"),
+        ("h,L2\n1,1\n0.5,0.5\n\"0.25,0.25\n".into(), "; left out: line 4"),
+        ("h,L2\n1,1\n# 0.5,0.5,7\n0.25,0.25\n".into(), "; left out: line 3"),
+        (
+            "| h | L2 |\n| 1 | 1 |\n| 0.5 | 0.5 |\ne| 0.25 | 0.25 |\n".into(),
+            "; not read: the rows of line 4",
+        ),
+    ] {
+        assert!(said(&text).ends_with(words), "{text}: {}", said(&text));
+    }
+    // What MATLAB and pandas print, and the size at the end of a sentence.
+    let printed =
+        "h =\n\n    0.5000    0.2500\n\nerr =\n\n   1.0e-02 *\n\n    4.0000    1.0000\n\n";
+    assert_eq!(sized(printed, &plain).0, [(0.25, 0.01), (0.5, 0.04)]);
+    let unnamed = tables("ans =\n\n    0.5000    0.0400\n    0.2500    0.0100\n", None);
+    assert!(unnamed.unwrap_err().contains(": no header"));
+    let indexed = "          h     L2  rate\nscheme                  \nCN      0.5   0.04   NaN\nCN      0.25  0.01   2.0\nBE      0.5   0.4    NaN\nBE      0.25  0.2    1.0\n";
+    assert!(said(indexed).contains("errors `L2`; a table for each `scheme`"), "{}", said(indexed));
+    let run = "Running with N = 2\nL2 error: 0.04\nRunning with N = 4\nL2 error: 0.01\n";
+    assert_eq!(sized(run, &plain).0, [(0.5, 0.04), (0.25, 0.01)]);
+    let asked = Reading { errors: vec!["L2".into()], ..Reading::default() };
+    let named = "h,x,||u - u_h||_L2,rate L2\n0.5,1,0.04,-\n0.25,1,0.01,2\n";
+    assert_eq!(sized(named, &asked).0, [(0.5, 0.04), (0.25, 0.01)]);
+    // A program that is run three times.
+    let again = "h error\n0.5 1\n\nh error\n0.25 0.25\n\nh error\n0.125 0.0625\n";
+    assert_eq!(said(again), "read 3 rows: h from `h`, errors `error`");
+}

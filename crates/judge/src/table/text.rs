@@ -15,8 +15,9 @@ pub(super) struct Cells {
 pub(super) struct Block {
     /// The line above the names, which tells tables of one text apart.
     pub(super) title: String,
-    /// The line of the names.
+    /// The line of the names, and the last line.
     pub(super) line: u64,
+    pub(super) end: u64,
     pub(super) names: Vec<String>,
     pub(super) rows: Vec<Cells>,
     /// Lines between the rows that are none: means, column types.
@@ -29,7 +30,17 @@ impl Block {
     /// Rows below no title, with nothing between them.
     pub(super) fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
         let (left_out, repeated) = (Vec::new(), Vec::new());
-        Self { title: String::new(), line, names, rows, left_out, repeated }
+        let end = rows.last().map_or(line, |row| row.line);
+        Self { title: String::new(), line, end, names, rows, left_out, repeated }
+    }
+
+    /// Columns of equal length with their names.
+    pub(super) fn of_columns(line: u64, end: u64, columns: Vec<(String, Vec<String>)>) -> Self {
+        let count = columns.first().map_or(0, |(_, cells)| cells.len());
+        let cells = |at: usize| columns.iter().map(|(_, cells)| cells[at].clone()).collect();
+        let rows = (0..count).map(|at| Cells { line, cells: cells(at) }).collect();
+        let names = columns.iter().map(|(name, _)| name.clone()).collect();
+        Self { end, ..Self::of_rows(line, names, rows) }
     }
 }
 
@@ -39,6 +50,26 @@ pub(super) enum Separator {
     Pipe,
     Character(char),
     Blanks,
+}
+
+impl Separator {
+    pub(super) const ALL: [Self; 6] = [
+        Self::Latex,
+        Self::Pipe,
+        Self::Character('\t'),
+        Self::Character(';'),
+        Self::Character(','),
+        Self::Blanks,
+    ];
+
+    pub(super) fn is_in(self, text: &str) -> bool {
+        match self {
+            Self::Latex => text.contains('&') && text.contains('\\'),
+            Self::Pipe => text.contains(BARS),
+            Self::Character(c) => text.contains(c),
+            Self::Blanks => true,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,8 +82,9 @@ pub(super) enum Kind {
 }
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 12] = [
+const WAYS: [fn(&str) -> Vec<Block>; 13] = [
     loose::arrays,
+    loose::assigned,
     loose::across,
     |text| blocks(text, Separator::Latex),
     |text| blocks(text, Separator::Pipe),
@@ -76,6 +108,22 @@ pub(super) struct Line<'a> {
     text: &'a str,
     pub(super) cells: Vec<String>,
     pub(super) kind: Kind,
+}
+
+impl Line<'_> {
+    fn bare(&self) -> &str {
+        self.text.trim().trim_start_matches(['#', '%']).trim()
+    }
+
+    /// The names above `width` columns; `#` may be one of a column that counts.
+    fn names(&self, separator: Separator, width: usize) -> Vec<String> {
+        match self.kind {
+            Kind::Comment if self.cells.len() != width || self.cells[0] != "#" => {
+                cut(self.bare(), separator)
+            }
+            _ => self.cells.clone(),
+        }
+    }
 }
 
 /// The blocks by every way to cut the text, each as a list: the first with a table in it is meant. What nothing is found in is
@@ -181,7 +229,16 @@ fn typed(line: &str) -> String {
 
 pub(super) fn is_rule(text: &str) -> bool {
     let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
-    let latex = ["\\hline", "\\toprule", "\\midrule", "\\bottomrule", "\\cline", "\\cmidrule"];
+    let latex = [
+        "\\begin",
+        "\\end",
+        "\\hline",
+        "\\toprule",
+        "\\midrule",
+        "\\bottomrule",
+        "\\cline",
+        "\\cmidrule",
+    ];
     let text = text.trim();
     let bare = latex.iter().any(|rule| text.starts_with(rule)) && !text.contains('&');
     bare || text.chars().all(drawn) && text.chars().filter(|&c| !" \t".contains(c)).count() > 2
@@ -228,12 +285,13 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
 pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
     let mut lines = Vec::new();
     for (at, text) in (1..).zip(text.lines()) {
-        if text.trim().is_empty() || is_rule(text) {
+        let empty = text.trim().trim_matches(BARS).is_empty();
+        if empty || is_rule(text) {
             lines.push(Line { number: at, text, cells: Vec::new(), kind: Kind::Gap });
             continue;
         }
         let cells = cut(text, separator);
-        let numbers = cells.iter().filter(|cell| number(cell).is_some()).count();
+        let numbers = numbers(&cells);
         let words = cells.iter().filter(|cell| is_word(cell)).count();
         let row = match separator {
             Separator::Blanks => numbers > 0 && numbers >= words,
@@ -249,18 +307,16 @@ pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
     lines
 }
 
+fn numbers(cells: &[String]) -> usize {
+    cells.iter().filter(|cell| number(cell).is_some()).count()
+}
+
 pub(super) fn is_word(cell: &str) -> bool {
     !is_missing(cell) && number(cell).is_none()
 }
 
 fn blocks(text: &str, separator: Separator) -> Vec<Block> {
-    let there = match separator {
-        Separator::Latex => text.contains('&') && text.contains('\\'),
-        Separator::Pipe => text.contains(BARS),
-        Separator::Character(c) => text.contains(c),
-        Separator::Blanks => true,
-    };
-    if !there {
+    if !separator.is_in(text) {
         return Vec::new();
     }
     let lines = classify(text, separator);
@@ -282,7 +338,14 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
             let alike = begins == lines[first].cells.first().map(|cell| is_word(cell));
             match line.kind {
                 Kind::Gap => gap = true,
-                Kind::Comment => {}
+                Kind::Comment => {
+                    let names = line.names(separator, width);
+                    if names.len() == width && names.iter().any(|name| is_size(name)) {
+                        break;
+                    }
+                    // A row that somebody has taken out.
+                    left_out.extend((numbers(&names) > 1).then_some(line.number));
+                }
                 _ if begins == Some(true) && !alike && is_summary(line.text) => {
                     left_out.push(line.number)
                 }
@@ -294,11 +357,23 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                 // Ragged or broken rows are refused where they are read.
                 Kind::Row if !gap && (same || begins == Some(false)) => rows.push(at),
                 Kind::Text if !gap && same && separator != Separator::Blanks => rows.push(at),
+                Kind::Text
+                    if !gap && separator == Separator::Pipe && line.bare().starts_with('|') =>
+                {
+                    rows.push(at);
+                }
                 // So is one that is torn, between rows that are whole.
                 _ if !gap && separator != Separator::Blanks && goes_on(&lines, at + 1, width) => {
                     rows.push(at);
                 }
-                _ => break,
+                _ => {
+                    // A row of too many words is prose, or is torn.
+                    let apart = |c: char| c.is_whitespace() || ",;|\"".contains(c);
+                    let words = line.text.split(apart).filter(|word| number(word).is_some());
+                    let torn = !gap && line.kind == Kind::Text && words.count() > 1;
+                    left_out.extend(torn.then_some(line.number));
+                    break;
+                }
             }
             at += 1;
         }
@@ -306,12 +381,18 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         let rows = rows.iter().map(cells).collect();
         let block = head(&lines[..first], separator, width, rows, left_out);
         // One column alone is one of errors, or a list of something else.
-        let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&']);
+        let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&', '=']);
         if width > 1 || block.names.first().is_some_and(one) {
             found.push(block);
         }
     }
-    found
+    // A program that prints names and one row is run again and again.
+    let mut joined: Vec<Block> = Vec::new();
+    for same in found.chunk_by(|a, b| a.names == b.names && a.rows.len() * b.rows.len() == 1) {
+        let rows = same.iter().flat_map(|block| block.rows.clone()).collect();
+        joined.push(Block { rows, end: same[same.len() - 1].end, ..same[0].clone() });
+    }
+    joined
 }
 
 fn goes_on(lines: &[Line], at: usize, width: usize) -> bool {
@@ -346,20 +427,16 @@ fn head(
             break;
         }
     }
-    let plain = |line: &Line| line.text.trim().trim_start_matches(['#', '%']).trim().to_owned();
-    let words = |line: &Line| match line.kind {
-        Kind::Comment if separator != Separator::Blanks => cut(&plain(line), separator),
-        Kind::Comment => cut(&plain(line), Separator::Blanks),
-        _ => line.cells.clone(),
-    };
+    let words = |line: &Line| line.names(separator, width);
     let line = texts.first().map_or(rows[0].line, |line| line.number);
-    let title = |at: usize| texts.get(at).map_or(String::new(), |line| plain(line));
+    let title = |at: usize| texts.get(at).map_or(String::new(), |line| line.bare().to_owned());
     let block = |names, title, rows, left_out| Block {
         title,
         left_out,
         ..Block::of_rows(line, names, rows)
     };
-    let Some(first) = texts.first() else {
+    // `ans =` above a matrix names no columns.
+    let Some(first) = texts.first().filter(|line| !line.text.trim_end().ends_with('=')) else {
         return block(Vec::new(), String::new(), rows, left_out);
     };
     // Two rows of names: `rho` over `error EOC`.
@@ -368,9 +445,17 @@ fn head(
     {
         return block(names, title(2), rows, left_out);
     }
+    // pandas prints the name of an index below the others.
+    if separator == Separator::Blanks
+        && let Some(above) = texts.get(1).map(|second| words(second))
+        && above.len() + words(first).len() == width
+        && above.iter().any(|name| is_norm(name))
+    {
+        return block([words(first), above].concat(), title(2), rows, left_out);
+    }
     let mut ways = vec![words(first)];
     if separator == Separator::Blanks {
-        let groups: Vec<String> = (plain(first).replace('\t', "  ").split("  "))
+        let groups: Vec<String> = (first.bare().replace('\t', "  ").split("  "))
             .map(|name| name.trim().trim_end_matches([',', ';']).to_owned())
             .filter(|name| !name.is_empty())
             .collect();
@@ -401,14 +486,20 @@ fn head(
     let Some((names, _)) = best else {
         return block(ways.swap_remove(0), title(1), rows, left_out);
     };
-    // Cells of rates that the first rows lack, each beside its norm or all at the end.
+    // Cells of rates that the first rows lack, each beside its norm or all at the end, or the last row at its end: between whole rows
+    // any cell may be the lost one.
     let rates: Vec<usize> = (0..width).filter(|&at| is_rate(&names[at])).collect();
-    for (at, row) in rows.iter_mut().enumerate() {
+    let rest = |from: usize, unread: fn(&String) -> bool| names[from..].iter().all(unread);
+    let first = rows.iter().position(|row| row.cells.len() == width).unwrap_or(0);
+    let last = if separator == Separator::Blanks { rows.len() - 1 } else { 0 };
+    for (at, row) in rows.iter_mut().enumerate().filter(|(_, row)| row.cells.len() < width) {
         let there = row.cells.len();
-        let rest = |name: &String| matches!(role(name), Role::Unknown | Role::Ignored);
-        if there + rates.len() == width {
+        let rates_lack = there + rates.len() == width;
+        if at < first && rates_lack {
             rates.iter().for_each(|&at| row.cells.insert(at, String::new()));
-        } else if at == 0 && there < width && names[there..].iter().all(rest) {
+        } else if at == 0 && rest(there, |name| matches!(role(name), Role::Unknown | Role::Ignored))
+            || at == last && rates_lack && rest(there, |name| is_rate(name))
+        {
             row.cells.resize(width, String::new());
         }
     }
@@ -477,7 +568,9 @@ fn is_index(rows: &[Cells]) -> bool {
     let counted = |at: usize, row: &Cells, from: usize| {
         first(row).is_some_and(|cell| cell.parse() == Ok(at + from))
     };
-    let words = rows.iter().all(|row| first(row).is_some_and(|cell| is_word(&cell)));
+    // `25  0` of `25  0,004` is no name.
+    let word = |cell: String| cell.split(' ').next().is_some_and(is_word);
+    let words = rows.iter().all(|row| first(row).is_some_and(word));
     let counts = |from| rows.iter().enumerate().all(|(at, row)| counted(at, row, from));
     words || counts(0) || counts(1)
 }

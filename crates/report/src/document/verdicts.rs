@@ -1,5 +1,7 @@
 //! Verdicts as a text table, with reasons below.
 
+use std::collections::BTreeSet;
+
 use super::columns::text_table;
 use crate::legend::wrapped;
 use files::counted;
@@ -32,7 +34,7 @@ pub fn verdict_table(verdicts: &[Verdict], width: u16) -> String {
     blocks.join("\n")
 }
 
-/// Verdicts and cases in numbers.
+/// Verdicts and cases in numbers; tables where no cases were run.
 pub(crate) fn outcome(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
     let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
     let failed = records.iter().filter(|record| matches!(record.status, Status::Failed { .. }));
@@ -40,6 +42,10 @@ pub(crate) fn outcome(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
         0 => NOTHING_JUDGED.to_owned(),
         all => format!("{met} of {} as expected", counted(all, "verdict")),
     };
+    if records.is_empty() {
+        let tables: BTreeSet<_> = verdicts.iter().map(|v| (&v.scene, &v.norm)).collect();
+        return format!("{judged}; {}", counted(tables.len(), "table"));
+    }
     format!("{judged}; {}, {} of them failed", counted(records.len(), "case"), failed.count())
 }
 

@@ -85,7 +85,7 @@ pub struct Posterior {
     pub order: f64,
     /// 95 % interval with equal tails.
     pub interval: Interval,
-    /// Coarse levels, from the coarsest, that carry less than half of the evidence.
+    /// Coarse levels, from the coarsest, that are beyond the longest table or carry less than half of the evidence.
     pub coarse_left_out: usize,
     /// Largest step affected by an unstated floor, if a floor is likelier than not.
     pub floor_from: Option<f64>,
@@ -216,7 +216,8 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
     let mut leaving = vec![0.0; levels.len()];
     parts.iter().for_each(|part| leaving[part.coarse] += part.weight);
     let beyond = |coarse: &usize| leaving[*coarse..].iter().sum::<f64>() > 0.5 * all.weight;
-    let coarse_left_out = (1..levels.len()).take_while(beyond).count();
+    let unread = serving.len().saturating_sub(LONGEST);
+    let coarse_left_out = unread + (1..levels.len()).take_while(beyond).count();
     let interval = Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) };
     let order = all.quantile(0.5);
     let table = match reference {
