@@ -86,12 +86,12 @@ impl BoundCommand {
     }
 }
 
-// `sweep gronwall`: truncation errors, envelopes and their effectivities, horizons, perturbations.
+// `sweep gronwall`: truncation errors, envelopes and their effectivities, perturbations.
 
 /// `sweep gronwall`.
 #[derive(Args)]
 #[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, limit, printed, printed_closed, c2, growth), perturbations (size, steps, load, difference, growth, weighted, primed, least_effectivity).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg, SCENE-gronwall-horizon.svg."
+    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, printed, printed_closed: each at_end, least).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg."
 )]
 pub(crate) struct Gronwall {
     /// Name of a scene, or path of a TOML file
@@ -102,9 +102,6 @@ pub(crate) struct Gronwall {
     /// Numbers N of time steps, k = T/N [default: the scene's list up to 1024]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<Vec<u32>>,
-    /// Horizons T at the step of the largest N, multiples of it
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    horizons: Vec<f64>,
     /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json, its claims as CSV and the pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -144,7 +141,7 @@ impl Gronwall {
         };
         steps.sort_unstable();
         steps.dedup();
-        Ok(StudyRuns { n, steps, horizons: self.horizons.clone() })
+        Ok(StudyRuns { n, steps })
     }
 }
 

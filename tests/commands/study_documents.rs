@@ -67,7 +67,7 @@ fn the_help_names_every_key() {
     let out = folder.argument("out");
     for arguments in [
         &["bound", "memory-minus-identity", "--n", "4", "--steps", "4"][..],
-        &["gronwall", "affine", "--steps", "8,16", "--horizons", "1,2"],
+        &["gronwall", "affine", "--steps", "8,16"],
         &["audit", "compliance", "--n", "4", "--steps", "2"],
         &[
             "trade",

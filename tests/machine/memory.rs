@@ -88,10 +88,7 @@ const SOLVING: [(&[&str], &str); 9] = [
         &["gronwall", "viscoelastic", "--n", "8", "--steps", "4,8"],
         "viscoelastic n = 8, N = 64: about ",
     ),
-    (
-        &["gronwall", "affine", "--n", "4", "--steps", "4", "--horizons", "2"],
-        "affine n = 4, N = 32: about ",
-    ),
+    (&["gronwall", "affine", "--n", "4", "--steps", "4"], "affine n = 4, N = 32: about "),
     (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 8, N = 4: about "),
     (&["check", "affine", "--floors", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
     (&["trade", "affine", "--n", "2,4,8", "--steps", "2,4,8"], "affine n = 8, N = 8: about "),
