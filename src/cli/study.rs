@@ -3,16 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::machine::{Common, processors, share_threads};
-use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, width, write_file};
+use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, width};
 use clap::Args;
 use files::counted;
-use judge::claim::Claim;
 use report::{Findings, StudyDocument};
 use run::sweep::{Overrides, admit_constants};
 use scene::setup::{Setup, Subject};
 use scene::{Extension, Scene};
 use studies::diagnose::{admit_diagnosis, diagnose};
-use studies::extremes::{Climbed, Ladder, UnderTest, admit, catalogue, climb, found};
+use studies::extremes::{Ladder, UnderTest, admit, catalogue, climb, found};
 use studies::theory::audit::{audit, audit_runs};
 use studies::theory::bound::{self, BoundStudy};
 use studies::theory::gronwall::{self, StudyRuns};
@@ -306,7 +305,7 @@ const WIDTH: u16 = 132;
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why), rungs (ladder, at, iterations: per level, seconds).\n\nFiles with --out: extremes-claims.csv (as each rung ends), extremes.json, extremes.svg (the map)."
+    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why).\n\nFiles with --out: extremes-claims.csv, extremes.json, extremes.svg (the map)."
 )]
 pub(crate) struct Extremes {
     /// Ladders (one parameter taken to its extreme) to run [default: all]; --list names them
@@ -337,25 +336,12 @@ impl Extremes {
             ladder.rungs.iter().try_for_each(|rung| admit(ladder, rung, &under_test, &limit))?;
         }
         let mut climbed = Vec::new();
-        self.write(&climbed)?;
         for ladder in &ladders {
             let rungs = counted(ladder.rungs.len(), "rung");
             super::output::note(&format!("{}: {rungs}", ladder.name));
-            for rung in &ladder.rungs {
-                climbed.push(climb(ladder, rung, &under_test));
-                self.write(&climbed)?;
-            }
+            climbed.extend(ladder.rungs.iter().map(|rung| climb(ladder, rung, &under_test)));
         }
         show(&found(&ladders, &climbed), self.out.as_deref(), self.common.json)
-    }
-
-    /// Writes the claims so far.
-    fn write(&self, climbed: &[Climbed]) -> Result<(), CliError> {
-        let Some(dir) = &self.out else { return Ok(()) };
-        create_dir(dir)?;
-        let claims: Vec<Claim> = climbed.iter().flat_map(|rung| rung.claims.clone()).collect();
-        let csv = Claim::csv(&claims).map_err(CliError::other)?;
-        write_file(&dir.join("extremes-claims.csv"), csv)
     }
 
     fn chosen(&self) -> Result<Vec<Ladder>, CliError> {
