@@ -89,7 +89,7 @@ const SOLVING: [(&[&str], &str); 9] = [
         "viscoelastic n = 8, N = 64: about ",
     ),
     (&["gronwall", "affine", "--n", "4", "--steps", "4"], "affine n = 4, N = 32: about "),
-    (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 8, N = 4: about "),
+    (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 4, N = 4: about "),
     (&["check", "affine", "--floors", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
     (&["trade", "affine", "--n", "2,4,8", "--steps", "2,4,8"], "affine n = 8, N = 8: about "),
     (&["diagnose", "affine"], "affine n = "),
