@@ -56,7 +56,7 @@ pub(super) enum Command {
     Solve(solve::Solve),
     /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
     Bound(study::BoundCommand),
-    /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, horizons, perturbations
+    /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, perturbations
     Gronwall(study::Gronwall),
     /// Test extreme parameters: units, moduli, steps, meshes, gaps, loads
     Extremes(study::Extremes),

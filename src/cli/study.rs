@@ -3,16 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::machine::{Common, processors, share_threads};
-use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, width, write_file};
+use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, width};
 use clap::Args;
 use files::counted;
-use judge::claim::Claim;
 use report::{Findings, StudyDocument};
 use run::sweep::{Overrides, admit_constants};
 use scene::setup::{Setup, Subject};
 use scene::{Extension, Scene};
 use studies::diagnose::{admit_diagnosis, diagnose};
-use studies::extremes::{Climbed, Ladder, UnderTest, admit, catalogue, climb, found};
+use studies::extremes::{Ladder, UnderTest, admit, catalogue, climb, found};
 use studies::theory::audit::{audit, audit_runs};
 use studies::theory::bound::{self, BoundStudy};
 use studies::theory::gronwall::{self, StudyRuns};
@@ -37,8 +36,8 @@ pub(super) fn show(findings: &Findings, out: Option<&Path>, as_json: bool) -> Re
 /// `sweep bound`.
 #[derive(Args)]
 #[command(
-    after_help = "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples <= declared constants. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. \
-JSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, steps, constants (name, value, uncertainty, how, safe, note), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, not_followed: why norm_one, radius_one and loss are null and rungs is empty, where m0 <= 0), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), m0_unknown (between what m0 lies, where its sign is unknown; else null). Files with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg. Exit code 1: a claim does not hold."
+    after_help = "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples of the law <= what it declares. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. \
+JSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, steps, constants (name, value, uncertainty, how, safe, note), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, not_followed: why norm_one, radius_one and loss are null and rungs is empty, where m0 <= 0), ratio, worst, levels (level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), m0_unknown (between what m0 lies, where its sign is unknown; else null). Files with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg. Exit code 1: a claim does not hold."
 )]
 pub(crate) struct BoundCommand {
     /// Name of a scene, or path of a TOML file
@@ -86,12 +85,12 @@ impl BoundCommand {
     }
 }
 
-// `sweep gronwall`: truncation errors, envelopes and their effectivities, horizons, perturbations.
+// `sweep gronwall`: truncation errors, envelopes and their effectivities, perturbations.
 
 /// `sweep gronwall`.
 #[derive(Args)]
 #[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, limit, printed, printed_closed, c2, growth), perturbations (size, steps, load, difference, growth, weighted, primed, least_effectivity).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg, SCENE-gronwall-horizon.svg."
+    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, printed, printed_closed: each at_end, least).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg."
 )]
 pub(crate) struct Gronwall {
     /// Name of a scene, or path of a TOML file
@@ -102,9 +101,6 @@ pub(crate) struct Gronwall {
     /// Numbers N of time steps, k = T/N [default: the scene's list up to 1024]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<Vec<u32>>,
-    /// Horizons T at the step of the largest N, multiples of it
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    horizons: Vec<f64>,
     /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json, its claims as CSV and the pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -144,7 +140,7 @@ impl Gronwall {
         };
         steps.sort_unstable();
         steps.dedup();
-        Ok(StudyRuns { n, steps, horizons: self.horizons.clone() })
+        Ok(StudyRuns { n, steps })
     }
 }
 
@@ -207,7 +203,7 @@ impl Audit {
 /// `sweep trade`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is run once from the mesh to the last step. Its error is recorded, and its CPU seconds on one thread of this machine, without the time to measure the error. Settings beside h and k are changed one at a time on three cases. A factor below 1.25 between two times is no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the setting, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), norm, size (largest strain norm of the truth), trials (scene, change: what is different from the scene as written, n, steps, h, k, dofs, norm, error, floor, cpu_seconds, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a setting that moves neither time by 1.25 times nor error by 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one), error_model (model, space and time with constant, order, interval; source, residual), cost_model (parts: seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what, n, steps, speed, error, bytes), elements (the other elements: change, their error_model and cost_model), candidates and of these the cheapest, answer (target, n, steps, h, k, change, error, cpu_seconds, bytes, extrapolates), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
+    after_help = "Each case is run once from the mesh to the last step. Its error is recorded, and its CPU seconds on one thread of this machine, without the time to measure the error. Settings and elements are changed one at a time on the same grid. A factor below 1.25 between two times is no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the setting, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), norm, size (largest strain norm of the truth), trials (scene, change: what is different from the scene as written, n, steps, h, k, dofs, norm, error, floor, cpu_seconds, load_share, history_bytes, newton_iterations, factorizations, status, reason, front: no run is as good in time and error and better in one, errors within 1 % being one), models (change; error_model: model, space and time with constant, order, interval; source, residual; cost_model: parts, seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what a change does to the largest run with and without it: n, steps, speed, error), candidates and of these the cheapest, answer (target, n, steps, h, k, change, error, cpu_seconds, bytes), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
 )]
 pub(crate) struct TradeCommand {
     /// Name of a scene, or path of a TOML file
@@ -221,7 +217,7 @@ pub(crate) struct TradeCommand {
     /// Norm of the errors: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
     #[arg(long, default_value = "V_max")]
     norm: String,
-    /// Budget for the grid in predicted CPU seconds; the settings may take as much again
+    /// Budget for all runs in predicted CPU seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     budget: f64,
     /// Find the n, N and setting that reach this error at the lowest cost. `1%` is a hundredth of the largest
@@ -309,7 +305,7 @@ const WIDTH: u16 = 132;
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why), rungs (ladder, at, iterations: per level, seconds).\n\nFiles with --out: extremes-claims.csv (as each rung ends), extremes.json, extremes.svg (the map)."
+    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why).\n\nFiles with --out: extremes-claims.csv, extremes.json, extremes.svg (the map)."
 )]
 pub(crate) struct Extremes {
     /// Ladders (one parameter taken to its extreme) to run [default: all]; --list names them
@@ -340,25 +336,12 @@ impl Extremes {
             ladder.rungs.iter().try_for_each(|rung| admit(ladder, rung, &under_test, &limit))?;
         }
         let mut climbed = Vec::new();
-        self.write(&climbed)?;
         for ladder in &ladders {
             let rungs = counted(ladder.rungs.len(), "rung");
             super::output::note(&format!("{}: {rungs}", ladder.name));
-            for rung in &ladder.rungs {
-                climbed.push(climb(ladder, rung, &under_test));
-                self.write(&climbed)?;
-            }
+            climbed.extend(ladder.rungs.iter().map(|rung| climb(ladder, rung, &under_test)));
         }
         show(&found(&ladders, &climbed), self.out.as_deref(), self.common.json)
-    }
-
-    /// Writes the claims so far.
-    fn write(&self, climbed: &[Climbed]) -> Result<(), CliError> {
-        let Some(dir) = &self.out else { return Ok(()) };
-        create_dir(dir)?;
-        let claims: Vec<Claim> = climbed.iter().flat_map(|rung| rung.claims.clone()).collect();
-        let csv = Claim::csv(&claims).map_err(CliError::other)?;
-        write_file(&dir.join("extremes-claims.csv"), csv)
     }
 
     fn chosen(&self) -> Result<Vec<Ladder>, CliError> {

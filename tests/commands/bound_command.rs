@@ -36,11 +36,10 @@ fn json_and_files_hold_the_known_numbers() {
             assert!(near(&thresholds[key][end], 4.0), "{key}: {}", thresholds[key]);
         }
     }
-    assert_eq!(document["attained"], true);
     assert!(near(&document["ratio"], 10.0));
     let claims = document["claims"].as_array().expect("claims");
     assert!(document["holds"] == true && claims.iter().all(|claim| claim["holds"] == true));
-    for (line, least) in [("sharpened", 10), ("L_A", 1), ("threshold", 5), ("c_j^2", 2)] {
+    for (line, least) in [("sharpened", 10), ("threshold", 5), ("c_j^2", 2)] {
         assert!(claims.iter().filter(|claim| claim["line"] == line).count() >= least, "{line}");
     }
     let rungs = document["rungs"].as_array().expect("rungs");
@@ -72,14 +71,10 @@ fn text_names_every_threshold() {
     let output = sweep(&["bound", "memory-minus-identity", "--n", "4"]);
     assert_eq!(code(&output), 0);
     let text = stdout(&output);
-    for phrase in ["m_A ", "energy constant, limit", "(2.7b)", "and every one holds."] {
+    for phrase in ["m_A ", "energy constant, limit", "and every one holds."] {
         assert!(text.contains(phrase), "no `{phrase}` in\n{text}");
     }
-    for (name, value) in [
-        ("1: (3.4), the paper's norm", "0.4"),
-        ("2: sharpened", "4"),
-        ("sharpened attained", "yes"),
-    ] {
+    for (name, value) in [("1: (3.4), the paper's norm", "0.4"), ("2: sharpened", "4")] {
         let line = text.lines().find(|line| line.contains(name)).expect(name);
         assert!(line.trim_end().ends_with(&format!(" {value}")), "{line}");
     }
@@ -107,7 +102,8 @@ fn without_monotonicity_the_rest_is_still_said() {
             assert!(text.contains(phrase), "no `{phrase}` in\n{text}");
         }
         let unwrapped = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        let reason = format!("nothing, the least m0 = {m0} is not positive, (2.9) is violated");
+        let reason =
+            format!("Nothing is measured: the least m0 = {m0} is not positive, (2.9) is violated");
         assert!(unwrapped.contains(&reason), "{text}");
         assert!(
             !text.contains("NaN") && !text.contains(" inf ") && !text.contains("every k"),

@@ -10,45 +10,29 @@ use crate::shipped::{edited, text};
 fn the_chain_of_a_scene_holds() {
     let folder = Folder::new("gronwall");
     let out = folder.argument("out");
-    let output = sweep(&[
-        "gronwall",
-        "affine",
-        "--steps",
-        "8,16",
-        "--horizons",
-        "1,0.5",
-        "--json",
-        "--out",
-        &out,
-    ]);
+    let output = sweep(&["gronwall", "affine", "--steps", "8,16", "--json", "--out", &out]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let document = json(&output);
     let claims = document["claims"].as_array().expect("claims");
     assert!(document["holds"] == true && claims.iter().all(|claim| claim["holds"] == true));
-    // Six links of two grids and two horizons, and one of each perturbed load.
-    assert_eq!(claims.len(), 6 * 4 + 3);
+    // Six links of two grids, and one of each perturbed load.
+    assert_eq!(claims.len(), 6 * 2 + 3);
     assert_eq!(document["truth"], "exact u(t) in V^h");
     assert!((document["constants"]["C2"].as_f64().unwrap() - 4.0 / 3.0).abs() < 1e-12);
     let grids = document["grids"].as_array().unwrap();
     assert_eq!(grids.len(), 2);
-    for bound in ["weighted", "primed", "closed", "limit", "printed", "printed_closed"] {
+    for bound in ["weighted", "primed", "closed", "printed", "printed_closed"] {
         let ratio = &grids[1]["effectivity"][bound];
         assert!(ratio["at_end"].as_f64().unwrap() > 1.0 && ratio["least"].is_number(), "{bound}");
     }
-    let rows = document["horizons"]["rows"].as_array().unwrap();
-    assert_eq!((rows[0]["horizon"].as_f64(), rows[1]["steps"].as_u64()), (Some(0.5), Some(16)));
-    assert_eq!(document["perturbations"].as_array().map(Vec::len), Some(3));
     let table = std::fs::read_to_string(folder.at("out/affine-gronwall.csv")).unwrap();
-    // A header, 9 + 17 levels of the grids, 17 of the horizon, 3 · 17 of the perturbations.
-    assert_eq!(table.lines().count(), 1 + 9 + 17 + 17 + 3 * 17);
+    // A header, 9 + 17 levels of the grids, 3 · 17 of the perturbations.
+    assert_eq!(table.lines().count(), 1 + 9 + 17 + 3 * 17);
     assert!(
         table.starts_with("part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed")
     );
-    for name in ["envelope", "horizon"] {
-        let svg =
-            std::fs::read_to_string(folder.at(&format!("out/affine-gronwall-{name}.svg"))).unwrap();
-        assert!(svg.contains("weighted envelope"), "{name}");
-    }
+    let svg = std::fs::read_to_string(folder.at("out/affine-gronwall-envelope.svg")).unwrap();
+    assert!(svg.contains("weighted envelope"));
 }
 
 /// A yield limit that rises with slope 4 on a piece of ζ as short as 0.025 has L_κ = 4.05, and the error stays below the
@@ -95,11 +79,9 @@ fn the_printed_sum_needs_more_than_the_halved_one() {
 
 #[test]
 fn what_cannot_be_judged_is_two() {
-    let cases: [(&[&str], &str); 5] = [
+    let cases: [(&[&str], &str); 3] = [
         (&["abstract-smooth", "--n", "8"], "has no mesh"),
-        (&["abstract-graded", "--steps", "16", "--horizons", "1"], "uniform grid"),
         (&["steady"], "has no history"),
-        (&["affine", "--steps", "8", "--horizons", "0.3"], "no multiple of the step"),
         (&["no-such-scene"], "no scene is called"),
     ];
     for (arguments, words) in cases {

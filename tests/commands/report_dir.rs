@@ -324,7 +324,7 @@ fn studies_of_the_directory_are_chapters() {
     assert!(read("index.html").contains("sweep bound SCENE --out DIR"));
     for study in [
         &["bound", "affine", "--n", "4", "--steps", "2"][..],
-        &["gronwall", "affine", "--steps", "8,16", "--horizons", "1,2"],
+        &["gronwall", "affine", "--steps", "8,16"],
         &["audit", "compliance", "--n", "4,8", "--steps", "2"],
         &["trade", "compliance", "--n", "4,8,16", "--steps", "4,8,16"],
         &["extremes", "one-vertex"],

@@ -43,8 +43,8 @@ fn a_rung_that_fails_is_said() {
         catalogue(false).into_iter().filter(|ladder| ladder.name == "one-vertex").collect();
     let mut rung = climb(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
     let sound = found(&ladders, std::slice::from_ref(&rung)).document;
-    rung.claims[0].left = f64::NAN;
-    let words = format!("one-vertex at {}: no number", rung.at);
+    rung[0].left = f64::NAN;
+    let words = format!("one-vertex at {}: no number", rung[0].place.at);
     shows(&sound, &found(&ladders, &[rung]).document, &words);
     shows(&sound, &found(&ladders, &[]).document, "nothing was compared");
 }
@@ -67,7 +67,7 @@ fn the_help_names_every_key() {
     let out = folder.argument("out");
     for arguments in [
         &["bound", "memory-minus-identity", "--n", "4", "--steps", "4"][..],
-        &["gronwall", "affine", "--steps", "8,16", "--horizons", "1,2"],
+        &["gronwall", "affine", "--steps", "8,16"],
         &["audit", "compliance", "--n", "4", "--steps", "2"],
         &[
             "trade",

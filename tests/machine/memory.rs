@@ -88,11 +88,8 @@ const SOLVING: [(&[&str], &str); 9] = [
         &["gronwall", "viscoelastic", "--n", "8", "--steps", "4,8"],
         "viscoelastic n = 8, N = 64: about ",
     ),
-    (
-        &["gronwall", "affine", "--n", "4", "--steps", "4", "--horizons", "2"],
-        "affine n = 4, N = 32: about ",
-    ),
-    (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 8, N = 4: about "),
+    (&["gronwall", "affine", "--n", "4", "--steps", "4"], "affine n = 4, N = 32: about "),
+    (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 4, N = 4: about "),
     (&["check", "affine", "--floors", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
     (&["trade", "affine", "--n", "2,4,8", "--steps", "2,4,8"], "affine n = 8, N = 8: about "),
     (&["diagnose", "affine"], "affine n = "),
@@ -321,7 +318,7 @@ fn long_other_commands_take_what_is_predicted_of_them() {
         ("bound viscoelastic --n 32 --steps 4", "viscoelastic --n 32 --steps 4"),
         ("check pure-mild --floors --n 64 --steps 8", "pure-mild --n 64 --steps 8"),
         (
-            "trade signorini --n 32,64 --steps 8,16 --memory-limit 100M",
+            "trade signorini --n 32,64 --steps 8,16 --memory-limit 70M",
             "signorini --n 64 --steps 16",
         ),
     ];
@@ -336,14 +333,18 @@ fn long_other_commands_take_what_is_predicted_of_them() {
     }
     // A prediction of one run alone would be seen; of `bound` on this small mesh one run is within a hair of the factor.
     assert!(seen >= 4, "{seen} of {}", commands.len());
-    // Under that limit a trade left another element out; it says what that would take, and with it takes that.
+    // Under that limit a trade left a setting out; it says what that would take, and with it takes that.
     let trade = ["trade", "signorini", "--n", "32,64", "--steps", "8,16"];
     let trade = [&trade[..], &["--out", &out]].concat();
-    let left_out = stderr(&sweep(&[&trade[..], &["--memory-limit", "100M"]].concat()));
-    let line = left_out.lines().find(|line| line.contains("element P2 left out"));
+    let left_out = stderr(&sweep(&[&trade[..], &["--memory-limit", "70M"]].concat()));
+    let line = left_out.lines().find(|line| line.contains("strong loads left out"));
     let (all, measured) = (mebibytes(line.expect("a line")), peak(&trade));
-    println!("trade with P2: predicted {:.0} MB, measured {:.0} MB", all / 1e6, measured / 1e6);
-    assert!(honest(all, measured) && all > 100.0 * 1_048_576.0, "{all} against {measured}");
+    println!(
+        "trade with strong loads: predicted {:.0} MB, measured {:.0} MB",
+        all / 1e6,
+        measured / 1e6
+    );
+    assert!(honest(all, measured) && all > 70.0 * 1_048_576.0, "{all} against {measured}");
     let estimate = ["solve", "signorini", "--n", "64", "--steps", "16", "--estimate"];
     assert!(honest(predicted(&estimate), peak(&estimate)));
 }

@@ -41,6 +41,7 @@ mod plans;
 mod program;
 mod quadratic;
 mod quadratic_studies;
+mod samples;
 mod second_integral;
 mod separate_evaluation;
 #[path = "../shipped/mod.rs"]

@@ -8,6 +8,7 @@
 
 use std::sync::Arc;
 
+use crate::samples::sample;
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
 use fem::contact::{
     BoundaryRule, Discretization, MemoryTerm, TraceMass, TracePart, march, trace_constants,
@@ -18,7 +19,7 @@ use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, TruthLoad, constants, reference_run};
 use studies::theory::audit::{AuditConstants, Auditor, audit};
-use studies::theory::bound::{BoundStudy, at_level, contraction, finite_factor, sampled};
+use studies::theory::bound::{BoundStudy, at_level, contraction, finite_factor};
 use studies::trade::estimate::{companions, norm_estimate};
 use vhi::Newton;
 use vhi::law::{MemoryKernel, PiecewiseLinear, TensorField};
@@ -166,8 +167,7 @@ fn the_step_bound_holds_and_wrong_constants_do_not() {
     let setup = setup("quadratic-memory");
     let (space, sound) = (setup.space(4).expect("a mesh"), constants(&setup).expect("constants"));
     let fails = |wrong| -> Vec<&'static str> {
-        let rows =
-            sampled::sample(&setup, &wrong, &space).unwrap_or_else(|error| panic!("{error}"));
+        let rows = sample(&setup, &wrong, &space);
         let failing = rows.iter().filter(|row| row.reason().is_some());
         failing.map(|row| row.statement.source).collect()
     };

@@ -21,11 +21,11 @@ use studies::trade::front;
 const TIE: f64 = 0.01;
 
 /// Whether a list of points is the front of all, by comparing each with each.
-fn is_front(points: &[[f64; 2]], found: &[usize]) -> bool {
+fn is_front(points: &[(f64, f64)], found: &[usize]) -> bool {
     let beaten = |i: usize| {
-        let [x, y] = points[i];
+        let (x, y) = points[i];
         let mut others = points.iter().enumerate().filter(|(j, _)| *j != i);
-        others.any(|(_, &[a, b])| a <= x && b <= y && (a < x || b < y))
+        others.any(|(_, &(a, b))| a <= x && b <= y && (a < x || b < y))
     };
     (0..points.len()).all(|i| beaten(i) != found.contains(&i))
 }
@@ -35,8 +35,8 @@ fn the_front_is_that_of_a_brute_force() {
     // Multiples of the golden ratio, modulo one: spread evenly, no two alike.
     let part = |i: usize, step: f64| (i as f64 * step).fract();
     for count in [1, 2, 7, 50, 200] {
-        let points: Vec<[f64; 2]> =
-            (1..=count).map(|i| [part(i, 0.618_033_988_7), part(i, 0.754_877_666_2)]).collect();
+        let points: Vec<(f64, f64)> =
+            (1..=count).map(|i| (part(i, 0.618_033_988_7), part(i, 0.754_877_666_2))).collect();
         let found = front(&points, 0.0);
         assert!(is_front(&points, &found), "{count}");
         // One point less, or a beaten one more, is seen.
@@ -84,11 +84,20 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
         let error = number(&row.expect("a row")["error"]);
         assert_eq!(error, v_error(&compliance, n, steps));
     }
-    // A setting at the largest run, the next coarser mesh and the fewest steps.
+    // Each setting on the same grid, with what it does to the largest run.
+    let prices = document["prices"].as_array().expect("prices");
     for setting in ["strong loads", "contact by Gauss points", "contact exact"] {
-        let places = named(setting).map(|row| (row["n"].as_u64(), row["steps"].as_u64()));
-        let expected = [(16, 8), (8, 8), (16, 2)].map(|(n, steps)| (Some(n), Some(steps)));
-        assert_eq!(places.collect::<Vec<_>>(), expected, "{setting}");
+        let places = |rows: &mut dyn Iterator<Item = &Value>| -> Vec<[Value; 2]> {
+            rows.map(|row| [row["n"].clone(), row["steps"].clone()]).collect()
+        };
+        let both = ["as written", setting].map(|change| places(&mut named(change)));
+        assert_eq!(both[0], both[1], "{setting}");
+        let of = |change| named(change).next_back().expect("the largest run");
+        let price = prices.iter().find(|price| price["what"] == setting).expect("a price");
+        let ratio = |key| number(&of(setting)[key]) / number(&of("as written")[key]);
+        // Roundings of two quotients.
+        assert!((number(&price["speed"]) * ratio("cpu_seconds") - 1.0).abs() < 1e-14);
+        assert!((number(&price["error"]) + 1.0 - ratio("error")).abs() < 1e-14, "{price}");
     }
     // Every row is in the table, in the order of the runs.
     let table = std::fs::read_to_string(folder.at("out/compliance-trade.csv")).expect("a table");
@@ -104,9 +113,8 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
     let saved = std::fs::read_to_string(folder.at("out/compliance-trade.json")).expect("a file");
     let saved: Value = serde_json::from_str(&saved).expect("JSON");
     assert_eq!(saved["answer"], document["answer"]);
-    let candidates =
-        trials.iter().filter(|row| row["status"] == "converged" && row["tie"] == false);
-    let points: Vec<(f64, f64, bool)> = candidates
+    let points: Vec<(f64, f64, bool)> = trials
+        .iter()
         .map(|row| (number(&row["cpu_seconds"]), number(&row["error"]), row["front"] == true))
         .collect();
     // Whoever is not on the front has a run on it that costs no more and is as good, but for a tie; nobody on it has.
@@ -115,12 +123,9 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
         let beaten = others.any(|(_, other)| other.0 <= seconds && (1.0 - TIE) * other.1 <= error);
         assert!(beaten != is_on, "{i} {seconds} {error}");
     }
-    // A setting that moves neither time nor error is a tie, and none is on the front.
-    assert!(trials.iter().all(|row| row["tie"] == false || row["front"] == false));
-    assert!(named("as written").all(|row| row["tie"] == false));
     // Space error of order 1, and an answer that has the error that was asked for. Which setting is the fastest is
-    // the clock's, but none that is taken moves the error by more than 5 %.
-    let order = number(&document["error_model"]["space"]["order"]);
+    // the clock's; on the grid settings move the error by less than 5 %.
+    let order = number(&document["models"][0]["error_model"]["space"]["order"]);
     assert!((0.85..1.15).contains(&order), "{order}");
     let answer = &document["answer"];
     let real = number(&document["confirmed"]["error"]);
@@ -133,10 +138,6 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
         false => compliance,
     };
     assert!((v_error(&chosen, n, steps) / real - 1.0).abs() < 0.06);
-    let prices = document["prices"].as_array().expect("prices");
-    let half = prices.iter().find(|price| price["what"] == "half the cells").expect("a price");
-    // Space error of order 1, at n = 16 and N = 8.
-    assert!((0.8..1.2).contains(&number(&half["error"])), "{half}");
 }
 
 fn with_quadratics(scene: &str) -> String {
@@ -209,12 +210,16 @@ fn elements_are_compared_at_equal_error() {
                 "{name} {element}: {by_rule:e} {by_next:e}"
             );
         }
-        // Each element has a run with the error that is wanted, the answer is the cheaper of them.
-        assert_eq!(document["elements"][0]["change"], format!("element {other}"));
+        // Each element has a run with the error that is wanted, the answer is the cheapest, or the scene as written where
+        // that saves less than a fifth.
+        let models = document["models"].as_array().expect("models");
+        assert_eq!(models.last().expect("a model")["change"], format!("element {other}"));
         let candidates = document["candidates"].as_array().expect("candidates");
         let seconds = candidates.iter().map(|found| number(&found["cpu_seconds"]));
         let least = seconds.fold(f64::INFINITY, f64::min);
-        assert_eq!(number(&document["answer"]["cpu_seconds"]), least, "{candidates:?}");
+        let answer = &document["answer"];
+        let most = if answer["change"] == "as written" { least / 0.8 } else { least };
+        assert!(number(&answer["cpu_seconds"]) <= most, "{candidates:?}");
         for (change, element) in [("as written", written), (&format!("element {other}"), other)] {
             let found = candidates.iter().find(|found| found["change"] == *change);
             let found = found.unwrap_or_else(|| panic!("{name} {change}: {candidates:?}"));

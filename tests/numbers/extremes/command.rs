@@ -18,7 +18,7 @@ fn a_ladder_is_a_table_and_three_files() {
     assert!(svg.contains("step-falling") && svg.contains("refused as expected"));
     let text = std::fs::read_to_string(folder.at("out/extremes.json")).expect("a document");
     let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-    assert_eq!(document["rungs"].as_array().map(Vec::len), Some(17));
+    assert_eq!(document["ladders"].as_array().map(Vec::len), Some(2));
 }
 
 #[test]

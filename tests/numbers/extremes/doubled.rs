@@ -3,9 +3,10 @@
 use algebra::linalg::signed_unit;
 use scene::setup::AbstractSetup;
 use scene::{Scene, Source};
-use studies::extremes::by_recursion;
 use twofloat::TwoFloat;
 use vhi::Newton;
+use vhi::history::{Memory, TimeGrid, Trapezoid};
+use vhi::law::ExponentialSum;
 
 /// The law of the contact scenes: 0, 2r, 0.08 - 0.5(r - 0.04), 0.05.
 const LAW: [[f64; 2]; 3] = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]];
@@ -125,6 +126,20 @@ fn lost_digits_are_seen() {
     });
     let seen = seen.count();
     assert!(seen >= 16, "{seen}");
+}
+
+/// Σ'_j e^{-c(t_N - t_j)} u_j k of the past and the last slot, as the recursion gives it.
+fn by_recursion(rate: f64, k: f64, steps: usize) -> f64 {
+    let value = |j: usize| 1.0 + (0.7 * j as f64).sin().powi(2);
+    let kernel = ExponentialSum { terms: vec![(1.0, rate)] };
+    let grid = TimeGrid::uniform(k * steps as f64, steps as u32);
+    let mut memory = Memory::new(&kernel, &Trapezoid, &grid, 1);
+    for j in 0..steps {
+        memory.commit(&grid, &[value(j)]);
+    }
+    let mut past = [0.0];
+    memory.past(&kernel, &Trapezoid, &grid, &mut past);
+    past[0] + 0.5 * k * value(steps)
 }
 
 /// Σ' k e^{-c(N-j)k} u_j in double-double against the recursion: 3ε for each step that is remembered.

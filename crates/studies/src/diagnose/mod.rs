@@ -23,7 +23,7 @@ use judge::claim::{Claim, Place, Relation, Standing, Statement};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Variable, Verdict};
 use rayon::prelude::*;
-use report::{Chapter, Findings, Row, Run, precise};
+use report::{Chapter, Findings};
 use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, judge_plan,
     run_contact_case,
@@ -110,25 +110,16 @@ impl Diagnosis {
         let title = (Chapter::Diagnose, format!("Which term is at fault: {name}"));
         let mut findings = Findings::new(title, Some([name, hash]), claims);
         findings.document.answer(self.sentence.clone());
-        let row = |outcome: &Outcome| -> Row<'_, 5> {
-            let claim = &outcome.claim;
-            let asked = match claim.relation {
-                Relation::Order(order, _) => format!("order ≥ {order}"),
-                _ => format!("error below {EXACT_WITHIN:.0e}"),
-            };
-            [
-                ("trial", Run::plain(&*outcome.name)),
-                ("terms", Run::plain(&*outcome.terms)),
-                ("must show", Run::plain(asked)),
-                (">shows", precise(Some(claim.left).filter(|left| left.is_finite()), 3)),
-                ("because", Run::plain(&*claim.note)),
-            ]
-        };
-        findings.document.table("Variants of the scene.", self.outcomes.iter().map(row));
+        findings.table(
+            "trials",
+            &self.outcomes,
+            "Variants of the scene.",
+            "trial = name; terms = terms; asked = claim/line; must be = claim/relation; > = claim/right; >shows = claim/left 3; \
+             because = claim/note",
+        );
         let culprits = self.finding.as_ref().map_or(Vec::new(), Finding::culprits);
         findings.numbers(serde_json::json!({
-            "verdicts": self.verdicts, "trials": self.outcomes, "culprits": culprits,
-            "sentence": self.sentence,
+            "verdicts": self.verdicts, "culprits": culprits, "sentence": self.sentence,
         }));
         findings
     }

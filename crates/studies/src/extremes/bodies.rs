@@ -6,7 +6,6 @@ use super::rung::{
     Ladder, Measured, Relation, Rung, SceneAnswer, Unanswered, march, power_of_ten, relative,
     set_up, solve,
 };
-use super::scalars::opposed;
 use super::scalars::step_in_words;
 use algebra::linalg::largest;
 use fem::norms::strain_error;
@@ -357,11 +356,6 @@ impl InSpace {
     fn ratio(&self, [lambda, mu]: [f64; 2]) -> f64 {
         self.error / ((1.0 + lambda / mu).sqrt() * self.interpolation)
     }
-
-    /// The error over the smaller of this and ‖ε(u)‖, for u without divergence.
-    fn locked_ratio(&self, lame: [f64; 2]) -> f64 {
-        self.ratio(lame).max(self.error / self.size)
-    }
 }
 
 /// u at the nodes.
@@ -388,12 +382,17 @@ pub(crate) fn locking() -> Ladder {
     let rung = |e: i32| {
         let lame = [power_of_ten(e), 1.0];
         let run = move |under_test: &UnderTest<'_>| {
-            let (fine, order) = locked(lame, 32, under_test)?;
+            let text = SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text();
+            let [coarse, fine] = [16, 32].map(|n| InSpace::run(text.clone(), n, under_test));
+            let (coarse, fine) = (coarse?, fine?);
+            let order = (coarse.error / fine.error).log2();
             let note = format!(
                 "order {order:.2} at n = 16…32, error {:.1} h‖ε(u)‖",
                 32.0 * fine.error / fine.size
             );
-            Ok(Measured::of(fine.locked_ratio(lame), &fine.answer).noted(note))
+            // The bound is the smaller of Céa's and ‖ε(u)‖, for u without divergence.
+            let ratio = fine.ratio(lame).max(fine.error / fine.size);
+            Ok(Measured::of(ratio, &fine.answer).noted(note))
         };
         Rung::new(format!("1e{e}"), Relation::AtMost(1.0 + QUADRATURE), run)
     };
@@ -403,47 +402,6 @@ pub(crate) fn locking() -> Ladder {
         quantity: "error over Céa's bound",
         why: "Céa with the interpolant, factor √(1 + λ/μ_L), or with 0: ‖ε(u)‖ where div u = 0",
         rungs: [0, 1, 2, 4, 6, 8].map(rung).into(),
-    }
-}
-
-fn solenoidal(lame: [f64; 2]) -> String {
-    SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text()
-}
-
-/// The run on n, and the order from n/2 to n.
-fn locked(
-    lame: [f64; 2],
-    n: u32,
-    under_test: &UnderTest<'_>,
-) -> Result<(InSpace, f64), Unanswered> {
-    let [coarse, fine] = [n / 2, n].map(|n| InSpace::run(solenoidal(lame), n, under_test));
-    let (coarse, fine) = (coarse?, fine?);
-    let order = (coarse.error / fine.error).log2();
-    Ok((fine, order))
-}
-
-/// Where the order returns at λ/μ_L = 1e2: slopes from n = 4 on.
-pub(crate) fn locking_order(finest: u32) -> Ladder {
-    let lame = [1e2, 1.0];
-    let rung = move |n: u32| {
-        let run = move |under_test: &UnderTest<'_>| {
-            let (fine, order) = locked(lame, n, under_test)?;
-            Ok(Measured::of(fine.locked_ratio(lame), &fine.answer)
-                .noted(format!("order {order:.2}")))
-        };
-        Rung::new(n.to_string(), Relation::AtMost(1.0 + QUADRATURE), run).with_largest(
-            solenoidal(lame),
-            n,
-            1,
-        )
-    };
-    let ns = [4, 8, 16, 32, 64, 128, 256].into_iter().filter(|&n| n <= finest);
-    Ladder {
-        name: "locking-order",
-        parameter: "n at λ/μ_L = 1e2",
-        quantity: "error over Céa's bound",
-        why: "as locking; the note shows where order 1 returns",
-        rungs: ns.map(rung).collect(),
     }
 }
 
@@ -499,7 +457,7 @@ pub(crate) fn aspect_ratio() -> Ladder {
     }
 }
 
-// Ladders of what is next to nothing: subnormal numbers in a scene, slivers, and memories whose parts cancel.
+// Ladders of what is next to nothing: subnormal numbers in a scene, and slivers.
 
 /// One number of a scene is 1e-310, below the normal numbers: the answer is that without the term. Where the load is
 /// the only force, nothing stands beside it: the displacements are 1e-310 as well, and are refused.
@@ -563,19 +521,6 @@ pub(crate) fn sliver() -> Ladder {
         quantity: "error over Céa's bound",
         why: "as mesh: no constant of shape, no condition on angles",
         rungs: shears.map(rung).into(),
-    }
-}
-
-/// A kernel e^{-t} - w e^{-2t} that changes its sign at t = ln w, w from 0.5 to 1e6: rounding is that of both parts,
-/// whatever is left of their difference.
-pub(crate) fn sign_change() -> Ladder {
-    let weights = [0.5, 1.0, 2.0, 1e3, 1e6];
-    Ladder {
-        name: "sign-change",
-        parameter: "w of the kernel e^{−t} − w e^{−2t}, N = 1000",
-        quantity: "recursion − sum in full, over the sum of magnitudes",
-        why: "rounding of either part, as in relaxation; a difference of the two adds ε/2",
-        rungs: weights.map(|weight| opposed(weight, 1e-3, 1000)).into(),
     }
 }
 

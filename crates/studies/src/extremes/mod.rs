@@ -8,17 +8,15 @@ mod scalars;
 mod units;
 
 pub use rung::admit;
-pub use rung::{Climb, Ladder, Largest, Measured, Rung};
-pub use rung::{Climbed, claims, climb, found};
+pub use rung::{Climb, Ladder, Largest, Measured, Rung, UnderTest};
 pub use rung::{Prepare, SceneAnswer, Unanswered, solve};
-pub use rung::{UnderTest, by_recursion};
+pub use rung::{claims, climb, found};
 pub use units::{Unitless, Units};
 
 /// All ladders. The largest meshes are climbed only where `long` says so.
 pub fn catalogue(long: bool) -> Vec<Ladder> {
     let others = [
         bodies::locking(),
-        bodies::locking_order(if long { 256 } else { 64 }),
         bodies::projection(),
         bodies::yield_limit(),
         bodies::through_zero(),
@@ -28,10 +26,6 @@ pub fn catalogue(long: bool) -> Vec<Ladder> {
         scalars::falling_memory(),
         scalars::rising_memory(),
         scalars::fixed_point(),
-        scalars::relaxation(),
-        scalars::steps(),
-        scalars::accumulated(),
-        bodies::sign_change(),
         bodies::load(),
         bodies::gap(),
         bodies::one_vertex(),

@@ -2,27 +2,21 @@
 
 pub(super) use judge::claim::Relation;
 
-use std::time::Instant;
-
 use ::run::sweep::{MemoryLimit, Refused, Runs, without_panic};
 use algebra::linalg::{larger, largest};
 use fem::contact::{Discretization, KKT_ALLOWED, LevelFields};
 use fem::norms::step_errors;
 use judge::claim::{Claim, Place, Standing, Statement};
-use report::{Cell, Chapter, Findings, Map, Row, Shade};
+use report::{Cell, Chapter, Findings, Map, Shade};
 use scene::setup::{MeshData, Setup};
 use scene::{Scene, Source};
 use vhi::Newton;
-use vhi::history::{Memory, TimeGrid, Trapezoid};
-use vhi::law::ExponentialSum;
 
 /// What a run measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// The number that the ladder is about.
     pub value: f64,
-    /// Newton iterations per level, where levels were solved.
-    pub iterations: Option<f64>,
     /// Largest relative KKT residual by separate evaluation, where there is one.
     pub kkt: Option<f64>,
     /// What else was seen; empty mostly.
@@ -32,13 +26,12 @@ pub struct Measured {
 impl Measured {
     /// A number without a solve behind it.
     pub fn number(value: f64) -> Self {
-        Self { value, iterations: None, kkt: None, note: String::new() }
+        Self { value, kkt: None, note: String::new() }
     }
 
     /// A number about an answer.
     pub(crate) fn of(value: f64, answer: &SceneAnswer) -> Self {
-        let iterations = f64::from(answer.iterations) / answer.zeta.len().max(1) as f64;
-        Self { iterations: Some(iterations), kkt: Some(answer.kkt), ..Self::number(value) }
+        Self { kkt: Some(answer.kkt), ..Self::number(value) }
     }
 
     /// What was measured, with a remark.
@@ -256,31 +249,10 @@ pub(super) fn relative(a: &[f64], b: &[f64]) -> f64 {
 
 // Rungs climbed: each is a claim of its ladder, and one of the solver's residual.
 
-/// A rung that was climbed.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Climbed {
-    pub ladder: &'static str,
-    pub at: String,
-    /// What the ladder claims, then the residual where there is one.
-    #[serde(skip)]
-    pub claims: Vec<Claim>,
-    /// Newton iterations per level.
-    pub iterations: Option<f64>,
-    /// Seconds it took.
-    pub seconds: f64,
-}
-
-/// Runs one rung; a panic is a claim that fails and not the end of the others.
-pub fn climb(ladder: &Ladder, rung: &Rung, under_test: &UnderTest<'_>) -> Climbed {
-    let start = Instant::now();
-    let outcome = caught(|| (rung.run)(under_test));
-    Climbed {
-        ladder: ladder.name,
-        at: rung.at.clone(),
-        claims: claims(ladder, &rung.at, rung.expected, &outcome),
-        iterations: outcome.ok().and_then(|measured| measured.iterations),
-        seconds: start.elapsed().as_secs_f64(),
-    }
+/// What the ladder claims of one rung, then the residual where there is one; a panic is a claim that fails and not the end
+/// of the others.
+pub fn climb(ladder: &Ladder, rung: &Rung, under_test: &UnderTest<'_>) -> Vec<Claim> {
+    claims(ladder, &rung.at, rung.expected, &caught(|| (rung.run)(under_test)))
 }
 
 /// What a rung claims of its outcome. NaN holds nowhere, and no refusal covers a panic.
@@ -313,38 +285,30 @@ pub fn claims(
     }
 }
 
-/// All that was climbed.
-pub fn found(ladders: &[Ladder], climbed: &[Climbed]) -> Findings {
-    let claims: Vec<Claim> = climbed.iter().flat_map(|rung| rung.claims.clone()).collect();
+/// All that was climbed, the claims of each rung.
+pub fn found(ladders: &[Ladder], climbed: &[Vec<Claim>]) -> Findings {
     let title = (Chapter::Extremes, "Ladders and rungs".to_owned());
-    let mut findings = Findings::new(title, None, claims);
-    let row = |ladder: &Ladder| -> Row<'static, 4> {
-        let rungs = climbed.iter().filter(|rung| rung.ladder == ladder.name).count();
-        [
-            ("ladder", report::Run::plain(ladder.name)),
-            ("parameter", report::Run::plain(ladder.parameter)),
-            (">rungs", report::Run::plain(rungs.to_string())),
-            ("expected because", report::Run::plain(ladder.why)),
-        ]
-    };
-    let caption =
-        "Ladders: the parameter, the number of rungs, and the reason for what is expected.";
-    findings.document.table(caption, ladders.iter().map(row));
+    let mut findings = Findings::new(title, None, climbed.concat());
+    findings.table(
+        "ladders",
+        ladders,
+        "Ladders: the parameter, and the reason for what is expected.",
+        "ladder = name; parameter = parameter; expected because = why",
+    );
     let shows = "every rung of the ladders against its expectation (sweep extremes).";
     findings.document.figure("extremes", shows, Some(map(ladders, climbed)));
-    findings.number("ladders", ladders);
-    findings.number("rungs", climbed);
     findings
 }
 
 /// The map of all rungs: one line a ladder, one cell a rung, shaded by how far the measured number is within what is allowed:
 /// the lightest at six decades or more, the darkest at the bound.
-fn map(ladders: &[Ladder], climbed: &[Climbed]) -> String {
+fn map(ladders: &[Ladder], climbed: &[Vec<Claim>]) -> String {
     let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
-        let rungs = climbed.iter().filter(|rung| rung.ladder == ladder.name);
-        rungs.map(|rung| (rung.at.clone(), shade(&rung.claims))).collect()
+        let own = |claims: &&Vec<Claim>| claims[0].statement.source == ladder.name;
+        let rungs = climbed.iter().filter(own);
+        rungs.map(|claims| (claims[0].place.at.clone(), shade(claims))).collect()
     };
-    let shades = || climbed.iter().map(|rung| shade(&rung.claims));
+    let shades = || climbed.iter().map(|claims| shade(claims));
     let wrong = shades().filter(|shade| *shade == Shade::Wrong).count();
     let refused = shades().filter(|shade| *shade == Shade::Outside).count();
     Map {
@@ -386,32 +350,12 @@ pub struct UnderTest<'a> {
     pub prepare: &'a Prepare<'a>,
     /// Solves the levels of abstract scenes, and of the iteration Λ.
     pub newton: Newton,
-    /// The history sum of step N by the rate of its kernel, the step and N, see [`by_recursion`].
-    pub history: &'a (dyn Fn(f64, f64, usize) -> f64 + Sync),
 }
 
 impl Default for UnderTest<'_> {
     fn default() -> Self {
-        Self { prepare: &|setup| setup, newton: Newton::default(), history: &by_recursion }
+        Self { prepare: &|setup| setup, newton: Newton::default() }
     }
-}
-
-/// u_j of the past: positive, so that sums do not cancel and relative errors mean something.
-pub(super) fn value(j: usize) -> f64 {
-    1.0 + (0.7 * j as f64).sin().powi(2)
-}
-
-/// Σ'_j e^{-c(t_N - t_j)} u_j k of the past and the last slot, as the recursion gives it.
-pub fn by_recursion(rate: f64, k: f64, steps: usize) -> f64 {
-    let kernel = ExponentialSum { terms: vec![(1.0, rate)] };
-    let grid = TimeGrid::uniform(k * steps as f64, steps as u32);
-    let mut memory = Memory::new(&kernel, &Trapezoid, &grid, 1);
-    for j in 0..steps {
-        memory.commit(&grid, &[value(j)]);
-    }
-    let mut past = [0.0];
-    memory.past(&kernel, &Trapezoid, &grid, &mut past);
-    past[0] + 0.5 * k * value(steps)
 }
 
 // What a rung takes of the memory.

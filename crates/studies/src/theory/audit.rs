@@ -23,7 +23,7 @@ use fem::space::{Element, Simplex, StrainPoint};
 use formula::{BoundProgram, Program};
 use judge::claim::{Claim, Place, Standing, Statement};
 use rayon::prelude::*;
-use report::{Chapter, Findings, Row, Run, digits, precise};
+use report::{Chapter, Findings, digits};
 use run::sweep::{Runs, run_cost};
 use scene::setup::{MeshData, Setup, SetupError, constants};
 use scene::{Extension, Face, TimeRule};
@@ -64,12 +64,11 @@ pub struct AuditConstants {
 }
 
 /// Where c_j² comes from.
-pub(super) fn c_j_source(proved: bool) -> &'static str {
-    if proved { "proved upper bound" } else { "extrapolated from meshes, no upper bound" }
-}
-
 fn source<S: Serializer>(proved: &bool, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(c_j_source(*proved))
+    serializer.serialize_str(match proved {
+        true => "proved upper bound",
+        false => "extrapolated from meshes, no upper bound",
+    })
 }
 
 impl AuditConstants {
@@ -672,31 +671,13 @@ fn found(setup: &Setup, constants: &AuditConstants, mut claims: Vec<Claim>) -> F
     let title = (Chapter::Audit, format!("Checklist: {}", scene.name));
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     findings.document.words(format!("{theorem}; boundary rule {rule}."));
-    findings.document.table("Constants of the bounds.", constants.rows());
     let mut constants = json!(constants);
     constants["m0"] = m0.into();
+    let named = constants.as_object().into_iter().flatten();
+    let rows = named.map(|(name, value)| json!({ "name": name, "value": value })).collect();
+    findings.document.rows("Constants of the bounds.", &rows, "constant = name; >value = value 7");
     findings.numbers(json!({ "theorem": theorem, "rule": rule, "constants": constants }));
     findings
-}
-
-impl AuditConstants {
-    fn rows(&self) -> [Row<'static, 2>; 10] {
-        let c = self;
-        let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
-        let named = [
-            ("m_A", c.m_a),
-            ("L_A", c.l_a),
-            ("α_φ", c.alpha_phi),
-            ("β_φ", c.beta_phi),
-            ("α_j", c.alpha_j),
-            (&c_j, c.c_j_squared),
-            ("c0", c.c0),
-            ("c1", c.c1),
-            ("‖R‖‖q‖", c.history),
-            ("m0", c.m0()),
-        ];
-        named.map(|(name, value)| [("constant", Run::formula(name)), (">value", precise(value, 7))])
-    }
 }
 
 /// What the inequalities leave out of account.

@@ -4,4 +4,4 @@ pub mod audit;
 pub mod bound;
 pub mod corner;
 pub mod gronwall;
-mod norms;
+pub mod norms;

@@ -9,7 +9,7 @@ use vhi::history::{Memory, TimeGrid, TimeRule};
 use vhi::law::{Convolution, TensorField};
 
 /// ‖F‖_* = sup F(v)/‖ε(v)‖ over V^h, by one solve with the strain stiffness.
-pub(crate) struct DualNorm<'a> {
+pub struct DualNorm<'a> {
     gram: StiffnessInverse<'a>,
 }
 
@@ -18,13 +18,13 @@ impl<'a> DualNorm<'a> {
     ///
     /// # Errors
     /// The factorization's.
-    pub(crate) fn new(space: &'a Discretization) -> Result<Self, FactorError> {
+    pub fn new(space: &'a Discretization) -> Result<Self, FactorError> {
         let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
         Ok(Self { gram })
     }
 
     /// ‖F‖_* of a vector over the unknowns.
-    pub(crate) fn of(&mut self, load: &[f64]) -> f64 {
+    pub fn of(&mut self, load: &[f64]) -> f64 {
         let mut riesz = load.to_vec();
         self.gram.solve(&mut riesz);
         dot(load, &riesz).max(0.0).sqrt()
@@ -32,7 +32,7 @@ impl<'a> DualNorm<'a> {
 }
 
 /// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory.
-pub(crate) fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
+pub fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
         let square = |at: StrainPoint<'_>| {
             let mut stress = [0.0; S];
@@ -48,7 +48,7 @@ pub(crate) fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec
 }
 
 /// Σ_{j ≤ n} W_nj v_j by the kernel of each term; `histories` have v_0, …, v_{n-1} and take v_n = `v`.
-pub(crate) fn remembered(
+pub fn remembered(
     terms: &[MemoryTerm],
     histories: &mut [Memory],
     rule: &dyn TimeRule,

@@ -7,11 +7,11 @@ use super::optimum::Choices;
 use algebra::linalg::larger;
 use cpu_time::ThreadTime;
 use fem::contact::{CaseError, CaseInfo, Observer, strain_distance};
-use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
+use fem::norms::{ReferenceRun, step_errors, strain_error};
 use fem::space::Element;
 use judge::record::{CaseRecord, NormError, Status};
-use run::sweep::{Overrides, ScenePlan, as_floors, floor_in, run_cost, scene_reference};
-use scene::setup::{MeshData, Setup, SetupError, Subject, reference_run};
+use run::sweep::{as_floors, floor_in, scene_reference};
+use scene::setup::{MeshData, Setup, SetupError, reference_run};
 use scene::{Body, Change, ContactQuadrature, ContactScene, Data, LoadForm, Norm, Scene};
 use serde_json::{Value, json};
 
@@ -19,25 +19,12 @@ use serde_json::{Value, json};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Trial {
     pub change: Change,
-    /// Its error in the norm of the trade, if it came to its end. Seconds are CPU seconds of the thread: mesh, analysis,
-    /// loads and march.
+    /// Its error in the norm of the trade, if it came to its end, and on the coarsest mesh that in k alone. Seconds are CPU
+    /// seconds of the thread: mesh, analysis, loads and march.
     pub record: CaseRecord,
-    /// Peak memory of a process that does this run alone, predicted.
-    pub bytes: f64,
-    /// Where half the steps were run before: max ‖ε(u_k - u_2k)‖ at the times of both.
-    pub apart: Option<f64>,
-    /// A change that moves neither time nor error: the run as written stands for it.
-    pub tie: bool,
-    /// No other run is as good in time and error, and better in one beyond a tie.
-    pub front: bool,
 }
 
 impl Trial {
-    pub(super) fn new(change: &Change, record: CaseRecord) -> Self {
-        let (change, bytes) = (change.clone(), f64::NAN);
-        Self { change, record, bytes, apart: None, tie: false, front: false }
-    }
-
     /// n and N.
     pub(super) fn place(&self) -> [u32; 2] {
         [self.record.n.unwrap_or(0), self.record.steps]
@@ -68,29 +55,20 @@ impl Trial {
         }
     }
 
-    /// What files have of it.
-    pub(super) fn json(&self) -> Value {
-        let CaseRecord { scene, steps, k, newton_iterations, factorizations, .. } = &self.record;
+    /// What files have of it; `front`: no run is as good in time and error and better in one.
+    pub(super) fn json(&self, front: bool) -> Value {
+        let record = &self.record;
         json!({
-            "scene": scene,
-            "change": self.change,
-            "n": self.record.n,
-            "steps": steps,
-            "h": self.record.h,
-            "k": k,
-            "dofs": self.record.dofs,
-            "norm": self.record.errors.first().map(|entry| &entry.norm),
-            "error": self.error(),
-            "floor": self.floor(),
-            "cpu_seconds": self.seconds(),
-            "load_share": (self.record.seconds_load / self.seconds()).clamp(0.0, 1.0),
-            "predicted_bytes": self.bytes,
-            "history_bytes": self.record.peak_history_bytes,
-            "newton_iterations": newton_iterations,
-            "factorizations": factorizations,
-            "tie": self.tie,
-            "front": self.front,
-            "status": if self.record.converged() { "converged" } else { "failed" },
+            "scene": record.scene, "change": self.change, "n": record.n, "steps": record.steps,
+            "h": record.h, "k": record.k, "dofs": record.dofs,
+            "norm": record.errors.first().map(|entry| &entry.norm),
+            "error": self.error(), "floor": self.floor(), "cpu_seconds": self.seconds(),
+            "load_share": (record.seconds_load / self.seconds()).clamp(0.0, 1.0),
+            "history_bytes": record.peak_history_bytes,
+            "newton_iterations": record.newton_iterations,
+            "factorizations": record.factorizations,
+            "front": front,
+            "status": if record.converged() { "converged" } else { "failed" },
             "reason": self.failure(),
         })
     }
@@ -151,33 +129,33 @@ impl<'a> Bench<'a> {
         Ok(Self { setup, norm, reference, size: 0.0, trials: Vec::new() })
     }
 
-    /// Runs the scene with a change on one mesh, from few steps to many, and says what came of it.
-    pub(super) fn runs(&mut self, change: &Change, n: u32, steps: &[u32], heard: &dyn Fn(&str)) {
-        let judged = self.judge(change, n).map_err(|error| error.to_string());
-        let mut known: Vec<(u32, Trajectory)> = Vec::new();
-        for &steps in steps {
-            let half = known.iter().find(|(coarse, _)| 2 * coarse == steps);
-            let found = judged.as_ref().map_err(Clone::clone).and_then(|(setup, judge)| {
-                let run =
-                    self.run(change, setup, judge, [n, steps], half.map(|(_, levels)| levels));
-                run.map_err(|error| error.to_string())
-            });
-            let place = format!("{} n={n} N={steps}", change.words());
-            match found {
-                Ok((trial, levels)) => {
-                    let [error, seconds] = [trial.error(), trial.seconds()];
-                    heard(&format!("{place} error {error:.4e} in {seconds:.4} s"));
-                    known.push((steps, levels));
-                    self.trials.push(trial);
-                }
-                Err(reason) => {
-                    heard(&format!("{place} failed: {reason}"));
-                    let record = CaseRecord {
-                        status: Status::Failed { reason },
-                        ..self.without_work([n, steps])
-                    };
-                    self.trials.push(Trial::new(change, record));
-                }
+    /// Runs the scene with a change on some meshes, from few steps to many, and says what came of it.
+    pub(super) fn runs(
+        &mut self,
+        change: &Change,
+        meshes: &[u32],
+        steps: &[u32],
+        heard: &dyn Fn(&str),
+    ) {
+        for &n in meshes {
+            let judged = self.judge(change, n).map_err(|error| error.to_string());
+            let in_time = self.norm == Norm::VMax && meshes.len() > 1 && n == meshes[0];
+            for &steps in steps {
+                let found = judged.as_ref().map_err(Clone::clone).and_then(|(setup, judge)| {
+                    let run = self.run(setup, judge, [n, steps], in_time);
+                    run.map_err(|error| error.to_string())
+                });
+                let record = found.unwrap_or_else(|reason| CaseRecord {
+                    status: Status::Failed { reason },
+                    ..self.without_work([n, steps])
+                });
+                let trial = Trial { change: change.clone(), record };
+                let came = match trial.failure() {
+                    Some(reason) => format!("failed: {reason}"),
+                    None => format!("error {:.4e} in {:.4} s", trial.error(), trial.seconds()),
+                };
+                heard(&format!("{} n={n} N={steps} {came}", change.words()));
+                self.trials.push(trial);
             }
         }
     }
@@ -197,36 +175,39 @@ impl<'a> Bench<'a> {
         Ok((setup, judge))
     }
 
-    /// One run from nothing, and its levels; `half` are those of half the steps.
+    /// One run from nothing, and `in_time` its distance to one with more steps.
     fn run(
         &mut self,
-        change: &Change,
         setup: &Setup,
         judge: &MeshData,
         [n, steps]: [u32; 2],
-        half: Option<&Trajectory>,
-    ) -> Result<(Trial, Trajectory), SetupError> {
+        in_time: bool,
+    ) -> Result<CaseRecord, SetupError> {
         let (space, still) = (&judge.space, vec![0.0; judge.space.nodes.len()]);
-        let [mut error, mut apart] = [0.0f64; 2];
-        let (mut met, mut levels) = (0, Trajectory::default());
+        let finer = || -> Result<_, SetupError> {
+            Ok(MeshData::new(setup, n, None)?.trajectory(setup, FINER * steps, steps)?)
+        };
+        let finer = in_time.then(finer).transpose()?;
+        let mut error = 0.0f64;
+        let mut of_time = finer.as_ref().map(|_| 0.0f64);
         let (info, seconds) = Meshed::new(setup, n)?.march(setup, steps, &mut |view| {
             let truth = judge.truth.moments(view.t)?;
             let errors = as_floors(&step_errors(space, &setup.model, view, &truth));
             error = larger(error, floor_in(&errors, self.norm));
             self.size = self.size.max(strain_error(space, &still, &truth));
-            if let Some(coarse) = half.and_then(|half| half.at(view.t)) {
-                apart = larger(apart, strain_distance(space, coarse, view.u));
-                met += 1;
-            }
-            levels.times.push(view.t);
-            levels.displacements.push(view.u.to_vec());
+            // Grids that have no times in common show no error in k.
+            of_time = of_time
+                .zip(finer.as_ref().and_then(|finer| finer.at(view.t)))
+                .map(|(most, finer)| larger(most, strain_distance(space, finer, view.u)));
             Ok(())
         })?;
-        let by = if setup.body.element == self.setup.body.element { self.setup } else { setup };
-        let cost = run_cost(by, space, steps);
-        let floor = floor_in(&info.floors, self.norm);
-        let norm = self.norm.name().into();
-        let record = CaseRecord {
+        let entry = |norm: Norm, error: f64| NormError {
+            norm: norm.name().into(),
+            error: Some(error),
+            floor: Some(floor_in(&info.floors, norm)),
+        };
+        let of_time = of_time.map(|error| entry(Norm::VTimeMax, error));
+        Ok(CaseRecord {
             dofs: space.dofs() as u64,
             status: Status::Converged,
             newton_iterations: info.newton_iterations.into(),
@@ -234,16 +215,9 @@ impl<'a> Bench<'a> {
             peak_history_bytes: info.peak_history_bytes as u64,
             seconds_load: info.seconds_load,
             seconds_total: seconds,
-            errors: vec![NormError { norm, error: Some(error), floor: Some(floor) }],
+            errors: std::iter::once(entry(self.norm, error)).chain(of_time).collect(),
             ..self.without_work([n, steps])
-        };
-        let trial = Trial {
-            // The history is counted.
-            bytes: cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes,
-            apart: half.filter(|half| half.times.len() == met).map(|_| apart),
-            ..Trial::new(change, record)
-        };
-        Ok((trial, levels))
+        })
     }
 }
 
@@ -259,9 +233,9 @@ fn of_body(words: &str, change: impl Fn(&mut ContactScene) + Send + Sync + 'stat
     })
 }
 
-/// The settings that a scene offers beside h, k and the element.
-pub(super) fn settings(setup: &Setup) -> Vec<Change> {
-    let mut found = Vec::new();
+/// What a scene offers beside h and k: itself, its settings, other elements.
+pub(super) fn changes(setup: &Setup) -> Vec<Change> {
+    let mut found = vec![Change::none()];
     if let Data::Exact { interpolated: false, form: written, .. } = setup.body.data {
         let (words, other) = match written {
             LoadForm::Weak => ("strong loads", LoadForm::Strong),
@@ -287,18 +261,13 @@ pub(super) fn settings(setup: &Setup) -> Vec<Change> {
             }));
         }
     }
-    found
-}
-
-/// The other elements that a scene may have.
-pub(super) fn elements(setup: &Setup) -> Vec<(Element, Change)> {
     let others = Element::ALL.into_iter().filter(|&other| other != setup.body.element);
     let admitted = others.filter(|&other| setup.scene.with_element(other).is_ok());
-    let change = |element: Element| {
+    found.extend(admitted.map(|element| {
         let words = format!("element {}", element.name());
-        (element, Change::new(words, move |scene| scene.with_element(element)))
-    };
-    admitted.map(change).collect()
+        Change::new(words, move |scene| scene.with_element(element))
+    }));
+    found
 }
 
 // Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
@@ -308,7 +277,9 @@ pub(super) fn elements(setup: &Setup) -> Vec<(Element, Change)> {
 const LEVELS: usize = 3;
 /// Levels that are kept while the budget allows them.
 const MOST: [usize; 2] = [4, 5];
-/// Seconds that an unknown and step may take: punch at n = 64 and N = 32 has 266,000 of them and takes 0.7 s.
+/// An error in k is the distance to a run with so many times the steps, which has 1/64 of it at order 2.
+const FINER: u32 = 8;
+/// Seconds that an unknown and level may take: punch at n = 64 and N = 32 has 270,000 of them and takes 0.7 s.
 const RATE: f64 = 3e-6;
 /// No mesh coarser than this, no fewer steps.
 const LEAST: u32 = 2;
@@ -320,14 +291,8 @@ pub(super) fn trade_grid(
     steps: &Option<Vec<u32>>,
     budget: f64,
 ) -> Result<[Vec<u32>; 2], SetupError> {
-    let grid = match (n, steps) {
-        (Some(n), Some(steps)) => [n.clone(), steps.clone()],
-        _ => {
-            let [own, own_steps] = scene_grid(setup, budget)?;
-            [n.clone().unwrap_or(own), steps.clone().unwrap_or(own_steps)]
-        }
-    };
-    let grid = grid.map(sorted);
+    let [own, own_steps] = scene_grid(setup, budget)?;
+    let grid = [n.clone().unwrap_or(own), steps.clone().unwrap_or(own_steps)].map(sorted);
     setup.scene.check_cases(&grid[0], &grid[1])?;
     Ok(grid)
 }
@@ -346,18 +311,21 @@ fn scene_grid(setup: &Setup, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
     let suit = |steps: u32| steps <= finest[1] && choices.has_steps(steps);
     let mut grid = [completed(listed_n, &cells), completed(listed_steps, &suit)];
     grid.iter_mut().zip(MOST).for_each(|(list, most)| list.truncate(most));
-    let mut subject = Subject::new(scene.clone())?;
+    let unknowns = |n: &u32| {
+        let degree = setup.body.element.degree() as i32;
+        setup.body.domain.cells(*n) * f64::from(degree.pow(scene.dimension as u32))
+    };
     loop {
-        let [n, steps] = grid.clone().map(Some);
-        let plan = ScenePlan::new(subject, &Overrides { n, steps });
-        let seconds: f64 = plan.costs()?.cases.iter().map(|case| RATE * case.work).sum();
+        let [unknowns, levels]: [f64; 2] = [
+            grid[0].iter().map(unknowns).sum(),
+            grid[1].iter().map(|&steps| f64::from(steps) + 1.0).sum(),
+        ];
         // Meshes cost more than steps: they go first.
         let long = grid.iter_mut().find(|list| list.len() > LEVELS);
-        match long.filter(|_| seconds > budget) {
+        match long.filter(|_| RATE * unknowns * levels > budget) {
             Some(list) => list.pop(),
             None => return Ok(grid),
         };
-        subject = plan.subject;
     }
 }
 
@@ -402,8 +370,7 @@ mod tests {
         fn offered(name: &str) -> String {
             let path = format!("{}/../../manufactured/{name}.toml", env!("CARGO_MANIFEST_DIR"));
             let setup = Setup::new(Scene::read(path.as_ref()).expect("a scene")).expect("a setup");
-            let elements = elements(&setup).into_iter().map(|(_, change)| change);
-            let all: Vec<Change> = settings(&setup).into_iter().chain(elements).collect();
+            let all = changes(&setup).split_off(1);
             for change in &all {
                 let changed = change.of(&setup.scene).expect("a scene that may be so");
                 assert!(Setup::new(changed).is_ok(), "{name}: {change:?}");

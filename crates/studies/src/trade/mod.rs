@@ -6,14 +6,12 @@ mod bench;
 pub mod estimate;
 mod models;
 mod optimum;
-mod runs;
 mod study;
 
 use self::models::ErrorModel;
 pub use models::Cost;
 pub use optimum::{Choice, NoAnswer, Wanted};
-pub use runs::front;
-pub use study::{Trade, TradeError, measurable, trade};
+pub use study::{Trade, TradeError, front, measurable, trade};
 
 /// Companions of a run go down to a fourth of n and N, and meshes up to four times the n of a run are made to foresee
 /// another one.

@@ -198,24 +198,10 @@ impl Cost {
             }
             best = Some((norm, parts));
         }
-        let (_, parts) = best?;
-        Some(Self { parts, residual: 0.0, dimension, horizon }.judged(samples))
-    }
-
-    /// The seconds of all runs, shared out by cells times levels: for runs that are too short for a clock.
-    pub(super) fn counted(samples: &[CostSample], dimension: usize, horizon: f64) -> Self {
-        let work = |s: &CostSample| features(dimension, horizon, s.h, s.k)[2];
-        let taken: f64 = samples.iter().map(|s| s.seconds).sum();
-        // A clock that stands still gives no rate, and any will do.
-        let rate = taken.max(f64::MIN_POSITIVE) / samples.iter().map(work).sum::<f64>();
-        let parts = [0.0, 0.0, rate, 0.0, 0.0];
-        Self { parts, residual: 0.0, dimension, horizon }.judged(samples)
-    }
-
-    fn judged(mut self, samples: &[CostSample]) -> Self {
-        let off = |s: &CostSample| (self.seconds(s.h, s.k) / s.seconds).ln().abs();
-        self.residual = samples.iter().map(off).fold(0.0, f64::max);
-        self
+        let mut found = Self { parts: best?.1, residual: 0.0, dimension, horizon };
+        let off = |s: &CostSample| (found.seconds(s.h, s.k) / s.seconds).ln().abs();
+        found.residual = samples.iter().map(off).fold(0.0, f64::max);
+        Some(found)
     }
 
     /// Seconds at (h, k).
@@ -356,17 +342,6 @@ mod tests {
             let ratio = found.seconds(1.0 / 256.0, 1.0 / 32.0) / (2e-6 * 65536.0 * 32.0);
             assert!((0.7..1.5).contains(&ratio), "{ratio}");
             assert!(Cost::fit(&[], 2, 1.0).is_none());
-        }
-
-        #[test]
-        fn counts_share_out_what_no_clock_resolves() {
-            let samples = runs(|_, _| 1e-4);
-            let found = Cost::counted(&samples, 2, 1.0);
-            let all: f64 = samples.iter().map(|s| found.seconds(s.h, s.k)).sum();
-            // Roundings of a sum of twelve numbers.
-            assert!((all / 12e-4 - 1.0).abs() < 1e-12);
-            assert!((found.seconds(0.01, 0.1) / found.seconds(0.02, 0.1) - 4.0).abs() < 1e-12);
-            assert!(Cost::counted(&runs(|_, _| 0.0), 2, 1.0).seconds(0.01, 0.1) > 0.0);
         }
     }
 }

@@ -86,24 +86,12 @@ pub struct Choice {
 
 impl Choice {
     /// The choice in words; `with` is its setting, `interval` that of its error.
-    pub(super) fn words(&self, with: &str, interval: &str, far: Option<&String>) -> String {
+    pub(super) fn words(&self, with: &str, interval: &str) -> String {
         let Self { n, steps, h, k, error, seconds, bytes, .. } = *self;
-        let far = far.map_or(String::new(), |far| format!("; far: {far}"));
         format!(
-            "n = {n}, N = {steps}{with} (h = {h:.5}, k = {k:.5}), predicted: error {error:.3e}{interval}, {seconds:.3} CPU s, {}{far}",
+            "n = {n}, N = {steps}{with} (h = {h:.5}, k = {k:.5}), predicted: error {error:.3e}{interval}, {seconds:.3} CPU s, {}",
             megabytes(bytes)
         )
-    }
-
-    /// How far beyond n and N that were run it lies, in words; none within so many times of them.
-    pub(super) fn beyond(&self, run: [u32; 2], within: f64) -> Option<String> {
-        let part = |(name, value, run): (&str, u32, u32)| {
-            let times = f64::from(value) / f64::from(run);
-            (times > within).then(|| format!("{name} is {times:.1} times the largest that was run"))
-        };
-        let parts = [("n", self.n, run[0]), ("N", self.steps, run[1])];
-        let parts: Vec<String> = parts.into_iter().filter_map(part).collect();
-        (!parts.is_empty()).then(|| parts.join(", "))
     }
 }
 

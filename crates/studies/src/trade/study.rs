@@ -1,20 +1,21 @@
-//! The trade of a scene: a grid of runs, each setting at three of them, and what they say. What is said is a function of the
-//! runs alone.
+//! The trade of a scene: it is run on one grid as written and with each change that it offers, and what the runs say is a
+//! function of them alone: models of error and cost, the cheapest run with an error, what each change buys.
 
-use super::bench::{Bench, Trial};
-use super::bench::{element_meshes, trade_grid};
-use super::bench::{elements, settings};
-use super::optimum::{NoAnswer, Wanted, coupling};
-use super::runs::{Candidate, Models, Price, at, candidates, mark_front, of, places, prices};
+use super::bench::{Bench, Trial, changes, element_meshes, trade_grid};
+use super::models::CostSample;
+use super::optimum::{Choice, Choices, Law, NoAnswer, Wanted, coupling};
+use super::{Cost, ErrorModel, SPAN};
 use judge::claim::{Claim, Place, Statement};
-use judge::fit::FLOORS_ABOVE;
-use judge::record::norm_label;
+use judge::fit::{FLOORS_ABOVE, Point, Sample};
+use judge::record::{V_TIME_MAX, norm_label};
 use report::{Axis, Chapter, Chart, Datum, Findings, Mark, Part, Scale, Series, digits};
 use run::sweep::{
-    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_constants, admit_plan,
+    CasePlan, Cost as CaseCost, MemoryLimit, Overrides, Refused, ScenePlan, admit_constants,
+    admit_plan,
 };
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
-use scene::{Change, Extension, Norm, Scene};
+use scene::{Change, Extension, Scene};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// What a trade is asked.
@@ -24,7 +25,7 @@ pub struct Trade<'a> {
     /// Cells per unit length and numbers of steps, in place of the scene's.
     pub n: Option<Vec<u32>>,
     pub steps: Option<Vec<u32>>,
-    /// Predicted CPU seconds of the grid; the settings take as much again.
+    /// Predicted CPU seconds of all runs.
     pub budget: f64,
     /// Whether the answer is run.
     pub confirm: bool,
@@ -74,59 +75,55 @@ pub fn trade(
     heard: &dyn Fn(&str),
 ) -> Result<(Findings, Option<NoAnswer>), TradeError> {
     let Trade { setup, wanted, limit, .. } = asked;
-    let [n, steps] = trade_grid(setup, &asked.n, &asked.steps, asked.budget)?;
+    let changes = changes(setup);
+    let [n, steps] =
+        trade_grid(setup, &asked.n, &asked.steps, asked.budget / changes.len() as f64)?;
     let admitted = admit_trade(&setup.scene, &n, &steps, limit)?;
     check_step_sizes(&admitted.subject, &steps)?;
-    let others = other_elements(setup, [&n, &steps], limit, heard)?;
     let mut bench = Bench::new(setup, wanted.norm)?;
-    n.iter().for_each(|&n| bench.runs(&Change::none(), n, &steps, heard));
-    if !bench.trials.iter().any(|trial| trial.record.converged()) {
-        let first = bench.trials.first().and_then(Trial::failure).unwrap_or_default().into();
-        return Err(TradeError::AllFailed { first });
+    let mut models = Vec::new();
+    for change in changes {
+        let Some(meshes) = meshes(setup, &change, [&n, &steps], limit, heard)? else { continue };
+        bench.runs(&change, &meshes, &steps, heard);
+        if !bench.trials.iter().any(|trial| trial.record.converged()) {
+            let first = bench.trials.first().and_then(Trial::failure).unwrap_or_default().into();
+            return Err(TradeError::AllFailed { first });
+        }
+        models.push(Models::of(change, &bench.trials, setup));
     }
-    for (element, meshes) in &others {
-        meshes.iter().for_each(|&n| bench.runs(element, n, &steps, heard));
-    }
-    let elements = others.iter().map(|(element, _)| element.clone());
-    let changes: Vec<Change> = settings(setup).into_iter().chain(elements.clone()).collect();
-    let dimension = setup.scene.dimension;
-    let places = places(&bench.trials, dimension, changes.len() as u32, asked.budget);
-    for &[n, steps] in &places {
-        for change in &changes {
-            // Another element may have been run there on one of its meshes.
-            if at(change, &bench.trials, [n, steps]).is_none() {
-                bench.runs(change, n, &[steps], heard);
+    let (mut candidates, mut refused) = (Vec::new(), None);
+    if let Some(target) = wanted.error(bench.size) {
+        let floors = of(&models[0].change, &bench.trials).map(Trial::floor);
+        refused = NoAnswer::admit(target, floors.fold(0.0, f64::max)).err();
+        let mut none = None;
+        for of_change in models.iter().filter(|_| refused.is_none()) {
+            match of_change.cheapest(setup, target, limit) {
+                Ok(found) => candidates.push(found),
+                Err(why) => none = none.or(Some(why)),
             }
         }
+        refused = refused.or(none.filter(|_| candidates.is_empty()));
     }
-    let on_mesh = setup.body.data.is_interpolated();
-    let prices = prices(&bench.trials, &places, &changes, on_mesh);
-    mark_front(&mut bench.trials, &prices);
-    let models = |change| Models::of(change, &bench.trials, setup);
-    let models: Vec<Models> = std::iter::once(Change::none()).chain(elements).map(models).collect();
-    let target = wanted.error(bench.size);
-    let candidates =
-        target.map(|target| candidates(setup, &bench.trials, &models, &prices, target, limit));
-    let (candidates, refused) = match candidates.transpose() {
-        Ok(found) => (found.unwrap_or_default(), None),
-        Err(none) => (Vec::new(), Some(none)),
+    // Single runs do not tell whether another setting saves less than a fifth.
+    let dear = |found: &Candidate| match found.change == models[0].change {
+        true => (1.0 - SAVES) * found.choice.seconds,
+        false => found.choice.seconds,
     };
-    let answer = candidates.iter().min_by(|a, b| a.choice.seconds.total_cmp(&b.choice.seconds));
+    let answer = candidates.iter().min_by(|a, b| dear(a).total_cmp(&dear(b)));
     let confirmed = match answer.filter(|_| asked.confirm) {
-        Some(Candidate { change, choice, .. }) => {
+        Some(Candidate { change, choice }) => {
             let changed = change.of(&setup.scene).map_err(SetupError::from)?;
             admit_trade(&changed, &[choice.n], &[choice.steps], limit)?;
-            bench.runs(change, choice.n, &[choice.steps], heard);
+            bench.runs(change, &[choice.n], &[choice.steps], heard);
             bench.trials.pop()
         }
         None => None,
     };
-    let answer = answer.map(|answer| (answer, confirmed));
-    Ok((found(&bench, &models, &prices, &candidates, answer), refused))
+    Ok((found(&bench, &models, &candidates, answer, confirmed), refused))
 }
 
 /// Refuses runs of a scene that would take more memory than there may be: beside a run a bench holds the truth on its mesh
-/// and the displacements of all runs there.
+/// and the displacements of a run.
 fn admit_trade(
     scene: &Scene,
     n: &[u32],
@@ -136,34 +133,173 @@ fn admit_trade(
     admit_constants(scene, false, limit)?;
     let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
     let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
-    let displacements =
-        |(case, cost): &(&CasePlan, &Cost)| 8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0);
+    let displacements = |(case, cost): &(&CasePlan, &CaseCost)| {
+        8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0)
+    };
     admit_plan(&plan, 1, limit, |cases| cases.iter().map(displacements).sum())?;
     Ok(plan)
 }
 
-/// The other elements with meshes of about as many nodes; what does not fit into memory is left out, and said.
-fn other_elements(
+/// The meshes of a change: those of the scene, or with about as many nodes of another element. None if errors cannot be
+/// measured or memory does not hold them, which is said.
+fn meshes(
     setup: &Setup,
+    change: &Change,
     [n, steps]: [&[u32]; 2],
     limit: &MemoryLimit,
     heard: &dyn Fn(&str),
-) -> Result<Vec<(Change, Vec<u32>)>, SetupError> {
-    let mut found = Vec::new();
-    for (element, change) in elements(setup) {
-        let left_out = |why: &str| heard(&format!("{} left out: {why}", change.words()));
-        if element.degree() > setup.body.element.degree() && setup.exact.is_none() {
-            left_out("the reference run has a lower degree, so it cannot serve as the truth");
-            continue;
+) -> Result<Option<Vec<u32>>, SetupError> {
+    let changed = change.of(&setup.scene)?;
+    let own = setup.body.element;
+    let element = changed.as_contact().map_or(own, |body| body.element);
+    let meshes = match element == own {
+        true => n.to_vec(),
+        false => element_meshes(&setup.scene, n, element),
+    };
+    let lower = element.degree() > own.degree() && setup.exact.is_none();
+    let why = match admit_trade(&changed, &meshes, steps, limit) {
+        _ if lower => {
+            "the reference run has a lower degree, so it cannot serve as the truth".into()
         }
-        let meshes = element_meshes(&setup.scene, n, element);
-        // It is compared on the meshes of the scene as written, too.
-        match admit_trade(&change.of(&setup.scene)?, &[&meshes[..], n].concat(), steps, limit) {
-            Ok(_) => found.push((change, meshes)),
-            Err(refused) => left_out(&refused.to_string()),
-        }
+        Ok(_) => return Ok(Some(meshes)),
+        Err(refused) => refused.to_string(),
+    };
+    heard(&format!("{} left out: {why}", change.words()));
+    Ok(None)
+}
+
+fn of<'a>(change: &'a Change, trials: &'a [Trial]) -> impl Iterator<Item = &'a Trial> {
+    trials.iter().filter(move |trial| trial.change == *change)
+}
+
+fn at<'a>(change: &Change, trials: &'a [Trial], place: [u32; 2]) -> Option<&'a Trial> {
+    trials.iter().find(|trial| trial.change == *change && trial.place() == place)
+}
+
+/// Errors that differ by a smaller part are one: a setting that buys the sixth digit buys nothing.
+const TIE: f64 = 0.01;
+
+/// Indices of the points (cost, error) that no other point beats: none is as good in both and better in one. They are
+/// sorted by cost; of equal points the first is kept, and of errors that differ by a part below `tie` that which costs less.
+/// A point that is not finite is not on the front.
+pub fn front(points: &[Datum], tie: f64) -> Vec<usize> {
+    let finite = |i: &usize| points[*i].0.is_finite() && points[*i].1.is_finite();
+    let mut order: Vec<usize> = (0..points.len()).filter(finite).collect();
+    order.sort_by(|&a, &b| {
+        let [(x, e), (y, f)] = [points[a], points[b]];
+        x.total_cmp(&y).then(e.total_cmp(&f)).then(a.cmp(&b))
+    });
+    let mut least = f64::INFINITY;
+    order.retain(|&i| {
+        let better = points[i].1 < (1.0 - tie) * least;
+        least = if better { points[i].1 } else { least };
+        better
+    });
+    order
+}
+
+/// Models of error and cost of the runs with a change, or why there are none.
+#[derive(Debug, Clone)]
+struct Models {
+    change: Change,
+    error: Result<ErrorModel, String>,
+    cost: Result<Cost, String>,
+    /// The least and the largest n and N that they rest on.
+    range: [[u32; 2]; 2],
+}
+
+impl Models {
+    fn of(change: Change, trials: &[Trial], setup: &Setup) -> Self {
+        let done: Vec<&Trial> =
+            of(&change, trials).filter(|trial| trial.record.converged()).collect();
+        let points = done.iter().map(|trial| {
+            let [h, k] = trial.steps();
+            Point { h, k, error: trial.error(), floor: trial.floor() }
+        });
+        let samples = done.iter().map(|trial| {
+            let [h, k] = trial.steps();
+            CostSample { h, k, seconds: trial.seconds() }
+        });
+        let in_time = done.iter().filter_map(|trial| {
+            let error = trial.record.norm(V_TIME_MAX)?.error?;
+            Some(Sample { step: trial.record.k, error })
+        });
+        let bound = |pick: fn(u32, u32) -> u32| {
+            let places = of(&change, trials).map(Trial::place);
+            places.reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap_or_default()
+        };
+        let [least, most] = [bound(u32::min), bound(u32::max)];
+        let one = [0, 1].iter().any(|&i| done.iter().all(|trial| trial.place()[i] == most[i]));
+        let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
+        let cost = match one {
+            true => Err("the runs use a single mesh or a single number of steps, so their costs cannot be separated".to_owned()),
+            false => Cost::fit(&samples.collect::<Vec<_>>(), dimension, horizon).ok_or_else(|| "no parts fit the times".into()),
+        };
+        let in_time: Vec<Sample> = in_time.collect();
+        let on_mesh = setup.body.data.is_interpolated();
+        let error = ErrorModel::fit(&points.collect::<Vec<_>>(), &in_time, on_mesh);
+        Self { change, error, cost, range: [least, most] }
     }
-    Ok(found)
+
+    /// The cheapest run whose predicted error is the target or less.
+    fn cheapest(
+        &self,
+        setup: &Setup,
+        target: f64,
+        limit: &MemoryLimit,
+    ) -> Result<Candidate, NoAnswer> {
+        let missing = |what, reason: &String| {
+            NoAnswer::Refused(format!("the {what} have no model: {reason}"))
+        };
+        let error = self.error.as_ref().map_err(|reason| missing("errors", reason))?;
+        let cost = self.cost.as_ref().map_err(|reason| missing("times", reason))?;
+        let changed = Setup::new(self.change.of(&setup.scene).map_err(SetupError::from)?)?;
+        let choices = Choices::new(&changed, true)?;
+        let law = Law {
+            error: Box::new(|h, k| error.error(h, k)),
+            seconds: Box::new(|h, k| cost.seconds(h, k)),
+            range: [self.range[0], choices.most()],
+            made: SPAN * self.range[1][0],
+        };
+        let choice = choices.cheapest(&law, target, limit)?;
+        Ok(Candidate { change: self.change.clone(), choice })
+    }
+
+    fn json(&self) -> Value {
+        fn or_reason(found: &Result<impl Serialize, String>) -> Value {
+            found.as_ref().map_or_else(|reason| json!({ "reason": reason }), |model| json!(model))
+        }
+        json!({
+            "change": self.change,
+            "error_model": or_reason(&self.error),
+            "cost_model": or_reason(&self.cost),
+        })
+    }
+}
+
+/// The cheapest run with a change that has the error which is wanted.
+#[derive(Debug, Clone, Serialize)]
+struct Candidate {
+    change: Change,
+    #[serde(flatten)]
+    choice: Choice,
+}
+
+/// Another setting or element is the answer where it saves this part of the time at least.
+const SAVES: f64 = 0.2;
+
+/// What a change does to time and error in the largest run that was made with and without it.
+fn price(change: &Change, trials: &[Trial]) -> Option<Value> {
+    let both = |plain: &Trial| {
+        let other = at(change, trials, plain.place())?;
+        let speed = plain.seconds() / other.seconds();
+        let error = other.error() / plain.error() - 1.0;
+        let [n, steps] = plain.place();
+        let price =
+            json!({ "what": change, "n": n, "steps": steps, "speed": speed, "error": error });
+        speed.is_finite().then_some(price)
+    };
+    of(&Change::none(), trials).filter_map(both).last()
 }
 
 /// By what part of itself a predicted error may be off.
@@ -205,19 +341,22 @@ fn claims(trials: &[Trial], written: &Models, answer: Option<(&Trial, f64)>) -> 
 fn found(
     bench: &Bench<'_>,
     models: &[Models],
-    prices: &[Price],
     candidates: &[Candidate],
-    answer: Option<(&Candidate, Option<Trial>)>,
+    answer: Option<&Candidate>,
+    confirmed: Option<Trial>,
 ) -> Findings {
     let (scene, written, norm) = (&bench.setup.scene, &models[0], bench.norm);
-    let target = answer.as_ref().map_or(f64::NAN, |(answer, _)| answer.choice.target);
-    let real = answer.as_ref().and_then(|(_, real)| real.as_ref());
-    let claims = claims(&bench.trials, written, real.map(|real| (real, target)));
+    let target = answer.map_or(f64::NAN, |answer| answer.choice.target);
+    let claims = claims(&bench.trials, written, confirmed.as_ref().map(|real| (real, target)));
     let title = (Chapter::Trade, format!("Cost and error: {}", scene.name));
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     let document = &mut findings.document;
-    if let Some((answer, _)) = &answer {
-        document.answer(answer_words(bench, answer, real));
+    if let Some(Candidate { change, choice }) = answer {
+        let real = confirmed.as_ref().map_or(String::new(), |real| {
+            format!("; real: error {:.4e}, {:.3} CPU s", real.error(), real.seconds())
+        });
+        let words = choice.words(&format!(", {}", change.words()), "");
+        document.answer(format!("target {target:.4e} in {}: {words}{real}", norm.name()));
     }
     document.words(format!(
         "Errors in {}; the largest strain norm of the truth is {}.",
@@ -247,9 +386,10 @@ fn found(
          >q = error_model/time/order 4; found by = error_model/source; >off by = error_model/residual 2; \
          none because = error_model/reason",
     );
-    document.rows(
+    findings.table(
+        "models",
+        of_changes,
         "Cost: CPU seconds a run, a cell (h^-d), an operation of a factorization (h^-3(d-1)), once and a level.",
-        &of_changes,
         "with = change; >run = cost_model/parts/0 2; >cell = cost_model/parts/1 2; >cell and level = cost_model/parts/2 2; \
          >operation = cost_model/parts/3 2; >operation and level = cost_model/parts/4 2; >off by = cost_model/residual 2; \
          none because = cost_model/reason",
@@ -260,34 +400,31 @@ fn found(
         "The cheapest runs that reach the target error.",
         "with = change; >n = n; >N = steps; >predicted error = error 4; >CPU s = cpu_seconds 3; >bytes = bytes 3",
     );
-    let trials: Value = bench.trials.iter().map(Trial::json).collect();
-    let keys = "scene,change,n,steps,h,k,dofs,norm,error,floor,cpu_seconds,load_share,predicted_bytes,history_bytes,newton_iterations,factorizations,tie,front,status,reason";
+    let points: Vec<Datum> =
+        bench.trials.iter().map(|trial| (trial.seconds(), trial.error())).collect();
+    let best = front(&points, TIE);
+    let trial = |(i, trial): (usize, &Trial)| trial.json(best.contains(&i));
+    let trials: Value = bench.trials.iter().enumerate().map(trial).collect();
+    let keys = "scene,change,n,steps,h,k,dofs,norm,error,floor,cpu_seconds,load_share,history_bytes,newton_iterations,factorizations,front,status,reason";
     findings.tables.push((".csv", keys, trials.clone()));
     findings.table(
         "trials",
         trials,
-        "Error, CPU seconds of one run on this machine, the part of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; tie: the run as written within 1.25 times the time and 1 % of the error.",
-        "setting = change; >n = n; >N = steps; >error = error; >CPU s = cpu_seconds 3; >in loads = load_share 2; \
-         >bytes = predicted_bytes 3; front = front; tie = tie",
+        "Error, CPU seconds of one run on this machine, the part of the loads; front: no run here is both faster and better, errors within 1 % being one.",
+        "setting = change; >n = n; >N = steps; >error = error; >CPU s = cpu_seconds 3; >in loads = load_share 2; front = front",
     );
+    let prices = models[1..].iter().filter_map(|one| price(&one.change, &bench.trials));
     findings.table(
         "prices",
-        prices,
-        "One setting changed at a time, compared with the run as written. Seconds are from single runs on this machine, so a factor below 1.25 is no difference.",
-        "what a setting changes = what; >n = n; >N = steps; >times faster = speed 3; >error, its part = error 2; \
-         >memory, times = bytes 3",
+        prices.collect::<Vec<_>>(),
+        "What a change does to the largest run that was made with and without it. Seconds are from single runs on this machine, so a factor below 1.25 is no difference.",
+        "what is changed = what; >n = n; >N = steps; >times faster = speed 3; >error, its part = error 2",
     );
     let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
-    let picture = picture(bench, models, answer.as_ref().map(|(answer, _)| *answer));
-    findings.document.figure("trade", caption, picture);
-    let elements: Vec<Value> = models[1..].iter().map(Models::json).collect();
-    let chosen = answer.as_ref().map(|(answer, _)| answer);
-    let [of_error, of_cost] = ["error_model", "cost_model"].map(|key| &of_changes[0][key]);
-    findings.numbers(json!({
-        "norm": norm, "size": bench.size, "error_model": of_error, "cost_model": of_cost,
-        "coupling": path, "elements": elements, "answer": chosen,
-    }));
-    if let Some((Candidate { choice, .. }, Some(real))) = &answer {
+    findings.document.figure("trade", caption, picture(bench, models, &best, target));
+    findings
+        .numbers(json!({ "norm": norm, "size": bench.size, "coupling": path, "answer": answer }));
+    if let Some((Candidate { choice, .. }, real)) = answer.zip(confirmed) {
         let (error, seconds) = (real.error(), real.seconds());
         let ratios =
             json!({ "error": choice.error / error, "cpu_seconds": choice.seconds / seconds });
@@ -297,113 +434,82 @@ fn found(
     findings
 }
 
-/// The answer in a sentence, and what its run showed.
-fn answer_words(bench: &Bench<'_>, answer: &Candidate, real: Option<&Trial>) -> String {
-    let Candidate { change, choice, extrapolates } = answer;
-    let part = match bench.norm {
-        Norm::VMax => format!(" ({:.3} % of the solution)", 100.0 * choice.target / bench.size),
-        _ => String::new(),
-    };
-    let real = real.map_or(String::new(), |real| {
-        format!("; real: error {:.4e}, {:.3} CPU s", real.error(), real.seconds())
-    });
-    let words = choice.words(&format!(", {}", change.words()), "", extrapolates.as_ref());
-    format!("target {:.4e} in {}{part}: {words}{real}", choice.target, bench.norm.name())
-}
-
-/// Error against CPU time, a marker per run, with the Pareto front; none without two runs.
-fn picture(bench: &Bench<'_>, models: &[Models], answer: Option<&Candidate>) -> Option<String> {
+/// Error against CPU time, a marker per run, with the Pareto front and the target; none without two runs.
+fn picture(bench: &Bench<'_>, models: &[Models], best: &[usize], target: f64) -> Option<String> {
     let mut chart = Chart::new(
         &format!("{}: speed against accuracy", bench.setup.scene.name),
-        "The error reached in a given CPU time (one thread of this machine: mesh, loads and march). Each line is one mesh, from few steps to many.",
+        "The error reached in a given CPU time (one thread of this machine: mesh, loads and march), in runs from few cells and steps to many.",
         Axis::new("CPU time in seconds", Scale::Log),
         Axis::new(format!("error {}", norm_label(bench.norm.name())), Scale::Log),
     );
-    let done = || bench.trials.iter().filter(|trial| trial.record.converged());
     let datum = |trial: &Trial| -> Datum { (trial.seconds(), trial.error()) };
-    let written = Change::none();
-    let mut ns: Vec<u32> = of(&written, &bench.trials).map(|trial| trial.place()[0]).collect();
-    ns.dedup();
-    for n in ns {
-        let runs = done().filter(|trial| trial.change == written && trial.place()[0] == n);
-        let data: Vec<Datum> = runs.map(datum).collect();
-        let parts = vec![Part::Line(data.clone()), Part::Points(data)];
-        chart.series.push(Series::new(format!("n = {n}"), parts));
+    for Models { change, .. } in models {
+        let data: Vec<Datum> = of(change, &bench.trials).map(datum).collect();
+        chart.series.push(Series::new(change.words(), vec![Part::Points(data)]));
     }
-    for of_element in &models[1..] {
-        let runs = done().filter(|trial| trial.change == of_element.change);
-        let data: Vec<Datum> = runs.map(datum).collect();
-        if data.is_empty() {
-            continue;
-        }
-        chart.series.push(Series::new(of_element.change.words(), vec![Part::Points(data)]));
-    }
-    let named = |trial: &&Trial| models.iter().any(|of_change| of_change.change == trial.change);
-    let settings: Vec<Datum> = done().filter(|trial| !named(trial)).map(datum).collect();
-    if !settings.is_empty() {
-        let hollow = Series::new("", vec![Part::Hollow(settings)]);
-        chart.series.push(Series { grey: true, ..hollow });
-        chart.keys.push((Part::Hollow(Vec::new()), "another setting".into()));
-    }
-    let mut best: Vec<&Trial> = done().filter(|trial| trial.front).collect();
-    best.sort_by(|a, b| a.seconds().total_cmp(&b.seconds()));
-    let label = |trial: &&Trial| {
-        let [n, steps] = trial.place();
-        let other =
-            if trial.change == written { "" } else { &format!(", {}", trial.change.words()) };
-        (datum(trial), format!("n = {n}, N = {steps}{other}"))
+    let label = |&i: &usize| {
+        let [n, steps] = bench.trials[i].place();
+        (datum(&bench.trials[i]), format!("n = {n}, N = {steps}"))
     };
     chart.labels = best.iter().map(label).collect();
     let front = Part::Dashed(chart.labels.iter().map(|(place, _)| *place).collect());
     chart.series.push(Series { grey: true, ..Series::new("Pareto front", vec![front]) });
-    if let Some(Candidate { choice, .. }) = answer {
-        let label = format!("target {}", digits(choice.target, 4));
-        chart.horizontals.push(Mark { at: choice.target, label });
-        let name = format!("recommended, predicted: n = {}, N = {}", choice.n, choice.steps);
-        let place = vec![(choice.seconds, choice.error)];
-        chart.series.push(Series::new(name, vec![Part::Points(place)]));
+    if target.is_finite() {
+        chart.horizontals.push(Mark { at: target, label: format!("target {}", digits(target, 4)) });
     }
     chart.svg()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::runs::{failed, row};
     use super::*;
+    use judge::record::{CaseRecord, NormError, Status};
 
-    /// Whether a trade of these runs, with the error h/2, holds what it claims.
-    fn holds(trials: &[Trial], answer: Option<(&Trial, f64)>) -> bool {
-        use crate::trade::models::{ErrorModel, Term};
-        use judge::fit::{ErrorCombination, Interval};
-        let interval = Interval::around(1.0, 0.0);
-        let error = ErrorModel {
-            model: ErrorCombination::Sum,
-            space: Some(Term { constant: 0.5, order: 1.0, interval }),
-            time: None,
-            source: String::new(),
-            residual: 0.0,
+    fn row(change: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
+        let entry = NormError { norm: "V_max".into(), error: Some(error), floor: Some(0.0) };
+        let record = CaseRecord {
+            status: Status::Converged,
+            seconds_total: seconds,
+            errors: vec![entry],
+            ..CaseRecord::without_work("scene", Some(n), steps, 1.0 / f64::from(steps))
         };
-        let (change, cost) = (Change::none(), Err(String::new()));
-        let models = Models { change, error: Ok(error), cost, range: [[4, 2], [8, 2]] };
-        Claim::all_hold(&claims(trials, &models, answer))
+        Trial { change: Change::new(change, Ok), record }
+    }
+
+    fn failed(trial: &Trial) -> Trial {
+        let status = Status::Failed { reason: "KKT".into() };
+        let record = CaseRecord { status, errors: Vec::new(), ..trial.record.clone() };
+        Trial { record, ..trial.clone() }
     }
 
     #[test]
-    fn a_failed_run_a_wrong_model_and_a_missed_target_are_said() {
-        let of = |change: &str, n: u32, part: f64| row(change, [n, 2], part / f64::from(n), 1.0);
-        let sound = [of("as written", 4, 0.5), of("as written", 8, 0.52), of("contact", 8, 5.0)];
-        let answer = of("as written", 16, 0.5);
-        assert!(holds(&sound, None) && holds(&sound, Some((&answer, 0.03))));
-        assert!(
-            !holds(&sound, Some((&answer, 0.02))) && !holds(&sound, Some((&failed(&answer), 0.1)))
-        );
-        for wrong in [of("as written", 8, 0.8), of("as written", 8, 0.3), failed(&sound[1])] {
-            assert!(!holds(&[sound[0].clone(), wrong], None));
-        }
-        assert!(!holds(&[sound[0].clone(), failed(&sound[2])], None));
-        // An error that is rounding is none.
-        let mut rounding = sound[0].clone();
-        rounding.record.errors[0].floor = Some(0.01);
-        assert!(!holds(&[rounding], None) && !holds(&[], None));
+    fn a_price_says_what_is_bought_and_paid() {
+        let written = |place| row("as written", place, 0.5, 3.1);
+        let other = row("strong loads", [64, 16], 0.25, 6.2);
+        // The largest run has no price where it fails with the change.
+        let trials = [
+            written([32, 16]),
+            written([64, 16]),
+            written([64, 32]),
+            other.clone(),
+            failed(&row("strong loads", [64, 32], 0.25, 6.2)),
+        ];
+        let found = price(&other.change, &trials).expect("a price");
+        assert_eq!((&found["n"], &found["steps"]), (&64.into(), &16.into()));
+        assert_eq!((&found["speed"], &found["error"]), (&0.5.into(), &(-0.5).into()));
+        assert!(price(&Change::new("contact exact", Ok), &trials).is_none());
+        // A run that failed has no numbers: loads are no part of its time.
+        let [ran, lost] = [&trials[0], &trials[4]].map(|t| t.json(false)["load_share"].clone());
+        assert!(ran.is_number() && lost.is_null(), "{ran} {lost}");
+    }
+
+    #[test]
+    fn the_front_by_hand() {
+        let points = [(1.0, 3.0), (2.0, 2.0), (2.0, 1.0), (3.0, 1.0), (0.5, f64::NAN), (4.0, 0.5)];
+        assert_eq!(front(&points, 0.0), [0, 2, 5]);
+        assert_eq!(front(&[(1.0, 1.0), (1.0, 1.0)], 0.0), [0]);
+        // The sixth digit at four times the time is no better error; many small steps down are one in the end.
+        let ties = [(1.0, 1.0), (4.0, 0.999_999), (5.0, 0.995), (6.0, 0.985)];
+        assert_eq!(front(&ties, 0.01), [0, 3]);
     }
 }

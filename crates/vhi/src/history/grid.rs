@@ -126,11 +126,6 @@ impl TimeGrid {
         Self { times, equal }
     }
 
-    /// The grid t_0, …, t_last.
-    pub fn up_to(&self, last: usize) -> Self {
-        Self { times: self.times[..=last].to_vec(), equal: self.equal }
-    }
-
     /// Number of steps N.
     pub fn steps(&self) -> usize {
         self.times.len() - 1
@@ -301,7 +296,6 @@ mod tests {
         let grid = TimeGrid::graded(4.0, 4, 2.0);
         assert_eq!((grid.steps(), grid.step(2), grid.time(3)), (4, 0.75, 2.25));
         assert_eq!(grid.largest_step(), 1.75);
-        assert_eq!(grid.up_to(2).times(), [0.0, 0.25, 1.0]);
     }
 
     /// The differences of n/6 take three floating-point values.
@@ -310,7 +304,7 @@ mod tests {
         let grid = TimeGrid::uniform(1.0, 6);
         let differences = grid.times().windows(2).map(|pair| pair[1] - pair[0]);
         assert!(differences.clone().any(|k| k != 1.0 / 6.0));
-        for part in [&grid, &grid.up_to(4), &TimeGrid::new(grid.times().to_vec()).unwrap()] {
+        for part in [&grid, &TimeGrid::new(grid.times().to_vec()).unwrap()] {
             assert!((1..=part.steps()).all(|n| part.step(n) == 1.0 / 6.0) && part.is_uniform());
         }
         assert!(!TimeGrid::graded(1.0, 6, 1.1).is_uniform());

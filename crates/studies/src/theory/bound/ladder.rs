@@ -20,8 +20,6 @@ use vhi::{
 /// The factor of Λ at a level of the run, with the step size of the run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FactorAtLevel {
-    /// Cells per unit length; none without a mesh.
-    pub mesh: Option<u32>,
     /// n.
     pub level: usize,
     /// t_n.
@@ -108,8 +106,6 @@ pub struct ContractionStudy {
     pub levels: Vec<FactorAtLevel>,
     /// The level of the ladder: the one with the largest factor.
     pub worst: FactorAtLevel,
-    /// That level on this and other meshes; empty without a mesh.
-    pub meshes: Vec<FactorAtLevel>,
     /// Uniqueness at the step size of the run, by many starts.
     pub starts: Starts,
     /// The ladder.
@@ -381,7 +377,6 @@ fn factors<L: FrozenDerivative>(
 pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
     level: &mut L,
     bounds: &StepBounds,
-    mesh: Option<u32>,
 ) -> Result<Vec<FactorAtLevel>, BoundError> {
     let grid: TimeGrid = level.grid().clone();
     let mut found = Vec::new();
@@ -392,7 +387,7 @@ pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
         let (k, t) = (grid.step(number), grid.time(number));
         let Contraction { norm, radius, .. } = factors(level, k, &state.u, state)?;
         let sharpened = bounds.sharpened_factor(k);
-        found.push(FactorAtLevel { mesh, level: number, t, k, norm, radius, sharpened });
+        found.push(FactorAtLevel { level: number, t, k, norm, radius, sharpened });
         // Once more with the last slot implicit, which commit records.
         implicit(level, state, number)
     })?;

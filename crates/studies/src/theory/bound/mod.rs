@@ -16,9 +16,7 @@ use ::run::sweep::Runs;
 use algebra::linalg::KRYLOV_VECTORS;
 use fem::contact::{Discretization, Evolution};
 use judge::claim::{Claim, Place, Statement};
-use report::{
-    Axis, Chapter, Chart, Findings, Mark, Part, Row, Run, Scale, Series, digits, precise,
-};
+use report::{Axis, Chapter, Chart, Findings, Mark, Part, Row, Run, Scale, Series, digits};
 use scene::Scene;
 use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, TruthLoad};
 use serde_json::json;
@@ -51,7 +49,7 @@ pub struct BoundStudy {
     pub unknown: Option<[f64; 2]>,
 }
 
-/// The mesh of the samples: eight unknowns a unit length suffice for tensors of every kind.
+/// The mesh at whose vertices a law with a factor is sampled.
 const SAMPLE_MESH: u32 = 4;
 /// Rounding of a norm: eigenvalues settle to 1e-13, and the norm is their root.
 const NORM: f64 = 1e-9;
@@ -81,7 +79,7 @@ impl BoundStudy {
         let limits = constants.step_bounds(setup.model.time_rule.as_ref());
         let fits = setup.scene.check_cells(SAMPLE_MESH).is_ok();
         let small = setup.space(if fits { SAMPLE_MESH } else { n })?;
-        let samples = sampled::sample(setup, &constants, &small)?;
+        let samples = sampled::declared(setup, &constants, &small);
         let study = study(setup, &limits, n, steps)?;
         let table = sampled::table(setup, &whole, constants.m0, traces.as_ref());
         let (known, m0) = (whole.smallness(), whole.m0);
@@ -113,15 +111,14 @@ impl BoundStudy {
         let limits = c.step_bounds(model.time_rule.as_ref());
         let (grid, mut load) = (setup.grid(steps), AbstractLoad(setup));
         let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
-        let levels = ladder::all_levels(&mut level, &limits, None)?;
+        let levels = ladder::all_levels(&mut level, &limits)?;
         let mut study = ContractionStudy::of_levels(levels, steps)?;
         let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
         let state = ladder::run_to(&mut level, study.worst.level, |_, _, _| Ok(()))?;
         study.climb(&mut level, state, &limits)?;
-        let samples = sampled::finite(model, c);
         let known = if c.m0 > 0.0 { Smallness::Holds } else { Smallness::Fails };
         let (table, m0) = (sampled::table_of_finite(c, model), (known, c.m0));
-        Ok(Self::of(&setup.scene, (None, steps), table, samples, limits, study, m0))
+        Ok(Self::of(&setup.scene, (None, steps), table, Vec::new(), limits, study, m0))
     }
 
     /// What follows from all that was found.
@@ -240,39 +237,22 @@ pub fn study(
     n: u32,
     steps: u32,
 ) -> Result<ContractionStudy, BoundError> {
-    let levels_on = |n: u32| {
-        let data = MeshData::new(setup, n, None)?;
-        on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds, Some(n)))
-    };
-    let mut study = ContractionStudy::of_levels(levels_on(n)?, steps)?;
-    let worst = study.worst.level;
-    for other in meshes_beside(setup, n) {
-        let at_worst = match other == n {
-            true => Some(study.worst),
-            false => levels_on(other)?.get(worst - 1).copied(),
-        };
-        study.meshes.extend(at_worst);
-    }
     let data = MeshData::new(setup, n, None)?;
+    let levels = on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds))?;
+    let mut study = ContractionStudy::of_levels(levels, steps)?;
+    let worst = study.worst.level;
     at_level(setup, &data, steps, worst, |level, state| study.climb(level, state, bounds))?;
     Ok(study)
 }
 
-/// The mesh n and its neighbours, as far as the domain has them.
-fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
-    let fits = |&other: &u32| other > 0 && setup.scene.check_cells(other).is_ok();
-    [n / 2, n, 2 * n].into_iter().filter(fits)
-}
-
 /// The runs of a study.
 pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
-    let grid = meshes_beside(setup, n).map(|n| (n, steps)).collect();
     // The factors of the volume's tangent and of the inner product, the vectors of an eigenvalue and a ladder's solutions.
     let vectors = KRYLOV_VECTORS + ladder::SOLUTIONS;
     let beside = move |space: &Discretization, _| {
         8.0 * (2.0 * space.factor_size()[0] + (vectors * space.dofs()) as f64)
     };
-    Runs { setup, grid, beside: Box::new(beside) }
+    Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) }
 }
 
 /// Runs to level `number`, leaves it open, and shows it with its solution.
@@ -306,9 +286,6 @@ fn on_run<T>(
 
 // A step-size study in words, tables and a picture.
 
-/// The bound is called attained if the measured factor comes this close.
-const ATTAINED: f64 = 1e-6;
-
 impl BoundStudy {
     /// What was found: claims, numbers, words.
     pub fn findings(&self) -> Findings {
@@ -329,21 +306,9 @@ impl BoundStudy {
                 digits(high, 6)
             ));
         }
-        let below = |k: f64| match k {
-            k if k.is_infinite() => "for every k".into(),
-            k if k > 0.0 => format!("for k < {}", digits(k, 4)),
-            _ => "for no k".into(),
-        };
-        document.answer(format!(
-            "Proved: Λ contracts {} by (3.4), {} by the sharpened bound; one solution per step is guaranteed {}. Measured: {}.",
-            below(limits.limit()),
-            below(limits.sharpened_limit()),
-            below(limits.solvable_limit()),
-            match &study.not_followed {
-                Some(reason) => format!("nothing, {reason}"),
-                None => format!("‖DΛ‖ < 1 for k below {}", crossing(study.thresholds.norm)),
-            }
-        ));
+        if let Some(reason) = &study.not_followed {
+            document.words(format!("Nothing is measured: {reason}."));
+        }
         document.table("The bound in four numbers, k below each.", self.numbers());
         document.words(format!(
             "Measured in a run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k. Of {} random starts at k = {} {} end at the same solution, {} elsewhere, {} nowhere.",
@@ -356,11 +321,6 @@ impl BoundStudy {
             study.starts.distinct,
             study.starts.failed
         ));
-        document.rows(
-            "The contraction factor of Λ at that level, on this and other meshes.",
-            &json!(study.meshes),
-            ">n = mesh; >k = k 6; >‖DΛ‖ = norm 11; >spectral radius = radius 11; >sharpened = sharpened 11",
-        );
         let mut rungs = json!(study.rungs);
         for row in rungs.as_array_mut().into_iter().flatten() {
             for solver in ["newton", "fixed_point"] {
@@ -375,9 +335,10 @@ impl BoundStudy {
             ">k = k; >spectral radius = radius; >‖DΛ‖ = norm; >sharpened = sharpened; >(3.15) = theorem; \
              >paper's norm = paper_norm; Newton = newton; Λ = fixed_point; >others = distinct",
         );
-        document.table(
+        document.rows(
             "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
-            self.constants.iter().map(constant),
+            &json!(self.constants),
+            "constant = name; >value = value 11; >± = uncertainty 1; how = how; safe = safe; note = note",
         );
         document.figure(
             "bound",
@@ -401,7 +362,6 @@ impl BoundStudy {
         findings.numbers(json!(self));
         findings.number("thresholds", thresholds);
         findings.number("ratio", self.ratio());
-        findings.number("attained", self.attained());
         findings
     }
 
@@ -409,12 +369,6 @@ impl BoundStudy {
     /// threshold.
     pub fn ratio(&self) -> Option<f64> {
         self.study.thresholds.radius.map(|[low, _]| low / self.limits.paper_limit())
-    }
-
-    /// Whether the measured factor equals the sharpened bound at some step size.
-    pub fn attained(&self) -> bool {
-        let rungs = &self.study.rungs;
-        rungs.iter().any(|r| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened)
     }
 
     fn grids(&self) -> String {
@@ -451,8 +405,6 @@ impl BoundStudy {
         if let Some(ratio) = self.ratio() {
             say("3 over 1, the paper's norm", digits(ratio, 6));
         }
-        let attained = if self.attained() { "yes" } else { "no" };
-        say("sharpened attained, to 1e-6", attained.into());
         rows
     }
 
@@ -505,16 +457,4 @@ fn crossing(found: Option<Crossing>) -> String {
             format!("{} ± {off:.0e}", digits(0.5 * (low + high), 9))
         }
     }
-}
-
-fn constant(constant: &Constant) -> Row<'static, 5> {
-    let off = constant.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"));
-    let side = if constant.safe { "safe side" } else { "no bound" };
-    [
-        ("constant", Run::formula(&constant.name)),
-        (">value", precise(constant.value, 11)),
-        (">±", Run::plain(off)),
-        ("how", Run::plain(format!("{}; {side}", constant.how.words()))),
-        ("note", Run::formula(&constant.note)),
-    ]
 }

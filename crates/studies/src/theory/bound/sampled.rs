@@ -1,29 +1,21 @@
-//! The constants of a scene, and the declared ones against samples: (2.5b), (2.7b), (2.8b), (2.8c), L_κ and the Lipschitz
-//! constant of S on random states of a small mesh. A sample can refute a constant, not prove it.
+//! The constants of a scene, and what its law declares, (2.8b) and (2.8c), against samples. A sample can refute a constant,
+//! not prove it.
 
-use super::super::norms::{DualNorm, remembered, stress_norm};
 use super::BoundError;
 use Obtained::{Computed, Declared, Extrapolated, Proved};
-use algebra::in_dimension;
-use algebra::linalg::{FactorError, larger, signed_unit};
-use algebra::tensor::contract;
-use fem::contact::{
-    Discretization, MemoryTerm, TraceMass, TracePart, strain_norm, stress_force, trace_constants,
-};
+use algebra::linalg::{larger, signed_unit};
+use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
 use files::digits;
 use judge::claim::{Claim, Place, Statement};
-use nalgebra::DVector;
 use scene::setup::{
     AbstractConstants, Constants, Setup, TraceConstant, trace_constant, with_trace_constants,
 };
 use serde::Serialize;
 use vhi::finite::FiniteModel;
-use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
-use vhi::law::{AnyProjection, Potential, Projection, TensorField};
+use vhi::law::{Potential, TensorField};
 
 /// Rounding of a quotient of sums over a small mesh.
 const ROUNDING: f64 = 1e-10;
-const SAMPLES: u32 = 200;
 /// Pairs of arguments of a law.
 const PAIRS: u32 = 20_000;
 /// Relative distance of a close pair: within 2 % of its steepest place a smooth law is as steep to 1e-3.
@@ -32,45 +24,27 @@ const CLOSE: f64 = 0.02;
 const APART: f64 = 1e-5;
 
 /// The worst need of so many samples is no larger than the declared constant.
-fn sampled(what: &'static str, declared: f64, needed: f64, samples: u32) -> Claim {
+pub fn sampled(what: &'static str, declared: f64, needed: f64, samples: u32) -> Claim {
     let statement = Statement { source: what, says: "needed <= declared" };
     let place = Place { at: format!("{samples} samples"), ..Place::default() };
     Claim::at_most(statement, place, [needed, declared], ROUNDING * declared.abs().max(1.0))
 }
 
-/// The constants of a scene on samples.
-///
-/// # Errors
-/// A stiffness matrix that cannot be factorized.
-pub fn sample(
-    setup: &Setup,
-    constants: &Constants,
-    space: &Discretization,
-) -> Result<Vec<Claim>, BoundError> {
-    let mut rows = Vec::new();
-    if let Some(boundary) = &setup.model.boundary {
-        rows.extend(law(&*boundary.potential));
-        if boundary.scale.is_some() {
-            // α_ν of the scene against the descents of the law at the vertices of Γ3.
-            let vertices = &space.trace.points;
-            let needed = vertices.iter().map(|point| {
-                let x = space.mesh.point(&[point.vertex], &[1.0]);
-                law(&boundary.potential_at(x))[1].left
-            });
-            let (needed, count) = (needed.fold(0.0, larger), vertices.len() as u32 * PAIRS);
-            rows.push(sampled(
-                "(2.8c): alpha_j with the factor",
-                constants.alpha_nu,
-                needed,
-                count,
-            ));
-        }
+/// What a scene declares of its law, on samples.
+pub fn declared(setup: &Setup, constants: &Constants, space: &Discretization) -> Vec<Claim> {
+    let Some(boundary) = &setup.model.boundary else { return Vec::new() };
+    let mut rows = law(&*boundary.potential).to_vec();
+    if boundary.scale.is_some() {
+        // α_ν of the scene against the descents of the law at the vertices of Γ3.
+        let vertices = &space.trace.points;
+        let needed = vertices.iter().map(|point| {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            law(&boundary.potential_at(x))[1].left
+        });
+        let (needed, count) = (needed.fold(0.0, larger), vertices.len() as u32 * PAIRS);
+        rows.push(sampled("(2.8c): alpha_j with the factor", constants.alpha_nu, needed, count));
     }
-    in_dimension!(space.mesh.dimension, D, S => {
-        let fields = RandomStates::<D, S>::new(space);
-        fields.map_err(|e| BoundError::Constant(e.into()))?.add(setup, constants, &mut rows);
-    });
-    Ok(rows)
+    rows
 }
 
 /// (2.8b) and (2.8c) of a law, pointwise, which gives them on Γ3 by integration. The law is sampled
@@ -105,239 +79,6 @@ pub fn law(potential: &dyn Potential) -> [Claim; 2] {
     [
         sampled("(2.8b): |dj_nu(r)| - c1 |r| <= c0", c0, growth, PAIRS),
         sampled("(2.8c): alpha_j", potential.alpha(), descent, PAIRS),
-    ]
-}
-
-fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, most: f64) -> Claim {
-    let mut seed = 43;
-    let mut place = || most * 10f64.powf(2.0 * signed_unit(&mut seed) - 2.0);
-    let mut needed = 0f64;
-    for _ in 0..10 * SAMPLES {
-        let (r, s) = (place(), place());
-        if r != s {
-            needed = larger(needed, (limit.value(r) - limit.value(s)).abs() / (r - s).abs());
-        }
-    }
-    sampled("L_kappa", declared, needed, 10 * SAMPLES)
-}
-
-/// Random states on a mesh in dimension D, with strains of S numbers (Mandel) and Riesz representatives
-/// in V^h.
-pub(crate) struct RandomStates<'a, const D: usize, const S: usize> {
-    space: &'a Discretization,
-    dual: DualNorm<'a>,
-    seed: u64,
-}
-
-/// A tensor per strain point.
-type Tensors<const S: usize> = Vec<[f64; S]>;
-
-impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
-    /// On a mesh of dimension D.
-    ///
-    /// # Errors
-    /// The factorization of the strain products.
-    pub(crate) fn new(space: &'a Discretization) -> Result<Self, FactorError> {
-        Ok(Self { space, dual: DualNorm::new(space)?, seed: 47 })
-    }
-
-    fn unit(&mut self) -> f64 {
-        signed_unit(&mut self.seed)
-    }
-
-    /// A nodal vector with strains of size 10^[-2, 1].
-    fn displacement(&mut self) -> Vec<f64> {
-        let mut u = vec![0.0; self.space.nodes.len()];
-        for value in &mut u[..self.space.dofs()] {
-            *value = signed_unit(&mut self.seed);
-        }
-        let size = 10f64.powf(1.5 * self.unit() - 0.5) / strain_norm(self.space, &u);
-        u.iter_mut().for_each(|value| *value *= size);
-        u
-    }
-
-    fn strains(&self, u: &[f64]) -> Tensors<S> {
-        self.space.points().map(|at| at.strain(u)).collect()
-    }
-
-    fn product(&self, a: &Tensors<S>, b: &Tensors<S>) -> f64 {
-        let pairs = a.iter().zip(b).zip(self.space.points());
-        pairs.map(|((a, b), at)| at.weight * contract(a, b)).sum()
-    }
-
-    fn size(&self, a: &Tensors<S>) -> f64 {
-        self.product(a, a).sqrt()
-    }
-
-    /// sup over v ∈ V^h of (τ, ε(v))/‖v‖, attained at the Riesz representative.
-    fn dual_norm(&mut self, tau: &Tensors<S>) -> f64 {
-        let space = self.space;
-        let mut force = vec![0.0; space.nodes.len()];
-        for (at, tensor) in space.points().zip(tau) {
-            let stress = tensor.map(|t| t * at.weight);
-            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
-        }
-        self.dual.of(&force[..space.dofs()])
-    }
-
-    fn add(&mut self, setup: &Setup, constants: &Constants, rows: &mut Vec<Claim>) {
-        let (model, horizon) = (&setup.model, setup.scene.time.horizon);
-        rows.extend(self.elasticity(&model.elasticity, constants));
-        rows.extend(self.phi(&model.projection, setup.projection_mu(), constants));
-        let limit = model.projection.limit();
-        let declared = constants.lipschitz_kappa;
-        // Up to the ζ for which it is declared.
-        let most = (100.0 * horizon).min(setup.kappa.zeta);
-        rows.extend(limit.map(|kappa| lipschitz_kappa(kappa, declared, most)));
-        rows.push(self.history(&model.memory, horizon, 1.0 + constants.memory.operator));
-    }
-
-    /// m_A and L_A of A = 𝒜 + μ, which is linear.
-    fn elasticity(&mut self, elastic: &TensorField, constants: &Constants) -> [Claim; 2] {
-        let (mut least, mut most) = (f64::INFINITY, 0f64);
-        for _ in 0..SAMPLES {
-            let u = self.displacement();
-            let strain = self.strains(&u);
-            let mu = constants.alpha_phi;
-            let stress: Tensors<S> = strain
-                .iter()
-                .zip(self.space.points())
-                .map(|(e, at)| {
-                    let s = elastic.on(self.space.region(at.cell)).apply(e);
-                    std::array::from_fn(|i| s[i] + mu * e[i])
-                })
-                .collect();
-            let size = self.size(&strain);
-            let quotient = self.product(&stress, &strain) / (size * size);
-            least = if quotient.is_nan() { f64::NAN } else { least.min(quotient) };
-            most = larger(most, self.dual_norm(&stress) / size);
-        }
-        [
-            // Turned round, so that as everywhere the declared number is the larger one.
-            sampled("(2.5b): -m_A", -constants.m_a, -least, SAMPLES),
-            sampled("L_A", constants.l_a, most, SAMPLES),
-        ]
-    }
-
-    /// (2.7b) of φ(y, u, v) = (θ - μ P_{M(κ(r))} ε(u), ε(v)), y = (r, θ): its left side is
-    /// (τ1 - τ2, ε(v2 - v1)) with τ = θ - μPε(u), largest at the Riesz representative.
-    fn phi(&mut self, p: &Option<AnyProjection>, mu: f64, c: &Constants) -> [Claim; 2] {
-        let (mut of_u, mut of_y) = (0f64, 0f64);
-        for sample in 0..SAMPLES {
-            let (u1, mut u2) = (self.displacement(), self.displacement());
-            if sample % 2 == 0 {
-                // Close states, where the derivative counts.
-                u2.iter_mut().zip(&u1).for_each(|(b, a)| *b = a + 1e-2 * *b);
-            }
-            let (e1, e2) = (self.strains(&u1), self.strains(&u2));
-            let (r1, r2) = (1.0 + self.unit(), 1.0 + self.unit());
-            let theta = self.displacement();
-            let theta = self.strains(&theta);
-            let (s11, s12) = (projected(p, mu, &e1, r1), projected(p, mu, &e1, r2));
-            let s21 = projected(p, mu, &e2, r1);
-            let apart = self.size(&subtract(&e1, &e2));
-            of_u = larger(of_u, self.dual_norm(&subtract(&s11, &s21)) / apart);
-            of_y = larger(of_y, self.dual_norm(&subtract(&s11, &s12)) / (r1 - r2).abs());
-            of_y = larger(of_y, self.dual_norm(&theta) / self.size(&theta));
-        }
-        [
-            sampled("(2.7b): alpha_phi, same y", c.alpha_phi, of_u, SAMPLES),
-            sampled("(2.7b): beta_phi, same u", c.beta_phi, of_y, SAMPLES),
-        ]
-    }
-
-    /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the history sums of the solver.
-    fn history(&mut self, memory: &[MemoryTerm], horizon: f64, declared: f64) -> Claim {
-        let mut needed = 0f64;
-        let samples = 40;
-        for sample in 0..samples {
-            let grid = TimeGrid::random(horizon, 6, u64::from(sample));
-            needed = larger(needed, self.history_ratio(memory, &grid, sample % 2 == 0));
-        }
-        sampled("Lipschitz constant of S", declared, needed, samples)
-    }
-
-    fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
-        let length = self.space.nodes.len();
-        let mut zeta = [Accumulated::default(), Accumulated::default()];
-        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, length));
-        let mut past: Vec<Memory> = each.collect();
-        let mut distance = Accumulated::default();
-        let mut needed = 0f64;
-        let (fixed, direction) = (self.displacement(), self.displacement());
-        for n in 0..=grid.steps() {
-            // The same pair at all times adds up without cancelling, random ones do not.
-            let (u, d) = if still {
-                (fixed.clone(), direction.clone())
-            } else {
-                (self.displacement(), self.displacement())
-            };
-            let other: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + d).collect();
-            zeta[0].commit(grid, strain_norm(self.space, &u));
-            zeta[1].commit(grid, strain_norm(self.space, &other));
-            distance.commit(grid, strain_norm(self.space, &d));
-            let sums = remembered(memory, &mut past, &Trapezoid, (grid, n), &d);
-            if n > 0 {
-                let value = |sum: &Accumulated| sum.value(&Trapezoid, grid);
-                let left = (value(&zeta[0]) - value(&zeta[1])).abs()
-                    + stress_norm(self.space, memory, &sums);
-                needed = larger(needed, left / value(&distance));
-            }
-        }
-        needed
-    }
-}
-
-/// μ P_{M(κ(r))} ε at the strain points: μ ε minus the projection stress μ(ε - Pε).
-fn projected<const S: usize>(
-    p: &Option<AnyProjection>,
-    mu: f64,
-    strain: &Tensors<S>,
-    r: f64,
-) -> Tensors<S> {
-    let kappa = p.limit().map_or(f64::INFINITY, |limit| limit.value(r));
-    let tensor = |e: &[f64; S]| {
-        let rest = p.stress(e, kappa).unwrap_or([0.0; S]);
-        std::array::from_fn(|i| mu * e[i] - rest[i])
-    };
-    strain.iter().map(tensor).collect()
-}
-
-fn subtract<const S: usize>(a: &Tensors<S>, b: &Tensors<S>) -> Tensors<S> {
-    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect()
-}
-
-/// Pairs of random states in ℝ^m, with components that are at most so large, as in the samples of slopes.
-const FINITE_SAMPLES: u32 = 2000;
-const FINITE_REACH: f64 = 10.0;
-
-/// Constants against random pairs of states.
-pub(super) fn finite(model: &FiniteModel, c: &AbstractConstants) -> Vec<Claim> {
-    let m = model.dimension();
-    let mut seed = 7;
-    let mut draw = || DVector::from_fn(m, |_, _| FINITE_REACH * signed_unit(&mut seed));
-    let gram = model.inner_product.clone().cholesky();
-    let dual = |f: &DVector<f64>| {
-        gram.as_ref().map_or(f64::NAN, |gram| f.dot(&gram.solve(f)).max(0.0).sqrt())
-    };
-    let (mut monotone, mut lipschitz, mut by_state, mut by_history) = (f64::MIN, 0f64, 0f64, 0f64);
-    // A NaN must not vanish in a maximum.
-    for _ in 0..FINITE_SAMPLES {
-        let (u, v, y, z) = (draw(), draw(), draw(), draw());
-        let (off, force) = (&u - &v, model.operator(&u) - model.operator(&v));
-        let size = model.norm(&off);
-        monotone = larger(monotone, -force.dot(&off) / (size * size));
-        lipschitz = larger(lipschitz, dual(&force) / size);
-        let moved = model.force_of(&y, &u) - model.force_of(&y, &v);
-        by_state = larger(by_state, dual(&moved) / size);
-        let moved = model.force_of(&y, &u) - model.force_of(&z, &u);
-        by_history = larger(by_history, dual(&moved) / dual(&(&y - &z)));
-    }
-    vec![
-        sampled("(2.5b): -m_A", -c.m_a, monotone, FINITE_SAMPLES),
-        sampled("L_A", c.l_a, lipschitz, FINITE_SAMPLES),
-        sampled("(2.7b): alpha_phi, same y", c.alpha_phi, by_state, FINITE_SAMPLES),
-        sampled("(2.7b): beta_phi, same u", c.beta_phi, by_history, FINITE_SAMPLES),
     ]
 }
 

@@ -1,4 +1,4 @@
-//! Gronwall's inequality of (3.24) on runs: truncation errors, envelopes, effectivities, horizons and
+//! Gronwall's inequality of (3.24) on runs: truncation errors, envelopes, effectivities and
 //! the growth of perturbations.
 //!
 //! Only purely temporal errors are put under the envelopes: the truth is the exact u(t) of an abstract

@@ -186,8 +186,13 @@ impl KernelNorms {
     }
 
     /// The part of the history with these norms; `known` is their supremum between the points of the grid.
-    pub(super) fn part(self, coefficient: f64, known: f64, grid: &TimeGrid) -> HistoryPart {
-        let supremum = self.maximum(grid.steps()).map_or(known, |found| found.max(known));
+    pub(super) fn part(self, coefficient: f64, known: f64) -> HistoryPart {
+        let supremum = match &self {
+            Self::Lags(values) => values.iter().fold(known, |m, v| larger(m, *v)),
+            Self::Pairs(rows) => rows.iter().flatten().fold(known, |m, v| larger(m, *v)),
+            // They are not known apart from their weights.
+            Self::Weighed(_) => known,
+        };
         HistoryPart { coefficient, norms: self, supremum }
     }
 
@@ -197,15 +202,6 @@ impl KernelNorms {
             Self::Lags(values) => values[n - j],
             Self::Pairs(rows) | Self::Weighed(rows) => rows[n][j],
         }
-    }
-
-    /// The largest κ(n, j) with n ≤ `last`; NaN if one is. None where they are not known apart from their weights.
-    pub(crate) fn maximum(&self, last: usize) -> Option<f64> {
-        Some(match self {
-            Self::Lags(values) => values[..=last].iter().fold(0.0, |m, v| larger(m, *v)),
-            Self::Pairs(rows) => rows[..=last].iter().flatten().fold(0.0, |m, v| larger(m, *v)),
-            Self::Weighed(_) => return None,
-        })
     }
 }
 
@@ -324,18 +320,16 @@ impl Weights {
         };
         Ok(amplified(source, (0..source.len()).map(factor)))
     }
-
-    /// The limit of [`Self::closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}, or E_α(C2 Γ(α) t_n^α) in place of e.
-    pub fn limit(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
-        match self.power {
-            0.0 => amplified(source, grid.times().iter().map(|t| (c2 * t).exp())),
-            power => fractional(grid, source, 1.0 - power, c2, 1.0),
-        }
-    }
 }
 
 /// max_{j ≤ n} s_j/r · E_α(C2 Γ(α) t_n^α/r).
-fn fractional(grid: &TimeGrid, source: &[f64], exponent: f64, c2: f64, r: f64) -> Vec<f64> {
+pub(super) fn fractional(
+    grid: &TimeGrid,
+    source: &[f64],
+    exponent: f64,
+    c2: f64,
+    r: f64,
+) -> Vec<f64> {
     let growth = c2 * gamma(exponent) / r;
     let factor = |t: &f64| mittag_leffler(exponent, growth * t.powf(exponent)) / r;
     amplified(source, grid.times().iter().map(factor))
@@ -415,8 +409,6 @@ pub struct Bounds<T> {
     pub primed: T,
     /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k, or what [`super::Weights::closed`] says of another rule.
     pub closed: T,
-    /// C1 max g e^{C2 t_n}, or what [`super::Weights::limit`] says of product integration.
-    pub limit: T,
     /// E_n = C1 g_n + C2 k Σ_{j ≤ n} E_j, as printed in (3.24); absent where C2 k ≥ 1.
     pub printed: Option<T>,
     /// C1 max g/(1 - c) exp(C2 t_n/(1 - c)).
@@ -432,7 +424,6 @@ impl<T> Bounds<T> {
             weighted: of(&self.weighted),
             primed: of(&self.primed),
             closed: of(&self.closed),
-            limit: of(&self.limit),
             printed: self.printed.as_ref().map(&of),
             printed_closed: self.printed_closed.as_ref().map(&of),
         }
@@ -457,25 +448,6 @@ impl Estimate {
         self.beta / self.m0 * self.parts.iter().map(|part| part.supremum).sum::<f64>()
     }
 
-    /// The estimate up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
-    /// horizon.
-    pub(super) fn up_to(&self, last: usize) -> Self {
-        let kept = |values: &[f64]| values[..=last].to_vec();
-        let part = |part: &HistoryPart| {
-            let supremum = part.norms.maximum(last).unwrap_or(part.supremum);
-            HistoryPart { supremum, ..part.clone() }
-        };
-        Self {
-            grid: self.grid.up_to(last),
-            error: kept(&self.error),
-            weighted_source: kept(&self.weighted_source),
-            source: kept(&self.source),
-            parts: self.parts.iter().map(part).collect(),
-            truncation: self.truncation.each_ref().map(|part| kept(part)),
-            ..*self
-        }
-    }
-
     /// The bounds, each above the one before.
     ///
     /// # Errors
@@ -488,7 +460,6 @@ impl Estimate {
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
-            limit: weights.limit(grid, &scaled, c2),
             weighted: weighted(&*rule, grid, &self.weighted_source, self.m0, &self.parts)?,
             printed: unprimed(grid, &scaled, c2).ok().filter(|_| as_printed),
             printed_closed: unprimed_closed(grid, &scaled, c2).ok().filter(|_| as_printed),
@@ -679,9 +650,6 @@ pub enum GronwallError {
         "the grid with {steps} steps is not part of the reference's with {reference}: random grids need an exact solution in V^h"
     )]
     NotNested { steps: u32, reference: u32 },
-    /// A horizon that is no multiple of the step.
-    #[error("horizon {horizon} is no multiple of the step k = {k}: choose multiples")]
-    Horizon { horizon: f64, k: f64 },
     #[error(transparent)]
     Load(#[from] LoadError),
     #[error("{steps} steps: {source}")]

@@ -113,7 +113,7 @@ impl GronwallConstants {
             let uniform = setup.scene.time.grid == scene::TimeGrid::Uniform;
             let norms =
                 KernelNorms::of(&kernels, norm, (self.weights.integrating(), grid), uniform);
-            parts.push(norms.part(1.0, self.memory, grid));
+            parts.push(norms.part(1.0, self.memory));
         }
         parts
     }
@@ -536,7 +536,7 @@ impl InTime for FiniteInTime<'_> {
         let kernels: Vec<&dyn HistoryKernel> =
             model.kernels.iter().map(|term| &*term.kernel as _).collect();
         let norms = KernelNorms::of(&kernels, of, (self.weights.integrating(), grid), false);
-        (m0, beta, self.weights, vec![norms.part(beta, lipschitz, grid)])
+        (m0, beta, self.weights, vec![norms.part(beta, lipschitz)])
     }
 
     /// g_n = ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ_j w_nj q_l(t_n, t_j) u_j + a_S).

@@ -1,4 +1,4 @@
-//! The study of a scene: errors on grids and over horizons, and differences under perturbed loads, each under its bounds.
+//! The study of a scene: errors on grids, and differences under perturbed loads, each under its bounds.
 //!
 //! Two discrete solutions with loads f and f + δf satisfy
 //!
@@ -9,14 +9,13 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::recurrence::{Bounds, Envelopes, Estimate};
-use super::recurrence::{GronwallError, InTime, refused};
+use super::recurrence::{Envelopes, Estimate, GronwallError, InTime};
 use super::scenes::FiniteInTime;
 use super::scenes::{ContactInTime, REFERENCE_STEPS};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
 use judge::claim::{Claim, Place, Statement};
-use report::{Axis, Chapter, Chart, Datum, Findings, Part, Run, Scale, Series, digits, precise};
+use report::{Axis, Chapter, Chart, Findings, Part, Run, Scale, Series, precise};
 use run::sweep::{Runs, lowest_common_multiple};
 use scene::setup::{Setup, Subject};
 use serde_json::{Value, json};
@@ -29,8 +28,6 @@ pub struct StudyRuns {
     pub n: Option<u32>,
     /// Numbers N of steps.
     pub steps: Vec<u32>,
-    /// Horizons T, at the step of the largest N; none if empty.
-    pub horizons: Vec<f64>,
 }
 
 /// A run with its bounds.
@@ -75,7 +72,7 @@ impl Bounded {
                 "part": self.part, "steps": grid.steps(), "k": grid.largest_step(), "n": n,
                 "t": grid.time(n), "error": e.error[n], "g_zeta": g_zeta, "g_memory": g_memory,
                 "source": e.source[n], "weighted": weighted, "primed": primed,
-                "closed": bounds.closed[n], "limit": bounds.limit[n],
+                "closed": bounds.closed[n],
                 "printed": at(&bounds.printed, n), "printed_closed": at(&bounds.printed_closed, n),
             })
         };
@@ -94,26 +91,17 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallEr
     let grids = plan.steps.iter().map(measured).collect::<Result<Vec<_>, _>>()?;
     let finest = plan.steps.iter().copied().max().unwrap_or(1);
     let perturbed = perturbations(&*in_time, finest)?;
-    let k = scene.time.horizon / f64::from(finest);
-    let horizons = match plan.horizons.is_empty() {
-        true => None,
-        false => Some(horizons(subject, n, k, &plan.horizons)?),
-    };
-
-    let over = horizons.iter().flat_map(|(_, rows)| rows);
-    let mut claims: Vec<Claim> = grids.iter().chain(over).flat_map(|run| run.claims(n)).collect();
-    claims.extend(perturbed.iter().map(|(_, run)| stability(run, n)));
+    let mut claims: Vec<Claim> = grids.iter().flat_map(|run| run.claims(n)).collect();
+    claims.extend(perturbed.iter().map(|run| stability(run, n)));
     let title = (Chapter::Gronwall, format!("Envelopes: {}", scene.name));
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
-    let longest = horizons.iter().filter_map(|(_, rows)| rows.last());
-    let all = grids.iter().chain(longest).chain(perturbed.iter().map(|(_, run)| run));
-    let keys = "part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed,limit,printed,printed_closed";
+    let all = grids.iter().chain(&perturbed);
+    let keys = "part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed,printed,printed_closed";
     findings.tables.push((".csv", keys, all.flat_map(Bounded::levels).collect()));
     findings.number("n", n);
     findings.number("truth", in_time.truth());
     let mesh = n.map_or_else(String::new, |n| format!(", n = {n}"));
     if let Some(run) = grids.iter().max_by_key(|run| run.estimate.grid.steps()) {
-        findings.document.answer(answer(run));
         let shows = "measured error and the envelopes of (3.24) over t (sweep gronwall).";
         findings.document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
     }
@@ -123,69 +111,18 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallEr
         grids.iter().map(grid_row).collect::<Vec<_>>(),
         "Bound over error at t = T for N steps; e and g at T; the bounds as printed need C₂k < 1.",
         ">N = steps; >C₂k = C2_k 6; >e_N = error_end; >g_N = truncation_end; >weighted = effectivity/weighted/at_end 7; \
-         >primed = effectivity/primed/at_end 7; >closed = effectivity/closed/at_end 7; >k → 0 = effectivity/limit/at_end 7; \
+         >primed = effectivity/primed/at_end 7; >closed = effectivity/closed/at_end 7; \
          >printed = effectivity/printed/at_end 7; >(3.24) = effectivity/printed_closed/at_end 7",
-    );
-    findings.table(
-        "perturbations",
-        perturbed.iter().map(perturbed_row).collect::<Vec<_>>(),
-        "Two loads f and f + δf at the largest N, δf at random and of this size; growth is m0 max‖u − v‖/max‖δf‖, then the least bound over difference.",
-        ">size = size; >max ‖δf‖ = load; >max ‖u − v‖ = difference; >growth = growth; >least = least_effectivity",
     );
     let constants = in_time.constants();
     findings.number("constants", constants.iter().copied().collect::<BTreeMap<_, _>>());
     findings.document.table(
         "Constants of the inequality.",
         constants.iter().map(|(name, value)| {
-            [("constant", Run::formula(written(name))), (">value", precise(*value, 7))]
+            [("constant", Run::formula(name)), (">value", precise(*value, 7))]
         }),
     );
-    let horizons = horizons.map(|(truth, runs)| (truth, Value::from(horizon_rows(&runs))));
-    if let Some((truth, rows)) = &horizons {
-        findings.document.rows(
-            format!(
-                "Long times at k = {}; maxima over [0, T]; the truth is: {truth}. Growth is d(log error)/dT, to compare with C₂.",
-                digits(k, 5)
-            ),
-            rows,
-            ">T = horizon; >error = error; >weighted = weighted; >primed = primed; >closed = closed; >(3.24) = printed_closed; \
-             >growth = growth; >C₂ = c2",
-        );
-        let shows = "error and bounds over the horizon (sweep gronwall --horizons).";
-        findings.document.figure("gronwall-horizon", shows, over_horizon(&scene.name, k, rows));
-    }
-    let horizons = horizons.map(|(truth, rows)| json!({ "k": k, "truth": truth, "rows": rows }));
-    findings.number("horizons", horizons);
     Ok(findings)
-}
-
-/// How far each bound is above the error at the end of the finest run.
-fn answer(finest: &Bounded) -> String {
-    let times = |bound: &[f64]| digits(finest.over_error(bound)[0].unwrap_or(f64::NAN), 3);
-    let Bounds { weighted, primed, closed, .. } = &finest.envelopes;
-    let halved = finest.estimate.weights.are_the_papers();
-    format!(
-        "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with {} {} times, its closed form {} times.",
-        finest.estimate.grid.steps(),
-        times(weighted),
-        if halved { "halved ends" } else { "one β_φ for all" },
-        times(primed),
-        times(closed)
-    )
-}
-
-/// A constant as a reader writes it, by its key in files.
-fn written(key: &'static str) -> &'static str {
-    let symbols = [
-        ("lipschitz", "Lipschitz constant of S"),
-        ("yielding", "μ L_κ √|Ω|"),
-        ("memory_norm", "‖ℬ‖"),
-        ("c_j_squared_bound", "c_j², upper bound"),
-        ("c_j_squared", "c_j²"),
-        ("r_norm", "‖R‖"),
-        ("q_norm", "‖q‖"),
-    ];
-    symbols.iter().find(|(known, _)| *known == key).map_or(key, |(_, symbol)| symbol)
 }
 
 fn grid_row(run: &Bounded) -> Value {
@@ -209,68 +146,6 @@ fn grid_row(run: &Bounded) -> Value {
     })
 }
 
-/// The run with the step k to the longest of `horizons` up to each of them, the longest last, and where the truth comes from:
-/// on a uniform grid the run to a shorter horizon is its beginning.
-///
-/// # Errors
-/// A horizon that is no multiple of k; those of the run.
-pub(super) fn horizons(
-    subject: &Subject,
-    n: Option<u32>,
-    k: f64,
-    horizons: &[f64],
-) -> Result<(String, Vec<Bounded>), GronwallError> {
-    let scene = subject.scene();
-    if scene.time.grid != scene::TimeGrid::Uniform {
-        let why = ": horizons at a fixed step need a uniform grid; leave --horizons out";
-        return Err(refused(scene, why));
-    }
-    let mut sorted = horizons.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.dedup();
-    let steps: Vec<u32> =
-        sorted.iter().map(|&horizon| whole_steps(horizon, k)).collect::<Result<_, _>>()?;
-    let (longest, last) = (sorted[sorted.len() - 1], steps[steps.len() - 1]);
-    // Formulas are defined for all t; what validation samples over the horizon (exact contact state,
-    // constants) is sampled again.
-    let mut longer = scene.clone();
-    longer.time.horizon = longest;
-    let longer = Subject::new(longer)?;
-    let in_time = prepare(&longer, n, &[last])?;
-    let run = in_time.measure(last)?;
-    let upto = |&steps: &u32| Bounded::new("horizon".into(), run.up_to(steps as usize));
-    Ok((in_time.truth(), steps.iter().map(upto).collect::<Result<_, _>>()?))
-}
-
-/// T/k, if that is a whole number.
-fn whole_steps(horizon: f64, k: f64) -> Result<u32, GronwallError> {
-    let steps = horizon / k;
-    let whole = steps.round();
-    let fits =
-        whole >= 1.0 && whole <= f64::from(u32::MAX) && (steps - whole).abs() <= 1e-9 * whole;
-    if fits { Ok(whole as u32) } else { Err(GronwallError::Horizon { horizon, k }) }
-}
-
-/// Error and bounds on each [0, T]: maxima, and log(error(T)/error(T'))/(T - T') from the horizon T' before, to compare with
-/// C2.
-pub(super) fn horizon_rows(runs: &[Bounded]) -> Vec<Value> {
-    let mut before: Option<[f64; 2]> = None;
-    let row = |Bounded { estimate, envelopes, .. }: &Bounded| {
-        let (steps, error) = (estimate.grid.steps(), largest(&estimate.error));
-        let horizon = estimate.grid.time(steps);
-        let seen = before.replace([horizon, error]).filter(|[_, e]| *e > 20.0 * estimate.floor);
-        let mut row = json!(envelopes.map(|bound| largest(bound)));
-        row["horizon"] = json!(horizon);
-        row["steps"] = json!(steps);
-        row["error"] = json!(error);
-        row["truncation"] = json!(largest(&estimate.source) / estimate.m0);
-        row["c2"] = json!(estimate.c2());
-        row["growth"] = json!(seen.map(|[t, e]| (error / e).ln() / (horizon - t)));
-        row
-    };
-    runs.iter().map(row).collect()
-}
-
 /// Relative sizes δ of the perturbations. The difference stays far above the floor, and the largest
 /// changes contact and yielding states.
 const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
@@ -280,10 +155,7 @@ const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 ///
 /// # Errors
 /// A load or a run fails.
-pub(super) fn perturbations(
-    scene: &dyn InTime,
-    steps: u32,
-) -> Result<Vec<(f64, Bounded)>, GronwallError> {
+pub(super) fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Bounded>, GronwallError> {
     let grid = scene.grid(steps);
     let loads = scene.loads(&grid)?;
     let size = largest(&scene.dual_norms(&loads)?);
@@ -305,7 +177,7 @@ pub(super) fn perturbations(
         let error = pairs.map(|(u, v)| scene.distance(u, v)).collect();
         let sources = [source.clone(), source];
         let estimate = Estimate::new(&grid, scene.terms(&grid), error, sources, floor + other);
-        Ok((share, Bounded::new(format!("perturbed-{share:e}"), estimate)?))
+        Bounded::new(format!("perturbed-{share:e}"), estimate)
     };
     SIZES.into_iter().map(one).collect()
 }
@@ -317,41 +189,7 @@ pub(super) fn stability(run: &Bounded, n: Option<u32>) -> Claim {
     Claim { statement: Statement { source: "stability", says }, ..claim }
 }
 
-pub(super) fn perturbed_row((size, run): &(f64, Bounded)) -> Value {
-    let (estimate, envelopes) = (&run.estimate, &run.envelopes);
-    let (load, difference) = (largest(&estimate.source), largest(&estimate.error));
-    json!({
-        "size": size,
-        "steps": estimate.grid.steps(),
-        "load": load,
-        "difference": difference,
-        "growth": estimate.m0 * difference / load,
-        "weighted": largest(&envelopes.weighted),
-        "primed": largest(&envelopes.primed),
-        "least_effectivity": run.over_error(&envelopes.weighted)[1],
-    })
-}
-
 /// Error and three of its bounds on a logarithmic axis, where the distance of two curves is their ratio.
-fn picture(
-    scene: &str,
-    question: &str,
-    x: Axis,
-    y: &str,
-    [error, weighted, primed, closed]: [Vec<Datum>; 4],
-) -> Option<String> {
-    let line = |name: &str, part| Series::new(name, vec![part]);
-    // The error is above the bounds: where one is attained, both are seen.
-    let series = vec![
-        line("weighted envelope", Part::Line(weighted)),
-        line("primed envelope", Part::Line(primed)),
-        line("its closed form", Part::Line(closed)),
-        Series { grey: true, ..line("measured error", Part::Dashed(error)) },
-    ];
-    let chart = Chart::new(&format!("{scene}: Gronwall"), question, x, Axis::new(y, Scale::Log));
-    Chart { direct: true, series, ..chart }.svg()
-}
-
 fn over_time(
     scene: &str,
     mesh: &str,
@@ -361,21 +199,19 @@ fn over_time(
         "Error in time and its bounds on [0, T], N = {}{mesh}. From the weighted envelope to the closed form each bound lies above the one before.",
         estimate.grid.steps()
     );
-    let of = [&estimate.error, &envelopes.weighted, &envelopes.primed, &envelopes.closed];
     let times = || estimate.grid.times().iter().copied();
-    let curves = of.map(|values| times().zip(values.iter().copied()).skip(1).collect());
-    picture(scene, &question, Axis::new("time t_n", Scale::Linear), "norm of the error", curves)
-}
-
-fn over_horizon(scene: &str, k: f64, rows: &Value) -> Option<String> {
-    let question = format!(
-        "Error and bounds over the horizon at the fixed step k = {k}: uniform in T, or like exp(C₂T)?"
-    );
-    let value = |row: &Value, key: &str| row[key].as_f64().unwrap_or(f64::NAN);
-    let rows = || rows.as_array().into_iter().flatten();
-    let curves = ["error", "weighted", "primed", "closed"]
-        .map(|key| rows().map(|row| (value(row, "horizon"), value(row, key))).collect());
-    picture(scene, &question, Axis::new("horizon T", Scale::Log), "maximum over [0, T]", curves)
+    let curve = |values: &[f64]| times().zip(values.iter().copied()).skip(1).collect();
+    let line = |name: &str, part| Series::new(name, vec![part]);
+    // The error is above the bounds: where one is attained, both are seen.
+    let series = vec![
+        line("weighted envelope", Part::Line(curve(&envelopes.weighted))),
+        line("primed envelope", Part::Line(curve(&envelopes.primed))),
+        line("its closed form", Part::Line(curve(&envelopes.closed))),
+        Series { grey: true, ..line("measured error", Part::Dashed(curve(&estimate.error))) },
+    ];
+    let (x, y) = (Axis::new("time t_n", Scale::Linear), Axis::new("norm of the error", Scale::Log));
+    let chart = Chart::new(&format!("{scene}: Gronwall"), &question, x, y);
+    Chart { direct: true, series, ..chart }.svg()
 }
 
 /// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells per unit length; an
@@ -407,18 +243,13 @@ const PERTURBED: f64 = 5.0;
 pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &StudyRuns) -> Runs<'a> {
     let finest = plan.steps.iter().copied().max().unwrap_or(1);
     let common = plan.steps.iter().copied().fold(1, lowest_common_multiple);
-    let k = setup.scene.time.horizon / f64::from(finest);
-    // Horizons that cannot be are refused by the study.
-    let longest = plan.horizons.iter().filter_map(|&horizon| whole_steps(horizon, k).ok()).max();
     let in_space = setup.body.data.is_interpolated();
-    let finer = |steps: u32| if in_space { steps } else { REFERENCE_STEPS.saturating_mul(steps) };
-    let grid = [Some(common), longest].into_iter().flatten().map(|steps| (n, finer(steps)));
+    let finer = if in_space { common } else { REFERENCE_STEPS.saturating_mul(common) };
     // u and its histories at the levels of the truth, of another with half the steps, and of the grid itself.
     let a_level = 1.0 + setup.body.material.memory.len() as f64;
-    let truth = f64::from(common.max(longest.unwrap_or(0))) + 1.0;
-    let truth = if in_space { 0.0 } else { 2.0 * truth };
-    let of_grid = f64::from(finest.max(longest.unwrap_or(0))) + 1.0;
+    let truth = if in_space { 0.0 } else { 2.0 * (f64::from(common) + 1.0) };
+    let of_grid = f64::from(finest) + 1.0;
     let vectors = a_level * (truth + of_grid) + PERTURBED * of_grid;
     let beside = move |space: &Discretization, _| 8.0 * space.nodes.len() as f64 * vectors;
-    Runs { setup, grid: grid.collect(), beside: Box::new(beside) }
+    Runs { setup, grid: vec![(n, finer)], beside: Box::new(beside) }
 }

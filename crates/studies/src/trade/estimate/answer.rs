@@ -1,11 +1,11 @@
 //! The estimate of a run in words, tables and JSON.
 
-use super::super::models::{Cost, CostSample};
 use super::super::optimum::{Choice, Choices, Law, MOST, NoAnswer};
 use super::super::{SPAN, Wanted};
-use super::{Companions, Estimate, Part, Watch, companions_and_bound, norm_estimate};
-use crate::guarantee::{Guarantee, GuaranteeError};
-use files::digits;
+use super::{
+    Companions, Estimate, NormDifferences, Part, Watch, companions_and_bound, norm_estimate,
+};
+use crate::guarantee::GuaranteeError;
 use judge::fit::Interval;
 use report::{Chapter, StudyDocument};
 use run::sweep::MemoryLimit;
@@ -33,9 +33,8 @@ pub fn estimate(
     watch: &mut Watch<'_>,
 ) -> Result<Estimated, GuaranteeError> {
     let (found, bound) = companions_and_bound(setup, n, steps, watch)?;
-    let of = |of: &super::NormDifferences| (of.norm, norm_estimate(setup, &found, of));
-    let estimates: Vec<(Norm, Estimate)> = found.norms.iter().map(of).collect();
-    let norms: Vec<Value> = estimates.iter().map(|(norm, of)| json_of(&found, *norm, of)).collect();
+    let of = |of: &NormDifferences| json_of(&found, of.norm, &norm_estimate(setup, &found, of));
+    let norms: Vec<Value> = found.norms.iter().map(of).collect();
     let mut json = json!({
         "scene": setup.scene.name,
         "n": n,
@@ -54,17 +53,12 @@ pub fn estimate(
     });
     let title = format!("{} n = {n}, N = {steps}: estimated error of this run", setup.scene.name);
     let mut document = StudyDocument::new(Chapter::Trade, title);
-    let in_words = |(row, (_, of)): (&Value, &(Norm, Estimate))| {
-        let (mut row, reasons) = (row.clone(), of.reasons().join("; "));
-        row["unknown"] = json!(Some(reasons).filter(|reasons| !reasons.is_empty()));
-        row
-    };
     document.rows(
         "Errors, with their intervals.",
-        &norms.iter().zip(&estimates).map(in_words).collect(),
+        &json!(norms),
         "norm = norm; >error = value 3; >from = interval/0 3; >to = interval/1 3; >of |eps(u(T))| = relative 2; \
          >in h = space/value 3; >order = space/order 3; >in k = time/value 3; >order = time/order 3; \
-         unknown because = unknown",
+         unknown because = unknown/0; and = unknown/1",
     );
     document.rows(
         "Quantities at t = T.",
@@ -72,28 +66,25 @@ pub fn estimate(
         "quantity = name; >value = value 6; >at most off by = uncertainty 2; >limit = extrapolated 6; \
          >order in h = orders/0 3; >in k = orders/1 3; unknown because = reason",
     );
-    document.words(bound_words(&bound));
+    match &bound {
+        Err(reason) => document.words(format!("No guaranteed bound: {reason}.")),
+        Ok(bound) => document.rows(
+            "The largest guaranteed bound of the error in space, in the energy norm; errors hold that in time.",
+            &json!([{ "of": bound.largest(), "effectivity": bound.effectivity() }]),
+            ">t = of/t; >bound = of/bound 4; >norm of u = of/size 4; >error = of/error 4; >bound/error, median = effectivity 3",
+        ),
+    }
     let mut refused = None;
     if let Some(target) = wanted.error(found.size) {
         let norm = wanted.norm;
         let goal = Goal { setup, run: [n, steps], norm, target, limit: *limit };
         json["recommendation"] = match advise(&goal, &found) {
             Ok(advice) => {
-                let estimate = estimates.iter().find(|(of, _)| *of == norm);
-                let orders = estimate.map_or(String::new(), |(_, of)| orders_words(of));
                 let cautious = advice.cautious.as_ref().map_or_else(refusal, words);
                 let [n, steps] = advice.check;
-                let seconds = match advice.source {
-                    CostSource::Timed => {
-                        "fitted to the CPU times of this run and its companion runs"
-                    }
-                    CostSource::Counted => {
-                        "by cells times levels, because a companion run is too short to time"
-                    }
-                };
                 document.words(format!("Target {target:.4e} in {}:", norm.name()));
                 document.code(format!(
-                    "recommended: {}\ncautious:    {cautious}\norders counted on: {orders}\nseconds: {seconds}\nto check: --n {n} --steps {steps} --estimate, a run whose own companions narrow the interval",
+                    "recommended: {}\ncautious:    {cautious}\nto check: --n {n} --steps {steps} --estimate, a run whose own companions narrow the interval",
                     words(&advice.choice),
                 ));
                 let relative = norm == Norm::VMax && found.size > 0.0;
@@ -104,7 +95,6 @@ pub fn estimate(
                     "choice": advice.choice,
                     "cautious": advice.cautious.as_ref().ok(),
                     "cautious_refused": advice.cautious.as_ref().err().map(refusal),
-                    "seconds_from": advice.source,
                     "check": { "n": n, "steps": steps },
                     "refused": null,
                 })
@@ -139,39 +129,8 @@ fn json_of(found: &Companions, norm: Norm, estimate: &Estimate) -> Value {
     })
 }
 
-/// The guaranteed bound where it is largest, or why there is none.
-fn bound_words(bound: &Result<Guarantee, String>) -> String {
-    let (found, level) = match bound.as_ref().map(|found| (found, found.largest())) {
-        Ok((found, Some(level))) => (found, level),
-        Ok((_, None)) => return "No guaranteed bound: no level was solved.".into(),
-        Err(reason) => return format!("No guaranteed bound: {reason}."),
-    };
-    // The bound knows nothing of the error in time.
-    let truth = match (level.error, found.effectivity()) {
-        (Some(error), Some(quotient)) => format!(
-            " The exact solution is {error:.3e} away there, time included; bound / error is {quotient:.2} in the median over t_n."
-        ),
-        _ => String::new(),
-    };
-    format!(
-        "Guaranteed: error in space <= {:.3e} in the energy norm at all t_n (largest at t = {}, where u has {:.3e}); the error in time is not bounded.{truth}",
-        level.bound,
-        digits(level.t, 4),
-        level.size
-    )
-}
-
-fn words(Advised { run, interval, extrapolates, .. }: &Advised) -> String {
-    let interval = format!(" in [{:.3e}, {:.3e}]", interval.lo, interval.hi);
-    run.words("", &interval, extrapolates.as_ref())
-}
-
-fn orders_words(estimate: &Estimate) -> String {
-    let of = |(name, part): (&str, &Part)| match part.order().zip(part.counted_on()) {
-        Some((order, [counted, _])) => format!("{counted:.2} in {name} ({order:.2} observed)"),
-        None => format!("none in {name}, which does not show"),
-    };
-    [("h", &estimate.space), ("k", &estimate.time)].map(of).join(", ")
+fn words(Advised { run, interval, .. }: &Advised) -> String {
+    run.words("", &format!(" in [{:.3e}, {:.3e}]", interval.lo, interval.hi))
 }
 
 fn refusal(none: &NoAnswer) -> String {
@@ -191,9 +150,6 @@ const REACH: u32 = 16;
 /// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
 /// that is admitted around an order, and another one as in [`super::Part::of`].
 const ABOVE: f64 = 1.0;
-/// Least CPU seconds that can be told from noise: page faults and a cold cache take about a millisecond, a tenth of it.
-const TIMED: f64 = 0.01;
-
 /// What is wanted of which run.
 pub struct Goal<'a> {
     /// The scene.
@@ -217,35 +173,6 @@ pub struct Advised {
     pub interval: Interval,
     /// h₀/h and k₀/k, the steps of the run over these.
     pub finer: [f64; 2],
-    /// What reaches farther than the companions, in words.
-    pub extrapolates: Option<String>,
-}
-
-/// Where predicted seconds come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-pub enum CostSource {
-    /// The CPU times of the run and its companions.
-    #[serde(rename = "times")]
-    Timed,
-    /// Their sum, shared out by cells times levels: the runs are too short for a clock.
-    #[serde(rename = "counts")]
-    Counted,
-}
-
-/// The cost of runs: parts fitted to the CPU times of the companions, or to cells times levels where one is too short
-/// to time. None where nothing fits.
-pub fn costs(setup: &Setup, found: &Companions) -> Option<(Cost, CostSource)> {
-    let samples = found.times.iter().map(|run| CostSample {
-        h: setup.body.domain.h(run.n),
-        k: setup.grid(run.steps).largest_step(),
-        seconds: run.seconds,
-    });
-    let samples: Vec<CostSample> = samples.collect();
-    let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
-    match samples.iter().all(|run| run.seconds >= TIMED) {
-        true => Some((Cost::fit(&samples, dimension, horizon)?, CostSource::Timed)),
-        false => Some((Cost::counted(&samples, dimension, horizon), CostSource::Counted)),
-    }
 }
 
 /// The recommendation.
@@ -257,8 +184,6 @@ pub struct Advice {
     pub choice: Advised,
     /// The cheapest pair at which the upper end of the interval is the target or less, or why there is none.
     pub cautious: Result<Advised, NoAnswer>,
-    /// Where the seconds come from.
-    pub source: CostSource,
     /// The next n and N after the choice that have companions, so that the error can be estimated there again.
     pub check: [u32; 2],
 }
@@ -268,8 +193,6 @@ pub struct Advice {
 /// # Errors
 /// [`NoAnswer`].
 pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
-    let none = || NoAnswer::Refused("the costs of the runs cannot be modelled".into());
-    let (cost, source) = costs(goal.setup, found).ok_or_else(none)?;
     let choices = Choices::new(goal.setup, false)?;
     let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
     let differences = differences.ok_or_else(|| unknown(goal.norm, "the scene has no contact"))?;
@@ -277,6 +200,14 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     asymptotic(goal, differences.floor, &estimate)?;
     let [n, steps] = goal.run;
     let [h, k] = [choices.h(n), choices.k(steps)];
+    // Seconds of all runs, shared out by cells times levels.
+    let (dimension, horizon) = (goal.setup.scene.dimension as i32, goal.setup.scene.time.horizon);
+    let work = |h: f64, k: f64| h.powi(-dimension) * (horizon / k + 1.0);
+    let done: f64 =
+        found.times.iter().map(|run| work(choices.h(run.n), choices.k(run.steps))).sum();
+    let taken: f64 = found.times.iter().map(|run| run.seconds).sum();
+    // A clock that stands still gives no rate, and any will do.
+    let rate = taken.max(f64::MIN_POSITIVE) / done;
     let nowhere = (f64::INFINITY, Interval { lo: 0.0, hi: f64::INFINITY });
     let at = |choice: [f64; 2]| estimate.at([choice[0] / h, choice[1] / k]).unwrap_or(nowhere);
     let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
@@ -290,15 +221,14 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let advised = |read: fn((f64, Interval)) -> f64| {
         let law = Law {
             error: Box::new(|h, k| read(at([h, k]))),
-            seconds: Box::new(|h, k| cost.seconds(h, k)),
+            seconds: Box::new(|h, k| rate * work(h, k)),
             range: [[least, fewest], [most, longest]],
             made: SPAN * n,
         };
         let mut run = choices.cheapest(&law, goal.target, &goal.limit)?;
         let interval;
         (run.error, interval) = at([run.h, run.k]);
-        let extrapolates = run.beyond(goal.run, f64::from(SPAN));
-        Ok(Advised { run, interval, finer: [h / run.h, k / run.k], extrapolates })
+        Ok(Advised { run, interval, finer: [h / run.h, k / run.k] })
     };
     let choice = advised(|(error, _)| error)?;
     let cautious = advised(|(_, interval)| interval.hi);
@@ -314,7 +244,7 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
         false => choice.run.steps.next_multiple_of(SPAN),
     };
     let check = [next.unwrap_or(choice.run.n), longer];
-    Ok(Advice { target: goal.target, choice, cautious, source, check })
+    Ok(Advice { target: goal.target, choice, cautious, check })
 }
 
 fn unknown(norm: Norm, reasons: &str) -> NoAnswer {
@@ -331,8 +261,9 @@ fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), No
         return Err(unknown(goal.norm, &reasons.join("; ")));
     }
     for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
-        let observed = part.order().zip(part.counted_on().map(|[_, most]| most));
-        if let Some((order, most)) = observed.filter(|(order, most)| *order > most + ABOVE) {
+        if let Part::Known { order, most, .. } = part
+            && *order > most + ABOVE
+        {
             return Err(NoAnswer::Refused(format!(
                 "pre-asymptotic in {step}: order {order:.2} observed in {}, and no more than {most} is possible; start from a run with a finer {step}",
                 goal.norm.name()

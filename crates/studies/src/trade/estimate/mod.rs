@@ -10,7 +10,7 @@
 
 mod answer;
 
-pub use answer::{Advice, Advised, CostSource, Goal, advise, costs};
+pub use answer::{Advice, Advised, Goal, advise};
 pub use answer::{Estimated, estimate};
 
 use std::collections::BTreeMap;
@@ -121,14 +121,6 @@ impl Part {
     pub fn order(&self) -> Option<f64> {
         match self {
             Self::Known { order, .. } => Some(*order),
-            _ => None,
-        }
-    }
-
-    /// The order that is counted on towards finer steps, and the most that is possible.
-    pub fn counted_on(&self) -> Option<[f64; 2]> {
-        match self {
-            Self::Known { readings, most, .. } => Some([readings.first()?.finer, *most]),
             _ => None,
         }
     }
