@@ -19,7 +19,8 @@ use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
 use report::write_junit;
 use run::external::{
-    ExternalSolver, LOG, Way, case_dir, last_lines, on_pressures, solver_first, write_case,
+    ExternalSolver, LOG, Way, case_dir, last_lines, look_for_cause, on_pressures, solver_first,
+    write_case,
 };
 use run::plan_for;
 use run::sweep::{
@@ -34,7 +35,7 @@ const WIDTH: usize = 400;
 /// `sweep verify`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what the solver has to write: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A case fails if the solver fails, runs too long, or writes an array of the wrong shape or with NaN or infinity in it.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, pressures (claims that need them, or pressures that no claim needs; else null), and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
+    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what the solver has to write: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A case fails if the solver fails, runs too long, or writes an array of the wrong shape or with NaN or infinity in it.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, pressures (claims that need them, or pressures that no claim needs; else null), cause (where a verdict does not pass: cause, says, numbers, fits; else null), and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
 )]
 pub(crate) struct Verify {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -90,13 +91,17 @@ impl Verify {
             return export(&self.plan(scenes, Arc::new(NewtonMarch))?, folder);
         }
         let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
+        // The answers stand in their files when a cause is looked for.
+        let answers =
+            ExternalSolver { way: Way::Results, folder: folder.clone(), pressures: self.pressure };
         let plan = self.plan(scenes, Arc::new(self.solver(folder)?))?;
         let out = OutputDirectory::take(&self.out)?;
         let again = format!("the same command; records of {} are written anew", self.scene);
         on_interrupt(&self.out, &again)?;
         let mut judged = self.judged(plan, out)?;
+        let found = look_for_cause(&judged.verdicts, &judged.plans[0], &answers);
         if let Subject::Contact(setup) = &judged.plans[0].subject {
-            solver_first(&mut judged.verdicts, setup);
+            solver_first(&mut judged.verdicts, setup, found.as_ref());
         }
         judged.write(&self.out)?;
         if let Some(path) = &self.junit {
@@ -109,12 +114,17 @@ impl Verify {
         if self.json {
             let mut document = judged.document();
             document["pressures"] = json!(note);
+            document["cause"] = json!(found);
             if let Some(rows) = &compared {
                 document["beside"] = json!(rows);
             }
             print_json(&document)?;
         } else {
             judged.print();
+            if let Some(found) = &found {
+                let doubt = if found.fits { "" } else { "perhaps " };
+                print_text(&format!("cause: {doubt}{}\n  {}", found.says, found.numbers));
+            }
             note.iter().for_each(|note| print_text(&format!("note: {note}")));
             self.print_failures(&judged);
             print_text(&format!("report: {}", self.out.join("index.html").display()));

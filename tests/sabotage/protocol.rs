@@ -8,17 +8,19 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
+use algebra::linalg::signed_unit;
+use fem::contact::{CaseError, CaseInfo, Observer, StepView};
 use judge::record::{CaseRecord, Key, Status};
 use judge::verdict::{Decision, ForeseenConstant, Verdict};
 use rayon::prelude::*;
-use run::external::{Answer, Given, InProcess, Solve};
+use run::external::{Answer, Cause, Found, Given, InProcess, Solve, cause_of};
 use run::sweep::{CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_contact_case};
-use scene::setup::{MeshData, Setup, Subject};
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 use scene::{Norm, Scene, Source};
 
 use crate::WRITE;
-use crate::catalogue::{self, Defect};
-use crate::shipped::{edited, text};
+use crate::catalogue::{self, Defect, Term};
+use crate::shipped::{self, edited, text};
 use crate::suite::fresh;
 
 /// Scene, edits, n, steps.
@@ -247,6 +249,21 @@ impl Stage {
         self.plan.cases.iter().map(record).collect()
     }
 
+    /// What the equations say of a mistake, on the smallest case where they say something.
+    fn cause(&self, mistake: &Defect) -> Option<Found> {
+        let solver = InProcess(Solver {
+            program: mistake.apply(fresh(&self.sound)),
+            handed: mistake.answer,
+        });
+        let found = |case: &CasePlan| {
+            let (_, data) = self.meshes.iter().find(|(n, _)| case.n == Some(*n))?;
+            cause_of(&self.sound, &solver, data, case.steps).ok()
+        };
+        let all: Vec<Found> = self.plan.cases.iter().take(3).filter_map(found).collect();
+        let wrong = all.iter().find(|found| found.cause != Cause::Nothing);
+        wrong.or(all.first()).cloned()
+    }
+
     fn judged(&self, records: &[CaseRecord], constants: bool) -> Vec<Verdict> {
         let foreseen = if constants { &self.foreseen[..] } else { &[] };
         judge_scene(self.plan.scene(), records, &self.keys, foreseen)
@@ -294,6 +311,58 @@ fn mistake(name: &str) -> Defect {
     let known = catalogue::handed().into_iter().chain(catalogue::all());
     let found = known.into_iter().find(|defect| defect.name == name);
     found.unwrap_or_else(|| panic!("no mistake {name}"))
+}
+
+/// What has to be named where a term is wrong; on Γ1 an answer is refused with a reason that names it.
+fn expected(term: Term) -> Option<Cause> {
+    match term {
+        Term::Elasticity => Some(Cause::Elasticity),
+        Term::Load => Some(Cause::Loads),
+        Term::Memory | Term::TimeRule => Some(Cause::Memory),
+        Term::Projection | Term::Zeta => Some(Cause::Projection),
+        Term::Gap | Term::Compliance => Some(Cause::Contact),
+        Term::Friction => Some(Cause::Friction),
+        Term::Answer => Some(Cause::Pressures),
+        Term::Solver => Some(Cause::Levels),
+        _ => None,
+    }
+}
+
+/// The built-in solver off by the tolerance of an iteration: every displacement by a share of 1e-8 of itself.
+struct Rounded;
+
+impl Scheme for Rounded {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        let mut state = 7;
+        setup.scheme.march(setup, data, steps, &mut |view| {
+            let u: Vec<f64> =
+                view.u.iter().map(|u| u * (1.0 + 1e-8 * signed_unit(&mut state))).collect();
+            observe(&StepView { u: &u, ..*view })
+        })
+    }
+}
+
+/// On coarse meshes, of all elements, rules, laws and frictions.
+#[test]
+fn no_sound_solver_is_accused() {
+    let mut looked_at = 0;
+    for setup in shipped::bodies() {
+        let data = shipped::on_a_mesh(&setup);
+        let schemes = [&NewtonMarch as &dyn Scheme, &Rounded];
+        for (scheme, name) in schemes.into_iter().zip(["as it is", "rounded"]) {
+            let found = cause_of(&setup, scheme, &data, 4);
+            let found = found.unwrap_or_else(|error| panic!("{}: {error}", setup.scene.name));
+            assert_eq!(found.cause, Cause::Nothing, "{}, {name}: {found:?}", setup.scene.name);
+            looked_at += 1;
+        }
+    }
+    assert!(looked_at > 200, "{looked_at}");
 }
 
 /// The table of docs/EXTERNAL.md.
@@ -346,4 +415,16 @@ fn every_mistake_fails_a_claim_of_the_recommended_scene() {
         let caught = [Seen::Orders, Seen::Constants, Seen::Pressures].contains(&seen[at]);
         assert!(caught, "{name} on {scene}: {:?}", seen[at]);
     }
+    let unnamed: Vec<String> = asked
+        .par_iter()
+        .filter_map(|&(scene, (name, _))| {
+            let at = SCENES.iter().position(|row| row.0 == scene).expect("a column");
+            let mistake = mistake(name);
+            let found = stages[at].cause(&mistake);
+            let refused = found.is_none() && mistake.term == Term::Dirichlet;
+            let named = found.as_ref().map(|found| found.cause) == expected(mistake.term);
+            (!refused && !named).then(|| format!("{name} on {scene}: {found:?}"))
+        })
+        .collect();
+    assert!(unnamed.is_empty(), "{unnamed:#?}");
 }

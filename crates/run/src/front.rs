@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::external::solver_first;
+use crate::external::{look_for_cause, solver_first};
 use crate::sweep::{
     Machine, OutputDirectory, OutputError, Overrides, Progress, ScenePlan, SweepError, judge_plan,
     run_sweep,
@@ -178,7 +178,8 @@ impl Sweep {
         let [plan] = &plan;
         let mut verdicts = judge_plan(plan, &records, constants);
         if let (true, Subject::Contact(setup)) = (other, &plan.subject) {
-            solver_first(&mut verdicts, setup);
+            let found = look_for_cause(&verdicts, plan, &*setup.scheme);
+            solver_first(&mut verdicts, setup, found.as_ref());
         }
         Ok(Swept { records, verdicts })
     }

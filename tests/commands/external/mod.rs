@@ -389,17 +389,20 @@ fn exported_cases_come_back_through_results_and_a_wrong_answer_fails() {
     assert_eq!(code(&sound), 0, "{}", stderr(&sound));
     let document = json(&sound);
     assert_eq!(document["verdicts"][0]["verdict"], "pass");
+    assert!(document["cause"].is_null(), "{}", document["cause"]);
     for row in document["beside"].as_array().expect("a list") {
         assert!(row["difference"].as_f64().expect("a number") < 1e-10, "{row}");
     }
-    // Displacements a tenth too large leave an error that no mesh takes away; what is said begins with the solver.
+    // Displacements a tenth too large leave an error that no mesh takes away; what is said begins with what the equations
+    // of the scene say of them.
     let wrong = judged(1.1);
     assert_eq!(code(&wrong), 1);
-    let reason = json(&wrong)["verdicts"][0]["reason"].to_string();
-    assert!(
-        reason.starts_with("\"look at the solver first: are the weights of its memory"),
-        "{reason}"
-    );
+    let document = json(&wrong);
+    let reason = document["verdicts"][0]["reason"].to_string();
+    let says = "the loads are taken 1.1000 times";
+    assert!(reason.starts_with(&format!("\"look at the solver first: {says};")), "{reason}");
+    let cause = &document["cause"];
+    assert!(cause["cause"] == "loads" && cause["says"] == says && cause["fits"] == true, "{cause}");
     // For CI: the same answers as JUnit and as annotations.
     let junit = folder.argument("junit.xml");
     let given = ["--results", &cases, "--out", &out, "--junit", &junit, "--github"];

@@ -3,7 +3,10 @@
 use fem::space::Element;
 use judge::verdict::{Decision, Variable, Verdict};
 use scene::Scene;
-use scene::setup::Setup;
+use scene::setup::{MeshData, Scheme, Setup, Subject};
+
+use super::cause::{Cause, Found, cause_of};
+use crate::sweep::ScenePlan;
 
 /// What becomes of the pressures of a solver beside the verdicts: `handed` over where no claim needs them, or claims that
 /// need them where they are not. A wrong pressure must not pass for one that was judged.
@@ -22,17 +25,68 @@ pub fn on_pressures(scene: &Scene, handed: bool) -> Option<String> {
     }
 }
 
-/// Prefixes the reasons of open or failed verdicts on an external solver with what to check in it. Failed cases give
-/// their reasons themselves, and where there are too few cases for an order, more of them help.
-pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup) {
-    for verdict in verdicts.iter_mut().filter(|verdict| verdict.complete) {
-        if verdict.decision != Decision::Pass && verdict.observed.is_some() {
-            let first = match verdict.observed.is_some_and(|order| order < STUCK) {
-                true => format!("its errors do not fall; {}", of_every_solver().join(", ")),
-                false => questions(setup, verdict.variable).join(", "),
-            };
-            verdict.reason = format!("look at the solver first: {first}? {}", verdict.reason);
+/// Open or failed verdicts of which the solver may be the reason. Failed cases give their reasons themselves, and where
+/// there are too few cases for an order, more of them help.
+fn in_doubt(verdict: &Verdict) -> bool {
+    verdict.complete && verdict.decision != Decision::Pass && verdict.observed.is_some()
+}
+
+/// Cases in which a cause is looked for, and the numbers of one that are still looked at: levels times unknowns, and
+/// levels squared times unknowns, by which sums over the past grow.
+const LOOKED_AT: usize = 3;
+const MOST: [u64; 2] = [4_000_000, 200_000_000];
+
+/// What the smallest cases say of the solver, where a verdict does not pass: the first that says something, else the last.
+/// `scheme` answers them once more.
+pub fn look_for_cause(
+    verdicts: &[Verdict],
+    plan: &ScenePlan,
+    scheme: &dyn Scheme,
+) -> Option<Found> {
+    let Subject::Contact(setup) = &plan.subject else { return None };
+    let doubtful = verdicts.iter().any(in_doubt);
+    let mut runs = if doubtful { plan.runs() } else { Vec::new() };
+    runs.sort_unstable_by_key(|&(n, steps)| {
+        (u64::from(n).pow(setup.scene.dimension as u32) * u64::from(steps), n)
+    });
+    runs.dedup();
+    let mut last = None;
+    for &(n, steps) in runs.iter().take(LOOKED_AT) {
+        let data = MeshData::new(setup, n, None).ok()?;
+        let (levels, dofs) = (u64::from(steps) + 1, data.space.dofs() as u64);
+        if levels * dofs > MOST[0] || levels * levels * dofs > MOST[1] {
+            break;
         }
+        let Ok(mut found) = cause_of(setup, scheme, &data, steps) else { continue };
+        found.numbers = format!("n = {n}, N = {steps}: {}", found.numbers);
+        let wrong = found.cause != Cause::Nothing;
+        last = Some(found);
+        if wrong {
+            break;
+        }
+    }
+    last
+}
+
+/// Prefixes the reasons of open or failed verdicts on an external solver with the cause that was found, or with what to
+/// check in the solver.
+pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup, found: Option<&Found>) {
+    for verdict in verdicts.iter_mut().filter(|verdict| in_doubt(verdict)) {
+        verdict.reason = match found {
+            Some(Found { cause: Cause::Nothing, says, .. }) => {
+                format!("{says}; {}", verdict.reason)
+            }
+            Some(Found { fits: true, says, .. }) => {
+                format!("look at the solver first: {says}; {}", verdict.reason)
+            }
+            _ => {
+                let first = match verdict.observed.is_some_and(|order| order < STUCK) {
+                    true => format!("its errors do not fall; {}", of_every_solver().join(", ")),
+                    false => questions(setup, verdict.variable).join(", "),
+                };
+                format!("look at the solver first: {first}? {}", verdict.reason)
+            }
+        };
     }
 }
 

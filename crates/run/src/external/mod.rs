@@ -5,21 +5,24 @@ mod advice;
 mod answer;
 mod bounded;
 mod case_files;
+mod cause;
 mod error;
 mod group;
 mod in_process;
 mod log;
 mod npy;
 mod process;
+mod touch;
 mod wanted;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-pub use self::advice::{on_pressures, solver_first};
+pub use self::advice::{look_for_cause, on_pressures, solver_first};
 pub use self::answer::read_displacements;
 use self::answer::{read_pressures, read_until};
 pub use self::case_files::{ContactRow, Given, case_dir, write_case};
+pub use self::cause::{Cause, Found, cause_of};
 pub use self::error::AnswerError;
 pub use self::group::end_solvers;
 pub use self::in_process::{Answer, InProcess, Solve};

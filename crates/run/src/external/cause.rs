@@ -1,0 +1,535 @@
+//! Why an answer is wrong: what its displacements leave of the discrete equations, level by level.
+//!
+//! Rows without contact hold elasticity, memory, projection and loads. Each mistake that is tried there leaves a residual of
+//! its own; the one that leaves what the answer leaves, with the fewest numbers that are free, is named. Where these rows
+//! balance, the forces that are left on Γ3 are those of contact, and are held against the law, the gap and the friction.
+
+use std::sync::Arc;
+
+use algebra::in_dimension;
+use algebra::linalg::{axpy, dot, largest, norm};
+use algebra::tensor::{self, Symmetric};
+use fem::contact::{CaseError, MemoryTerm, StepView, out_of_balance, stress_force};
+use scene::setup::{MeshData, Scheme, Setup};
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::law::{Convolution, FourthOrder, HistoryKernel, Isotropic, Projection, TensorField};
+
+use super::touch::of_contact;
+
+/// What an answer has wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cause {
+    /// It solves the discrete equations of the scene.
+    Nothing,
+    /// Some levels are not solved.
+    Levels,
+    Elasticity,
+    Loads,
+    Memory,
+    Projection,
+    Contact,
+    Friction,
+    Pressures,
+}
+
+/// The cause that explains an answer best.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Found {
+    pub cause: Cause,
+    /// What is wrong, in words.
+    pub says: String,
+    /// The residuals that say so.
+    pub numbers: String,
+    /// Whether a mistake that was tried leaves just these residuals.
+    pub fits: bool,
+}
+
+/// Residuals below this share of the largest force are tolerances of solvers.
+const SOUND: f64 = 1e-5;
+/// So are those that a displacement moves which is known in single precision alone: nearly incompressible bodies.
+const SINGLE: f64 = 1e-7;
+/// A mistake that leaves all but this share of the residual unexplained is not the one.
+const FITS: f64 = 1e-2;
+/// Residuals that agree to this agree.
+const EQUAL: f64 = 1e-9;
+
+/// The answer of a solver to a case, and what it leaves.
+pub(super) struct Left<'a> {
+    pub(super) setup: &'a Setup,
+    pub(super) data: &'a MeshData,
+    pub(super) grid: TimeGrid,
+    pub(super) u: Vec<Vec<f64>>,
+    pub(super) pressures: Vec<Vec<f64>>,
+    /// (σ, ε(v)) - F(v) by levels, with the law where its rule is not that of the vertices.
+    pub(super) balance: Vec<Vec<f64>>,
+    /// The largest force, and the residuals that count as none.
+    pub(super) scale: f64,
+    pub(super) sound: f64,
+    /// Sums of the past as the answer has them, κ and ‖ε(u_n)‖, by levels.
+    histories: Vec<Vec<Vec<f64>>>,
+    kappa: Vec<f64>,
+    norms: Vec<f64>,
+    loads: Vec<Arc<Vec<f64>>>,
+    /// Rows that no force of contact reaches.
+    rows: Vec<usize>,
+}
+
+/// The cause that the answer of `scheme` to a case shows.
+///
+/// # Errors
+/// Those of the scheme: an answer that is refused.
+pub fn cause_of(
+    setup: &Setup,
+    scheme: &dyn Scheme,
+    data: &MeshData,
+    steps: u32,
+) -> Result<Found, CaseError> {
+    let (space, model) = (&*data.space, &setup.model);
+    let (d, dofs) = (space.mesh.dimension, space.dofs());
+    let mut pressed = vec![false; space.nodes.vertex.len()];
+    for point in space.trace.points.iter().filter(|point| point.carries()) {
+        pressed[point.node as usize] = true;
+    }
+    let mut left = Left {
+        setup,
+        data,
+        grid: setup.grid(steps),
+        u: Vec::new(),
+        pressures: Vec::new(),
+        balance: Vec::new(),
+        scale: f64::MIN_POSITIVE,
+        sound: 0.0,
+        histories: Vec::new(),
+        kappa: Vec::new(),
+        norms: Vec::new(),
+        loads: Vec::new(),
+        rows: (0..dofs).filter(|row| !pressed[row / d]).collect(),
+    };
+    let none = vec![0.0; space.trace.points.len()];
+    scheme.march(setup, data, steps, &mut |view| {
+        let load = data.truth.load(view.t)?;
+        let alone = StepView { compliance: &none, multiplier: &none, friction: &[], ..*view };
+        let mut balance = out_of_balance(space, model, &alone, &load);
+        balance.truncate(dofs);
+        let inner: Vec<f64> = balance.iter().zip(&*load).map(|(r, f)| r + f).collect();
+        left.scale = left.scale.max(largest(&inner)).max(largest(&load));
+        left.u.push(view.u.to_vec());
+        left.balance.push(balance);
+        left.histories.push(view.history.to_vec());
+        left.kappa.push(view.kappa);
+        left.norms.push(view.strain_norm);
+        left.loads.push(load);
+        let sum = view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda);
+        left.pressures.push(sum.collect());
+        Ok(())
+    })?;
+    let sizes = |values: &[f64]| values.iter().map(|value| value.abs()).collect::<Vec<f64>>();
+    let (stiffness, mut moved) = (sizes(&space.stiffness(&model.elasticity)), vec![0.0; dofs]);
+    left.sound = SOUND * left.scale;
+    for u in &left.u {
+        space.pattern.multiply(&stiffness, &sizes(&u[..dofs]), &mut moved);
+        left.sound = left.sound.max(SINGLE * largest(&moved));
+    }
+    let at =
+        |n: usize| left.rows.iter().fold(0.0f64, |most, &row| most.max(left.balance[n][row].abs()));
+    let off: Vec<f64> = (0..left.u.len()).map(at).collect();
+    let most = off.iter().copied().fold(0.0, f64::max);
+    let share = |value: f64| format!("{:.0e}", value / left.scale);
+    if most <= left.sound {
+        let balanced = format!("off Gamma3 the forces balance to {} of the largest", share(most));
+        return Ok(of_contact(&left, &balanced));
+    }
+    if left.u.iter().flatten().all(|u| *u == 0.0) {
+        let says = "every displacement is zero".to_owned();
+        return Ok(Found {
+            cause: Cause::Levels,
+            says,
+            numbers: "nothing was solved".into(),
+            fits: true,
+        });
+    }
+    let later = off[1..].iter().copied().fold(0.0, f64::max);
+    let mut found = of_body(&left, &off);
+    found.numbers = format!(
+        "off Gamma3 the forces are out of balance by {} of the largest at level 0 and {} later; {}",
+        share(off[0]),
+        share(later),
+        found.numbers
+    );
+    Ok(found)
+}
+
+/// Takes a mistake: what it leaves by levels, columns whose factors are free or one that is `known`, and its words.
+type Offer<'o> = dyn FnMut(Cause, bool, &[Vec<Vec<f64>>], &dyn Fn(&[f64]) -> String) + 'o;
+
+/// The mistake that leaves what the answer leaves, of those in rows without contact.
+fn of_body(left: &Left<'_>, off: &[f64]) -> Found {
+    let residual = left.long(&left.balance);
+    let size = norm(&residual);
+    let mut best: Option<(f64, f64, Cause, String)> = None;
+    // A factor that is free has to explain ten times as much.
+    let mut better = |rest: f64, free: usize, cause: Cause, says: &dyn Fn() -> String| {
+        let score = rest.max(EQUAL) * 10f64.powi(free as i32);
+        if rest <= FITS && best.as_ref().is_none_or(|best| score < 0.99 * best.0) {
+            best = Some((score, rest, cause, says()));
+        }
+    };
+    let mut offer =
+        |cause, known: bool, columns: &[Vec<Vec<f64>>], says: &dyn Fn(&[f64]) -> String| {
+            let columns: Vec<Vec<f64>> = columns.iter().map(|column| left.long(column)).collect();
+            if known {
+                better(norm(&minus(residual.clone(), &columns[0])) / size, 0, cause, &|| says(&[]));
+            } else if residual.len() > 3 * columns.len() {
+                let (rest, factors) = fit(&columns, &residual);
+                better(rest / size, columns.len(), cause, &|| says(&factors));
+            }
+        };
+    of_past(left, &mut offer);
+    of_loads(left, &mut offer);
+    of_tensors(left, &mut offer);
+    if off[0] > left.sound && off[1..].iter().all(|&off| off <= left.sound) {
+        let says = || "level 0 is not solved like the levels that follow from it".to_owned();
+        better(0.0, 3, Cause::Levels, &says);
+    }
+    if let Some(says) = few_rows(left) {
+        better(0.0, 3, Cause::Loads, &|| says.clone());
+    }
+    if let Some((_, rest, cause, says)) = best {
+        let numbers = format!("this mistake leaves {rest:.0e} of it unexplained");
+        return Found { cause, says, numbers, fits: true };
+    }
+    let within = |factor: f64, term: &[Vec<f64>]| {
+        off.iter().zip(term).all(|(off, term)| *off <= factor * largest(term) + left.sound)
+    };
+    let unsolved: Vec<String> =
+        (1..off.len()).filter(|&n| off[n] > left.sound).map(|n| n.to_string()).collect();
+    let levels = format!("levels {} are not solved to the end, as others are", unsolved.join(", "));
+    let (cause, says) = match () {
+        () if unsolved.len() + 1 < off.len() && left.setup.model.projection.is_none() => {
+            (Cause::Levels, levels.as_str())
+        }
+        () if off[0] <= left.sound && within(2.2, &left.remembered(&left.histories)) => {
+            (Cause::Memory, "the memory: weights, kernel, tensor or sign of the sums over the past")
+        }
+        () if within(1.1, &left.projected(&left.kappa, false)) => {
+            (Cause::Projection, "the projection or zeta: it is no more than the projection adds")
+        }
+        () => (Cause::Loads, "the loads: no tensor and no sum over the past leaves this"),
+    };
+    let numbers = "no mistake that was tried leaves just this".to_owned();
+    Found { cause, says: says.to_owned(), numbers, fits: false }
+}
+
+/// Kernel, grid, n and the scene's own weight of level j.
+type Weight = fn(&dyn HistoryKernel, &TimeGrid, usize, usize, f64) -> f64;
+
+fn plain(q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+    match Trapezoid.weight(grid, n, j) {
+        0.0 => 0.0,
+        weight => weight * q.at(grid.time(n), grid.time(j)),
+    }
+}
+
+/// Sums over the past that are often written in place of the right ones.
+const SUMS: [(&str, Weight); 11] = [
+    ("is left out", |_, _, _, _, _| 0.0),
+    ("has the other sign", |_, _, _, _, own| -own),
+    ("is summed by the right-hand rectangle rule", |q, grid, n, j, _| match j {
+        0 => 0.0,
+        _ => grid.step(j) * q.at(grid.time(n), grid.time(j)),
+    }),
+    ("is summed by the left-hand rectangle rule", |q, grid, n, j, _| match j == n {
+        true => 0.0,
+        false => grid.step(j + 1) * q.at(grid.time(n), grid.time(j)),
+    }),
+    ("has twice the last weight, k and not k/2", |_, _, n, j, own| {
+        own * if j == n { 2.0 } else { 1.0 }
+    }),
+    ("has twice the first weight, k and not k/2", |_, _, _, j, own| {
+        own * if j == 0 { 2.0 } else { 1.0 }
+    }),
+    ("has its kernel at t_n - t_j + k", |q, grid, n, j, _| match n {
+        0 => 0.0,
+        _ => Trapezoid.weight(grid, n, j) * q.at(grid.time(n), grid.time(j) - grid.step(n)),
+    }),
+    ("is of u_(j-1) in place of u_j", |q, grid, n, j, _| match j == n {
+        true => 0.0,
+        false => plain(q, grid, n, j + 1),
+    }),
+    ("has its last weight on the level before", |q, grid, n, j, _| match n - j {
+        0 => 0.0,
+        1 => plain(q, grid, n, j) + Trapezoid.weight(grid, n, n) * q.at(grid.time(n), grid.time(j)),
+        _ => plain(q, grid, n, j),
+    }),
+    ("leaves out the level itself", |_, _, n, j, own| if j == n { 0.0 } else { own }),
+    ("is summed by the trapezoidal rule", |q, grid, n, j, _| plain(q, grid, n, j)),
+];
+
+/// The kernel of ζ.
+struct One;
+
+impl HistoryKernel for One {
+    fn at(&self, _: f64, _: f64) -> f64 {
+        1.0
+    }
+}
+
+/// Memory, ζ and projection.
+fn of_past(left: &Left<'_>, offer: &mut Offer<'_>) {
+    let (model, grid, rule) = (&left.setup.model, &left.grid, &*left.setup.model.time_rule);
+    let levels = 0..left.u.len();
+    let projected = left.projected(&left.kappa, false);
+    let from = |mut own: Vec<Vec<f64>>, other: &[Vec<f64>], sign: f64| {
+        own.iter_mut().zip(other).for_each(|(own, other)| axpy(sign, other, own));
+        own
+    };
+    let by_zeta = |zeta: &dyn Fn(usize) -> f64| {
+        let limit = model.projection.limit()?;
+        let kappa: Vec<f64> = levels.clone().map(|n| limit.value(zeta(n))).collect();
+        Some(from(projected.clone(), &left.projected(&kappa, false), -1.0))
+    };
+    let summed = |n: usize, weight: &dyn Fn(usize) -> f64| {
+        (0..=n).map(|j| weight(j) * left.norms[j]).sum::<f64>()
+    };
+    for (name, sum) in SUMS {
+        let of_level = |n: usize| {
+            let of_term = |term: &MemoryTerm| {
+                let (kernel, mut apart) = (Convolution(&*term.kernel), vec![0.0; left.u[n].len()]);
+                for j in 0..=n {
+                    let own = rule.kernel_weight(&kernel, grid, n, j);
+                    axpy(own - sum(&kernel, grid, n, j, own), &left.u[j], &mut apart);
+                }
+                apart
+            };
+            model.memory.iter().map(of_term).collect()
+        };
+        let memory = left.remembered(&levels.clone().map(of_level).collect::<Vec<_>>());
+        let other = |n: usize| summed(n, &|j| sum(&One, grid, n, j, rule.weight(grid, n, j)));
+        if let Some(zeta) = by_zeta(&other) {
+            let both = from(memory.clone(), &zeta, 1.0);
+            offer(Cause::Projection, true, &[zeta], &|_| format!("zeta {name}"));
+            offer(Cause::Memory, true, &[both], &|_| format!("the memory, and zeta, {name}"));
+        }
+        // A kernel may be infinite where another rule takes it.
+        if memory.iter().flatten().all(|force| force.is_finite()) {
+            offer(Cause::Memory, true, &[memory], &|_| format!("the memory {name}"));
+        }
+    }
+    if let Some(column) = by_zeta(&|n| summed(n, &|j| rule.weight(grid, n, j) * left.norms[j])) {
+        offer(Cause::Projection, true, &[column], &|_| "zeta sums squares of norms".into());
+        let whole = from(projected.clone(), &left.projected(&left.kappa, true), -1.0);
+        let says = "the projection is of the strain, not of its deviator";
+        offer(Cause::Projection, true, &[whole], &|_| says.into());
+        offer(Cause::Projection, true, &[projected], &|_| "the projection is left out".into());
+    }
+    let says = |c: &[f64]| format!("the memory is taken {:.4} times", 1.0 - c[0]);
+    offer(Cause::Memory, false, &[left.remembered(&left.histories)], &says);
+}
+
+fn of_loads(left: &Left<'_>, offer: &mut Offer<'_>) {
+    let loads: Vec<Vec<f64>> = left.loads.iter().map(|load| load.to_vec()).collect();
+    let late = |n: usize| minus(loads[n.saturating_sub(1)].clone(), &loads[n]);
+    let column = (0..loads.len()).map(late).collect();
+    offer(Cause::Loads, true, &[column], &|_| "the loads are those of the level before".into());
+    // dF/dt by a difference over a share of a step.
+    let slope = |n: usize| {
+        let (t, by) = (left.grid.time(n), 1e-4 * left.grid.largest_step());
+        match left.data.truth.load(t - by) {
+            Ok(before) if n > 0 => {
+                minus(before.to_vec(), &loads[n]).iter().map(|f| f / by).collect()
+            }
+            _ => vec![0.0; loads[n].len()],
+        }
+    };
+    let column = (0..loads.len()).map(slope).collect();
+    offer(Cause::Loads, false, &[column], &|c| format!("the loads are late by {:.1e}", c[0]));
+    offer(Cause::Loads, false, &[loads], &|c| {
+        format!("the loads are taken {:.4} times", 1.0 + c[0])
+    });
+}
+
+fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {
+    let (model, d) = (&left.setup.model, left.data.space.mesh.dimension);
+    let regions = model.elasticity.regions().len();
+    let on = |region: usize, tensor: FourthOrder| {
+        let zero = FourthOrder::Isotropic(Isotropic { lambda: 0.0, mu: 0.0 });
+        let of = |at: usize| if at == region { tensor } else { zero };
+        TensorField::new(of(0), (1..regions).map(of))
+    };
+    let lame = [(1.0, 0.0), (0.0, 1.0)].map(|(lambda, mu)| Isotropic { lambda, mu }.into());
+    for region in 0..regions {
+        if let FourthOrder::Isotropic(law) = *model.elasticity.on(region) {
+            let says = |c: &[f64]| {
+                let [lambda, mu] = [law.lambda - c[0], law.mu - c[1]];
+                format!(
+                    "the elasticity has lambda = {lambda:.4}, mu = {mu:.4}, not {}, {}",
+                    law.lambda, law.mu
+                )
+            };
+            offer(
+                Cause::Elasticity,
+                false,
+                &lame.map(|tensor| left.stiff(&on(region, tensor), &left.u)),
+                &says,
+            );
+        }
+        let order = d * (d + 1) / 2;
+        let entries: Vec<_> = (0..order).flat_map(|a| (a..order).map(move |b| (a, b))).collect();
+        let of_entry = |&(a, b): &(usize, usize)| {
+            let mut matrix = [[0.0; 6]; 6];
+            (matrix[a][b], matrix[b][a]) = (1.0, 1.0);
+            left.stiff(&on(region, FourthOrder::Full(matrix)), &left.u)
+        };
+        let columns: Vec<_> = entries.iter().map(of_entry).collect();
+        let says = |c: &[f64]| {
+            let off = entries.iter().zip(c).filter(|(_, c)| c.abs() > SOUND);
+            let off: Vec<String> =
+                off.map(|((a, b), c)| format!("{}{} by {:.4}", a + 1, b + 1, -c)).collect();
+            format!("the elasticity has another Mandel matrix: entries off are {}", off.join(", "))
+        };
+        offer(Cause::Elasticity, false, &columns, &says);
+    }
+    // A mistake that the tensors of elasticity and memory share.
+    let of = |tensor: FourthOrder| {
+        let field: TensorField = tensor.into();
+        let of_term = |i: usize| {
+            let sums: Vec<Vec<f64>> = left.histories.iter().map(|sums| sums[i].clone()).collect();
+            left.stiff(&field, &sums)
+        };
+        std::iter::once(left.stiff(&field, &left.u))
+            .chain((0..model.memory.len()).map(of_term))
+            .collect::<Vec<_>>()
+    };
+    let columns: Vec<_> = lame.into_iter().flat_map(of).collect();
+    offer(Cause::Elasticity, false, &columns, &|_| "the tensors of elasticity and memory".into());
+}
+
+/// The words where few nodes, or one side alone, are out of balance.
+fn few_rows(left: &Left<'_>) -> Option<String> {
+    let (space, d) = (&*left.data.space, left.data.space.mesh.dimension);
+    let mut wrong: Vec<usize> = Vec::new();
+    for balance in &left.balance {
+        wrong.extend(
+            left.rows.iter().filter(|&&row| balance[row].abs() > left.sound).map(|row| row / d),
+        );
+    }
+    wrong.sort_unstable();
+    wrong.dedup();
+    let place = |&node: &usize| {
+        let x = space.mesh.vertex(space.nodes.vertex[node]);
+        let x: Vec<String> = x.iter().map(|x| format!("{x:.4}")).collect();
+        format!("({})", x.join(", "))
+    };
+    if wrong.len() <= 2 * d && space.nodes.free > 8 * wrong.len() {
+        let places: Vec<String> = wrong.iter().map(place).collect();
+        return Some(format!("the loads at {}: all other rows balance", places.join(" and ")));
+    }
+    let mesh = &space.mesh;
+    let on = |node: usize, side: Option<u32>| {
+        let mut facets = (0..mesh.facet_side.len())
+            .filter(|&f| side.is_none_or(|side| mesh.facet_side[f] == side));
+        facets.any(|f| space.nodes.on_facet(f).contains(&space.nodes.vertex[node]))
+    };
+    let inside = (0..space.nodes.free).filter(|&node| !on(node, None)).count() > 3;
+    let whole = |side: &u32| wrong.iter().all(|&node| on(node, Some(*side)));
+    let side = (0..mesh.sides.len() as u32).find(whole).filter(|_| inside)?;
+    Some(format!("the loads of side {}: all other rows balance", mesh.sides[side as usize]))
+}
+
+/// What is left of `r` by columns, least squares, and their factors; columns that follow from others have none.
+fn fit(columns: &[Vec<f64>], r: &[f64]) -> (f64, Vec<f64>) {
+    let mut rest = r.to_vec();
+    let mut known: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    let mut factors = vec![0.0; columns.len()];
+    for (i, column) in columns.iter().enumerate() {
+        let mut direction = column.clone();
+        let mut made = vec![0.0; columns.len()];
+        made[i] = 1.0;
+        // Twice, for rounding.
+        for (other, of_other) in known.iter().chain(&known) {
+            let along = dot(&direction, other);
+            axpy(-along, other, &mut direction);
+            made.iter_mut().zip(of_other).for_each(|(made, other)| *made -= along * other);
+        }
+        let length = norm(&direction);
+        if length <= EQUAL * norm(column) {
+            continue;
+        }
+        direction.iter_mut().chain(&mut made).for_each(|value| *value /= length);
+        let along = dot(&rest, &direction);
+        axpy(-along, &direction, &mut rest);
+        factors.iter_mut().zip(&made).for_each(|(factor, made)| *factor += along * made);
+        known.push((direction, made));
+    }
+    (norm(&rest), factors)
+}
+
+fn minus(mut a: Vec<f64>, b: &[f64]) -> Vec<f64> {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
+    a
+}
+
+impl Left<'_> {
+    /// The rows without contact of all levels.
+    fn long(&self, levels: &[Vec<f64>]) -> Vec<f64> {
+        levels.iter().flat_map(|level| self.rows.iter().map(|&row| level[row])).collect()
+    }
+
+    /// (ℬ ε(v), ε(·)) by levels.
+    fn stiff(&self, law: &TensorField, v: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let space = &self.data.space;
+        let values = space.stiffness(law);
+        let of_level = |v: &Vec<f64>| {
+            let mut out = vec![0.0; space.dofs()];
+            space.pattern.multiply(&values, &v[..space.dofs()], &mut out);
+            out
+        };
+        v.iter().map(of_level).collect()
+    }
+
+    /// The forces of sums over the past by levels, a sum a term.
+    fn remembered(&self, sums: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+        let mut forces = vec![vec![0.0; self.data.space.dofs()]; sums.len()];
+        for (i, term) in self.setup.model.memory.iter().enumerate() {
+            let of_term: Vec<Vec<f64>> = sums.iter().map(|sums| sums[i].clone()).collect();
+            let parts = self.stiff(&term.tensor, &of_term);
+            forces.iter_mut().zip(&parts).for_each(|(force, part)| axpy(1.0, part, force));
+        }
+        forces
+    }
+
+    /// The forces of the projection by levels for other limits; of the `whole` strain in place of its deviator.
+    fn projected(&self, kappa: &[f64], whole: bool) -> Vec<Vec<f64>> {
+        fn of<const D: usize, const S: usize>(
+            left: &Left<'_>,
+            [u, kappa]: [&[f64]; 2],
+            whole: bool,
+        ) -> Vec<f64> {
+            let (space, projection) = (&*left.data.space, &left.setup.model.projection);
+            let mut shear: Symmetric<S> = [0.0; S];
+            shear[S - 1] = 1.0;
+            let mu = projection.stress(&shear, 0.0).map_or(0.0, |stress| stress[S - 1]);
+            let mut force = vec![0.0; space.nodes.len()];
+            for at in space.points() {
+                let (strain, kappa) = (at.strain::<S>(u), kappa[0]);
+                let size = tensor::norm(&strain);
+                let stress = match whole {
+                    true => (size > kappa).then(|| strain.map(|e| mu * (1.0 - kappa / size) * e)),
+                    false => projection.stress(&strain, kappa),
+                };
+                if let Some(stress) = stress {
+                    let stress = stress.map(|s| at.weight * s);
+                    stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
+                }
+            }
+            force.truncate(space.dofs());
+            force
+        }
+        let level = |(u, kappa): (&Vec<f64>, &f64)| {
+            let given = [u, std::slice::from_ref(kappa)];
+            in_dimension!(self.data.space.mesh.dimension, D, S => of::<D, S>(self, given, whole))
+        };
+        self.u.iter().zip(kappa).map(level).collect()
+    }
+}
