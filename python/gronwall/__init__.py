@@ -8,6 +8,7 @@ Examples
 """
 
 from ._fit import Unresolved, assert_order, fit
+from ._mesh import convert_mesh
 from ._native import __version__
 from ._read import Table, read
 from ._study import Results, Study, study
@@ -24,6 +25,7 @@ __all__ = [
     "Verdict",
     "__version__",
     "assert_order",
+    "convert_mesh",
     "fit",
     "read",
     "read_vtu",

@@ -113,6 +113,11 @@ fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliEr
         }
     }
     findings.extend(interfaces(setup));
+    let inner = setup.body.domain.inner_groups();
+    if !inner.is_empty() {
+        let text = format!("passed over, since they bound nothing: {}", inner.join(", "));
+        findings.push(Finding::new("groups", Status::Fact, inner.len() as f64, text));
+    }
     findings.extend(hypotheses(setup, &constants(setup)?));
     // Corners do not matter for an exact solution, and a two-sided law is what it was made for.
     if let Data::Loads { .. } = &setup.body.data {

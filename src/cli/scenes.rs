@@ -69,6 +69,15 @@ impl Scenes {
 /// Makes a scene computable, if its constants fit into memory.
 pub(super) fn subject(scene: Scene, limit: &MemoryLimit) -> Result<Subject, CliError> {
     admit_constants(&scene, false, limit)?;
+    let inner = scene.as_contact().map_or(&[][..], |body| body.domain.inner_groups());
+    if !inner.is_empty() {
+        let groups = inner.join(", ");
+        let line = format!(
+            "note: {}: groups of the mesh that bound nothing are passed over: {groups}",
+            scene.name
+        );
+        super::output::note(&line);
+    }
     Ok(Subject::new(scene)?)
 }
 

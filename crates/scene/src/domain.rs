@@ -14,7 +14,7 @@ pub use side::{Face, Side};
 
 use std::sync::Arc;
 
-use fem::mesh::{CoarseMesh, Family, Mesh, lattice};
+use fem::mesh::{CoarseMesh, Family, Mesh, REST, lattice};
 use formula::EvaluationPoint;
 
 use super::diagnostic::SceneError;
@@ -62,6 +62,7 @@ impl Domain {
         domain.clamped = domain.listed(reading, "domain.clamped")?;
         domain.traction = domain.listed(reading, "domain.traction")?;
         domain.contact = domain.listed(reading, "domain.contact")?;
+        domain.take_rest(reading)?;
         domain.mesh = family::family(reading, &domain)?;
         domain.each_side_once(reading)?;
         normals::few_at_a_vertex(reading, &domain)?;
@@ -221,8 +222,38 @@ impl Domain {
     }
 
     fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>, SceneError> {
-        let one = |index| reading.choice(&format!("{key}.{index}"), &self.known());
+        let one = |index| {
+            let key = format!("{key}.{index}");
+            let name = reading.required::<String>(&key)?;
+            let inside = self.inner_groups().contains(&name);
+            let message = format!(
+                "the group `{name}` of the mesh bounds nothing: no edge or face of it is on the boundary"
+            );
+            let hint = "take it out of the list; a group inside the domain is no side";
+            reading.refuse_if(inside, &key, message, hint)?;
+            reading.choice(&key, &self.known())
+        };
         reading.entries(key)?.map(one).collect()
+    }
+
+    /// Groups of the mesh file that bound nothing and are passed over.
+    pub fn inner_groups(&self) -> &[String] {
+        match &self.shape {
+            Shape::Refined(coarse) => &coarse.inner,
+            Shape::Box => &[],
+        }
+    }
+
+    /// `rest`: what becomes of the sides that no list names.
+    fn take_rest(&mut self, reading: &Reading) -> Result<(), SceneError> {
+        if reading.optional::<String>("domain.rest")?.is_none() {
+            return Ok(());
+        }
+        reading.choice("domain.rest", &[("traction", ())])?;
+        let listed = [&self.clamped, &self.traction, &self.contact].into_iter().flatten();
+        let listed: Vec<Side> = listed.copied().collect();
+        self.traction.extend(self.all_sides().filter(|side| !listed.contains(side)));
+        Ok(())
     }
 
     fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
@@ -242,8 +273,14 @@ impl Domain {
         let named = self.sides.iter().zip(&owner);
         let free: Vec<&str> =
             named.filter(|(_, owner)| owner.is_none()).map(|(name, _)| name.as_str()).collect();
-        let message = format!("no condition on the side {}", free.join(", "));
-        let hint = "put each side into clamped, traction or contact; a free side is a traction side without a load";
+        let message = match free[..] {
+            [REST] if matches!(self.shape, Shape::Refined(_)) => {
+                "no condition on the side rest: edges or faces of the boundary without a group"
+                    .to_owned()
+            }
+            _ => format!("no condition on the side {}", free.join(", ")),
+        };
+        let hint = "put each side into clamped, traction or contact, or write rest = \"traction\"; a free side is a traction side without a load";
         reading.refuse_if(!free.is_empty(), "domain", message, hint)
     }
 }

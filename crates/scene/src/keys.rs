@@ -26,7 +26,10 @@ const OF_ALL: Tables = &[
 
 const OF_BODIES: Tables = &[
     ("", "scene domain time material contact discretization loads exact sweep predicts"),
-    ("domain", "shape size vertices sides points triangles file clamped traction contact mesh"),
+    (
+        "domain",
+        "shape size vertices sides points triangles file clamped traction contact rest mesh",
+    ),
     ("material", "lambda mu_L E nu elasticity memory projection region"),
     ("material.memory", MEMORY),
     ("material.projection", "mu kappa"),

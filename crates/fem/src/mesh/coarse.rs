@@ -34,6 +34,8 @@ pub struct CoarseMesh {
     pub facets: Vec<BoundaryFacet>,
     /// Names of the sides; a side may have many facets.
     pub sides: Vec<String>,
+    /// Groups of facets in the file that bound nothing, and are no sides.
+    pub inner: Vec<String>,
 }
 
 /// A boundary facet with its places.
@@ -77,10 +79,12 @@ pub enum CoarseFault {
     Hanging { vertex: Vec<f64>, corners: Places },
     /// A facet of one cell that no side names.
     Unnamed { corners: Places },
+    /// A facet of the boundary on another one: a crack between cells that share no facet there.
+    Crack { corners: Places },
     /// A named facet that is no facet of one cell.
     NotOnBoundary { side: String, corners: Places },
     /// A facet with two names, or twice with one.
-    Twice { side: String, corners: Places },
+    Twice { sides: [String; 2], corners: Places },
     /// Parts that no facet joins.
     Apart { from: Vec<f64>, to: Vec<f64> },
 }
@@ -111,12 +115,16 @@ impl fmt::Display for CoarseError {
             CoarseFault::Unnamed { corners } => {
                 write!(f, "the {facet} {corners:?} bounds the domain and belongs to no side")
             }
+            CoarseFault::Crack { corners } => write!(
+                f,
+                "the {facet} {corners:?} of the {cell} lies on another one of the boundary: cells must meet {facet} to {facet}"
+            ),
             CoarseFault::NotOnBoundary { side, corners } => write!(
                 f,
                 "the side `{side}` has the {facet} {corners:?}, which does not bound the domain"
             ),
-            CoarseFault::Twice { side, corners } => {
-                write!(f, "the {facet} {corners:?} of the side `{side}` is named twice")
+            CoarseFault::Twice { sides: [first, second], corners } => {
+                write!(f, "the {facet} {corners:?} is named twice, by `{first}` and by `{second}`")
             }
             CoarseFault::Apart { from, to } => write!(
                 f,
@@ -162,6 +170,7 @@ impl CoarseMesh {
             regions: vec![WHOLE.to_string()],
             facets: (0..).zip(of_edge).map(edge).collect(),
             sides,
+            inner: Vec::new(),
         };
         polygon.checked()
     }
@@ -171,7 +180,15 @@ impl CoarseMesh {
     ///
     /// # Errors
     /// [`CoarseError`].
-    pub fn checked(mut self) -> Result<Self, CoarseError> {
+    pub fn checked(self) -> Result<Self, CoarseError> {
+        self.checked_with_rest(None)
+    }
+
+    /// [`Self::checked`], with the facets of the boundary that no side names on a side of the name `rest`.
+    ///
+    /// # Errors
+    /// [`CoarseError`].
+    pub fn checked_with_rest(mut self, rest: Option<&str>) -> Result<Self, CoarseError> {
         let (count, d) = (self.vertices.len(), self.dimension);
         let mut owners = Owners::new();
         for c in 0..self.cells.len() {
@@ -194,7 +211,7 @@ impl CoarseMesh {
                 here.push((c, facet));
             }
         }
-        self.name_facets(&owners)?;
+        self.name_facets(&owners, rest)?;
         self.connected(&owners)?;
         self.drop_unused();
         self.set_normals();
@@ -202,48 +219,94 @@ impl CoarseMesh {
     }
 
     /// Turns the named facets outward and compares them with the facets of one cell.
-    fn name_facets(&mut self, owners: &Owners) -> Result<(), CoarseError> {
+    fn name_facets(&mut self, owners: &Owners, rest: Option<&str>) -> Result<(), CoarseError> {
         let (count, dimension) = (self.vertices.len(), self.dimension);
-        let mut named = BTreeSet::new();
+        let mut named: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
         for f in 0..self.facets.len() {
             let BoundaryFacet { corners, side, .. } = &self.facets[f];
             let refused = |fault| Err(CoarseError { dimension, at: At::Facet(f), fault });
             if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= count) {
                 return refused(CoarseFault::NoVertex { vertex, count });
             }
-            let (side, places) = (self.sides[*side as usize].clone(), self.places(corners));
+            let (name, places) =
+                (|side: u32| self.sides[side as usize].clone(), self.places(corners));
             let Some([(_, seen)]) = owners.get(&sorted(corners)).map(Vec::as_slice) else {
+                let side = name(*side);
                 return refused(CoarseFault::NotOnBoundary { side, corners: places });
             };
-            if !named.insert(sorted(corners)) {
-                return refused(CoarseFault::Twice { side, corners: places });
+            if let Some(first) = named.insert(sorted(corners), *side) {
+                let sides = [name(first), name(*side)];
+                return refused(CoarseFault::Twice { sides, corners: places });
             }
             self.facets[f].corners.clone_from(seen);
         }
-        let outer = owners.iter().filter(|(_, here)| here.len() == 1);
+        let outer = || owners.iter().filter(|(_, here)| here.len() == 1).map(|(_, here)| &here[0]);
         let unnamed: Vec<&(usize, Vec<u32>)> =
-            outer.filter(|(facet, _)| !named.contains(*facet)).map(|(_, here)| &here[0]).collect();
+            outer().filter(|(_, facet)| !named.contains_key(&sorted(facet))).collect();
         let Some((cell, first)) = unnamed.first() else { return Ok(()) };
-        // Where cells do not meet, the larger facet has the smaller one's vertex on it.
+        let refused = |cell, fault| Err(CoarseError { dimension, at: At::Cell(cell), fault });
+        // Where cells do not meet, the larger facet has the smaller one's vertex on it, or they cross.
         let used: BTreeSet<u32> = self.cells.iter().flatten().copied().collect();
-        let hanging = unnamed.iter().find_map(|(cell, facet)| {
+        for (cell, facet) in &unnamed {
+            let near = self.near(facet);
             let mut others = used.iter().filter(|v| !facet.contains(*v));
-            let v = *others.find(|v| self.lies_on(**v, facet))?;
-            let vertex = self.places(&[v]).swap_remove(0);
-            Some((*cell, CoarseFault::Hanging { vertex, corners: self.places(facet) }))
-        });
-        let (cell, fault) = hanging
-            .unwrap_or_else(|| (*cell, CoarseFault::Unnamed { corners: self.places(first) }));
-        Err(CoarseError { dimension, at: At::Cell(cell), fault })
+            let hangs = |v: &&u32| {
+                near(self.vertices[**v as usize])
+                    && self.lies_on(self.vertices[**v as usize], facet)
+            };
+            if let Some(v) = others.find(hangs) {
+                let vertex = self.places(&[*v]).swap_remove(0);
+                let corners = self.places(facet);
+                return refused(*cell, CoarseFault::Hanging { vertex, corners });
+            }
+        }
+        let Some(rest) = rest else {
+            return refused(*cell, CoarseFault::Unnamed { corners: self.places(first) });
+        };
+        let middles: Vec<(&Vec<u32>, [f64; 3])> =
+            outer().map(|(_, facet)| (facet, self.middle(facet))).collect();
+        for (cell, facet) in &unnamed {
+            let near = self.near(facet);
+            let on = |(other, middle): &&(&Vec<u32>, [f64; 3])| {
+                *other != facet && near(*middle) && self.lies_on(*middle, facet)
+            };
+            if middles.iter().any(|other| on(&other)) {
+                return refused(*cell, CoarseFault::Crack { corners: self.places(facet) });
+            }
+        }
+        let side = self.sides.len() as u32;
+        self.sides.push(rest.to_owned());
+        let facet = |(_, facet): &&(usize, Vec<u32>)| BoundaryFacet {
+            corners: facet.clone(),
+            side,
+            normal: [0.0; 3],
+        };
+        self.facets.extend(unnamed.iter().map(facet));
+        Ok(())
     }
 
-    /// Whether a vertex lies on a facet, its ends and edges included: the parts seen from there add up to the facet.
-    fn lies_on(&self, v: u32, facet: &[u32]) -> bool {
+    /// The middle of a facet.
+    fn middle(&self, facet: &[u32]) -> [f64; 3] {
+        let share = 1.0 / facet.len() as f64;
+        let sum = |i: usize| facet.iter().map(|&v| share * self.vertices[v as usize][i]).sum();
+        [sum(0), sum(1), sum(2)]
+    }
+
+    /// Whether a place is in the ball around a facet: quick, where few places are.
+    fn near(&self, facet: &[u32]) -> impl Fn([f64; 3]) -> bool {
+        let middle = self.middle(facet);
+        let radius = |&v: &u32| norm(minus(self.vertices[v as usize], middle));
+        let radius = (1.0 + SAME) * facet.iter().map(radius).fold(0.0, f64::max);
+        move |place| norm(minus(place, middle)) <= radius
+    }
+
+    /// Whether a place lies on a facet, its ends and edges included: the parts seen from there add up to the facet.
+    fn lies_on(&self, place: [f64; 3], facet: &[u32]) -> bool {
         let corners = facet.iter().map(|&corner| self.vertices[corner as usize]);
         let corners: Vec<[f64; 3]> = corners.collect();
         let part = |a: usize| {
             let mut part = corners.clone();
-            part[a] = self.vertices[v as usize];
+            part[a] = place;
             extent(&part)
         };
         (0..corners.len()).map(part).sum::<f64>() <= (1.0 + SAME) * extent(&corners)

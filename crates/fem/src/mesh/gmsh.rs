@@ -2,7 +2,8 @@
 //!
 //! Without tetrahedra the triangles become the coarse triangulation, physical groups of curves its sides, those of
 //! surfaces its regions; with tetrahedra these are the coarse mesh, groups of surfaces the sides, those of volumes the
-//! regions. A group without a name is called by its number. Everything else in the file is left out.
+//! regions. A group without a name is called by its number. Groups that bound nothing are no sides, and facets of the
+//! boundary without a group are the side `rest`. Everything else in the file is left out.
 //! Source: the gmsh reference manual, "MSH file format".
 
 mod fault;
@@ -10,7 +11,7 @@ mod sections;
 mod tokens;
 mod write;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub use self::fault::{Fault, GmshError};
 use self::sections::{Element, Sections};
@@ -18,8 +19,10 @@ use self::tokens::Tokens;
 pub use self::write::write_gmsh;
 use super::{At, BoundaryFacet, CoarseMesh, WHOLE};
 
-/// Lines of a file that stand for coordinates off the plane by rounding of the mesh generator.
-const PLANE: f64 = 1e-12;
+/// Share of the extent by which a plane mesh may leave its plane z = const: files carry some ten digits.
+const PLANE: f64 = 1e-9;
+/// The side of the facets without a group.
+pub const REST: &str = "rest";
 
 /// The coarse mesh in the text of a `.msh` file.
 ///
@@ -73,26 +76,67 @@ impl File<'_> {
             cells.push(self.corners(element)?);
             region.push(regions.number(element.group, names, dimension));
         }
-        let named = || self.elements(dimension - 1).filter(|element| element.group.is_some());
-        for element in named() {
-            let side = sides.number(element.group, names, dimension - 1);
-            facets.push(BoundaryFacet { corners: self.corners(element)?, side, normal: [0.0; 3] });
+        let mut owners: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for cell in &cells {
+            for left_out in 0..cell.len() {
+                let mut facet = cell.clone();
+                facet.remove(left_out);
+                facet.sort_unstable();
+                *owners.entry(facet).or_default() += 1;
+            }
+        }
+        // A group with no facet of one cell is no side: interfaces, lines of construction.
+        let mut bounding: BTreeSet<Option<i64>> = BTreeSet::new();
+        let mut grouped = Vec::new();
+        for element in self.elements(dimension - 1).filter(|element| element.group.is_some()) {
+            let corners = self.corners(element)?;
+            let mut facet = corners.clone();
+            facet.sort_unstable();
+            if owners.get(&facet) == Some(&1) {
+                bounding.insert(element.group);
+            }
+            grouped.push((element, corners));
+        }
+        let mut inner = Groups::default();
+        let mut kept = Vec::new();
+        for (element, corners) in grouped {
+            if bounding.contains(&element.group) {
+                let side = sides.number(element.group, names, dimension - 1);
+                facets.push(BoundaryFacet { corners, side, normal: [0.0; 3] });
+                kept.push(element);
+            } else {
+                inner.number(element.group, names, dimension - 1);
+            }
         }
         let mut vertices: Vec<[f64; 3]> = nodes.iter().map(|node| node.at).collect();
         if dimension == 2 {
+            let used: BTreeSet<u32> = cells.iter().flatten().copied().collect();
             let extent = vertices.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
-            if let Some(node) = nodes.iter().find(|node| node.at[2].abs() > PLANE * extent) {
-                let fault = Fault::OffPlane { tag: node.tag, z: node.at[2] };
+            let plane = used.first().map_or(0.0, |&v| vertices[v as usize][2]);
+            let off = |v: &&u32| (vertices[**v as usize][2] - plane).abs() > PLANE * extent;
+            if let Some(&v) = used.iter().find(off) {
+                let node = &nodes[v as usize];
+                let fault = Fault::OffPlane { tag: node.tag, z: node.at[2], plane };
                 return Err(self.tokens.at(node.span.clone(), fault));
             }
             vertices.iter_mut().for_each(|place| place[2] = 0.0);
         }
+        let rest = Some(REST).filter(|rest| !sides.names.iter().any(|name| name == rest));
         let (sides, regions, dimension) = (sides.names, regions.names, dimension as usize);
-        let coarse = CoarseMesh { dimension, vertices, cells, region, regions, facets, sides };
-        coarse.checked().map_err(|error| {
+        let coarse = CoarseMesh {
+            dimension,
+            vertices,
+            cells,
+            region,
+            regions,
+            facets,
+            sides,
+            inner: inner.names,
+        };
+        coarse.checked_with_rest(rest).map_err(|error| {
             let element = match error.at {
                 At::Cell(cell) => self.elements(dimension as u64).nth(cell),
-                At::Facet(facet) => named().nth(facet),
+                At::Facet(facet) => kept.get(facet).copied(),
             };
             let span = element.map_or(elements_at, |element| &element.span).clone();
             self.tokens.at(span, Fault::Domain(Box::new(error)))

@@ -17,7 +17,7 @@ mod triangulation;
 pub use algebra::in_dimension;
 pub use coarse::{At, BoundaryFacet, CoarseError, CoarseFault, CoarseMesh, Piece};
 pub use family::Family;
-pub use gmsh::{Fault, GmshError, read_gmsh, write_gmsh};
+pub use gmsh::{Fault, GmshError, REST, read_gmsh, write_gmsh};
 pub use grading::vertex_at;
 pub use lattice::lattice;
 pub use quality::Quality;

@@ -6,7 +6,7 @@ use crate::diagnostic::SceneError;
 use crate::reading::Reading;
 use crate::source::Source;
 use crate::spans::Spans;
-use fem::mesh::{CoarseMesh, read_gmsh};
+use fem::mesh::{CoarseMesh, Fault, read_gmsh};
 use files::read_file_up_to;
 use toml::de::DeTable;
 
@@ -27,10 +27,8 @@ pub(crate) fn with_mesh(
     let inside = source.beside.iter().find(|(name, _)| *name == file);
     match inside.map_or_else(|| text(&path), |(_, text)| Ok((*text).to_owned())) {
         Ok(mesh) => Ok(source.with_mesh(mesh)),
-        Err(reason) => {
+        Err((reason, hint)) => {
             let message = format!("cannot read the mesh {}: {reason}", path.display());
-            let hint =
-                "give the path of a gmsh file (.msh, ASCII), relative to the folder of the scene";
             Err(SceneError::at(&source, spans.value("domain.file"), message, hint))
         }
     }
@@ -45,7 +43,7 @@ pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMes
     let text = reading.source.mesh.as_deref().unwrap_or_default();
     let mesh = read_gmsh(text).map_err(|error| {
         let message = format!("the mesh file, {error}");
-        let hint = "export the mesh from gmsh as ASCII, version 4.1 or 2.2, order 1, with a physical group for every side";
+        let hint = error.fault.hint();
         SceneError::at(&Source::from_text(path.clone(), text), error.span, message, hint)
     })?;
     let cells = match mesh.dimension {
@@ -58,10 +56,16 @@ pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMes
     Err(reading.error("domain.file", message, hint))
 }
 
-fn text(path: &Path) -> Result<String, String> {
-    let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| error.source.to_string())?;
+fn text(path: &Path) -> Result<String, (String, &'static str)> {
+    let hint = "give the path of a gmsh file (.msh, ASCII), relative to the folder of the scene";
+    let bytes =
+        read_file_up_to(path, LARGEST_FILE).map_err(|error| (error.source.to_string(), hint))?;
     String::from_utf8(bytes).map_err(|error| {
+        let head = error.as_bytes().split(|byte| *byte == b'\n').nth(1);
+        if head.is_some_and(|head| head.split(|byte| *byte == b' ').nth(1) == Some(b"1")) {
+            return (Fault::Binary.to_string(), Fault::Binary.hint());
+        }
         let byte = error.utf8_error().valid_up_to();
-        format!("byte {byte} is not text: export as ASCII")
+        (format!("byte {byte} is not text"), "write names of groups in UTF-8, or without accents")
     })
 }

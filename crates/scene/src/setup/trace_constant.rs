@@ -307,6 +307,7 @@ fn coarse(shape: &Shape, size: &[f64]) -> CoarseMesh {
         regions: mesh.regions.clone(),
         facets: (0..mesh.facet_side.len()).map(facet).collect(),
         sides: mesh.sides.clone(),
+        inner: Vec::new(),
     }
 }
 

@@ -4,6 +4,7 @@ mod accepted;
 mod good;
 mod laws;
 mod malformed;
+mod mesh_files;
 mod proved;
 mod pure;
 mod shapes;

@@ -19,6 +19,7 @@ fn square() -> CoarseMesh {
             .map(|(ends, side)| facet(&ends, side))
             .to_vec(),
         sides: vec!["bottom".into(), "free".into(), "top".into()],
+        inner: Vec::new(),
     }
 }
 
@@ -44,7 +45,7 @@ fn what_is_no_plane_domain_is_refused() {
         (|c| c.facets.truncate(3), "the edge [[0.0, 1.0], [0.0, 0.0]] bounds"),
         (|c| c.facets[2].corners = vec![0, 3], "which does not bound the domain"),
         (|c| c.facets[2].corners = vec![0, 9], "names vertex 9, and there are 5"),
-        (|c| c.facets[3] = c.facets[1].clone(), "of the side `free` is named twice"),
+        (|c| c.facets[3] = c.facets[1].clone(), "is named twice, by `free` and by `free`"),
         (
             |c| {
                 c.vertices[2] = [0.5, 0.5, 0.0];
@@ -95,6 +96,7 @@ pub(crate) fn cube() -> CoarseMesh {
         regions: vec!["body".into()],
         facets,
         sides: vec!["low".into(), "rest".into()],
+        inner: Vec::new(),
     }
 }
 

@@ -50,6 +50,7 @@ enum Version {
 
 impl Sections {
     pub(crate) fn read(tokens: &mut Tokens<'_>) -> Result<Self, GmshError> {
+        tokens.skip_comments()?;
         tokens.expect("$MeshFormat")?;
         let version = version(tokens)?;
         let mut sections = Self::default();
@@ -59,6 +60,9 @@ impl Sections {
                 let found = short(word);
                 return Err(tokens.at(span, Fault::Unexpected { found, wanted: "a $part" }));
             };
+            if name == "PartitionedEntities" {
+                return Err(tokens.at(span, Fault::Partitioned));
+            }
             let Some((part, end)) = PARTS.into_iter().find(|(part, _)| *part == name) else {
                 tokens.skip_to(&format!("$End{name}"))?;
                 continue;
@@ -93,9 +97,13 @@ impl Sections {
             let dimension = tokens.number("the dimension of a group")?;
             let tag: i64 = tokens.number("the tag of a group")?;
             let (span, name) = tokens.some("the name of a group")?;
-            if self.names.values().any(|known| known == name)
-                || self.names.insert((dimension, tag), name.to_string()).is_some()
-            {
+            let same =
+                |((of, _), known): &(&(u64, i64), &String)| *of == dimension && *known == name;
+            if let Some((&(_, first), _)) = self.names.iter().find(same) {
+                let name = name.to_owned();
+                return Err(tokens.at(span, Fault::SameName { name, first, second: tag }));
+            }
+            if self.names.insert((dimension, tag), name.to_string()).is_some() {
                 let fault = Fault::Defined { what: "physical group", tag: tag.unsigned_abs() };
                 return Err(tokens.at(span, fault));
             }
@@ -120,8 +128,12 @@ impl Sections {
                     let second = second.saturating_abs();
                     match group {
                         Some(first) if dimension > 0 => {
-                            let tag = tag.unsigned_abs();
-                            let fault = Fault::TwoGroups { what: "entity", tag, first, second };
+                            let what = ["point", "curve", "surface", "volume"][dimension];
+                            let groups = [first, second].map(|group| {
+                                let name = self.names.get(&(dimension as u64, group)).cloned();
+                                name.unwrap_or_else(|| group.to_string())
+                            });
+                            let fault = Fault::TwoGroups { what, tag: tag.unsigned_abs(), groups };
                             return Err(tokens.at(span, fault));
                         }
                         _ => group = Some(second),
@@ -194,6 +206,9 @@ impl Sections {
     }
 
     fn elements_4(&mut self, tokens: &mut Tokens<'_>, at: Range<usize>) -> Result<(), GmshError> {
+        if self.groups.is_empty() {
+            return Err(tokens.at(at, Fault::Missing { part: "Entities" }));
+        }
         self.elements_at = at;
         let blocks: u64 = tokens.number("the number of blocks")?;
         tokens.pass(3, "the number of elements and their range")?;
@@ -240,7 +255,7 @@ impl Sections {
 fn version(tokens: &mut Tokens<'_>) -> Result<Version, GmshError> {
     let (span, word) = tokens.some("the version of the format")?;
     let version = match word {
-        "2.2" => Version::Two,
+        "2" | "2.0" | "2.1" | "2.2" => Version::Two,
         "4.1" => Version::Four,
         _ => return Err(tokens.at(span, Fault::Version { found: short(word) })),
     };

@@ -16,7 +16,16 @@ pub(super) struct Tokens<'t> {
 
 impl<'t> Tokens<'t> {
     pub(crate) fn new(text: &'t str) -> Self {
-        Self { text, next: 0 }
+        // Some editors mark UTF-8.
+        Self { text, next: text.len() - text.trim_start_matches('\u{feff}').len() }
+    }
+
+    /// Passes over comments before the file begins.
+    pub(crate) fn skip_comments(&mut self) -> Result<(), GmshError> {
+        while self.text[self.next..].trim_start().starts_with("$Comments") {
+            self.skip_to("$EndComments")?;
+        }
+        Ok(())
     }
 
     /// An error at a place.
