@@ -49,7 +49,21 @@ else
     echo "FreeFem++ is not installed: its example was not run"
 fi
 
-# named CAUSE SCENE EDIT OPTIONS...: the solver with a mistake, made by sed, does not pass, and its cause is named.
+# caught CAUSE: the last run, in $out.log, ended with $status 1 and named the cause.
+caught() {
+    grep "^cause:" "$out.log" || true
+    [ "$status" = 1 ] && grep -q "^cause: $1" "$out.log" || {
+        cat "$out.log"
+        echo "verify: exit code $status where 1 is wanted, with the cause: $1" >&2
+        exit 1
+    }
+}
+echo "prony, memory integrals by the rectangle rule"
+status=0
+"$sweep" verify prony --solver "$solver --rule rectangle" --out "$out/wrong" >"$out.log" 2>&1 || status=$?
+caught "the memory is summed by the left-hand rectangle rule"
+
+# named CAUSE SCENE EDIT OPTIONS...: the same of the solver with a mistake, made by sed.
 named() {
     local cause=$1 scene=$2 edit=$3
     shift 3
@@ -58,14 +72,8 @@ named() {
     ! cmp -s "$out/wrong.py" docs/solvers/scikit_fem.py
     status=0
     "$sweep" verify "$scene" --solver "$python $out/wrong.py" --out "$out/wrong" "$@" >"$out.log" 2>&1 || status=$?
-    grep "^cause:" "$out.log" || true
-    [ "$status" = 1 ] && grep -q "^cause: $cause" "$out.log" || {
-        cat "$out.log"
-        echo "verify: exit code $status where 1 is wanted, with the cause: $cause" >&2
-        exit 1
-    }
+    caught "$cause"
 }
-named "the memory is summed by the left-hand rectangle rule" prony 's/default="trapezoid"/default="rectangle"/'
 named "the memory has the other sign" prony 's/lags = weights/lags = -weights/'
 named "the loads are those of the level before" prony 's/self.loads\[n\]/self.loads[max(n - 1, 0)]/'
 named "the tensors of elasticity and memory" viscoelastic 's/return 2 \* law/return law/' --n 8,16,32

@@ -99,8 +99,9 @@ impl Verify {
         let again = format!("the same command; records of {} are written anew", self.scene);
         on_interrupt(&self.out, &again)?;
         let mut judged = self.judged(plan, out)?;
-        let found = look_for_cause(&judged.verdicts, &judged.plans[0], &answers);
+        let mut found = None;
         if let Subject::Contact(setup) = &judged.plans[0].subject {
+            found = look_for_cause(&judged.verdicts, setup, judged.plans[0].runs(), &answers);
             solver_first(&mut judged.verdicts, setup, found.as_ref());
         }
         judged.write(&self.out)?;

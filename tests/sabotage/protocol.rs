@@ -328,7 +328,8 @@ fn expected(term: Term) -> Option<Cause> {
     }
 }
 
-/// The built-in solver off by the tolerance of an iteration: every displacement by a share of 1e-8 of itself.
+/// The built-in solver off by the tolerance of an iteration: every displacement by a share of 1e-8 of itself. It hands over no
+/// pressures.
 struct Rounded;
 
 impl Scheme for Rounded {
@@ -343,7 +344,8 @@ impl Scheme for Rounded {
         setup.scheme.march(setup, data, steps, &mut |view| {
             let u: Vec<f64> =
                 view.u.iter().map(|u| u * (1.0 + 1e-8 * signed_unit(&mut state))).collect();
-            observe(&StepView { u: &u, ..*view })
+            let compliance = vec![f64::NAN; view.compliance.len()];
+            observe(&StepView { u: &u, compliance: &compliance, ..*view })
         })
     }
 }

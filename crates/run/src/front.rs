@@ -178,7 +178,7 @@ impl Sweep {
         let [plan] = &plan;
         let mut verdicts = judge_plan(plan, &records, constants);
         if let (true, Subject::Contact(setup)) = (other, &plan.subject) {
-            let found = look_for_cause(&verdicts, plan, &*setup.scheme);
+            let found = look_for_cause(&verdicts, setup, plan.runs(), &*setup.scheme);
             solver_first(&mut verdicts, setup, found.as_ref());
         }
         Ok(Swept { records, verdicts })

@@ -33,7 +33,7 @@ fn refusal(element: Element, body: &ContactScene) -> Option<[&'static str; 2]> {
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
     }
     if body.domain.dimension() == 3 && body.friction().is_some() {
-        let message = "friction on facets in space is known for P1 alone";
+        let message = "P2 has no friction in space, where its contact is at midpoints alone";
         return Some([message, "remove [contact.friction], or take P1"]);
     }
     None

@@ -3,10 +3,10 @@
 use fem::space::Element;
 use judge::verdict::{Decision, Variable, Verdict};
 use scene::Scene;
-use scene::setup::{MeshData, Scheme, Setup, Subject};
+use scene::setup::{MeshData, Scheme, Setup};
 
-use super::cause::{Cause, Found, cause_of};
-use crate::sweep::ScenePlan;
+use super::cause::cause_of;
+use super::left::{Cause, Found};
 
 /// What becomes of the pressures of a solver beside the verdicts: `handed` over where no claim needs them, or claims that
 /// need them where they are not. A wrong pressure must not pass for one that was judged.
@@ -40,15 +40,15 @@ const MOST: [u64; 2] = [4_000_000, 200_000_000];
 /// `scheme` answers them once more.
 pub fn look_for_cause(
     verdicts: &[Verdict],
-    plan: &ScenePlan,
+    setup: &Setup,
+    mut runs: Vec<(u32, u32)>,
     scheme: &dyn Scheme,
 ) -> Option<Found> {
-    let Subject::Contact(setup) = &plan.subject else { return None };
-    let doubtful = verdicts.iter().any(in_doubt);
-    let mut runs = if doubtful { plan.runs() } else { Vec::new() };
-    runs.sort_unstable_by_key(|&(n, steps)| {
-        (u64::from(n).pow(setup.scene.dimension as u32) * u64::from(steps), n)
-    });
+    if !verdicts.iter().any(in_doubt) {
+        return None;
+    }
+    let d = setup.scene.dimension as u32;
+    runs.sort_unstable_by_key(|&(n, steps)| (u64::from(n).pow(d) * u64::from(steps), n));
     runs.dedup();
     let mut last = None;
     for &(n, steps) in runs.iter().take(LOOKED_AT) {

@@ -4,46 +4,14 @@
 //! its own; the one that leaves what the answer leaves, with the fewest numbers that are free, is named. Where these rows
 //! balance, the forces that are left on Γ3 are those of contact, and are held against the law, the gap and the friction.
 
-use std::sync::Arc;
-
-use algebra::in_dimension;
 use algebra::linalg::{axpy, dot, largest, norm};
-use algebra::tensor::{self, Symmetric};
-use fem::contact::{CaseError, MemoryTerm, StepView, out_of_balance, stress_force};
+use fem::contact::{CaseError, MemoryTerm, StepView, out_of_balance};
 use scene::setup::{MeshData, Scheme, Setup};
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{Convolution, FourthOrder, HistoryKernel, Isotropic, Projection, TensorField};
 
+use super::left::{Cause, Found, Left};
 use super::touch::of_contact;
-
-/// What an answer has wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Cause {
-    /// It solves the discrete equations of the scene.
-    Nothing,
-    /// Some levels are not solved.
-    Levels,
-    Elasticity,
-    Loads,
-    Memory,
-    Projection,
-    Contact,
-    Friction,
-    Pressures,
-}
-
-/// The cause that explains an answer best.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Found {
-    pub cause: Cause,
-    /// What is wrong, in words.
-    pub says: String,
-    /// The residuals that say so.
-    pub numbers: String,
-    /// Whether a mistake that was tried leaves just these residuals.
-    pub fits: bool,
-}
 
 /// Residuals below this share of the largest force are tolerances of solvers.
 const SOUND: f64 = 1e-5;
@@ -53,27 +21,6 @@ const SINGLE: f64 = 1e-7;
 const FITS: f64 = 1e-2;
 /// Residuals that agree to this agree.
 const EQUAL: f64 = 1e-9;
-
-/// The answer of a solver to a case, and what it leaves.
-pub(super) struct Left<'a> {
-    pub(super) setup: &'a Setup,
-    pub(super) data: &'a MeshData,
-    pub(super) grid: TimeGrid,
-    pub(super) u: Vec<Vec<f64>>,
-    pub(super) pressures: Vec<Vec<f64>>,
-    /// (σ, ε(v)) - F(v) by levels, with the law where its rule is not that of the vertices.
-    pub(super) balance: Vec<Vec<f64>>,
-    /// The largest force, and the residuals that count as none.
-    pub(super) scale: f64,
-    pub(super) sound: f64,
-    /// Sums of the past as the answer has them, κ and ‖ε(u_n)‖, by levels.
-    histories: Vec<Vec<Vec<f64>>>,
-    kappa: Vec<f64>,
-    norms: Vec<f64>,
-    loads: Vec<Arc<Vec<f64>>>,
-    /// Rows that no force of contact reaches.
-    rows: Vec<usize>,
-}
 
 /// The cause that the answer of `scheme` to a case shows.
 ///
@@ -468,68 +415,4 @@ fn fit(columns: &[Vec<f64>], r: &[f64]) -> (f64, Vec<f64>) {
 fn minus(mut a: Vec<f64>, b: &[f64]) -> Vec<f64> {
     a.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
     a
-}
-
-impl Left<'_> {
-    /// The rows without contact of all levels.
-    fn long(&self, levels: &[Vec<f64>]) -> Vec<f64> {
-        levels.iter().flat_map(|level| self.rows.iter().map(|&row| level[row])).collect()
-    }
-
-    /// (ℬ ε(v), ε(·)) by levels.
-    fn stiff(&self, law: &TensorField, v: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let space = &self.data.space;
-        let values = space.stiffness(law);
-        let of_level = |v: &Vec<f64>| {
-            let mut out = vec![0.0; space.dofs()];
-            space.pattern.multiply(&values, &v[..space.dofs()], &mut out);
-            out
-        };
-        v.iter().map(of_level).collect()
-    }
-
-    /// The forces of sums over the past by levels, a sum a term.
-    fn remembered(&self, sums: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
-        let mut forces = vec![vec![0.0; self.data.space.dofs()]; sums.len()];
-        for (i, term) in self.setup.model.memory.iter().enumerate() {
-            let of_term: Vec<Vec<f64>> = sums.iter().map(|sums| sums[i].clone()).collect();
-            let parts = self.stiff(&term.tensor, &of_term);
-            forces.iter_mut().zip(&parts).for_each(|(force, part)| axpy(1.0, part, force));
-        }
-        forces
-    }
-
-    /// The forces of the projection by levels for other limits; of the `whole` strain in place of its deviator.
-    fn projected(&self, kappa: &[f64], whole: bool) -> Vec<Vec<f64>> {
-        fn of<const D: usize, const S: usize>(
-            left: &Left<'_>,
-            [u, kappa]: [&[f64]; 2],
-            whole: bool,
-        ) -> Vec<f64> {
-            let (space, projection) = (&*left.data.space, &left.setup.model.projection);
-            let mut shear: Symmetric<S> = [0.0; S];
-            shear[S - 1] = 1.0;
-            let mu = projection.stress(&shear, 0.0).map_or(0.0, |stress| stress[S - 1]);
-            let mut force = vec![0.0; space.nodes.len()];
-            for at in space.points() {
-                let (strain, kappa) = (at.strain::<S>(u), kappa[0]);
-                let size = tensor::norm(&strain);
-                let stress = match whole {
-                    true => (size > kappa).then(|| strain.map(|e| mu * (1.0 - kappa / size) * e)),
-                    false => projection.stress(&strain, kappa),
-                };
-                if let Some(stress) = stress {
-                    let stress = stress.map(|s| at.weight * s);
-                    stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
-                }
-            }
-            force.truncate(space.dofs());
-            force
-        }
-        let level = |(u, kappa): (&Vec<f64>, &f64)| {
-            let given = [u, std::slice::from_ref(kappa)];
-            in_dimension!(self.data.space.mesh.dimension, D, S => of::<D, S>(self, given, whole))
-        };
-        self.u.iter().zip(kappa).map(level).collect()
-    }
 }

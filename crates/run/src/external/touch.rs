@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fem::contact::{BoundaryRule, TracePoint};
 use vhi::law::{NoPotential, Potential, Scaled, graph_distance};
 
-use super::cause::{Cause, Found, Left};
+use super::left::{Cause, Found, Left};
 
 /// Directions and bounds that agree to this agree.
 const SMALL: f64 = 1e-5;
@@ -29,6 +29,7 @@ struct Touch {
     s: [f64; 2],
     /// S at this slip, and at t = 0 and the level before.
     bounds: [f64; 3],
+    /// The pressure that is handed over.
     given: f64,
 }
 
@@ -98,6 +99,8 @@ fn touches(left: &Left<'_>) -> Vec<Touch> {
                 };
                 model.friction.as_ref().map_or(0.0, bound)
             };
+            let p = point.normal[..d].iter().zip(&force).map(|(n, f)| n * f).sum();
+            let handed = left.pressures[n][i] - if lawful.is_some() { 0.0 } else { followed };
             touches.push(Touch {
                 n,
                 i,
@@ -109,11 +112,12 @@ fn touches(left: &Left<'_>) -> Vec<Touch> {
                 gap: boundary.map_or(f64::INFINITY, |boundary| (boundary.gap)(x)),
                 shift,
                 u,
-                p: point.normal[..d].iter().zip(&force).map(|(n, f)| n * f).sum(),
+                p,
                 slip,
                 s,
                 bounds: [bound(n), bound(0), bound(n.saturating_sub(1))],
-                given: left.pressures[n][i] - if lawful.is_some() { 0.0 } else { followed },
+                // Without pressures there is nothing to be wrong.
+                given: if handed.is_nan() { p } else { handed },
             });
         }
     }
@@ -125,7 +129,10 @@ pub(super) fn of_contact(left: &Left<'_>, balanced: &str) -> Found {
     let touches = touches(left);
     let sound = left.sound;
     let by = |of: &dyn Fn(&Touch) -> f64| {
-        touches.iter().max_by(|a, b| of(a).total_cmp(&of(b))).filter(|touch| !(of(touch) <= sound))
+        touches
+            .iter()
+            .max_by(|a, b| of(a).total_cmp(&of(b)))
+            .filter(|touch| !of(touch).is_finite() || of(touch) > sound)
     };
     let numbers = |touch: &Touch, what: String| {
         let x: Vec<String> =

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::{Data, Registry, Scene, SceneError, Source};
+use fem::space::Element;
 use vhi::law::Isotropic;
 
 const NAMES: [&str; 15] = [
@@ -130,4 +131,12 @@ fn keys_and_hash_lead_back_to_the_text() {
     let again = Source::from_text("elsewhere.toml", scene.source.text.clone());
     assert_eq!(again.hash, scene.source.hash);
     assert_eq!(again.hash.len(), 16);
+}
+
+/// Docs list it: docs/EXTENDING.md.
+#[test]
+fn quadratic_elements_have_friction_in_the_plane_alone() {
+    assert!(shipped("friction-front").with_element(Element::P2).is_ok());
+    let error = shipped("friction-box").with_element(Element::P2).unwrap_err().to_string();
+    assert!(error.contains("P2 has no friction in space") && error.contains("take P1"), "{error}");
 }
