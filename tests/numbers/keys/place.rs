@@ -7,6 +7,7 @@ use super::{BLOCK, Tie, block, near, scene, with};
 pub const TIES: &[Tie] = &[
     (&["domain.shape", "domain.size"], rectangle),
     (&["domain.clamped", "domain.traction", "domain.contact"], sides_of_a_rectangle),
+    (&["domain.rest"], rest_of_a_rectangle),
     (&["domain.vertices", "domain.sides"], polygon),
     (&["domain.points", "domain.triangles"], triangles),
     (&["domain.file"], file),
@@ -78,6 +79,20 @@ fn sides_of_a_rectangle() {
         let traction: Vec<&str> = domain.traction.iter().map(|side| domain.name(*side)).collect();
         assert_eq!(traction, if free == 10 { ["left", "right"] } else { ["bottom", "top"] });
     }
+}
+
+/// Sides that no list names: both uprights beside a top and a bottom that are listed.
+fn rest_of_a_rectangle() {
+    let scene = block(&[("traction = [\"left\", \"right\"]", "rest = \"traction\"")]);
+    let domain = &scene.as_contact().expect("a body").domain;
+    let names = |sides: &[scene::Side]| {
+        sides.iter().map(|side| domain.name(*side).to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&domain.traction), ["left", "right"]);
+    assert_eq!(
+        (names(&domain.clamped), names(&domain.contact)),
+        (vec!["top".to_owned()], vec!["bottom".to_owned()])
+    );
 }
 
 /// A right triangle with legs 2 and 1: `sides` name the edges from each vertex to the next.
