@@ -34,7 +34,7 @@ fn in_doubt(verdict: &Verdict) -> bool {
 /// Cases in which a cause is looked for, and the numbers of one that are still looked at: levels times unknowns, and
 /// levels squared times unknowns, by which sums over the past grow.
 const LOOKED_AT: usize = 3;
-const MOST: [u64; 2] = [4_000_000, 200_000_000];
+const MOST: [u64; 2] = [1_000_000, 200_000_000];
 
 /// What the smallest cases say of the solver, where a verdict does not pass: the first that says something, else the last.
 /// `scheme` answers them once more.
@@ -48,7 +48,9 @@ pub fn look_for_cause(
         return None;
     }
     let d = setup.scene.dimension as u32;
-    runs.sort_unstable_by_key(|&(n, steps)| (u64::from(n).pow(d) * u64::from(steps), n));
+    runs.sort_unstable_by_key(|&(n, steps)| {
+        (u64::from(n).saturating_pow(d).saturating_mul(u64::from(steps)), n)
+    });
     runs.dedup();
     let mut last = None;
     for &(n, steps) in runs.iter().take(LOOKED_AT) {
