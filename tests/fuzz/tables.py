@@ -25,7 +25,7 @@ LENGTH = {"h": 0, "hmax": 0, "dx": 0, "meshsize": 0, "k": 1, "dt": 1, "tau": 1, 
 COUNT = {"n": 0, "nx": 0, "steps": 1, "nt": 1, "nsteps": 1}
 CELLS = {"cells", "ncells", "elements", "dof", "dofs", "ndofs", "ndof", "ne", "unknowns"}
 LEVEL = {"level", "lvl", "refinement", "refinementlevel"}
-ERRORS = ("err", "l2", "h1", "linf", "l1", "energy")
+ERRORS = ("err", "l2", "h1", "h2", "linf", "l1", "energy")
 RATES = ("rate", "eoc", "order", "slope", "roc")
 FLOAT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 
@@ -123,7 +123,7 @@ def blocks(lines, separator):
             if len(re.findall(r"(?<![\w.])[-+.]?\d", line)) > 1 or kind(line) == "error":
                 raise Unsure(line)
             continue
-        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("norm|[;,&]", name) for name in names):
+        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("norm|[;,&]|^[|]+$", name) for name in names):
             raise Unsure(line)
         rows = []
         while at < len(lines):
@@ -237,7 +237,7 @@ def difference(found, answer):
         for point in points:
             if not any(near(point, other) for other in known):
                 return f"`{name}` has no {point}"
-    lines_left = re.search("left out: .*line", said)
+    lines_left = re.search("left out: .*(line| more)", said)
     left_out = [bare(name) for part in re.findall("left out: (.*)", said) for name in re.findall("`(.*?)`", part)]
     for name, points in answer.items():
         gaps = any(row[4] for table in found["tables"] for row in table["rows"])

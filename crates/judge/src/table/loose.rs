@@ -142,6 +142,9 @@ pub(super) fn arrays(text: &str) -> Vec<Block> {
 
 /// `h =`, and its numbers in the lines below, as MATLAB prints a vector: columns of equal length.
 pub(super) fn assigned(text: &str) -> Vec<Block> {
+    if !text.lines().any(|line| line.trim_end().ends_with('=')) {
+        return Vec::new();
+    }
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
     let (mut line, mut end, mut scale) = (None, 0, 1.0);
     for (at, text) in (1..).zip(text.lines()) {

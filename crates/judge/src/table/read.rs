@@ -121,7 +121,11 @@ fn unread(
             while taken.next_if(|block| block.end < line).is_some() {}
             if taken.peek().is_some_and(|block| block.line <= line) { "" } else { text }
         });
-        readings(&rest.collect::<Vec<_>>().join("\n")).flatten().find(table)
+        let rest = rest.collect::<Vec<_>>().join("\n");
+        if rest.trim().is_empty() {
+            return None;
+        }
+        readings(&rest).flatten().find(table)
     };
     other.cloned().or_else(of_rest).map(|block| block.rows[0].line)
 }

@@ -234,6 +234,8 @@ fn torn_and_mixed_texts_are_read_as_a_person_reads_them() {
     assert_eq!(sized(commas, &asked).0, [(0.5, 0.000399937), (0.25, 4.63776e-6)]);
     let asked = Reading { ratio: Some(2.0), ..Reading::default() };
     assert_eq!(sized(commas, &asked).0, [(1.0, 0.000399937), (0.5, 4.63776e-6)]);
+    let titled = "L2 errors\n   N   error\n1   8 0.016\n2  16 0.004\n";
+    assert_eq!(sized(titled, &plain).0, [(0.125, 0.016), (0.0625, 0.004)]);
     // `#` names the column that counts.
     let counted = "#\tlevel\tenergy\trate\n1\t0\t0.1\t\n2\t1\t0.025\t2\n";
     assert_eq!(sized(counted, &plain).0, [(1.0, 0.1), (0.5, 0.025)]);

@@ -330,12 +330,13 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         // The first row may lack a rate, which needs two.
         let second = lines.get(at).filter(|line| line.kind == Kind::Row);
         let width = lines[first].cells.len().max(second.map_or(0, |line| line.cells.len()));
+        let front = lines[first].cells.first().map(|cell| is_word(cell));
         let (mut rows, mut left_out, mut gap) = (vec![first], Vec::new(), false);
         while at < lines.len() {
             let line = &lines[at];
             let same = line.cells.len() == width;
             let begins = line.cells.first().map(|cell| is_word(cell));
-            let alike = begins == lines[first].cells.first().map(|cell| is_word(cell));
+            let alike = begins == front;
             match line.kind {
                 Kind::Gap => gap = true,
                 Kind::Comment => {
@@ -590,10 +591,12 @@ fn two_rows(above: &[String], below: &[String], width: usize) -> Option<Vec<Stri
         return None;
     }
     let (front, names) = above.split_at(above.len() - errors);
-    // Sizes may stand in either row.
-    if front.len() != sizes
-        && !(sizes == 0 && front.iter().all(|name| name.is_empty() || is_size(name)))
-    {
+    // Sizes may stand in either row; `L2 errors` above a row with an index is a title.
+    let fits = match sizes {
+        0 => front.iter().all(|name| name.is_empty() || is_size(name)),
+        _ => front.len() == sizes && !front.iter().any(|name| is_norm(name)),
+    };
+    if !fits {
         return None;
     }
     let mut next = names.iter();
