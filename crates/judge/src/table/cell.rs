@@ -241,7 +241,9 @@ pub(super) fn role(name: &str) -> Role {
     // A unit in brackets is no part of the name.
     let bare = name.split_once(['[', '(']).map_or(name, |(bare, _)| bare);
     let normalised = if normal(bare).is_empty() { normal(name) } else { normal(bare) };
-    if let Some(&role) = KNOWN.get(&*normalised) {
+    // `h||` is what is left of a norm.
+    let bars = name.contains("||") || name.contains('‖');
+    if let Some(&role) = KNOWN.get(&*normalised).filter(|_| !bars) {
         return role;
     }
     let lower = name.to_lowercase().replace('∞', "inf");
@@ -262,13 +264,7 @@ pub(super) fn role(name: &str) -> Role {
         _ if normalised.starts_with("log") || has("iter residual expect predict theor") => {
             Role::Unknown
         }
-        _ if measures()
-            || NORMS.contains(&*normalised)
-            || name.contains('‖')
-            || name.contains("||") =>
-        {
-            Role::Wide
-        }
+        _ if measures() || NORMS.contains(&*normalised) || bars => Role::Wide,
         _ => {
             let known = |word: &str| {
                 SPACES.split(' ').any(|space| word.contains(space))

@@ -234,6 +234,12 @@ fn torn_and_mixed_texts_are_read_as_a_person_reads_them() {
     assert_eq!(sized(commas, &asked).0, [(0.5, 0.000399937), (0.25, 4.63776e-6)]);
     let asked = Reading { ratio: Some(2.0), ..Reading::default() };
     assert_eq!(sized(commas, &asked).0, [(1.0, 0.000399937), (0.5, 4.63776e-6)]);
+    let torn = "level _h||  L2\n0 0.1 0.4\n1 0.02 0.1\n";
+    assert_eq!(sized(torn, &plain).0[2..], [(1.0, 0.4), (0.5, 0.1)]);
+    // LaTeX that has lost its ends of lines.
+    let bare = "scheme & n & error\ne & 2 & 1\ne & 4 & 0.5\nf & 2 & 1\nf & 4 & 0.4\n";
+    let asked = Reading { ratio: Some(2.0), runs: true, ..Reading::default() };
+    assert!(sized(bare, &asked).1.starts_with("read 4 rows: h from `n`, errors `error`"));
     let titled = "L2 errors\n   N   error\n1   8 0.016\n2  16 0.004\n";
     assert_eq!(sized(titled, &plain).0, [(0.125, 0.016), (0.0625, 0.004)]);
     // `#` names the column that counts.

@@ -64,7 +64,7 @@ impl Separator {
 
     pub(super) fn is_in(self, text: &str) -> bool {
         match self {
-            Self::Latex => text.contains('&') && text.contains('\\'),
+            Self::Latex => text.contains(" & ") || text.contains('&') && text.contains('\\'),
             Self::Pipe => text.contains(BARS),
             Self::Character(c) => text.contains(c),
             Self::Blanks => true,
