@@ -76,7 +76,7 @@ const PLATEAUS: [(f64, f64, f64); 5] =
 const STRAIGHT: f64 = 0.25;
 /// Above this noise a straight line is so many times likelier, and a slow term so many times less.
 const FINE_NOISE: f64 = 0.02;
-const STRAIGHT_IN_NOISE: f64 = 6.0;
+const STRAIGHT_IN_NOISE: f64 = 12.0;
 const SLOW_NOISE: f64 = 0.002;
 const SLOW_IN_NOISE: f64 = 0.1;
 /// Powers by which a slower term may lag.
