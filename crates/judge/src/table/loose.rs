@@ -67,14 +67,20 @@ pub(super) enum Records {
 /// Records of `name = value`, below each heading of Markdown on their own if there are several.
 pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
     let lines: Vec<(u64, &str)> = (1..).zip(text.lines()).collect();
-    let headed = lines.chunk_by(|_, (_, next)| !next.starts_with('#')).flat_map(|lines| {
+    let below = || lines.chunk_by(|_, (_, next)| !next.starts_with('#'));
+    let several = lines.iter().skip(1).any(|(_, line)| line.starts_with('#'));
+    let headed = below().filter(|_| several).filter_map(|lines| {
         let title = lines[0].1.trim_start_matches('#').trim().to_owned();
         records_of(lines, begins).map(|block| Block { title, ..block })
     });
     let headed: Vec<Block> = headed.collect();
-    match headed.len() {
-        0 | 1 => records_of(&lines, begins).into_iter().collect(),
-        _ => headed,
+    // No level below one of them may be lost.
+    let sized = |lines: &&[(u64, &str)]| {
+        lines.iter().any(|(_, text)| pairs(text).iter().any(|(name, _)| is_size(name)))
+    };
+    match headed.len() > 1 && below().filter(sized).count() == headed.len() {
+        true => headed,
+        false => records_of(&lines, begins).into_iter().collect(),
     }
 }
 
