@@ -124,6 +124,13 @@ impl Columns {
                 "`{name}` seems to hold orders, not errors: `{title}` stands above"
             ));
         }
+        let judged = quantity == Quantity::Error;
+        if let Some(size) = sizes.iter().flatten().find(|s| judged && reader.counts(s, &measured)) {
+            let name = reader.name(size.at);
+            return fail(format!(
+                "`{name}` is whole and the errors fall where it grows: is it a count? Call it `n` if it counts cells along a side, `steps` if it counts steps"
+            ));
+        }
         if sizes.iter().all(Option::is_none) && reading.ratio.is_none() {
             return fail(reader.no_size());
         }
@@ -282,7 +289,8 @@ impl<'a> Reader<'a> {
             let columns: Vec<&str> = (0..self.roles.len())
                 .filter(|&at| matches!(self.roles[at], Role::Unknown | Role::Parameter))
                 .map(|at| self.name(at))
-                .filter(|name| !name.is_empty())
+                // What ends with a colon is prose above the rows.
+                .filter(|name| !name.is_empty() && !name.ends_with(':'))
                 .collect();
             let repeated = self.block.repeated.first();
             return fail(match (columns.first(), repeated) {
@@ -358,10 +366,11 @@ impl<'a> Reader<'a> {
             };
             let open = match measure {
                 Measure::Cells | Measure::Unknowns => !self.has_sides(at),
-                // Beside cells `n` may be a counter, as in `n cells`: the dimension decides.
+                // Beside cells `n` may be a counter, as in `n cells`: the dimension decides, or cells that are its power.
                 Measure::Number => {
+                    let cells = self.roles.iter().position(|r| *r == Role::Space(Measure::Cells));
                     normal(self.name(at)) == "n"
-                        && self.roles.contains(&Role::Space(Measure::Cells))
+                        && cells.is_some_and(|cells| !self.is_power(cells, at))
                 }
                 _ => false,
             };
@@ -463,6 +472,38 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Whether cells are as the square or the cube of a number.
+    fn is_power(&self, cells: usize, number: usize) -> bool {
+        let (Ok(cells), Ok(sides)) = (self.column(cells, true), self.column(number, true)) else {
+            return false;
+        };
+        let pairs: Option<Vec<(f64, f64)>> =
+            cells.into_iter().zip(sides).map(|(cells, side)| cells.zip(side)).collect();
+        let Some(pairs) = pairs.filter(|pairs| pairs.len() > 2) else { return false };
+        [2, 3].into_iter().any(|power| {
+            let each = |&(cells, side): &(f64, f64)| cells / side.powi(power);
+            // Counts are whole and exact.
+            pairs.iter().all(|pair| (each(pair) / each(&pairs[0]) - 1.0).abs() < 1e-12)
+        })
+    }
+
+    /// Whole sizes that grow where all errors fall are counts: an error that grew by refinement at such an order is none of a study.
+    fn counts(&self, size: &Size, measured: &[Measured]) -> bool {
+        let falls = |measured: &Measured| {
+            let entries = measured.entries.iter().map(|entry| entry.unwrap_or(f64::NAN));
+            let mut levels: Vec<(f64, f64)> = size.steps.iter().copied().zip(entries).collect();
+            levels.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+            let steep = |pair: &[(f64, f64)]| {
+                let [(fine, a), (coarse, b)] = [pair[0], pair[1]];
+                fine < coarse && b / a < (fine / coarse).sqrt()
+            };
+            levels.len() > 2 && levels.windows(2).all(steep)
+        };
+        size.measure == Measure::Length
+            && size.steps.iter().all(|step| step.fract() == 0.0)
+            && measured.iter().all(falls)
+    }
+
     fn has_sides(&self, at: usize) -> bool {
         sides(self.block.rows.iter().map(|row| row.cells[at].as_str())).is_some()
     }
@@ -489,7 +530,9 @@ impl<'a> Reader<'a> {
                 }
                 Measure::Level => return Ok(ratio.powf(-number)),
                 _ if !is_step(number) => "no step size, which is positive",
-                _ if counts && number.fract() != 0.0 => "no whole number",
+                _ if counts && number.fract() != 0.0 => {
+                    "no whole number, which a count is: call it h or k if it is a step"
+                }
                 Measure::Cells | Measure::Unknowns => return Ok(number.powf(-1.0 / dimension)),
                 Measure::Number => return Ok(1.0 / number),
                 Measure::Length => return Ok(number),

@@ -8,15 +8,26 @@ const MOST_PAIRS: usize = 10_000;
 /// Words of a name.
 const MOST_WORDS: usize = 12;
 
+/// Comma and semicolon within a name.
+const JOINED: [&str; 2] = ["\u{e000}", "\u{e001}"];
+
 /// `name = value` and `name: value` of a line, in order, and `l-2 0.25` for a norm; what stands between is passed over.
 fn pairs(line: &str) -> Vec<(String, String)> {
-    let bare: String = line.chars().filter(|c| !"{}\"'".contains(*c)).collect();
+    // `L2(0,T;L2)` is one name, `(h=1, e=2)` are two.
+    let mut parts: Vec<String> = line.split_inclusive(')').map(str::to_owned).collect();
+    for part in parts.iter_mut().filter(|part| part.ends_with(')')) {
+        let open = part.rfind('(').filter(|&at| !part[at..].contains(['=', ':']));
+        if let Some(inside) = open.map(|at| part.split_off(at)) {
+            *part += &inside.replace(',', JOINED[0]).replace(';', JOINED[1]);
+        }
+    }
+    let bare: String = parts.concat().chars().filter(|c| !"{}\"'".contains(*c)).collect();
     let spaced = bare.replace(":=", "=").replace(['=', ':'], " = ").replace([',', ';'], " , ");
     let (mut found, mut name) = (Vec::new(), Vec::new());
     let mut words = spaced.split_whitespace().peekable();
     let value = |word: &str| number(word).is_some() || is_missing(word);
     while let Some(word) = words.next() {
-        let named = name.join(" ");
+        let named = name.join(" ").replace(JOINED[0], ",").replace(JOINED[1], ";");
         match word {
             "," => name.clear(),
             "=" => {
@@ -53,13 +64,33 @@ pub(super) enum Records {
     InTurn,
 }
 
-/// Records of `name = value`.
+/// Records of `name = value`, below each heading of Markdown on their own if there are several.
 pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
+    let lines: Vec<(u64, &str)> = (1..).zip(text.lines()).collect();
+    let below = || lines.chunk_by(|_, (_, next)| !next.starts_with('#'));
+    let several = lines.iter().skip(1).any(|(_, line)| line.starts_with('#'));
+    let headed = below().filter(|_| several).filter_map(|lines| {
+        let title = lines[0].1.trim_start_matches('#').trim().to_owned();
+        records_of(lines, begins).map(|block| Block { title, ..block })
+    });
+    let headed: Vec<Block> = headed.collect();
+    // No level below one of them may be lost.
+    let sized = |lines: &&[(u64, &str)]| {
+        lines.iter().any(|(_, text)| pairs(text).iter().any(|(name, _)| is_size(name)))
+    };
+    match headed.len() > 1 && below().filter(sized).count() == headed.len() {
+        true => headed,
+        false => records_of(&lines, begins).into_iter().collect(),
+    }
+}
+
+fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
+    let paired = lines.iter().map(|(line, text)| (*line, pairs(text)));
     let lines: Vec<(u64, Vec<(String, String)>)> =
-        (1..).zip(text.lines().map(pairs)).filter(|(_, pairs)| !pairs.is_empty()).collect();
+        paired.filter(|(_, pairs)| !pairs.is_empty()).collect();
     // Names are looked up one by one: a log with more of them is none of a study.
     if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
-        return Vec::new();
+        return None;
     }
     let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| is_size(name));
     let any = lines.iter().any(|(_, pairs)| sized(pairs));
@@ -83,7 +114,7 @@ pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
         }
     }
     if records.len() < 2 {
-        return Vec::new();
+        return None;
     }
     // A name of one record alone is a heading of the log.
     let mut names: Vec<String> = Vec::new();
@@ -108,10 +139,8 @@ pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
     };
     let there = |row: &Cells| row.cells.iter().any(|cell| !cell.is_empty());
     let rows: Vec<Cells> = records.iter().map(row).filter(there).collect();
-    let Some(line) = rows.first().map(|row| row.line).filter(|_| !names.is_empty()) else {
-        return Vec::new();
-    };
-    vec![Block { repeated, ..Block::of_rows(line, names, rows) }]
+    let line = rows.first().map(|row| row.line).filter(|_| !names.is_empty())?;
+    Some(Block { repeated, ..Block::of_rows(line, names, rows) })
 }
 
 /// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.

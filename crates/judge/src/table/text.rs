@@ -436,8 +436,12 @@ fn head(
         left_out,
         ..Block::of_rows(line, names, rows)
     };
-    // `ans =` above a matrix names no columns.
-    let Some(first) = texts.first().filter(|line| !line.text.trim_end().ends_with('=')) else {
+    // `ans =` above a matrix and `error = 0.1` of a log name no columns.
+    let assigns = |line: &&&Line| {
+        let value = line.text.rsplit_once('=').map(|(_, value)| value.trim());
+        value.is_some_and(|value| value.is_empty() || number(value).is_some())
+    };
+    let Some(first) = texts.first().filter(|line| !assigns(line)) else {
         return block(Vec::new(), String::new(), rows, left_out);
     };
     // Two rows of names: `rho` over `error EOC`.
