@@ -1,22 +1,22 @@
 //! Broken hypotheses: the scenes that break one on purpose, and the remaining order.
 
-use super::{Report, absent};
+use super::Report;
 use crate::document::content::tone;
 use crate::document::{Run, Section, Table};
 use judge::verdict::cell_texts;
 
-pub(super) fn chapter(report: &Report<'_>) -> Section {
+/// None without such a scene.
+pub(super) fn chapter(report: &Report<'_>) -> Option<Section> {
     let broken: Vec<_> = report.scenes.iter().filter(|scene| !scene.violates.is_empty()).collect();
+    if broken.is_empty() {
+        return None;
+    }
     let mut section = Section::opening(
         "chapter-broken",
         "Broken hypotheses",
         "A hypothesis is needed if the order is lost without it. These scenes break one on purpose; what is then left was derived beforehand, \
          and is judged like any other prediction.",
     );
-    if broken.is_empty() {
-        absent(&mut section, "There is no scene that breaks one", "run broken-kernel broken-trace");
-        return section;
-    }
     let mut rows = Vec::new();
     for scene in &broken {
         let target = format!("#{}", report.stem(scene));
@@ -48,7 +48,7 @@ pub(super) fn chapter(report: &Report<'_>) -> Section {
         &["broken", "scene", "error", "predicted", "observed", "verdict"],
         rows,
     ));
-    section
+    Some(section)
 }
 
 /// A hypothesis as named in scene files: a number of the paper, or a word.

@@ -14,17 +14,28 @@ pub(super) use broken::numbered;
 use super::content::Report;
 use super::{Chapter, Run, Section, StudyDocument, Tone};
 
+/// The chapters that have something to show, and a last section that names the commands of the others.
 pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
     let mut all = vec![opening::bound(), step_size::section(report)];
-    add_studies(&mut all, report, Chapter::Bound);
-    all.push(opening::gronwall());
-    add_studies(&mut all, report, Chapter::Gronwall);
-    all.push(opening::audit());
-    add_studies(&mut all, report, Chapter::Audit);
-    all.extend([broken::chapter(report), opening::trade()]);
-    add_studies(&mut all, report, Chapter::Trade);
-    all.push(opening::extremes());
-    add_studies(&mut all, report, Chapter::Extremes);
+    all.extend(studies(report, Chapter::Bound));
+    let broken = broken::chapter(report);
+    let kinds = [
+        (Chapter::Gronwall, opening::gronwall as fn() -> Section),
+        (Chapter::Audit, opening::audit),
+        (Chapter::Trade, opening::trade),
+        (Chapter::Extremes, opening::extremes),
+    ];
+    for (chapter, opening) in kinds {
+        if chapter == Chapter::Trade {
+            all.extend(broken.clone());
+        }
+        let studies = studies(report, chapter);
+        if !studies.is_empty() {
+            all.push(opening());
+            all.extend(studies);
+        }
+    }
+    all.extend(absent(report, broken.is_none()));
     all
 }
 
@@ -55,36 +66,38 @@ fn id(study: &StudyDocument) -> String {
     }
 }
 
-/// The studies of a chapter, a section each, or the command that makes one.
-fn add_studies(sections: &mut Vec<Section>, report: &Report<'_>, chapter: Chapter) {
-    let before = sections.len();
-    for study in report.studies.iter().filter(|study| study.chapter == chapter) {
+/// The studies of a chapter, a section each.
+fn studies(report: &Report<'_>, chapter: Chapter) -> Vec<Section> {
+    let of_chapter = report.studies.iter().filter(|study| study.chapter == chapter);
+    let section = |study: &StudyDocument| {
         let mut section = Section::new(2, &id(study), &study.title);
         of_this_text(&mut section, study, report);
         section.blocks.extend(study.blocks.iter().cloned());
-        sections.push(section);
-    }
-    if before < sections.len() {
-        return;
-    }
-    if let Some(last) = sections.last_mut() {
-        let what = match chapter {
-            Chapter::Bound => "There is no measured contraction factor",
-            _ => "There is no such study",
-        };
-        absent(last, what, chapter.command());
-    }
+        section
+    };
+    of_chapter.map(section).collect()
 }
 
-/// Names the command for a missing kind of study.
-fn absent(section: &mut Section, what: &str, command: &str) {
-    section.text(vec![
-        Run::plain(format!("{what} in the directory of this report: ")),
-        Run::code(format!("sweep {command} --out DIR")),
-        Run::plain(" adds one, and "),
-        Run::code("sweep report DIR"),
-        Run::plain(" shows it here."),
-    ]);
+/// The commands of what is not in the directory of this report; None if nothing is missing.
+fn absent(report: &Report<'_>, none_broken: bool) -> Option<Section> {
+    let kinds =
+        [Chapter::Bound, Chapter::Gronwall, Chapter::Audit, Chapter::Trade, Chapter::Extremes];
+    let missing =
+        kinds.into_iter().filter(|kind| report.studies.iter().all(|s| s.chapter != *kind));
+    let mut commands: Vec<&str> = missing.map(Chapter::command).collect();
+    commands.extend(none_broken.then_some("run broken-kernel broken-trace"));
+    if commands.is_empty() {
+        return None;
+    }
+    let mut section = Section::new(1, "chapter-more", "More");
+    let mut runs = vec![Run::plain("What else a report can show: ")];
+    for command in commands {
+        runs.extend([Run::code(format!("sweep {command} --out DIR")), Run::plain(", ")]);
+    }
+    runs.pop();
+    runs.extend([Run::plain("; then "), Run::code("sweep report DIR"), Run::plain(".")]);
+    section.text(runs);
+    Some(section)
 }
 
 /// Notes a study of another text of a scene, which is no evidence for these records.

@@ -101,7 +101,7 @@ fn studies_are_chapters_of_every_rendering() {
     studies[0].threshold = Some("7.875".into());
     let document = composed(&studies, |_| {});
     let (page, markdown, latex) = (page(&document), markdown(&document), tables(&document));
-    for words in ["Does not hold", "not everything", "not confirmed", "DIR adds one"] {
+    for words in ["Does not hold", "not everything", "not confirmed", "chapter-more"] {
         assert!(!page.contains(words) && !markdown.contains(words), "{words}");
     }
     assert!(page.contains("within (3.4)") && page.contains("(5.25)"));
@@ -125,7 +125,13 @@ fn what_is_not_there_names_its_command() {
     for command in ["bound SCENE", "gronwall SCENE", "audit SCENE", "trade SCENE", "extremes"] {
         assert!(page.contains(&format!("<code>sweep {command} --out DIR</code>")), "{command}");
     }
-    assert!(page.contains("no scene that breaks one"));
+    assert!(page.contains("<code>sweep run broken-kernel broken-trace --out DIR</code>"));
+    for chapter in ["gronwall", "audit", "trade", "extremes", "broken"] {
+        assert!(
+            !page.contains(&format!("chapter-{chapter}")),
+            "{chapter}: a chapter without content"
+        );
+    }
 }
 
 #[test]
